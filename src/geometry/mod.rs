@@ -1,0 +1,5 @@
+//! Floor 0: meshes, frames and distances. Knows no file and no electrode.
+
+pub mod exact;
+pub mod frame;
+pub mod mesh;

@@ -1,0 +1,27 @@
+//! Sparkpath plans how an EDM electrode gets into a shrouded blisk and back out, proves that the motion
+//! keeps the spark gap, and exports it.
+//!
+//! The floors of the house, lowest first; a module uses only those above it in this list:
+//!
+//! * [`progress`]: how long work reports where it stands, and how it is cancelled.
+//! * [`geometry`]: meshes, frames, exact distances, the signed distance field, splines.
+//! * [`mesh_io`]: mesh files to meshes and back.
+//! * [`blisk`]: axis, channel, electrode, and a parametric blisk.
+//! * [`feed`]: poses, search strategies, path and certificate.
+//! * [`export`]: NC, CSV and reports.
+//! * [`project`]: parameters of a whole job.
+//! * [`jobs`]: whole jobs as pure functions of their inputs.
+//! * [`cli`]: the command line.
+//!
+//! Lengths are millimetres and angles radians everywhere inside; degrees appear only at the edges, in names
+//! that end in `_deg`.
+
+pub mod blisk;
+pub mod cli;
+pub mod export;
+pub mod feed;
+pub mod geometry;
+pub mod jobs;
+pub mod mesh_io;
+pub mod progress;
+pub mod project;

@@ -1,0 +1,66 @@
+//! How a long computation says where it stands, and how it is told to stop.
+//!
+//! A job is a pure function of its inputs, a [`Progress`] and a [`Cancel`]; both may be shared between threads.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// The answer of a computation that was told to stop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("cancelled")]
+pub struct Cancelled;
+
+/// A flag that many may raise and the computation looks at, at least every 50 ms of work.
+#[derive(Debug, Clone, Default)]
+pub struct Cancel(Arc<AtomicBool>);
+
+impl Cancel {
+    /// Asks every computation that holds this flag to stop.
+    pub fn cancel(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether [`cancel`](Self::cancel) has been called.
+    pub fn is_cancelled(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    /// `Err(Cancelled)` once the flag is up, for use with `?`.
+    pub fn check(&self) -> Result<(), Cancelled> {
+        if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }
+    }
+}
+
+/// One report of progress.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Update<'a> {
+    /// What is being done, e.g. `"distance field"`.
+    pub stage: &'a str,
+    /// How much of the stage is done, 0 to 1.
+    pub fraction: f64,
+    /// Detail for the reader, may be empty.
+    pub message: &'a str,
+}
+
+type Sink = dyn Fn(&Update) + Send + Sync;
+
+/// Where a computation reports to.
+#[derive(Clone)]
+pub struct Progress(Arc<Sink>);
+
+impl Progress {
+    /// Sends every report to `sink`, which may be called from any thread.
+    pub fn new(sink: impl Fn(&Update) + Send + Sync + 'static) -> Self {
+        Self(Arc::new(sink))
+    }
+
+    /// Drops every report.
+    pub fn silent() -> Self {
+        Self::new(|_| {})
+    }
+
+    /// Reports that `fraction` of `stage` is done.
+    pub fn report(&self, stage: &str, fraction: f64, message: &str) {
+        (self.0)(&Update { stage, fraction: fraction.clamp(0.0, 1.0), message });
+    }
+}
