@@ -2,6 +2,7 @@
 
 use glam::{DAffine3, DQuat, DVec3};
 use parry3d_f64::math::Pose;
+use parry3d_f64::partitioning::BvhNode;
 use parry3d_f64::query::{self, PointQuery, Ray, RayCast};
 use parry3d_f64::shape::{TriMesh, TriMeshFlags};
 
@@ -59,6 +60,14 @@ impl ExactMesh {
     /// Distance from `p` to the surface, negative inside.
     pub fn signed_distance(&self, p: DVec3) -> f64 {
         self.nearest(p).signed_distance
+    }
+
+    /// The triangles of which some point may lie within `reach` of `p` (those whose boxes do), in rising order.
+    pub fn triangles_within(&self, p: DVec3, reach: f64) -> Vec<u32> {
+        let near = |node: &BvhNode| node.aabb().distance_to_local_point(p, true) <= reach;
+        let mut found: Vec<u32> = self.shape.bvh().leaves(near).collect();
+        found.sort_unstable();
+        found
     }
 
     /// Distance along the unit vector `direction` from `origin` to the first crossing of the surface from

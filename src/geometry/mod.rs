@@ -1,5 +1,6 @@
 //! Floor 0: meshes, frames and distances. Knows no file and no electrode.
 
+pub mod distance_field;
 pub mod exact;
 pub mod frame;
 pub mod mesh;

@@ -1,0 +1,209 @@
+//! Building a [`DistanceField`]: octree cubes that carry the triangles that can be nearest inside them.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::{DistanceField, Handle, LocalTriangles, trilinear};
+use crate::geometry::exact::ExactMesh;
+use crate::geometry::mesh::{Bounds, Mesh};
+use crate::progress::{Cancel, Cancelled, Progress};
+
+/// Levels of leaves above single cells: the largest leaf spans `2^LEVELS` cells.
+const LEVELS: u32 = 3;
+
+/// Error at which a leaf is still accepted near the surface (mm): below the promised accuracy, since the places
+/// where it is measured need not be the worst.
+const ACCEPTED: f64 = 0.45 * DistanceField::ACCURACY;
+
+/// Why a field cannot be built.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FieldError {
+    /// The work was told to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// Region over cell size needs too many cells.
+    #[error("a distance field of {cells:.1e} cells is too large; give a larger cell or a smaller region")]
+    TooLarge {
+        /// Cells asked for.
+        cells: f64,
+    },
+}
+
+/// What a root cube contributes: handles of its cells in x-fastest order, with numbers local to the cube.
+#[derive(Default)]
+struct Block {
+    handles: Vec<Handle>,
+    leaves: Vec<[f32; 8]>,
+    lists: Vec<Vec<u32>>,
+}
+
+impl DistanceField {
+    /// The field of `mesh` (prepared as `exact`) over `region`, grown to whole leaves, with cells of about
+    /// `cell` mm (0.2 suits parts of some 100 mm).
+    pub fn build(
+        mesh: &Mesh,
+        exact: &ExactMesh,
+        region: Bounds,
+        cell: f64,
+        progress: &Progress,
+        cancel: &Cancel,
+    ) -> Result<Self, FieldError> {
+        const STAGE: &str = "distance field";
+        let root = cell * f64::from(1 << LEVELS);
+        let roots_wanted = (region.size() / root).ceil().max(DVec3::ONE);
+        let total = roots_wanted.element_product() * 8f64.powi(LEVELS as i32);
+        if !(total <= 2e8) {
+            return Err(FieldError::TooLarge { cells: total });
+        }
+        let roots = [roots_wanted.x as usize, roots_wanted.y as usize, roots_wanted.z as usize];
+        let bounds = Bounds { min: region.min, max: region.min + roots_wanted * root };
+        let triangles = LocalTriangles::new(mesh);
+        let builder = Builder { triangles: &triangles, exact, min: bounds.min, cell };
+        let slabs = roots[1] * roots[2];
+        let done = std::sync::atomic::AtomicUsize::new(0);
+        let rows: Vec<Vec<Block>> = (0..slabs)
+            .into_par_iter()
+            .map(|row| {
+                cancel.check()?;
+                let blocks = (0..roots[0]).map(|i| builder.block([i, row % roots[1], row / roots[1]])).collect();
+                let n = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
+                progress.report(STAGE, n as f64 / slabs as f64, "");
+                Ok(blocks)
+            })
+            .collect::<Result<_, Cancelled>>()?;
+        let mut field = Self {
+            bounds,
+            cell,
+            cells: roots.map(|n| n << LEVELS),
+            handles: Vec::new(),
+            leaves: Vec::new(),
+            list_ends: Vec::new(),
+            list: Vec::new(),
+            triangles,
+        };
+        field.assemble(roots, rows);
+        Ok(field)
+    }
+
+    fn assemble(&mut self, roots: [usize; 3], rows: Vec<Vec<Block>>) {
+        let side = 1usize << LEVELS;
+        self.handles = vec![Handle::new(0, 0); self.cells.iter().product()];
+        for (row, blocks) in rows.into_iter().enumerate() {
+            for (i, block) in blocks.into_iter().enumerate() {
+                let first = [i * side, row % roots[1] * side, row / roots[1] * side];
+                for (k, handle) in block.handles.into_iter().enumerate() {
+                    let base = if handle.kind() == Handle::EXACT { self.list_ends.len() } else { self.leaves.len() };
+                    let at = [first[0] + k % side, first[1] + k / side % side, first[2] + k / side / side];
+                    self.handles[(at[2] * self.cells[1] + at[1]) * self.cells[0] + at[0]] =
+                        Handle::new(handle.kind(), base + handle.number());
+                }
+                self.leaves.extend(block.leaves);
+                for list in block.lists {
+                    self.list.extend(list);
+                    self.list_ends.push(self.list.len() as u32);
+                }
+            }
+        }
+    }
+}
+
+struct Builder<'a> {
+    triangles: &'a LocalTriangles,
+    exact: &'a ExactMesh,
+    min: DVec3,
+    cell: f64,
+}
+
+impl Builder<'_> {
+    fn block(&self, root: [usize; 3]) -> Block {
+        let side = 1usize << LEVELS;
+        let mut block = Block { handles: vec![Handle::new(0, 0); side.pow(3)], ..Default::default() };
+        let first = root.map(|i| i << LEVELS);
+        let center = self.center(first, LEVELS);
+        let reach = self.exact.nearest(center).signed_distance.abs() + 2.0 * self.half_diagonal(LEVELS);
+        let candidates = self.exact.triangles_within(center, reach);
+        self.refine(&mut block, [0; 3], LEVELS, first, &candidates);
+        block
+    }
+
+    /// Describes the cube of `2^level` cells at `at` within the block whose first cell is `first`.
+    fn refine(&self, block: &mut Block, at: [usize; 3], level: u32, first: [usize; 3], parents: &[u32]) {
+        let corner = [0, 1, 2].map(|k| first[k] + at[k]);
+        let candidates = self.nearest_candidates(self.center(corner, level), self.half_diagonal(level), parents);
+        if let Some(leaf) = self.smooth_leaf(corner, level, &candidates) {
+            let handle = Handle::new(level, block.leaves.len());
+            block.leaves.push(leaf);
+            self.fill(block, at, level, handle);
+        } else if level == 0 {
+            let handle = Handle::new(Handle::EXACT, block.lists.len());
+            block.lists.push(candidates);
+            self.fill(block, at, level, handle);
+        } else {
+            let half = 1usize << (level - 1);
+            for child in 0..8 {
+                let offset = [0, 1, 2].map(|k| at[k] + (child >> k & 1) * half);
+                self.refine(block, offset, level - 1, first, &candidates);
+            }
+        }
+    }
+
+    fn fill(&self, block: &mut Block, at: [usize; 3], level: u32, handle: Handle) {
+        let (side, n) = (1usize << LEVELS, 1usize << level);
+        for z in at[2]..at[2] + n {
+            for y in at[1]..at[1] + n {
+                block.handles[(z * side + y) * side + at[0]..][..n].fill(handle);
+            }
+        }
+    }
+
+    fn center(&self, corner: [usize; 3], level: u32) -> DVec3 {
+        self.point(corner, level, DVec3::splat(0.5))
+    }
+
+    fn half_diagonal(&self, level: u32) -> f64 {
+        0.5 * 3f64.sqrt() * self.cell * f64::from(1 << level)
+    }
+
+    /// The point at `t` (0 to 1 along each axis) of the cube at `corner`.
+    fn point(&self, corner: [usize; 3], level: u32, t: DVec3) -> DVec3 {
+        let corner = DVec3::from_array(corner.map(|i| i as f64));
+        self.min + (corner + t * f64::from(1 << level)) * self.cell
+    }
+
+    /// The triangles among `parents` that can be nearest to some point within `radius` of `center`: those no
+    /// further from the centre than the nearest plus twice the radius, by the triangle inequality.
+    fn nearest_candidates(&self, center: DVec3, radius: f64, parents: &[u32]) -> Vec<u32> {
+        let distances: Vec<f64> = parents.iter().map(|&t| self.triangles.distance(center, t)).collect();
+        let reach = distances.iter().copied().fold(f64::INFINITY, f64::min) + 2.0 * radius + 1e-9;
+        parents.iter().zip(distances).filter(|&(_, d)| d <= reach).map(|(&t, _)| t).collect()
+    }
+
+    /// The corner distances of a cube if interpolating them is accurate enough all over it.
+    fn smooth_leaf(&self, corner: [usize; 3], level: u32, candidates: &[u32]) -> Option<[f32; 8]> {
+        let exact = |t: DVec3| self.triangles.signed_distance(self.point(corner, level, t), candidates).0;
+        let values: [f32; 8] = std::array::from_fn(|i| exact(corner_of(i)) as f32);
+        let good = |t: DVec3| {
+            let d = exact(t);
+            let allowed = ACCEPTED + 0.05 * (d.abs() - DistanceField::NEAR - ACCEPTED).max(0.0);
+            (f64::from(trilinear(&values, t.as_vec3())) - d).abs() <= allowed
+        };
+        // The centre first: it rejects most cubes at once.
+        let accepted = good(DVec3::splat(0.5)) && probes(level).all(good);
+        accepted.then_some(values)
+    }
+}
+
+fn corner_of(i: usize) -> DVec3 {
+    DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2 & 1) as f64)
+}
+
+/// Places in the unit cube where a leaf is compared with exact distances: a lattice that divides each side in 4,
+/// without the corners; for single cells only the middles of its edges and faces and of its eight octants.
+fn probes(level: u32) -> impl Iterator<Item = DVec3> {
+    (0..125).map(|i| [i % 5, i / 5 % 5, i / 25]).filter_map(move |lattice| {
+        let corner = lattice.iter().all(|&k| k % 4 == 0);
+        let coarse = lattice.iter().all(|&k| k % 2 == 0) || lattice.iter().all(|&k| k % 2 == 1);
+        let probe = !corner && (level > 0 || coarse);
+        probe.then(|| DVec3::from_array(lattice.map(|k| k as f64 * 0.25)))
+    })
+}

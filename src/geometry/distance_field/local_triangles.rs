@@ -1,0 +1,142 @@
+//! The triangles of a mesh, laid out for exact signed point distances over short candidate lists.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+
+use crate::geometry::mesh::{Mesh, unit_normal};
+
+/// Triangles with the normals that decide the sign of a distance at each of their features (angle-weighted
+/// pseudo-normals, Baerentzen and Aanaes 2005).
+pub(super) struct LocalTriangles {
+    triangles: Vec<Triangle>,
+}
+
+struct Triangle {
+    a: DVec3,
+    ab: DVec3,
+    ac: DVec3,
+    face: DVec3,
+    /// Normals at the corners a, b, c.
+    corners: [DVec3; 3],
+    /// Normals on the edges ab, bc, ca.
+    edges: [DVec3; 3],
+}
+
+/// The part of a triangle that holds the nearest point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Feature {
+    Corner(usize),
+    Edge(usize),
+    Face,
+}
+
+impl LocalTriangles {
+    pub(super) fn new(mesh: &Mesh) -> Self {
+        let faces: Vec<DVec3> = mesh.iter_corners().map(unit_normal).collect();
+        let mut corner_normals = vec![DVec3::ZERO; mesh.vertices.len()];
+        let mut edge_normals: HashMap<(u32, u32), DVec3> = HashMap::with_capacity(mesh.triangles.len() * 2);
+        for (t, &face) in mesh.triangles.iter().zip(&faces) {
+            for i in 0..3 {
+                let [here, next, last] = [0, 1, 2].map(|k| t[(i + k) % 3]);
+                let [p, q, r] = [here, next, last].map(|v| mesh.vertices[v as usize]);
+                corner_normals[here as usize] += face * angle_between(q - p, r - p);
+                *edge_normals.entry((here.min(next), here.max(next))).or_default() += face;
+            }
+        }
+        let triangles = mesh
+            .triangles
+            .iter()
+            .zip(&faces)
+            .map(|(&t, &face)| {
+                let [a, b, c] = t.map(|v| mesh.vertices[v as usize]);
+                let edge = |i: usize| edge_normals[&(t[i].min(t[(i + 1) % 3]), t[i].max(t[(i + 1) % 3]))];
+                let corners = t.map(|v| corner_normals[v as usize]);
+                Triangle { a, ab: b - a, ac: c - a, face, corners, edges: [edge(0), edge(1), edge(2)] }
+            })
+            .collect();
+        Self { triangles }
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        self.triangles.len() * size_of::<Triangle>()
+    }
+
+    /// Distance from `p` to triangle `i`.
+    pub(super) fn distance(&self, p: DVec3, i: u32) -> f64 {
+        self.triangles[i as usize].distance_squared(p).sqrt()
+    }
+
+    /// Signed distance from `p` to the nearest of `candidates`, the nearest point, and the normal there.
+    /// Infinite when there are no candidates.
+    pub(super) fn signed_distance(&self, p: DVec3, candidates: &[u32]) -> (f64, DVec3, DVec3) {
+        let mut best = (f64::INFINITY, 0);
+        for &i in candidates {
+            let d = self.triangles[i as usize].distance_squared(p);
+            if d < best.0 {
+                best = (d, i);
+            }
+        }
+        if best.0.is_infinite() {
+            return (f64::INFINITY, p, DVec3::ZERO);
+        }
+        let triangle = &self.triangles[best.1 as usize];
+        let (nearest, feature) = triangle.nearest(p);
+        let normal = match feature {
+            Feature::Corner(i) => triangle.corners[i],
+            Feature::Edge(i) => triangle.edges[i],
+            Feature::Face => triangle.face,
+        };
+        let distance = best.0.sqrt();
+        let inside = (p - nearest).dot(normal) < 0.0;
+        (if inside { -distance } else { distance }, nearest, normal.normalize_or_zero())
+    }
+}
+
+impl Triangle {
+    #[inline]
+    fn distance_squared(&self, p: DVec3) -> f64 {
+        p.distance_squared(self.nearest(p).0)
+    }
+
+    /// Nearest point by the Voronoi regions of the triangle's features (Ericson, Real-Time Collision Detection,
+    /// section 5.1.5).
+    #[inline]
+    fn nearest(&self, p: DVec3) -> (DVec3, Feature) {
+        let Self { a, ab, ac, .. } = *self;
+        let ap = p - a;
+        let (d1, d2) = (ab.dot(ap), ac.dot(ap));
+        if d1 <= 0.0 && d2 <= 0.0 {
+            return (a, Feature::Corner(0));
+        }
+        let bp = ap - ab;
+        let (d3, d4) = (ab.dot(bp), ac.dot(bp));
+        if d3 >= 0.0 && d4 <= d3 {
+            return (a + ab, Feature::Corner(1));
+        }
+        let vc = d1 * d4 - d3 * d2;
+        if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+            return (a + ab * (d1 / (d1 - d3)), Feature::Edge(0));
+        }
+        let cp = ap - ac;
+        let (d5, d6) = (ab.dot(cp), ac.dot(cp));
+        if d6 >= 0.0 && d5 <= d6 {
+            return (a + ac, Feature::Corner(2));
+        }
+        let vb = d5 * d2 - d1 * d6;
+        if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+            return (a + ac * (d2 / (d2 - d6)), Feature::Edge(2));
+        }
+        let va = d3 * d6 - d5 * d4;
+        if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
+            let t = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+            return (a + ab + (ac - ab) * t, Feature::Edge(1));
+        }
+        let scale = 1.0 / (va + vb + vc);
+        (a + ab * (vb * scale) + ac * (vc * scale), Feature::Face)
+    }
+}
+
+fn angle_between(u: DVec3, v: DVec3) -> f64 {
+    u.cross(v).length().atan2(u.dot(v))
+}
