@@ -4,3 +4,4 @@ pub mod distance_field;
 pub mod exact;
 pub mod frame;
 pub mod mesh;
+pub mod spline;
