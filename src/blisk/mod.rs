@@ -2,3 +2,5 @@
 //! channel, and makes parametric blisks.
 
 pub mod channel;
+pub mod electrode;
+pub mod surface_finder;

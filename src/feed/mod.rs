@@ -1,6 +1,15 @@
 //! Floor 3: how an electrode gets into its channel and out again: poses, constraints, objective, strategies,
 //! interpolation and the verification certificate.
 
+pub mod angle_test;
 pub mod certificate;
+pub mod clearance;
+pub mod genetic;
+pub mod interpolation;
+pub mod machine;
+pub mod objective;
 pub mod path;
 pub mod pose;
+pub mod samples;
+pub mod search;
+pub mod smoothness;

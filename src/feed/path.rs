@@ -30,3 +30,24 @@ pub struct FeedPath {
     /// Rows in feed order.
     pub rows: Vec<PathRow>,
 }
+
+/// Decimals of lengths in files (mm).
+pub const LENGTH_DECIMALS: usize = 5;
+/// Decimals of angles in files (deg).
+pub const ANGLE_DECIMALS: usize = 6;
+
+/// The row as files give it: lengths rounded to [`LENGTH_DECIMALS`], angles in degrees to [`ANGLE_DECIMALS`].
+/// Rounding again changes nothing, and reading what was written gives the same bits.
+pub fn quantised(row: &PathRow) -> PathRow {
+    let length = |v: f64| rounded(v, LENGTH_DECIMALS);
+    let angle = |v: f64| rounded(v.to_degrees(), ANGLE_DECIMALS).to_radians();
+    let Pose { x, y, z, a, b, c } = row.pose;
+    let pose = Pose { x: length(x), y: length(y), z: length(z), a: angle(a), b: angle(b), c: angle(c) };
+    PathRow { node: row.node, s: length(row.s), pose }
+}
+
+fn rounded(value: f64, decimals: usize) -> f64 {
+    let scale = 10f64.powi(decimals as i32);
+    // Adding 0 turns -0 into 0.
+    (value * scale).round() / scale + 0.0
+}

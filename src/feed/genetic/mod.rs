@@ -1,0 +1,92 @@
+//! The adaptive genetic strategy of P0: one node after the other, each pose the best of an evolved population
+//! of free individuals.
+
+pub mod coding;
+mod evolution;
+
+use serde::{Deserialize, Serialize};
+
+pub use evolution::GeneticStep;
+
+/// Whether the circumferential reduction h is searched too.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ReductionMode {
+    /// h is what the electrode was made with.
+    #[default]
+    Given,
+    /// h is a variable of every node, on top of the electrode's reductions; the electrode is then made with the
+    /// greatest h that any node took.
+    Variable,
+}
+
+/// Parameters of the genetic strategy.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct GeneticParams {
+    /// Individuals.
+    pub population: usize,
+    /// Generations for each node.
+    pub generations: usize,
+    /// k1 = k3: probability of crossover of worse than average parents, falling to 0 for the best
+    /// (Srinivas and Patnaik 1994).
+    pub crossover: f64,
+    /// k2 = k4: probability that a gene of a worse than average individual mutates, falling to 0 for the best
+    /// (Srinivas and Patnaik 1994).
+    pub mutation: f64,
+    /// Best individuals that pass unchanged into the next generation.
+    pub elite: usize,
+    /// Precision of Y and Z in (8) (mm).
+    pub precision_mm: f64,
+    /// Precision of A, B, C and h in (8) (deg).
+    pub precision_deg: f64,
+    /// Whether h is given or variable.
+    pub h: ReductionMode,
+    /// Greatest h when it is variable (deg).
+    pub h_max_deg: f64,
+    /// Seed: the same seed gives the same path.
+    pub seed: u64,
+}
+
+impl Default for GeneticParams {
+    fn default() -> Self {
+        Self {
+            population: 60,
+            generations: 40,
+            crossover: 0.9,
+            mutation: 0.3,
+            elite: 2,
+            precision_mm: 0.001,
+            precision_deg: 0.001,
+            h: ReductionMode::Given,
+            h_max_deg: 1.0,
+            seed: 1,
+        }
+    }
+}
+
+/// A genetic parameter that cannot be used.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("[genetic] {key} = {value}: must be {range}")]
+pub struct GeneticParamsError {
+    key: &'static str,
+    value: f64,
+    range: &'static str,
+}
+
+impl GeneticParams {
+    /// Whether every parameter is within its range.
+    pub fn validate(&self) -> Result<(), GeneticParamsError> {
+        let within = |key, value: f64, least: f64, greatest: f64, range| {
+            if (least..=greatest).contains(&value) { Ok(()) } else { Err(GeneticParamsError { key, value, range }) }
+        };
+        within("population", self.population as f64, 4.0, 1e4, "4 to 10000")?;
+        within("generations", self.generations as f64, 1.0, 1e4, "1 to 10000")?;
+        within("crossover", self.crossover, 0.0, 1.0, "0 to 1")?;
+        within("mutation", self.mutation, 0.0, 1.0, "0 to 1")?;
+        within("elite", self.elite as f64, 1.0, (self.population / 2) as f64, "1 to half the population")?;
+        within("precision_mm", self.precision_mm, 1e-5, 0.1, "0.00001 to 0.1 mm")?;
+        within("precision_deg", self.precision_deg, 1e-5, 0.1, "0.00001 to 0.1 deg")?;
+        within("h_max_deg", self.h_max_deg, 0.01, 20.0, "0.01 to 20 deg")
+    }
+}

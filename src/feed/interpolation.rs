@@ -1,0 +1,170 @@
+//! From nodes to rows: a spline through the nodes of each axis, then rows so dense that linear motion between them
+//! stays close to the spline.
+
+use serde::{Deserialize, Serialize};
+
+use super::path::{FeedPath, PathRow, quantised};
+use super::pose::{Axis, Pose};
+use super::search::Node;
+use crate::geometry::frame::Frame;
+use crate::geometry::spline::{CubicSpline, EndCondition, SplineError};
+use glam::DVec3;
+
+/// How nodes are joined.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct InterpolationParams {
+    /// What the cubic splines do at the two ends of the path.
+    pub ends: EndCondition,
+    /// How far linear motion between rows may be from the spline, at any point of the electrode (mm).
+    pub chord_error_mm: f64,
+}
+
+impl Default for InterpolationParams {
+    fn default() -> Self {
+        Self { ends: EndCondition::NotAKnot, chord_error_mm: 0.001 }
+    }
+}
+
+/// Interpolation parameters that cannot be used.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("[plan.interpolation] chord_error_mm = {0}: must be 0.00005 to 0.1 mm")]
+pub struct InterpolationParamsError(f64);
+
+impl InterpolationParams {
+    /// Whether the chord error is one that rows can be rounded to.
+    pub fn validate(&self) -> Result<(), InterpolationParamsError> {
+        let ok = (5e-5..=0.1).contains(&self.chord_error_mm);
+        if ok { Ok(()) } else { Err(InterpolationParamsError(self.chord_error_mm)) }
+    }
+}
+
+/// The curve of every axis over the withdrawn distance s.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AxisCurves {
+    splines: [CubicSpline; 6],
+}
+
+impl AxisCurves {
+    /// Cubic splines through `nodes`, at least two of them, s rising.
+    pub fn through(nodes: &[Node], ends: EndCondition) -> Result<Self, SplineError> {
+        let s: Vec<f64> = nodes.iter().map(|n| n.s).collect();
+        let spline = |axis: Axis| {
+            let values: Vec<f64> = nodes.iter().map(|n| n.pose.get(axis)).collect();
+            CubicSpline::new(&s, &values, ends)
+        };
+        let [x, y, z, a, b, c] = Axis::ALL.map(spline);
+        Ok(Self { splines: [x?, y?, z?, a?, b?, c?] })
+    }
+
+    /// The curve of one axis.
+    pub fn axis(&self, axis: Axis) -> &CubicSpline {
+        &self.splines[axis as usize]
+    }
+
+    /// The pose when withdrawn by `s`.
+    pub fn pose(&self, s: f64) -> Pose {
+        Pose::from_array(std::array::from_fn(|i| self.splines[i].at(s)[0]))
+    }
+
+    /// Rows between knots `i` and `i + 1` needed to keep `chord_error`. Linear interpolation of f over a length h
+    /// is off by at most h^2/8 max|f''|; an error in A moves a point by at most `radius` times it, one in B or
+    /// C by `reach` times it.
+    fn pieces(&self, i: usize, chord_error: f64, radius: f64, reach: f64) -> usize {
+        let h = self.splines[0].knots()[i + 1] - self.splines[0].knots()[i];
+        let [x, y, z, a, b, c] = std::array::from_fn(|k| self.splines[k].greatest_second(i));
+        let bend = DVec3::new(x, y, z).length() + radius * a + reach * (b + c);
+        (h * (bend / (8.0 * chord_error)).sqrt()).ceil().clamp(1.0, 1e4) as usize
+    }
+}
+
+/// Distances that say how far an electrode's points move when axes turn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lever {
+    /// Greatest distance of a point from the blisk axis over the path (mm).
+    pub radius: f64,
+    /// Greatest distance of a point from the reference point O (mm).
+    pub reach: f64,
+}
+
+/// What a path is given in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PathFrame {
+    /// W in the coordinates of the loaded mesh.
+    pub frame: Frame,
+    /// O in W (mm).
+    pub reference_point: DVec3,
+    /// Spark gap (mm).
+    pub spark_gap: f64,
+}
+
+/// Rows in feed order that follow `curves` to `chord_error` (mm) with linear motion between them. Every row is
+/// rounded to what files print, so that the motion that is verified is the one that is written.
+pub fn feed_path(curves: &AxisCurves, chord_error: f64, lever: Lever, given_in: PathFrame) -> FeedPath {
+    let knots = curves.splines[0].knots();
+    let mut rows = vec![PathRow { node: 0, s: 0.0, pose: Pose::FINAL }];
+    for i in 0..knots.len() - 1 {
+        let pieces = curves.pieces(i, chord_error, lever.radius, lever.reach);
+        for k in 1..=pieces {
+            let s = knots[i] + (knots[i + 1] - knots[i]) * k as f64 / pieces as f64;
+            let node = if k == pieces { i + 1 } else { i };
+            rows.push(quantised(&PathRow { node, s, pose: curves.pose(s) }));
+        }
+    }
+    rows.reverse();
+    let PathFrame { frame, reference_point, spark_gap } = given_in;
+    FeedPath { frame, reference_point, spark_gap, rows }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::feed::objective::ObjectiveValue;
+
+    fn nodes() -> Vec<Node> {
+        (0..12)
+            .map(|i| {
+                let s = f64::from(i) * 0.5;
+                let pose = Pose { x: -s, y: 0.3 * s * s, z: s.sin(), a: 0.01 * s, b: 0.0, c: 0.1 * (0.7 * s).sin() };
+                Node { s, pose, h: 0.0, clearance: 0.1, objective: ObjectiveValue::default() }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn linear_motion_between_rows_stays_within_the_chord_error() {
+        let curves = AxisCurves::through(&nodes(), EndCondition::NotAKnot).unwrap();
+        let o = DVec3::new(10.0, 0.0, 117.0);
+        let points = [DVec3::new(-15.0, 5.0, 126.0), DVec3::new(22.0, -6.0, 110.0), o];
+        let radius = 130.0;
+        let reach = points.iter().map(|p| p.distance(o)).fold(0.0, f64::max);
+        let given_in = PathFrame { frame: Frame::IDENTITY, reference_point: o, spark_gap: 0.1 };
+        let path = feed_path(&curves, 0.001, Lever { radius, reach }, given_in);
+        for pair in path.rows.windows(2) {
+            for k in 0..=20 {
+                let t = f64::from(k) / 20.0;
+                let linear = pair[0].pose.lerp(&pair[1].pose, t).placement(o);
+                let curve = curves.pose(pair[0].s + (pair[1].s - pair[0].s) * t).placement(o);
+                for &p in &points {
+                    let off = linear.transform_point3(p).distance(curve.transform_point3(p));
+                    // Rounding to 1e-5 mm and 1e-6 deg adds a little.
+                    assert!(off <= 0.001 + 3e-5, "{off} mm");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_path_runs_from_outside_to_the_final_pose_through_every_node() {
+        let nodes = nodes();
+        let curves = AxisCurves::through(&nodes, EndCondition::NotAKnot).unwrap();
+        let given_in = PathFrame { frame: Frame::IDENTITY, reference_point: DVec3::ZERO, spark_gap: 0.1 };
+        let path = feed_path(&curves, 0.001, Lever { radius: 1.0, reach: 1.0 }, given_in);
+        assert_eq!(path.rows.last().map(|r| (r.node, r.s, r.pose)), Some((0, 0.0, Pose::FINAL)));
+        assert!(path.rows.windows(2).all(|w| w[0].s > w[1].s));
+        for (i, node) in nodes.iter().enumerate() {
+            let row = path.rows.iter().rfind(|r| r.s <= node.s && r.node == i).unwrap();
+            assert!((row.pose.y - node.pose.y).abs() <= 1e-5 && (row.pose.c - node.pose.c).abs() <= 1e-7, "node {i}");
+        }
+    }
+}

@@ -1,0 +1,196 @@
+//! Points on the electrode's surface at which the search tests clearance.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+
+use crate::blisk::electrode::ElectrodeFace;
+use crate::geometry::mesh::{Bounds, Mesh, unit_normal};
+
+/// A point on the electrode in its final pose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// Where it is in W (mm).
+    pub point: DVec3,
+    /// The face it lies on.
+    pub face: ElectrodeFace,
+    /// Clearance demanded here beyond what all samples must have (mm): raised where the verifier found the
+    /// search too trusting.
+    pub extra: f64,
+}
+
+/// How densely an electrode is sampled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SampleSpacing {
+    /// Between points on faces (mm).
+    pub face: f64,
+    /// Between points on sharp edges, where an electrode touches first (mm).
+    pub edge: f64,
+}
+
+impl Default for SampleSpacing {
+    fn default() -> Self {
+        Self { face: 0.9, edge: 0.35 }
+    }
+}
+
+/// Samples of the whole surface of `mesh`, whose triangle `i` lies on `faces[i]`: every sharp corner, points
+/// along sharp edges, then points on faces, each no closer to those before it than the spacing.
+pub fn sample_electrode(mesh: &Mesh, faces: &[ElectrodeFace], spacing: SampleSpacing) -> Vec<Sample> {
+    let mut sieve = Sieve { kept: Vec::new(), grid: HashMap::new(), size: spacing.face };
+    for (a, b, face) in sharp_edges(mesh, faces) {
+        let [p, q] = [a, b].map(|v| mesh.vertices[v as usize]);
+        let pieces = (p.distance(q) / spacing.edge).ceil().max(1.0) as usize;
+        for i in 0..=pieces {
+            sieve.offer(p.lerp(q, i as f64 / pieces as f64), face, 0.7 * spacing.edge);
+        }
+    }
+    for (corners, &face) in mesh.iter_corners().zip(faces) {
+        // Twice as fine as the spacing, so that the sieve decides and no gap stays open.
+        let longest = (0..3).map(|i| corners[i].distance(corners[(i + 1) % 3])).fold(0.0, f64::max);
+        let pieces = (2.0 * longest / spacing.face).ceil().clamp(1.0, 400.0) as usize;
+        for i in 0..=pieces {
+            for j in 0..=pieces - i {
+                let (s, t) = (i as f64 / pieces as f64, j as f64 / pieces as f64);
+                let p = corners[0] + (corners[1] - corners[0]) * s + (corners[2] - corners[0]) * t;
+                sieve.offer(p, face, spacing.face);
+            }
+        }
+    }
+    sieve.kept
+}
+
+/// Edges where the surface bends by more than 20 degrees, with the face of one side, in order of first occurrence.
+fn sharp_edges(mesh: &Mesh, faces: &[ElectrodeFace]) -> Vec<(u32, u32, ElectrodeFace)> {
+    let normals: Vec<DVec3> = mesh.iter_corners().map(unit_normal).collect();
+    let mut first: HashMap<(u32, u32), usize> = HashMap::new();
+    let mut sharp = Vec::new();
+    for (i, t) in mesh.triangles.iter().enumerate() {
+        for k in 0..3 {
+            let (a, b) = (t[k].min(t[(k + 1) % 3]), t[k].max(t[(k + 1) % 3]));
+            match first.get(&(a, b)) {
+                None => drop(first.insert((a, b), i)),
+                Some(&j) if normals[i].dot(normals[j]) < 20f64.to_radians().cos() => sharp.push((a, b, faces[j])),
+                Some(_) => {}
+            }
+        }
+    }
+    sharp
+}
+
+/// Keeps points that are far enough from those kept before.
+struct Sieve {
+    kept: Vec<Sample>,
+    grid: HashMap<[i64; 3], Vec<u32>>,
+    size: f64,
+}
+
+impl Sieve {
+    fn offer(&mut self, point: DVec3, face: ElectrodeFace, distance: f64) {
+        let cell = (point / self.size).floor().to_array().map(|v| v as i64);
+        let crowded = (0..27i64).any(|i| {
+            let neighbour = [cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1, cell[2] + i / 9 - 1];
+            self.grid.get(&neighbour).is_some_and(|list| {
+                list.iter().any(|&k| self.kept[k as usize].point.distance_squared(point) < distance * distance)
+            })
+        });
+        if !crowded {
+            self.grid.entry(cell).or_default().push(self.kept.len() as u32);
+            self.kept.push(Sample { point, face, extra: 0.0 });
+        }
+    }
+}
+
+/// Neighbouring samples that are tested together: if the centre has room enough, all have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cluster {
+    /// Centre of a ball around the samples, in W at the final pose (mm).
+    pub center: DVec3,
+    /// Its radius (mm).
+    pub radius: f64,
+    /// First sample.
+    pub start: usize,
+    /// One past the last sample.
+    pub end: usize,
+}
+
+/// Orders `samples` so that neighbours stand together and returns clusters of at most `most` of them. Samples
+/// of different groups (by `group`) never share a cluster.
+pub fn cluster(samples: &mut [Sample], most: usize, group: impl Fn(ElectrodeFace) -> u8) -> Vec<Cluster> {
+    samples.sort_by_key(|s| group(s.face));
+    let mut clusters = Vec::new();
+    let mut start = 0;
+    while start < samples.len() {
+        let this = group(samples[start].face);
+        let end = start + samples[start..].partition_point(|s| group(s.face) == this);
+        split(samples, start, end, most.max(1), &mut clusters);
+        start = end;
+    }
+    clusters
+}
+
+fn split(samples: &mut [Sample], start: usize, end: usize, most: usize, clusters: &mut Vec<Cluster>) {
+    let part = &mut samples[start..end];
+    let bounds = Bounds::of(part.iter().map(|s| s.point));
+    if part.len() <= most {
+        let center = bounds.center();
+        let radius = part.iter().map(|s| s.point.distance(center)).fold(0.0, f64::max);
+        clusters.push(Cluster { center, radius, start, end });
+        return;
+    }
+    let size = bounds.size();
+    let axis = if size.x >= size.y && size.x >= size.z {
+        0
+    } else if size.y >= size.z {
+        1
+    } else {
+        2
+    };
+    part.sort_by(|a, b| a.point[axis].total_cmp(&b.point[axis]));
+    let middle = start + part.len() / 2;
+    split(samples, start, middle, most, clusters);
+    split(samples, middle, end, most, clusters);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::mesh::tests::cuboid;
+
+    #[test]
+    fn samples_cover_a_box_and_all_its_edges() {
+        let mesh = cuboid(DVec3::new(6.0, 4.0, 3.0));
+        let faces = vec![ElectrodeFace::FarEnd; 12];
+        let spacing = SampleSpacing { face: 0.8, edge: 0.3 };
+        let samples = sample_electrode(&mesh, &faces, spacing);
+        let nearest = |p: DVec3| samples.iter().map(|s| s.point.distance(p)).fold(f64::INFINITY, f64::min);
+        for v in &mesh.vertices {
+            assert!(nearest(*v) < 1e-12, "corner {v}");
+        }
+        for i in 0..=100 {
+            let t = f64::from(i) / 100.0;
+            assert!(nearest(DVec3::new(6.0 * t, 0.0, 0.0)) <= 0.3);
+            assert!(nearest(DVec3::new(6.0 * t, 4.0 * (7.0 * t).fract(), 3.0)) <= 1.2);
+        }
+    }
+
+    #[test]
+    fn clusters_hold_every_sample_once_inside_their_balls() {
+        let mesh = cuboid(DVec3::splat(5.0));
+        let faces: Vec<_> =
+            (0..12).map(|i| if i < 6 { ElectrodeFace::LowWall } else { ElectrodeFace::Shank }).collect();
+        let mut samples = sample_electrode(&mesh, &faces, SampleSpacing::default());
+        let group = |face| u8::from(face == ElectrodeFace::LowWall);
+        let clusters = cluster(&mut samples, 12, group);
+        let mut next = 0;
+        for c in &clusters {
+            assert_eq!(c.start, next);
+            assert!(c.end - c.start <= 12);
+            let members = &samples[c.start..c.end];
+            assert!(members.iter().all(|s| s.point.distance(c.center) <= c.radius + 1e-12));
+            assert!(members.iter().all(|s| group(s.face) == group(members[0].face)));
+            next = c.end;
+        }
+        assert_eq!(next, samples.len());
+    }
+}

@@ -1,0 +1,359 @@
+//! The frame that every strategy works in: nodes along the main direction, one after the other from the final
+//! pose outwards, halving the step where no free pose is found.
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use super::angle_test::AngleTest;
+use super::clearance::{ClearanceModel, Demand, Shortfall};
+use super::genetic::{GeneticParams, GeneticStep};
+use super::machine::MachineParams;
+use super::objective::{Objective, ObjectiveValue, StepMotion};
+use super::pose::{Axis, Pose};
+use crate::blisk::channel::Surface;
+use crate::blisk::electrode::EntrySide;
+use crate::progress::{Cancel, Cancelled, Progress};
+
+/// How a path is searched for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Strategy {
+    /// The adaptive genetic algorithm of P0.
+    #[default]
+    Genetic,
+}
+
+/// What a pose must meet to count as free during the search. The verifier has the last word either way.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Constraint {
+    /// Signed distance to the finished surface of at least spark gap and margin at every sample.
+    #[default]
+    Distance,
+    /// P0's comparison of the angles alpha and theta at the nearest wall point.
+    Angle,
+}
+
+/// Everything that a strategy needs to know of one electrode in its channel.
+pub struct SearchProblem<'a> {
+    /// The electrode's samples over the distance field.
+    pub model: &'a ClearanceModel<'a>,
+    /// The angle test, if that is the constraint.
+    pub angle: Option<&'a AngleTest<'a>>,
+    /// What is optimised.
+    pub objective: &'a Objective,
+    /// Axes and travels.
+    pub machine: &'a MachineParams,
+    /// Full ranges of motion in one step, (7), in the order of [`Axis`]; 0 for axes that do not move.
+    pub ranges: [f64; 6],
+    /// Clearance wanted.
+    pub demand: Demand,
+    /// The side that the electrode is withdrawn to.
+    pub side: EntrySide,
+    /// Distance between nodes (mm).
+    pub step: f64,
+    /// How far out of the blisk the electrode is withdrawn (mm).
+    pub exit_clearance: f64,
+    /// X extent of the blisk (mm).
+    pub faces_x: [f64; 2],
+}
+
+/// The search for one node.
+#[derive(Debug, Clone)]
+pub struct NodeTask {
+    /// Pose of the node before.
+    pub from: Pose,
+    /// Withdrawn distance of the node before (mm).
+    pub from_s: f64,
+    /// Withdrawn distance of this node (mm).
+    pub s: f64,
+    /// Its position on the X axis (mm).
+    pub x: f64,
+    /// Length of this step over the nominal one.
+    pub duration: f64,
+    /// The step before.
+    pub before: StepMotion,
+    /// Greatest h that a node has taken so far (rad).
+    pub h_so_far: f64,
+}
+
+impl NodeTask {
+    /// The motion from the node before to `pose`.
+    pub fn motion_to(&self, pose: &Pose) -> StepMotion {
+        let (p, q) = (self.from.to_array(), pose.to_array());
+        StepMotion { increments: std::array::from_fn(|i| q[i] - p[i]), duration: self.duration }
+    }
+}
+
+/// A free pose for a node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Candidate {
+    /// The pose.
+    pub pose: Pose,
+    /// Additional circumferential reduction h (rad).
+    pub h: f64,
+    /// Its objective.
+    pub objective: ObjectiveValue,
+}
+
+/// A node of the path, counted from the final pose, which is node 0.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Node {
+    /// Withdrawn distance (mm).
+    pub s: f64,
+    /// Axis values.
+    pub pose: Pose,
+    /// Additional circumferential reduction h taken here (rad).
+    pub h: f64,
+    /// Least clearance of the samples (mm), as the search sees it.
+    pub clearance: f64,
+    /// Objective values.
+    pub objective: ObjectiveValue,
+}
+
+/// How the objective fell over the generations at one node.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Convergence {
+    /// Withdrawn distance of the node (mm).
+    pub s: f64,
+    /// Least objective in each generation, the first population included.
+    pub best: Vec<f64>,
+    /// Mean objective in each generation.
+    pub mean: Vec<f64>,
+}
+
+impl Convergence {
+    /// Adds a generation.
+    pub fn record(&mut self, objectives: impl ExactSizeIterator<Item = f64>) {
+        let n = objectives.len() as f64;
+        let (least, sum) = objectives.fold((f64::INFINITY, 0.0), |(least, sum), v| (least.min(v), sum + v));
+        self.best.push(least);
+        self.mean.push(sum / n);
+    }
+}
+
+/// Where a search came to its end.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Jam {
+    /// The node that could not be reached, counted from the final pose.
+    pub node: usize,
+    /// Its withdrawn distance (mm).
+    pub s: f64,
+    /// The pose that came nearest to being free.
+    pub pose: Pose,
+    /// The point of the electrode that lacks most room there, in its final pose in W (mm).
+    pub on_electrode: DVec3,
+    /// The nearest point of the blisk, in W (mm).
+    pub on_blisk: DVec3,
+    /// The surface it lies on.
+    pub surface: Surface,
+    /// Clearance that is missing there (mm).
+    pub lack: f64,
+}
+
+/// The answer of a search.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SearchOutcome {
+    /// Nodes from the final pose outwards.
+    pub nodes: Vec<Node>,
+    /// How each node's search converged.
+    pub convergence: Vec<Convergence>,
+    /// Where it jammed, if the electrode did not come out.
+    pub jam: Option<Jam>,
+}
+
+impl SearchProblem<'_> {
+    /// Times that a step is halved before the search gives up.
+    const HALVINGS: i32 = 4;
+    /// Poses between two nodes at which the motion is tested.
+    const BETWEEN: usize = 4;
+
+    /// The machine's axes except X.
+    pub fn free_axes(&self) -> &[Axis] {
+        &self.machine.axes.axes()[1..]
+    }
+
+    /// Direction of withdrawal along X.
+    pub fn direction(&self) -> f64 {
+        match self.side {
+            EntrySide::MinusX => -1.0,
+            EntrySide::PlusX => 1.0,
+        }
+    }
+
+    /// Whether the constraint holds at `pose`, withdrawn by `s`, within the machine's travel.
+    pub fn is_free(&self, pose: &Pose, s: f64, h: f64, hint: &mut usize) -> bool {
+        if self.machine.beyond_travel(pose).is_some() {
+            return false;
+        }
+        match self.angle {
+            None => self.model.is_free(pose, s, h, &self.demand, hint),
+            Some(test) => test.is_free(self.model, pose, h),
+        }
+    }
+
+    /// See [`ClearanceModel::climb`].
+    pub fn climb(&self, pose: Pose, s: f64, h: f64) -> (Pose, Option<Shortfall>) {
+        self.model.climb(pose, s, h, &self.demand, self.free_axes())
+    }
+
+    /// Whether the linear motion between two poses is free at a few places between them.
+    fn motion_is_free(&self, task: &NodeTask, to: &Candidate) -> bool {
+        let mut hint = 0;
+        (1..Self::BETWEEN).all(|i| {
+            let t = i as f64 / Self::BETWEEN as f64;
+            let s = task.from_s + (task.s - task.from_s) * t;
+            self.is_free(&task.from.lerp(&to.pose, t), s, to.h.max(task.h_so_far), &mut hint)
+        })
+    }
+
+    /// How far the electrode is out of the blisk at `pose`: negative while some point is not beyond the face (mm).
+    pub fn way_out(&self, pose: &Pose) -> f64 {
+        let place = pose.placement(self.model.reference_point());
+        let points = self.model.samples().iter().map(|s| place.transform_point3(s.point).x);
+        match self.side {
+            EntrySide::MinusX => self.faces_x[0] - points.fold(f64::NEG_INFINITY, f64::max),
+            EntrySide::PlusX => points.fold(f64::INFINITY, f64::min) - self.faces_x[1],
+        }
+    }
+
+    /// Free candidates for `task`, best first, and how they were come by.
+    fn candidates(
+        &self,
+        strategy: &StrategyParams,
+        task: &NodeTask,
+        cancel: &Cancel,
+    ) -> Result<(Vec<Candidate>, Convergence), Cancelled> {
+        match strategy {
+            StrategyParams::Genetic(params) => GeneticStep::new(params, self, task).run(cancel),
+        }
+    }
+
+    /// Searches on from `kept` nodes (at least the final pose) until the electrode is out of the blisk or jams.
+    pub fn search(
+        &self,
+        strategy: &StrategyParams,
+        kept: &[Node],
+        surface_of: &dyn Fn(DVec3) -> Surface,
+        progress: &Progress,
+        cancel: &Cancel,
+    ) -> Result<SearchOutcome, Cancelled> {
+        let mut nodes = kept.to_vec();
+        if nodes.is_empty() {
+            nodes.push(self.final_node());
+        }
+        let mut convergence = Vec::new();
+        let way = self.exit_clearance - self.way_out(&Pose::FINAL);
+        // An electrode that is not out after twice the way plus its length never will be.
+        let limit = 2.0 * way + 50.0;
+        loop {
+            let last = nodes[nodes.len() - 1];
+            if self.way_out(&last.pose) >= self.exit_clearance && nodes.len() > 1 {
+                return Ok(SearchOutcome { nodes, convergence, jam: None });
+            }
+            progress.report("search", last.s / way.max(1e-9), &format!("node {}", nodes.len() - 1));
+            match self.next_node(strategy, &nodes, cancel)? {
+                Some((node, trace)) if node.s <= limit => {
+                    nodes.push(node);
+                    convergence.push(trace);
+                }
+                _ => {
+                    let jam = Some(self.jam(&nodes, surface_of));
+                    return Ok(SearchOutcome { nodes, convergence, jam });
+                }
+            }
+        }
+    }
+
+    fn final_node(&self) -> Node {
+        let clearance = self.model.least_clearance(&Pose::FINAL).0;
+        Node { s: 0.0, pose: Pose::FINAL, h: 0.0, clearance, objective: ObjectiveValue::default() }
+    }
+
+    fn task(&self, nodes: &[Node], duration: f64) -> NodeTask {
+        let last = &nodes[nodes.len() - 1];
+        let before = match nodes {
+            [.., a, b] => StepMotion {
+                increments: std::array::from_fn(|i| b.pose.to_array()[i] - a.pose.to_array()[i]),
+                duration: (b.s - a.s) / self.step,
+            },
+            // Nothing has moved yet but X, whose rate is the nominal one.
+            _ => StepMotion { increments: [0.0; 6], duration: 1.0 },
+        };
+        let s = last.s + self.step * duration;
+        NodeTask {
+            from: last.pose,
+            from_s: last.s,
+            s,
+            x: self.direction() * s,
+            duration,
+            before,
+            h_so_far: nodes.iter().map(|n| n.h).fold(0.0, f64::max),
+        }
+    }
+
+    fn next_node(
+        &self,
+        strategy: &StrategyParams,
+        nodes: &[Node],
+        cancel: &Cancel,
+    ) -> Result<Option<(Node, Convergence)>, Cancelled> {
+        for halving in 0..=Self::HALVINGS {
+            let task = self.task(nodes, 0.5f64.powi(halving));
+            let (candidates, trace) = self.candidates(strategy, &task, cancel)?;
+            if let Some(chosen) = candidates.iter().find(|c| self.motion_is_free(&task, c)) {
+                let clearance = self.model.least_clearance(&chosen.pose).0;
+                let node = Node { s: task.s, pose: chosen.pose, h: chosen.h, clearance, objective: chosen.objective };
+                return Ok(Some((node, trace)));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The place that stops the electrode: where the pose that comes nearest to being free, climbing from the
+    /// expected one, still lacks room. The worst place counts even if the climb succeeds, which it may when only
+    /// the motion to it is blocked.
+    fn jam(&self, nodes: &[Node], surface_of: &dyn Fn(DVec3) -> Surface) -> Jam {
+        let task = self.task(nodes, 1.0);
+        let ratio = task.duration / task.before.duration;
+        let mut expected = task.from.to_array();
+        for (value, rate) in expected.iter_mut().zip(task.before.increments) {
+            *value += rate * ratio;
+        }
+        expected[0] = task.x;
+        let starts = [Pose::from_array(expected), Pose { x: task.x, ..task.from }];
+        let (pose, short) = starts
+            .into_iter()
+            .filter_map(|start| {
+                let (pose, short) = self.climb(start, task.s, task.h_so_far);
+                short.map(|short| (pose, short))
+            })
+            .min_by(|a, b| a.1.lack.total_cmp(&b.1.lack))
+            .unwrap_or_else(|| (starts[1], self.tightest(&starts[1])));
+        let (clearance, away) = (self.model.clearance_at(short.at), short.away);
+        let on_blisk = short.at - away * clearance;
+        Jam {
+            node: nodes.len(),
+            s: task.s,
+            pose,
+            on_electrode: self.model.samples()[short.sample].point,
+            on_blisk,
+            surface: surface_of(on_blisk),
+            lack: short.lack,
+        }
+    }
+
+    fn tightest(&self, pose: &Pose) -> Shortfall {
+        let (clearance, sample) = self.model.least_clearance(pose);
+        let at = pose.placement(self.model.reference_point()).transform_point3(self.model.samples()[sample].point);
+        let lack = (self.demand.spark_gap + self.demand.margin - clearance).max(0.0);
+        Shortfall { sample, lack, at, away: self.model.direction_at(at) }
+    }
+}
+
+/// A strategy with its parameters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum StrategyParams {
+    /// See [`Strategy::Genetic`].
+    Genetic(GeneticParams),
+}

@@ -1,0 +1,61 @@
+//! Figures for how smoothly an axis moves.
+
+use serde::Serialize;
+
+use super::interpolation::AxisCurves;
+use super::pose::Axis;
+
+/// Smoothness of one axis over equal steps of withdrawn distance; degrees for axes that turn.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct AxisSmoothness {
+    /// Sum of the sizes of all first differences (mm or deg).
+    pub total_variation: f64,
+    /// Root mean square of the second differences (mm or deg).
+    pub rms_second_difference: f64,
+    /// Greatest size of a second difference (mm or deg).
+    pub max_second_difference: f64,
+    /// How often the first difference changes its sign: reversals.
+    pub sign_changes: usize,
+}
+
+/// The smoothness of `axis`, sampled every `step` mm of withdrawn distance.
+pub fn axis_smoothness(curves: &AxisCurves, axis: Axis, step: f64) -> AxisSmoothness {
+    let curve = curves.axis(axis);
+    let way = curve.knots()[curve.knots().len() - 1];
+    let steps = (way / step).round().max(1.0) as usize;
+    let values: Vec<f64> = (0..=steps)
+        .map(|i| curve.at(way * i as f64 / steps as f64)[0])
+        .map(|v| if axis.is_rotary() { v.to_degrees() } else { v })
+        .collect();
+    smoothness(&values)
+}
+
+fn smoothness(values: &[f64]) -> AxisSmoothness {
+    /// Movements smaller than this are rounding, not reversals.
+    const STILL: f64 = 1e-9;
+    let first: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).collect();
+    let second: Vec<f64> = first.windows(2).map(|w| w[1] - w[0]).collect();
+    let signs: Vec<bool> = first.iter().filter(|d| d.abs() > STILL).map(|d| *d > 0.0).collect();
+    let squares: f64 = second.iter().map(|d| d * d).sum();
+    AxisSmoothness {
+        total_variation: first.iter().map(|d| d.abs()).sum(),
+        rms_second_difference: (squares / second.len().max(1) as f64).sqrt(),
+        max_second_difference: second.iter().map(|d| d.abs()).fold(0.0, f64::max),
+        sign_changes: signs.windows(2).filter(|w| w[0] != w[1]).count(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_of_a_short_zigzag() {
+        let s = smoothness(&[0.0, 1.0, 0.0, 0.0, 2.0]);
+        // First differences 1 -1 0 2, second -2 1 2.
+        assert_eq!(s.total_variation, 4.0);
+        assert_eq!(s.max_second_difference, 2.0);
+        assert!((s.rms_second_difference - 3f64.sqrt()).abs() < 1e-15);
+        assert_eq!(s.sign_changes, 2);
+    }
+}
