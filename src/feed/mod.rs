@@ -4,3 +4,4 @@
 pub mod certificate;
 pub mod path;
 pub mod pose;
+pub mod verify;

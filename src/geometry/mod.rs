@@ -1,5 +1,7 @@
 //! Floor 0: meshes, frames and distances. Knows no file and no electrode.
 
+pub mod bvh;
 pub mod exact;
 pub mod frame;
 pub mod mesh;
+pub mod triangle_distance;
