@@ -32,11 +32,16 @@ pub struct Certificate {
     pub required: f64,
     /// How far below the spark gap is still accepted (mm).
     pub tolerance: f64,
-    /// Proven lower bound of the clearance over the whole motion (mm).
+    /// Proven lower bound of the clearance over the whole motion (mm). 0 if the electrode touches or crosses
+    /// the blisk or starts inside it, and if the verification stopped at the first violation.
     pub certified: f64,
     /// The smallest clearance met: an upper bound of the least clearance, and where it is.
     pub least: Contact,
-    /// Exact clearance at every row of the path (mm).
+    /// Places where the clearance falls below the spark gap less the tolerance, at rows and at instants found
+    /// between them: the worst first, none close to a worse one, at most 16.
+    pub violations: Vec<Contact>,
+    /// Exact clearance at every row of the path (mm), 0 in metal. If the verification stopped at a violation,
+    /// rows wholly inside metal show the distance between the surfaces.
     pub row_clearance: Vec<f64>,
     /// Which surface each row's clearance is to.
     pub row_surface: Vec<Surface>,

@@ -13,3 +13,4 @@ pub mod pose;
 pub mod samples;
 pub mod search;
 pub mod smoothness;
+pub mod verify;

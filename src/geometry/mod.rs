@@ -1,7 +1,9 @@
 //! Floor 0: meshes, frames and distances. Knows no file and no electrode.
 
+pub mod bvh;
 pub mod distance_field;
 pub mod exact;
 pub mod frame;
 pub mod mesh;
 pub mod spline;
+pub mod triangle_distance;
