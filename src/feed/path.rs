@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use serde::Serialize;
+use sha2::{Digest, Sha256};
 
 use super::pose::Pose;
 use crate::geometry::frame::Frame;
@@ -29,4 +30,21 @@ pub struct FeedPath {
     pub spark_gap: f64,
     /// Rows in feed order.
     pub rows: Vec<PathRow>,
+}
+
+impl FeedPath {
+    /// SHA-256 (lower-case hex) over the exact bits of the frame, the reference point, the spark gap and every
+    /// row: two paths with the same digest are the same motion. Ties a certificate to the path it was made for.
+    pub fn digest(&self) -> String {
+        let mut hash = Sha256::new();
+        let number = |hash: &mut Sha256, v: f64| hash.update(v.to_bits().to_le_bytes());
+        let Frame { origin, x, y, z } = self.frame;
+        let header = [origin, x, y, z, self.reference_point].map(|v| v.to_array()).concat();
+        header.iter().chain([&self.spark_gap]).for_each(|&v| number(&mut hash, v));
+        for row in &self.rows {
+            hash.update((row.node as u64).to_le_bytes());
+            std::iter::once(row.s).chain(row.pose.to_array()).for_each(|v| number(&mut hash, v));
+        }
+        hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    }
 }
