@@ -1,1 +1,21 @@
-//! export
+//! Floor 4: results as files: path CSV, NC programs through posts, and reports.
+//!
+//! An NC program can only be made from an [`approved::Approved`] path, and that only from a certificate that
+//! holds for exactly this path. What is verified is exactly what is written, because a path is rounded to the
+//! decimals of the files ([`crate::feed::quantise`]) before it is verified.
+
+pub mod approved;
+pub mod files;
+pub mod nc;
+pub mod nc_feed;
+pub mod path_csv;
+pub mod post;
+pub mod report;
+mod report_html;
+mod report_tables;
+pub mod svg_plot;
+
+pub(crate) use crate::feed::quantise;
+
+#[cfg(test)]
+mod fixtures;

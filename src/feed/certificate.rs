@@ -28,6 +28,8 @@ pub struct Contact {
 /// What the verifier proved about the whole continuous motion of a path.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Certificate {
+    /// [`FeedPath::digest`](super::path::FeedPath::digest) of the path that was verified.
+    pub path_digest: String,
     /// Spark gap (mm).
     pub required: f64,
     /// How far below the spark gap is still accepted (mm).

@@ -11,6 +11,7 @@ pub mod objective;
 pub mod path;
 pub mod pose;
 pub mod samples;
+pub mod quantise;
 pub mod search;
 pub mod smoothness;
 pub mod verify;

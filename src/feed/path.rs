@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use serde::Serialize;
+use sha2::{Digest, Sha256};
 
 use super::pose::Pose;
 use crate::geometry::frame::Frame;
@@ -31,23 +32,19 @@ pub struct FeedPath {
     pub rows: Vec<PathRow>,
 }
 
-/// Decimals of lengths in files (mm).
-pub const LENGTH_DECIMALS: usize = 5;
-/// Decimals of angles in files (deg).
-pub const ANGLE_DECIMALS: usize = 6;
-
-/// The row as files give it: lengths rounded to [`LENGTH_DECIMALS`], angles in degrees to [`ANGLE_DECIMALS`].
-/// Rounding again changes nothing, and reading what was written gives the same bits.
-pub fn quantised(row: &PathRow) -> PathRow {
-    let length = |v: f64| rounded(v, LENGTH_DECIMALS);
-    let angle = |v: f64| rounded(v.to_degrees(), ANGLE_DECIMALS).to_radians();
-    let Pose { x, y, z, a, b, c } = row.pose;
-    let pose = Pose { x: length(x), y: length(y), z: length(z), a: angle(a), b: angle(b), c: angle(c) };
-    PathRow { node: row.node, s: length(row.s), pose }
-}
-
-fn rounded(value: f64, decimals: usize) -> f64 {
-    let scale = 10f64.powi(decimals as i32);
-    // Adding 0 turns -0 into 0.
-    (value * scale).round() / scale + 0.0
+impl FeedPath {
+    /// SHA-256 (lower-case hex) over the exact bits of the frame, the reference point, the spark gap and every
+    /// row: two paths with the same digest are the same motion. Ties a certificate to the path it was made for.
+    pub fn digest(&self) -> String {
+        let mut hash = Sha256::new();
+        let number = |hash: &mut Sha256, v: f64| hash.update(v.to_bits().to_le_bytes());
+        let Frame { origin, x, y, z } = self.frame;
+        let header = [origin, x, y, z, self.reference_point].map(|v| v.to_array()).concat();
+        header.iter().chain([&self.spark_gap]).for_each(|&v| number(&mut hash, v));
+        for row in &self.rows {
+            hash.update((row.node as u64).to_le_bytes());
+            std::iter::once(row.s).chain(row.pose.to_array()).for_each(|v| number(&mut hash, v));
+        }
+        hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    }
 }

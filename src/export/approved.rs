@@ -1,0 +1,115 @@
+//! The only door to an NC program: a path together with a certificate that holds for exactly this path.
+
+use super::quantise::first_unquantised_row;
+use crate::feed::certificate::Certificate;
+use crate::feed::path::FeedPath;
+use crate::feed::pose::Pose;
+
+/// A path that may be exported as NC. It can only be made by [`Approved::new`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Approved {
+    path: FeedPath,
+    certificate: Certificate,
+}
+
+/// Why a path cannot be exported as NC.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum NotApproved {
+    #[error("the certificate belongs to another path; verify this path")]
+    OtherPath,
+    #[error("the certificate asks for {required} mm of clearance but the path for a spark gap of {spark_gap} mm; \
+             verify the path with its own gap")]
+    OtherGap { required: f64, spark_gap: f64 },
+    #[error("the path does not lead from wholly outside the blisk to the final pose")]
+    WrongEnds,
+    #[error("the clearance is proven to be at least {certified:.5} mm only, where {required:.5} mm less {tolerance:.5} mm \
+             are needed; the least clearance is near row {row:.2} (s = {s:.3} mm)")]
+    TooClose { certified: f64, required: f64, tolerance: f64, row: f64, s: f64 },
+    #[error("row {row} was not rounded to the decimals of files before it was verified; round the path and verify again")]
+    NotQuantised { row: usize },
+}
+
+impl Approved {
+    /// Approves `path` on the strength of `certificate`.
+    ///
+    /// # Errors
+    /// [`NotApproved`] unless the certificate holds, proves a clearance above zero, and was made for this very
+    /// path with this path's spark gap, and the path is rounded as files are.
+    pub fn new(path: FeedPath, certificate: Certificate) -> Result<Self, NotApproved> {
+        let c = &certificate;
+        if c.path_digest != path.digest() || c.row_clearance.len() != path.rows.len() {
+            return Err(NotApproved::OtherPath);
+        }
+        if c.required.is_nan() || c.required < path.spark_gap {
+            return Err(NotApproved::OtherGap { required: c.required, spark_gap: path.spark_gap });
+        }
+        if !c.ends_right || path.rows.len() < 2 || path.rows.last().map(|r| r.pose) != Some(Pose::FINAL) {
+            return Err(NotApproved::WrongEnds);
+        }
+        if !c.holds() || c.certified <= 0.0 {
+            let (row, s) = (c.least.row, c.least.s);
+            let (certified, required, tolerance) = (c.certified, c.required, c.tolerance);
+            return Err(NotApproved::TooClose { certified, required, tolerance, row, s });
+        }
+        if let Some(row) = first_unquantised_row(&path) {
+            return Err(NotApproved::NotQuantised { row });
+        }
+        Ok(Self { path, certificate })
+    }
+
+    /// The approved path.
+    pub fn path(&self) -> &FeedPath {
+        &self.path
+    }
+
+    /// The certificate it was approved on.
+    pub fn certificate(&self) -> &Certificate {
+        &self.certificate
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::export::fixtures;
+
+    fn refused(change: impl Fn(&mut FeedPath, &mut Certificate)) -> NotApproved {
+        let mut path = fixtures::path();
+        let mut certificate = fixtures::certificate(&path);
+        change(&mut path, &mut certificate);
+        Approved::new(path, certificate).unwrap_err()
+    }
+
+    #[test]
+    fn a_certificate_that_holds_approves_its_own_path_only() {
+        let path = fixtures::path();
+        let certificate = fixtures::certificate(&path);
+        assert_eq!(Approved::new(path.clone(), certificate).unwrap().path(), &path);
+        let one_bit = |x: f64| f64::from_bits(x.to_bits() + 1);
+        assert_eq!(refused(|p, _| p.rows[3].pose.y = one_bit(p.rows[3].pose.y)), NotApproved::OtherPath);
+        assert_eq!(refused(|p, _| p.reference_point.z += 1e-9), NotApproved::OtherPath);
+        assert_eq!(refused(|p, _| p.rows.truncate(5)), NotApproved::OtherPath);
+        assert_eq!(refused(|p, _| p.rows.swap(5, 6)), NotApproved::OtherPath);
+    }
+
+    #[test]
+    fn a_certificate_that_does_not_hold_approves_nothing() {
+        assert!(matches!(refused(|_, c| c.certified = 0.0979), NotApproved::TooClose { .. }));
+        assert!(matches!(refused(|_, c| c.certified = f64::NAN), NotApproved::TooClose { .. }));
+        assert!(matches!(refused(|_, c| c.tolerance = f64::NAN), NotApproved::TooClose { .. }));
+        let touching = |_: &mut FeedPath, c: &mut Certificate| (c.certified, c.tolerance) = (0.0, 1.0);
+        assert!(matches!(refused(touching), NotApproved::TooClose { .. }));
+        assert_eq!(refused(|_, c| c.ends_right = false), NotApproved::WrongEnds);
+        assert!(matches!(refused(|_, c| c.required = 0.05), NotApproved::OtherGap { .. }));
+    }
+
+    #[test]
+    fn a_path_must_be_rounded_before_it_is_verified() {
+        let change = |p: &mut FeedPath, c: &mut Certificate| {
+            p.rows[9].pose.a += 1e-10;
+            c.path_digest = p.digest();
+        };
+        assert_eq!(refused(change), NotApproved::NotQuantised { row: 9 });
+    }
+}

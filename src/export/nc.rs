@@ -1,0 +1,347 @@
+//! NC programs: an approved path in the words of a control.
+//!
+//! The program feeds along the path to the final pose, stops there for the burn, and retracts along the same
+//! path. Every coordinate is the number of the path file, digit for digit. What is not verified, and so stands
+//! in the program's own comments: the way to the first position, and anything that a generator's servo adds.
+
+use serde::{Deserialize, Serialize};
+
+use super::approved::Approved;
+use super::nc_feed::{fastest_point_travel, programmed_length};
+use super::post::{FeedMode, Post};
+use super::quantise::{MM_DECIMALS, deg_text, floor_mm_text, mm_text};
+use crate::feed::path::PathRow;
+use crate::feed::pose::{Axis, Pose};
+use crate::geometry::mesh::Bounds;
+
+/// Shortest time a block is given where F is a time (s): a block that moves nothing still needs one.
+const LEAST_BLOCK_SECONDS: f64 = 0.01;
+
+/// Why no program could be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum NcError {
+    #[error("the path moves axis {axis} at row {row}, which the machine does not have; plan for the axes it has")]
+    AxisNotOnMachine { axis: char, row: usize },
+    #[error("the path moves axis {axis}, for which the post has no word; add it under [[axes]]")]
+    AxisNotInPost { axis: char },
+    #[error("a line of {length} characters is longer than the control's {limit}: {line:?}; \
+             shorten the post's words or raise max_line_length")]
+    LineTooLong { length: usize, limit: usize, line: String },
+    #[error("{name} is {value}, but must be {range}")]
+    Setting { name: &'static str, value: f64, range: &'static str },
+}
+
+/// Speeds and times of a program.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct NcSettings {
+    /// Feed towards the final pose (mm/min). While eroding, the generator's servo sets the pace; this is its limit.
+    pub feed_mm_per_min: f64,
+    /// Feed of the approach and of the retraction (mm/min).
+    pub retract_mm_per_min: f64,
+    /// Dwell in the final pose after the stop for the burn (s); 0 for none.
+    pub burn_dwell_s: f64,
+}
+
+impl Default for NcSettings {
+    fn default() -> Self {
+        Self { feed_mm_per_min: 5.0, retract_mm_per_min: 50.0, burn_dwell_s: 0.0 }
+    }
+}
+
+impl NcSettings {
+    /// Checks the ranges.
+    ///
+    /// # Errors
+    /// [`NcError::Setting`] naming the setting.
+    pub fn validate(&self) -> Result<(), NcError> {
+        let speeds = [("feed_mm_per_min", self.feed_mm_per_min), ("retract_mm_per_min", self.retract_mm_per_min)];
+        if let Some((name, value)) = speeds.into_iter().find(|(_, v)| !(0.001..=100_000.0).contains(v)) {
+            return Err(NcError::Setting { name, value, range: "0.001 to 100000 mm/min" });
+        }
+        if !(0.0..=1e6).contains(&self.burn_dwell_s) {
+            return Err(NcError::Setting { name: "burn_dwell_s", value: self.burn_dwell_s, range: "0 to 1000000 s" });
+        }
+        Ok(())
+    }
+}
+
+/// What a program is for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NcJob<'a> {
+    /// Name of the program, e.g. `path_1`.
+    pub program: &'a str,
+    /// File of the electrode that it moves.
+    pub electrode_file: &'a str,
+    /// Box around the electrode in its final pose, in W (mm).
+    pub electrode: Bounds,
+    /// The axes of the machine.
+    pub axes: &'a [Axis],
+}
+
+/// An NC program.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NcProgram {
+    text: String,
+    extension: String,
+}
+
+impl NcProgram {
+    /// Writes the program of `approved` in the words of `post`.
+    ///
+    /// # Errors
+    /// [`NcError`] when the machine or the post lacks a moving axis, a setting is out of range, or a line gets
+    /// longer than the control takes.
+    pub fn new(approved: &Approved, post: &Post, settings: &NcSettings, job: &NcJob) -> Result<Self, NcError> {
+        settings.validate()?;
+        check_axes(&approved.path().rows, post, job.axes)?;
+        let mut w = Writer::new(post, job, settings);
+        post.program_start.iter().for_each(|line| w.raw(line));
+        header(&mut w, approved);
+        motion(&mut w, approved);
+        post.program_end.iter().for_each(|line| w.raw(line));
+        Ok(Self { text: w.finish()?, extension: post.extension.clone() })
+    }
+
+    /// The program, line ends included.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// File name extension that the control expects, without the dot.
+    pub fn extension(&self) -> &str {
+        &self.extension
+    }
+}
+
+fn check_axes(rows: &[PathRow], post: &Post, machine: &[Axis]) -> Result<(), NcError> {
+    for axis in Axis::ALL {
+        if let Some(row) = rows.iter().position(|r| r.pose.get(axis) != 0.0) {
+            if !machine.contains(&axis) {
+                return Err(NcError::AxisNotOnMachine { axis: axis.letter(), row });
+            }
+            if !post.axes.iter().any(|a| a.axis == axis) {
+                return Err(NcError::AxisNotInPost { axis: axis.letter() });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The comments that make the program understandable without any other file.
+fn header(w: &mut Writer, approved: &Approved) {
+    let (path, c) = (approved.path(), approved.certificate());
+    let mm = |v| mm_text(v, MM_DECIMALS);
+    let vector = |v: glam::DVec3| format!("{} {} {}", v.x, v.y, v.z);
+    w.comment(&format!("Sparkpath {}: feed path {}", env!("CARGO_PKG_VERSION"), w.job.program));
+    w.comment(&format!("Electrode file: {}", w.job.electrode_file));
+    w.comment(&format!("Required clearance {} mm, tolerance {} mm", mm(c.required), mm(c.tolerance)));
+    w.comment(&format!("Certified clearance over the whole motion: {} mm or more", floor_mm_text(c.certified)));
+    let least = (floor_mm_text(c.least.distance), mm(c.least.s));
+    w.comment(&format!("Least clearance found: {} mm, {} mm before the final pose", least.0, least.1));
+    w.comment(&format!("Path: {} rows, SHA-256", path.rows.len()));
+    w.comment(&c.path_digest);
+    w.comment("Work zero: ALL AXES ARE ZERO IN THE FINAL POSE. Set the zero with the electrode there.");
+    w.comment("Workpiece frame W in the coordinates of the loaded mesh, mm:");
+    w.comment(&format!("origin {}", vector(path.frame.origin)));
+    for (name, axis) in [("x", path.frame.x), ("y", path.frame.y), ("z", path.frame.z)] {
+        w.comment(&format!("{name} axis {}", vector(axis)));
+    }
+    w.comment(&format!("Electrode reference point O in W: {}", vector(path.reference_point)));
+    w.comment(
+        "A point p of the electrode goes to Rx[A] * [ O + [X Y Z] + Rz[C] * Ry[B] * [p - O] ]: values are of the \
+         electrode relative to the workpiece, right-handed; a table that carries the workpiece turns the other way.",
+    );
+    let reversed = w.post.axes.iter().filter(|a| a.reversed).map(|a| a.axis.letter().to_string());
+    let reversed: Vec<String> = reversed.collect();
+    if !reversed.is_empty() {
+        w.comment(&format!("This post counts the other way round: {}", reversed.join(" ")));
+    }
+    feed_comments(w, approved);
+}
+
+fn feed_comments(w: &mut Writer, approved: &Approved) {
+    let (feed, back) = (w.settings.feed_mm_per_min, w.settings.retract_mm_per_min);
+    w.comment(&format!("Feed {feed} mm/min, approach and retraction {back} mm/min"));
+    match w.post.feed.mode {
+        FeedMode::PerMinute => {
+            let path = approved.path();
+            let ratios = path.rows.windows(2).map(|pair| {
+                let (from, to) = (&pair[0].pose, &pair[1].pose);
+                let length = programmed_length(from, to);
+                let travel = fastest_point_travel(from, to, path.reference_point, &w.job.electrode);
+                if length > 0.0 { travel / length } else { 0.0 }
+            });
+            let fastest = ratios.fold(0.0, f64::max);
+            w.comment(
+                "F is the speed along X Y Z in blocks where any of them moves, and degrees per minute in blocks \
+                 where only rotary axes move.",
+            );
+            let speeds = format!("{:.1} mm/min at this feed and {:.1} mm/min retracting", feed * fastest, back * fastest);
+            w.comment(&format!("Taken so, the fastest electrode point moves at up to {speeds}."));
+        }
+        FeedMode::InverseTime => w.comment("F is 1 / minutes of the block, from the way of the fastest electrode point."),
+        FeedMode::Seconds => w.comment("F is the seconds of the block, from the way of the fastest electrode point."),
+    }
+}
+
+/// Approach, feed, burn, retraction.
+fn motion(w: &mut Writer, approved: &Approved) {
+    let (post, rows) = (w.post, &approved.path().rows);
+    let o = approved.path().reference_point;
+    w.block(&post.modes);
+    w.block(&post.exact_path);
+    w.comment("The way to the first position is NOT verified: have the electrode clear of the blisk, on its entry side.");
+    post.safe_start.iter().for_each(|line| w.block(line));
+    w.block(&post.feed.approach_word);
+    if let Some(first) = rows.first() {
+        let f = number(w.settings.retract_mm_per_min, post.feed.decimals);
+        w.block(&format!("{} {} F{f}", post.linear, w.axis_words(&first.pose)));
+    }
+    w.comment("Verified motion begins: feed to the final pose");
+    if post.feed.word != post.feed.approach_word {
+        w.block(&post.feed.word);
+    }
+    w.moves(rows.iter(), w.settings.feed_mm_per_min, o);
+    w.comment("Final pose. Put the burn here: generator, flushing and finishing motions are not part of this program.");
+    post.burn.iter().for_each(|line| w.block(line));
+    if w.settings.burn_dwell_s > 0.0 {
+        w.block(&post.dwell);
+    }
+    w.comment("Retraction along the same verified path");
+    w.moves(rows.iter().rev(), w.settings.retract_mm_per_min, o);
+    w.comment("Verified motion ends: electrode outside");
+    post.safe_end.iter().for_each(|line| w.block(line));
+}
+
+struct Writer<'a> {
+    post: &'a Post,
+    job: &'a NcJob<'a>,
+    settings: &'a NcSettings,
+    lines: Vec<String>,
+    number: Option<u32>,
+}
+
+impl<'a> Writer<'a> {
+    fn new(post: &'a Post, job: &'a NcJob<'a>, settings: &'a NcSettings) -> Self {
+        Self { post, job, settings, lines: Vec::new(), number: post.block_numbers.map(|n| n.first) }
+    }
+
+    /// One line as it is, with its placeholders filled.
+    fn raw(&mut self, line: &str) {
+        let line = self.filled(line);
+        self.lines.push(line);
+    }
+
+    /// One block, numbered; nothing for an empty one.
+    fn block(&mut self, words: &str) {
+        let words = self.filled(words);
+        if words.trim().is_empty() {
+            return;
+        }
+        self.lines.push(match self.number {
+            Some(n) => format!("N{n} {words}"),
+            None => words,
+        });
+        if let (Some(n), Some(numbers)) = (self.number, self.post.block_numbers) {
+            let next = n.checked_add(numbers.step).filter(|&next| next <= numbers.last);
+            self.number = Some(next.unwrap_or(numbers.first));
+        }
+    }
+
+    /// A comment, wrapped to the longest line. Whatever could end a comment or upset a control is replaced.
+    fn comment(&mut self, text: &str) {
+        let safe: String = text.chars().map(comment_character).collect();
+        let style = &self.post.comment;
+        let room = self.post.max_line_length.saturating_sub(style.open.len() + style.close.len()).max(1);
+        let mut line = String::new();
+        let mut lines = Vec::new();
+        for word in safe.split_whitespace() {
+            // Everything is ASCII here, so any byte is a place to cut.
+            for piece in word.as_bytes().chunks(room).map(String::from_utf8_lossy) {
+                if !line.is_empty() && line.len() + 1 + piece.len() > room {
+                    lines.push(std::mem::take(&mut line));
+                }
+                if !line.is_empty() {
+                    line.push(' ');
+                }
+                line.push_str(&piece);
+            }
+        }
+        lines.push(line);
+        self.lines.extend(lines.iter().map(|l| format!("{}{l}{}", style.open, style.close)));
+    }
+
+    /// Linear motion from the first of `rows`, where the electrode stands, through the others.
+    fn moves<'r>(&mut self, rows: impl Iterator<Item = &'r PathRow>, mm_per_min: f64, o: glam::DVec3) {
+        let mut last: Option<&PathRow> = None;
+        let mut fed = false;
+        for row in rows {
+            if let Some(last) = last {
+                let words = format!("{} {}", self.post.linear, self.axis_words(&row.pose));
+                let seconds = fastest_point_travel(&last.pose, &row.pose, o, &self.job.electrode) / mm_per_min * 60.0;
+                let f = match self.post.feed.mode {
+                    FeedMode::PerMinute => (!fed).then_some(mm_per_min),
+                    FeedMode::InverseTime => Some(60.0 / seconds.max(LEAST_BLOCK_SECONDS)),
+                    FeedMode::Seconds => Some(seconds.max(LEAST_BLOCK_SECONDS)),
+                };
+                let f = f.map(|f| format!(" F{}", number(f, self.post.feed.decimals))).unwrap_or_default();
+                self.block(&format!("{words}{f}"));
+                fed = true;
+            }
+            last = Some(row);
+        }
+    }
+
+    /// The words of every axis that the machine has.
+    fn axis_words(&self, pose: &Pose) -> String {
+        let of_machine = self.post.axes.iter().filter(|a| self.job.axes.contains(&a.axis));
+        let word = of_machine.map(|a| {
+            // `+ 0.0` keeps a reversed zero without a sign.
+            let value = if a.reversed { -pose.get(a.axis) } else { pose.get(a.axis) } + 0.0;
+            let decimals = self.post.decimals;
+            let text = if a.axis.is_rotary() { deg_text(value, decimals.deg) } else { mm_text(value, decimals.mm) };
+            format!("{}{text}", a.word)
+        });
+        word.collect::<Vec<_>>().join(" ")
+    }
+
+    fn filled(&self, line: &str) -> String {
+        let name_character = |c: char| if c.is_ascii_alphanumeric() || c == '_' || c == '-' { c } else { '_' };
+        let program: String = self.job.program.chars().map(name_character).collect();
+        line.replace("{program}", &program).replace("{seconds}", &number(self.settings.burn_dwell_s, 3))
+    }
+
+    fn finish(self) -> Result<String, NcError> {
+        let limit = self.post.max_line_length;
+        if let Some(line) = self.lines.iter().find(|l| l.len() > limit) {
+            let line = line.clone();
+            return Err(NcError::LineTooLong { length: line.len(), limit, line });
+        }
+        let end = if self.post.crlf { "\r\n" } else { "\n" };
+        Ok(self.lines.iter().flat_map(|l| [l.as_str(), end]).collect())
+    }
+}
+
+/// A positive number with `decimals` decimals that is never rounded to zero.
+fn number(value: f64, decimals: usize) -> String {
+    let least = 10f64.powi(-(decimals as i32));
+    format!("{:.decimals$}", value.max(least))
+}
+
+fn comment_character(c: char) -> char {
+    match c {
+        '(' => '[',
+        ')' => ']',
+        // Separators and expansions in one control or another.
+        ';' | '%' | '"' | '#' | '$' | '{' | '}' => '_',
+        c if c == ' ' || c.is_ascii_graphic() => c,
+        c if c.is_whitespace() => ' ',
+        _ => '?',
+    }
+}
+
+#[cfg(test)]
+#[path = "nc_tests.rs"]
+mod tests;

@@ -1,0 +1,161 @@
+use super::*;
+use crate::export::fixtures;
+use crate::export::path_csv::write_path_csv;
+
+const XYZAC: [Axis; 5] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::C];
+
+fn approved() -> Approved {
+    let path = fixtures::path();
+    let certificate = fixtures::certificate(&path);
+    Approved::new(path, certificate).unwrap()
+}
+
+fn job() -> NcJob<'static> {
+    let electrode = fixtures::electrode_bounds();
+    NcJob { program: "path_1", electrode_file: "electrode_1.stl", electrode, axes: &XYZAC }
+}
+
+fn program(post: &Post) -> String {
+    NcProgram::new(&approved(), post, &NcSettings::default(), &job()).unwrap().text().to_owned()
+}
+
+/// What an interpreter sees: the words of every block that moves, comments and block numbers dropped.
+fn moving_blocks(post: &Post, text: &str) -> Vec<Vec<(String, String)>> {
+    let code = |line: &str| match line.find(post.comment.open.trim()) {
+        Some(at) => line[..at].to_owned(),
+        None => line.to_owned(),
+    };
+    let word = |w: &str| {
+        let split = w.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(w.len());
+        (w[..split].to_owned(), w[split..].to_owned())
+    };
+    let blocks = text.lines().map(|l| code(l).split_whitespace().map(word).collect::<Vec<_>>());
+    blocks.filter(|b| b.iter().any(|(a, v)| a == "G" && v == "01")).collect()
+}
+
+fn value<'a>(block: &'a [(String, String)], address: &str) -> Option<&'a str> {
+    block.iter().find(|(a, _)| a == address).map(|(_, v)| v.as_str())
+}
+
+#[test]
+fn every_coordinate_is_the_number_of_the_path_file_there_and_back() {
+    let path = fixtures::path();
+    let csv = write_path_csv(&path, &fixtures::certificate(&path).row_clearance).unwrap();
+    let rows: Vec<Vec<&str>> = csv.lines().skip(2).map(|l| l.split(',').collect()).collect();
+    let expected: Vec<_> = rows.iter().chain(rows.iter().rev().skip(1)).collect();
+    for (name, _) in crate::export::post::BUILT_IN {
+        let post = Post::load(name, None).unwrap();
+        let blocks = moving_blocks(&post, &program(&post));
+        assert_eq!(blocks.len(), expected.len(), "{name}");
+        for (block, row) in blocks.iter().zip(&expected) {
+            for (address, column) in [("X", 2), ("Y", 3), ("Z", 4), ("A", 5), ("C", 7)] {
+                assert_eq!(value(block, address), Some(row[column]), "{name}");
+            }
+            assert_eq!(value(block, "B"), None, "the machine has no B axis");
+        }
+    }
+}
+
+#[test]
+fn a_reversed_axis_and_more_decimals_keep_the_value() {
+    let mut post = Post::load("iso", None).unwrap();
+    post.axes[3].reversed = true;
+    post.decimals.deg = 9;
+    let blocks = moving_blocks(&post, &program(&post));
+    for (block, row) in blocks.iter().zip(&fixtures::path().rows) {
+        let a: f64 = value(block, "A").unwrap().parse().unwrap();
+        assert_eq!((-a).to_radians() + 0.0, row.pose.a);
+    }
+    assert_eq!(value(&blocks[120], "A"), Some("0.000000000"));
+}
+
+/// The time of every block after the approach, as the control takes it (minutes).
+fn minutes(post: &Post, text: &str) -> Vec<f64> {
+    let f = |b: &Vec<(String, String)>| value(b, "F").unwrap().parse::<f64>().unwrap();
+    let blocks = moving_blocks(post, text);
+    let time = |f: f64| if post.feed.mode == FeedMode::Seconds { f / 60.0 } else { 1.0 / f };
+    blocks[1..].iter().map(f).map(time).collect()
+}
+
+#[test]
+fn block_times_move_the_fastest_electrode_point_at_the_feed() {
+    let path = fixtures::path();
+    let bounds = fixtures::electrode_bounds();
+    let corners = (0..8).map(|i| bounds.min + bounds.size() * glam::DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64));
+    let corners: Vec<_> = corners.collect();
+    for mode in [FeedMode::InverseTime, FeedMode::Seconds] {
+        let mut post = Post::load("beckhoff-edm", None).unwrap();
+        (post.feed.mode, post.feed.decimals) = (mode, 9);
+        let times = minutes(&post, &program(&post));
+        assert_eq!(times.len(), 240);
+        for (i, time) in times.iter().enumerate() {
+            let (from, to, feed) = if i < 120 { (i, i + 1, 5.0) } else { (240 - i, 239 - i, 50.0) };
+            let at = |row: usize, p| path.rows[row].pose.placement(path.reference_point).transform_point3(p);
+            let chord = corners.iter().map(|&p| at(from, p).distance(at(to, p))).fold(0.0, f64::max);
+            assert!((chord / time / feed - 1.0).abs() < 1e-4, "block {i}: {} mm/min", chord / time);
+        }
+    }
+}
+
+#[test]
+fn the_header_carries_the_certificate() {
+    let (post, a) = (Post::load("iso", None).unwrap(), approved());
+    let text = program(&post);
+    for part in ["0.10150 mm or more", "0.10320 mm", "121 rows", "electrode_1.stl", "0.10000 mm", &a.certificate().path_digest] {
+        assert!(text.contains(part), "{part}\n{text}");
+    }
+    assert!(text.find("G61").unwrap() < text.find("G01").unwrap(), "corners must not be rounded");
+    assert!(text.lines().all(|l| l.len() <= post.max_line_length && l.is_ascii()));
+}
+
+#[test]
+fn the_fastest_point_under_feed_per_minute_is_stated() {
+    let path = fixtures::path();
+    let bounds = fixtures::electrode_bounds();
+    let ratio = |w: &[PathRow]| {
+        fastest_point_travel(&w[0].pose, &w[1].pose, path.reference_point, &bounds) / programmed_length(&w[0].pose, &w[1].pose)
+    };
+    let fastest = path.rows.windows(2).map(ratio).fold(0.0, f64::max);
+    let text = program(&Post::load("iso", None).unwrap());
+    assert!(fastest > 1.0 && text.contains(&format!("{:.1} mm/min at this feed", 5.0 * fastest)), "{text}");
+}
+
+#[test]
+fn a_file_name_cannot_smuggle_in_a_block() {
+    for (name, _) in crate::export::post::BUILT_IN {
+        let post = Post::load(name, None).unwrap();
+        let evil = NcJob { electrode_file: "e)\nG01 Z-99\r\n;(%\u{2028}G01 Z-98 \u{202e}ü", program: "p)\nM30", ..job() };
+        let text = NcProgram::new(&approved(), &post, &NcSettings::default(), &evil).unwrap();
+        assert_eq!(moving_blocks(&post, text.text()), moving_blocks(&post, &program(&post)));
+        let lines = |t: &str| t.lines().filter(|l| !l.starts_with(post.comment.open.trim())).count();
+        assert_eq!(lines(text.text()), lines(&program(&post)));
+        assert!(text.text().is_ascii());
+    }
+}
+
+#[test]
+fn an_axis_that_is_not_there_is_an_error() {
+    let (post, settings) = (Post::load("iso", None).unwrap(), NcSettings::default());
+    let four = NcJob { axes: &[Axis::X, Axis::Y, Axis::Z, Axis::C], ..job() };
+    let error = NcProgram::new(&approved(), &post, &settings, &four).unwrap_err();
+    assert!(matches!(error, NcError::AxisNotOnMachine { axis: 'A', .. }));
+    let mut without_c = post.clone();
+    without_c.axes.retain(|a| a.axis != Axis::C);
+    let error = NcProgram::new(&approved(), &without_c, &settings, &job()).unwrap_err();
+    assert_eq!(error, NcError::AxisNotInPost { axis: 'C' });
+    let short = Post { max_line_length: 50, ..post.clone() };
+    assert!(matches!(NcProgram::new(&approved(), &short, &settings, &job()), Err(NcError::LineTooLong { .. })));
+    let still = NcSettings { feed_mm_per_min: f64::NAN, ..settings };
+    assert!(matches!(NcProgram::new(&approved(), &post, &still, &job()), Err(NcError::Setting { .. })));
+}
+
+#[test]
+fn block_numbers_start_again_rather_than_grow_too_long() {
+    let mut post = Post::load("iso", None).unwrap();
+    post.block_numbers = Some(crate::export::post::BlockNumbers { first: 5, step: 5, last: 100 });
+    let text = program(&post);
+    let numbers = text.lines().filter_map(|l| l.strip_prefix('N')?.split(' ').next()?.parse::<u32>().ok());
+    let numbers: Vec<_> = numbers.collect();
+    assert_eq!(&numbers[..3], [5, 10, 15]);
+    assert!(numbers.len() > 240 && numbers.iter().all(|n| (5..=100).contains(n)));
+}
