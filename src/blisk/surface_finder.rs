@@ -44,6 +44,11 @@ impl<'a> SurfaceFinder<'a> {
             .map_or(Surface::Elsewhere, |(_, surface)| surface)
     }
 
+    /// The point of the low wall nearest to `p`, in W.
+    pub fn nearest_on_low_wall(&self, p: DVec3) -> DVec3 {
+        self.low.nearest(p).point
+    }
+
     /// Distances from `p` to the low and to the high wall (mm, never negative).
     pub fn wall_distances(&self, p: DVec3) -> [f64; 2] {
         [&self.low, &self.high].map(|wall| wall.nearest(p).signed_distance.abs())

@@ -1,1 +1,211 @@
-//! cli
+//! Floor 6: the command line. Parses arguments, reads files, runs jobs, writes results, and answers with the exit
+//! codes of the contract:
+//!
+//! | code | meaning |
+//! | --- | --- |
+//! | 0 | done and verified |
+//! | 1 | internal error |
+//! | 2 | bad usage, bad input or unreadable file: one line on standard error |
+//! | 3 | the answer is no: no path, or a check failed; results are written all the same |
+//! | 130 | cancelled: nothing is written |
+
+mod inspect;
+mod plan;
+mod terminal;
+mod verify;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::mesh_io::{ImportOptions, Imported, Unit, import_file};
+use crate::progress::{Cancel, Cancelled, Progress};
+
+/// Plans, verifies and exports EDM electrode feed paths for shrouded blisks.
+#[derive(Debug, Parser)]
+#[command(version, arg_required_else_help = true, propagate_version = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+    /// Progress as one JSON object a line on standard error, and the answer as JSON on standard output.
+    #[arg(long, global = true)]
+    json: bool,
+    /// Threads to work on; the results do not depend on it [default: one per core].
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Seed of the genetic search, in place of the job's: the same seed gives the same bytes.
+    #[arg(long, global = true, value_name = "N")]
+    seed: Option<u64>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// The whole journey on the built-in demonstration blisk: plan, verify, export.
+    Demo {
+        /// Folder for the results, made if it is not there.
+        #[arg(long, value_name = "DIR")]
+        out: PathBuf,
+    },
+    /// Electrodes and their verified feed paths for a job file.
+    Plan {
+        /// The job file (TOML).
+        job: PathBuf,
+        /// Folder for the results, made if it is not there.
+        #[arg(long, value_name = "DIR")]
+        out: PathBuf,
+    },
+    /// Certifies a feed path file, whoever made it.
+    Verify(VerifyArguments),
+    /// What the importer and the channel finder make of a mesh.
+    Inspect(InspectArguments),
+}
+
+#[derive(Debug, Args)]
+struct VerifyArguments {
+    /// The finished blisk.
+    #[arg(long, value_name = "MESH")]
+    blisk: PathBuf,
+    /// The electrode in its final pose, in the coordinates of the blisk's mesh (mm).
+    #[arg(long, value_name = "MESH")]
+    electrode: PathBuf,
+    /// The feed path.
+    #[arg(long, value_name = "CSV")]
+    path: PathBuf,
+    /// Spark gap to be kept (mm).
+    #[arg(long, value_name = "MM")]
+    gap: f64,
+    /// How far below the gap is still accepted (mm).
+    #[arg(long, value_name = "MM", default_value_t = 0.002)]
+    tolerance: f64,
+    /// Unit of the blisk's mesh: auto, mm, cm, m, inch.
+    #[arg(long, value_name = "UNIT", default_value = "auto", value_parser = unit)]
+    units: Unit,
+    /// Folder for report.json, made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+struct InspectArguments {
+    /// The mesh: STL, OBJ, glTF or GLB.
+    mesh: PathBuf,
+    /// Unit of the mesh: auto, mm, cm, m, inch.
+    #[arg(long, value_name = "UNIT", default_value = "auto", value_parser = unit)]
+    units: Unit,
+    /// The axis: auto, x, y, z, or "dx,dy,dz,px,py,pz" (direction and a point).
+    #[arg(long, default_value = "auto")]
+    axis: String,
+    /// Number of blades [default: found].
+    #[arg(long, value_name = "N")]
+    blades: Option<usize>,
+    /// Which channel.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    channel: usize,
+    /// Hub radius [default: found].
+    #[arg(long, value_name = "MM")]
+    hub_radius: Option<f64>,
+    /// Shroud or tip radius [default: found].
+    #[arg(long, value_name = "MM")]
+    shroud_radius: Option<f64>,
+}
+
+fn unit(text: &str) -> Result<Unit, String> {
+    let value = toml::Value::String(text.to_owned());
+    value.try_into().map_err(|_| "expected auto, mm, cm, m or inch".to_owned())
+}
+
+/// How a command ended, short of an error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Answer {
+    /// Done and verified.
+    Yes,
+    /// The question has the answer no.
+    No,
+}
+
+/// What a command works with.
+struct Session {
+    progress: Progress,
+    cancel: Cancel,
+    json: bool,
+    seed: Option<u64>,
+}
+
+impl Session {
+    /// Imports a mesh file.
+    fn import(&self, path: &Path, units: Unit) -> anyhow::Result<Imported> {
+        let options = ImportOptions { units, ..Default::default() };
+        Ok(import_file(path, &options, &self.progress, &self.cancel)?)
+    }
+}
+
+/// A failure that is this program's own fault.
+#[derive(Debug, thiserror::Error)]
+#[error("internal error: {0}; please report it with the files that led to it")]
+struct Internal(String);
+
+/// Runs the program on the process's arguments.
+pub fn run() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return usage(&error),
+    };
+    if let Some(threads) = arguments.threads {
+        let built = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
+        if let Err(error) = built {
+            return report(&anyhow::Error::new(Internal(error.to_string())));
+        }
+    }
+    let cancel = Cancel::default();
+    let flag = cancel.clone();
+    if let Err(error) = ctrlc::set_handler(move || flag.cancel()) {
+        return report(&anyhow::Error::new(Internal(error.to_string())));
+    }
+    let session = Session { progress: terminal::progress(arguments.json), cancel, json: arguments.json, seed: arguments.seed };
+    // A panic is a fault of the program: it ends as one line and exit code 1, like any other.
+    std::panic::set_hook(Box::new(|_| {}));
+    let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| dispatch(&arguments.command, &session)));
+    terminal::finish();
+    match outcome {
+        Ok(Ok(Answer::Yes)) => ExitCode::SUCCESS,
+        Ok(Ok(Answer::No)) => ExitCode::from(3),
+        Ok(Err(error)) => report(&error),
+        Err(panic) => {
+            let text = panic.downcast_ref::<String>().cloned();
+            let text = text.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned())).unwrap_or_default();
+            report(&anyhow::Error::new(Internal(text)))
+        }
+    }
+}
+
+fn dispatch(command: &Command, session: &Session) -> anyhow::Result<Answer> {
+    match command {
+        Command::Demo { out } => plan::demo(out, session),
+        Command::Plan { job, out } => plan::plan(job, out, session),
+        Command::Verify(arguments) => verify::verify(arguments, session),
+        Command::Inspect(arguments) => inspect::inspect(arguments, session),
+    }
+}
+
+/// Help and version go to standard output with exit code 0; wrong usage is one line and exit code 2.
+fn usage(error: &clap::Error) -> ExitCode {
+    if !error.use_stderr() || error.kind() == clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        let _ = error.print();
+        return if error.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS };
+    }
+    let text = error.to_string();
+    let lines: Vec<&str> = text.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with("Usage:")).collect();
+    eprintln!("{}", lines.join("; ").replace("; For more information, try '--help'.", "; see --help"));
+    ExitCode::from(2)
+}
+
+/// One line on standard error, and the exit code that tells whose fault it is.
+fn report(error: &anyhow::Error) -> ExitCode {
+    if error.chain().any(|cause| cause.is::<Cancelled>()) {
+        eprintln!("cancelled; nothing was written");
+        return ExitCode::from(130);
+    }
+    eprintln!("error: {}", format!("{error:#}").split_whitespace().collect::<Vec<_>>().join(" "));
+    ExitCode::from(if error.is::<Internal>() { 1 } else { 2 })
+}

@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use super::pose::{Axis, Pose};
 use super::samples::{Cluster, Sample, cluster};
-use crate::blisk::electrode::ElectrodeFace;
+use crate::blisk::electrode::{ElectrodeFace, EntrySide};
 use crate::geometry::distance_field::DistanceField;
 
 /// How much clearance the search demands.
@@ -25,6 +25,7 @@ pub struct ClearanceModel<'a> {
     /// X extent of the blisk at the channel's radii (mm): beyond it, outside the field, there is nothing to meet.
     faces_x: [f64; 2],
     reference_point: DVec3,
+    side: EntrySide,
     samples: Vec<Sample>,
     /// Clearance of each sample in the final pose (mm).
     at_final: Vec<f64>,
@@ -77,13 +78,20 @@ impl<'a> ClearanceModel<'a> {
     /// Samples in a cluster, a balance between tests saved and balls that are too wide to decide.
     const CLUSTER: usize = 12;
 
-    /// A model of the electrode with these samples and reference point O (in W).
-    pub fn new(field: &'a DistanceField, faces_x: [f64; 2], reference_point: DVec3, mut samples: Vec<Sample>) -> Self {
+    /// A model of the electrode with these samples and reference point O (in W), withdrawn to `side`.
+    pub fn new(
+        field: &'a DistanceField,
+        faces_x: [f64; 2],
+        reference_point: DVec3,
+        side: EntrySide,
+        mut samples: Vec<Sample>,
+    ) -> Self {
         let clusters = cluster(&mut samples, Self::CLUSTER, |face| group(face) as u8);
         let mut model = Self {
             field,
             faces_x,
             reference_point,
+            side,
             at_final: Vec::new(),
             cluster_extra: vec![0.0; clusters.len()],
             samples,
@@ -103,6 +111,18 @@ impl<'a> ClearanceModel<'a> {
         self.reference_point
     }
 
+    /// The side that the electrode is withdrawn to.
+    pub fn side(&self) -> EntrySide {
+        self.side
+    }
+
+    /// The face of the sample nearest to the point `p` of the electrode.
+    pub fn face_at(&self, p: DVec3) -> ElectrodeFace {
+        let nearest =
+            self.samples.iter().min_by(|a, b| a.point.distance_squared(p).total_cmp(&b.point.distance_squared(p)));
+        nearest.map_or(ElectrodeFace::Holder, |s| s.face)
+    }
+
     /// The same model with further samples, or more demanding ones where it had them already.
     pub fn with_samples(&self, more: &[Sample]) -> Self {
         let mut samples = self.samples.clone();
@@ -112,7 +132,7 @@ impl<'a> ClearanceModel<'a> {
                 None => samples.push(*new),
             }
         }
-        let mut model = Self::new(self.field, self.faces_x, self.reference_point, samples);
+        let mut model = Self::new(self.field, self.faces_x, self.reference_point, self.side, samples);
         for (extra, c) in model.cluster_extra.iter_mut().zip(&model.clusters) {
             *extra = model.samples[c.start..c.end].iter().map(|s| s.extra).fold(0.0, f64::max);
         }

@@ -3,7 +3,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::path::{FeedPath, PathRow, quantised};
+use super::path::{FeedPath, PathRow};
+use super::quantise::quantise_path;
 use super::pose::{Axis, Pose};
 use super::search::Node;
 use crate::geometry::frame::Frame;
@@ -108,12 +109,12 @@ pub fn feed_path(curves: &AxisCurves, chord_error: f64, lever: Lever, given_in: 
         for k in 1..=pieces {
             let s = knots[i] + (knots[i + 1] - knots[i]) * k as f64 / pieces as f64;
             let node = if k == pieces { i + 1 } else { i };
-            rows.push(quantised(&PathRow { node, s, pose: curves.pose(s) }));
+            rows.push(PathRow { node, s, pose: curves.pose(s) });
         }
     }
     rows.reverse();
     let PathFrame { frame, reference_point, spark_gap } = given_in;
-    FeedPath { frame, reference_point, spark_gap, rows }
+    quantise_path(&FeedPath { frame, reference_point, spark_gap, rows })
 }
 
 #[cfg(test)]

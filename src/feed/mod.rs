@@ -9,6 +9,7 @@ pub mod interpolation;
 pub mod machine;
 pub mod objective;
 pub mod path;
+pub mod plan;
 pub mod pose;
 pub mod samples;
 pub mod quantise;

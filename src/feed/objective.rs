@@ -168,6 +168,13 @@ impl Objective {
         ObjectiveValue { smoothness, centring, total: self.weights.a3 * smoothness + self.weights.b3 * centring }
     }
 
+    /// Whether any wall sample is still between the blades at `pose`.
+    pub fn is_between_blades(&self, pose: &Pose) -> bool {
+        let place = pose.placement(self.reference_point);
+        let between = |p: &DVec3| (self.span_x[0]..=self.span_x[1]).contains(&place.transform_point3(*p).x);
+        self.low.iter().chain(&self.high).any(between)
+    }
+
     /// (4): for each axis the change of its rate between two steps over the time between them, as a share of
     /// the axis's range. With unequal steps, rates are increments per nominal step.
     fn smoothness(&self, motion: &StepMotion, before: &StepMotion) -> f64 {

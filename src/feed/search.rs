@@ -10,8 +10,9 @@ use super::genetic::{GeneticParams, GeneticStep};
 use super::machine::MachineParams;
 use super::objective::{Objective, ObjectiveValue, StepMotion};
 use super::pose::{Axis, Pose};
-use crate::blisk::channel::Surface;
+use crate::blisk::channel::{Channel, Surface};
 use crate::blisk::electrode::EntrySide;
+use crate::geometry::frame::Cylindrical;
 use crate::progress::{Cancel, Cancelled, Progress};
 
 /// How a path is searched for.
@@ -52,6 +53,8 @@ pub struct SearchProblem<'a> {
     pub side: EntrySide,
     /// Distance between nodes (mm).
     pub step: f64,
+    /// Stretches of withdrawn distance that are searched in finer steps, half for each stretch that holds it (mm).
+    pub fine: &'a [[f64; 2]],
     /// How far out of the blisk the electrode is withdrawn (mm).
     pub exit_clearance: f64,
     /// X extent of the blisk (mm).
@@ -151,6 +154,26 @@ pub struct Jam {
     pub lack: f64,
 }
 
+impl Jam {
+    /// Where and why the search ended, in one sentence.
+    pub fn sentence(&self, channel: &Channel) -> String {
+        let (at, on) = (self.on_blisk, Cylindrical::from_point(self.on_blisk));
+        format!(
+            "jams at node {} ({:.2} mm withdrawn) against the {} at x = {:.2}, r = {:.2} mm (W: {:.2}, {:.2}, {:.2}): \
+             {:.3} mm of clearance are missing there",
+            self.node,
+            self.s,
+            channel.surface_name(self.surface),
+            on.x,
+            on.r,
+            at.x,
+            at.y,
+            at.z,
+            self.lack
+        )
+    }
+}
+
 /// The answer of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SearchOutcome {
@@ -165,6 +188,8 @@ pub struct SearchOutcome {
 impl SearchProblem<'_> {
     /// Times that a step is halved before the search gives up.
     const HALVINGS: i32 = 4;
+    /// Most times that it is halved from the start where the verifier asked for finer steps.
+    const FINEST: usize = 3;
     /// Poses between two nodes at which the motion is tested.
     const BETWEEN: usize = 4;
 
@@ -298,16 +323,57 @@ impl SearchProblem<'_> {
         nodes: &[Node],
         cancel: &Cancel,
     ) -> Result<Option<(Node, Convergence)>, Cancelled> {
-        for halving in 0..=Self::HALVINGS {
+        if let Some(coasting) = self.coast(nodes) {
+            return Ok(Some(coasting));
+        }
+        for halving in self.first_halving(nodes)..=Self::HALVINGS {
             let task = self.task(nodes, 0.5f64.powi(halving));
             let (candidates, trace) = self.candidates(strategy, &task, cancel)?;
             if let Some(chosen) = candidates.iter().find(|c| self.motion_is_free(&task, c)) {
-                let clearance = self.model.least_clearance(&chosen.pose).0;
-                let node = Node { s: task.s, pose: chosen.pose, h: chosen.h, clearance, objective: chosen.objective };
-                return Ok(Some((node, trace)));
+                return Ok(Some((self.node(&task, chosen), trace)));
             }
         }
         Ok(None)
+    }
+
+    /// How often the step is halved at first: so that it is at most twice the last one, and as often as the
+    /// verifier asked for here.
+    fn first_halving(&self, nodes: &[Node]) -> i32 {
+        let [.., before, last] = nodes else { return 0 };
+        let fine = self.fine.iter().filter(|[from, to]| (*from..*to).contains(&last.s)).count();
+        let narrow = (self.step / (2.0 * (last.s - before.s))).log2().ceil().max(0.0) as i32;
+        narrow.max(fine.min(Self::FINEST) as i32).min(Self::HALVINGS)
+    }
+
+    /// Once the electrode's walls have left the blades there is nothing left to keep to the middle of: its axes run
+    /// down to rest, each step a share of the one before, as long as that is free with room to spare.
+    fn coast(&self, nodes: &[Node]) -> Option<(Node, Convergence)> {
+        const SHARE: f64 = 0.75;
+        const ROOM: f64 = 3.0;
+        let task = self.task(nodes, 1.0);
+        if nodes.len() < 3 || self.objective.is_between_blades(&task.from) {
+            return None;
+        }
+        let rates = task.before.increments;
+        let ratio = SHARE.powf(task.before.duration) * task.duration / task.before.duration;
+        let mut q = task.from.to_array();
+        for (value, rate) in q.iter_mut().zip(rates).skip(1) {
+            *value += rate * ratio;
+        }
+        q[0] = task.x;
+        let pose = Pose::from_array(q);
+        let objective = self.objective.value(&pose, task.h_so_far, &task.motion_to(&pose), &task.before);
+        let candidate = Candidate { pose, h: task.h_so_far, objective };
+        let node = self.node(&task, &candidate);
+        let roomy = node.clearance >= ROOM * (self.demand.spark_gap + self.demand.margin);
+        let free =
+            roomy && self.is_free(&pose, task.s, task.h_so_far, &mut 0) && self.motion_is_free(&task, &candidate);
+        free.then(|| (node, Convergence { s: task.s, best: Vec::new(), mean: Vec::new() }))
+    }
+
+    fn node(&self, task: &NodeTask, chosen: &Candidate) -> Node {
+        let clearance = self.model.least_clearance(&chosen.pose).0;
+        Node { s: task.s, pose: chosen.pose, h: chosen.h, clearance, objective: chosen.objective }
     }
 
     /// The place that stops the electrode: where the pose that comes nearest to being free, climbing from the

@@ -300,6 +300,7 @@ impl Run<'_> {
         let mut contacts: Vec<_> = at_rows.iter().chain(&between.found).copied().collect();
         contacts.sort_by(|p, q| p.distance.total_cmp(&q.distance).then(p.row.total_cmp(&q.row)));
         Ok(Certificate {
+            path_digest: self.path.digest(),
             required: self.path.spark_gap,
             tolerance: self.options.tolerance_mm,
             certified: between.certified,

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::coding::{Coding, Genes, chromosome_bits, cross};
 use super::{GeneticParams, ReductionMode};
-use crate::feed::objective::{ObjectiveValue, StepMotion};
+use crate::feed::objective::ObjectiveValue;
 use crate::feed::pose::{Axis, Pose};
 use crate::feed::search::{Candidate, Convergence, NodeTask, SearchProblem};
 use crate::progress::{Cancel, Cancelled};

@@ -1,0 +1,53 @@
+//! `sparkpath inspect`: what the importer and the channel finder make of a mesh.
+
+use super::{Answer, InspectArguments, Session};
+use crate::blisk::{Auto, AxisChoice, BliskOptions, inspect as inspect_blisk};
+
+/// Prints what was found in the mesh of `arguments`.
+pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow::Result<Answer> {
+    let options = options(arguments)?;
+    let imported = session.import(&arguments.mesh, arguments.units)?;
+    let inspection = inspect_blisk(&imported.mesh, &options, &session.progress, &session.cancel);
+    super::terminal::finish();
+    if session.json {
+        let blisk = match &inspection {
+            Ok(inspection) => serde_json::to_value(inspection)?,
+            Err(error) => serde_json::json!({ "error": error.to_string() }),
+        };
+        let all = serde_json::json!({ "sha256": imported.sha256, "import": imported.report, "blisk": blisk });
+        println!("{}", serde_json::to_string_pretty(&all)?);
+    } else {
+        println!("{}", imported.report);
+        if let Ok(inspection) = &inspection {
+            println!("{inspection}");
+        }
+    }
+    match inspection {
+        Ok(_) => Ok(Answer::Yes),
+        Err(error) => Err(anyhow::Error::new(error).context(arguments.mesh.display().to_string())),
+    }
+}
+
+fn options(arguments: &InspectArguments) -> anyhow::Result<BliskOptions> {
+    let auto = |value: Option<f64>| value.map_or(Auto::Auto, Auto::Given);
+    Ok(BliskOptions {
+        axis: axis(&arguments.axis)?,
+        blades: arguments.blades.map_or(Auto::Auto, Auto::Given),
+        channel: arguments.channel,
+        hub_radius_mm: auto(arguments.hub_radius),
+        shroud_radius_mm: auto(arguments.shroud_radius),
+        ..Default::default()
+    })
+}
+
+/// `auto`, `x`, `y`, `z`, or six numbers: direction and point.
+fn axis(text: &str) -> anyhow::Result<AxisChoice> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|n| n.trim().parse::<f64>()).collect();
+    let value = match numbers.as_deref() {
+        Ok([dx, dy, dz, px, py, pz]) => serde_json::json!({ "direction": [dx, dy, dz], "point": [px, py, pz] }),
+        _ => serde_json::json!(text),
+    };
+    serde_json::from_value(value).map_err(|_| {
+        anyhow::anyhow!("--axis {text}: expected auto, x, y, z, or six numbers dx,dy,dz,px,py,pz (direction and point)")
+    })
+}

@@ -1,0 +1,105 @@
+//! `sparkpath plan` and `sparkpath demo`.
+
+use std::path::Path;
+
+use super::{Answer, Session};
+use crate::blisk::electrode::EnterSide;
+use crate::blisk::parametric::ParametricBlisk;
+use crate::export::post::Post;
+use crate::export::report::{InputFile, Report};
+use crate::jobs::plan::{PlanInputs, PlanOutcome, run};
+use crate::jobs::plan_files;
+use crate::jobs::plan_report;
+use crate::mesh_io::{Imported, Unit};
+use crate::project::PlanJob;
+
+/// Plans the job in the file `job_file` and writes its results into `out`.
+pub(super) fn plan(job_file: &Path, out: &Path, session: &Session) -> anyhow::Result<Answer> {
+    let mut job = PlanJob::read(job_file)?;
+    let Some(mesh) = job.blisk.mesh.clone() else { anyhow::bail!("{}: [blisk] mesh is missing", job_file.display()) };
+    if let Some(seed) = session.seed {
+        job.genetic.seed = seed;
+    }
+    let blisk = session.import(&mesh, job.blisk.units)?;
+    let mut files = vec![input_file("blisk", &mesh, &blisk)];
+    let own = match &job.electrode.mesh {
+        Some(path) => {
+            // The user's electrode stands in the blisk's coordinates after conversion, as our own files do.
+            let own = session.import(path, Unit::Mm)?;
+            files.push(input_file("electrode", path, &own));
+            Some(own.mesh)
+        }
+        None => None,
+    };
+    finish(&PlanInputs { blisk: blisk.mesh, own_electrode: own, job }, files, out, session)
+}
+
+/// The whole journey on the built-in blisk.
+pub(super) fn demo(out: &Path, session: &Session) -> anyhow::Result<Answer> {
+    let mut job = PlanJob::demonstration();
+    job.electrode.params.enter = EnterSide::Auto;
+    if let Some(seed) = session.seed {
+        job.genetic.seed = seed;
+    }
+    let blisk = ParametricBlisk::demonstration().mesh()?;
+    let file = InputFile {
+        role: "blisk".to_owned(),
+        path: "built-in demonstration blisk".to_owned(),
+        triangles: blisk.triangles.len(),
+        unit: "mm".to_owned(),
+        unit_reason: "made by this program".to_owned(),
+        ..Default::default()
+    };
+    finish(&PlanInputs { blisk, own_electrode: None, job }, vec![file], out, session)
+}
+
+fn finish(inputs: &PlanInputs, files: Vec<InputFile>, out: &Path, session: &Session) -> anyhow::Result<Answer> {
+    // A post that does not exist should not be found out after the work.
+    let post = Post::load(&inputs.job.export.post, None)?;
+    let outcome = run(inputs, &session.progress, &session.cancel)?;
+    let report = plan_report::report(&outcome, &inputs.job, files);
+    session.cancel.check()?;
+    let written = plan_files::write(out, &outcome, &inputs.job, &post, report.clone())?;
+    super::terminal::finish();
+    if session.json {
+        println!("{}", report.json());
+    } else {
+        print_summary(&report, &outcome, &written, out);
+    }
+    Ok(if outcome.is_verified() { Answer::Yes } else { Answer::No })
+}
+
+fn input_file(role: &str, path: &Path, imported: &Imported) -> InputFile {
+    let report = &imported.report;
+    InputFile {
+        role: role.to_owned(),
+        path: path.display().to_string(),
+        sha256: imported.sha256.clone(),
+        triangles: report.triangles_read,
+        unit: report.unit.to_string(),
+        unit_reason: report.unit_reason.clone(),
+        repairs: report.warnings.clone(),
+    }
+}
+
+fn print_summary(report: &Report, outcome: &PlanOutcome, written: &[String], out: &Path) {
+    let blisk = &report.blisk;
+    println!("blisk      {} blades, channel {}, throat {:.3} mm, turning {:.1} deg", blisk.blades, blisk.channel,
+        blisk.throat_mm, blisk.turning_deg);
+    for assumed in &blisk.assumed {
+        println!("           assumed: {assumed}");
+    }
+    for (e, o) in report.electrodes.iter().zip(&outcome.electrodes) {
+        println!("electrode {} enters from {}: volume {:.1} mm3, least thickness {:.3} mm, burn area {:.1} mm2", e.index,
+            e.enters_from, e.volume_mm3, o.electrode.least_thickness_mm, o.electrode.burn_area_mm2);
+        println!("           {} nodes, {} searches, {} samples", e.nodes.len(), o.plan.rounds, o.plan.samples);
+    }
+    for symbol in &report.symbols {
+        println!("           {:10} {:>22} {:4} {}", symbol.symbol, symbol.value, symbol.unit, symbol.meaning);
+    }
+    for time in &report.times {
+        println!("time       {:16} {:8.3} s", time.stage, time.seconds);
+    }
+    println!("files      {} in {}", written.join(", "), out.display());
+    println!("{}", report.verdict.sentence);
+}

@@ -1,0 +1,212 @@
+//! The outcome of a plan in the words of the report.
+
+use super::plan::{ElectrodeOutcome, PlanOutcome};
+use crate::blisk::channel::Channel;
+use crate::blisk::electrode::EntrySide;
+use crate::export::report::{
+    BliskSummary, ClearancePlace, Convergence, ElectrodeReport, InputFile, Jam, Motion, NodeReport, ObjectiveReport,
+    PoseReport, Report, SCHEMA, Smoothness, Symbol, Verdict,
+};
+use crate::feed::genetic::GeneticParams;
+use crate::feed::genetic::coding::Coding;
+use crate::feed::plan::{FeedPlan, PlannedPath};
+use crate::feed::pose::Axis;
+use crate::project::PlanJob;
+
+/// The report on `outcome`, without pictures. `inputs` tells which files it was made from.
+pub fn report(outcome: &PlanOutcome, job: &PlanJob, inputs: Vec<InputFile>) -> Report {
+    let electrodes = outcome.electrodes.iter().enumerate().map(|(i, e)| electrode(i + 1, e, outcome, job)).collect();
+    Report {
+        schema: SCHEMA,
+        program_version: env!("CARGO_PKG_VERSION").to_owned(),
+        verdict: verdict(outcome),
+        inputs,
+        blisk: BliskSummary::of(&outcome.channel),
+        parameters: serde_json::to_value(job).unwrap_or_default(),
+        symbols: symbols(outcome, job),
+        electrodes,
+        times: outcome.times.clone(),
+        pictures: Vec::new(),
+    }
+}
+
+fn verdict(outcome: &PlanOutcome) -> Verdict {
+    let sentences: Vec<String> = outcome
+        .electrodes
+        .iter()
+        .enumerate()
+        .map(|(i, e)| {
+            let tried = e.tried.iter().map(|(side, why)| format!(" Towards {} it {why}.", side_name(*side)));
+            let verdict = e.plan.verdict(&outcome.channel);
+            format!("Electrode {} towards {} {verdict}.{}", i + 1, side_name(e.electrode.enters_from), tried.collect::<String>())
+        })
+        .collect();
+    Verdict { exit_code: if outcome.is_verified() { 0 } else { 3 }, sentence: sentences.join(" ") }
+}
+
+fn side_name(side: EntrySide) -> &'static str {
+    match side {
+        EntrySide::MinusX => "-x",
+        EntrySide::PlusX => "+x",
+    }
+}
+
+fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job: &PlanJob) -> ElectrodeReport {
+    let ElectrodeOutcome { electrode, plan, .. } = outcome;
+    let certificate = plan.path.as_ref().map(|p| &p.certificate);
+    let place = |c: &crate::feed::certificate::Certificate| {
+        ClearancePlace::of(&c.least, whole.channel.surface_name(c.least.surface))
+    };
+    ElectrodeReport {
+        index,
+        enters_from: side_name(electrode.enters_from).to_owned(),
+        extractable: plan.path.is_some(),
+        verified: plan.is_verified(),
+        required_clearance_mm: job.electrode.params.spark_gap_mm,
+        certified_clearance_mm: certificate.map(|c| c.certified),
+        least_clearance_mm: certificate.map(|c| c.least.distance),
+        least_clearance_at: certificate.map(place),
+        nodes: nodes(plan),
+        smoothness: plan.path.as_ref().map_or(Vec::new(), smoothness),
+        volume_mm3: electrode.volume_mm3,
+        least_thickness_mm: Some(electrode.least_thickness_mm),
+        burn_area_mm2: Some(electrode.burn_area_mm2),
+        ga_convergence: convergence(plan),
+        failure: jam(plan, &whole.channel),
+        files: Vec::new(),
+        motion: plan.path.as_ref().map(|p| Motion {
+            rows: p.path.rows.clone(),
+            clearance: p.certificate.row_clearance.clone(),
+        }),
+    }
+}
+
+fn nodes(plan: &FeedPlan) -> Vec<NodeReport> {
+    let objective = |n: &crate::feed::search::Node| ObjectiveReport {
+        smoothness: n.objective.smoothness,
+        centring: n.objective.centring,
+        total: n.objective.total,
+    };
+    plan.nodes
+        .iter()
+        .enumerate()
+        .map(|(node, n)| NodeReport {
+            node,
+            s_mm: n.s,
+            pose: PoseReport::from(&n.pose),
+            clearance_mm: n.clearance,
+            objective: Some(objective(n)),
+        })
+        .collect()
+}
+
+fn smoothness(path: &PlannedPath) -> Vec<Smoothness> {
+    let moving = Axis::ALL.into_iter().zip(&path.smoothness).filter(|(_, s)| s.total_variation > 0.0);
+    moving
+        .map(|(axis, s)| Smoothness {
+            axis: axis.letter(),
+            unit: if axis.is_rotary() { "deg" } else { "mm" },
+            total_variation: s.total_variation,
+            rms_second_difference: s.rms_second_difference,
+            max_second_difference: s.max_second_difference,
+            sign_changes_first_difference: s.sign_changes,
+        })
+        .collect()
+}
+
+fn convergence(plan: &FeedPlan) -> Vec<Convergence> {
+    // The search of node i + 1 is trace i; nodes that were coasted to have none.
+    let searched = plan.convergence.iter().enumerate().filter(|(_, c)| !c.best.is_empty());
+    searched.map(|(i, c)| Convergence { node: i + 1, best: c.best.clone(), mean: c.mean.clone() }).collect()
+}
+
+fn jam(plan: &FeedPlan, channel: &Channel) -> Option<Jam> {
+    plan.jam.as_ref().map(|j| Jam {
+        node: j.node,
+        s_mm: j.s,
+        wall: channel.surface_name(j.surface).to_owned(),
+        place: j.on_blisk.to_array(),
+        sentence: format!(
+            "The electrode {}. More circumferential reduction on that wall, another division or the other side of entry may \
+             open the way.",
+            j.sentence(channel)
+        ),
+    })
+}
+
+/// The papers' symbols with the values they had.
+fn symbols(outcome: &PlanOutcome, job: &PlanJob) -> Vec<Symbol> {
+    let symbol = |symbol: &str, meaning: &str, value: String, unit: &str| Symbol {
+        symbol: symbol.to_owned(),
+        meaning: meaning.to_owned(),
+        value,
+        unit: unit.to_owned(),
+    };
+    let Some(first) = outcome.electrodes.first() else { return Vec::new() };
+    let (params, weights) = (&job.electrode.params, job.plan.weights.normalised(&job.machine.axes.axes()[1..]));
+    let [low, high] = params.circumferential_reduction_deg;
+    let summary = BliskSummary::of(&outcome.channel);
+    let h = first.plan.h.to_degrees();
+    let mut list = vec![
+        symbol("R_h", "hub radius over the blades", range_text(summary.hub_radius_mm), "mm"),
+        symbol("R_c", "shroud (or tip) radius over the blades", range_text(summary.shroud_radius_mm), "mm"),
+        symbol("theta", "angle between neighbouring blades", text(360.0 / outcome.channel.blades as f64), "deg"),
+        symbol("delta", "spark gap", text(params.spark_gap_mm), "mm"),
+        symbol("h", "circumferential reduction, low and high wall", range_text([low + h, high + h]), "deg"),
+        symbol("x_1 - x_0", "distance of nodes", text(job.plan.step_mm), "mm"),
+    ];
+    for (name, meaning, value) in [
+        ("a1", "weight of Z in (4)", weights.a1),
+        ("b1", "weight of Y in (4)", weights.b1),
+        ("c1", "weight of C in (4)", weights.c1),
+        ("d1", "weight of A in (4), not in the paper", weights.d1),
+        ("e1", "weight of B in (4), not in the paper", weights.e1),
+        ("a2", "weight of equal distances in (5)", weights.a2),
+        ("b2", "weight of S_L in (5)", weights.b2),
+        ("c2", "weight of S_R in (5)", weights.c2),
+        ("a3", "weight of smoothness in (6)", weights.a3),
+        ("b3", "weight of centring in (6)", weights.b3),
+    ] {
+        list.push(symbol(name, meaning, text(value), "1"));
+    }
+    list.push(symbol("Delta1", "distance kept from hub and shroud by the angle test", text(job.plan.angle.delta1_mm), "mm"));
+    list.push(symbol("Delta2", "angle kept by the angle test", text(job.plan.angle.delta2_deg), "deg"));
+    for axis in [Axis::Z, Axis::Y, Axis::A, Axis::B, Axis::C] {
+        list.extend(range_symbols(axis, first.plan.ranges[axis as usize], &job.genetic, &symbol));
+    }
+    list.push(symbol("p_c", "k1 = k3: probability of crossover", text(job.genetic.crossover), "1"));
+    list.push(symbol("p_m", "k2 = k4: probability of mutation of a gene", text(job.genetic.mutation), "1"));
+    list
+}
+
+/// The range of an axis by (7) and the bits it is coded with by (8).
+fn range_symbols(
+    axis: Axis,
+    range: f64,
+    genetic: &GeneticParams,
+    symbol: &impl Fn(&str, &str, String, &str) -> Symbol,
+) -> Vec<Symbol> {
+    if range <= 0.0 {
+        return Vec::new();
+    }
+    let (half, unit, precision) = if axis.is_rotary() {
+        ((0.5 * range).to_degrees(), "deg", genetic.precision_deg)
+    } else {
+        (0.5 * range, "mm", genetic.precision_mm)
+    };
+    let letter = axis.letter();
+    let bits = Coding::new(-half, half, precision).bits;
+    vec![
+        symbol(&format!("Delta_{letter}"), "range of motion in one step (7)", format!("+-{}", text(half)), unit),
+        symbol(&format!("N_{letter}"), "bits of the code (8)", bits.to_string(), "bit"),
+    ]
+}
+
+fn text(value: f64) -> String {
+    let rounded = (value * 1e4).round() / 1e4;
+    format!("{rounded}")
+}
+
+fn range_text([a, b]: [f64; 2]) -> String {
+    if (a - b).abs() < 5e-5 { text(a) } else { format!("{} to {}", text(a), text(b)) }
+}

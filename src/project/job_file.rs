@@ -1,0 +1,288 @@
+//! The TOML job file of `sparkpath plan`. Every key but the mesh has a default, and a key that is not known is
+//! an error, since a misspelt one would otherwise be ignored in silence.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::blisk::BliskOptions;
+use crate::blisk::electrode::ElectrodeParams;
+use crate::export::nc::NcSettings;
+use crate::feed::genetic::GeneticParams;
+use crate::feed::machine::MachineParams;
+use crate::feed::plan::PlanParams;
+use crate::feed::verify::VerifyOptions;
+use crate::mesh_io::Unit;
+
+/// A job: what to plan, with what, and how.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PlanJob {
+    /// `[blisk]`: mesh and unit, and how its channel is found.
+    pub blisk: BliskSection,
+    /// `[electrode]`: how the electrode is made, or the user's own.
+    pub electrode: ElectrodeSection,
+    /// `[machine]`
+    pub machine: MachineParams,
+    /// `[plan]`
+    pub plan: PlanParams,
+    /// `[genetic]`
+    pub genetic: GeneticParams,
+    /// `[verify]`
+    pub verify: VerifyOptions,
+    /// `[export]`
+    pub export: ExportSection,
+}
+
+/// `[blisk]`
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BliskSection {
+    /// Mesh file; none for the built-in demonstration blisk.
+    pub mesh: Option<PathBuf>,
+    /// Unit of the mesh file.
+    pub units: Unit,
+    /// The other keys.
+    #[serde(flatten)]
+    pub options: BliskOptions,
+}
+
+/// `[electrode]`
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ElectrodeSection {
+    /// The user's own electrode in its final pose, in the coordinates of the blisk's mesh; none to make one.
+    pub mesh: Option<PathBuf>,
+    /// Whether reductions are given or found.
+    pub size: Size,
+    /// The other keys.
+    #[serde(flatten)]
+    pub params: ElectrodeParams,
+}
+
+/// Where the electrode's reductions come from.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Size {
+    /// From the job file.
+    #[default]
+    Given,
+}
+
+/// `[export]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ExportSection {
+    /// Post-processor: `"iso"`, another built-in one, or the path of a TOML file.
+    pub post: String,
+    /// Speeds and times.
+    pub nc: NcSettings,
+}
+
+impl Default for ExportSection {
+    fn default() -> Self {
+        Self { post: "iso".to_owned(), nc: NcSettings::default() }
+    }
+}
+
+/// Why a job file cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum JobFileError {
+    /// It cannot be read.
+    #[error("{path}: cannot be read ({source}); check the path")]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// It is not valid TOML, or a key is unknown or of the wrong kind.
+    #[error("{path}: {place}{message}")]
+    Invalid {
+        /// The file.
+        path: PathBuf,
+        /// Line and column, or section, with its separator; may be empty.
+        place: String,
+        /// What is wrong and what to do.
+        message: String,
+    },
+}
+
+impl PlanJob {
+    /// A job on the built-in demonstration blisk, all else by default.
+    pub fn demonstration() -> Self {
+        Self {
+            blisk: BliskSection { mesh: None, units: Unit::default(), options: BliskOptions::default() },
+            electrode: ElectrodeSection { mesh: None, size: Size::Given, params: ElectrodeParams::default() },
+            machine: MachineParams::default(),
+            plan: PlanParams::default(),
+            genetic: GeneticParams::default(),
+            verify: VerifyOptions::default(),
+            export: ExportSection::default(),
+        }
+    }
+
+    /// Reads a job file. Paths in it are relative to its folder.
+    pub fn read(path: &Path) -> Result<Self, JobFileError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| JobFileError::Unreadable { path: path.to_owned(), source })?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Self::parse(&text, folder).map_err(|Problem { place, message }| JobFileError::Invalid {
+            path: path.to_owned(),
+            place,
+            message,
+        })
+    }
+
+    fn parse(text: &str, folder: &Path) -> Result<Self, Problem> {
+        let mut table: toml::Table = toml::from_str(text).map_err(|error| {
+            let place = error.span().map_or(String::new(), |span| {
+                let before = &text[..span.start.min(text.len())];
+                let line = before.matches('\n').count() + 1;
+                format!("line {line}: ")
+            });
+            Problem { place, message: one_line(error.message()) }
+        })?;
+        let mut blisk = take_table(&mut table, "blisk")?;
+        let mut electrode = take_table(&mut table, "electrode")?;
+        let mesh: Option<PathBuf> = take(&mut blisk, "blisk", "mesh")?;
+        let Some(mesh) = mesh else {
+            return Err(Problem::at("[blisk] ", "mesh is missing; give the mesh file, as in mesh = \"part.stl\""));
+        };
+        let units = take(&mut blisk, "blisk", "units")?.unwrap_or_default();
+        let own: Option<PathBuf> = take(&mut electrode, "electrode", "mesh")?;
+        let size = take(&mut electrode, "electrode", "size")?.unwrap_or_default();
+        let job = Self {
+            blisk: BliskSection { mesh: Some(folder.join(mesh)), units, options: section(blisk, "blisk")? },
+            electrode: ElectrodeSection {
+                mesh: own.map(|p| folder.join(p)),
+                size,
+                params: section(electrode, "electrode")?,
+            },
+            machine: section(take_table(&mut table, "machine")?, "machine")?,
+            plan: section(take_table(&mut table, "plan")?, "plan")?,
+            genetic: section(take_table(&mut table, "genetic")?, "genetic")?,
+            verify: section(take_table(&mut table, "verify")?, "verify")?,
+            export: section(take_table(&mut table, "export")?, "export")?,
+        };
+        match table.keys().next() {
+            None => Ok(job),
+            Some(other) => Err(Problem::at(
+                &format!("[{other}] "),
+                "is no section of a plan; there are [blisk], [electrode], [machine], [plan], [genetic], [verify], [export]",
+            )),
+        }
+    }
+}
+
+struct Problem {
+    place: String,
+    message: String,
+}
+
+impl Problem {
+    fn at(place: &str, message: &str) -> Self {
+        Self { place: place.to_owned(), message: message.to_owned() }
+    }
+}
+
+fn one_line(message: &str) -> String {
+    message.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn take_table(table: &mut toml::Table, name: &str) -> Result<toml::Table, Problem> {
+    match table.remove(name) {
+        None => Ok(toml::Table::new()),
+        Some(toml::Value::Table(section)) => Ok(section),
+        Some(_) => Err(Problem::at(&format!("{name}: "), &format!("must be a section; write [{name}]"))),
+    }
+}
+
+fn take<T: for<'a> Deserialize<'a>>(table: &mut toml::Table, section: &str, key: &str) -> Result<Option<T>, Problem> {
+    table
+        .remove(key)
+        .map(|value| value.try_into())
+        .transpose()
+        .map_err(|e: toml::de::Error| Problem::at(&format!("[{section}] {key}: "), &one_line(e.message())))
+}
+
+fn section<T: for<'a> Deserialize<'a>>(table: toml::Table, name: &str) -> Result<T, Problem> {
+    toml::Value::Table(table)
+        .try_into()
+        .map_err(|e: toml::de::Error| Problem::at(&format!("[{name}] "), &one_line(&e.to_string())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> Result<PlanJob, String> {
+        PlanJob::parse(text, Path::new("jobs")).map_err(|p| p.place + &p.message)
+    }
+
+    #[test]
+    fn a_mesh_is_all_a_job_needs() {
+        let job = parse("[blisk]\nmesh = \"part.stl\"").unwrap();
+        let demonstration = PlanJob::demonstration();
+        assert_eq!(job.blisk.mesh.as_deref(), Some(Path::new("jobs/part.stl")));
+        assert_eq!((job.plan, job.genetic, job.machine), (demonstration.plan, demonstration.genetic, demonstration.machine));
+    }
+
+    #[test]
+    fn the_keys_of_the_contract_are_understood() {
+        let job = parse(
+            r#"
+            [blisk]
+            mesh = "part.stl"
+            units = "mm"
+            axis = "auto"
+            blades = "auto"
+            channel = 0
+            hub_radius_mm = "auto"
+            shroud_radius_mm = 125.0
+            [electrode]
+            spark_gap_mm = 0.10
+            circumferential_reduction_deg = [0.8, 0.9]
+            radial_reduction_mm = 0.5
+            parts = 1
+            overlap_mm = 1.0
+            enter = "-x"
+            size = "given"
+            [machine]
+            axes = "XYZAC"
+            [plan]
+            strategy = "genetic"
+            step_mm = 0.5
+            exit_clearance_mm = 5.0
+            margin_mm = 0.0
+            [plan.weights]
+            a3 = 0.5
+            b3 = 0.5
+            [genetic]
+            population = 30
+            generations = 10
+            crossover = 0.8
+            mutation = 0.1
+            seed = 7
+            [verify]
+            tolerance_mm = 0.002
+            "#,
+        )
+        .unwrap();
+        assert_eq!(job.electrode.params.circumferential_reduction_deg, [0.8, 0.9]);
+        assert_eq!((job.genetic.seed, job.plan.weights.a3), (7, 0.5));
+    }
+
+    #[test]
+    fn mistakes_are_named_with_their_place() {
+        for (text, named) in [
+            ("[blisk]\n", "mesh"),
+            ("[blisk]\nmesh = \"a.stl\"\nblade = 3", "blade"),
+            ("[blisk]\nmesh = 7", "[blisk] mesh"),
+            ("[blisk]\nmesh = \"a.stl\"\n[plan]\nstep_mm = \"wide\"", "[plan]"),
+            ("[blisk]\nmesh = \"a.stl\"\n[genetics]\nseed = 2", "[genetics]"),
+            ("[blisk\nmesh = 1", "line 1"),
+            ("blisk = 3", "blisk"),
+        ] {
+            let message = parse(text).unwrap_err();
+            assert!(message.contains(named) && !message.contains('\n'), "{text:?}: {message}");
+        }
+    }
+}
