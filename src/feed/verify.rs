@@ -306,13 +306,13 @@ impl Run<'_> {
         let nearest = self.rows()?;
         let points: Vec<_> = nearest.iter().map(|n| n.points).collect();
         let mut at_rows: Vec<_> = points.iter().enumerate().map(|(row, &p)| self.contact(row, 0.0, p)).collect();
-        self.note_inside(&mut at_rows[..1]);
+        self.note_inside(&mut at_rows[..1])?;
         let known = at_rows.iter().map(|c| c.distance).fold(f64::INFINITY, f64::min);
         let between = self.between_rows(known)?;
         let least = between.found.iter().map(|c| c.distance).fold(known, f64::min);
         if least <= self.options.resolution_mm && !self.options.stop_at_violation {
             // The surfaces may have crossed, and rows beyond the crossing be inside metal.
-            self.note_inside(&mut at_rows);
+            self.note_inside(&mut at_rows)?;
         }
         let mut contacts: Vec<_> = at_rows.iter().chain(&between.found).copied().collect();
         contacts.sort_by(|p, q| p.distance.total_cmp(&q.distance).then(p.row.total_cmp(&q.row)));
@@ -330,12 +330,14 @@ impl Run<'_> {
     }
 
     /// Sets the contacts of those rows to distance 0 where one body is inside the other.
-    fn note_inside(&self, at_rows: &mut [Contact]) {
-        at_rows.par_iter_mut().enumerate().for_each(|(row, contact)| {
+    fn note_inside(&self, at_rows: &mut [Contact]) -> Result<(), Cancelled> {
+        at_rows.par_iter_mut().enumerate().try_for_each(|(row, contact)| {
+            self.cancel.check()?;
             if let Some(p) = self.body.one_inside_the_other(&contact.pose) {
                 *contact = self.contact(row, 0.0, ClosestPoints { distance: 0.0, first: p, second: p });
             }
-        });
+            Ok(())
+        })
     }
 
     fn starts_outside(&self) -> bool {

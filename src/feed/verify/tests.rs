@@ -216,6 +216,7 @@ fn crossing_surfaces_and_an_electrode_inside_metal_have_no_clearance() {
         let into = certify(&block, &placed, &path(DVec3::ZERO, 0.1, &[away, Pose::FINAL]));
         assert_eq!((into.certified, into.least.distance, into.ends_right), (0.0, 0.0, true));
         assert!(!into.holds());
+        assert!(!Certificate { required: 0.0, ..into }.holds(), "no tolerance makes a crossing good");
         let still = certify(&block, &placed, &path(DVec3::ZERO, 0.1, &[Pose::FINAL, Pose::FINAL]));
         assert_eq!((still.certified, still.least.distance, still.least.row), (0.0, 0.0, 0.0));
         assert_eq!(still.row_clearance, [0.0, 0.0]);
