@@ -56,6 +56,7 @@ pub struct Certificate {
 impl Certificate {
     /// Whether the motion is proven to keep the spark gap less the tolerance, from outside to the final pose.
     pub fn holds(&self) -> bool {
-        self.ends_right && self.certified >= self.required - self.tolerance
+        // 0 says that nothing was proven, which no tolerance can make good.
+        self.ends_right && self.certified > 0.0 && self.certified >= self.required - self.tolerance
     }
 }

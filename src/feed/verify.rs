@@ -33,7 +33,7 @@ mod nearest;
 #[cfg(test)]
 mod tests;
 
-/// Taken off the proven bound for rounding (mm): some 10^4 times the error of a coordinate of 1 m in f64.
+/// Taken off the proven bound for rounding (mm): hundreds of times the error of coordinates of metres.
 const ROUNDING: f64 = 1e-9;
 /// Rows whose clearances are found one after the other, each from the closest triangles of the one before.
 const ROWS_IN_TURN: usize = 8;
@@ -44,6 +44,10 @@ const VIOLATIONS: usize = 16;
 const VIOLATION_SPACING: f64 = 1.0;
 /// Depth below the electrode's innermost point that counts as its surroundings when it has to be outside (mm).
 const SURROUNDINGS: f64 = 15.0;
+
+/// Greatest coordinate (mm) and turn (rad) for which [`ROUNDING`] covers the rounding.
+const LARGEST_COORDINATE: f64 = 1e4;
+const LARGEST_TURN: f64 = 1e3;
 
 /// Parameters of the verification.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -69,15 +73,15 @@ pub enum VerifyError {
     /// One of the meshes has no triangles.
     #[error("the {0} mesh has no triangles: load a mesh that has a surface")]
     EmptyMesh(&'static str),
-    /// One of the meshes has an infinite or undefined coordinate.
-    #[error("vertex {1} of the {0} mesh is not a finite point: repair the mesh")]
-    MeshNotFinite(&'static str, usize),
+    /// One of the meshes has an undefined or absurd coordinate.
+    #[error("vertex {1} of the {0} mesh has a coordinate that is no number or beyond 10 m: check mesh and units")]
+    VertexOutOfRange(&'static str, usize),
     /// The path has no rows.
     #[error("the path has no rows: give at least the final pose")]
     EmptyPath,
-    /// A row has an infinite or undefined axis value.
-    #[error("row {0} of the path has an axis value that is not a finite number: correct that row")]
-    RowNotFinite(usize),
+    /// A row has an undefined or absurd value.
+    #[error("row {0} of the path has a value that is no number or beyond 10 m or 1000 rad: correct that row")]
+    RowOutOfRange(usize),
     /// A parameter or the reference point is out of its range.
     #[error("{name} is {value}: it must be {must_be}")]
     Parameter {
@@ -162,12 +166,17 @@ impl Verifier {
             if mesh.triangles.is_empty() {
                 return Err(VerifyError::EmptyMesh(name));
             }
-            if let Some(vertex) = mesh.vertices.iter().position(|p| !p.is_finite()) {
-                return Err(VerifyError::MeshNotFinite(name, vertex));
+            if let Some(vertex) = mesh.vertices.iter().position(|&p| !in_range(p)) {
+                return Err(VerifyError::VertexOutOfRange(name, vertex));
             }
         }
-        if let Some(&value) = reference_point.to_array().iter().find(|v| !v.is_finite()) {
-            return Err(VerifyError::Parameter { name: "the reference point", value, must_be: "a finite point" });
+        if !in_range(reference_point) {
+            let value = reference_point.length();
+            return Err(VerifyError::Parameter {
+                name: "the reference point's distance",
+                value,
+                must_be: "within 10 m",
+            });
         }
         let about_reference = electrode.mapped(|p| p - reference_point);
         let (blisk_tree, electrode_tree) = rayon::join(|| Bvh::new(blisk), || Bvh::new(&about_reference));
@@ -238,6 +247,11 @@ impl Verifier {
     }
 }
 
+/// Whether every coordinate is a number of sensible size.
+fn in_range(p: DVec3) -> bool {
+    p.abs().cmple(DVec3::splat(LARGEST_COORDINATE)).all()
+}
+
 /// Extent along X of that part of the blisk that lies further out than a little below the electrode.
 fn faces_x(blisk: &Mesh, electrode: &Mesh) -> [f64; 2] {
     let radius = |p: &DVec3| p.y.hypot(p.z);
@@ -262,12 +276,15 @@ struct Run<'a> {
 
 impl Run<'_> {
     fn check_path(&self) -> Result<(), VerifyError> {
-        let finite = |pose: &Pose| pose.to_array().iter().all(|v| v.is_finite());
+        let good = |pose: &Pose| {
+            let turns = DVec3::new(pose.a, pose.b, pose.c);
+            in_range(DVec3::new(pose.x, pose.y, pose.z)) && turns.abs().cmple(DVec3::splat(LARGEST_TURN)).all()
+        };
         if self.path.rows.is_empty() {
             return Err(VerifyError::EmptyPath);
         }
-        if let Some(row) = self.path.rows.iter().position(|row| !finite(&row.pose) || !row.s.is_finite()) {
-            return Err(VerifyError::RowNotFinite(row));
+        if let Some(row) = self.path.rows.iter().position(|row| !good(&row.pose) || !row.s.is_finite()) {
+            return Err(VerifyError::RowOutOfRange(row));
         }
         let (value, name) = (self.path.spark_gap, "the path's spark gap");
         if !(value.is_finite() && value >= 0.0) {
@@ -289,13 +306,13 @@ impl Run<'_> {
         let nearest = self.rows()?;
         let points: Vec<_> = nearest.iter().map(|n| n.points).collect();
         let mut at_rows: Vec<_> = points.iter().enumerate().map(|(row, &p)| self.contact(row, 0.0, p)).collect();
-        self.note_inside(&mut at_rows[..1]);
+        self.note_inside(&mut at_rows[..1])?;
         let known = at_rows.iter().map(|c| c.distance).fold(f64::INFINITY, f64::min);
         let between = self.between_rows(known)?;
         let least = between.found.iter().map(|c| c.distance).fold(known, f64::min);
         if least <= self.options.resolution_mm && !self.options.stop_at_violation {
             // The surfaces may have crossed, and rows beyond the crossing be inside metal.
-            self.note_inside(&mut at_rows);
+            self.note_inside(&mut at_rows)?;
         }
         let mut contacts: Vec<_> = at_rows.iter().chain(&between.found).copied().collect();
         contacts.sort_by(|p, q| p.distance.total_cmp(&q.distance).then(p.row.total_cmp(&q.row)));
@@ -314,12 +331,14 @@ impl Run<'_> {
     }
 
     /// Sets the contacts of those rows to distance 0 where one body is inside the other.
-    fn note_inside(&self, at_rows: &mut [Contact]) {
-        at_rows.par_iter_mut().enumerate().for_each(|(row, contact)| {
+    fn note_inside(&self, at_rows: &mut [Contact]) -> Result<(), Cancelled> {
+        at_rows.par_iter_mut().enumerate().try_for_each(|(row, contact)| {
+            self.cancel.check()?;
             if let Some(p) = self.body.one_inside_the_other(&contact.pose) {
                 *contact = self.contact(row, 0.0, ClosestPoints { distance: 0.0, first: p, second: p });
             }
-        });
+            Ok(())
+        })
     }
 
     fn starts_outside(&self) -> bool {

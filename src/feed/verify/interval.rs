@@ -131,7 +131,9 @@ impl Search<'_> {
 
     /// Whether a shorter window promises more than smaller nodes.
     fn moves_more_than_its_size(&self, window: &Window, [e, b]: NodePair) -> bool {
-        window.travel > 2.0 * (self.electrode.node(e).radius + self.blisk.node(b).radius)
+        let size = self.electrode.node(e).radius + self.blisk.node(b).radius;
+        // The resolution, so that nodes of no size are opened in the end.
+        window.travel > 2.0 * size + self.question.resolution
     }
 
     fn triangles_stay_apart(&mut self, window: &Window, [e, b]: NodePair) -> bool {
@@ -153,7 +155,7 @@ impl Search<'_> {
             return true;
         }
         // A window this short adds nothing more; only rounding can have brought it here.
-        let exhausted = window.travel < 1e-3 * self.question.resolution;
+        let exhausted = window.travel < 1e-3 * self.question.resolution || window.is_instant();
         if exhausted {
             self.answer.lower = self.answer.lower.min(bound.max(0.0));
         }

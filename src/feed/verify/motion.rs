@@ -96,6 +96,11 @@ impl Motion {
 }
 
 impl Window {
+    /// Whether halving it further would only make rounding.
+    pub(super) fn is_instant(&self) -> bool {
+        self.half < 1e-12
+    }
+
     /// Turn and shift that carry the electrode from coordinates about O to W at the middle of the window.
     pub(super) fn placement(&self) -> (&DMat3, DVec3) {
         (&self.rate[0], self.shift[0])

@@ -22,14 +22,23 @@ pub(super) fn any_pose(slide: f64, turn: f64) -> impl Strategy<Value = Pose> {
     (any_point(slide), any_point(turn)).prop_map(|(d, r)| Pose::from_array([d.x, d.y, d.z, r.x, r.y, r.z]))
 }
 
+/// Up to three tetrahedra, each of four vertices of its own and outward.
 fn any_tetrahedra(size: f64) -> impl Strategy<Value = Mesh> {
     let tetrahedron = move || [any_point(size), any_point(size), any_point(size), any_point(size)];
-    prop::collection::vec(tetrahedron(), 1..4).prop_map(|list| Mesh {
+    let outward =
+        |[a, b, c, d]: [DVec3; 4]| if (b - a).cross(c - a).dot(d - a) < 0.0 { [a, c, b, d] } else { [a, b, c, d] };
+    prop::collection::vec(tetrahedron().prop_map(outward), 1..4).prop_map(|list| Mesh {
         vertices: list.iter().flatten().copied().collect(),
         triangles: (0..list.len() as u32)
             .flat_map(|i| [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]].map(|t| t.map(|v| v + 4 * i)))
             .collect(),
     })
+}
+
+/// Whether `p` is inside one of the tetrahedra: on the inner side of each of its faces.
+fn held(tetrahedra: &Mesh, p: DVec3) -> bool {
+    let faces: Vec<_> = tetrahedra.iter_corners().collect();
+    faces.chunks(4).any(|faces| faces.iter().all(|[a, b, c]| (b - a).cross(c - a).dot(p - a) < 0.0))
 }
 
 fn path(reference_point: DVec3, spark_gap: f64, poses: &[Pose]) -> FeedPath {
@@ -88,6 +97,10 @@ proptest! {
             for i in 0..=n {
                 let placement = pair[0].lerp(&pair[1], i as f64 / n as f64).placement(CENTER);
                 sampled = sampled.min(b.distance_to(&e, &placement));
+                let back = placement.inverse();
+                let inside = electrode.vertices.iter().any(|&p| held(&blisk, placement.transform_point3(p)))
+                    || blisk.vertices.iter().any(|&p| held(&electrode, back.transform_point3(p)));
+                sampled = if inside { 0.0 } else { sampled };
             }
         }
         // The other library's distances are good to about 1e-6.
@@ -203,6 +216,7 @@ fn crossing_surfaces_and_an_electrode_inside_metal_have_no_clearance() {
         let into = certify(&block, &placed, &path(DVec3::ZERO, 0.1, &[away, Pose::FINAL]));
         assert_eq!((into.certified, into.least.distance, into.ends_right), (0.0, 0.0, true));
         assert!(!into.holds());
+        assert!(!Certificate { required: 0.0, ..into }.holds(), "no tolerance makes a crossing good");
         let still = certify(&block, &placed, &path(DVec3::ZERO, 0.1, &[Pose::FINAL, Pose::FINAL]));
         assert_eq!((still.certified, still.least.distance, still.least.row), (0.0, 0.0, 0.0));
         assert_eq!(still.row_clearance, [0.0, 0.0]);
@@ -275,10 +289,26 @@ fn bad_input_is_refused_in_plain_words() {
     assert!(run(&mesh, &path(DVec3::ZERO, 0.1, &[]), &options).contains("no rows"));
     let broken = path(DVec3::ZERO, 0.1, &[Pose::FINAL, Pose { b: f64::NAN, ..Pose::FINAL }]);
     assert!(run(&mesh, &broken, &options).contains("row 1"));
+    let far = path(DVec3::ZERO, 0.1, &[Pose { x: 1e300, ..Pose::FINAL }]);
+    assert!(run(&mesh, &far, &options).contains("row 0"));
     assert!(run(&mesh, &path(DVec3::ZERO, -0.1, &[Pose::FINAL]), &options).contains("spark gap"));
     assert!(run(&mesh, &good, &VerifyOptions { resolution_mm: 0.0, ..options }).contains("resolution_mm is 0"));
     let other = Verifier::new(&mesh, &mesh, DVec3::X).unwrap();
     assert!(other.verify(&good, &surface, &options, &Progress::silent(), &Cancel::default()).is_err());
+}
+
+#[test]
+fn meshes_without_size_and_wild_motions_end_with_an_answer() {
+    let point = Mesh { vertices: vec![DVec3::ZERO; 3], triangles: vec![[0, 1, 2]; 9] };
+    let other = point.mapped(|p| p + DVec3::new(0.0, 30.0, 0.0));
+    let poses = [Pose { y: -60.0, x: 3.0, ..Pose::FINAL }, Pose::FINAL];
+    let certificate = certify(&point, &other, &path(DVec3::ZERO, 0.1, &poses));
+    // The straight line passes the origin at its middle, 1.5 along X, and is inclined by 3 in 60.
+    let expected = 1.5 / (1.0 + 0.05f64 * 0.05).sqrt();
+    assert!(certificate.certified <= expected && certificate.certified > expected - 0.001);
+    let wild = [Pose::from_array([1e4, -1e4, 1e4, 900.0, -900.0, 900.0]), Pose::FINAL];
+    let certificate = certify(&point, &other.mapped(|p| p - DVec3::Y * 29.0), &path(DVec3::ZERO, 0.1, &wild));
+    assert!(certificate.least.distance - certificate.certified <= 0.0005 + 1e-9);
 }
 
 #[test]
