@@ -92,7 +92,7 @@ fn print_summary(report: &Report, outcome: &PlanOutcome, written: &[String], out
     for (e, o) in report.electrodes.iter().zip(&outcome.electrodes) {
         println!("electrode {} enters from {}: volume {:.1} mm3, least thickness {:.3} mm, burn area {:.1} mm2", e.index,
             e.enters_from, e.volume_mm3, o.electrode.least_thickness_mm, o.electrode.burn_area_mm2);
-        println!("           {} nodes, {} searches, {} samples", e.nodes.len(), o.plan.rounds, o.plan.samples);
+        println!("           {} nodes, {} searches, {} points tested", e.nodes.len(), o.plan.rounds, o.plan.probes);
     }
     for symbol in &report.symbols {
         println!("           {:10} {:>22} {:4} {}", symbol.symbol, symbol.value, symbol.unit, symbol.meaning);

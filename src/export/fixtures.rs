@@ -35,7 +35,8 @@ pub(crate) fn path() -> FeedPath {
 
 /// A certificate for `path` that holds: least clearance 0.1032 mm a fifth of the way out.
 pub(crate) fn certificate(path: &FeedPath) -> Certificate {
-    let clearance = |s: f64| 0.1032 + 0.004 * (s - 12.0).powi(2) / (1.0 + 0.02 * s) + 0.01 * (1.0 - (0.9 * (s - 12.0)).cos());
+    let clearance =
+        |s: f64| 0.1032 + 0.004 * (s - 12.0).powi(2) / (1.0 + 0.02 * s) + 0.01 * (1.0 - (0.9 * (s - 12.0)).cos());
     let row = path.rows.len() - 25;
     let least = Contact {
         distance: 0.1032,

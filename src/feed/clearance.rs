@@ -1,149 +1,87 @@
-//! The distance constraint of the search: clearance of the electrode's samples, looked up in a distance field.
+//! The distance constraint of the search, looked up in two distance fields: that of the finished blisk for samples
+//! of the electrode, and that of the electrode for the edges of the blisk, which would otherwise slip in between
+//! the samples of a face.
 
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::pose::{Axis, Pose};
-use super::samples::{Cluster, Sample, cluster};
+use super::probes::{Demand, Probes, group};
+use super::samples::Sample;
 use crate::blisk::electrode::{ElectrodeFace, EntrySide};
 use crate::geometry::distance_field::DistanceField;
 
-/// How much clearance the search demands.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Demand {
-    /// The spark gap (mm).
-    pub spark_gap: f64,
-    /// Clearance wanted beyond it (mm).
-    pub margin: f64,
-    /// Allowance for the error of the field (mm).
-    pub guard: f64,
-}
-
-/// The electrode's samples over the distance field of the finished blisk.
+/// The two bodies' probes over each other's distance fields.
 #[derive(Clone)]
 pub struct ClearanceModel<'a> {
-    field: &'a DistanceField,
+    bodies: Bodies<'a>,
+    electrode: Probes,
+    blisk: Probes,
+}
+
+/// What the model is made of.
+#[derive(Clone, Copy)]
+pub struct Bodies<'a> {
+    /// Distance field of the finished blisk, in W.
+    pub blisk: &'a DistanceField,
+    /// Distance field of the electrode in its final pose, in W.
+    pub electrode: &'a DistanceField,
     /// X extent of the blisk at the channel's radii (mm): beyond it, outside the field, there is nothing to meet.
-    faces_x: [f64; 2],
-    reference_point: DVec3,
-    side: EntrySide,
-    samples: Vec<Sample>,
-    /// Clearance of each sample in the final pose (mm).
-    at_final: Vec<f64>,
-    clusters: Vec<Cluster>,
-    /// Greatest `extra` in each cluster (mm).
-    cluster_extra: Vec<f64>,
+    pub faces_x: [f64; 2],
+    /// Electrode reference point O in W (mm).
+    pub reference_point: DVec3,
+    /// The side that the electrode is withdrawn to.
+    pub side: EntrySide,
 }
 
-/// Which way a sample follows the additional circumferential reduction h of P0.
-fn group(face: ElectrodeFace) -> usize {
-    match face {
-        ElectrodeFace::LowWall => 1,
-        ElectrodeFace::HighWall => 2,
-        _ => 0,
-    }
+/// A pose made ready for testing, with the walls turned away from their blades by h.
+struct Placed {
+    /// For points of the electrode of each group.
+    to_blisk: [DAffine3; 3],
+    /// For points of the blisk: where they are seen from the electrode, and from its two walls if h is not 0.
+    to_electrode: [DAffine3; 3],
+    h: f64,
 }
-
-/// A pose made ready for testing samples, with the walls turned away from their blades by h.
-struct Placed([DAffine3; 3]);
 
 impl Placed {
     fn new(pose: &Pose, h: f64, reference_point: DVec3) -> Self {
         let place = pose.placement(reference_point);
         let turned = |angle| place * DAffine3::from_mat3(DMat3::from_rotation_x(angle));
-        Self([place, turned(h), turned(-h)])
-    }
-
-    fn point(&self, sample: &Sample) -> DVec3 {
-        self.0[group(sample.face)].transform_point3(sample.point)
+        let to_blisk = [place, turned(h), turned(-h)];
+        Self { to_blisk, to_electrode: to_blisk.map(|t| t.inverse()), h }
     }
 }
 
-/// A sample that lacks clearance.
+/// A probe that lacks clearance.
 #[derive(Debug, Clone, Copy)]
 pub struct Shortfall {
-    /// Number of the sample.
-    pub sample: usize,
+    /// A number of its own for each probe.
+    pub probe: usize,
     /// Clearance it lacks (mm).
     pub lack: f64,
-    /// Where the sample is at this pose, in W (mm).
+    /// Where the electrode's surface is at this pose, in W (mm).
     pub at: DVec3,
-    /// Direction in which its clearance grows fastest.
+    /// The direction in which the electrode would have to move there.
     pub away: DVec3,
+    /// The point of the electrode in its final pose, in W (mm).
+    pub on_electrode: DVec3,
+    /// The point of the blisk, in W (mm).
+    pub on_blisk: DVec3,
 }
 
-impl<'a> ClearanceModel<'a> {
-    /// How much more than in the final pose a sample must have for every mm withdrawn, until it has what is
-    /// demanded. In the final pose itself only the spark gap is open.
-    const OPENING: f64 = 0.05;
-    /// Samples in a cluster, a balance between tests saved and balls that are too wide to decide.
-    const CLUSTER: usize = 12;
+/// How much too great a field may read for something `distance` away (mm).
+fn doubt(distance: f64) -> f64 {
+    DistanceField::ACCURACY + 0.05 * (distance - DistanceField::NEAR).max(0.0)
+}
 
-    /// A model of the electrode with these samples and reference point O (in W), withdrawn to `side`.
-    pub fn new(
-        field: &'a DistanceField,
-        faces_x: [f64; 2],
-        reference_point: DVec3,
-        side: EntrySide,
-        mut samples: Vec<Sample>,
-    ) -> Self {
-        let clusters = cluster(&mut samples, Self::CLUSTER, |face| group(face) as u8);
-        let mut model = Self {
-            field,
-            faces_x,
-            reference_point,
-            side,
-            at_final: Vec::new(),
-            cluster_extra: vec![0.0; clusters.len()],
-            samples,
-            clusters,
-        };
-        model.at_final = model.samples.iter().map(|s| model.clearance_at(s.point)).collect();
-        model
-    }
+impl Bodies<'_> {
+    /// How far around the electrode its field must reach (mm): what is further away is taken to be that far.
+    pub const AROUND: f64 = 1.0;
 
-    /// The samples, in the order of their numbers.
-    pub fn samples(&self) -> &[Sample] {
-        &self.samples
-    }
-
-    /// Electrode reference point O in W (mm).
-    pub fn reference_point(&self) -> DVec3 {
-        self.reference_point
-    }
-
-    /// The side that the electrode is withdrawn to.
-    pub fn side(&self) -> EntrySide {
-        self.side
-    }
-
-    /// The face of the sample nearest to the point `p` of the electrode.
-    pub fn face_at(&self, p: DVec3) -> ElectrodeFace {
-        let nearest =
-            self.samples.iter().min_by(|a, b| a.point.distance_squared(p).total_cmp(&b.point.distance_squared(p)));
-        nearest.map_or(ElectrodeFace::Holder, |s| s.face)
-    }
-
-    /// The same model with further samples, or more demanding ones where it had them already.
-    pub fn with_samples(&self, more: &[Sample]) -> Self {
-        let mut samples = self.samples.clone();
-        for new in more {
-            match samples.iter_mut().find(|s| s.point.distance(new.point) < 1e-3 && s.face == new.face) {
-                Some(known) => known.extra += new.extra,
-                None => samples.push(*new),
-            }
-        }
-        let mut model = Self::new(self.field, self.faces_x, self.reference_point, self.side, samples);
-        for (extra, c) in model.cluster_extra.iter_mut().zip(&model.clusters) {
-            *extra = model.samples[c.start..c.end].iter().map(|s| s.extra).fold(0.0, f64::max);
-        }
-        model
-    }
-
-    /// Clearance at a point (mm), negative inside the blisk. Outside the field it is a lower bound: the distance
-    /// from the blisk's faces, or -1 beside the field, where nothing is known.
+    /// Clearance at a point of W from the blisk (mm), negative inside it. Outside the field it is a lower bound:
+    /// the distance from the blisk's faces, or -1 beside the field, where nothing is known.
     #[inline]
     pub fn clearance_at(&self, p: DVec3) -> f64 {
-        self.field.value(p).unwrap_or_else(|| self.clearance_outside(p))
+        self.blisk.value(p).unwrap_or_else(|| self.clearance_outside(p))
     }
 
     fn clearance_outside(&self, p: DVec3) -> f64 {
@@ -151,102 +89,180 @@ impl<'a> ClearanceModel<'a> {
         if beyond > 0.0 { beyond } else { -1.0 }
     }
 
-    /// Clearance demanded of sample `i` when withdrawn by `s`.
-    #[inline]
-    fn demanded(&self, i: usize, s: f64, demand: &Demand) -> f64 {
-        let wanted = demand.spark_gap + demand.margin + demand.guard + self.samples[i].extra;
-        wanted.min(self.at_final[i] + Self::OPENING * s)
-    }
-
-    /// Whether every sample has the clearance demanded of it at `pose`, withdrawn by `s`, with the walls drawn
-    /// in by a further `h` (rad). Tests cluster `hint` first and leaves there the one that failed.
-    pub fn is_free(&self, pose: &Pose, s: f64, h: f64, demand: &Demand, hint: &mut usize) -> bool {
-        let placed = Placed::new(pose, h, self.reference_point);
-        if *hint < self.clusters.len() && !self.cluster_is_free(*hint, &placed, s, demand) {
-            return false;
-        }
-        for i in 0..self.clusters.len() {
-            if !self.cluster_is_free(i, &placed, s, demand) {
-                *hint = i;
-                return false;
-            }
-        }
-        true
-    }
-
-    #[inline]
-    fn cluster_is_free(&self, i: usize, placed: &Placed, s: f64, demand: &Demand) -> bool {
-        let c = &self.clusters[i];
-        let center = placed.0[group(self.samples[c.start].face)].transform_point3(c.center);
-        let enough = demand.spark_gap + demand.margin + demand.guard + self.cluster_extra[i] + c.radius;
-        // Away from the surface the field may tell that much more than the truth.
-        let doubt = DistanceField::ACCURACY + 0.05 * (enough - DistanceField::NEAR).max(0.0);
-        self.clearance_at(center) >= enough + doubt
-            || (c.start..c.end)
-                .all(|k| self.clearance_at(placed.point(&self.samples[k])) >= self.demanded(k, s, demand))
-    }
-
-    /// The samples that lack clearance, in order.
-    pub fn shortfalls(&self, pose: &Pose, s: f64, h: f64, demand: &Demand) -> Vec<Shortfall> {
-        let placed = Placed::new(pose, h, self.reference_point);
-        let mut found = Vec::new();
-        for (i, c) in self.clusters.iter().enumerate() {
-            if self.cluster_is_free(i, &placed, s, demand) {
-                continue;
-            }
-            for k in c.start..c.end {
-                let at = placed.point(&self.samples[k]);
-                let (clearance, away) = self.clearance_and_direction(at);
-                let lack = self.demanded(k, s, demand) - clearance;
-                if lack > 0.0 {
-                    found.push(Shortfall { sample: k, lack, at, away });
-                }
-            }
-        }
-        found
-    }
-
     fn clearance_and_direction(&self, p: DVec3) -> (f64, DVec3) {
-        self.field.value_and_gradient(p).unwrap_or_else(|| {
+        self.blisk.value_and_gradient(p).unwrap_or_else(|| {
             let middle = 0.5 * (self.faces_x[0] + self.faces_x[1]);
             (self.clearance_outside(p), DVec3::X * (p.x - middle).signum())
         })
     }
 
-    /// The samples where they are at `pose`, with the walls drawn in by `h` (rad).
-    pub fn placed_samples(&self, pose: &Pose, h: f64) -> impl Iterator<Item = DVec3> {
-        let placed = Placed::new(pose, h, self.reference_point);
-        self.samples.iter().map(move |sample| placed.point(sample))
+    /// Clearance of a point of the blisk from the electrode in its final pose.
+    #[inline]
+    fn from_electrode(&self, p: DVec3) -> f64 {
+        self.electrode.value(p).unwrap_or(Self::AROUND)
     }
 
-    /// The least clearance of any sample at `pose` (mm) and the number of the sample.
-    pub fn least_clearance(&self, pose: &Pose) -> (f64, usize) {
-        let place = pose.placement(self.reference_point);
-        let mut least = (f64::INFINITY, 0);
-        for (k, sample) in self.samples.iter().enumerate() {
-            let d = self.clearance_at(place.transform_point3(sample.point));
-            if d < least.0 {
-                least = (d, k);
+    #[inline]
+    fn electrode_clearance(&self, placed: &Placed, p: DVec3, group: usize) -> f64 {
+        self.clearance_at(placed.to_blisk[group].transform_point3(p))
+    }
+
+    /// Clearance of the point `p` of the blisk. With h the electrode is what is left of it when both walls are
+    /// drawn in, the intersection of three: no nearer than any of them.
+    #[inline]
+    fn blisk_clearance(&self, placed: &Placed, p: DVec3) -> f64 {
+        let seen = |i: usize| self.from_electrode(placed.to_electrode[i].transform_point3(p));
+        if placed.h == 0.0 { seen(0) } else { seen(0).max(seen(1)).max(seen(2)) }
+    }
+}
+
+impl<'a> ClearanceModel<'a> {
+    /// A model with `electrode_samples` on the electrode and `blisk_points` on the blisk.
+    pub fn new(bodies: Bodies<'a>, electrode_samples: Vec<Sample>, blisk_points: Vec<Sample>) -> Self {
+        Self {
+            bodies,
+            electrode: Probes::new(electrode_samples, |p| bodies.clearance_at(p)),
+            blisk: Probes::new(blisk_points, |p| bodies.from_electrode(p)),
+        }
+    }
+
+    /// The electrode's samples.
+    pub fn samples(&self) -> &[Sample] {
+        self.electrode.samples()
+    }
+
+    /// Points tested on both bodies.
+    pub fn probes(&self) -> usize {
+        self.electrode.samples().len() + self.blisk.samples().len()
+    }
+
+    /// Electrode reference point O in W (mm).
+    pub fn reference_point(&self) -> DVec3 {
+        self.bodies.reference_point
+    }
+
+    /// The side that the electrode is withdrawn to.
+    pub fn side(&self) -> EntrySide {
+        self.bodies.side
+    }
+
+    /// The face of the sample nearest to the point `p` of the electrode.
+    pub fn face_at(&self, p: DVec3) -> ElectrodeFace {
+        let distance = |s: &Sample| s.point.distance_squared(p);
+        let nearest = self.samples().iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        nearest.map_or(ElectrodeFace::Holder, |s| s.face)
+    }
+
+    /// The same model with further probes, or more demanding ones where it had them already.
+    pub fn with_probes(&self, electrode_samples: &[Sample], blisk_points: &[Sample]) -> Self {
+        Self::new(self.bodies, self.electrode.joined(electrode_samples), self.blisk.joined(blisk_points))
+    }
+
+    /// Whether every probe has the clearance demanded of it at `pose`, withdrawn by `s`, with the walls drawn in
+    /// by a further `h` (rad). Tests cluster `hint` first and leaves there the one that failed.
+    pub fn is_free(&self, pose: &Pose, s: f64, h: f64, demand: &Demand, hint: &mut usize) -> bool {
+        let placed = Placed::new(pose, h, self.bodies.reference_point);
+        let clusters = self.electrode.clusters() + self.blisk.clusters();
+        if *hint < clusters && !self.cluster_is_free(*hint, &placed, s, demand) {
+            return false;
+        }
+        match (0..clusters).find(|&i| !self.cluster_is_free(i, &placed, s, demand)) {
+            Some(blocked) => {
+                *hint = blocked;
+                false
+            }
+            None => true,
+        }
+    }
+
+    /// Clusters are counted through: the electrode's first, then the blisk's.
+    #[inline]
+    fn cluster_is_free(&self, i: usize, placed: &Placed, s: f64, demand: &Demand) -> bool {
+        match i.checked_sub(self.electrode.clusters()) {
+            None => {
+                let clearance = |p: DVec3, group| self.bodies.electrode_clearance(placed, p, group);
+                self.electrode.cluster_is_free(i, s, demand, &clearance, doubt)
+            }
+            Some(j) => {
+                let clearance = |p: DVec3, _| self.bodies.blisk_clearance(placed, p);
+                self.blisk.cluster_is_free(j, s, demand, &clearance, doubt)
             }
         }
-        least
     }
 
-    /// The direction in which clearance grows at `p`.
-    pub fn direction_at(&self, p: DVec3) -> DVec3 {
-        self.clearance_and_direction(p).1
+    /// The probes that lack clearance, in order.
+    pub fn shortfalls(&self, pose: &Pose, s: f64, h: f64, demand: &Demand) -> Vec<Shortfall> {
+        let placed = Placed::new(pose, h, self.bodies.reference_point);
+        let mut found = Vec::new();
+        for i in 0..self.electrode.clusters() {
+            if !self.cluster_is_free(i, &placed, s, demand) {
+                let clearance = |p: DVec3, group| self.bodies.electrode_clearance(&placed, p, group);
+                let lacking = self.electrode.lacking_in(i, s, demand, &clearance);
+                found.extend(lacking.map(|(k, lack)| self.electrode_shortfall(k, lack, &placed)));
+            }
+        }
+        for i in 0..self.blisk.clusters() {
+            if !self.cluster_is_free(self.electrode.clusters() + i, &placed, s, demand) {
+                let clearance = |p: DVec3, _| self.bodies.blisk_clearance(&placed, p);
+                let lacking = self.blisk.lacking_in(i, s, demand, &clearance);
+                found.extend(lacking.map(|(k, lack)| self.blisk_shortfall(k, lack, &placed)));
+            }
+        }
+        found
     }
 
-    /// Moves `pose` along `axes` towards freedom by following the distance field: in each round every sample that
+    fn electrode_shortfall(&self, k: usize, lack: f64, placed: &Placed) -> Shortfall {
+        let sample = &self.electrode.samples()[k];
+        let at = placed.to_blisk[group(sample.face)].transform_point3(sample.point);
+        let (clearance, away) = self.bodies.clearance_and_direction(at);
+        let on_blisk = at - away * clearance;
+        Shortfall { probe: k, lack, at, away, on_electrode: sample.point, on_blisk }
+    }
+
+    fn blisk_shortfall(&self, k: usize, lack: f64, placed: &Placed) -> Shortfall {
+        let on_blisk = self.blisk.samples()[k].point;
+        let seen = placed.to_electrode[0].transform_point3(on_blisk);
+        let (clearance, outward) = self.bodies.electrode.value_and_gradient(seen).unwrap_or((Bodies::AROUND, DVec3::X));
+        let on_electrode = seen - outward * clearance;
+        let at = placed.to_blisk[0].transform_point3(on_electrode);
+        let away = -placed.to_blisk[0].transform_vector3(outward);
+        Shortfall { probe: self.electrode.samples().len() + k, lack, at, away, on_electrode, on_blisk }
+    }
+
+    /// The samples where they are at `pose`, with the walls drawn in by `h` (rad).
+    pub fn placed_samples(&self, pose: &Pose, h: f64) -> impl Iterator<Item = DVec3> {
+        let placed = Placed::new(pose, h, self.bodies.reference_point);
+        self.samples().iter().map(move |s| placed.to_blisk[group(s.face)].transform_point3(s.point))
+    }
+
+    /// The least clearance of any probe at `pose` (mm).
+    pub fn least_clearance(&self, pose: &Pose) -> f64 {
+        let placed = Placed::new(pose, 0.0, self.bodies.reference_point);
+        let electrode = self.samples().iter().map(|s| self.bodies.electrode_clearance(&placed, s.point, 0));
+        let blisk = self.blisk.samples().iter().map(|s| self.bodies.blisk_clearance(&placed, s.point));
+        electrode.chain(blisk).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The probe with the least clearance at `pose`, as if it lacked what is missing of `wanted` mm.
+    pub fn tightest(&self, pose: &Pose, wanted: f64) -> Option<Shortfall> {
+        let placed = Placed::new(pose, 0.0, self.bodies.reference_point);
+        let electrode = (0..self.samples().len()).map(|k| self.electrode_shortfall(k, 0.0, &placed));
+        let blisk = (0..self.blisk.samples().len()).map(|k| self.blisk_shortfall(k, 0.0, &placed));
+        let clearance = |f: &Shortfall| (f.at - f.on_blisk).dot(f.away);
+        let tightest = electrode.chain(blisk).min_by(|a, b| clearance(a).total_cmp(&clearance(b)))?;
+        Some(Shortfall { lack: (wanted - clearance(&tightest)).max(0.0), ..tightest })
+    }
+
+    /// Moves `start` along `axes` towards freedom by following the distance fields: in each round every probe that
     /// lacks clearance shifts the pose by the smallest motion that would mend it. Answers the best pose met
-    /// and the sample that still lacks most there, none if the pose is free.
+    /// and the probe that still lacks most there, none if the pose is free.
     pub fn climb(&self, start: Pose, s: f64, h: f64, demand: &Demand, axes: &[Axis]) -> (Pose, Option<Shortfall>) {
         const ROUNDS: usize = 16;
         let mut pose = start;
         let mut best: Option<(Pose, Shortfall)> = None;
         for _ in 0..ROUNDS {
             let mut lacking = self.shortfalls(&pose, s, h, demand);
-            lacking.sort_by(|a, b| b.lack.total_cmp(&a.lack).then(a.sample.cmp(&b.sample)));
+            lacking.sort_by(|a, b| b.lack.total_cmp(&a.lack).then(a.probe.cmp(&b.probe)));
             let Some(&worst) = lacking.first() else { return (pose, None) };
             if best.is_none_or(|(_, known)| worst.lack < known.lack) {
                 best = Some((pose, worst));
@@ -256,7 +272,7 @@ impl<'a> ClearanceModel<'a> {
         best.map_or((start, None), |(pose, worst)| (pose, Some(worst)))
     }
 
-    /// One round of climbing: projects the pose onto the half-space in which each of the worst samples has room,
+    /// One round of climbing: projects the pose onto the half-space in which each of the worst probes has room,
     /// one after the other (Kaczmarz), to first order.
     fn shifted(&self, pose: &Pose, lacking: &[Shortfall], axes: &[Axis]) -> Pose {
         const WORST: usize = 24;
@@ -289,10 +305,10 @@ impl<'a> ClearanceModel<'a> {
         }
     }
 
-    /// How fast the point now at `p` (in W) moves along `direction` with each axis at `pose`.
+    /// How fast the point of the electrode now at `p` (in W) moves along `direction` with each axis at `pose`.
     fn slopes(&self, pose: &Pose, p: DVec3, direction: DVec3) -> [f64; 6] {
         let table = DMat3::from_rotation_x(pose.a);
-        let slid = self.reference_point + DVec3::new(pose.x, pose.y, pose.z);
+        let slid = self.bodies.reference_point + DVec3::new(pose.x, pose.y, pose.z);
         let arm = table.transpose() * p - slid;
         let local = table.transpose() * direction;
         let tilt_axis = DMat3::from_rotation_z(pose.c) * DVec3::Y;

@@ -4,8 +4,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::path::{FeedPath, PathRow};
-use super::quantise::quantise_path;
 use super::pose::{Axis, Pose};
+use super::quantise::quantise_path;
 use super::search::Node;
 use crate::geometry::frame::Frame;
 use crate::geometry::spline::{CubicSpline, EndCondition, SplineError};

@@ -38,11 +38,22 @@ impl Default for SampleSpacing {
 /// along sharp edges, then points on faces, each no closer to those before it than the spacing.
 pub fn sample_electrode(mesh: &Mesh, faces: &[ElectrodeFace], spacing: SampleSpacing) -> Vec<Sample> {
     let mut sieve = Sieve { kept: Vec::new(), grid: HashMap::new(), size: spacing.face };
-    for (a, b, face) in sharp_edges(mesh, faces) {
-        let [p, q] = [a, b].map(|v| mesh.vertices[v as usize]);
+    let edges = bent_edges(mesh, 20f64.to_radians());
+    let mut ends: HashMap<u32, usize> = HashMap::new();
+    for &v in edges.iter().flat_map(|e| &e.ends) {
+        *ends.entry(v).or_default() += 1;
+    }
+    // Corners first, so that no neighbour crowds them out.
+    for edge in &edges {
+        for v in edge.ends.into_iter().filter(|v| ends[v] != 2) {
+            sieve.offer(mesh.vertices[v as usize], faces[edge.triangle], 1e-6);
+        }
+    }
+    for edge in &edges {
+        let [p, q] = edge.ends.map(|v| mesh.vertices[v as usize]);
         let pieces = (p.distance(q) / spacing.edge).ceil().max(1.0) as usize;
         for i in 0..=pieces {
-            sieve.offer(p.lerp(q, i as f64 / pieces as f64), face, 0.7 * spacing.edge);
+            sieve.offer(p.lerp(q, i as f64 / pieces as f64), faces[edge.triangle], 0.7 * spacing.edge);
         }
     }
     for (corners, &face) in mesh.iter_corners().zip(faces) {
@@ -60,22 +71,55 @@ pub fn sample_electrode(mesh: &Mesh, faces: &[ElectrodeFace], spacing: SampleSpa
     sieve.kept
 }
 
-/// Edges where the surface bends by more than 20 degrees, with the face of one side, in order of first occurrence.
-fn sharp_edges(mesh: &Mesh, faces: &[ElectrodeFace]) -> Vec<(u32, u32, ElectrodeFace)> {
-    let normals: Vec<DVec3> = mesh.iter_corners().map(unit_normal).collect();
-    let mut first: HashMap<(u32, u32), usize> = HashMap::new();
-    let mut sharp = Vec::new();
-    for (i, t) in mesh.triangles.iter().enumerate() {
-        for k in 0..3 {
-            let (a, b) = (t[k].min(t[(k + 1) % 3]), t[k].max(t[(k + 1) % 3]));
-            match first.get(&(a, b)) {
-                None => drop(first.insert((a, b), i)),
-                Some(&j) if normals[i].dot(normals[j]) < 20f64.to_radians().cos() => sharp.push((a, b, faces[j])),
-                Some(_) => {}
+/// Points along the edges of `mesh` inside `region` where the surface bends outwards by more than 4 degrees: rims
+/// and the facets of blade edges, which a coarsely sampled electrode would not notice.
+pub fn sample_convex_edges(mesh: &Mesh, region: Bounds, spacing: f64) -> Vec<Sample> {
+    let mut sieve = Sieve { kept: Vec::new(), grid: HashMap::new(), size: spacing };
+    for edge in bent_edges(mesh, 4f64.to_radians()).into_iter().filter(|e| e.convex) {
+        let [p, q] = edge.ends.map(|v| mesh.vertices[v as usize]);
+        if !Bounds::of([p, q]).intersects(&region) {
+            continue;
+        }
+        let pieces = (p.distance(q) / spacing).ceil().clamp(1.0, 1e4) as usize;
+        for i in 0..=pieces {
+            let point = p.lerp(q, i as f64 / pieces as f64);
+            if Bounds::of([point]).intersects(&region) {
+                sieve.offer(point, ElectrodeFace::FarEnd, 0.7 * spacing);
             }
         }
     }
-    sharp
+    sieve.kept
+}
+
+/// An edge where the surface bends.
+struct BentEdge {
+    ends: [u32; 2],
+    /// One of its triangles.
+    triangle: usize,
+    /// Whether the solid is on the inside of the bend.
+    convex: bool,
+}
+
+/// Edges where the surface bends by more than `angle` (rad), in order of first occurrence.
+fn bent_edges(mesh: &Mesh, angle: f64) -> Vec<BentEdge> {
+    let normals: Vec<DVec3> = mesh.iter_corners().map(unit_normal).collect();
+    let mut first: HashMap<[u32; 2], usize> = HashMap::with_capacity(mesh.triangles.len() * 2);
+    let mut bent = Vec::new();
+    for (i, t) in mesh.triangles.iter().enumerate() {
+        for k in 0..3 {
+            let [here, next, opposite] = [0, 1, 2].map(|j| t[(k + j) % 3]);
+            let ends = [here.min(next), here.max(next)];
+            let Some(&j) = first.get(&ends) else {
+                first.insert(ends, i);
+                continue;
+            };
+            if normals[i].dot(normals[j]) < angle.cos() {
+                let arm = mesh.vertices[opposite as usize] - mesh.vertices[here as usize];
+                bent.push(BentEdge { ends, triangle: j, convex: arm.dot(normals[j]) < 0.0 });
+            }
+        }
+    }
+    bent
 }
 
 /// Keeps points that are far enough from those kept before.
@@ -172,6 +216,18 @@ mod tests {
             assert!(nearest(DVec3::new(6.0 * t, 0.0, 0.0)) <= 0.3);
             assert!(nearest(DVec3::new(6.0 * t, 4.0 * (7.0 * t).fract(), 3.0)) <= 1.2);
         }
+    }
+
+    #[test]
+    fn only_edges_that_stand_out_count_as_convex() {
+        // A box seen from outside has 12 convex edges, turned inside out (a cavity) none.
+        let mesh = cuboid(DVec3::splat(4.0));
+        let everywhere = mesh.bounds().grown(1.0);
+        let points = sample_convex_edges(&mesh, everywhere, 0.5);
+        let on_edge = |p: DVec3| p.to_array().iter().filter(|v| **v == 0.0 || **v == 4.0).count() >= 2;
+        assert!(points.len() >= 12 * 8 && points.iter().all(|s| on_edge(s.point)));
+        let cavity = Mesh { triangles: mesh.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(), ..mesh };
+        assert!(sample_convex_edges(&cavity, everywhere, 0.5).is_empty());
     }
 
     #[test]

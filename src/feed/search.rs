@@ -5,11 +5,12 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::angle_test::AngleTest;
-use super::clearance::{ClearanceModel, Demand, Shortfall};
+use super::clearance::{ClearanceModel, Shortfall};
 use super::genetic::{GeneticParams, GeneticStep};
 use super::machine::MachineParams;
 use super::objective::{Objective, ObjectiveValue, StepMotion};
 use super::pose::{Axis, Pose};
+use super::probes::Demand;
 use crate::blisk::channel::{Channel, Surface};
 use crate::blisk::electrode::EntrySide;
 use crate::geometry::frame::Cylindrical;
@@ -291,7 +292,7 @@ impl SearchProblem<'_> {
     }
 
     fn final_node(&self) -> Node {
-        let clearance = self.model.least_clearance(&Pose::FINAL).0;
+        let clearance = self.model.least_clearance(&Pose::FINAL);
         Node { s: 0.0, pose: Pose::FINAL, h: 0.0, clearance, objective: ObjectiveValue::default() }
     }
 
@@ -372,7 +373,7 @@ impl SearchProblem<'_> {
     }
 
     fn node(&self, task: &NodeTask, chosen: &Candidate) -> Node {
-        let clearance = self.model.least_clearance(&chosen.pose).0;
+        let clearance = self.model.least_clearance(&chosen.pose);
         Node { s: task.s, pose: chosen.pose, h: chosen.h, clearance, objective: chosen.objective }
     }
 
@@ -388,32 +389,19 @@ impl SearchProblem<'_> {
         }
         expected[0] = task.x;
         let starts = [Pose::from_array(expected), Pose { x: task.x, ..task.from }];
-        let (pose, short) = starts
+        let nearest = starts
             .into_iter()
             .filter_map(|start| {
                 let (pose, short) = self.climb(start, task.s, task.h_so_far);
                 short.map(|short| (pose, short))
             })
             .min_by(|a, b| a.1.lack.total_cmp(&b.1.lack))
-            .unwrap_or_else(|| (starts[1], self.tightest(&starts[1])));
-        let (clearance, away) = (self.model.clearance_at(short.at), short.away);
-        let on_blisk = short.at - away * clearance;
-        Jam {
-            node: nodes.len(),
-            s: task.s,
-            pose,
-            on_electrode: self.model.samples()[short.sample].point,
-            on_blisk,
-            surface: surface_of(on_blisk),
-            lack: short.lack,
-        }
-    }
-
-    fn tightest(&self, pose: &Pose) -> Shortfall {
-        let (clearance, sample) = self.model.least_clearance(pose);
-        let at = pose.placement(self.model.reference_point()).transform_point3(self.model.samples()[sample].point);
-        let lack = (self.demand.spark_gap + self.demand.margin - clearance).max(0.0);
-        Shortfall { sample, lack, at, away: self.model.direction_at(at) }
+            .or_else(|| Some((starts[1], self.model.tightest(&starts[1], self.demand.wanted())?)));
+        let (pose, on_electrode, on_blisk, lack) = match nearest {
+            Some((pose, short)) => (pose, short.on_electrode, short.on_blisk, short.lack),
+            None => (starts[1], DVec3::ZERO, DVec3::ZERO, 0.0),
+        };
+        Jam { node: nodes.len(), s: task.s, pose, on_electrode, on_blisk, surface: surface_of(on_blisk), lack }
     }
 }
 

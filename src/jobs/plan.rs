@@ -8,7 +8,8 @@ use crate::blisk::electrode::{
 };
 use crate::blisk::{BliskError, find_channel};
 use crate::export::report::StageTime;
-use crate::feed::plan::{FeedPlan, PlanError, PlanSettings, PlanningSpace, plan_feed};
+use crate::feed::plan_params::PlanError;
+use crate::feed::plan::{FeedPlan, PlanSettings, PlanningSpace, plan_feed};
 use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::frame::Frame;
 use crate::geometry::mesh::Mesh;

@@ -10,7 +10,7 @@ use crate::blisk::electrode::ElectrodeParams;
 use crate::export::nc::NcSettings;
 use crate::feed::genetic::GeneticParams;
 use crate::feed::machine::MachineParams;
-use crate::feed::plan::PlanParams;
+use crate::feed::plan_params::PlanParams;
 use crate::feed::verify::VerifyOptions;
 use crate::mesh_io::Unit;
 

@@ -1,0 +1,271 @@
+//! The loop of search, interpolation and verification for one electrode.
+
+use std::time::Instant;
+
+use glam::DVec3;
+
+use super::angle_test::AngleTest;
+use super::certificate::Contact;
+use super::clearance::{Bodies, ClearanceModel};
+use super::genetic::{GeneticParams, ReductionMode};
+use super::interpolation::{AxisCurves, Lever, PathFrame, feed_path};
+use super::objective::Objective;
+use super::plan::{FeedPlan, PlanSettings, PlannedPath, PlanningSpace, Remake};
+use super::plan_params::PlanError;
+use super::pose::{Axis, Pose};
+use super::probes::Demand;
+use super::samples::{Sample, SampleSpacing, sample_electrode};
+use super::search::{Constraint, Node, SearchProblem, Strategy, StrategyParams};
+use super::smoothness::axis_smoothness;
+use super::verify::Verifier;
+use crate::blisk::electrode::{Electrode, ElectrodeFace};
+use crate::geometry::distance_field::DistanceField;
+use crate::geometry::exact::ExactMesh;
+use crate::progress::{Cancel, Progress};
+
+/// Plans one electrode.
+pub(super) struct Planner<'a> {
+    pub(super) space: &'a PlanningSpace<'a>,
+    pub(super) settings: &'a PlanSettings<'a>,
+    pub(super) progress: &'a Progress,
+    pub(super) cancel: &'a Cancel,
+}
+
+/// What the verifier has taught the search so far.
+#[derive(Default)]
+struct Lessons {
+    /// Points of the electrode that came too near.
+    on_electrode: Vec<Sample>,
+    /// Points of the blisk that it came too near to.
+    on_blisk: Vec<Sample>,
+    /// Stretches of withdrawn distance to be searched in finer steps (mm).
+    fine: Vec<[f64; 2]>,
+}
+
+impl Planner<'_> {
+    /// Searches after the first that the verifier's findings may cause.
+    const ROUNDS: usize = 8;
+    /// Beyond what the verifier found missing, so that the next search does not end just where this one did (mm).
+    const BEYOND: f64 = 0.003;
+
+    pub(super) fn plan(&self, electrode: &Electrode, remake: &Remake) -> Result<FeedPlan, PlanError> {
+        let field = self.electrode_field(electrode)?;
+        let model = self.model(electrode, &field);
+        let mut plan = FeedPlan {
+            nodes: Vec::new(),
+            convergence: Vec::new(),
+            jam: None,
+            path: None,
+            h: 0.0,
+            remade: None,
+            ranges: self.ranges(electrode),
+            probes: model.probes(),
+            rounds: 0,
+            search_seconds: 0.0,
+            verify_seconds: 0.0,
+        };
+        let mut genetic = *self.settings.genetic;
+        self.search(&mut plan, &model, &genetic, &Lessons::default(), 0)?;
+        plan.h = plan.nodes.iter().map(|n| n.h).fold(0.0, f64::max);
+        if plan.jam.is_some() {
+            return Ok(plan);
+        }
+        // An electrode with more reduction lies inside one with less, so its path stays free.
+        let remade = if plan.h > 0.0 { Some(remake(plan.h)?) } else { None };
+        genetic.h = ReductionMode::Given;
+        plan.nodes.iter_mut().for_each(|node| node.h = 0.0);
+        self.verify_and_mend(&mut plan, remade.as_ref().unwrap_or(electrode), &genetic)?;
+        plan.remade = remade.map(Box::new);
+        Ok(plan)
+    }
+
+    /// Verifies the path; where it comes too near, adds the contacts to the samples and searches anew from there in
+    /// finer steps, until it holds or the rounds are spent.
+    fn verify_and_mend(
+        &self,
+        plan: &mut FeedPlan,
+        electrode: &Electrode,
+        genetic: &GeneticParams,
+    ) -> Result<(), PlanError> {
+        let verifier = Verifier::new(self.space.blisk, &electrode.mesh, electrode.reference_point)?;
+        let field = self.electrode_field(electrode)?;
+        let model = self.model(electrode, &field);
+        let mut lessons = Lessons::default();
+        loop {
+            let curves = AxisCurves::through(&plan.nodes, self.settings.plan.interpolation.ends)?;
+            let chord_error = self.settings.plan.interpolation.chord_error_mm;
+            let path = feed_path(&curves, chord_error, lever(electrode, &plan.nodes), self.path_frame(electrode));
+            let started = Instant::now();
+            let surface_of = |p: DVec3| self.space.finder.surface_of(p);
+            let certificate = verifier.verify(&path, &surface_of, self.settings.verify, self.progress, self.cancel)?;
+            plan.verify_seconds += started.elapsed().as_secs_f64();
+            let done = certificate.holds() || plan.rounds > Self::ROUNDS || certificate.violations.is_empty();
+            if done {
+                let step = self.settings.plan.step_mm;
+                let smoothness = Axis::ALL.map(|axis| axis_smoothness(&curves, axis, step));
+                plan.path = Some(PlannedPath { curves, path, certificate, smoothness });
+                return Ok(());
+            }
+            self.learn(&mut lessons, &model, &certificate.violations);
+            let nearest = certificate.violations.iter().map(|c| c.s).fold(f64::INFINITY, f64::min);
+            let kept = plan.nodes.iter().filter(|n| n.s < nearest - self.settings.plan.step_mm).count().max(1);
+            let model = model.with_probes(&lessons.on_electrode, &lessons.on_blisk);
+            self.search_from(plan, &model, genetic, &lessons, kept)?;
+            if plan.jam.is_some() {
+                return Ok(());
+            }
+        }
+    }
+
+    fn learn(&self, lessons: &mut Lessons, model: &ClearanceModel, violations: &[Contact]) {
+        let step = self.settings.plan.step_mm;
+        for contact in violations {
+            let lack = (self.settings.spark_gap - contact.distance).max(0.0);
+            let face = model.face_at(contact.on_electrode);
+            let extra = lack + Self::BEYOND;
+            lessons.on_electrode.push(Sample { point: contact.on_electrode, face, extra });
+            lessons.on_blisk.push(Sample { point: contact.on_blisk, face: ElectrodeFace::FarEnd, extra });
+            lessons.fine.push([contact.s - step, contact.s + step]);
+        }
+    }
+
+    /// Searches on from the first `kept` nodes; where that jams, from half as many, down to the final pose: what was
+    /// learned late may forbid a way that was taken early.
+    fn search_from(
+        &self,
+        plan: &mut FeedPlan,
+        model: &ClearanceModel,
+        genetic: &GeneticParams,
+        lessons: &Lessons,
+        kept: usize,
+    ) -> Result<(), PlanError> {
+        let known = plan.nodes.clone();
+        let mut kept = kept;
+        loop {
+            plan.nodes.clone_from(&known);
+            self.search(plan, model, genetic, lessons, kept)?;
+            if plan.jam.is_none() || kept <= 1 {
+                return Ok(());
+            }
+            kept /= 2;
+        }
+    }
+
+    /// Searches on from the first `kept` nodes of the plan and puts the answer in their place.
+    fn search(
+        &self,
+        plan: &mut FeedPlan,
+        model: &ClearanceModel,
+        genetic: &GeneticParams,
+        lessons: &Lessons,
+        kept: usize,
+    ) -> Result<(), PlanError> {
+        let started = Instant::now();
+        let PlanSettings { plan: params, machine, spark_gap, .. } = *self.settings;
+        let channel = self.space.channel;
+        let moving: Vec<Axis> = machine.axes.axes()[1..].to_vec();
+        let objective = Objective::new(
+            params.weights.normalised(&moving),
+            plan.ranges,
+            model.samples(),
+            model.reference_point(),
+            channel,
+            &self.space.finder,
+            self.space.field.bounds(),
+        );
+        let test = AngleTest::new(channel, spark_gap + params.margin_mm, &params.angle);
+        let problem = SearchProblem {
+            model,
+            angle: (params.constraint == Constraint::Angle).then_some(&test),
+            objective: &objective,
+            machine,
+            ranges: plan.ranges,
+            demand: Demand { spark_gap, margin: params.margin_mm, guard: DistanceField::ACCURACY },
+            side: model.side(),
+            step: params.step_mm,
+            fine: &lessons.fine,
+            exit_clearance: params.exit_clearance_mm,
+            faces_x: channel.faces_x,
+        };
+        let strategy = match params.strategy {
+            Strategy::Genetic => StrategyParams::Genetic(*genetic),
+        };
+        let surface_of = |p: DVec3| self.space.finder.surface_of(p);
+        let outcome = problem.search(&strategy, &plan.nodes[..kept], &surface_of, self.progress, self.cancel)?;
+        plan.convergence.truncate(kept.saturating_sub(1));
+        plan.convergence.extend(outcome.convergence);
+        plan.nodes = outcome.nodes;
+        plan.jam = outcome.jam;
+        plan.probes = model.probes();
+        plan.rounds += 1;
+        plan.search_seconds += started.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// The electrode's own distance field, for the edges of the blisk.
+    fn electrode_field(&self, electrode: &Electrode) -> Result<DistanceField, PlanError> {
+        const CELL: f64 = 0.35;
+        let exact = ExactMesh::new(&electrode.mesh)?;
+        let region = electrode.mesh.bounds().grown(Bodies::AROUND);
+        Ok(DistanceField::build(&electrode.mesh, &exact, region, CELL, self.progress, self.cancel)?)
+    }
+
+    fn model<'f>(&'f self, electrode: &Electrode, field: &'f DistanceField) -> ClearanceModel<'f> {
+        let bodies = Bodies {
+            blisk: &self.space.field,
+            electrode: field,
+            faces_x: self.space.channel.faces_x,
+            reference_point: electrode.reference_point,
+            side: electrode.enters_from,
+        };
+        let samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default());
+        ClearanceModel::new(bodies, samples, self.space.edges.clone())
+    }
+
+    /// Full ranges of motion in one step by (7): Z within the passage's height, Y within half a pitch, C within
+    /// the angle that the electrode's farthest wall point has to its blade. P0 leaves A and B still; here A may
+    /// turn by half a pitch and B as far as C.
+    fn ranges(&self, electrode: &Electrode) -> [f64; 6] {
+        let channel = self.space.channel;
+        let hub = channel.meridian.iter().map(|m| m.hub).fold(f64::INFINITY, f64::min);
+        let shroud = channel.meridian.iter().map(|m| m.shroud).fold(0.0, f64::max);
+        let pitch = std::f64::consts::TAU / channel.blades as f64;
+        let gamma = 0.5 * (shroud + hub) * (0.5 * pitch).sin();
+        let beta = self.beta(electrode);
+        let half = [0.0, gamma, shroud - hub, 0.5 * pitch, beta, beta];
+        let axes = self.settings.machine.axes.axes();
+        Axis::ALL.map(|axis| if axes.contains(&axis) { 2.0 * half[axis as usize] } else { 0.0 })
+    }
+
+    /// beta of (7): A is the point of the electrode's low wall farthest from O, B the point of the blade nearest to
+    /// A, beta the angle AOB. At least a degree, for walls that are hardly reduced.
+    fn beta(&self, electrode: &Electrode) -> f64 {
+        let o = electrode.reference_point;
+        let on_low = |i: &usize| electrode.faces[*i] == ElectrodeFace::LowWall;
+        let a = (0..electrode.faces.len())
+            .filter(on_low)
+            .flat_map(|i| electrode.mesh.corners(i))
+            .max_by(|p, q| p.distance_squared(o).total_cmp(&q.distance_squared(o)))
+            .unwrap_or(o + DVec3::X);
+        let b = self.space.finder.nearest_on_low_wall(a);
+        (a - o).angle_between(b - o).max(1f64.to_radians())
+    }
+
+    fn path_frame(&self, electrode: &Electrode) -> PathFrame {
+        PathFrame {
+            frame: self.space.channel.frame,
+            reference_point: electrode.reference_point,
+            spark_gap: self.settings.spark_gap,
+        }
+    }
+}
+
+/// How far the electrode's points move when axes turn, over all of `nodes`.
+fn lever(electrode: &Electrode, nodes: &[Node]) -> Lever {
+    let reach = electrode.mesh.vertices.iter().map(|v| v.distance(electrode.reference_point)).fold(0.0, f64::max);
+    let from_axis = |pose: &Pose| {
+        let slid = electrode.reference_point + DVec3::new(pose.x, pose.y, pose.z);
+        slid.y.hypot(slid.z) + reach
+    };
+    Lever { radius: nodes.iter().map(|n| from_axis(&n.pose)).fold(0.0, f64::max), reach }
+}

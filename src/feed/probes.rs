@@ -1,0 +1,125 @@
+//! Points carried by one body and tested against the other: the electrode's samples against the blisk, and the
+//! blisk's edges against the electrode.
+
+use glam::DVec3;
+
+use super::samples::{Cluster, Sample, cluster};
+use crate::blisk::electrode::ElectrodeFace;
+
+/// How much clearance the search demands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Demand {
+    /// The spark gap (mm).
+    pub spark_gap: f64,
+    /// Clearance wanted beyond it (mm).
+    pub margin: f64,
+    /// Allowance for the error of the fields (mm).
+    pub guard: f64,
+}
+
+impl Demand {
+    /// Clearance wanted wherever the final pose does not stand in the way (mm).
+    pub fn wanted(&self) -> f64 {
+        self.spark_gap + self.margin + self.guard
+    }
+}
+
+/// Which way a point follows the additional circumferential reduction h of P0: 0 not at all, 1 with the low
+/// wall, 2 with the high wall.
+pub fn group(face: ElectrodeFace) -> usize {
+    match face {
+        ElectrodeFace::LowWall => 1,
+        ElectrodeFace::HighWall => 2,
+        _ => 0,
+    }
+}
+
+/// Points with what is demanded of each, in clusters.
+#[derive(Debug, Clone)]
+pub struct Probes {
+    samples: Vec<Sample>,
+    /// Clearance of each in the final pose (mm).
+    at_final: Vec<f64>,
+    clusters: Vec<Cluster>,
+    /// Greatest `extra` in each cluster (mm).
+    cluster_extra: Vec<f64>,
+}
+
+impl Probes {
+    /// How much more than in the final pose a point must have for every mm withdrawn, until it has what is
+    /// wanted. In the final pose itself only the spark gap is open.
+    const OPENING: f64 = 0.05;
+    /// Points in a cluster, a balance between tests saved and balls that are too wide to decide.
+    const CLUSTER: usize = 12;
+
+    /// Probes at `samples`, whose clearance in the final pose `clearance` tells.
+    pub fn new(mut samples: Vec<Sample>, clearance: impl Fn(DVec3) -> f64) -> Self {
+        let clusters = cluster(&mut samples, Self::CLUSTER, |face| group(face) as u8);
+        let at_final = samples.iter().map(|s| clearance(s.point)).collect();
+        let extra = |c: &Cluster| samples[c.start..c.end].iter().map(|s| s.extra).fold(0.0, f64::max);
+        let cluster_extra = clusters.iter().map(extra).collect();
+        Self { samples, at_final, clusters, cluster_extra }
+    }
+
+    /// The points, in the order of their numbers.
+    pub fn samples(&self) -> &[Sample] {
+        &self.samples
+    }
+
+    /// Number of clusters.
+    pub fn clusters(&self) -> usize {
+        self.clusters.len()
+    }
+
+    /// The same points and `more`; a point that is known already is asked for that much more.
+    pub fn joined(&self, more: &[Sample]) -> Vec<Sample> {
+        let mut samples = self.samples.clone();
+        for new in more {
+            match samples.iter_mut().find(|s| s.point.distance(new.point) < 1e-3 && s.face == new.face) {
+                Some(known) => known.extra += new.extra,
+                None => samples.push(*new),
+            }
+        }
+        samples
+    }
+
+    /// Whether every point of cluster `i` has what is demanded of it when withdrawn by `s`. `clearance` tells
+    /// the clearance of a point of a group; `doubt` how much too great it may be for what is so far away.
+    #[inline]
+    pub fn cluster_is_free(
+        &self,
+        i: usize,
+        s: f64,
+        demand: &Demand,
+        clearance: &impl Fn(DVec3, usize) -> f64,
+        doubt: impl Fn(f64) -> f64,
+    ) -> bool {
+        let c = &self.clusters[i];
+        let group = group(self.samples[c.start].face);
+        let enough = demand.wanted() + self.cluster_extra[i] + c.radius;
+        clearance(c.center, group) >= enough + doubt(enough)
+            || (c.start..c.end).all(|k| clearance(self.samples[k].point, group) >= self.demanded(k, s, demand))
+    }
+
+    /// Points of cluster `i` that lack clearance, and how much (mm).
+    pub fn lacking_in(
+        &self,
+        i: usize,
+        s: f64,
+        demand: &Demand,
+        clearance: &impl Fn(DVec3, usize) -> f64,
+    ) -> impl Iterator<Item = (usize, f64)> {
+        let c = self.clusters[i];
+        (c.start..c.end).filter_map(move |k| {
+            let sample = &self.samples[k];
+            let lack = self.demanded(k, s, demand) - clearance(sample.point, group(sample.face));
+            (lack > 0.0).then_some((k, lack))
+        })
+    }
+
+    /// Clearance demanded of point `k` when withdrawn by `s`.
+    #[inline]
+    fn demanded(&self, k: usize, s: f64, demand: &Demand) -> f64 {
+        (demand.wanted() + self.samples[k].extra).min(self.at_final[k] + Self::OPENING * s)
+    }
+}
