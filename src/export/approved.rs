@@ -18,15 +18,21 @@ pub struct Approved {
 pub enum NotApproved {
     #[error("the certificate belongs to another path; verify this path")]
     OtherPath,
-    #[error("the certificate asks for {required} mm of clearance but the path for a spark gap of {spark_gap} mm; \
-             verify the path with its own gap")]
+    #[error(
+        "the certificate asks for {required} mm of clearance but the path for a spark gap of {spark_gap} mm; \
+             verify the path with its own gap"
+    )]
     OtherGap { required: f64, spark_gap: f64 },
     #[error("the path does not lead from wholly outside the blisk to the final pose")]
     WrongEnds,
-    #[error("the clearance is proven to be at least {certified:.5} mm only, where {required:.5} mm less {tolerance:.5} mm \
-             are needed; the least clearance is near row {row:.2} (s = {s:.3} mm)")]
+    #[error(
+        "the clearance is proven to be at least {certified:.5} mm only, where {required:.5} mm less {tolerance:.5} mm \
+             are needed; the least clearance is near row {row:.2} (s = {s:.3} mm)"
+    )]
     TooClose { certified: f64, required: f64, tolerance: f64, row: f64, s: f64 },
-    #[error("row {row} was not rounded to the decimals of files before it was verified; round the path and verify again")]
+    #[error(
+        "row {row} was not rounded to the decimals of files before it was verified; round the path and verify again"
+    )]
     NotQuantised { row: usize },
 }
 

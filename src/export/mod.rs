@@ -12,6 +12,7 @@ pub mod path_csv;
 pub mod post;
 pub mod quantise;
 pub mod report;
+mod report_curves;
 mod report_html;
 mod report_tables;
 pub mod svg_plot;

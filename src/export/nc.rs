@@ -25,8 +25,10 @@ pub enum NcError {
     AxisNotOnMachine { axis: char, row: usize },
     #[error("the path moves axis {axis}, for which the post has no word; add it under [[axes]]")]
     AxisNotInPost { axis: char },
-    #[error("a line of {length} characters is longer than the control's {limit}: {line:?}; \
-             shorten the post's words or raise max_line_length")]
+    #[error(
+        "a line of {length} characters is longer than the control's {limit}: {line:?}; \
+             shorten the post's words or raise max_line_length"
+    )]
     LineTooLong { length: usize, limit: usize, line: String },
     #[error("{name} is {value}, but must be {range}")]
     Setting { name: &'static str, value: f64, range: &'static str },
@@ -151,7 +153,7 @@ fn header(w: &mut Writer, approved: &Approved) {
     w.comment(&format!("Electrode reference point O in W: {}", vector(path.reference_point)));
     w.comment(
         "A point p of the electrode goes to Rx[A] * [ O + [X Y Z] + Rz[C] * Ry[B] * [p - O] ]: values are of the \
-         electrode relative to the workpiece, right-handed; a table that carries the workpiece turns the other way.",
+         electrode relative to the workpiece, right-handed. A table that carries the workpiece turns the other way.",
     );
     let reversed = w.post.axes.iter().filter(|a| a.reversed).map(|a| a.axis.letter().to_string());
     let reversed: Vec<String> = reversed.collect();
@@ -178,10 +180,13 @@ fn feed_comments(w: &mut Writer, approved: &Approved) {
                 "F is the speed along X Y Z in blocks where any of them moves, and degrees per minute in blocks \
                  where only rotary axes move.",
             );
-            let speeds = format!("{:.1} mm/min at this feed and {:.1} mm/min retracting", feed * fastest, back * fastest);
+            let speeds =
+                format!("{:.1} mm/min at this feed and {:.1} mm/min retracting", feed * fastest, back * fastest);
             w.comment(&format!("Taken so, the fastest electrode point moves at up to {speeds}."));
         }
-        FeedMode::InverseTime => w.comment("F is 1 / minutes of the block, from the way of the fastest electrode point."),
+        FeedMode::InverseTime => {
+            w.comment("F is 1 / minutes of the block, from the way of the fastest electrode point.")
+        }
         FeedMode::Seconds => w.comment("F is the seconds of the block, from the way of the fastest electrode point."),
     }
 }
@@ -192,7 +197,9 @@ fn motion(w: &mut Writer, approved: &Approved) {
     let o = approved.path().reference_point;
     w.block(&post.modes);
     w.block(&post.exact_path);
-    w.comment("The way to the first position is NOT verified: have the electrode clear of the blisk, on its entry side.");
+    w.comment(
+        "The way to the first position is NOT verified: have the electrode clear of the blisk, on its entry side.",
+    );
     post.safe_start.iter().for_each(|line| w.block(line));
     w.block(&post.feed.approach_word);
     if let Some(first) = rows.first() {

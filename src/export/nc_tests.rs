@@ -81,7 +81,8 @@ fn minutes(post: &Post, text: &str) -> Vec<f64> {
 fn block_times_move_the_fastest_electrode_point_at_the_feed() {
     let path = fixtures::path();
     let bounds = fixtures::electrode_bounds();
-    let corners = (0..8).map(|i| bounds.min + bounds.size() * glam::DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64));
+    let corners = (0..8)
+        .map(|i| bounds.min + bounds.size() * glam::DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64));
     let corners: Vec<_> = corners.collect();
     for mode in [FeedMode::InverseTime, FeedMode::Seconds] {
         let mut post = Post::load("beckhoff-edm", None).unwrap();
@@ -101,7 +102,9 @@ fn block_times_move_the_fastest_electrode_point_at_the_feed() {
 fn the_header_carries_the_certificate() {
     let (post, a) = (Post::load("iso", None).unwrap(), approved());
     let text = program(&post);
-    for part in ["0.10150 mm or more", "0.10320 mm", "121 rows", "electrode_1.stl", "0.10000 mm", &a.certificate().path_digest] {
+    for part in
+        ["0.10150 mm or more", "0.10320 mm", "121 rows", "electrode_1.stl", "0.10000 mm", &a.certificate().path_digest]
+    {
         assert!(text.contains(part), "{part}\n{text}");
     }
     assert!(text.find("G61").unwrap() < text.find("G01").unwrap(), "corners must not be rounded");
@@ -113,7 +116,8 @@ fn the_fastest_point_under_feed_per_minute_is_stated() {
     let path = fixtures::path();
     let bounds = fixtures::electrode_bounds();
     let ratio = |w: &[PathRow]| {
-        fastest_point_travel(&w[0].pose, &w[1].pose, path.reference_point, &bounds) / programmed_length(&w[0].pose, &w[1].pose)
+        fastest_point_travel(&w[0].pose, &w[1].pose, path.reference_point, &bounds)
+            / programmed_length(&w[0].pose, &w[1].pose)
     };
     let fastest = path.rows.windows(2).map(ratio).fold(0.0, f64::max);
     let text = program(&Post::load("iso", None).unwrap());
@@ -124,7 +128,8 @@ fn the_fastest_point_under_feed_per_minute_is_stated() {
 fn a_file_name_cannot_smuggle_in_a_block() {
     for (name, _) in crate::export::post::BUILT_IN {
         let post = Post::load(name, None).unwrap();
-        let evil = NcJob { electrode_file: "e)\nG01 Z-99\r\n;(%\u{2028}G01 Z-98 \u{202e}ü", program: "p)\nM30", ..job() };
+        let evil =
+            NcJob { electrode_file: "e)\nG01 Z-99\r\n;(%\u{2028}G01 Z-98 \u{202e}ü", program: "p)\nM30", ..job() };
         let text = NcProgram::new(&approved(), &post, &NcSettings::default(), &evil).unwrap();
         assert_eq!(moving_blocks(&post, text.text()), moving_blocks(&post, &program(&post)));
         let lines = |t: &str| t.lines().filter(|l| !l.starts_with(post.comment.open.trim())).count();

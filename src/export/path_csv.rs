@@ -27,7 +27,9 @@ pub enum PathCsvError {
     Header { problem: String },
     #[error("line 1: {key} is {found}, but must be {expected}; this program reads no other kind of path")]
     Kind { key: &'static str, found: String, expected: &'static str },
-    #[error("line 1: frame is not a rotation: {problem}; x, y and z must be unit vectors, right-handed, at right angles")]
+    #[error(
+        "line 1: frame is not a rotation: {problem}; x, y and z must be unit vectors, right-handed, at right angles"
+    )]
     Frame { problem: String },
     #[error("line 1: {key} is {value}; {remedy}")]
     HeaderValue { key: &'static str, value: String, remedy: &'static str },

@@ -226,7 +226,8 @@ impl Post {
             Err(PostError::Value { origin: origin.to_owned(), key: "axes", value, remedy })
         };
         for (i, a) in self.axes.iter().enumerate() {
-            if !a.word.chars().next().is_some_and(|c| c.is_ascii_uppercase()) || a.word.len() > 4 || !a.word.is_ascii() {
+            if !a.word.chars().next().is_some_and(|c| c.is_ascii_uppercase()) || a.word.len() > 4 || !a.word.is_ascii()
+            {
                 return bad(&a.word, "an axis word is a capital letter, at most 4 characters long");
             }
             if self.axes[..i].iter().any(|b| b.axis == a.axis || b.word == a.word) {
@@ -242,7 +243,8 @@ impl Post {
             Err(PostError::Value { origin: origin.to_owned(), key, value, remedy })
         };
         let blocks = [&self.program_start, &self.safe_start, &self.burn, &self.safe_end, &self.program_end];
-        let single = [&self.modes, &self.exact_path, &self.dwell, &self.linear, &self.feed.word, &self.feed.approach_word];
+        let single =
+            [&self.modes, &self.exact_path, &self.dwell, &self.linear, &self.feed.word, &self.feed.approach_word];
         let marks = [&self.comment.open, &self.comment.close];
         for line in blocks.into_iter().flatten().chain(single).chain(marks) {
             if !line.chars().all(|c| c == ' ' || c.is_ascii_graphic()) {
