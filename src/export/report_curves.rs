@@ -6,7 +6,7 @@ use super::svg_plot::{Plot, Series};
 use crate::feed::pose::Axis;
 
 /// Most intervals that derivatives are taken over.
-const INTERVALS: f64 = 120.0;
+const INTERVALS: f64 = 60.0;
 
 /// Values of one axis over `s`, s rising: mm, or degrees for a rotary axis.
 pub(super) fn axis_curve(motion: &Motion, axis: Axis) -> Vec<[f64; 2]> {
@@ -90,9 +90,9 @@ mod tests {
         let rows = (0..=400).rev().map(|i| PathRow { node: 0, s: s(i), pose: Pose { y: y(s(i)), ..Pose::FINAL } });
         let motion = Motion { rows: rows.collect(), clearance: vec![] };
         let [slope, bend] = derivatives(&axis_curve(&motion, Axis::Y));
-        assert!((90..120).contains(&slope.len()), "{}", slope.len());
+        assert!((50..60).contains(&slope.len()), "{}", slope.len());
         for ([s, d], [_, dd]) in slope.into_iter().zip(bend) {
-            assert!((d - (1.0 - s + 0.3 * s * s)).abs() < 0.03, "{s} {d}");
+            assert!((d - (1.0 - s + 0.3 * s * s)).abs() < 0.1, "{s} {d}");
             assert!((dd - (-1.0 + 0.6 * s)).abs() < 1e-6, "{s} {dd}");
         }
         assert_eq!(moving_axes(&motion), [Axis::Y]);

@@ -114,7 +114,7 @@ fn key_figures(out: &mut String, e: &ElectrodeReport) {
         ("certified, at least", mm(e.certified_clearance_mm, 4), "mm"),
         ("least met", mm(e.least_clearance_mm, 4), "mm"),
         ("enters from", Some(e.enters_from.to_uppercase()).filter(|t| !t.is_empty()), ""),
-        ("nodes", some(e.nodes.len().to_string()), ""),
+        ("nodes", Some(e.nodes.len()).filter(|n| *n > 0).map(|n| n.to_string()), ""),
         ("path rows", rows, ""),
         ("volume", some(format!("{:.0}", e.volume_mm3)), "mm\u{b3}"),
         ("least thickness", mm(e.least_thickness_mm, 2), "mm"),

@@ -169,7 +169,7 @@ pub(super) fn least_clearance(out: &mut String, e: &ElectrodeReport) {
             row("Distance, mm", number(mm, 5)),
             row("To", escape(&at.surface)),
             row("Withdrawn, mm", format!("{} (row {})", number(at.s_mm, 3), number(at.row, 2))),
-            row("Pose", pose_cells(&at.pose).join(" ")),
+            row("Pose X Y Z A B C", pose_cells(&at.pose).join(" ")),
             row("On the electrode, W, mm", point(at.on_electrode)),
             row("On the blisk, W, mm", point(at.on_blisk)),
         ];
