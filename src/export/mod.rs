@@ -11,6 +11,7 @@ pub mod nc_feed;
 pub mod path_csv;
 pub mod post;
 pub mod report;
+mod report_curves;
 mod report_html;
 mod report_tables;
 pub mod svg_plot;

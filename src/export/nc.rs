@@ -153,7 +153,7 @@ fn header(w: &mut Writer, approved: &Approved) {
     w.comment(&format!("Electrode reference point O in W: {}", vector(path.reference_point)));
     w.comment(
         "A point p of the electrode goes to Rx[A] * [ O + [X Y Z] + Rz[C] * Ry[B] * [p - O] ]: values are of the \
-         electrode relative to the workpiece, right-handed; a table that carries the workpiece turns the other way.",
+         electrode relative to the workpiece, right-handed. A table that carries the workpiece turns the other way.",
     );
     let reversed = w.post.axes.iter().filter(|a| a.reversed).map(|a| a.axis.letter().to_string());
     let reversed: Vec<String> = reversed.collect();

@@ -1,1 +1,373 @@
+//! What a job found, as `report.json` for programs and `report.html` for people.
+//!
+//! The structs here are filled by the job and hold nothing that needs explaining twice: lengths in mm, angles in
+//! degrees, names as they stand in the JSON. Keys keep their order, so equal results give equal files.
 
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::files::{WriteError, write_atomically};
+use super::report_html;
+use crate::blisk::channel::Channel;
+use crate::feed::certificate::Contact;
+use crate::feed::path::PathRow;
+use crate::feed::pose::{Axis, Pose};
+use crate::geometry::frame::Frame;
+
+/// Version of the keys of `report.json`.
+pub const SCHEMA: u32 = 1;
+
+/// A report could not be written.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum ReportError {
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    #[error("the report cannot be put into JSON: {0}")]
+    Json(#[from] serde_json::Error),
+}
+
+/// A whole job.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// Version of the program.
+    pub program_version: String,
+    /// How the job ended.
+    pub verdict: Verdict,
+    /// Files that went in.
+    pub inputs: Vec<InputFile>,
+    /// What was found in the blisk.
+    pub blisk: BliskSummary,
+    /// Every parameter of the job, defaults included.
+    pub parameters: serde_json::Value,
+    /// The papers' symbols.
+    pub symbols: Vec<Symbol>,
+    /// One per electrode.
+    pub electrodes: Vec<ElectrodeReport>,
+    /// Time per stage.
+    pub times: Vec<StageTime>,
+    /// Pictures for the page.
+    #[serde(skip)]
+    pub pictures: Vec<Picture>,
+}
+
+/// How a job ended.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Verdict {
+    /// The program's exit code: 0 done and verified, 3 the answer is no.
+    pub exit_code: i32,
+    /// The answer in a sentence.
+    pub sentence: String,
+}
+
+/// A file that went into the job.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct InputFile {
+    /// What it is: blisk, electrode, path.
+    pub role: String,
+    /// Where it was read from.
+    pub path: String,
+    /// SHA-256 of its bytes, hex.
+    pub sha256: String,
+    /// Triangles read.
+    pub triangles: usize,
+    /// Unit its numbers were taken to be in.
+    pub unit: String,
+    /// Why.
+    pub unit_reason: String,
+    /// What was mended while reading, in plain sentences.
+    pub repairs: Vec<String>,
+}
+
+/// What was found in the blisk.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct BliskSummary {
+    pub blades: usize,
+    pub channel: usize,
+    pub shrouded: bool,
+    /// W in the coordinates of the loaded mesh (mm).
+    pub frame: Frame,
+    /// Least and greatest hub radius over the blades' span.
+    pub hub_radius_mm: [f64; 2],
+    /// Least and greatest shroud or tip radius over the blades' span.
+    pub shroud_radius_mm: [f64; 2],
+    /// X extent of the blades.
+    pub span_x_mm: [f64; 2],
+    /// Least distance between the walls.
+    pub throat_mm: f64,
+    /// How much the channel's middle line turns.
+    pub turning_deg: f64,
+    pub low_wall: String,
+    pub high_wall: String,
+    /// What was assumed, in plain sentences.
+    pub assumed: Vec<String>,
+}
+
+impl BliskSummary {
+    /// The summary of `channel`.
+    pub fn of(channel: &Channel) -> Self {
+        use crate::blisk::channel::Surface::{HighWall, LowWall};
+        let [lo, hi] = channel.span_x();
+        let inside = channel.meridian.iter().map(|m| m.x).filter(|x| (lo..=hi).contains(x));
+        let radii: Vec<_> = [lo, hi].into_iter().chain(inside).map(|x| channel.radii_at(x)).collect();
+        let range = |values: &mut dyn Iterator<Item = f64>| {
+            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)])
+        };
+        Self {
+            blades: channel.blades,
+            channel: channel.index,
+            shrouded: channel.shrouded,
+            frame: channel.frame,
+            hub_radius_mm: range(&mut radii.iter().map(|r| r.0)),
+            shroud_radius_mm: range(&mut radii.iter().map(|r| r.1)),
+            span_x_mm: [lo, hi],
+            throat_mm: channel.throat.width_mm,
+            turning_deg: channel.turning.to_degrees(),
+            low_wall: channel.surface_name(LowWall).to_owned(),
+            high_wall: channel.surface_name(HighWall).to_owned(),
+            assumed: channel.assumed.clone(),
+        }
+    }
+}
+
+/// A symbol of the papers with the value it had.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct Symbol {
+    pub symbol: String,
+    pub meaning: String,
+    pub value: String,
+    pub unit: String,
+}
+
+/// Axis values in file units.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct PoseReport {
+    pub x_mm: f64,
+    pub y_mm: f64,
+    pub z_mm: f64,
+    pub a_deg: f64,
+    pub b_deg: f64,
+    pub c_deg: f64,
+}
+
+impl From<&Pose> for PoseReport {
+    fn from(p: &Pose) -> Self {
+        let [a_deg, b_deg, c_deg] = [p.a, p.b, p.c].map(f64::to_degrees);
+        Self { x_mm: p.x, y_mm: p.y, z_mm: p.z, a_deg, b_deg, c_deg }
+    }
+}
+
+/// Where the least clearance is. Points in W (mm), the electrode's in its final pose.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct ClearancePlace {
+    pub row: f64,
+    pub s_mm: f64,
+    pub pose: PoseReport,
+    pub on_electrode: [f64; 3],
+    pub on_blisk: [f64; 3],
+    /// The surface's name for a reader.
+    pub surface: String,
+}
+
+impl ClearancePlace {
+    /// The place of `contact`; `surface` is [`Channel::surface_name`] of its surface.
+    pub fn of(contact: &Contact, surface: &str) -> Self {
+        Self {
+            row: contact.row,
+            s_mm: contact.s,
+            pose: PoseReport::from(&contact.pose),
+            on_electrode: contact.on_electrode.to_array(),
+            on_blisk: contact.on_blisk.to_array(),
+            surface: surface.to_owned(),
+        }
+    }
+}
+
+/// Values of P0's objective at a node.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct ObjectiveReport {
+    /// Obj1 of (4).
+    pub smoothness: f64,
+    /// Obj2 of (5).
+    pub centring: f64,
+    /// a3 Obj1 + b3 Obj2.
+    pub total: f64,
+}
+
+/// A search node.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct NodeReport {
+    pub node: usize,
+    pub s_mm: f64,
+    #[serde(flatten)]
+    pub pose: PoseReport,
+    pub clearance_mm: f64,
+    pub objective: Option<ObjectiveReport>,
+}
+
+/// How even the motion of an axis is, over the rows as they are; mm or degrees.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Smoothness {
+    /// The axis letter.
+    pub axis: char,
+    /// `mm` or `deg`.
+    pub unit: &'static str,
+    /// Sum of the steps' sizes.
+    pub total_variation: f64,
+    /// Root mean square of the second differences.
+    pub rms_second_difference: f64,
+    /// Greatest second difference in size.
+    pub max_second_difference: f64,
+    /// How often the axis turns back.
+    pub sign_changes_first_difference: usize,
+}
+
+impl Smoothness {
+    /// The figures of every axis that moves along `rows`.
+    pub fn of_rows(rows: &[PathRow]) -> Vec<Self> {
+        let moving = Axis::ALL.into_iter().filter(|&axis| rows.iter().any(|r| r.pose.get(axis) != 0.0));
+        moving.map(|axis| Self::of_axis(rows, axis)).collect()
+    }
+
+    fn of_axis(rows: &[PathRow], axis: Axis) -> Self {
+        let in_file_units = |v: f64| if axis.is_rotary() { v.to_degrees() } else { v };
+        let values: Vec<f64> = rows.iter().map(|r| in_file_units(r.pose.get(axis))).collect();
+        let first: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).collect();
+        let second: Vec<f64> = first.windows(2).map(|w| w[1] - w[0]).collect();
+        let moves: Vec<f64> = first.iter().copied().filter(|d| *d != 0.0).collect();
+        Self {
+            axis: axis.letter(),
+            unit: if axis.is_rotary() { "deg" } else { "mm" },
+            total_variation: first.iter().map(|d| d.abs()).sum(),
+            rms_second_difference: (second.iter().map(|d| d * d).sum::<f64>() / second.len().max(1) as f64).sqrt(),
+            max_second_difference: second.iter().fold(0.0, |m, d| m.max(d.abs())),
+            sign_changes_first_difference: moves.windows(2).filter(|w| w[0] * w[1] < 0.0).count(),
+        }
+    }
+}
+
+/// How the genetic search of a node went on, per generation.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct Convergence {
+    pub node: usize,
+    pub best: Vec<f64>,
+    pub mean: Vec<f64>,
+}
+
+/// Why there is no path.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Jam {
+    /// The node that has no free pose.
+    pub node: usize,
+    /// How far the electrode came out (mm).
+    pub s_mm: f64,
+    /// The surface that holds it.
+    pub wall: String,
+    /// Where, in W (mm).
+    pub place: [f64; 3],
+    /// What happened and what would help, in plain words.
+    pub sentence: String,
+}
+
+/// One electrode and its path.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct ElectrodeReport {
+    /// Counted from 1.
+    pub index: usize,
+    /// `+x` or `-x`, in W.
+    pub enters_from: String,
+    /// Whether a path was found.
+    pub extractable: bool,
+    /// Whether its clearance is proven.
+    pub verified: bool,
+    /// Spark gap (mm).
+    pub required_clearance_mm: f64,
+    /// Proven lower bound over the whole motion (mm).
+    pub certified_clearance_mm: Option<f64>,
+    /// Smallest clearance met: an upper bound of the least (mm).
+    pub least_clearance_mm: Option<f64>,
+    /// Where.
+    pub least_clearance_at: Option<ClearancePlace>,
+    /// The search nodes, node 0 being the final pose.
+    pub nodes: Vec<NodeReport>,
+    /// Per moving axis.
+    pub smoothness: Vec<Smoothness>,
+    /// Volume of the electrode (mm^3).
+    pub volume_mm3: f64,
+    /// Its least wall thickness (mm).
+    pub least_thickness_mm: Option<f64>,
+    /// Area that erodes (mm^2).
+    pub burn_area_mm2: Option<f64>,
+    /// Per node of a genetic search.
+    pub ga_convergence: Vec<Convergence>,
+    /// Why there is no path, when there is none.
+    pub failure: Option<Jam>,
+    /// Files written for this electrode.
+    pub files: Vec<String>,
+    /// Rows and clearances for the plots.
+    #[serde(skip)]
+    pub motion: Option<Motion>,
+}
+
+/// The rows of a path with their clearances.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Motion {
+    /// In feed order.
+    pub rows: Vec<PathRow>,
+    /// Exact clearance at every row (mm).
+    pub clearance: Vec<f64>,
+}
+
+/// Time of a stage.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct StageTime {
+    pub stage: String,
+    pub seconds: f64,
+}
+
+/// A picture on the page.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture {
+    /// What it shows.
+    pub title: String,
+    /// The image as PNG bytes.
+    pub png: Vec<u8>,
+}
+
+impl Report {
+    /// The report as JSON, keys in the order of the structs; a number that is not finite becomes null.
+    ///
+    /// # Errors
+    /// [`ReportError::Json`], which only a parameter table with keys that are not text could cause.
+    pub fn json(&self) -> Result<String, ReportError> {
+        Ok(serde_json::to_string_pretty(self)? + "\n")
+    }
+
+    /// The report as one self-contained page.
+    pub fn html(&self) -> String {
+        report_html::page(self)
+    }
+
+    /// Writes `report.json` and `report.html` into `folder`.
+    ///
+    /// # Errors
+    /// [`ReportError`] naming the file.
+    pub fn write(&self, folder: &Path) -> Result<(), ReportError> {
+        write_atomically(&folder.join("report.json"), self.json()?.as_bytes())?;
+        Ok(write_atomically(&folder.join("report.html"), self.html().as_bytes())?)
+    }
+}
+
+#[cfg(test)]
+#[path = "report_tests.rs"]
+mod tests;
