@@ -2,3 +2,10 @@
 //! channel, and makes parametric blisks.
 
 pub mod channel;
+pub mod error;
+pub mod find_channel;
+pub mod frame;
+pub mod inspect;
+pub mod options;
+#[cfg(test)]
+pub(crate) mod test_parts;
