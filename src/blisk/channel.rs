@@ -68,7 +68,7 @@ impl ChannelWall {
 }
 
 /// The bounds of the passage in the meridional plane, sampled along X over the whole width of the blisk's ring.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct MeridianSample {
     /// Position along X (mm).
     pub x: f64,
@@ -126,11 +126,7 @@ impl Channel {
 
     /// Hub and shroud (or tip) radius at `x`, linear between samples and constant beyond the ends (mm).
     pub fn radii_at(&self, x: f64) -> (f64, f64) {
-        let m = &self.meridian;
-        let i = m.partition_point(|s| s.x < x).clamp(1, m.len() - 1);
-        let (a, b) = (&m[i - 1], &m[i]);
-        let t = if b.x > a.x { ((x - a.x) / (b.x - a.x)).clamp(0.0, 1.0) } else { 0.0 };
-        (a.hub + t * (b.hub - a.hub), a.shroud + t * (b.shroud - a.shroud))
+        radii_at(&self.meridian, x)
     }
 
     /// The name of `surface` for a reader, e.g. `"suction wall"`.
@@ -148,4 +144,14 @@ impl Channel {
             Surface::Elsewhere => "blisk outside the channel",
         }
     }
+}
+
+/// Hub and shroud (or tip) radius at `x` among samples in order of rising x: linear between them and constant
+/// beyond the ends (mm). Without samples both are NaN.
+pub(super) fn radii_at(meridian: &[MeridianSample], x: f64) -> (f64, f64) {
+    let i = meridian.partition_point(|s| s.x < x);
+    let Some(b) = meridian.get(i).or(meridian.last()) else { return (f64::NAN, f64::NAN) };
+    let a = meridian.get(i.wrapping_sub(1)).unwrap_or(b);
+    let t = if b.x > a.x { ((x - a.x) / (b.x - a.x)).clamp(0.0, 1.0) } else { 0.0 };
+    (a.hub + t * (b.hub - a.hub), a.shroud + t * (b.shroud - a.shroud))
 }

@@ -3,4 +3,13 @@
 
 pub mod channel;
 pub mod electrode;
+pub mod error;
+pub mod find_channel;
+pub mod frame;
+pub mod inspect;
+pub mod options;
+pub mod parametric;
+mod profile;
 pub mod surface_finder;
+#[cfg(test)]
+pub(crate) mod test_parts;

@@ -1,0 +1,127 @@
+//! Why a mesh is not taken for a blisk, in words that say what to do about it.
+
+use glam::DVec3;
+
+use super::frame::Axis;
+use crate::progress::Cancelled;
+
+/// Why the axis, the blades or a channel could not be found.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum BliskError {
+    /// A key of the job file is wrong.
+    #[error("{0}")]
+    Options(String),
+    /// There is nothing to look at.
+    #[error("the mesh cannot be searched for a blisk: {0}")]
+    Mesh(String),
+    /// Only a part of a blisk.
+    #[error(
+        "the mesh is no whole blisk: its surface covers only about {covered_deg:.0} of 360 degrees around the axis {axis}; \
+         load the whole blisk, or give the right axis with the key [blisk] axis"
+    )]
+    Partial {
+        /// Angle that the surface covers (deg).
+        covered_deg: f64,
+        /// The axis it was measured around.
+        axis: Axis,
+    },
+    /// Nothing repeats around the axis.
+    #[error(
+        "no blades found: no circle about the axis {axis} crosses walls that repeat evenly around it{}{}; \
+         if this is a blisk, give its axis with the key [blisk] axis and its blade count with [blisk] blades",
+        .wanted.map(|n| format!(" exactly {n} times")).unwrap_or_default(),
+        if *.closed { "" } else { " (the mesh is not closed, which may be why: repair it first)" }
+    )]
+    NoBlades {
+        /// The axis that was tried.
+        axis: Axis,
+        /// The blade count that was asked for.
+        wanted: Option<usize>,
+        /// Whether the mesh is closed; an open one has no inside.
+        closed: bool,
+    },
+    /// Something repeats, but it is no channel between blades.
+    #[error(
+        "no blades found: about the axis {axis} there are {count} evenly spaced gaps, but {reason}; \
+         if this is a blisk, give its axis with the key [blisk] axis and its blade count with [blisk] blades"
+    )]
+    NoChannels {
+        /// The axis that was tried.
+        axis: Axis,
+        /// How many gaps there are.
+        count: usize,
+        /// Why they are no channels.
+        reason: &'static str,
+    },
+    /// The job asks for a channel that does not exist.
+    #[error("[blisk] channel is {index}, but the blisk has {blades} channels, 0 to {}", .blades - 1)]
+    NoSuchChannel {
+        /// The channel asked for.
+        index: usize,
+        /// Number of channels.
+        blades: usize,
+    },
+    /// An end wall could not be found.
+    #[error(
+        "the {wall} was not found: no surface is met along the radius from the channel's middle (x {x:.3}, r {r:.3} mm \
+         about the axis); give its radius with the key [blisk] {key}"
+    )]
+    NoEndWall {
+        /// Which wall: `"hub"`.
+        wall: &'static str,
+        /// The key that gives it by hand.
+        key: &'static str,
+        /// Where the ray started (mm along the axis).
+        x: f64,
+        /// Where the ray started (mm from the axis).
+        r: f64,
+    },
+    /// Hub and shroud leave no room.
+    #[error(
+        "hub radius {hub:.3} mm and shroud radius {shroud:.3} mm leave no channel that the blades cross; \
+         check the keys [blisk] hub_radius_mm and shroud_radius_mm"
+    )]
+    NoHeight {
+        /// Hub radius (mm).
+        hub: f64,
+        /// Shroud radius (mm).
+        shroud: f64,
+    },
+    /// The walls could not be followed over the whole channel.
+    #[error(
+        "the channel's walls were lost at x {x:.3}, r {r:.3} mm about the axis, where the blades do not bound it on both \
+         sides; bound the channel with the keys [blisk] hub_radius_mm and shroud_radius_mm"
+    )]
+    LostWall {
+        /// Where (mm along the axis).
+        x: f64,
+        /// Where (mm from the axis).
+        r: f64,
+    },
+    /// The computation was told to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl BliskError {
+    /// The axis about which the search failed.
+    pub fn axis(&self) -> Option<Axis> {
+        match self {
+            Self::Partial { axis, .. } | Self::NoBlades { axis, .. } | Self::NoChannels { axis, .. } => Some(*axis),
+            _ => None,
+        }
+    }
+}
+
+impl std::fmt::Display for Axis {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (p, d) = (rounded(self.point, 1e-6), rounded(self.direction, 1e-9));
+        write!(f, "through ({}, {}, {}) mm along ({}, {}, {})", p.x, p.y, p.z, d.x, d.y, d.z)
+    }
+}
+
+/// `v` rounded to multiples of `unit`, without negative zeros.
+fn rounded(v: DVec3, unit: f64) -> DVec3 {
+    let digits = (1.0 / unit).round();
+    (v * digits).round() / digits + DVec3::ZERO
+}

@@ -1,0 +1,204 @@
+//! Lines that may be the axis of a mesh, best first.
+//!
+//! Two independent sources: the principal axes of the solid (a solid with three or more equal sectors turns
+//! about one of them), and the line that the surface's normals meet best (Pottmann and Wallner, Computational
+//! Line Geometry, chapter 4: the normals of a surface of revolution all meet its axis). The second also holds
+//! for a part of a blisk and for one with balance cuts.
+
+use glam::{DMat3, DVec3};
+use nalgebra::{Matrix3, SymmetricEigen};
+use serde::Serialize;
+
+use crate::geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
+
+/// A line in the coordinates of the mesh: the axis of a blisk.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Axis {
+    /// A point of the line (mm).
+    pub point: DVec3,
+    /// Its unit direction.
+    pub direction: DVec3,
+}
+
+impl Axis {
+    /// The line through `point` along `direction`, turned to the positive side of the mesh axis that it is
+    /// nearest to, its point the foot of the mesh's origin.
+    pub(super) fn new(point: DVec3, direction: DVec3) -> Self {
+        let d = direction.normalize_or(DVec3::X);
+        let size = d.abs().to_array();
+        // Within rounding of a tie the earlier mesh axis decides.
+        let major = (1..3).fold(0, |best, i| if size[i] > size[best] + 1e-9 { i } else { best });
+        let direction = if d[major] < 0.0 { -d } else { d };
+        Self { point: point - direction * direction.dot(point), direction }
+    }
+
+    /// The mesh axis that the line is nearest to: 0, 1 or 2.
+    pub(super) fn major(&self) -> usize {
+        let size = self.direction.abs().to_array();
+        (1..3).fold(0, |best, i| if size[i] > size[best] + 1e-9 { i } else { best })
+    }
+
+    /// Distance of `p` from the line (mm).
+    fn distance(&self, p: DVec3) -> f64 {
+        self.direction.cross(p - self.point).length()
+    }
+
+    /// The same line, moved onto directions and planes of the mesh's own axes where it misses them by no more
+    /// than the rounding of coordinates (f32 files keep seven digits) of a part of the given size (mm).
+    pub(super) fn snapped(mut self, size: f64) -> Self {
+        let unit = [DVec3::X, DVec3::Y, DVec3::Z][self.major()];
+        if (self.direction - unit).length() < 2e-7 {
+            self = Self::new(self.point, unit);
+        }
+        let near_zero = self.point.abs().cmplt(DVec3::splat(1e-7 * size));
+        self.point = DVec3::select(near_zero, DVec3::ZERO, self.point);
+        Self::new(self.point, self.direction)
+    }
+}
+
+/// A piece of surface: where it is, its unit normal and its area.
+struct Facet {
+    center: DVec3,
+    normal: DVec3,
+    area: f64,
+}
+
+fn facets(mesh: &Mesh) -> Vec<Facet> {
+    let facet = |t: [DVec3; 3]| {
+        let n = normal_times_two_areas(t);
+        Facet { center: (t[0] + t[1] + t[2]) / 3.0, normal: n.normalize_or_zero(), area: 0.5 * n.length() }
+    };
+    mesh.iter_corners().map(facet).filter(|f| f.area > 0.0).collect()
+}
+
+/// Lines that may be the axis of `mesh`, the likeliest first, none twice; with `direction`, only lines along it.
+pub(super) fn candidates(mesh: &Mesh, direction: Option<DVec3>) -> Vec<Axis> {
+    let facets = facets(mesh);
+    let size = mesh.bounds().size().length();
+    let (center, moments) = solid_moments(mesh);
+    let mut axes = match direction {
+        Some(direction) => vec![Axis::new(center, direction)],
+        None => eigenvectors(moments).map(|d| Axis::new(center, d)).to_vec(),
+    };
+    axes.extend(axis_of_normals(&facets, center, size, direction));
+    let mut ranked: Vec<(f64, Axis)> = axes.into_iter().map(|a| (share_of_revolution(&facets, &a), a)).collect();
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut distinct: Vec<Axis> = Vec::new();
+    for (_, axis) in ranked {
+        let beside_center = axis.point + axis.direction * axis.direction.dot(center - axis.point);
+        let same =
+            |a: &Axis| a.direction.cross(axis.direction).length() < 1e-3 && a.distance(beside_center) < 1e-3 * size;
+        if !distinct.iter().any(same) {
+            distinct.push(axis);
+        }
+    }
+    distinct
+}
+
+/// Centroid and second moments about it (the covariance times the volume) of the solid.
+fn solid_moments(mesh: &Mesh) -> (DVec3, DMat3) {
+    let o = mesh.bounds().center();
+    let (mut volume, mut first) = (0.0, DVec3::ZERO);
+    let mut second = DMat3::ZERO;
+    for t in mesh.iter_corners() {
+        let [a, b, c] = t.map(|p| p - o);
+        let v = a.dot(b.cross(c)) / 6.0;
+        let sum = a + b + c;
+        volume += v;
+        first += v * sum / 4.0;
+        second += (outer(a) + outer(b) + outer(c) + outer(sum)) * (v / 20.0);
+    }
+    // An open mesh may enclose nothing: then its middle is as good a guess as any.
+    let center = first / volume;
+    if !center.is_finite() || !mesh.bounds().grown(1e-9).intersects(&Bounds::of([o + center])) {
+        return (o, second);
+    }
+    (o + center, second - outer(center) * volume)
+}
+
+fn outer(v: DVec3) -> DMat3 {
+    DMat3::from_cols(v * v.x, v * v.y, v * v.z)
+}
+
+/// Eigenvectors of a symmetric matrix in order of rising eigenvalue.
+fn eigenvectors(m: DMat3) -> [DVec3; 3] {
+    let eigen = SymmetricEigen::new(Matrix3::from_column_slice(&m.to_cols_array()));
+    let mut order = [0, 1, 2];
+    order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
+    order.map(|i| DVec3::from_slice(eigen.eigenvectors.column(i).as_slice()))
+}
+
+/// How far the normal of a facet misses the axis: its component around the axis.
+fn tangential(facet: &Facet, axis: &Axis) -> f64 {
+    let around = axis.direction.cross(facet.center - axis.point);
+    facet.normal.dot(around.normalize_or_zero()).abs()
+}
+
+/// Share of the area that is a surface of revolution about `axis`, to within a facet's width. Faces across the
+/// axis are so about any line parallel to it, hence do not count.
+fn share_of_revolution(facets: &[Facet], axis: &Axis) -> f64 {
+    let radial: f64 = facets.iter().filter(|f| tangential(f, axis) < 0.1).map(|f| f.area * beside(f, axis)).sum();
+    radial / facets.iter().map(|f| f.area).sum::<f64>()
+}
+
+/// How little a facet faces along the axis: the sine of the angle between them, squared.
+fn beside(facet: &Facet, axis: &Axis) -> f64 {
+    1.0 - facet.normal.dot(axis.direction).powi(2)
+}
+
+/// The line that the normals meet best, by least squares in the line's Pluecker coordinates (d, m = c x d),
+/// reweighted so that walls, which are no surfaces of revolution, lose their say.
+fn axis_of_normals(facets: &[Facet], center: DVec3, size: f64, fixed: Option<DVec3>) -> Option<Axis> {
+    let mut axis: Option<Axis> = None;
+    // How far a normal may miss the axis and still count, from anything down to the slant of a facet.
+    for tolerance in [1e3, 0.5, 0.35, 0.25, 0.18, 0.12, 0.08, 0.05, 0.03, 0.02, 0.02, 0.02] {
+        let (mut a, mut b, mut d) = (DMat3::ZERO, DMat3::ZERO, DMat3::ZERO);
+        for f in facets {
+            let miss = axis.as_ref().map_or(0.0, |axis| tangential(f, axis));
+            let weight = f.area / (1.0 + (miss / tolerance).powi(2)).powi(2);
+            let (n, moment) = (f.normal, (f.center - center).cross(f.normal) / size);
+            a += weight * outer(n);
+            b += weight * DMat3::from_cols(n * moment.x, n * moment.y, n * moment.z);
+            d += weight * outer(moment);
+        }
+        let inverse = pseudo_inverse(a);
+        let direction = fixed.unwrap_or_else(|| eigenvectors(d - b.transpose() * inverse * b)[0]);
+        let moment = -(inverse * (b * direction)) * size;
+        axis = Some(Axis::new(center + direction.cross(moment), direction));
+    }
+    axis.filter(|a| a.point.is_finite() && a.direction.is_finite())
+}
+
+/// The inverse of a symmetric matrix on the space where it is not zero.
+fn pseudo_inverse(m: DMat3) -> DMat3 {
+    let eigen = SymmetricEigen::new(Matrix3::from_column_slice(&m.to_cols_array()));
+    let greatest = eigen.eigenvalues.iter().fold(0.0, |g: f64, v| g.max(v.abs()));
+    (0..3).filter(|&i| eigen.eigenvalues[i].abs() > 1e-9 * greatest).fold(DMat3::ZERO, |sum, i| {
+        sum + outer(DVec3::from_slice(eigen.eigenvectors.column(i).as_slice())) * (1.0 / eigen.eigenvalues[i])
+    })
+}
+
+/// Angle about `axis` that the surface covers, of a full turn (rad), seen in 120 sectors and leaving out what
+/// lies near the axis, where a triangle covers much.
+pub(super) fn covered_angle(mesh: &Mesh, axis: &Axis) -> f64 {
+    const SECTORS: usize = 120;
+    let across = axis.direction.any_orthonormal_vector();
+    let up = axis.direction.cross(across);
+    let flat = |p: DVec3| glam::DVec2::new(across.dot(p - axis.point), up.dot(p - axis.point));
+    let reach = mesh.vertices.iter().map(|&p| flat(p).length()).fold(0.0, f64::max);
+    let mut seen = [false; SECTORS];
+    let sector = std::f64::consts::TAU / SECTORS as f64;
+    for corners in mesh.iter_corners() {
+        let points = corners.map(flat);
+        if points.iter().any(|p| p.length() < 0.3 * reach) {
+            continue;
+        }
+        let start = points[0].to_angle();
+        let turns = points.map(|p| points[0].angle_to(p));
+        let (least, most) = turns.iter().fold((0.0f64, 0.0f64), |(l, m), &t| (l.min(t), m.max(t)));
+        let first = ((start + least) / sector).floor() as i64;
+        let last = ((start + most) / sector).floor() as i64;
+        (first..=last).for_each(|i| seen[i.rem_euclid(SECTORS as i64) as usize] = true);
+    }
+    seen.iter().filter(|&&s| s).count() as f64 * sector
+}

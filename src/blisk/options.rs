@@ -1,0 +1,208 @@
+//! What a user may say about a blisk instead of leaving it to be found: the `[blisk]` keys of a job file.
+
+use glam::DVec3;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// A figure that is found from the mesh unless it is given: `"auto"` or the value.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum Auto<T> {
+    /// Find it.
+    #[default]
+    Auto,
+    /// Use this.
+    Given(T),
+}
+
+impl<T: Copy> Auto<T> {
+    /// The value, if it was given.
+    pub fn given(&self) -> Option<T> {
+        match *self {
+            Self::Auto => None,
+            Self::Given(value) => Some(value),
+        }
+    }
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum AutoWord {
+    Auto,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(untagged, expecting = "expected \"auto\" or a number")]
+enum AutoOr<T> {
+    Word(AutoWord),
+    Value(T),
+}
+
+impl<T: Serialize + Copy> Serialize for Auto<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.given().map_or(AutoOr::Word(AutoWord::Auto), AutoOr::Value).serialize(serializer)
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Auto<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Ok(match AutoOr::deserialize(deserializer)? {
+            AutoOr::Word(AutoWord::Auto) => Self::Auto,
+            AutoOr::Value(value) => Self::Given(value),
+        })
+    }
+}
+
+/// An axis by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AxisName {
+    /// Find direction and place.
+    Auto,
+    /// Parallel to the mesh's X axis; its place is found.
+    X,
+    /// Parallel to the mesh's Y axis; its place is found.
+    Y,
+    /// Parallel to the mesh's Z axis; its place is found.
+    Z,
+}
+
+/// A line in the coordinates of the mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxisLine {
+    /// Along the line, of any length but zero.
+    pub direction: [f64; 3],
+    /// A point of the line (mm).
+    pub point: [f64; 3],
+}
+
+/// The blisk's axis: `"auto"`, `"x"`, `"y"`, `"z"` or `{ direction = [0, 0, 1], point = [0, 0, 0] }`, taken
+/// exactly as given in the last case.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "expected \"auto\", \"x\", \"y\", \"z\" or { direction = [0, 0, 1], point = [0, 0, 0] }")]
+pub enum AxisChoice {
+    /// By name.
+    Named(AxisName),
+    /// By direction and point.
+    Line(AxisLine),
+}
+
+/// How the channel of a blisk is found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct BliskOptions {
+    /// The blisk's axis in the coordinates of the mesh.
+    pub axis: AxisChoice,
+    /// Number of blades around the axis.
+    pub blades: Auto<usize>,
+    /// Which channel: 0 is the one nearest to the mesh's +Z (to its +X when the axis runs along Z), the others
+    /// follow in the sense of a right-handed turn about W's X.
+    pub channel: usize,
+    /// Radius of the hub along the whole channel (mm; P0: R_h).
+    pub hub_radius_mm: Auto<f64>,
+    /// Radius of the shroud, or of the blade tips without one, along the whole channel (mm; P0: R_c).
+    pub shroud_radius_mm: Auto<f64>,
+    /// Points of a wall along the chord, from edge to edge.
+    pub wall_points_chord: usize,
+    /// Points of a wall from hub to shroud.
+    pub wall_points_span: usize,
+}
+
+impl Default for BliskOptions {
+    fn default() -> Self {
+        Self {
+            axis: AxisChoice::Named(AxisName::Auto),
+            blades: Auto::Auto,
+            channel: 0,
+            hub_radius_mm: Auto::Auto,
+            shroud_radius_mm: Auto::Auto,
+            wall_points_chord: 81,
+            wall_points_span: 25,
+        }
+    }
+}
+
+/// Most points a wall may have along the chord or across it.
+const MAX_WALL_POINTS: usize = 2000;
+
+impl BliskOptions {
+    /// Whether the options make sense before any mesh is seen; if not, which key is wrong and what it may be.
+    pub fn validate(&self) -> Result<(), String> {
+        if let AxisChoice::Line(AxisLine { direction, point }) = self.axis {
+            let length = DVec3::from(direction).length();
+            if !(length.is_finite() && length > 1e-12 && DVec3::from(point).is_finite()) {
+                return Err("[blisk] axis: the direction must be finite and not zero, and the point finite".into());
+            }
+        }
+        if self.blades.given().is_some_and(|n| !(2..=1000).contains(&n)) {
+            return Err("[blisk] blades: must be \"auto\" or between 2 and 1000".into());
+        }
+        let radii = [("hub_radius_mm", self.hub_radius_mm), ("shroud_radius_mm", self.shroud_radius_mm)];
+        for (key, radius) in radii {
+            if radius.given().is_some_and(|r| !(r.is_finite() && r > 0.0)) {
+                return Err(format!("[blisk] {key}: must be \"auto\" or a radius in mm greater than 0"));
+            }
+        }
+        if let (Some(hub), Some(shroud)) = (self.hub_radius_mm.given(), self.shroud_radius_mm.given())
+            && hub >= shroud
+        {
+            return Err(format!("[blisk] hub_radius_mm ({hub}) must be less than shroud_radius_mm ({shroud})"));
+        }
+        let sizes = [("wall_points_chord", self.wall_points_chord), ("wall_points_span", self.wall_points_span)];
+        for (key, size) in sizes {
+            if !(5..=MAX_WALL_POINTS).contains(&size) {
+                return Err(format!("[blisk] {key}: must be between 5 and {MAX_WALL_POINTS}"));
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_job_file_names_or_spells_out_the_axis() {
+        let parse = |text: &str| toml::from_str::<BliskOptions>(text);
+        assert_eq!(parse("").unwrap(), BliskOptions::default());
+        let given = parse("axis = 'z'\nblades = 60\nhub_radius_mm = 110\nshroud_radius_mm = 'auto'").unwrap();
+        assert_eq!(given.axis, AxisChoice::Named(AxisName::Z));
+        assert_eq!((given.blades, given.hub_radius_mm), (Auto::Given(60), Auto::Given(110.0)));
+        let line = parse("axis = { direction = [0, 0, 2], point = [1, 2.5, 3] }").unwrap();
+        assert_eq!(line.axis, AxisChoice::Line(AxisLine { direction: [0.0, 0.0, 2.0], point: [1.0, 2.5, 3.0] }));
+        for wrong in ["axis = 'w'", "blades = 'many'", "blade = 60", "axis = { direction = [0, 0, 1] }"] {
+            assert!(parse(wrong).is_err(), "{wrong}");
+        }
+        assert!(parse("axis = 'w'").unwrap_err().to_string().contains("direction"), "says what is allowed");
+    }
+
+    #[test]
+    fn options_survive_being_written_and_read() {
+        let options = BliskOptions {
+            axis: AxisChoice::Line(AxisLine { direction: [0.0, 1.0, 0.0], point: [0.5; 3] }),
+            blades: Auto::Given(7),
+            ..Default::default()
+        };
+        for options in [options, BliskOptions::default()] {
+            let text = toml::to_string(&options).unwrap();
+            assert_eq!(toml::from_str::<BliskOptions>(&text).unwrap(), options, "{text}");
+        }
+    }
+
+    #[test]
+    fn senseless_options_are_refused_by_key() {
+        let default = BliskOptions::default;
+        let nowhere = AxisLine { direction: [0.0; 3], point: [0.0; 3] };
+        let radii = BliskOptions { hub_radius_mm: Auto::Given(5.0), shroud_radius_mm: Auto::Given(4.0), ..default() };
+        for (options, key) in [
+            (BliskOptions { axis: AxisChoice::Line(nowhere), ..default() }, "axis"),
+            (BliskOptions { blades: Auto::Given(1), ..default() }, "blades"),
+            (BliskOptions { hub_radius_mm: Auto::Given(f64::NAN), ..default() }, "hub_radius_mm"),
+            (radii, "shroud_radius_mm"),
+            (BliskOptions { wall_points_span: 1, ..default() }, "wall_points_span"),
+        ] {
+            assert!(options.validate().unwrap_err().contains(key), "{key}");
+        }
+        assert_eq!(default().validate(), Ok(()));
+    }
+}
