@@ -2,3 +2,5 @@
 //! channel, and makes parametric blisks.
 
 pub mod channel;
+pub mod parametric;
+pub mod profile;
