@@ -2,5 +2,6 @@
 //! channel, and makes parametric blisks.
 
 pub mod channel;
+pub mod electrode;
 pub mod parametric;
 pub mod profile;

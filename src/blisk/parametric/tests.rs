@@ -5,7 +5,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::blisk::channel::{Channel, ChannelWall, MeridianSample, Throat};
-use crate::geometry::frame::Frame;
+use crate::geometry::frame::{Cylindrical, Frame};
 
 /// Channel 0 of `blisk` from the generator's own surfaces.
 pub(crate) fn exact_channel(blisk: &ParametricBlisk) -> Channel {
