@@ -9,7 +9,7 @@ pub mod frame;
 pub mod inspect;
 pub mod options;
 pub mod parametric;
-mod profile;
+pub mod profile;
 pub mod surface_finder;
 #[cfg(test)]
 pub(crate) mod test_parts;

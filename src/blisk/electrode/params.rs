@@ -1,0 +1,130 @@
+//! What an engineer may choose about an electrode.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use super::{ElectrodeError, EntrySide};
+
+/// How an electrode is derived from its channel (`[electrode]` of a job).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ElectrodeParams {
+    /// Spark gap between the burning faces and the finished blisk (mm).
+    pub spark_gap_mm: f64,
+    /// Angle by which the low and the high wall of the electrode are turned about X away from their blades; P0's
+    /// circumferential reduction h (deg).
+    pub circumferential_reduction_deg: [f64; 2],
+    /// How far the shroud side is drawn in along the radius (mm).
+    pub radial_reduction_mm: f64,
+    /// Number of electrodes the channel is divided between, by planes across X.
+    pub parts: usize,
+    /// How much of X two neighbouring parts share (mm).
+    pub overlap_mm: f64,
+    /// The side of the blisk, in W, that the electrodes enter from and are withdrawn to.
+    pub enter: EnterSide,
+    /// Whether the reductions are as given or the least for which a path exists.
+    pub size: Sizing,
+    /// An electrode of one's own, in its final pose in the frame of the blisk's mesh, instead of a derived one.
+    pub mesh: Option<PathBuf>,
+    /// How far the burning part reaches past the tips of the blades' edges, at most to the blisk's face (mm).
+    pub overrun_mm: f64,
+    /// How much smaller than the burning part the shank is all round (mm).
+    pub shank_inset_mm: f64,
+    /// The same for the shank of a part that stands deeper in the channel, where it passes between the blades (mm).
+    pub channel_shank_inset_mm: f64,
+    /// How far the shank reaches out of the blisk's face (mm).
+    pub shank_length_mm: f64,
+    /// Size of the holder block along X, across, and along the radius (mm); it grows where the shank is larger.
+    pub holder_mm: [f64; 3],
+}
+
+impl Default for ElectrodeParams {
+    fn default() -> Self {
+        Self {
+            spark_gap_mm: 0.10,
+            circumferential_reduction_deg: [0.8, 0.8],
+            radial_reduction_mm: 0.5,
+            parts: 1,
+            overlap_mm: 1.0,
+            enter: EnterSide::Auto,
+            size: Sizing::Given,
+            mesh: None,
+            overrun_mm: 0.5,
+            shank_inset_mm: 0.3,
+            channel_shank_inset_mm: 0.5,
+            shank_length_mm: 10.0,
+            holder_mm: [16.0, 20.0, 24.0],
+        }
+    }
+}
+
+/// The wanted side of entry.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum EnterSide {
+    /// From the side of greater x.
+    #[serde(rename = "+x")]
+    PlusX,
+    /// From the side of smaller x.
+    #[serde(rename = "-x")]
+    MinusX,
+    /// Whichever side turns out better.
+    #[default]
+    #[serde(rename = "auto")]
+    Auto,
+}
+
+impl EnterSide {
+    /// The sides to try, in order.
+    pub fn candidates(self) -> &'static [EntrySide] {
+        match self {
+            Self::PlusX => &[EntrySide::PlusX],
+            Self::MinusX => &[EntrySide::MinusX],
+            Self::Auto => &[EntrySide::MinusX, EntrySide::PlusX],
+        }
+    }
+}
+
+/// Where the size of an electrode comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Sizing {
+    /// The reductions are those of the parameters.
+    #[default]
+    Given,
+    /// The least reductions for which a path exists are searched for.
+    Auto,
+}
+
+impl ElectrodeParams {
+    /// Says which value is out of range.
+    pub fn validate(&self) -> Result<(), ElectrodeError> {
+        let [low, high] = self.circumferential_reduction_deg;
+        let [length, width, height] = self.holder_mm;
+        for (name, value, from, to) in [
+            ("spark_gap_mm", self.spark_gap_mm, 0.005, 2.0),
+            ("circumferential_reduction_deg[0]", low, 0.0, 45.0),
+            ("circumferential_reduction_deg[1]", high, 0.0, 45.0),
+            ("radial_reduction_mm", self.radial_reduction_mm, 0.0, 100.0),
+            ("parts", self.parts as f64, 1.0, 20.0),
+            ("overlap_mm", self.overlap_mm, 0.0, 100.0),
+            ("overrun_mm", self.overrun_mm, 0.0, 100.0),
+            ("shank_inset_mm", self.shank_inset_mm, 0.02, 20.0),
+            ("channel_shank_inset_mm", self.channel_shank_inset_mm, 0.02, 20.0),
+            ("shank_length_mm", self.shank_length_mm, 0.5, 500.0),
+            ("holder_mm[0]", length, 0.5, 500.0),
+            ("holder_mm[1]", width, 0.5, 500.0),
+            ("holder_mm[2]", height, 0.5, 500.0),
+        ] {
+            if !(from..=to).contains(&value) {
+                return Err(ElectrodeError::OutOfRange { name, value, from, to });
+            }
+        }
+        Ok(())
+    }
+
+    /// Circumferential reductions of the low and the high wall (rad).
+    pub(super) fn turns(&self) -> [f64; 2] {
+        self.circumferential_reduction_deg.map(f64::to_radians)
+    }
+}
