@@ -1,5 +1,7 @@
 //! Triangles that should not be there: collapsed, doubled, or without height.
 
+use std::cmp::Ordering;
+
 use glam::DVec3;
 
 use super::edges::{EdgeTable, NONE, half_ends};
@@ -32,18 +34,9 @@ pub(super) fn drop_duplicates(
     }
     let before = table.boundary_size(mesh);
     let extra: usize = sets.iter().map(|set| set.len() - 1).sum();
-    let all_but_first = |set: &[u32]| set[1..].to_vec();
-    let facing_each_other = |set: &[u32]| {
-        let (same, opposite): (Vec<u32>, Vec<u32>) =
-            set.iter().partition(|&&t| is_even(mesh.triangles[t as usize]) == is_even(mesh.triangles[set[0] as usize]));
-        match same.len().cmp(&opposite.len()) {
-            std::cmp::Ordering::Equal => set.to_vec(),
-            std::cmp::Ordering::Greater => [&same[1..], &opposite].concat(),
-            std::cmp::Ordering::Less => [&same, &opposite[1..]].concat(),
-        }
-    };
-    for choose in [&all_but_first as &dyn Fn(&[u32]) -> Vec<u32>, &facing_each_other] {
-        let thinned = without(mesh, sets.iter().flat_map(|set| choose(set)));
+    let choices: [fn(&Mesh, &[u32]) -> Vec<u32>; 2] = [all_but_first, facing_each_other];
+    for choose in choices {
+        let thinned = without(mesh, sets.iter().flat_map(|set| choose(mesh, set)));
         // A sheet that is all double would vanish: that is no fin, and better kept.
         let vanishes = 2 * thinned.triangles.len() < mesh.triangles.len() - extra;
         let table = EdgeTable::of(&thinned, progress, cancel)?;
@@ -54,6 +47,20 @@ pub(super) fn drop_duplicates(
         }
     }
     Ok(0)
+}
+
+fn all_but_first(_: &Mesh, set: &[u32]) -> Vec<u32> {
+    set[1..].to_vec()
+}
+
+/// As many that face one way as face the other, and of what is left all but the first.
+fn facing_each_other(mesh: &Mesh, set: &[u32]) -> Vec<u32> {
+    let (even, odd): (Vec<u32>, Vec<u32>) = set.iter().partition(|&&t| is_even(mesh.triangles[t as usize]));
+    match even.len().cmp(&odd.len()) {
+        Ordering::Equal => set.to_vec(),
+        Ordering::Greater => [&even[1..], &odd].concat(),
+        Ordering::Less => [&even, &odd[1..]].concat(),
+    }
 }
 
 /// Sets of two or more triangles with the same three vertices.

@@ -67,7 +67,10 @@ pub fn detect(name: &str, bytes: &[u8]) -> Result<Format, ImportError> {
     let found = match bytes {
         [] => "the file is empty".to_owned(),
         [b'P', b'K', 3, 4, ..] => "the file is a ZIP archive (3MF perhaps)".to_owned(),
-        _ => format!("the content, beginning with {}, is of no known mesh format", excerpt(&bytes[..bytes.len().min(20)])),
+        _ => format!(
+            "the content, beginning with {}, is of no known mesh format",
+            excerpt(&bytes[..bytes.len().min(20)])
+        ),
     };
     Err(unknown(name, found))
 }

@@ -83,9 +83,7 @@ impl EdgeTable {
     /// The edges whose lower vertex is `low`.
     fn edges_at(&self, low: u32) -> impl Iterator<Item = Edge<'_>> {
         let range = self.start[low as usize] as usize..self.start[low as usize + 1] as usize;
-        self.entries[range]
-            .chunk_by(|a, b| a.0 == b.0)
-            .map(move |entries| Edge { low, high: entries[0].0, entries })
+        self.entries[range].chunk_by(|a, b| a.0 == b.0).map(move |entries| Edge { low, high: entries[0].0, entries })
     }
 
     /// Whether some triangle has the edge between `a` and `b`.

@@ -24,7 +24,9 @@ pub enum ImportError {
         kind: &'static str,
     },
     /// The content is of no format that can be read.
-    #[error("{file}: {found}; expected a mesh as STL (binary or ASCII), OBJ, glTF or GLB: export it again as one of these")]
+    #[error(
+        "{file}: {found}; expected a mesh as STL (binary or ASCII), OBJ, glTF or GLB: export it again as one of these"
+    )]
     UnknownFormat {
         /// Path as given.
         file: String,

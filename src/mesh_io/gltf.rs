@@ -27,7 +27,8 @@ pub(super) fn read(source: &Source) -> Result<RawMesh, ImportError> {
     })?;
     refuse_unknown_extensions(source, &root)?;
     let buffers = Buffers::load(source, &root, container.binary)?;
-    let mut reader = Reader { source, root: &root, buffers: &buffers, raw: RawMesh::default(), skipped: 0, posed: false };
+    let mut reader =
+        Reader { source, root: &root, buffers: &buffers, raw: RawMesh::default(), skipped: 0, posed: false };
     reader.read_scene()?;
     let mut raw = reader.finish();
     raw.warnings.extend(container.warning);
@@ -161,8 +162,7 @@ impl Reader<'_> {
             _ => corners.saturating_sub(2),
         };
         let base = self.raw.mesh.vertices.len();
-        self.source
-            .check_mesh((self.raw.mesh.triangles.len() + triangles) as u64, (base + positions.count) as u64)?;
+        self.source.check_mesh((self.raw.mesh.triangles.len() + triangles) as u64, (base + positions.count) as u64)?;
         for i in 0..positions.count {
             self.source.tick("reading vertices", i, positions.count)?;
             let p = DVec3::from_array(positions.point(i));

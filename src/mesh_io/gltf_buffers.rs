@@ -128,7 +128,8 @@ impl<'a> Buffers<'a> {
             return Err(error("has no buffer view; the mesh is perhaps compressed"));
         };
         let view = root.buffer_views.get(view.value()).ok_or_else(|| error("has a buffer view that does not exist"))?;
-        let content = self.contents.get(view.buffer.value()).ok_or_else(|| error("has a buffer that does not exist"))?;
+        let content =
+            self.contents.get(view.buffer.value()).ok_or_else(|| error("has a buffer that does not exist"))?;
         let size = if kind == Type::Vec3 { 12 } else { component };
         let stride = view.byte_stride.as_ref().map_or(0, |stride| stride.0);
         let stride = if stride == 0 { size } else { stride };

@@ -122,7 +122,8 @@ fn triangulate(corners: &[u32], vertices: &[DVec3]) -> Vec<[u32; 3]> {
     // Newell's normal: exact for a flat polygon, the mean for a warped one.
     let normal: DVec3 = (0..corners.len())
         .map(|i| {
-            let (a, b) = (point(corners[i]) - point(corners[0]), point(corners[(i + 1) % corners.len()]) - point(corners[0]));
+            let (a, b) =
+                (point(corners[i]) - point(corners[0]), point(corners[(i + 1) % corners.len()]) - point(corners[0]));
             a.cross(b)
         })
         .sum();

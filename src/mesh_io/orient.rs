@@ -59,9 +59,12 @@ pub(super) fn orient(
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<Orientation, Cancelled> {
-    let mut patches = Patches::find(mesh, &table.twins(), progress, cancel)?;
-    let mut result =
-        Orientation { parts: patches.count, one_sided: patches.one_sided.iter().filter(|&&x| x).count(), ..Default::default() };
+    let patches = Patches::find(mesh, &table.twins(), progress, cancel)?;
+    let mut result = Orientation {
+        parts: patches.count,
+        one_sided: patches.one_sided.iter().filter(|&&x| x).count(),
+        ..Default::default()
+    };
     result.flipped = patches.flip.iter().filter(|&&flip| flip).count();
     let parts = measure(mesh, &patches, table, boundary);
     let nesting = depths(mesh, &patches, &parts, cancel)?;
@@ -85,7 +88,6 @@ pub(super) fn orient(
             triangle.swap(1, 2);
         }
     }
-    patches.flip.clear();
     Ok(result)
 }
 
@@ -184,7 +186,8 @@ fn measure(mesh: &Mesh, patches: &Patches, table: &EdgeTable, boundary: &Boundar
         if part.area == 0.0 {
             part.point = corners[0];
         }
-        part.bounds = Bounds::of(corners.into_iter().chain([part.bounds.min, part.bounds.max]));
+        let bounds = Bounds::of(corners);
+        part.bounds = Bounds { min: part.bounds.min.min(bounds.min), max: part.bounds.max.max(bounds.max) };
         part.area += normal_times_two_areas(corners).length() / 2.0;
         part.volume += sign(t) * under(corners, part.point) / 6.0;
     }

@@ -57,7 +57,8 @@ pub(super) fn repair(
     cancel: &Cancel,
 ) -> Result<(Mesh, Repairs), Cancelled> {
     let used = compact(mesh);
-    let mut repairs = Repairs { weld_tolerance: tolerance.unwrap_or_else(|| weld_tolerance(&used)), ..Default::default() };
+    let mut repairs =
+        Repairs { weld_tolerance: tolerance.unwrap_or_else(|| weld_tolerance(&used)), ..Default::default() };
     let mut mesh = weld_exact(used, progress, cancel)?;
     repairs.collapsed = drop_collapsed(&mut mesh);
     let mut table = EdgeTable::of(&mesh, progress, cancel)?;

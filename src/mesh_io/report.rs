@@ -133,7 +133,10 @@ impl ImportReport {
             let [x, y, z] = longest.center_mm.to_array();
             let length = longest.length_mm;
             let holes = count(self.hole_count, "hole");
-            warn(true, format!("The surface has {holes}; the longest is {length:.3} mm round ({x:.3}, {y:.3}, {z:.3})."));
+            warn(
+                true,
+                format!("The surface has {holes}; the longest is {length:.3} mm round ({x:.3}, {y:.3}, {z:.3})."),
+            );
         }
         if let Some(place) = self.non_manifold_places_mm.first() {
             let [x, y, z] = place.to_array();

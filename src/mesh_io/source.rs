@@ -43,12 +43,7 @@ pub(super) struct RawMesh {
 
 impl Source<'_> {
     /// The error for a `problem` at `place`.
-    pub fn malformed(
-        &self,
-        place: impl Into<String>,
-        problem: impl Into<String>,
-        remedy: &'static str,
-    ) -> ImportError {
+    pub fn malformed(&self, place: impl Into<String>, problem: impl Into<String>, remedy: &'static str) -> ImportError {
         ImportError::Malformed { file: self.name.to_owned(), place: place.into(), problem: problem.into(), remedy }
     }
 

@@ -116,8 +116,12 @@ pub fn choose(given: Option<Unit>, declared: Option<(Unit, &str)>, size: f64) ->
         return UnitChoice { unit: Unit::Mm, certain: false, reason };
     };
     let makes = |unit: &Unit| format!("{} would make {} mm", unit.name(), significant(in_mm(*unit)));
-    let mut reason =
-        format!("{} because a size of {} makes a part {} mm across", unit.name(), significant(size), significant(in_mm(unit)));
+    let mut reason = format!(
+        "{} because a size of {} makes a part {} mm across",
+        unit.name(),
+        significant(size),
+        significant(in_mm(unit))
+    );
     if !others.is_empty() {
         reason.push_str(&format!(" ({})", others.iter().map(makes).collect::<Vec<_>>().join(", ")));
     }

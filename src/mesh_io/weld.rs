@@ -55,12 +55,7 @@ pub(super) fn weld_exact(mesh: Mesh, progress: &Progress, cancel: &Cancel) -> Re
 ///
 /// Merging vertices maps closed surfaces onto closed surfaces (the boundary of the image is the image of the
 /// boundary), so this can close cracks but never opens one. Triangles may collapse; they are left for the caller.
-pub(super) fn weld_near(
-    mesh: Mesh,
-    tolerance: f64,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<Mesh, Cancelled> {
+pub(super) fn weld_near(mesh: Mesh, tolerance: f64, progress: &Progress, cancel: &Cancel) -> Result<Mesh, Cancelled> {
     // The vertices that stay, in cells twice as wide as the tolerance: those near a point are in its cell or, on
     // each axis, in the one next to its nearer side; as they keep their distance a cell holds only a few.
     let width = 2.0 * tolerance;
