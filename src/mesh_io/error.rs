@@ -1,0 +1,92 @@
+//! What can be wrong with a mesh file, in one line: file, place, remedy.
+
+use std::io;
+
+use crate::progress::Cancelled;
+
+/// Why a mesh file was not imported. Its text is one line that names the file, the place in it and the remedy.
+#[derive(Debug, thiserror::Error)]
+pub enum ImportError {
+    /// The file cannot be opened or read.
+    #[error("{file}: cannot be read ({source}); check the path, the permissions and the disk")]
+    Unreadable {
+        /// Path as given.
+        file: String,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The path leads to a folder or a device.
+    #[error("{file}: is {kind}, not a file; give the path of a mesh file")]
+    NotAFile {
+        /// Path as given.
+        file: String,
+        /// What it is instead.
+        kind: &'static str,
+    },
+    /// The content is of no format that can be read.
+    #[error(
+        "{file}: {found}; expected a mesh as STL (binary or ASCII), OBJ, glTF or GLB: export it again as one of these"
+    )]
+    UnknownFormat {
+        /// Path as given.
+        file: String,
+        /// What the content looks like.
+        found: String,
+    },
+    /// The content breaks the rules of its format.
+    #[error("{file}: {place}: {problem}; {remedy}")]
+    Malformed {
+        /// Path as given.
+        file: String,
+        /// Line, triangle, vertex or element.
+        place: String,
+        /// What is wrong there.
+        problem: String,
+        /// What to do about it.
+        remedy: &'static str,
+    },
+    /// The file would take more than the limits allow.
+    #[error("{file}: {found} {what} exceed the limit of {limit}; reduce the mesh or raise `{option}`")]
+    TooLarge {
+        /// Path as given.
+        file: String,
+        /// What there is too much of.
+        what: &'static str,
+        /// How much the file asks for.
+        found: u64,
+        /// How much is allowed.
+        limit: u64,
+        /// The field of [`ImportLimits`](super::ImportLimits) that says so.
+        option: &'static str,
+    },
+    /// The file is sound but has no triangle with an area.
+    #[error("{file}: holds no triangles with an area; export the surface as triangles")]
+    NoTriangles {
+        /// Path as given.
+        file: String,
+    },
+    /// The options themselves make no sense.
+    #[error("import options: {problem}")]
+    BadOption {
+        /// What is wrong and what to give instead.
+        problem: String,
+    },
+    /// The import was told to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// Bytes of a file as they may be shown in an error: short, printable, on one line.
+pub(super) fn excerpt(bytes: &[u8]) -> String {
+    const LONGEST: usize = 40;
+    let shown: String = String::from_utf8_lossy(&bytes[..bytes.len().min(LONGEST)])
+        .chars()
+        .map(|c| if c.is_control() { '?' } else { c })
+        .collect();
+    if bytes.len() > LONGEST { format!("\"{shown}...\"") } else { format!("\"{shown}\"") }
+}
+
+/// A path as it may be shown in an error: on one line.
+pub(super) fn one_line(name: &str) -> String {
+    name.chars().map(|c| if c.is_control() { '?' } else { c }).collect()
+}
