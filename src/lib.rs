@@ -17,8 +17,11 @@
 //! that end in `_deg`.
 
 pub mod blisk;
+pub mod cli;
 pub mod export;
 pub mod feed;
 pub mod geometry;
+pub mod jobs;
 pub mod mesh_io;
 pub mod progress;
+pub mod project;

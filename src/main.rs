@@ -1,1 +1,5 @@
-fn main() {}
+//! The program: see [`sparkpath::cli`].
+
+fn main() -> std::process::ExitCode {
+    sparkpath::cli::run()
+}

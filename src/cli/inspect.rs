@@ -1,30 +1,46 @@
 //! `sparkpath inspect`: what the importer and the channel finder make of a mesh.
 
 use super::{Answer, InspectArguments, Session};
-use crate::blisk::{Auto, AxisChoice, BliskOptions, inspect as inspect_blisk};
+use crate::blisk::inspect::inspect as inspect_blisk;
+use crate::blisk::options::{Auto, AxisChoice, BliskOptions};
+use crate::mesh_io::Imported;
 
 /// Prints what was found in the mesh of `arguments`.
 pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow::Result<Answer> {
     let options = options(arguments)?;
     let imported = session.import(&arguments.mesh, arguments.units)?;
-    let inspection = inspect_blisk(&imported.mesh, &options, &session.progress, &session.cancel);
+    options.validate().map_err(anyhow::Error::msg)?;
+    let inspection = inspect_blisk(&imported.mesh, &options, &session.progress, &session.cancel)?;
     super::terminal::finish();
     if session.json {
-        let blisk = match &inspection {
-            Ok(inspection) => serde_json::to_value(inspection)?,
-            Err(error) => serde_json::json!({ "error": error.to_string() }),
-        };
-        let all = serde_json::json!({ "sha256": imported.sha256, "import": imported.report, "blisk": blisk });
+        let all = serde_json::json!({ "sha256": imported.sha256, "import": imported.report, "blisk": inspection });
         println!("{}", serde_json::to_string_pretty(&all)?);
     } else {
-        println!("{}", imported.report);
-        if let Ok(inspection) = &inspection {
-            println!("{inspection}");
-        }
+        print_import(&imported);
+        println!("{inspection}");
     }
-    match inspection {
-        Ok(_) => Ok(Answer::Yes),
-        Err(error) => Err(anyhow::Error::new(error).context(arguments.mesh.display().to_string())),
+    match inspection.not_found.first() {
+        None => Ok(Answer::Yes),
+        Some(problem) => anyhow::bail!("{}: {problem}", arguments.mesh.display()),
+    }
+}
+
+fn print_import(imported: &Imported) {
+    let r = &imported.report;
+    println!(
+        "file         {:?}, {} triangles read, {} kept, {} vertices",
+        r.format, r.triangles_read, r.triangles, r.vertices
+    );
+    println!("unit         {}: {}", r.unit.name(), r.unit_reason);
+    println!(
+        "surface      {}, {} parts, {} holes, {} non-manifold edges",
+        if r.watertight { "watertight" } else { "open" },
+        r.components,
+        r.hole_count,
+        r.non_manifold_edges
+    );
+    for warning in &r.warnings {
+        println!("note         {warning}");
     }
 }
 

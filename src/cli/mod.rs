@@ -19,7 +19,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::mesh_io::{ImportOptions, Imported, Unit, import_file};
+use crate::mesh_io::{ImportOptions, Imported, Units, import_file};
 use crate::progress::{Cancel, Cancelled, Progress};
 
 /// Plans, verifies and exports EDM electrode feed paths for shrouded blisks.
@@ -80,7 +80,7 @@ struct VerifyArguments {
     tolerance: f64,
     /// Unit of the blisk's mesh: auto, mm, cm, m, inch.
     #[arg(long, value_name = "UNIT", default_value = "auto", value_parser = unit)]
-    units: Unit,
+    units: Units,
     /// Folder for report.json, made if it is not there.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -92,7 +92,7 @@ struct InspectArguments {
     mesh: PathBuf,
     /// Unit of the mesh: auto, mm, cm, m, inch.
     #[arg(long, value_name = "UNIT", default_value = "auto", value_parser = unit)]
-    units: Unit,
+    units: Units,
     /// The axis: auto, x, y, z, or "dx,dy,dz,px,py,pz" (direction and a point).
     #[arg(long, default_value = "auto")]
     axis: String,
@@ -110,7 +110,7 @@ struct InspectArguments {
     shroud_radius: Option<f64>,
 }
 
-fn unit(text: &str) -> Result<Unit, String> {
+fn unit(text: &str) -> Result<Units, String> {
     let value = toml::Value::String(text.to_owned());
     value.try_into().map_err(|_| "expected auto, mm, cm, m or inch".to_owned())
 }
@@ -134,7 +134,7 @@ struct Session {
 
 impl Session {
     /// Imports a mesh file.
-    fn import(&self, path: &Path, units: Unit) -> anyhow::Result<Imported> {
+    fn import(&self, path: &Path, units: Units) -> anyhow::Result<Imported> {
         let options = ImportOptions { units, ..Default::default() };
         Ok(import_file(path, &options, &self.progress, &self.cancel)?)
     }
@@ -162,7 +162,8 @@ pub fn run() -> ExitCode {
     if let Err(error) = ctrlc::set_handler(move || flag.cancel()) {
         return report(&anyhow::Error::new(Internal(error.to_string())));
     }
-    let session = Session { progress: terminal::progress(arguments.json), cancel, json: arguments.json, seed: arguments.seed };
+    let session =
+        Session { progress: terminal::progress(arguments.json), cancel, json: arguments.json, seed: arguments.seed };
     // A panic is a fault of the program: it ends as one line and exit code 1, like any other.
     std::panic::set_hook(Box::new(|_| {}));
     let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| dispatch(&arguments.command, &session)));

@@ -3,14 +3,13 @@
 use std::path::Path;
 
 use super::{Answer, Session};
-use crate::blisk::electrode::EnterSide;
-use crate::blisk::parametric::ParametricBlisk;
+use crate::blisk::parametric::{MeshResolution, ParametricBlisk};
 use crate::export::post::Post;
 use crate::export::report::{InputFile, Report};
 use crate::jobs::plan::{PlanInputs, PlanOutcome, run};
 use crate::jobs::plan_files;
 use crate::jobs::plan_report;
-use crate::mesh_io::{Imported, Unit};
+use crate::mesh_io::{Imported, Units};
 use crate::project::PlanJob;
 
 /// Plans the job in the file `job_file` and writes its results into `out`.
@@ -25,7 +24,7 @@ pub(super) fn plan(job_file: &Path, out: &Path, session: &Session) -> anyhow::Re
     let own = match &job.electrode.mesh {
         Some(path) => {
             // The user's electrode stands in the blisk's coordinates after conversion, as our own files do.
-            let own = session.import(path, Unit::Mm)?;
+            let own = session.import(path, Units::Mm)?;
             files.push(input_file("electrode", path, &own));
             Some(own.mesh)
         }
@@ -37,11 +36,10 @@ pub(super) fn plan(job_file: &Path, out: &Path, session: &Session) -> anyhow::Re
 /// The whole journey on the built-in blisk.
 pub(super) fn demo(out: &Path, session: &Session) -> anyhow::Result<Answer> {
     let mut job = PlanJob::demonstration();
-    job.electrode.params.enter = EnterSide::Auto;
     if let Some(seed) = session.seed {
         job.genetic.seed = seed;
     }
-    let blisk = ParametricBlisk::demonstration().mesh()?;
+    let blisk = ParametricBlisk::demonstration().mesh(&MeshResolution::default())?;
     let file = InputFile {
         role: "blisk".to_owned(),
         path: "built-in demonstration blisk".to_owned(),
@@ -62,7 +60,7 @@ fn finish(inputs: &PlanInputs, files: Vec<InputFile>, out: &Path, session: &Sess
     let written = plan_files::write(out, &outcome, &inputs.job, &post, report.clone())?;
     super::terminal::finish();
     if session.json {
-        println!("{}", report.json());
+        println!("{}", report.json()?);
     } else {
         print_summary(&report, &outcome, &written, out);
     }
@@ -76,7 +74,7 @@ fn input_file(role: &str, path: &Path, imported: &Imported) -> InputFile {
         path: path.display().to_string(),
         sha256: imported.sha256.clone(),
         triangles: report.triangles_read,
-        unit: report.unit.to_string(),
+        unit: report.unit.name().to_owned(),
         unit_reason: report.unit_reason.clone(),
         repairs: report.warnings.clone(),
     }
@@ -84,14 +82,18 @@ fn input_file(role: &str, path: &Path, imported: &Imported) -> InputFile {
 
 fn print_summary(report: &Report, outcome: &PlanOutcome, written: &[String], out: &Path) {
     let blisk = &report.blisk;
-    println!("blisk      {} blades, channel {}, throat {:.3} mm, turning {:.1} deg", blisk.blades, blisk.channel,
-        blisk.throat_mm, blisk.turning_deg);
+    println!(
+        "blisk      {} blades, channel {}, throat {:.3} mm, turning {:.1} deg",
+        blisk.blades, blisk.channel, blisk.throat_mm, blisk.turning_deg
+    );
     for assumed in &blisk.assumed {
         println!("           assumed: {assumed}");
     }
     for (e, o) in report.electrodes.iter().zip(&outcome.electrodes) {
-        println!("electrode {} enters from {}: volume {:.1} mm3, least thickness {:.3} mm, burn area {:.1} mm2", e.index,
-            e.enters_from, e.volume_mm3, o.electrode.least_thickness_mm, o.electrode.burn_area_mm2);
+        println!(
+            "electrode {} enters from {}: volume {:.1} mm3, least thickness {:.3} mm, burn area {:.1} mm2",
+            e.index, e.enters_from, e.volume_mm3, o.electrode.least_thickness_mm, o.electrode.burn_area_mm2
+        );
         println!("           {} nodes, {} searches, {} points tested", e.nodes.len(), o.plan.rounds, o.plan.probes);
     }
     for symbol in &report.symbols {

@@ -40,7 +40,12 @@ pub(super) fn progress(json: bool) -> Progress {
         } else if terminal {
             let full = (update.fraction * WIDTH as f64).round() as usize;
             let bar = format!("{}{}", "#".repeat(full), ".".repeat(WIDTH - full.min(WIDTH)));
-            write(&format!("\r\x1b[2K{:16} [{bar}] {:3.0} %  {}", update.stage, update.fraction * 100.0, update.message));
+            write(&format!(
+                "\r\x1b[2K{:16} [{bar}] {:3.0} %  {}",
+                update.stage,
+                update.fraction * 100.0,
+                update.message
+            ));
         } else if new_stage {
             write(&format!("{} ...\n", update.stage));
         }

@@ -4,15 +4,16 @@ use serde::Serialize;
 
 use super::{Answer, Session, VerifyArguments};
 use crate::blisk::channel::{Channel, Surface};
+use crate::blisk::find_channel::find_channel;
+use crate::blisk::options::BliskOptions;
 use crate::blisk::surface_finder::SurfaceFinder;
-use crate::blisk::{BliskOptions, find_channel};
 use crate::export::files::write_atomically;
 use crate::export::path_csv::read_path_csv;
 use crate::feed::certificate::Certificate;
 use crate::feed::path::FeedPath;
 use crate::feed::verify::{Verifier, VerifyOptions};
 use crate::geometry::mesh::Mesh;
-use crate::mesh_io::Unit;
+use crate::mesh_io::Units;
 
 /// `report.json` of a verification.
 #[derive(Serialize)]
@@ -60,7 +61,7 @@ pub(super) fn verify(arguments: &VerifyArguments, session: &Session) -> anyhow::
     let path = read_path_csv(&text).map_err(|e| anyhow::anyhow!("{}: {e}", arguments.path.display()))?;
     let path = FeedPath { spark_gap: arguments.gap, ..path };
     let blisk = session.import(&arguments.blisk, arguments.units)?;
-    let electrode = session.import(&arguments.electrode, Unit::Mm)?;
+    let electrode = session.import(&arguments.electrode, Units::Mm)?;
     anyhow::ensure!(
         electrode.mesh.is_watertight(),
         "{}: the electrode is not watertight, so its clearance means nothing; close its holes first",
@@ -127,8 +128,7 @@ fn certify(
     options: &VerifyOptions,
     session: &Session,
 ) -> anyhow::Result<Certificate> {
-    let verifier =
-        Verifier::new(&blisk.in_frame(&path.frame), &electrode.in_frame(&path.frame), path.reference_point)?;
+    let verifier = Verifier::new(&blisk.in_frame(&path.frame), &electrode.in_frame(&path.frame), path.reference_point)?;
     let finder = channel.map(SurfaceFinder::new).transpose()?;
     let surface_of = |p| finder.as_ref().map_or(Surface::Elsewhere, |f| f.surface_of(p));
     Ok(verifier.verify(path, &surface_of, options, &session.progress, &session.cancel)?)
@@ -138,6 +138,7 @@ fn certify(
 /// or the path was made in another frame, which is no obstacle to verifying it.
 fn channel_of(blisk: &Mesh, path: &FeedPath, session: &Session) -> Option<Channel> {
     let channel = find_channel(blisk, &BliskOptions::default(), &session.progress, &session.cancel).ok()?;
-    let same = (channel.frame.z - path.frame.z).length() < 1e-4 && (channel.frame.origin - path.frame.origin).length() < 1e-3;
+    let same =
+        (channel.frame.z - path.frame.z).length() < 1e-4 && (channel.frame.origin - path.frame.origin).length() < 1e-3;
     same.then_some(channel)
 }

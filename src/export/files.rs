@@ -1,7 +1,8 @@
 //! Files that are either whole or absent.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
+
+use crate::mesh_io::atomic_write;
 
 /// A file could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -19,20 +20,7 @@ pub struct WriteError {
 /// # Errors
 /// [`WriteError`] with the system's reason; a file already at `path` is then untouched.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let write = || -> std::io::Result<()> {
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".sparkpath-");
-        // A temporary file is private by default; a result is made with the user's own mask.
-        #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let mut file = builder.tempfile_in(folder)?;
-        file.write_all(bytes)?;
-        file.as_file().sync_all()?;
-        file.persist(path)?;
-        Ok(())
-    };
-    write().map_err(|source| WriteError { path: path.to_owned(), source })
+    atomic_write(path, |file| file.write_all(bytes)).map_err(|source| WriteError { path: path.to_owned(), source })
 }
 
 #[cfg(test)]

@@ -201,10 +201,7 @@ impl SearchProblem<'_> {
 
     /// Direction of withdrawal along X.
     pub fn direction(&self) -> f64 {
-        match self.side {
-            EntrySide::MinusX => -1.0,
-            EntrySide::PlusX => 1.0,
-        }
+        self.side.sign()
     }
 
     /// Whether the constraint holds at `pose`, withdrawn by `s`, within the machine's travel.

@@ -4,12 +4,13 @@ use std::time::Instant;
 
 use crate::blisk::channel::Channel;
 use crate::blisk::electrode::{
-    Electrode, ElectrodeError, ElectrodeParams, EnterSide, EntrySide, make_electrodes,
+    Electrode, ElectrodeError, ElectrodeParams, EnterSide, EntrySide, from_user_mesh, make_electrodes,
 };
-use crate::blisk::{BliskError, find_channel};
+use crate::blisk::error::BliskError;
+use crate::blisk::find_channel::find_channel;
 use crate::export::report::StageTime;
-use crate::feed::plan_params::PlanError;
 use crate::feed::plan::{FeedPlan, PlanSettings, PlanningSpace, plan_feed};
+use crate::feed::plan_params::PlanError;
 use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::frame::Frame;
 use crate::geometry::mesh::Mesh;
@@ -108,7 +109,8 @@ pub fn run(inputs: &PlanInputs, progress: &Progress, cancel: &Cancel) -> Result<
     let exact = clock.time("exact mesh", || ExactMesh::new(&blisk))?;
     let cell = job.plan.field_cell_mm;
     job.plan.validate()?;
-    let space = clock.time("distance field", || PlanningSpace::new(&blisk, &exact, &channel, cell, progress, cancel))?;
+    let space =
+        clock.time("distance field", || PlanningSpace::new(&blisk, &exact, &channel, cell, progress, cancel))?;
     let mut planner = JobPlanner { inputs, space: &space, exact: &exact, progress, cancel, clock };
     let electrodes = planner.electrodes()?;
     let times = planner.clock.0;
@@ -146,21 +148,24 @@ struct JobPlanner<'a> {
 
 impl JobPlanner<'_> {
     fn electrodes(&mut self) -> Result<Vec<ElectrodeOutcome>, PlanJobError> {
-        let parts = if self.inputs.own_electrode.is_some() { 1 } else { self.inputs.job.electrode.params.parts };
-        (0..parts).map(|part| self.part(part)).collect()
+        (0..self.parts()).map(|part| self.part(part)).collect()
     }
 
-    /// Tries the sides one after the other until one is verified; if none is, the one that came out, or else the
+    fn parts(&self) -> usize {
+        if self.inputs.own_electrode.is_some() { 1 } else { self.inputs.job.electrode.parts }
+    }
+
+    /// The part that is number `part` along X. Tries the sides one after the other until one is verified; if none is, the one that came out, or else the
     /// one that got furthest, is the answer.
     fn part(&mut self, part: usize) -> Result<ElectrodeOutcome, PlanJobError> {
         let mut best: Option<ElectrodeOutcome> = None;
-        for side in sides(self.inputs.job.electrode.params.enter, part) {
+        for side in sides(self.inputs.job.electrode.enter, part, self.parts()) {
             let outcome = self.on_side(part, side)?;
             let rank = |o: &ElectrodeOutcome| {
                 let withdrawn = o.plan.nodes.last().map_or(0.0, |n| n.s);
                 (o.plan.is_verified(), o.plan.path.is_some(), withdrawn)
             };
-            let tried = |o: ElectrodeOutcome| (o.electrode.enters_from, o.plan.verdict(&self.space.channel.clone()));
+            let tried = |o: ElectrodeOutcome| (o.electrode.enters_from, o.plan.verdict(self.space.channel));
             best = Some(match best.take() {
                 Some(before) if rank(&before) >= rank(&outcome) => {
                     let note = tried(outcome);
@@ -186,7 +191,7 @@ impl JobPlanner<'_> {
             genetic: &job.genetic,
             machine: &job.machine,
             verify: &job.verify,
-            spark_gap: job.electrode.params.spark_gap_mm,
+            spark_gap: job.electrode.spark_gap_mm,
         };
         let remake = |h: f64| self.electrode(part, side, h);
         let mut plan = plan_feed(self.space, &electrode, &settings, &remake, self.progress, self.cancel)?;
@@ -198,16 +203,20 @@ impl JobPlanner<'_> {
 
     /// The electrode with its walls drawn in by a further `h` (rad), its vertices as a file will hold them.
     fn electrode(&self, part: usize, side: EntrySide, h: f64) -> Result<Electrode, ElectrodeError> {
-        let params = &self.inputs.job.electrode.params;
+        let params = &self.inputs.job.electrode;
         let channel = self.space.channel;
         let mut electrode = match &self.inputs.own_electrode {
-            Some(own) => from_own(own, channel, self.exact, params, side)?,
+            Some(own) => {
+                let own = own.in_frame(&channel.frame);
+                from_user_mesh(own, channel, self.exact, params.spark_gap_mm, side, self.cancel)?
+            }
             None => {
                 let [low, high] = params.circumferential_reduction_deg;
                 let circumferential_reduction_deg = [low + h.to_degrees(), high + h.to_degrees()];
                 let params = ElectrodeParams { circumferential_reduction_deg, ..params.clone() };
                 let mut all = make_electrodes(channel, self.exact, &params, side, self.progress, self.cancel)?;
-                all.swap_remove(part)
+                // Electrodes are counted from the side of entry.
+                all.swap_remove(if side == EntrySide::MinusX { part } else { params.parts - 1 - part })
             }
         };
         electrode.mesh = as_written(&electrode.mesh, &channel.frame);
@@ -215,14 +224,13 @@ impl JobPlanner<'_> {
     }
 }
 
-/// The sides to try for a part, the likelier one first: parts further along X come out towards +X.
-fn sides(enter: EnterSide, part: usize) -> Vec<EntrySide> {
-    match (enter, part) {
-        (EnterSide::MinusX, _) => vec![EntrySide::MinusX],
-        (EnterSide::PlusX, _) => vec![EntrySide::PlusX],
-        (EnterSide::Auto, 0) => vec![EntrySide::MinusX, EntrySide::PlusX],
-        (EnterSide::Auto, _) => vec![EntrySide::PlusX, EntrySide::MinusX],
+/// The sides to try for the part that is number `part` of `parts` along X, the nearer one first.
+fn sides(enter: EnterSide, part: usize, parts: usize) -> Vec<EntrySide> {
+    let mut sides = enter.candidates().to_vec();
+    if 2 * part >= parts && part > 0 {
+        sides.reverse();
     }
+    sides
 }
 
 /// The mesh as its file will hold it: single precision in the coordinates of the loaded mesh. What is verified is

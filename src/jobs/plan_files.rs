@@ -8,7 +8,7 @@ use crate::export::files::{WriteError, write_atomically};
 use crate::export::nc::{NcError, NcJob, NcProgram};
 use crate::export::path_csv::{PathCsvError, write_path_csv};
 use crate::export::post::{Post, PostError};
-use crate::export::report::Report;
+use crate::export::report::{Report, ReportError};
 use crate::mesh_io::stl_bytes;
 use crate::project::PlanJob;
 
@@ -20,6 +20,10 @@ pub enum PlanFilesError {
     Write(#[from] WriteError),
     #[error("{path}: the folder cannot be made or cleared ({source}); give another with --out")]
     Folder { path: PathBuf, source: std::io::Error },
+    #[error("the electrode cannot be written as STL: {0}")]
+    Electrode(std::io::Error),
+    #[error(transparent)]
+    Report(#[from] ReportError),
     #[error(transparent)]
     Csv(#[from] PathCsvError),
     #[error(transparent)]
@@ -48,7 +52,7 @@ pub fn write(
         report.electrodes[i].files = own.iter().map(|(name, _)| name.clone()).collect();
         files.extend(own);
     }
-    files.push(("report.json".to_owned(), report.json().into_bytes()));
+    files.push(("report.json".to_owned(), report.json()?.into_bytes()));
     files.push(("report.html".to_owned(), report.html().into_bytes()));
     let unusable = |source| PlanFilesError::Folder { path: folder.to_owned(), source };
     std::fs::create_dir_all(folder).map_err(unusable)?;
@@ -68,7 +72,7 @@ fn electrode_files(
 ) -> Result<Vec<(String, Vec<u8>)>, PlanFilesError> {
     let electrode_file = format!("electrode_{k}.stl");
     let in_mesh_frame = outcome.electrode.mesh.in_parent_of(&whole.channel.frame);
-    let mut files = vec![(electrode_file.clone(), stl_bytes(&in_mesh_frame))];
+    let mut files = vec![(electrode_file.clone(), stl_bytes(&in_mesh_frame).map_err(PlanFilesError::Electrode)?)];
     let Some(planned) = &outcome.plan.path else { return Ok(files) };
     let csv = write_path_csv(&planned.path, &planned.certificate.row_clearance)?.into_bytes();
     if !planned.certificate.holds() {

@@ -38,7 +38,12 @@ fn verdict(outcome: &PlanOutcome) -> Verdict {
         .map(|(i, e)| {
             let tried = e.tried.iter().map(|(side, why)| format!(" Towards {} it {why}.", side_name(*side)));
             let verdict = e.plan.verdict(&outcome.channel);
-            format!("Electrode {} towards {} {verdict}.{}", i + 1, side_name(e.electrode.enters_from), tried.collect::<String>())
+            format!(
+                "Electrode {} towards {} {verdict}.{}",
+                i + 1,
+                side_name(e.electrode.enters_from),
+                tried.collect::<String>()
+            )
         })
         .collect();
     Verdict { exit_code: if outcome.is_verified() { 0 } else { 3 }, sentence: sentences.join(" ") }
@@ -62,7 +67,7 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
         enters_from: side_name(electrode.enters_from).to_owned(),
         extractable: plan.path.is_some(),
         verified: plan.is_verified(),
-        required_clearance_mm: job.electrode.params.spark_gap_mm,
+        required_clearance_mm: job.electrode.spark_gap_mm,
         certified_clearance_mm: certificate.map(|c| c.certified),
         least_clearance_mm: certificate.map(|c| c.least.distance),
         least_clearance_at: certificate.map(place),
@@ -74,10 +79,10 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
         ga_convergence: convergence(plan),
         failure: jam(plan, &whole.channel),
         files: Vec::new(),
-        motion: plan.path.as_ref().map(|p| Motion {
-            rows: p.path.rows.clone(),
-            clearance: p.certificate.row_clearance.clone(),
-        }),
+        motion: plan
+            .path
+            .as_ref()
+            .map(|p| Motion { rows: p.path.rows.clone(), clearance: p.certificate.row_clearance.clone() }),
     }
 }
 
@@ -143,7 +148,7 @@ fn symbols(outcome: &PlanOutcome, job: &PlanJob) -> Vec<Symbol> {
         unit: unit.to_owned(),
     };
     let Some(first) = outcome.electrodes.first() else { return Vec::new() };
-    let (params, weights) = (&job.electrode.params, job.plan.weights.normalised(&job.machine.axes.axes()[1..]));
+    let (params, weights) = (&job.electrode, job.plan.weights.normalised(&job.machine.axes.axes()[1..]));
     let [low, high] = params.circumferential_reduction_deg;
     let summary = BliskSummary::of(&outcome.channel);
     let h = first.plan.h.to_degrees();
@@ -169,7 +174,12 @@ fn symbols(outcome: &PlanOutcome, job: &PlanJob) -> Vec<Symbol> {
     ] {
         list.push(symbol(name, meaning, text(value), "1"));
     }
-    list.push(symbol("Delta1", "distance kept from hub and shroud by the angle test", text(job.plan.angle.delta1_mm), "mm"));
+    list.push(symbol(
+        "Delta1",
+        "distance kept from hub and shroud by the angle test",
+        text(job.plan.angle.delta1_mm),
+        "mm",
+    ));
     list.push(symbol("Delta2", "angle kept by the angle test", text(job.plan.angle.delta2_deg), "deg"));
     for axis in [Axis::Z, Axis::Y, Axis::A, Axis::B, Axis::C] {
         list.extend(range_symbols(axis, first.plan.ranges[axis as usize], &job.genetic, &symbol));

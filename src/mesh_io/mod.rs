@@ -54,7 +54,7 @@ pub use error::ImportError;
 pub use holes::Hole;
 pub use limits::ImportLimits;
 pub use report::ImportReport;
-pub use stl::write_stl;
+pub use stl::{stl_bytes, write_stl};
 pub use units::{Unit, Units};
 
 use source::{RawMesh, Source};

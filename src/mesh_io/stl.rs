@@ -168,14 +168,21 @@ impl<'a> Words<'a> {
     }
 }
 
-/// Writes `mesh` to `path` as binary STL, coordinates in its own unit (mm) rounded to `f32`.
-///
-/// The file appears whole or not at all (see [`atomic_write`]).
+/// Writes `mesh` to `path` as binary STL. The file appears whole or not at all (see [`atomic_write`]).
 ///
 /// # Errors
-/// Every error of the file system; `InvalidInput` for coordinates beyond `f32`, vertex numbers without a vertex, or
-/// more triangles than the format can count.
+/// Those of [`stl_bytes`], and every error of the file system.
 pub fn write_stl(path: &Path, mesh: &Mesh) -> io::Result<()> {
+    let bytes = stl_bytes(mesh)?;
+    atomic_write(path, |out| out.write_all(&bytes))
+}
+
+/// `mesh` as the bytes of a binary STL file, coordinates in its own unit (mm) rounded to `f32`.
+///
+/// # Errors
+/// `InvalidInput` for coordinates beyond `f32`, vertex numbers without a vertex, or
+/// more triangles than the format can count.
+pub fn stl_bytes(mesh: &Mesh) -> io::Result<Vec<u8>> {
     let invalid = |problem: &str| io::Error::new(io::ErrorKind::InvalidInput, problem.to_owned());
     let count = u32::try_from(mesh.triangles.len()).map_err(|_| invalid("too many triangles for an STL file"))?;
     if !mesh.vertices.iter().all(|p| p.as_vec3().is_finite()) {
@@ -184,21 +191,19 @@ pub fn write_stl(path: &Path, mesh: &Mesh) -> io::Result<()> {
     if mesh.triangles.iter().flatten().any(|&v| v as usize >= mesh.vertices.len()) {
         return Err(invalid("a triangle refers to a vertex that does not exist"));
     }
-    atomic_write(path, |out| {
-        // Many readers take any file that begins with "solid" for ASCII, so the title must not.
-        let mut header = [b' '; TITLE];
-        let title = b"Binary STL by sparkpath, UNITS=mm";
-        header[..title.len()].copy_from_slice(title);
-        out.write_all(&header)?;
-        out.write_all(&count.to_le_bytes())?;
-        for corners in mesh.iter_corners() {
-            let mut record = [0; RECORD];
-            let points = [unit_normal(corners), corners[0], corners[1], corners[2]];
-            for (bytes, x) in record.chunks_exact_mut(4).zip(points.iter().flat_map(|p| p.to_array())) {
-                bytes.copy_from_slice(&(x as f32).to_le_bytes());
-            }
-            out.write_all(&record)?;
+    // Many readers take any file that begins with "solid" for ASCII, so the title must not.
+    let mut bytes = vec![b' '; TITLE];
+    let title = b"Binary STL by sparkpath, UNITS=mm";
+    bytes[..title.len()].copy_from_slice(title);
+    bytes.reserve(4 + mesh.triangles.len() * RECORD);
+    bytes.extend(count.to_le_bytes());
+    for corners in mesh.iter_corners() {
+        let mut record = [0; RECORD];
+        let points = [unit_normal(corners), corners[0], corners[1], corners[2]];
+        for (bytes, x) in record.chunks_exact_mut(4).zip(points.iter().flat_map(|p| p.to_array())) {
+            bytes.copy_from_slice(&(x as f32).to_le_bytes());
         }
-        Ok(())
-    })
+        bytes.extend(record);
+    }
+    Ok(bytes)
 }

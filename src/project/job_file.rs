@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::blisk::BliskOptions;
-use crate::blisk::electrode::ElectrodeParams;
+use crate::blisk::electrode::{ElectrodeParams, Sizing};
+use crate::blisk::options::BliskOptions;
 use crate::export::nc::NcSettings;
 use crate::feed::genetic::GeneticParams;
 use crate::feed::machine::MachineParams;
 use crate::feed::plan_params::PlanParams;
 use crate::feed::verify::VerifyOptions;
-use crate::mesh_io::Unit;
+use crate::mesh_io::Units;
 
 /// A job: what to plan, with what, and how.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -20,7 +20,7 @@ pub struct PlanJob {
     /// `[blisk]`: mesh and unit, and how its channel is found.
     pub blisk: BliskSection,
     /// `[electrode]`: how the electrode is made, or the user's own.
-    pub electrode: ElectrodeSection,
+    pub electrode: ElectrodeParams,
     /// `[machine]`
     pub machine: MachineParams,
     /// `[plan]`
@@ -39,31 +39,10 @@ pub struct BliskSection {
     /// Mesh file; none for the built-in demonstration blisk.
     pub mesh: Option<PathBuf>,
     /// Unit of the mesh file.
-    pub units: Unit,
+    pub units: Units,
     /// The other keys.
     #[serde(flatten)]
     pub options: BliskOptions,
-}
-
-/// `[electrode]`
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ElectrodeSection {
-    /// The user's own electrode in its final pose, in the coordinates of the blisk's mesh; none to make one.
-    pub mesh: Option<PathBuf>,
-    /// Whether reductions are given or found.
-    pub size: Size,
-    /// The other keys.
-    #[serde(flatten)]
-    pub params: ElectrodeParams,
-}
-
-/// Where the electrode's reductions come from.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Size {
-    /// From the job file.
-    #[default]
-    Given,
 }
 
 /// `[export]`
@@ -109,8 +88,8 @@ impl PlanJob {
     /// A job on the built-in demonstration blisk, all else by default.
     pub fn demonstration() -> Self {
         Self {
-            blisk: BliskSection { mesh: None, units: Unit::default(), options: BliskOptions::default() },
-            electrode: ElectrodeSection { mesh: None, size: Size::Given, params: ElectrodeParams::default() },
+            blisk: BliskSection { mesh: None, units: Units::default(), options: BliskOptions::default() },
+            electrode: ElectrodeParams::default(),
             machine: MachineParams::default(),
             plan: PlanParams::default(),
             genetic: GeneticParams::default(),
@@ -141,21 +120,22 @@ impl PlanJob {
             Problem { place, message: one_line(error.message()) }
         })?;
         let mut blisk = take_table(&mut table, "blisk")?;
-        let mut electrode = take_table(&mut table, "electrode")?;
         let mesh: Option<PathBuf> = take(&mut blisk, "blisk", "mesh")?;
         let Some(mesh) = mesh else {
             return Err(Problem::at("[blisk] ", "mesh is missing; give the mesh file, as in mesh = \"part.stl\""));
         };
         let units = take(&mut blisk, "blisk", "units")?.unwrap_or_default();
-        let own: Option<PathBuf> = take(&mut electrode, "electrode", "mesh")?;
-        let size = take(&mut electrode, "electrode", "size")?.unwrap_or_default();
+        let mut electrode: ElectrodeParams = section(take_table(&mut table, "electrode")?, "electrode")?;
+        electrode.mesh = electrode.mesh.map(|p| folder.join(p));
+        if electrode.size == Sizing::Auto {
+            return Err(Problem::at(
+                "[electrode] size: ",
+                "\"auto\" is not available; give the reductions, or let the search find h with [genetic] h = \"variable\"",
+            ));
+        }
         let job = Self {
             blisk: BliskSection { mesh: Some(folder.join(mesh)), units, options: section(blisk, "blisk")? },
-            electrode: ElectrodeSection {
-                mesh: own.map(|p| folder.join(p)),
-                size,
-                params: section(electrode, "electrode")?,
-            },
+            electrode,
             machine: section(take_table(&mut table, "machine")?, "machine")?,
             plan: section(take_table(&mut table, "plan")?, "plan")?,
             genetic: section(take_table(&mut table, "genetic")?, "genetic")?,
@@ -222,7 +202,10 @@ mod tests {
         let job = parse("[blisk]\nmesh = \"part.stl\"").unwrap();
         let demonstration = PlanJob::demonstration();
         assert_eq!(job.blisk.mesh.as_deref(), Some(Path::new("jobs/part.stl")));
-        assert_eq!((job.plan, job.genetic, job.machine), (demonstration.plan, demonstration.genetic, demonstration.machine));
+        assert_eq!(
+            (job.plan, job.genetic, job.machine),
+            (demonstration.plan, demonstration.genetic, demonstration.machine)
+        );
     }
 
     #[test]
@@ -266,7 +249,7 @@ mod tests {
             "#,
         )
         .unwrap();
-        assert_eq!(job.electrode.params.circumferential_reduction_deg, [0.8, 0.9]);
+        assert_eq!(job.electrode.circumferential_reduction_deg, [0.8, 0.9]);
         assert_eq!((job.genetic.seed, job.plan.weights.a3), (7, 0.5));
     }
 
