@@ -166,13 +166,14 @@ impl<'a> ClearanceModel<'a> {
         if *hint < clusters && !self.cluster_is_free(*hint, &placed, s, demand) {
             return false;
         }
-        match (0..clusters).find(|&i| !self.cluster_is_free(i, &placed, s, demand)) {
-            Some(blocked) => {
-                *hint = blocked;
-                false
-            }
-            None => true,
-        }
+        let of_electrode = |p: DVec3, group| self.bodies.electrode_clearance(&placed, p, group);
+        let of_blisk = |p: DVec3, _| self.bodies.blisk_clearance(&placed, p);
+        let blocked = self.electrode.first_blocked(s, demand, &of_electrode, doubt).or_else(|| {
+            let blocked = self.blisk.first_blocked(s, demand, &of_blisk, doubt)?;
+            Some(self.electrode.clusters() + blocked)
+        });
+        *hint = blocked.unwrap_or(*hint);
+        blocked.is_none()
     }
 
     /// Clusters are counted through: the electrode's first, then the blisk's.

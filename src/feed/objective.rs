@@ -39,7 +39,7 @@ pub struct Weights {
 impl Default for Weights {
     fn default() -> Self {
         let third = 1.0 / 3.0;
-        Self { a1: 0.2, b1: 0.2, c1: 0.2, d1: 0.2, e1: 0.2, a2: third, b2: third, c2: third, a3: 0.8, b3: 0.2 }
+        Self { a1: 0.2, b1: 0.2, c1: 0.2, d1: 0.2, e1: 0.2, a2: third, b2: third, c2: third, a3: 0.5, b3: 0.5 }
     }
 }
 
@@ -110,14 +110,14 @@ pub struct ObjectiveValue {
 }
 
 /// The objective over one electrode and channel.
-pub struct Objective {
+pub struct Objective<'a> {
     weights: Weights,
     /// Full ranges of the axes' motion (7), in the order of [`Axis`].
     ranges: [f64; 6],
     reference_point: DVec3,
     low: Vec<DVec3>,
     high: Vec<DVec3>,
-    walls: WallDistances,
+    walls: &'a WallDistances,
     span_x: [f64; 2],
 }
 
@@ -130,20 +130,19 @@ pub struct StepMotion {
     pub duration: f64,
 }
 
-impl Objective {
+impl<'a> Objective<'a> {
     /// Most samples of each wall that are used, spread evenly.
     const WALL_SAMPLES: usize = 120;
 
-    /// Prepares the objective for an electrode with `samples` and reference point O (in W) in `channel`; `region`
-    /// is where the electrode moves, `ranges` the full ranges of motion of the axes by (7).
+    /// Prepares the objective for an electrode with `samples` and reference point O (in W) in `channel`;
+    /// `ranges` are the full ranges of motion of the axes by (7).
     pub fn new(
         weights: Weights,
         ranges: [f64; 6],
         samples: &[Sample],
         reference_point: DVec3,
         channel: &Channel,
-        finder: &SurfaceFinder,
-        region: Bounds,
+        walls: &'a WallDistances,
     ) -> Self {
         let on = |face: ElectrodeFace| {
             let all: Vec<DVec3> = samples.iter().filter(|s| s.face == face).map(|s| s.point).collect();
@@ -156,7 +155,7 @@ impl Objective {
             reference_point,
             low: on(ElectrodeFace::LowWall),
             high: on(ElectrodeFace::HighWall),
-            walls: WallDistances::new(finder, region),
+            walls,
             span_x: channel.span_x(),
         }
     }
@@ -216,7 +215,7 @@ impl Objective {
 }
 
 /// Distances to the two walls on a regular grid, interpolated; good to about 0.02 mm, which centring does not feel.
-struct WallDistances {
+pub struct WallDistances {
     min: DVec3,
     cell: f64,
     nodes: [usize; 3],
@@ -226,7 +225,8 @@ struct WallDistances {
 impl WallDistances {
     const CELL: f64 = 0.6;
 
-    fn new(finder: &SurfaceFinder, region: Bounds) -> Self {
+    /// The distances over `region`.
+    pub fn new(finder: &SurfaceFinder, region: Bounds) -> Self {
         use rayon::prelude::*;
         let nodes = (region.size() / Self::CELL).ceil().to_array().map(|n| (n as usize).clamp(1, 400) + 1);
         let cell = (0..3).map(|i| region.size()[i] / (nodes[i] - 1) as f64).fold(Self::CELL, f64::max);

@@ -7,6 +7,7 @@ use super::certificate::Certificate;
 use super::genetic::GeneticParams;
 use super::interpolation::AxisCurves;
 use super::machine::MachineParams;
+use super::objective::WallDistances;
 use super::path::FeedPath;
 use super::plan_params::{PlanError, PlanParams};
 use super::planner::Planner;
@@ -32,6 +33,8 @@ pub struct PlanningSpace<'a> {
     pub finder: SurfaceFinder<'a>,
     /// Signed distance around the channel.
     pub field: DistanceField,
+    /// Distances to the two walls there.
+    pub walls: WallDistances,
     /// Points along the blisk's edges there.
     pub edges: Vec<Sample>,
 }
@@ -39,6 +42,8 @@ pub struct PlanningSpace<'a> {
 impl<'a> PlanningSpace<'a> {
     /// How far beside the channel's walls the field reaches (mm).
     const BESIDE: f64 = 6.0;
+    /// How far beyond the field the blisk's edges are sampled (mm): shank and holder pass there.
+    const RIMS: f64 = 25.0;
     /// Distance between points along the blisk's edges (mm).
     const EDGE_SPACING: f64 = 0.4;
 
@@ -53,8 +58,9 @@ impl<'a> PlanningSpace<'a> {
     ) -> Result<Self, PlanError> {
         let finder = SurfaceFinder::new(channel)?;
         let field = DistanceField::build(blisk, exact, Self::region(channel), cell, progress, cancel)?;
-        let edges = sample_convex_edges(blisk, field.bounds(), Self::EDGE_SPACING);
-        Ok(Self { blisk, channel, finder, field, edges })
+        let edges = sample_convex_edges(blisk, field.bounds().grown(Self::RIMS), Self::EDGE_SPACING);
+        let walls = WallDistances::new(&finder, field.bounds());
+        Ok(Self { blisk, channel, finder, field, walls, edges })
     }
 
     fn region(channel: &Channel) -> Bounds {
@@ -89,6 +95,8 @@ pub struct FeedPlan {
     pub probes: usize,
     /// Searches made: one, and one more for each time that the verifier found something.
     pub rounds: usize,
+    /// Time spent on the electrode's distance field (s).
+    pub field_seconds: f64,
     /// Time in the search (s).
     pub search_seconds: f64,
     /// Time in the verification (s).

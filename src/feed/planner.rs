@@ -49,8 +49,10 @@ impl Planner<'_> {
     const BEYOND: f64 = 0.003;
 
     pub(super) fn plan(&self, electrode: &Electrode, remake: &Remake) -> Result<FeedPlan, PlanError> {
+        let started = Instant::now();
         let field = self.electrode_field(electrode)?;
         let model = self.model(electrode, &field);
+        let field_seconds = started.elapsed().as_secs_f64();
         let mut plan = FeedPlan {
             nodes: Vec::new(),
             convergence: Vec::new(),
@@ -61,6 +63,7 @@ impl Planner<'_> {
             ranges: self.ranges(electrode),
             probes: model.probes(),
             rounds: 0,
+            field_seconds,
             search_seconds: 0.0,
             verify_seconds: 0.0,
         };
@@ -70,12 +73,17 @@ impl Planner<'_> {
         if plan.jam.is_some() {
             return Ok(plan);
         }
-        // An electrode with more reduction lies inside one with less, so its path stays free.
-        let remade = if plan.h > 0.0 { Some(remake(plan.h)?) } else { None };
         genetic.h = ReductionMode::Given;
-        plan.nodes.iter_mut().for_each(|node| node.h = 0.0);
-        self.verify_and_mend(&mut plan, remade.as_ref().unwrap_or(electrode), &genetic)?;
-        plan.remade = remade.map(Box::new);
+        if plan.h > 0.0 {
+            // An electrode with more reduction lies inside one with less, so its path stays free.
+            let remade = remake(plan.h)?;
+            let field = self.electrode_field(&remade)?;
+            plan.nodes.iter_mut().for_each(|node| node.h = 0.0);
+            self.verify_and_mend(&mut plan, &remade, &self.model(&remade, &field), &genetic)?;
+            plan.remade = Some(Box::new(remade));
+        } else {
+            self.verify_and_mend(&mut plan, electrode, &model, &genetic)?;
+        }
         Ok(plan)
     }
 
@@ -85,11 +93,10 @@ impl Planner<'_> {
         &self,
         plan: &mut FeedPlan,
         electrode: &Electrode,
+        model: &ClearanceModel,
         genetic: &GeneticParams,
     ) -> Result<(), PlanError> {
         let verifier = Verifier::new(self.space.blisk, &electrode.mesh, electrode.reference_point)?;
-        let field = self.electrode_field(electrode)?;
-        let model = self.model(electrode, &field);
         let mut lessons = Lessons::default();
         loop {
             let curves = AxisCurves::through(&plan.nodes, self.settings.plan.interpolation.ends)?;
@@ -106,7 +113,15 @@ impl Planner<'_> {
                 plan.path = Some(PlannedPath { curves, path, certificate, smoothness });
                 return Ok(());
             }
-            self.learn(&mut lessons, &model, &certificate.violations);
+            if std::env::var("DBG").is_ok() {
+                for v in &certificate.violations {
+                    eprintln!(
+                        "DBG {:.4} s {:.3} row {} {:?} {:.3?} {:.3?}",
+                        v.distance, v.s, v.row, v.surface, v.on_electrode, v.on_blisk
+                    );
+                }
+            }
+            self.learn(&mut lessons, model, &certificate.violations);
             let nearest = certificate.violations.iter().map(|c| c.s).fold(f64::INFINITY, f64::min);
             let kept = plan.nodes.iter().filter(|n| n.s < nearest - self.settings.plan.step_mm).count().max(1);
             let model = model.with_probes(&lessons.on_electrode, &lessons.on_blisk);
@@ -170,8 +185,7 @@ impl Planner<'_> {
             model.samples(),
             model.reference_point(),
             channel,
-            &self.space.finder,
-            self.space.field.bounds(),
+            &self.space.walls,
         );
         let test = AngleTest::new(channel, spark_gap + params.margin_mm, &params.angle);
         let problem = SearchProblem {

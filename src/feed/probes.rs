@@ -5,6 +5,7 @@ use glam::DVec3;
 
 use super::samples::{Cluster, Sample, cluster};
 use crate::blisk::electrode::ElectrodeFace;
+use crate::geometry::mesh::Bounds;
 
 /// How much clearance the search demands.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,6 +44,10 @@ pub struct Probes {
     clusters: Vec<Cluster>,
     /// Greatest `extra` in each cluster (mm).
     cluster_extra: Vec<f64>,
+    /// Neighbouring clusters, as balls around all their points; `start` and `end` count clusters.
+    blocks: Vec<Cluster>,
+    /// Greatest `extra` of all (mm).
+    greatest_extra: f64,
 }
 
 impl Probes {
@@ -57,13 +62,34 @@ impl Probes {
         let clusters = cluster(&mut samples, Self::CLUSTER, |face| group(face) as u8);
         let at_final = samples.iter().map(|s| clearance(s.point)).collect();
         let extra = |c: &Cluster| samples[c.start..c.end].iter().map(|s| s.extra).fold(0.0, f64::max);
-        let cluster_extra = clusters.iter().map(extra).collect();
-        Self { samples, at_final, clusters, cluster_extra }
+        let cluster_extra: Vec<f64> = clusters.iter().map(extra).collect();
+        let greatest_extra = cluster_extra.iter().copied().fold(0.0, f64::max);
+        let blocks = blocks(&samples, &clusters);
+        Self { samples, at_final, clusters, cluster_extra, blocks, greatest_extra }
     }
 
     /// The points, in the order of their numbers.
     pub fn samples(&self) -> &[Sample] {
         &self.samples
+    }
+
+    /// The first cluster that lacks clearance when withdrawn by `s`. `clearance` tells the clearance of a point of
+    /// a group; `doubt` how much too great it may be for what is so far away.
+    pub fn first_blocked(
+        &self,
+        s: f64,
+        demand: &Demand,
+        clearance: &impl Fn(DVec3, usize) -> f64,
+        doubt: impl Fn(f64) -> f64 + Copy,
+    ) -> Option<usize> {
+        self.blocks.iter().find_map(|block| {
+            let group = group(self.samples[self.clusters[block.start].start].face);
+            let enough = demand.wanted() + self.greatest_extra + block.radius;
+            if clearance(block.center, group) >= enough + doubt(enough) {
+                return None;
+            }
+            (block.start..block.end).find(|&i| !self.cluster_is_free(i, s, demand, clearance, doubt))
+        })
     }
 
     /// Number of clusters.
@@ -83,8 +109,7 @@ impl Probes {
         samples
     }
 
-    /// Whether every point of cluster `i` has what is demanded of it when withdrawn by `s`. `clearance` tells
-    /// the clearance of a point of a group; `doubt` how much too great it may be for what is so far away.
+    /// Whether every point of cluster `i` has what is demanded of it; see [`first_blocked`](Self::first_blocked).
     #[inline]
     pub fn cluster_is_free(
         &self,
@@ -122,4 +147,22 @@ impl Probes {
     fn demanded(&self, k: usize, s: f64, demand: &Demand) -> f64 {
         (demand.wanted() + self.samples[k].extra).min(self.at_final[k] + Self::OPENING * s)
     }
+}
+
+/// Balls around up to eight neighbouring clusters of one group each.
+fn blocks(samples: &[Sample], clusters: &[Cluster]) -> Vec<Cluster> {
+    const CLUSTERS: usize = 8;
+    let group_of = |c: &Cluster| group(samples[c.start].face);
+    let mut blocks = Vec::new();
+    let mut start = 0;
+    while start < clusters.len() {
+        let same = |c: &&Cluster| group_of(c) == group_of(&clusters[start]);
+        let end = start + clusters[start..].iter().take(CLUSTERS).take_while(same).count();
+        let points = &samples[clusters[start].start..clusters[end - 1].end];
+        let center = Bounds::of(points.iter().map(|s| s.point)).center();
+        let radius = points.iter().map(|s| s.point.distance(center)).fold(0.0, f64::max);
+        blocks.push(Cluster { center, radius, start, end });
+        start = end;
+    }
+    blocks
 }

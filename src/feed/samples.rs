@@ -28,16 +28,29 @@ pub struct SampleSpacing {
     pub edge: f64,
 }
 
+impl SampleSpacing {
+    /// The spacing on `face`: shank and holder have room around them and need fewer points.
+    fn on(&self, face: ElectrodeFace) -> Self {
+        let factor = match face {
+            ElectrodeFace::Holder => 3.0,
+            ElectrodeFace::Shank | ElectrodeFace::EntryEnd => 1.5,
+            _ => 1.0,
+        };
+        Self { face: factor * self.face, edge: factor * self.edge }
+    }
+}
+
 impl Default for SampleSpacing {
     fn default() -> Self {
-        Self { face: 0.9, edge: 0.35 }
+        Self { face: 1.0, edge: 0.12 }
     }
 }
 
 /// Samples of the whole surface of `mesh`, whose triangle `i` lies on `faces[i]`: every sharp corner, points
 /// along sharp edges, then points on faces, each no closer to those before it than the spacing.
 pub fn sample_electrode(mesh: &Mesh, faces: &[ElectrodeFace], spacing: SampleSpacing) -> Vec<Sample> {
-    let mut sieve = Sieve { kept: Vec::new(), grid: HashMap::new(), size: spacing.face };
+    let size = spacing.on(ElectrodeFace::Holder).face;
+    let mut sieve = Sieve { kept: Vec::new(), grid: HashMap::new(), size };
     let edges = bent_edges(mesh, 20f64.to_radians());
     let mut ends: HashMap<u32, usize> = HashMap::new();
     for &v in edges.iter().flat_map(|e| &e.ends) {
@@ -51,20 +64,22 @@ pub fn sample_electrode(mesh: &Mesh, faces: &[ElectrodeFace], spacing: SampleSpa
     }
     for edge in &edges {
         let [p, q] = edge.ends.map(|v| mesh.vertices[v as usize]);
-        let pieces = (p.distance(q) / spacing.edge).ceil().max(1.0) as usize;
+        let spacing = spacing.on(faces[edge.triangle]).edge;
+        let pieces = (p.distance(q) / spacing).ceil().clamp(1.0, 1e4) as usize;
         for i in 0..=pieces {
-            sieve.offer(p.lerp(q, i as f64 / pieces as f64), faces[edge.triangle], 0.7 * spacing.edge);
+            sieve.offer(p.lerp(q, i as f64 / pieces as f64), faces[edge.triangle], 0.7 * spacing);
         }
     }
     for (corners, &face) in mesh.iter_corners().zip(faces) {
         // Twice as fine as the spacing, so that the sieve decides and no gap stays open.
         let longest = (0..3).map(|i| corners[i].distance(corners[(i + 1) % 3])).fold(0.0, f64::max);
-        let pieces = (2.0 * longest / spacing.face).ceil().clamp(1.0, 400.0) as usize;
+        let spacing = spacing.on(face).face;
+        let pieces = (2.0 * longest / spacing).ceil().clamp(1.0, 400.0) as usize;
         for i in 0..=pieces {
             for j in 0..=pieces - i {
                 let (s, t) = (i as f64 / pieces as f64, j as f64 / pieces as f64);
                 let p = corners[0] + (corners[1] - corners[0]) * s + (corners[2] - corners[0]) * t;
-                sieve.offer(p, face, spacing.face);
+                sieve.offer(p, face, spacing);
             }
         }
     }

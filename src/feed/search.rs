@@ -43,7 +43,7 @@ pub struct SearchProblem<'a> {
     /// The angle test, if that is the constraint.
     pub angle: Option<&'a AngleTest<'a>>,
     /// What is optimised.
-    pub objective: &'a Objective,
+    pub objective: &'a Objective<'a>,
     /// Axes and travels.
     pub machine: &'a MachineParams,
     /// Full ranges of motion in one step, (7), in the order of [`Axis`]; 0 for axes that do not move.

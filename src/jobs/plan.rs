@@ -195,6 +195,7 @@ impl JobPlanner<'_> {
         };
         let remake = |h: f64| self.electrode(part, side, h);
         let mut plan = plan_feed(self.space, &electrode, &settings, &remake, self.progress, self.cancel)?;
+        self.clock.add("electrode field", plan.field_seconds);
         self.clock.add("search", plan.search_seconds);
         self.clock.add("certificate", plan.verify_seconds);
         let electrode = plan.remade.take().map_or(electrode, |remade| *remade);

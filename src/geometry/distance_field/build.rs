@@ -121,13 +121,14 @@ impl Builder<'_> {
         let first = root.map(|i| i << LEVELS);
         let center = self.center(first, LEVELS);
         let reach = self.exact.nearest(center).signed_distance.abs() + 2.0 * self.half_diagonal(LEVELS);
-        let candidates = self.exact.triangles_within(center, reach);
+        let candidates: Vec<(f64, u32)> =
+            self.exact.triangles_within(center, reach).into_iter().map(|t| (0.0, t)).collect();
         self.refine(&mut block, [0; 3], LEVELS, first, &candidates);
         block
     }
 
     /// Describes the cube of `2^level` cells at `at` within the block whose first cell is `first`.
-    fn refine(&self, block: &mut Block, at: [usize; 3], level: u32, first: [usize; 3], parents: &[u32]) {
+    fn refine(&self, block: &mut Block, at: [usize; 3], level: u32, first: [usize; 3], parents: &[(f64, u32)]) {
         let corner = [0, 1, 2].map(|k| first[k] + at[k]);
         let candidates = self.nearest_candidates(self.center(corner, level), self.half_diagonal(level), parents);
         if let Some(leaf) = self.smooth_leaf(corner, level, &candidates) {
@@ -136,7 +137,9 @@ impl Builder<'_> {
             self.fill(block, at, level, handle);
         } else if level == 0 {
             let handle = Handle::new(Handle::EXACT, block.lists.len());
-            block.lists.push(candidates);
+            let mut list: Vec<u32> = candidates.into_iter().map(|(_, t)| t).collect();
+            list.sort_unstable();
+            block.lists.push(list);
             self.fill(block, at, level, handle);
         } else {
             let half = 1usize << (level - 1);
@@ -170,17 +173,23 @@ impl Builder<'_> {
         self.min + (corner + t * f64::from(1 << level)) * self.cell
     }
 
-    /// The triangles among `parents` that can be nearest to some point within `radius` of `center`: those no
-    /// further from the centre than the nearest plus twice the radius, by the triangle inequality.
-    fn nearest_candidates(&self, center: DVec3, radius: f64, parents: &[u32]) -> Vec<u32> {
-        let distances: Vec<f64> = parents.iter().map(|&t| self.triangles.distance(center, t)).collect();
-        let reach = distances.iter().copied().fold(f64::INFINITY, f64::min) + 2.0 * radius + 1e-9;
-        parents.iter().zip(distances).filter(|&(_, d)| d <= reach).map(|(&t, _)| t).collect()
+    /// The triangles among `parents` that can be nearest to some point within `radius` of `center`, with their
+    /// distances from there, nearest first: those no further than the nearest plus twice the radius, by the
+    /// triangle inequality.
+    fn nearest_candidates(&self, center: DVec3, radius: f64, parents: &[(f64, u32)]) -> Vec<(f64, u32)> {
+        let mut found: Vec<(f64, u32)> =
+            parents.iter().map(|&(_, t)| (self.triangles.distance(center, t), t)).collect();
+        let reach = found.iter().map(|&(d, _)| d).fold(f64::INFINITY, f64::min) + 2.0 * radius + 1e-9;
+        found.retain(|&(d, _)| d <= reach);
+        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        found
     }
 
     /// The corner distances of a cube if interpolating them is accurate enough all over it.
-    fn smooth_leaf(&self, corner: [usize; 3], level: u32, candidates: &[u32]) -> Option<[f32; 8]> {
-        let exact = |t: DVec3| self.triangles.signed_distance(self.point(corner, level, t), candidates).0;
+    fn smooth_leaf(&self, corner: [usize; 3], level: u32, candidates: &[(f64, u32)]) -> Option<[f32; 8]> {
+        let center = self.center(corner, level);
+        let exact =
+            |t: DVec3| self.triangles.signed_distance_in_order(self.point(corner, level, t), center, candidates);
         let values: [f32; 8] = std::array::from_fn(|i| exact(corner_of(i)) as f32);
         let good = |t: DVec3| {
             let d = exact(t);

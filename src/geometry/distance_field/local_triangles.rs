@@ -77,6 +77,30 @@ impl LocalTriangles {
                 best = (d, i);
             }
         }
+        self.signed(p, best)
+    }
+
+    /// The same over candidates in order of their distance from `center`, given with each: those that are too far
+    /// from the centre to be nearest to `p` need not be looked at.
+    pub(super) fn signed_distance_in_order(&self, p: DVec3, center: DVec3, candidates: &[(f64, u32)]) -> f64 {
+        let away = p.distance(center);
+        let mut best = (f64::INFINITY, 0);
+        for &(from_center, i) in candidates {
+            let nearest_possible = from_center - away;
+            if nearest_possible > 0.0 && nearest_possible * nearest_possible > best.0 {
+                break;
+            }
+            let d = self.triangles[i as usize].distance_squared(p);
+            // Ties go to the smaller number, as in the unordered search, so that both agree to the last bit.
+            if d < best.0 || (d == best.0 && i < best.1) {
+                best = (d, i);
+            }
+        }
+        self.signed(p, best).0
+    }
+
+    /// Sign, nearest point and normal for the square of the distance to triangle `best.1`.
+    fn signed(&self, p: DVec3, best: (f64, u32)) -> (f64, DVec3, DVec3) {
         if best.0.is_infinite() {
             return (f64::INFINITY, p, DVec3::ZERO);
         }
