@@ -11,6 +11,7 @@ use gltf::json::{Root, accessor};
 
 use super::error::ImportError;
 use super::gltf_buffers::{self, Buffers, REMEDY};
+use super::report::count;
 use super::source::{RawMesh, Source};
 
 /// Reads a glTF or GLB file.
@@ -60,7 +61,7 @@ struct Reader<'a> {
 impl Reader<'_> {
     fn finish(mut self) -> RawMesh {
         if self.skipped > 0 {
-            self.raw.warnings.push(format!("{} groups of points or lines were skipped.", self.skipped));
+            self.raw.warnings.push(format!("{} of points or lines skipped.", count(self.skipped, "group")));
         }
         if self.posed {
             self.raw.warnings.push("Skins and morph targets were ignored: the mesh is in its rest pose.".to_owned());

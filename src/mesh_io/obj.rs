@@ -3,21 +3,25 @@
 use glam::DVec3;
 
 use super::error::{ImportError, excerpt};
+use super::report::count;
 use super::source::{RawMesh, Source};
 
 /// Reads an OBJ file. Polygons become fans, or are cut at their ears where a fan would fold over.
 pub(super) fn read(source: &Source) -> Result<RawMesh, ImportError> {
     let mut reader = Reader { source, line: 0, raw: RawMesh::default(), skipped: 0 };
     let mut offset = 0;
-    for line in source.bytes.split(|&b| b == b'\n') {
+    let text = source.text();
+    // Lines end with "\n", "\r\n" or, in very old files, "\r" alone.
+    let end = if text.contains(&b'\n') { b'\n' } else { b'\r' };
+    for line in text.split(|&b| b == end) {
         reader.line += 1;
         reader.read_line(line)?;
         offset += line.len() + 1;
-        source.tick("reading lines", reader.line, reader.line * source.bytes.len() / offset.max(1))?;
+        source.tick("reading lines", reader.line, reader.line * text.len() / offset.max(1))?;
     }
     let Reader { mut raw, skipped, .. } = reader;
     if skipped > 0 {
-        raw.warnings.push(format!("{skipped} faces of fewer than three corners were skipped."));
+        raw.warnings.push(format!("{} of fewer than three corners skipped.", count(skipped, "face")));
     }
     Ok(raw)
 }

@@ -41,7 +41,12 @@ pub(super) struct RawMesh {
     pub attachments: Vec<Vec<u8>>,
 }
 
-impl Source<'_> {
+impl<'a> Source<'a> {
+    /// The content as text, without the mark that some editors put in front of UTF-8.
+    pub fn text(&self) -> &'a [u8] {
+        without_mark(self.bytes)
+    }
+
     /// The error for a `problem` at `place`.
     pub fn malformed(&self, place: impl Into<String>, problem: impl Into<String>, remedy: &'static str) -> ImportError {
         ImportError::Malformed { file: self.name.to_owned(), place: place.into(), problem: problem.into(), remedy }
@@ -68,6 +73,11 @@ impl Source<'_> {
     pub fn tick(&self, stage: &str, item: usize, total: usize) -> Result<(), Cancelled> {
         tick(self.progress, self.cancel, stage, item, total)
     }
+}
+
+/// A text without the mark that some editors put in front of UTF-8.
+pub(super) fn without_mark(text: &[u8]) -> &[u8] {
+    text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text)
 }
 
 /// Reports progress and looks at the cancel flag every so many items of `total`.

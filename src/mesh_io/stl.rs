@@ -77,7 +77,7 @@ fn point_at(record: &[u8], offset: usize) -> DVec3 {
 
 /// Reads an ASCII STL file: any case, any white space, any number of solids.
 pub(super) fn read_ascii(source: &Source) -> Result<RawMesh, ImportError> {
-    let mut words = Words { bytes: source.bytes, at: 0, line: 1 };
+    let mut words = Words { bytes: source.text(), at: 0, line: 1 };
     let mut weld = ExactWeld::default();
     let mut triangles: Vec<[u32; 3]> = Vec::new();
     let mut corners: Vec<u32> = Vec::with_capacity(3);
