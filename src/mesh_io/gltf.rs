@@ -13,6 +13,7 @@ use super::error::ImportError;
 use super::gltf_buffers::{self, Buffers, REMEDY};
 use super::report::count;
 use super::source::{RawMesh, Source};
+use super::weld::weld_exact;
 
 /// Reads a glTF or GLB file.
 pub(super) fn read(source: &Source) -> Result<RawMesh, ImportError> {
@@ -32,6 +33,7 @@ pub(super) fn read(source: &Source) -> Result<RawMesh, ImportError> {
         Reader { source, root: &root, buffers: &buffers, raw: RawMesh::default(), skipped: 0, posed: false };
     reader.read_scene()?;
     let mut raw = reader.finish();
+    raw.mesh = weld_exact(raw.mesh, source.progress, source.cancel)?;
     raw.warnings.extend(container.warning);
     raw.attachments = buffers.into_attachments();
     Ok(raw)

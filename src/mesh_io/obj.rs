@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::error::{ImportError, excerpt};
 use super::report::count;
 use super::source::{RawMesh, Source};
+use super::weld::weld_exact;
 
 /// Reads an OBJ file. Polygons become fans, or are cut at their ears where a fan would fold over.
 pub(super) fn read(source: &Source) -> Result<RawMesh, ImportError> {
@@ -23,6 +24,7 @@ pub(super) fn read(source: &Source) -> Result<RawMesh, ImportError> {
     if skipped > 0 {
         raw.warnings.push(format!("{} of fewer than three corners skipped.", count(skipped, "face")));
     }
+    raw.mesh = weld_exact(raw.mesh, source.progress, source.cancel)?;
     Ok(raw)
 }
 
@@ -110,7 +112,7 @@ impl Reader<'_> {
     /// Refuses a mesh that has grown too large, with `more` triangles to come at once.
     fn check_size(&self, more: u64) -> Result<(), ImportError> {
         let mesh = &self.raw.mesh;
-        if more == 0 && (mesh.triangles.len() + mesh.vertices.len()) % 1024 != 0 {
+        if more == 0 && !(mesh.triangles.len() + mesh.vertices.len()).is_multiple_of(1024) {
             return Ok(());
         }
         self.source.check_mesh(mesh.triangles.len() as u64 + more, mesh.vertices.len() as u64)

@@ -31,7 +31,7 @@ pub(super) struct Source<'a> {
 /// What a reader makes of a file: coordinates as they stand in it, vertices as the format shares them.
 #[derive(Debug, Default)]
 pub(super) struct RawMesh {
-    /// Vertices in the file's unit, and triangles; nothing is welded beyond equal coordinates.
+    /// Vertices in the file's unit, no two of them equal, and triangles.
     pub mesh: Mesh,
     /// Sentences on what the reader skipped or assumed.
     pub warnings: Vec<String>,
@@ -88,7 +88,7 @@ pub(super) fn tick(
     item: usize,
     total: usize,
 ) -> Result<(), Cancelled> {
-    if item % ITEMS_PER_CHECK == 0 {
+    if item.is_multiple_of(ITEMS_PER_CHECK) {
         progress.report(stage, item as f64 / total.max(1) as f64, "");
         cancel.check()?;
     }

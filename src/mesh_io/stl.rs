@@ -96,7 +96,7 @@ pub(super) fn read_ascii(source: &Source) -> Result<RawMesh, ImportError> {
                     return Err(at_line(source, &words, problem, "export the surface as triangles"));
                 };
                 source.tick("reading triangles", triangles.len(), source.bytes.len() / 250)?;
-                if triangles.len() % 1024 == 0 {
+                if triangles.len().is_multiple_of(1024) {
                     source.check_mesh(triangles.len() as u64 + 1, weld.len() as u64)?;
                 }
                 triangles.push([a, b, c]);
