@@ -34,8 +34,7 @@ pub(super) fn drop_duplicates(
     }
     let before = table.boundary_size(mesh);
     let extra: usize = sets.iter().map(|set| set.len() - 1).sum();
-    let choices: [fn(&Mesh, &[u32]) -> Vec<u32>; 2] = [all_but_first, facing_each_other];
-    for choose in choices {
+    for choose in [all_but_first, facing_each_other] as [Choice; 2] {
         let thinned = without(mesh, sets.iter().flat_map(|set| choose(mesh, set)));
         // A sheet that is all double would vanish: that is no fin, and better kept.
         let vanishes = 2 * thinned.triangles.len() < mesh.triangles.len() - extra;
@@ -48,6 +47,9 @@ pub(super) fn drop_duplicates(
     }
     Ok(0)
 }
+
+/// The triangles to take out of a set that lie on each other.
+type Choice = fn(&Mesh, &[u32]) -> Vec<u32>;
 
 fn all_but_first(_: &Mesh, set: &[u32]) -> Vec<u32> {
     set[1..].to_vec()

@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::error::{ImportError, excerpt};
+use super::source::without_mark;
 use super::stl;
 
 /// A format of mesh files.
@@ -36,7 +37,7 @@ const STRAY_BYTES: u64 = 1024;
 pub fn detect(name: &str, bytes: &[u8]) -> Result<Format, ImportError> {
     let extension = Path::new(name).extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     let head = &bytes[..bytes.len().min(HEAD)];
-    let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head).trim_ascii_start();
+    let text = without_mark(head).trim_ascii_start();
     if bytes.starts_with(b"glTF") {
         return Ok(Format::Glb);
     }

@@ -92,6 +92,11 @@ impl EdgeTable {
         self.entries[range].binary_search_by_key(&a.max(b), |&(high, _)| high).is_ok()
     }
 
+    /// Whether every edge joins exactly two triangles.
+    pub fn is_closed(&self) -> bool {
+        self.edges().all(|edge| edge.entries.len() == 2)
+    }
+
     /// Whether every edge joins exactly two triangles of agreeing orientation.
     pub fn is_watertight(&self, mesh: &Mesh) -> bool {
         self.edges().all(|edge| edge.entries.len() == 2 && edge.imbalance(mesh) == 0)

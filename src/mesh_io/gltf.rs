@@ -11,7 +11,9 @@ use gltf::json::{Root, accessor};
 
 use super::error::ImportError;
 use super::gltf_buffers::{self, Buffers, REMEDY};
+use super::report::count;
 use super::source::{RawMesh, Source};
+use super::weld::weld_exact;
 
 /// Reads a glTF or GLB file.
 pub(super) fn read(source: &Source) -> Result<RawMesh, ImportError> {
@@ -31,6 +33,7 @@ pub(super) fn read(source: &Source) -> Result<RawMesh, ImportError> {
         Reader { source, root: &root, buffers: &buffers, raw: RawMesh::default(), skipped: 0, posed: false };
     reader.read_scene()?;
     let mut raw = reader.finish();
+    raw.mesh = weld_exact(raw.mesh, source.progress, source.cancel)?;
     raw.warnings.extend(container.warning);
     raw.attachments = buffers.into_attachments();
     Ok(raw)
@@ -60,7 +63,7 @@ struct Reader<'a> {
 impl Reader<'_> {
     fn finish(mut self) -> RawMesh {
         if self.skipped > 0 {
-            self.raw.warnings.push(format!("{} groups of points or lines were skipped.", self.skipped));
+            self.raw.warnings.push(format!("{} of points or lines skipped.", count(self.skipped, "group")));
         }
         if self.posed {
             self.raw.warnings.push("Skins and morph targets were ignored: the mesh is in its rest pose.".to_owned());

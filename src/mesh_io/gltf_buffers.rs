@@ -27,7 +27,7 @@ pub(super) struct Container<'a> {
 pub(super) fn split<'a>(source: &Source<'a>) -> Result<Container<'a>, ImportError> {
     let bytes = source.bytes;
     if !bytes.starts_with(b"glTF") {
-        return Ok(Container { json: bytes, binary: None, warning: None });
+        return Ok(Container { json: source.text(), binary: None, warning: None });
     }
     let word = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize);
     let header = |problem: String| source.malformed("GLB header", problem, REMEDY);

@@ -177,13 +177,17 @@ fn read_whole(
 fn import(source: &Source, options: &ImportOptions) -> Result<Imported, ImportError> {
     let (progress, cancel) = (source.progress, source.cancel);
     let format = detect(source.name, source.bytes)?;
-    let RawMesh { mesh, warnings, note, attachments } = match format {
-        Format::StlBinary => stl::read_binary(source),
-        Format::StlAscii => stl::read_ascii(source),
-        Format::Obj => obj::read(source),
-        Format::Gltf | Format::Glb => gltf::read(source),
-    }?;
-    let sha256 = hash(source, &attachments)?;
+    let read = match format {
+        Format::StlBinary => stl::read_binary,
+        Format::StlAscii => stl::read_ascii,
+        Format::Obj => obj::read,
+        Format::Gltf | Format::Glb => gltf::read,
+    };
+    let mut hasher = Sha256::new();
+    let (raw, hashed) = rayon::join(|| read(source), || hash(&mut hasher, source.bytes, cancel));
+    let RawMesh { mesh, warnings, note, attachments } = raw?;
+    hashed?;
+    attachments.iter().try_for_each(|content| hash(&mut hasher, content, cancel))?;
     drop(attachments);
     let declared = match format {
         Format::Gltf | Format::Glb => Some((Unit::M, "the glTF standard")),
@@ -198,6 +202,7 @@ fn import(source: &Source, options: &ImportOptions) -> Result<Imported, ImportEr
     }
     let report = ImportReport::new(format, triangles_read, &mesh, unit, repairs, warnings);
     progress.report("importing", 1.0, "");
+    let sha256 = hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
     Ok(Imported { mesh, report, sha256 })
 }
 
@@ -217,13 +222,10 @@ fn in_millimetres(source: &Source, mut mesh: Mesh, unit: Unit) -> Result<Mesh, I
     ))
 }
 
-fn hash(source: &Source, attachments: &[Vec<u8>]) -> Result<String, Cancelled> {
-    let mut hasher = Sha256::new();
-    for content in std::iter::once(source.bytes).chain(attachments.iter().map(Vec::as_slice)) {
-        for block in content.chunks(BLOCK) {
-            source.cancel.check()?;
-            hasher.update(block);
-        }
+fn hash(hasher: &mut Sha256, content: &[u8], cancel: &Cancel) -> Result<(), Cancelled> {
+    for block in content.chunks(BLOCK) {
+        cancel.check()?;
+        hasher.update(block);
     }
-    Ok(hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(())
 }

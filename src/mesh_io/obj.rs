@@ -3,22 +3,28 @@
 use glam::DVec3;
 
 use super::error::{ImportError, excerpt};
+use super::report::count;
 use super::source::{RawMesh, Source};
+use super::weld::weld_exact;
 
 /// Reads an OBJ file. Polygons become fans, or are cut at their ears where a fan would fold over.
 pub(super) fn read(source: &Source) -> Result<RawMesh, ImportError> {
     let mut reader = Reader { source, line: 0, raw: RawMesh::default(), skipped: 0 };
     let mut offset = 0;
-    for line in source.bytes.split(|&b| b == b'\n') {
+    let text = source.text();
+    // Lines end with "\n", "\r\n" or, in very old files, "\r" alone.
+    let end = if text.contains(&b'\n') { b'\n' } else { b'\r' };
+    for line in text.split(|&b| b == end) {
         reader.line += 1;
         reader.read_line(line)?;
         offset += line.len() + 1;
-        source.tick("reading lines", reader.line, reader.line * source.bytes.len() / offset.max(1))?;
+        source.tick("reading lines", reader.line, reader.line * text.len() / offset.max(1))?;
     }
     let Reader { mut raw, skipped, .. } = reader;
     if skipped > 0 {
-        raw.warnings.push(format!("{skipped} faces of fewer than three corners were skipped."));
+        raw.warnings.push(format!("{} of fewer than three corners skipped.", count(skipped, "face")));
     }
+    raw.mesh = weld_exact(raw.mesh, source.progress, source.cancel)?;
     Ok(raw)
 }
 
@@ -106,7 +112,7 @@ impl Reader<'_> {
     /// Refuses a mesh that has grown too large, with `more` triangles to come at once.
     fn check_size(&self, more: u64) -> Result<(), ImportError> {
         let mesh = &self.raw.mesh;
-        if more == 0 && (mesh.triangles.len() + mesh.vertices.len()) % 1024 != 0 {
+        if more == 0 && !(mesh.triangles.len() + mesh.vertices.len()).is_multiple_of(1024) {
             return Ok(());
         }
         self.source.check_mesh(mesh.triangles.len() as u64 + more, mesh.vertices.len() as u64)

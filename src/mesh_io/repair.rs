@@ -6,7 +6,7 @@ use super::clean::{Slivers, drop_collapsed, drop_duplicates, exchange_slivers};
 use super::edges::{EdgeTable, NONE};
 use super::holes::{Hole, trace};
 use super::orient::{Orientation, orient};
-use super::weld::{weld_exact, weld_near};
+use super::weld::weld_near;
 use crate::geometry::mesh::{Bounds, Mesh};
 use crate::progress::{Cancel, Cancelled, Progress};
 
@@ -46,7 +46,7 @@ pub(super) fn weld_tolerance(mesh: &Mesh) -> f64 {
     (WELD_RELATIVE_TO_SIZE * bounds.size().length()).max(WELD_RELATIVE_TO_COORDINATE * farthest)
 }
 
-/// Repairs `mesh` (mm): one vertex for each point, no collapsed or doubled triangles, all turned outwards.
+/// Repairs `mesh` (mm, no two vertices equal): no cracks, no collapsed or doubled triangles, all turned outwards.
 ///
 /// Vertices come out numbered in the order in which the triangles first use them. No step opens a surface that was
 /// closed; holes are reported, not filled.
@@ -56,14 +56,13 @@ pub(super) fn repair(
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<(Mesh, Repairs), Cancelled> {
-    let used = compact(mesh);
-    let mut repairs =
-        Repairs { weld_tolerance: tolerance.unwrap_or_else(|| weld_tolerance(&used)), ..Default::default() };
-    let mut mesh = weld_exact(used, progress, cancel)?;
+    let mut mesh = compact(mesh);
+    let weld_tolerance = tolerance.unwrap_or_else(|| weld_tolerance(&mesh));
+    let mut repairs = Repairs { weld_tolerance, ..Default::default() };
     repairs.collapsed = drop_collapsed(&mut mesh);
     let mut table = EdgeTable::of(&mesh, progress, cancel)?;
-    if repairs.weld_tolerance > 0.0 && !table.is_watertight(&mesh) {
-        mesh = weld_near(mesh, repairs.weld_tolerance, progress, cancel)?;
+    if weld_tolerance > 0.0 && !table.is_closed() {
+        mesh = weld_near(mesh, weld_tolerance, progress, cancel)?;
         repairs.collapsed += drop_collapsed(&mut mesh);
         repairs.welded_near = true;
         table = EdgeTable::of(&mesh, progress, cancel)?;
@@ -72,14 +71,17 @@ pub(super) fn repair(
     if repairs.duplicates > 0 {
         table = EdgeTable::of(&mesh, progress, cancel)?;
     }
+    cancel.check()?;
     let boundary = trace(&mesh, &table);
     repairs.orientation = orient(&mut mesh, &table, &boundary, progress, cancel)?;
     repairs.holes = boundary.holes;
-    let height = HEIGHT_RELATIVE_TO_WELD * repairs.weld_tolerance;
+    cancel.check()?;
+    let height = HEIGHT_RELATIVE_TO_WELD * weld_tolerance;
     repairs.slivers = exchange_slivers(&mut mesh, height, progress, cancel)?;
     if repairs.orientation.flipped + repairs.orientation.turned + repairs.slivers.exchanged > 0 {
         table = EdgeTable::of(&mesh, progress, cancel)?;
     }
+    cancel.check()?;
     repairs.watertight = !mesh.triangles.is_empty() && table.is_watertight(&mesh);
     let branches = table.edges().filter(|edge| edge.halves().len() > 2);
     for edge in branches {

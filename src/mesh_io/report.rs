@@ -147,9 +147,9 @@ impl ImportReport {
             (self.duplicates_removed, "doubled triangle", "removed"),
             (self.degenerate_removed, "collapsed triangle", "removed"),
             (self.slivers_kept, "triangle", "without height left in place, as taking it out would open the surface"),
-            (self.triangles_flipped, "triangle", "turned to agree with its neighbours"),
+            (self.triangles_flipped, "triangle", "turned to agree with the rest"),
             (one_sided, "part", "of one side only: inside and outside cannot be told apart"),
-            (unsure, "open or flat part", "left in the direction it came in, as its outside cannot be told"),
+            (unsure, "open or flat part", "left in the direction of the file, as the outside cannot be told"),
         ];
         for (n, what, done) in doubts {
             warn(n > 0, format!("{} {done}.", count(n, what)));
@@ -163,6 +163,6 @@ impl ImportReport {
 }
 
 /// `3 holes`, `1 hole`.
-fn count(n: usize, what: &str) -> String {
+pub(super) fn count(n: usize, what: &str) -> String {
     format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }

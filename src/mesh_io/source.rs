@@ -31,7 +31,7 @@ pub(super) struct Source<'a> {
 /// What a reader makes of a file: coordinates as they stand in it, vertices as the format shares them.
 #[derive(Debug, Default)]
 pub(super) struct RawMesh {
-    /// Vertices in the file's unit, and triangles; nothing is welded beyond equal coordinates.
+    /// Vertices in the file's unit, no two of them equal, and triangles.
     pub mesh: Mesh,
     /// Sentences on what the reader skipped or assumed.
     pub warnings: Vec<String>,
@@ -41,7 +41,12 @@ pub(super) struct RawMesh {
     pub attachments: Vec<Vec<u8>>,
 }
 
-impl Source<'_> {
+impl<'a> Source<'a> {
+    /// The content as text, without the mark that some editors put in front of UTF-8.
+    pub fn text(&self) -> &'a [u8] {
+        without_mark(self.bytes)
+    }
+
     /// The error for a `problem` at `place`.
     pub fn malformed(&self, place: impl Into<String>, problem: impl Into<String>, remedy: &'static str) -> ImportError {
         ImportError::Malformed { file: self.name.to_owned(), place: place.into(), problem: problem.into(), remedy }
@@ -70,6 +75,11 @@ impl Source<'_> {
     }
 }
 
+/// A text without the mark that some editors put in front of UTF-8.
+pub(super) fn without_mark(text: &[u8]) -> &[u8] {
+    text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text)
+}
+
 /// Reports progress and looks at the cancel flag every so many items of `total`.
 pub(super) fn tick(
     progress: &Progress,
@@ -78,7 +88,7 @@ pub(super) fn tick(
     item: usize,
     total: usize,
 ) -> Result<(), Cancelled> {
-    if item % ITEMS_PER_CHECK == 0 {
+    if item.is_multiple_of(ITEMS_PER_CHECK) {
         progress.report(stage, item as f64 / total.max(1) as f64, "");
         cancel.check()?;
     }

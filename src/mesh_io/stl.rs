@@ -77,7 +77,7 @@ fn point_at(record: &[u8], offset: usize) -> DVec3 {
 
 /// Reads an ASCII STL file: any case, any white space, any number of solids.
 pub(super) fn read_ascii(source: &Source) -> Result<RawMesh, ImportError> {
-    let mut words = Words { bytes: source.bytes, at: 0, line: 1 };
+    let mut words = Words { bytes: source.text(), at: 0, line: 1 };
     let mut weld = ExactWeld::default();
     let mut triangles: Vec<[u32; 3]> = Vec::new();
     let mut corners: Vec<u32> = Vec::with_capacity(3);
@@ -96,7 +96,7 @@ pub(super) fn read_ascii(source: &Source) -> Result<RawMesh, ImportError> {
                     return Err(at_line(source, &words, problem, "export the surface as triangles"));
                 };
                 source.tick("reading triangles", triangles.len(), source.bytes.len() / 250)?;
-                if triangles.len() % 1024 == 0 {
+                if triangles.len().is_multiple_of(1024) {
                     source.check_mesh(triangles.len() as u64 + 1, weld.len() as u64)?;
                 }
                 triangles.push([a, b, c]);

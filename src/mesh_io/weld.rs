@@ -1,9 +1,11 @@
 //! Making one vertex of several that stand for the same point.
 
 use std::collections::HashMap;
+use std::iter;
 
 use glam::{DVec3, I64Vec3};
 
+use super::edges::NONE;
 use super::source::tick;
 use crate::geometry::mesh::Mesh;
 use crate::progress::{Cancel, Cancelled, Progress};
@@ -56,26 +58,23 @@ pub(super) fn weld_exact(mesh: Mesh, progress: &Progress, cancel: &Cancel) -> Re
 /// Merging vertices maps closed surfaces onto closed surfaces (the boundary of the image is the image of the
 /// boundary), so this can close cracks but never opens one. Triangles may collapse; they are left for the caller.
 pub(super) fn weld_near(mesh: Mesh, tolerance: f64, progress: &Progress, cancel: &Cancel) -> Result<Mesh, Cancelled> {
-    // The vertices that stay, in cells twice as wide as the tolerance: those near a point are in its cell or, on
-    // each axis, in the one next to its nearer side; as they keep their distance a cell holds only a few.
-    let width = 2.0 * tolerance;
-    let mut cells: HashMap<I64Vec3, Vec<u32>> = HashMap::new();
+    let width = CELL_WIDTH * tolerance;
+    // Last vertex of each cell, and for each vertex the one before it in its cell.
+    let mut last: HashMap<I64Vec3, u32> = HashMap::new();
+    let mut before: Vec<u32> = Vec::new();
     let mut vertices: Vec<DVec3> = Vec::new();
     let mut number = Vec::with_capacity(mesh.vertices.len());
     for (i, &p) in mesh.vertices.iter().enumerate() {
         tick(progress, cancel, "welding", i, mesh.vertices.len())?;
-        let cell = (p / width).floor();
-        let side = (p / width - cell).map(|x| if x < 0.5 { -1.0 } else { 1.0 });
-        let near = near_cells(cell.as_i64vec3(), side.as_i64vec3())
-            .filter_map(|c| cells.get(&c))
-            .flatten()
-            .copied()
+        let near = cells_near(p / width, 1.0 / CELL_WIDTH)
+            .filter_map(|cell| last.get(&cell).copied())
+            .flat_map(|v| iter::successors(Some(v), |&v| Some(before[v as usize]).filter(|&v| v != NONE)))
             .filter(|&v| vertices[v as usize].distance_squared(p) <= tolerance * tolerance)
             .min();
         number.push(near.unwrap_or_else(|| {
             let v = vertices.len() as u32;
             vertices.push(p);
-            cells.entry(cell.as_i64vec3()).or_default().push(v);
+            before.push(last.insert((p / width).floor().as_i64vec3(), v).unwrap_or(NONE));
             v
         }));
     }
@@ -83,9 +82,15 @@ pub(super) fn weld_near(mesh: Mesh, tolerance: f64, progress: &Progress, cancel:
     Ok(Mesh { vertices, triangles })
 }
 
-/// A cell and the seven next to it towards `side` (each component 1 or -1).
-fn near_cells(cell: I64Vec3, side: I64Vec3) -> impl Iterator<Item = I64Vec3> {
-    (0..8).map(move |i| cell + side * I64Vec3::new(i & 1, i >> 1 & 1, i >> 2 & 1))
+/// Width of the cells in which near vertices are looked for, in tolerances. Vertices that stay keep their distance,
+/// so a cell holds a bounded number of them; wider cells need fewer neighbours looked into, but hold more.
+const CELL_WIDTH: f64 = 4.0;
+
+/// The cells, of width 1, that have a point nearer than `reach` (less than 1/2) to `p` along each axis.
+fn cells_near(p: DVec3, reach: f64) -> impl Iterator<Item = I64Vec3> {
+    let (low, high) = ((p - reach).floor().as_i64vec3(), (p + reach).floor().as_i64vec3());
+    (low.x..=high.x)
+        .flat_map(move |x| (low.y..=high.y).flat_map(move |y| (low.z..=high.z).map(move |z| I64Vec3::new(x, y, z))))
 }
 
 #[cfg(test)]
