@@ -382,7 +382,8 @@ mod tests {
             assert!((gap.middle() - middle).abs() < 1e-12 && (gap.width() - 2.0 * half).abs() < 1e-12, "{gap:?}");
         }
         assert!(bar.gaps(1.0, 0.9).is_empty() && bar.gaps(1.0, 1.5).is_empty() && bar.gaps(5.0, 1.25).is_empty());
-        assert_eq!(bar.ray(1.0, 0.25 * PI), [RadialCrossing { r: 2f64.sqrt(), enters: false }]);
+        let [corner] = bar.ray(1.0, 0.25 * PI)[..] else { panic!("the ray leaves the bar once") };
+        assert!((corner.r - 2f64.sqrt()).abs() < 1e-12 && !corner.enters);
     }
 
     #[test]
