@@ -75,6 +75,15 @@ fn end_walls_are_the_greatest_hub_and_the_least_shroud() {
 }
 
 #[test]
+fn the_hub_is_measured_at_the_corners_of_its_facets() {
+    // Facets of 5 degrees, whose middles lie 0.05 mm below their corners.
+    let part = TestBlisk { grid: [24, 8, 3, 2], ..Default::default() };
+    for s in &found(&part.mesh()).meridian {
+        assert!((s.hub - 50.0).abs() < 1e-3, "{s:?}");
+    }
+}
+
+#[test]
 fn root_fillets_do_not_lift_the_hub() {
     let part = TestBlisk { fillet: 1.5, twist: 0.0, grid: [32, 32, 24, 2], ..Default::default() };
     let channel = found(&part.mesh());

@@ -217,6 +217,17 @@ impl Slices {
         crossings
     }
 
+    /// Distances from the axis of the corners that the section at `x` has within `half` of the angle `theta`.
+    pub fn corner_radii(&self, x: f64, theta: f64, half: f64) -> Vec<f64> {
+        let Some([ix, _]) = self.cell_of(x, 0.0) else { return Vec::new() };
+        let along = DVec2::from_angle(theta);
+        let last = sector_count(theta + half).min(sector_count(theta - half) + SECTORS as i64 - 1);
+        let sectors = (sector_count(theta - half)..=last).map(|s| s.rem_euclid(SECTORS as i64) as usize);
+        let triangles = sectors.flat_map(|s| self.wedges.get(ix * SECTORS + s));
+        let corners = triangles.filter_map(|&t| self.segment(t, x)).flatten();
+        corners.filter(|c| along.angle_to(*c).abs() <= half).map(DVec2::length).collect()
+    }
+
     /// How many shells the point lies in.
     fn depth(&self, x: f64, r: f64, theta: f64) -> i32 {
         self.ray(x, theta).iter().filter(|c| c.r > r).map(|c| if c.enters { -1 } else { 1 }).sum()
