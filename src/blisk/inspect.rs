@@ -131,11 +131,7 @@ fn fill(
     found.axis = Some(blisk.axis);
     found.repetition = Some(blisk.repetition);
     found.assumed.extend(blisk.assumed.iter().cloned());
-    let channel = channel_of(&mesh, &blisk, options, std::mem::take(&mut found.assumed), progress, cancel);
-    if channel.is_err() {
-        found.assumed = blisk.assumed;
-    }
-    let channel = channel?;
+    let channel = channel_of(&mesh, &blisk, options, found.assumed.clone(), progress, cancel)?;
     found.channel = Some(ChannelSummary::new(&channel));
     found.assumed = channel.assumed;
     Ok(())

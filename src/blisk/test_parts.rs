@@ -31,13 +31,13 @@ impl Welder {
         }
     }
 
-    /// The patch `point(i, j)`, i and j counter-clockwise seen from outside.
+    /// The patch `point(i, j)`, turning clockwise from i to j seen from outside.
     fn patch(&mut self, ni: usize, nj: usize, point: impl Fn(usize, usize) -> DVec3) {
         for i in 0..ni {
             for j in 0..nj {
                 let [a, b, c, d] = [point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)];
-                self.triangle([a, b, c]);
-                self.triangle([a, c, d]);
+                self.triangle([a, c, b]);
+                self.triangle([a, d, c]);
             }
         }
     }
@@ -247,13 +247,13 @@ pub(crate) fn flange(inner: f64, outer: f64, holes: usize, hole_radius: f64) -> 
         };
         let at = |x: f64, [r, theta]: [f64; 2]| Cylindrical { x, r, theta: theta + turn }.point();
         let pick = |i: usize, j: usize| if i == 0 { rim(j) } else { border(j) };
-        w.patch(1, AROUND, |i, j| at(10.0, pick(i, j)));
-        w.patch(AROUND, 1, |j, i| at(0.0, pick(i, j)));
-        w.patch(1, AROUND, |i, j| at(10.0 * i as f64, rim(j)));
+        w.patch(AROUND, 1, |j, i| at(10.0, pick(i, j)));
+        w.patch(1, AROUND, |i, j| at(0.0, pick(i, j)));
+        w.patch(AROUND, 1, |j, i| at(10.0 * i as f64, rim(j)));
         for j in 0..AROUND {
             let (a, b) = (border(j), border(j + 1));
             if (a[0] - b[0]).abs() < 1e-9 && (a[0] - middle).abs() > 0.49 * (outer - inner) {
-                w.patch(1, 1, |i, t| at(10.0 * (1 - i) as f64, if t == 0 { a } else { b }));
+                w.patch(1, 1, |t, i| at(10.0 * (1 - i) as f64, if t == 0 { a } else { b }));
             }
         }
     }

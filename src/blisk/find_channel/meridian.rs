@@ -6,8 +6,9 @@ use super::super::frame::slices::{Gap, RadialCrossing, Slices};
 use super::super::options::BliskOptions;
 use crate::progress::Cancel;
 
-/// Samples over the whole length of the part.
-const STATIONS: f64 = 200.0;
+/// Samples over the whole length of the part. No round number: on parts with round figures a sample would fall
+/// on the very edge of the blades, where rounding decides whether they are met.
+const STATIONS: f64 = 197.3;
 /// Rays across the channel, and the middle share of its width that they stay in, clear of root fillets.
 const RAYS: usize = 13;
 const MIDDLE_SHARE: f64 = 0.6;
@@ -59,7 +60,7 @@ impl Tracer<'_> {
         let (hub, shroud) = self.end_walls(&start);
         let shrouded = shroud.is_some();
         let hub = self.options.hub_radius_mm.given().or(hub).ok_or(missing("hub", "hub_radius_mm"))?;
-        let tip = || self.tip_radius(&start);
+        let tip = || self.tip_radius(&start, start.r);
         let shroud = self.options.shroud_radius_mm.given().or(shroud).unwrap_or_else(tip);
         if hub >= shroud {
             return Err(BliskError::NoHeight { hub, shroud });
@@ -104,7 +105,7 @@ impl Tracer<'_> {
         let bladed = self.bladed_gap(x, r, &near.gap);
         let place = Place { x, r, gap: bladed.unwrap_or(near.gap) };
         let (hub, shroud) = self.end_walls(&place);
-        let tip = || bladed.map_or(near.sample.shroud, |_| self.tip_radius(&place));
+        let tip = || bladed.map_or(near.sample.shroud, |_| self.tip_radius(&place, near.sample.shroud));
         let shroud = if shrouded { shroud? } else { tip() };
         let sample = MeridianSample {
             x,
@@ -116,10 +117,9 @@ impl Tracer<'_> {
 
     /// Radii of the hub and of the shroud at a place: the greatest and the least that its rays meet.
     fn end_walls(&self, place: &Place) -> (Option<f64>, Option<f64>) {
-        let theta = |i: usize| {
-            let across = i as f64 / (RAYS - 1) as f64 - 0.5;
-            place.gap.middle() + across * MIDDLE_SHARE * place.gap.width().min(self.pitch)
-        };
+        let middle = place.gap.middle();
+        let half = 0.5 * MIDDLE_SHARE * place.gap.width().min(self.pitch);
+        let theta = |i: usize| middle + half * (2.0 * i as f64 / (RAYS - 1) as f64 - 1.0);
         let rays: Vec<Vec<RadialCrossing>> = (0..RAYS).map(|i| self.slices.ray(place.x, theta(i))).collect();
         let inner = rays.iter().filter_map(|ray| ray.iter().rfind(|c| c.r < place.r));
         let outer = rays.iter().filter_map(|ray| ray.iter().find(|c| c.r > place.r));
@@ -129,23 +129,29 @@ impl Tracer<'_> {
         let most = |v: &[f64]| (2 * v.len() > RAYS).then(|| v[v.len() / 2]);
         let (hub, shroud) = (most(&inner), most(&outer));
         let same = SAME_WALL * (shroud.unwrap_or(place.r) - hub.unwrap_or(place.r));
-        (
-            hub.and_then(|h| inner.iter().rfind(|&&r| r <= h + same)).copied(),
-            shroud.and_then(|s| outer.iter().find(|&&r| r >= s - same)).copied(),
-        )
+        // Between its facets a hub stands out at corners, which rays miss.
+        let corners = || self.slices.corner_radii(place.x, middle, half);
+        let greatest = |h: f64| inner.iter().copied().chain(corners()).filter(|r| *r <= h + same).fold(h, f64::max);
+        (hub.map(greatest), shroud.and_then(|s| outer.iter().find(|&&r| r >= s - same)).copied())
     }
 
-    /// The greatest radius at which blades still bound the channel at a place.
-    fn tip_radius(&self, place: &Place) -> f64 {
+    /// The greatest radius at which blades still bound the channel at a place; it is sought around `guess`.
+    fn tip_radius(&self, place: &Place, guess: f64) -> f64 {
         let step = self.slices.cell_size().y;
         let (mut good, mut gap) = (place.r, place.gap);
+        let below = guess - step;
+        if below > good
+            && let Some(next) = self.bladed_gap(place.x, below, &gap)
+        {
+            (good, gap) = (below, next);
+        }
         let mut bad = loop {
             match self.bladed_gap(place.x, good + step, &gap) {
                 Some(next) => (good, gap) = (good + step, next),
                 None => break good + step,
             }
         };
-        while bad - good > 1e-7 * step {
+        while bad - good > 1e-6 * step {
             let r = 0.5 * (good + bad);
             match self.bladed_gap(place.x, r, &gap) {
                 Some(next) => (good, gap) = (r, next),

@@ -2,6 +2,8 @@
 
 mod measure;
 mod meridian;
+#[cfg(test)]
+mod tests;
 mod walls;
 
 use std::borrow::Cow;

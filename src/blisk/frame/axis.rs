@@ -76,12 +76,18 @@ pub(super) fn candidates(mesh: &Mesh, direction: Option<DVec3>) -> Vec<Axis> {
     let facets = facets(mesh);
     let size = mesh.bounds().size().length();
     let (center, moments) = solid_moments(mesh);
-    let mut axes = match direction {
-        Some(direction) => vec![Axis::new(center, direction)],
-        None => eigenvectors(moments).map(|d| Axis::new(center, d)).to_vec(),
+    let normals = Normals::new(&facets, center, size);
+    let axes: Vec<Axis> = match direction {
+        Some(direction) => vec![Axis::new(center, direction), normals.axis(Some(direction), true)],
+        None => {
+            let principal = eigenvectors(moments);
+            let starts = principal.iter().map(|&d| Some(d)).chain([None]);
+            let met = starts.map(|start| normals.axis(start, false));
+            principal.iter().map(|&d| Axis::new(center, d)).chain(met).collect()
+        }
     };
-    axes.extend(axis_of_normals(&facets, center, size, direction));
-    let mut ranked: Vec<(f64, Axis)> = axes.into_iter().map(|a| (share_of_revolution(&facets, &a), a)).collect();
+    let axes = axes.into_iter().filter(|a| a.point.is_finite() && a.direction.is_finite());
+    let mut ranked: Vec<(f64, Axis)> = axes.map(|a| (share_of_revolution(&facets, &a), a)).collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut distinct: Vec<Axis> = Vec::new();
     for (_, axis) in ranked {
@@ -146,27 +152,57 @@ fn beside(facet: &Facet, axis: &Axis) -> f64 {
     1.0 - facet.normal.dot(axis.direction).powi(2)
 }
 
-/// The line that the normals meet best, by least squares in the line's Pluecker coordinates (d, m = c x d),
-/// reweighted so that walls, which are no surfaces of revolution, lose their say.
-fn axis_of_normals(facets: &[Facet], center: DVec3, size: f64, fixed: Option<DVec3>) -> Option<Axis> {
-    let mut axis: Option<Axis> = None;
-    // How far a normal may miss the axis and still count, from anything down to the slant of a facet.
-    for tolerance in [1e3, 0.5, 0.35, 0.25, 0.18, 0.12, 0.08, 0.05, 0.03, 0.02, 0.02, 0.02] {
+/// The lines of a surface's normals, in Pluecker coordinates about `center` in units of `size`.
+struct Normals<'a> {
+    facets: Vec<&'a Facet>,
+    center: DVec3,
+    size: f64,
+}
+
+impl<'a> Normals<'a> {
+    /// Facets that are enough to guess an axis from.
+    const ENOUGH: usize = 15_000;
+
+    fn new(facets: &'a [Facet], center: DVec3, size: f64) -> Self {
+        // An odd step, so as not to pick the same triangle of every quad.
+        let step = (facets.len() / Self::ENOUGH) | 1;
+        Self { facets: facets.iter().step_by(step).collect(), center, size }
+    }
+
+    /// The line that the normals meet best, by least squares reweighted so that walls, which are no surfaces of
+    /// revolution, lose their say. It sets out from the line along `direction` that suits best, or from the
+    /// best of all lines; with `keep` the direction stays.
+    fn axis(&self, direction: Option<DVec3>, keep: bool) -> Axis {
+        // How far a normal may miss the axis and still count, from anything down to the slant of a facet.
+        const NARROWING: [f64; 9] = [1e3, 0.5, 0.35, 0.25, 0.18, 0.12, 0.08, 0.05, 0.03];
+        let mut axis = None;
+        for tolerance in NARROWING {
+            axis = Some(self.step(axis.as_ref(), tolerance, direction));
+        }
+        if direction.is_some() && !keep {
+            for tolerance in &NARROWING[4..] {
+                axis = Some(self.step(axis.as_ref(), *tolerance, None));
+            }
+        }
+        axis.unwrap_or(Axis { point: self.center, direction: DVec3::X })
+    }
+
+    /// The least-squares line (d, m = c x d), each normal weighted by how nearly it meets `axis`.
+    fn step(&self, axis: Option<&Axis>, tolerance: f64, direction: Option<DVec3>) -> Axis {
         let (mut a, mut b, mut d) = (DMat3::ZERO, DMat3::ZERO, DMat3::ZERO);
-        for f in facets {
-            let miss = axis.as_ref().map_or(0.0, |axis| tangential(f, axis));
+        for f in &self.facets {
+            let miss = axis.map_or(0.0, |axis| tangential(f, axis));
             let weight = f.area / (1.0 + (miss / tolerance).powi(2)).powi(2);
-            let (n, moment) = (f.normal, (f.center - center).cross(f.normal) / size);
+            let (n, moment) = (f.normal, (f.center - self.center).cross(f.normal) / self.size);
             a += weight * outer(n);
             b += weight * DMat3::from_cols(n * moment.x, n * moment.y, n * moment.z);
             d += weight * outer(moment);
         }
         let inverse = pseudo_inverse(a);
-        let direction = fixed.unwrap_or_else(|| eigenvectors(d - b.transpose() * inverse * b)[0]);
-        let moment = -(inverse * (b * direction)) * size;
-        axis = Some(Axis::new(center + direction.cross(moment), direction));
+        let direction = direction.unwrap_or_else(|| eigenvectors(d - b.transpose() * inverse * b)[0]);
+        let moment = -(inverse * (b * direction)) * self.size;
+        Axis::new(self.center + direction.cross(moment), direction)
     }
-    axis.filter(|a| a.point.is_finite() && a.direction.is_finite())
 }
 
 /// The inverse of a symmetric matrix on the space where it is not zero.
