@@ -3,6 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::distance::signed_distance;
 use super::walls::WallTable;
 use super::{ElectrodeError, ElectrodeParams};
 use crate::blisk::channel::Channel;
@@ -22,13 +23,15 @@ const MERIDIAN_SLACK: f64 = 0.05;
 /// Distance between planes before they are refined (mm).
 const STEP: f64 = 0.5;
 /// How deep a chord between two planes may cut into the gap before a plane is put between them (mm).
-const CHORD_ERROR: f64 = 1.5e-3;
+const CHORD_ERROR: f64 = 2e-3;
 /// Planes are not put closer than this (mm).
 const LEAST_STEP: f64 = 0.01;
-/// Planes in the burning part at most.
-const MOST_PLANES: usize = 160;
+/// Planes at most; where they do not suffice the deepest cuts are refined.
+const MOST_PLANES: usize = 130;
+/// Rounds of halving at most.
+const MOST_ROUNDS: usize = 10;
 /// Height of a row of faces on the walls (mm).
-const ROW: f64 = 1.2;
+const ROW: f64 = 1.5;
 
 /// A point in a plane across X.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -91,7 +94,7 @@ impl<'a> Boundary<'a> {
 
     /// Distance to the blisk less the gap (mm).
     pub(super) fn clearance(&self, x: f64, p: Polar) -> f64 {
-        self.blisk.signed_distance(p.at(x)) - self.gap
+        signed_distance(self.blisk, p.at(x)) - self.gap
     }
 
     /// Sections over `extent`, in order of x: at `planes`, at equal steps, and wherever the chord between two
@@ -111,18 +114,13 @@ impl<'a> Boundary<'a> {
         let near_plane = |x: f64| planes.iter().any(|p| *p != x && (p - x).abs() < 0.2 * STEP);
         xs.retain(|&x| planes.contains(&x) || x == extent[0] || x == extent[1] || !near_plane(x));
         let mut sections = self.solve(&xs, cancel)?;
-        let mut is_new = vec![true; sections.len()];
-        for _ in 0..8 {
-            let split = self.splits(&sections, &is_new, extent, cancel)?;
-            if split.is_empty() || sections.len() + split.len() > MOST_PLANES {
+        for _ in 0..MOST_ROUNDS {
+            let split = self.splits(&sections, extent, cancel)?;
+            if split.is_empty() {
                 break;
             }
-            let added = self.solve(&split, cancel)?;
-            let tag = |new: bool| move |s: Section| (s, new);
-            let mut all: Vec<_> =
-                sections.into_iter().map(tag(false)).chain(added.into_iter().map(tag(true))).collect();
-            all.sort_by(|a, b| a.0.x.total_cmp(&b.0.x));
-            (sections, is_new) = all.into_iter().unzip();
+            sections.extend(self.solve(&split, cancel)?);
+            sections.sort_by(|a, b| a.x.total_cmp(&b.x));
         }
         Ok(sections)
     }
@@ -138,32 +136,29 @@ impl<'a> Boundary<'a> {
         solved.into_iter().collect()
     }
 
-    /// The middles of the intervals, next to a new section, whose chords cut too deep.
-    fn splits(
-        &self,
-        sections: &[Section],
-        is_new: &[bool],
-        extent: [f64; 2],
-        cancel: &Cancel,
-    ) -> Result<Vec<f64>, ElectrodeError> {
-        let cuts = |i: usize| {
+    /// The middles of the intervals whose chords cut too deep: the deepest, and each time only half as many as may
+    /// still be added, so that the deepest cuts are refined first.
+    fn splits(&self, sections: &[Section], extent: [f64; 2], cancel: &Cancel) -> Result<Vec<f64>, ElectrodeError> {
+        let cut = |i: usize| {
             let (a, b) = (&sections[i], &sections[i + 1]);
-            let inside = a.x > extent[0] - 1e-9 && b.x < extent[1] + 1e-9;
-            if !inside || b.x - a.x < 2.0 * LEAST_STEP || !(is_new[i] || is_new[i + 1]) {
-                return false;
-            }
-            (0..2).any(|w| {
-                let chords = a.walls[w].iter().zip(&b.walls[w]);
-                let mut middles = chords.skip(1).take(self.rows - 1).map(|(p, q)| (p.at(a.x) + q.at(b.x)) / 2.0);
-                middles.any(|middle| self.blisk.signed_distance(middle) < self.gap - CHORD_ERROR)
-            })
+            let is_inside = a.x > extent[0] - 1e-9 && b.x < extent[1] + 1e-9;
+            let may_split = is_inside && b.x - a.x >= 2.0 * LEAST_STEP;
+            let depth = if may_split { self.chord_depth(a, b) } else { 0.0 };
+            (depth > CHORD_ERROR).then(|| (depth, 0.5 * (a.x + b.x)))
         };
-        let marks: Vec<_> = (0..sections.len().saturating_sub(1))
-            .into_par_iter()
-            .map(|i| cancel.check().map(|()| cuts(i).then(|| 0.5 * (sections[i].x + sections[i + 1].x))))
-            .collect();
-        let marks: Result<Vec<_>, _> = marks.into_iter().collect();
-        Ok(marks?.into_iter().flatten().collect())
+        let cuts: Vec<_> =
+            (0..sections.len().saturating_sub(1)).into_par_iter().map(|i| cancel.check().map(|()| cut(i))).collect();
+        let mut cuts: Vec<_> = cuts.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
+        cuts.sort_by(|a, b| b.0.total_cmp(&a.0));
+        cuts.truncate(MOST_PLANES.saturating_sub(sections.len()).div_ceil(2));
+        Ok(cuts.into_iter().map(|(_, x)| x).collect())
+    }
+
+    /// How deep the chords between two sections cut into the gap at their middles, away from the corners (mm).
+    fn chord_depth(&self, a: &Section, b: &Section) -> f64 {
+        let chords = (0..2).flat_map(|w| a.walls[w].iter().zip(&b.walls[w]).skip(1).take(self.rows - 1));
+        let middles = chords.map(|(p, q)| (p.at(a.x) + q.at(b.x)) / 2.0);
+        middles.map(|middle| self.gap - signed_distance(self.blisk, middle)).fold(0.0, f64::max)
     }
 
     /// The boundary in the plane at `x`.
@@ -173,7 +168,7 @@ impl<'a> Boundary<'a> {
         let middle = Polar { r, theta: self.middle(x, r) };
         let clearance = self.clearance(x, middle);
         if clearance.is_nan() || clearance < 0.0 {
-            return Err(ElectrodeError::NoPassage { x, r, clearance: clearance + self.gap, gap: self.gap });
+            return Err(self.no_passage(x, r, clearance));
         }
         let bottom = self.descend(x, middle);
         let top = if self.channel.shrouded { self.ascend(x, middle) } else { shroud };
@@ -197,6 +192,16 @@ impl<'a> Boundary<'a> {
             Ok(points)
         };
         Ok(Section { x, walls: [wall(0)?, wall(1)?] })
+    }
+
+    /// Why the channel's middle is not free.
+    fn no_passage(&self, x: f64, r: f64, clearance: f64) -> ElectrodeError {
+        let (clearance, gap) = (clearance + self.gap, self.gap);
+        if clearance >= 0.0 {
+            ElectrodeError::NoPassage { x, r, clearance, gap }
+        } else {
+            ElectrodeError::InsideBlisk { x, r }
+        }
     }
 
     /// Angle of the channel's middle.
@@ -227,7 +232,7 @@ impl<'a> Boundary<'a> {
         let start = if is_short || clearance_at(close) < 0.0 { middle } else { close };
         let clearance = clearance_at(start);
         if clearance < 0.0 {
-            return Err(ElectrodeError::NoPassage { x, r, clearance: clearance + self.gap, gap: self.gap });
+            return Err(self.no_passage(x, r, clearance));
         }
         Ok(self.outwards(w, x, Polar { r, theta: start }))
     }

@@ -13,6 +13,7 @@
 
 mod body;
 mod boundary;
+mod distance;
 mod measure;
 mod own;
 mod params;
@@ -151,6 +152,18 @@ pub enum ElectrodeError {
         /// Spark gap (mm).
         gap: f64,
     },
+    /// The middle of the channel is inside the blisk's mesh.
+    #[error(
+        "the channel's middle at x = {x:.2} mm, radius {r:.2} mm is inside the blisk's mesh: either the channel is wrong, or \
+         the mesh is folded near there (blade tips often are); mend the mesh, or stay below the tips by raising \
+         radial_reduction_mm"
+    )]
+    InsideBlisk {
+        /// Where along X (mm).
+        x: f64,
+        /// At which radius (mm).
+        r: f64,
+    },
     /// The reductions leave no metal between the walls.
     #[error(
         "no metal is left at x = {x:.2} mm, radius {r:.2} mm: the channel less the gap is {available:.3} mm wide there \
@@ -239,6 +252,7 @@ pub fn make_electrodes(
     let extent = burning_extent(channel, params);
     let ranges = part_ranges(extent, params, side)?;
     let mut planes: Vec<f64> = ranges.iter().flatten().copied().collect();
+    planes.extend(edge_planes(channel, params, extent));
     planes.extend(runout(channel, extent, side));
     let sections = boundary.sections(extent, &planes, cancel)?;
     let finisher = Finisher::new(&boundary, &sections);
@@ -286,6 +300,13 @@ fn part_ranges(extent: [f64; 2], params: &ElectrodeParams, side: EntrySide) -> R
         ranges.reverse();
     }
     Ok(ranges)
+}
+
+/// Planes where the boundary stops following the edges of the blades.
+fn edge_planes(channel: &Channel, params: &ElectrodeParams, extent: [f64; 2]) -> Vec<f64> {
+    let ([from, to], gap) = (channel.span_x(), params.spark_gap_mm);
+    let planes = [from - gap, from - 0.5 * gap, from, to, to + 0.5 * gap, to + gap];
+    planes.into_iter().filter(|x| (extent[0]..=extent[1]).contains(x)).collect()
 }
 
 /// Planes between the burning part and the face on the side of entry, the face included.

@@ -3,17 +3,21 @@
 use rayon::prelude::*;
 
 use super::boundary::{Boundary, Polar, Section, components};
+use super::distance::signed_distance;
 use super::{ElectrodeError, ElectrodeFace};
 use crate::progress::Cancel;
 
 /// Metal that must be left between the walls (mm).
 const LEAST_METAL: f64 = 0.2;
 /// Width of a face on the hub and shroud sides (mm).
-const COLUMN: f64 = 0.5;
+const COLUMN: f64 = 0.75;
 /// How far below the gap a place may be before the vertices around it give way (mm).
 const SHORTFALL: f64 = 4e-4;
 /// What the vertices aim at: the gap less this (mm).
 const AIM: f64 = 1e-4;
+
+/// Rounds of giving way at most.
+const MOST_ROUNDS: usize = 40;
 
 /// How many intervals a ring has on its four sides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -215,13 +219,41 @@ impl<'a> Finisher<'a> {
         Ok(())
     }
 
+    /// How the ring points `around` a place give way when its normal has the given parts: the axis (0 the radius,
+    /// 1 theta), the sense, and the part of the normal along it. Walls give way into the metal along theta unless
+    /// the normal is nearly radial, hub and shroud sides along the radius unless it is nearly along theta.
+    fn way_in(&self, around: &[(usize, usize)], normal: [f64; 2]) -> (usize, f64, f64) {
+        let Layout { rows, columns } = self.layout;
+        let all = |on: &dyn Fn(usize) -> bool| around.iter().all(|&(_, k)| on(k));
+        let low = all(&|k| k == 0 || k >= 2 * columns + rows);
+        let high = all(&|k| (columns..=columns + rows).contains(&k));
+        let hub = all(&|k| k <= columns);
+        let shroud = all(&|k| (columns + rows..=2 * columns + rows).contains(&k));
+        let sense = |inwards: bool, outwards: bool, part: f64| match (inwards, outwards) {
+            (true, false) => 1.0,
+            (false, true) => -1.0,
+            _ => part.signum(),
+        };
+        let radial_from = match (low || high, hub || shroud) {
+            (true, false) => 0.8,
+            (false, true) => 0.2,
+            _ => std::f64::consts::FRAC_1_SQRT_2,
+        };
+        let [radial, along_theta] = normal;
+        if radial.abs() > radial_from {
+            (0, sense(hub, shroud, radial), radial.abs())
+        } else {
+            (1, sense(low, high, along_theta), along_theta.abs())
+        }
+    }
+
     /// Moves vertices inwards until edges and faces between neighbouring rings keep the gap too.
     ///
     /// A chord between two points of the boundary cuts into the gap where the blisk is convex. Each place that
-    /// falls short pushes the vertices around it along theta or the radius, whichever its normal is nearer to.
+    /// falls short pushes the vertices around it along theta or the radius.
     fn relax(&self, rings: &mut [Ring], cancel: &Cancel) -> Result<(), ElectrodeError> {
         let mut is_moved = vec![true; rings.len()];
-        for _ in 0..12 {
+        for _ in 0..MOST_ROUNDS {
             let pushes: Vec<_> = (0..rings.len())
                 .into_par_iter()
                 .map(|i| {
@@ -258,15 +290,16 @@ impl<'a> Finisher<'a> {
         let mut check = |corners: &[(usize, usize)]| {
             let sum = corners.iter().map(|&(ring, k)| rings[ring].points[k].at(rings[ring].x)).sum::<glam::DVec3>();
             let place = sum / corners.len() as f64;
-            let nearest = self.boundary.blisk.nearest(place);
-            let short = self.boundary.gap - nearest.signed_distance;
+            let distance = signed_distance(self.boundary.blisk, place);
+            let short = self.boundary.gap - distance;
             if short <= SHORTFALL {
                 return;
             }
-            let away = (place - nearest.point).normalize_or_zero() * nearest.signed_distance.signum();
-            let [_, radial, around] = components(place, away);
-            let (axis, part) = if radial.abs() > around.abs() { (0, radial) } else { (1, around) };
-            let by = (short - AIM) / part.abs().max(0.2) * part.signum();
+            let nearest = self.boundary.blisk.nearest(place).point;
+            let away = (place - nearest).normalize_or_zero() * distance.signum();
+            let [_, radial, along_theta] = components(place, away);
+            let (axis, sense, part) = self.way_in(corners, [radial, along_theta]);
+            let by = (short - AIM) / part.max(0.2) * sense;
             pushes.extend(corners.iter().map(|&(ring, point)| Push { ring, point, axis, by }));
         };
         for k in 0..n {

@@ -78,7 +78,8 @@ fn reductions_keep_the_hub_side_on_the_gap_and_turn_each_wall_by_its_own_angle()
     assert!(on_gap as f64 >= 0.99 * hub.len() as f64, "{on_gap} of {}", hub.len());
     let full = ExactMesh::new(&full.mesh).unwrap();
     for (wall, back) in [(ElectrodeFace::LowWall, -0.8f64), (ElectrodeFace::HighWall, 0.5)] {
-        for p in places(small, |f| f == wall) {
+        // Past the tips of the edges the unreduced electrode gives way more to keep the gap.
+        for p in places(small, |f| f == wall).into_iter().filter(|p| p.x > 0.0 && p.x < 20.0) {
             let at = Cylindrical::from_point(p);
             let turned_back = Cylindrical { theta: at.theta + back.to_radians(), ..at }.point();
             let off = full.signed_distance(turned_back).abs();
