@@ -144,7 +144,7 @@ impl<'a> Boundary<'a> {
             let is_inside = a.x > extent[0] - 1e-9 && b.x < extent[1] + 1e-9;
             let may_split = is_inside && b.x - a.x >= 2.0 * LEAST_STEP;
             let depth = if may_split { self.chord_depth(a, b) } else { 0.0 };
-            (depth > CHORD_ERROR).then(|| (depth, 0.5 * (a.x + b.x)))
+            (depth > CHORD_ERROR).then_some((depth, 0.5 * (a.x + b.x)))
         };
         let cuts: Vec<_> =
             (0..sections.len().saturating_sub(1)).into_par_iter().map(|i| cancel.check().map(|()| cut(i))).collect();

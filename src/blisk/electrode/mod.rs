@@ -7,9 +7,9 @@
 //! the tip, so that the electrode never reaches round more than half an edge. Every surface is joined from closed
 //! rings with the same number of points, which makes it watertight by construction.
 //!
-//! What is guaranteed: at vertices, edge midpoints and face centres the exact distance to the blisk is at least the
-//! spark gap less 0.5 µm. What is not: that the electrode can be got out; that is the planner's and the verifier's
-//! business.
+//! What is guaranteed: vertices, face centres and the nearest place of every edge keep the spark gap, so that on a
+//! blisk meshed as finely as usual the whole surface keeps it to a micrometre. What is not: that the electrode can
+//! be got out; that is the planner's and the verifier's business.
 
 mod body;
 mod boundary;

@@ -1,5 +1,6 @@
 //! From unreduced sections to the closed rings of an electrode: turned walls, drawn-in shroud side, insets.
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::boundary::{Boundary, Polar, Section, components};
@@ -11,11 +12,15 @@ use crate::progress::Cancel;
 const LEAST_METAL: f64 = 0.2;
 /// Width of a face on the hub and shroud sides (mm).
 const COLUMN: f64 = 0.75;
-/// How far below the gap a place may be before the vertices around it give way (mm).
-const SHORTFALL: f64 = 4e-4;
-/// What the vertices aim at: the gap less this (mm).
-const AIM: f64 = 1e-4;
-
+/// Where a place falls short of the gap its vertices give way by this more (mm).
+const SURPLUS: f64 = 5e-5;
+/// Edges whose middle has more than this to spare have it everywhere (mm).
+const SPARE: f64 = 5e-3;
+/// Steps of the search for the place of an edge that is nearest to the blisk.
+const EDGE_STEPS: usize = 12;
+/// Places inside a face that are looked at.
+const IN_FACE: [[f64; 3]; 4] =
+    [[0.5, 0.25, 0.25], [0.25, 0.5, 0.25], [0.25, 0.25, 0.5], [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0]];
 /// Rounds of giving way at most.
 const MOST_ROUNDS: usize = 40;
 
@@ -190,7 +195,7 @@ impl<'a> Finisher<'a> {
             if clearance >= 0.0 {
                 break;
             }
-            p.r += up * (AIM - clearance);
+            p.r += up * (SURPLUS - clearance);
         }
         p
     }
@@ -283,38 +288,79 @@ impl<'a> Finisher<'a> {
         Ok(())
     }
 
-    /// What the places on ring `i` and between it and the next push.
+    /// What the places on ring `i` and between it and the next push: vertices, the nearest place of each edge, and
+    /// some places inside each face.
     fn pushes(&self, rings: &[Ring], i: usize) -> Vec<Push> {
         let n = self.layout.len();
         let mut pushes = Vec::new();
-        let mut check = |corners: &[(usize, usize)]| {
-            let sum = corners.iter().map(|&(ring, k)| rings[ring].points[k].at(rings[ring].x)).sum::<glam::DVec3>();
-            let place = sum / corners.len() as f64;
-            let distance = signed_distance(self.boundary.blisk, place);
-            let short = self.boundary.gap - distance;
-            if short <= SHORTFALL {
-                return;
+        let at = |(ring, k): (usize, usize)| rings[ring].points[k].at(rings[ring].x);
+        let mut face = |corners: [(usize, usize); 3]| {
+            let [a, b, c] = corners.map(at);
+            for [u, v, w] in IN_FACE {
+                self.push(a * u + b * v + c * w, &corners, &mut pushes);
             }
-            let nearest = self.boundary.blisk.nearest(place).point;
-            let away = (place - nearest).normalize_or_zero() * distance.signum();
-            let [_, radial, along_theta] = components(place, away);
-            let (axis, sense, part) = self.way_in(corners, [radial, along_theta]);
-            let by = (short - AIM) / part.max(0.2) * sense;
-            pushes.extend(corners.iter().map(|&(ring, point)| Push { ring, point, axis, by }));
         };
-        for k in 0..n {
-            let (a, b) = ((i, k), (i, (k + 1) % n));
-            check(&[a]);
-            check(&[a, b]);
-            if i + 1 < rings.len() {
-                let (c, d) = ((i + 1, k), (i + 1, (k + 1) % n));
-                check(&[a, c]);
-                check(&[a, d]);
-                check(&[a, b, d]);
-                check(&[a, d, c]);
+        let next = |k: usize| (k + 1) % n;
+        if i + 1 < rings.len() {
+            for k in 0..n {
+                face([(i, k), (i, next(k)), (i + 1, next(k))]);
+                face([(i, k), (i + 1, next(k)), (i + 1, k)]);
             }
         }
+        let mut edge = |a: (usize, usize), b: (usize, usize)| {
+            if let Some(place) = self.nearest_on_edge(at(a), at(b)) {
+                self.push(place, &[a, b], &mut pushes);
+            }
+        };
+        for k in 0..n {
+            edge((i, k), (i, next(k)));
+            if i + 1 < rings.len() {
+                edge((i, k), (i + 1, k));
+                edge((i, k), (i + 1, next(k)));
+            }
+        }
+        (0..n).for_each(|k| self.push(at((i, k)), &[(i, k)], &mut pushes));
         pushes
+    }
+
+    /// If `place` falls short of the gap, what it takes from the ring points around it.
+    fn push(&self, place: DVec3, around: &[(usize, usize)], pushes: &mut Vec<Push>) {
+        let distance = signed_distance(self.boundary.blisk, place);
+        let short = self.boundary.gap - distance;
+        if short <= 0.0 {
+            return;
+        }
+        let nearest = self.boundary.blisk.nearest(place).point;
+        let away = (place - nearest).normalize_or_zero() * distance.signum();
+        let [_, radial, along_theta] = components(place, away);
+        let (axis, sense, part) = self.way_in(around, [radial, along_theta]);
+        let by = (short + SURPLUS) / part.max(0.2) * sense;
+        pushes.extend(around.iter().map(|&(ring, point)| Push { ring, point, axis, by }));
+    }
+
+    /// The place of the edge from `a` to `b` that is nearest to the blisk, unless the edge has room to spare. The
+    /// distance to a convex surface is convex along an edge, so that shrinking by the golden section finds it.
+    fn nearest_on_edge(&self, a: DVec3, b: DVec3) -> Option<DVec3> {
+        let distance = |t: f64| signed_distance(self.boundary.blisk, a.lerp(b, t));
+        if distance(0.5) > self.boundary.gap + SPARE {
+            return None;
+        }
+        let ratio = 0.5 * (5f64.sqrt() - 1.0);
+        let (mut from, mut to) = (0.0, 1.0);
+        let (mut t, mut u) = (1.0 - ratio, ratio);
+        let (mut at_t, mut at_u) = (distance(t), distance(u));
+        for _ in 0..EDGE_STEPS {
+            if at_t < at_u {
+                (to, u, at_u) = (u, t, at_t);
+                t = to - ratio * (to - from);
+                at_t = distance(t);
+            } else {
+                (from, t, at_t) = (t, u, at_u);
+                u = from + ratio * (to - from);
+                at_u = distance(u);
+            }
+        }
+        Some(a.lerp(b, if at_t < at_u { t } else { u }))
     }
 }
 

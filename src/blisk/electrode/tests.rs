@@ -51,7 +51,7 @@ fn an_unreduced_electrode_lies_on_the_gap_everywhere() {
     assert!(electrode.mesh.is_watertight());
     let nearest = |p: &DVec3| FINE.blisk.signed_distance(*p);
     for p in places(electrode, |_| true) {
-        assert!(nearest(&p) >= gap - 1e-3, "{p}: {}", nearest(&p));
+        assert!(nearest(&p) >= gap - 1e-4, "{p}: {}", nearest(&p));
     }
     // Between the edges the walls and end walls are at the gap, but for the chords of their facets.
     let [from, to] = FINE.channel.span_x();
@@ -59,7 +59,7 @@ fn an_unreduced_electrode_lies_on_the_gap_everywhere() {
         let places = places(electrode, |face| face == wanted);
         let inner: Vec<_> = places.iter().filter(|p| p.x > from && p.x < to).map(nearest).collect();
         let close = inner.iter().filter(|d| **d <= gap + 2e-3).count();
-        assert!(close as f64 >= 0.98 * inner.len() as f64, "{wanted:?}: {close} of {}", inner.len());
+        assert!(close as f64 >= 0.9 * inner.len() as f64, "{wanted:?}: {close} of {}", inner.len());
         let worst = inner.iter().fold(0.0, |a: f64, b| a.max(*b));
         assert!(worst < gap + 6e-3, "{wanted:?}: {worst}");
     }
@@ -70,9 +70,8 @@ fn reductions_keep_the_hub_side_on_the_gap_and_turn_each_wall_by_its_own_angle()
     let reduced = ElectrodeParams { circumferential_reduction_deg: [0.8, 0.5], ..ElectrodeParams::default() };
     let full = &make(&FINE, &unreduced(), EntrySide::PlusX).unwrap()[0];
     let small = &make(&FINE, &reduced, EntrySide::PlusX).unwrap()[0];
-    for p in places(small, |_| true) {
-        assert!(FINE.blisk.signed_distance(p) >= 0.1 - 1e-3);
-    }
+    let between = FINE.blisk.distance_to(&ExactMesh::new(&small.mesh).unwrap(), &glam::DAffine3::IDENTITY);
+    assert!((0.1 - 5e-4..=0.1 + 1e-3).contains(&between), "the whole surfaces are {between} mm apart");
     let hub: Vec<_> = places(small, |f| f == ElectrodeFace::HubSide);
     let on_gap = hub.iter().filter(|p| FINE.blisk.signed_distance(**p) <= 0.1 + 1e-3).count();
     assert!(on_gap as f64 >= 0.99 * hub.len() as f64, "{on_gap} of {}", hub.len());
@@ -86,6 +85,15 @@ fn reductions_keep_the_hub_side_on_the_gap_and_turn_each_wall_by_its_own_angle()
             assert!(off < 8e-3, "{p} is {off} mm off the unreduced wall");
         }
     }
+}
+
+#[test]
+fn threads_change_nothing() {
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| make(&FINE, &unreduced(), EntrySide::PlusX).unwrap())
+    };
+    assert_eq!(on(1), on(5));
 }
 
 #[test]
@@ -208,7 +216,7 @@ proptest! {
             prop_assert!(electrode.mesh.is_watertight() && electrode.volume_mm3 > 0.0);
             for p in places(electrode, |_| true) {
                 let distance = part.blisk.signed_distance(p);
-                prop_assert!(distance >= spark_gap_mm - 1e-3, "{distance} at {p}");
+                prop_assert!(distance >= spark_gap_mm - 5e-4, "{distance} at {p}");
             }
         }
     }

