@@ -80,7 +80,7 @@ pub(super) fn candidates(mesh: &Mesh, direction: Option<DVec3>) -> Vec<Axis> {
     let axes: Vec<Axis> = match direction {
         Some(direction) => vec![Axis::new(center, direction), normals.axis(Some(direction), true)],
         None => {
-            let principal = eigenvectors(moments);
+            let principal = eigen(moments).map(|(_, d)| d);
             let starts = principal.iter().map(|&d| Some(d)).chain([None]);
             let met = starts.map(|start| normals.axis(start, false));
             principal.iter().map(|&d| Axis::new(center, d)).chain(met).collect()
@@ -126,12 +126,16 @@ fn outer(v: DVec3) -> DMat3 {
     DMat3::from_cols(v * v.x, v * v.y, v * v.z)
 }
 
-/// Eigenvectors of a symmetric matrix in order of rising eigenvalue.
-fn eigenvectors(m: DMat3) -> [DVec3; 3] {
-    let eigen = SymmetricEigen::new(Matrix3::from_column_slice(&m.to_cols_array()));
+/// Eigenvalues and unit eigenvectors of a symmetric matrix in order of rising eigenvalue.
+fn eigen(m: DMat3) -> [(f64, DVec3); 3] {
+    const MOST_STEPS: usize = 1000;
+    let matrix = Matrix3::from_column_slice(&m.to_cols_array());
+    let Some(eigen) = SymmetricEigen::try_new(matrix, f64::EPSILON, MOST_STEPS) else {
+        return [DVec3::X, DVec3::Y, DVec3::Z].map(|v| (v.dot(m * v), v));
+    };
     let mut order = [0, 1, 2];
     order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
-    order.map(|i| DVec3::from_slice(eigen.eigenvectors.column(i).as_slice()))
+    order.map(|i| (eigen.eigenvalues[i], DVec3::from_slice(eigen.eigenvectors.column(i).as_slice())))
 }
 
 /// How far the normal of a facet misses the axis: its component around the axis.
@@ -199,7 +203,7 @@ impl<'a> Normals<'a> {
             d += weight * outer(moment);
         }
         let inverse = pseudo_inverse(a);
-        let direction = direction.unwrap_or_else(|| eigenvectors(d - b.transpose() * inverse * b)[0]);
+        let direction = direction.unwrap_or_else(|| eigen(d - b.transpose() * inverse * b)[0].1);
         let moment = -(inverse * (b * direction)) * self.size;
         Axis::new(self.center + direction.cross(moment), direction)
     }
@@ -207,11 +211,10 @@ impl<'a> Normals<'a> {
 
 /// The inverse of a symmetric matrix on the space where it is not zero.
 fn pseudo_inverse(m: DMat3) -> DMat3 {
-    let eigen = SymmetricEigen::new(Matrix3::from_column_slice(&m.to_cols_array()));
-    let greatest = eigen.eigenvalues.iter().fold(0.0, |g: f64, v| g.max(v.abs()));
-    (0..3).filter(|&i| eigen.eigenvalues[i].abs() > 1e-9 * greatest).fold(DMat3::ZERO, |sum, i| {
-        sum + outer(DVec3::from_slice(eigen.eigenvectors.column(i).as_slice())) * (1.0 / eigen.eigenvalues[i])
-    })
+    let pairs = eigen(m);
+    let greatest = pairs.iter().fold(0.0, |g: f64, (value, _)| g.max(value.abs()));
+    let kept = pairs.into_iter().filter(|(value, _)| value.abs() > 1e-9 * greatest);
+    kept.fold(DMat3::ZERO, |sum, (value, vector)| sum + outer(vector) * (1.0 / value))
 }
 
 /// Angle about `axis` that the surface covers, of a full turn (rad), seen in 120 sectors and leaving out what

@@ -42,8 +42,11 @@ pub(super) fn is_inside_out(mesh: &Mesh) -> Result<bool, BliskError> {
     if mesh.triangles.is_empty() {
         return Err(BliskError::Mesh("it has no triangles".into()));
     }
-    if let Some(bad) = mesh.vertices.iter().position(|v| !v.is_finite()) {
-        return Err(BliskError::Mesh(format!("vertex {bad} is not a finite point")));
+    // A kilometre is no blisk, and figures beyond all measure would drown the rest in rounding.
+    if let Some(bad) = mesh.vertices.iter().position(|v| !v.is_finite() || v.abs().max_element() > 1e6) {
+        return Err(BliskError::Mesh(format!(
+            "vertex {bad} is no finite point within 1 km of the origin; check the file and its units"
+        )));
     }
     if let Some(bad) = mesh.triangles.iter().position(|t| t.iter().any(|&v| v as usize >= mesh.vertices.len())) {
         return Err(BliskError::Mesh(format!("triangle {bad} names a vertex that does not exist")));

@@ -10,11 +10,15 @@ use glam::{DVec2, DVec3};
 
 use crate::geometry::mesh::{Mesh, unit_normal};
 
-/// Cells along the axis and along the radius of the search grid.
+/// Cells along the axis and along the radius of the grid that [`Slices::cell_middle`] counts in, and at most of
+/// the search grid.
 pub(crate) const CELLS: [usize; 2] = [64, 192];
 
 /// Sectors of the search grid for rays.
 const SECTORS: usize = 96;
+
+/// Most entries of the search grid; a mesh of many large triangles gets coarser cells instead.
+const MOST_ENTRIES: usize = 40_000_000;
 
 /// Solids and gaps narrower than this (rad) are rounding.
 const SLIVER: f64 = 1e-10;
@@ -22,9 +26,12 @@ const SLIVER: f64 = 1e-10;
 /// A mesh in W, sorted for circles about X and for radial rays.
 pub(crate) struct Slices {
     mesh: Mesh,
-    /// Least x and 0, and the size of a cell along x and r.
+    /// Least x and radius 0.
     origin: DVec2,
-    cell: DVec2,
+    /// Extent in x and r.
+    size: DVec2,
+    /// Cells of the search grid along x and r.
+    grid: [usize; 2],
     /// Triangles that may meet the circles of a cell.
     cells: Buckets,
     /// Triangles that may meet the radial rays of a column of cells and a sector.
@@ -92,15 +99,20 @@ impl Slices {
         // A little more than the part, so that the last cell also holds its far boundary.
         let size = DVec2::new(bounds.size().x, r_max).max(DVec2::splat(1e-9)) * (1.0 + 1e-9);
         let origin = DVec2::new(bounds.min.x, 0.0);
-        let cell = size / DVec2::new(CELLS[0] as f64, CELLS[1] as f64);
-        let spans: Vec<Span> = mesh.iter_corners().map(|t| Span::new(t, origin, cell)).collect();
-        let cells = Buckets::new(CELLS[0] * CELLS[1], &spans, |span, put| {
-            span.columns().for_each(|ix| span.rows().for_each(|ir| put(ix * CELLS[1] + ir)));
+        let mut grid = CELLS;
+        let mut spans = spans(&mesh, origin, size, grid);
+        while spans.iter().map(Span::entries).sum::<usize>() > MOST_ENTRIES && grid != [1, 1] {
+            grid = grid.map(|n| n.div_ceil(2));
+            spans = self::spans(&mesh, origin, size, grid);
+        }
+        let [nx, nr] = grid;
+        let cells = Buckets::new(nx * nr, &spans, |span, put| {
+            span.columns().for_each(|ix| span.rows().for_each(|ir| put(ix * nr + ir)));
         });
-        let wedges = Buckets::new(CELLS[0] * SECTORS, &spans, |span, put| {
+        let wedges = Buckets::new(nx * SECTORS, &spans, |span, put| {
             span.columns().for_each(|ix| span.sectors().for_each(|s| put(ix * SECTORS + s)));
         });
-        Self { mesh, origin, cell, cells, wedges }
+        Self { mesh, origin, size, grid, cells, wedges }
     }
 
     /// The mesh in W.
@@ -108,14 +120,14 @@ impl Slices {
         &self.mesh
     }
 
-    /// Middle (x, r) of a cell of the search grid.
+    /// Middle (x, r) of a cell of the grid of [`CELLS`].
     pub fn cell_middle(&self, ix: usize, ir: usize) -> DVec2 {
-        self.origin + self.cell * (DVec2::new(ix as f64, ir as f64) + 0.5)
+        self.origin + self.cell_size() * (DVec2::new(ix as f64, ir as f64) + 0.5)
     }
 
-    /// Size of a cell of the search grid along x and r (mm).
+    /// Size of a cell of the grid of [`CELLS`] along x and r (mm).
     pub fn cell_size(&self) -> DVec2 {
-        self.cell
+        self.size / DVec2::new(CELLS[0] as f64, CELLS[1] as f64)
     }
 
     /// Unit outward normal of a triangle.
@@ -123,10 +135,11 @@ impl Slices {
         unit_normal(self.mesh.corners(triangle as usize))
     }
 
-    /// Column and row of the cell that holds (`x`, `r`).
+    /// Column and row of the search cell that holds (`x`, `r`).
     fn cell_of(&self, x: f64, r: f64) -> Option<[usize; 2]> {
-        let at = (DVec2::new(x, r) - self.origin) / self.cell;
-        let inside = at.x >= 0.0 && at.y >= 0.0 && at.x < CELLS[0] as f64 && at.y < CELLS[1] as f64;
+        let [nx, nr] = self.grid.map(|n| n as f64);
+        let at = (DVec2::new(x, r) - self.origin) / self.size * DVec2::new(nx, nr);
+        let inside = at.x >= 0.0 && at.y >= 0.0 && at.x < nx && at.y < nr;
         inside.then_some([at.x as usize, at.y as usize])
     }
 
@@ -134,7 +147,7 @@ impl Slices {
     pub fn circle(&self, x: f64, r: f64) -> Vec<Crossing> {
         let Some([ix, ir]) = self.cell_of(x, r) else { return Vec::new() };
         let mut crossings = Vec::new();
-        for &triangle in self.cells.get(ix * CELLS[1] + ir) {
+        for &triangle in self.cells.get(ix * self.grid[1] + ir) {
             let Some([p, q]) = self.segment(triangle, x) else { continue };
             let mut push = |t: f64, enters| {
                 let at = p.lerp(q, t);
@@ -291,13 +304,19 @@ struct Span {
     theta: [i64; 2],
 }
 
+fn spans(mesh: &Mesh, origin: DVec2, size: DVec2, grid: [usize; 2]) -> Vec<Span> {
+    mesh.iter_corners().map(|t| Span::new(t, origin, size, grid)).collect()
+}
+
 impl Span {
-    fn new(corners: [DVec3; 3], origin: DVec2, cell: DVec2) -> Self {
+    fn new(corners: [DVec3; 3], origin: DVec2, size: DVec2, grid: [usize; 2]) -> Self {
         let flat = corners.map(|p| DVec2::new(p.z, -p.y));
-        let x = corners.map(|p| (p.x - origin.x) / cell.x);
+        // Computed as for a point that is looked up, so that both round alike.
+        let [nx, nr] = grid.map(|n| n as f64);
+        let x = corners.map(|p| (p.x - origin.x) / size.x * nx);
         let r = flat.map(DVec2::length);
         let nearest = least_radius(flat);
-        let index = |value: f64, axis: usize| (value.max(0.0) as usize).min(CELLS[axis] - 1);
+        let index = |value: f64, axis: usize| (value.max(0.0) as usize).min(grid[axis] - 1);
         let theta = if nearest == 0.0 {
             [0, SECTORS as i64 - 1]
         } else {
@@ -306,8 +325,13 @@ impl Span {
             [sector_count(start + least(turns) - 1e-9), sector_count(start + most(turns) + 1e-9)]
         };
         // A hair more than the triangle, so that rounding never loses it.
-        let rows = [index(nearest / cell.y * (1.0 - 1e-12), 1), index(most(r) / cell.y * (1.0 + 1e-12), 1)];
+        let rows = [nearest * (1.0 - 1e-12), most(r) * (1.0 + 1e-12)].map(|r| index(r / size.y * nr, 1));
         Self { x: [index(least(x), 0), index(most(x), 0)], r: rows, theta }
+    }
+
+    fn entries(&self) -> usize {
+        let columns = self.x[1] - self.x[0] + 1;
+        columns * (self.r[1] - self.r[0] + 1 + (self.theta[1] - self.theta[0] + 1) as usize)
     }
 
     fn columns(&self) -> impl Iterator<Item = usize> {
@@ -410,6 +434,24 @@ mod tests {
         let gaps = slices.gaps(2.0, 2.0);
         assert_eq!(gaps.len(), 1);
         assert!((gaps[0].width() - (TAU - 2.0 * (0.1f64 / 2.0).asin())).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_coarser_search_grid_finds_the_same() {
+        // A fan of many triangles that each reach all over the part makes the search grid coarser.
+        let fan = |n: usize| {
+            let mut mesh = cuboid(DVec3::new(4.0, 2.0, 2.0)).mapped(|p| p - DVec3::new(0.0, 1.0, 1.0));
+            let first = mesh.vertices.len() as u32;
+            mesh.vertices.extend([DVec3::new(0.0, 0.0, 3.0), DVec3::new(4.0, 0.0, 3.0), DVec3::new(2.0, 0.0, -3.0)]);
+            (0..n).for_each(|_| mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 1]]));
+            Slices::new(mesh)
+        };
+        let (fine, coarse) = (fan(1), fan(2500));
+        assert!(coarse.grid[0] < fine.grid[0]);
+        let gaps = |slices: &Slices| slices.gaps(1.0, 1.25).iter().map(Gap::width).collect::<Vec<_>>();
+        assert_eq!(gaps(&fine).len(), 5, "four beside the bar, one of them parted by the fan");
+        assert_eq!(gaps(&fine), gaps(&coarse));
+        assert_eq!(fine.cell_middle(3, 5), coarse.cell_middle(3, 5));
     }
 
     proptest::proptest! {
