@@ -259,14 +259,22 @@ impl<'a> ClearanceModel<'a> {
     /// and the probe that still lacks most there, none if the pose is free.
     pub fn climb(&self, start: Pose, s: f64, h: f64, demand: &Demand, axes: &[Axis]) -> (Pose, Option<Shortfall>) {
         const ROUNDS: usize = 16;
+        /// Rounds without getting nearer to freedom after which it is given up.
+        const PATIENCE: usize = 3;
         let mut pose = start;
         let mut best: Option<(Pose, Shortfall)> = None;
+        let mut since_best = 0;
         for _ in 0..ROUNDS {
             let mut lacking = self.shortfalls(&pose, s, h, demand);
             lacking.sort_by(|a, b| b.lack.total_cmp(&a.lack).then(a.probe.cmp(&b.probe)));
             let Some(&worst) = lacking.first() else { return (pose, None) };
             if best.is_none_or(|(_, known)| worst.lack < known.lack) {
                 best = Some((pose, worst));
+                since_best = 0;
+            } else if since_best == PATIENCE {
+                break;
+            } else {
+                since_best += 1;
             }
             pose = self.shifted(&pose, &lacking, axes);
         }

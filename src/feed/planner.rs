@@ -45,6 +45,9 @@ struct Lessons {
 impl Planner<'_> {
     /// Searches after the first that the verifier's findings may cause.
     const ROUNDS: usize = 8;
+    /// Clearance that nodes keep beyond what is asked for, for the errors of the fields and for what the curve between
+    /// them takes (mm).
+    const GUARD: f64 = 2.0 * DistanceField::ACCURACY;
     /// Beyond what the verifier found missing, so that the next search does not end just where this one did (mm).
     const BEYOND: f64 = 0.003;
 
@@ -106,23 +109,27 @@ impl Planner<'_> {
             let surface_of = |p: DVec3| self.space.finder.surface_of(p);
             let certificate = verifier.verify(&path, &surface_of, self.settings.verify, self.progress, self.cancel)?;
             plan.verify_seconds += started.elapsed().as_secs_f64();
-            let done = certificate.holds() || plan.rounds > Self::ROUNDS || certificate.violations.is_empty();
-            if done {
+            if certificate.holds() || plan.rounds > Self::ROUNDS || !certificate.ends_right {
                 let step = self.settings.plan.step_mm;
                 let smoothness = Axis::ALL.map(|axis| axis_smoothness(&curves, axis, step));
                 plan.path = Some(PlannedPath { curves, path, certificate, smoothness });
                 return Ok(());
             }
+            // The proven bound may fall short where no point met does: then the nearest is what to learn from.
+            let mut contacts = certificate.violations;
+            if contacts.is_empty() {
+                contacts.push(certificate.least);
+            }
             if std::env::var("DBG").is_ok() {
-                for v in &certificate.violations {
+                for v in &contacts {
                     eprintln!(
                         "DBG {:.4} s {:.3} row {} {:?} {:.3?} {:.3?}",
                         v.distance, v.s, v.row, v.surface, v.on_electrode, v.on_blisk
                     );
                 }
             }
-            self.learn(&mut lessons, model, &certificate.violations);
-            let nearest = certificate.violations.iter().map(|c| c.s).fold(f64::INFINITY, f64::min);
+            self.learn(&mut lessons, model, &contacts);
+            let nearest = contacts.iter().map(|c| c.s).fold(f64::INFINITY, f64::min);
             let kept = plan.nodes.iter().filter(|n| n.s < nearest - self.settings.plan.step_mm).count().max(1);
             let model = model.with_probes(&lessons.on_electrode, &lessons.on_blisk);
             self.search_from(plan, &model, genetic, &lessons, kept)?;
@@ -194,8 +201,9 @@ impl Planner<'_> {
             objective: &objective,
             machine,
             ranges: plan.ranges,
-            demand: Demand { spark_gap, margin: params.margin_mm, guard: DistanceField::ACCURACY },
+            demand: Demand { spark_gap, margin: params.margin_mm, guard: Self::GUARD },
             side: model.side(),
+            ends: params.interpolation.ends,
             step: params.step_mm,
             fine: &lessons.fine,
             exit_clearance: params.exit_clearance_mm,

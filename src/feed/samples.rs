@@ -36,7 +36,7 @@ impl SampleSpacing {
             ElectrodeFace::Shank | ElectrodeFace::EntryEnd => 1.5,
             _ => 1.0,
         };
-        Self { face: factor * self.face, edge: factor * self.edge }
+        Self { face: factor * self.face, ..*self }
     }
 }
 

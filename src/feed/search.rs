@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::angle_test::AngleTest;
 use super::clearance::{ClearanceModel, Shortfall};
 use super::genetic::{GeneticParams, GeneticStep};
+use super::interpolation::AxisCurves;
 use super::machine::MachineParams;
 use super::objective::{Objective, ObjectiveValue, StepMotion};
 use super::pose::{Axis, Pose};
@@ -14,6 +15,7 @@ use super::probes::Demand;
 use crate::blisk::channel::{Channel, Surface};
 use crate::blisk::electrode::EntrySide;
 use crate::geometry::frame::Cylindrical;
+use crate::geometry::spline::EndCondition;
 use crate::progress::{Cancel, Cancelled, Progress};
 
 /// How a path is searched for.
@@ -37,6 +39,7 @@ pub enum Constraint {
 }
 
 /// Everything that a strategy needs to know of one electrode in its channel.
+#[derive(Clone, Copy)]
 pub struct SearchProblem<'a> {
     /// The electrode's samples over the distance field.
     pub model: &'a ClearanceModel<'a>,
@@ -52,6 +55,8 @@ pub struct SearchProblem<'a> {
     pub demand: Demand,
     /// The side that the electrode is withdrawn to.
     pub side: EntrySide,
+    /// How the curve through the nodes ends.
+    pub ends: EndCondition,
     /// Distance between nodes (mm).
     pub step: f64,
     /// Stretches of withdrawn distance that are searched in finer steps, half for each stretch that holds it (mm).
@@ -189,10 +194,16 @@ pub struct SearchOutcome {
 impl SearchProblem<'_> {
     /// Times that a step is halved before the search gives up.
     const HALVINGS: i32 = 4;
+    /// Share of the allowance that nodes must keep where there is no room for all of it.
+    const NARROW: f64 = 0.3;
     /// Most times that it is halved from the start where the verifier asked for finer steps.
     const FINEST: usize = 3;
-    /// Poses between two nodes at which the motion is tested.
-    const BETWEEN: usize = 4;
+    /// Parts of an interval between two nodes, at whose joints the motion is tested.
+    const BETWEEN: usize = 5;
+    /// Nodes before the next one that the curve is drawn through: a spline forgets what is further away.
+    const CURVE_NODES: usize = 6;
+    /// Intervals that are tested, the last ones.
+    const CURVE_INTERVALS: usize = 2;
 
     /// The machine's axes except X.
     pub fn free_axes(&self) -> &[Axis] {
@@ -206,11 +217,15 @@ impl SearchProblem<'_> {
 
     /// Whether the constraint holds at `pose`, withdrawn by `s`, within the machine's travel.
     pub fn is_free(&self, pose: &Pose, s: f64, h: f64, hint: &mut usize) -> bool {
+        self.keeps(pose, s, h, &self.demand, hint)
+    }
+
+    fn keeps(&self, pose: &Pose, s: f64, h: f64, demand: &Demand, hint: &mut usize) -> bool {
         if self.machine.beyond_travel(pose).is_some() {
             return false;
         }
         match self.angle {
-            None => self.model.is_free(pose, s, h, &self.demand, hint),
+            None => self.model.is_free(pose, s, h, demand, hint),
             Some(test) => test.is_free(self.model, pose, h),
         }
     }
@@ -220,13 +235,23 @@ impl SearchProblem<'_> {
         self.model.climb(pose, s, h, &self.demand, self.free_axes())
     }
 
-    /// Whether the linear motion between two poses is free at a few places between them.
-    fn motion_is_free(&self, task: &NodeTask, to: &Candidate) -> bool {
+    /// Whether the motion from `nodes` to the next one is free along the curve that will join them: the spline through
+    /// the last few nodes and this one, over the intervals that it changes much.
+    fn motion_is_free(&self, nodes: &[Node], task: &NodeTask, to: &Candidate) -> bool {
+        let known = &nodes[nodes.len().saturating_sub(Self::CURVE_NODES)..];
+        let next = Node { s: task.s, pose: to.pose, ..nodes[nodes.len() - 1] };
+        let joined = [known, &[next]].concat();
+        // Knots rise by construction; were they not to, nothing could be said of the motion.
+        let Ok(curves) = AxisCurves::through(&joined, self.ends) else { return false };
+        let h = to.h.max(task.h_so_far);
+        // The allowance that nodes keep is there to be used up between them.
+        let between = Demand { guard: 0.0, ..self.demand };
         let mut hint = 0;
-        (1..Self::BETWEEN).all(|i| {
-            let t = i as f64 / Self::BETWEEN as f64;
-            let s = task.from_s + (task.s - task.from_s) * t;
-            self.is_free(&task.from.lerp(&to.pose, t), s, to.h.max(task.h_so_far), &mut hint)
+        joined.windows(2).rev().take(Self::CURVE_INTERVALS).all(|w| {
+            (1..Self::BETWEEN).all(|i| {
+                let s = w[0].s + (w[1].s - w[0].s) * i as f64 / Self::BETWEEN as f64;
+                self.keeps(&curves.pose(s), s, h, &between, &mut hint)
+            })
         })
     }
 
@@ -324,11 +349,17 @@ impl SearchProblem<'_> {
         if let Some(coasting) = self.coast(nodes) {
             return Ok(Some(coasting));
         }
-        for halving in self.first_halving(nodes)..=Self::HALVINGS {
-            let task = self.task(nodes, 0.5f64.powi(halving));
-            let (candidates, trace) = self.candidates(strategy, &task, cancel)?;
-            if let Some(chosen) = candidates.iter().find(|c| self.motion_is_free(&task, c)) {
-                return Ok(Some((self.node(&task, chosen), trace)));
+        // Where the way is too narrow for the allowance, it is given up before the search is.
+        let narrow =
+            SearchProblem { demand: Demand { guard: Self::NARROW * self.demand.guard, ..self.demand }, ..*self };
+        let first = self.first_halving(nodes);
+        for (problem, first) in [(self, first), (&narrow, first.max(1))] {
+            for halving in first..=Self::HALVINGS {
+                let task = problem.task(nodes, 0.5f64.powi(halving));
+                let (candidates, trace) = problem.candidates(strategy, &task, cancel)?;
+                if let Some(chosen) = candidates.iter().find(|c| problem.motion_is_free(nodes, &task, c)) {
+                    return Ok(Some((problem.node(&task, chosen), trace)));
+                }
             }
         }
         Ok(None)
@@ -364,8 +395,9 @@ impl SearchProblem<'_> {
         let candidate = Candidate { pose, h: task.h_so_far, objective };
         let node = self.node(&task, &candidate);
         let roomy = node.clearance >= ROOM * (self.demand.spark_gap + self.demand.margin);
-        let free =
-            roomy && self.is_free(&pose, task.s, task.h_so_far, &mut 0) && self.motion_is_free(&task, &candidate);
+        let free = roomy
+            && self.is_free(&pose, task.s, task.h_so_far, &mut 0)
+            && self.motion_is_free(nodes, &task, &candidate);
         free.then(|| (node, Convergence { s: task.s, best: Vec::new(), mean: Vec::new() }))
     }
 

@@ -1,5 +1,7 @@
 //! One node of the genetic search: a first population of free individuals, evolved.
 
+use std::ops::Range;
+
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -33,6 +35,8 @@ struct Individual {
 impl<'a> GeneticStep<'a> {
     /// Tries for each individual of the first population.
     const TRIES: u32 = 14;
+    /// Individuals that look for a free place first: if none of them finds one, the node is given up.
+    const SCOUTS: u64 = 16;
 
     /// Prepares the search for `task`. The variables are the increments of the free axes from the last pose,
     /// bounded by (7), and h.
@@ -87,13 +91,12 @@ impl<'a> GeneticStep<'a> {
     /// Free individuals only: each is drawn about the expected pose, from the whole range (7) at first and from
     /// ever nearer when that meets the blisk, and may climb the distance field to freedom.
     fn first_population(&self, cancel: &Cancel) -> Result<Vec<Individual>, Cancelled> {
-        let mut population: Vec<Individual> = (0..self.params.population as u64)
-            .into_par_iter()
-            .map(|i| cancel.check().map(|()| self.free_individual(i)))
-            .collect::<Result<Vec<_>, _>>()?
-            .into_iter()
-            .flatten()
-            .collect();
+        let scouts = Self::SCOUTS.min(self.params.population as u64);
+        let mut population = self.free_individuals(0..scouts, cancel)?;
+        if population.is_empty() {
+            return Ok(population);
+        }
+        population.extend(self.free_individuals(scouts..self.params.population as u64, cancel)?);
         // Those that found no place are replaced by copies of those that did.
         let found = population.len();
         for i in found..self.params.population {
@@ -103,6 +106,12 @@ impl<'a> GeneticStep<'a> {
         }
         sort(&mut population);
         Ok(population)
+    }
+
+    fn free_individuals(&self, numbers: Range<u64>, cancel: &Cancel) -> Result<Vec<Individual>, Cancelled> {
+        let found: Result<Vec<Option<Individual>>, Cancelled> =
+            numbers.into_par_iter().map(|i| cancel.check().map(|()| self.free_individual(i))).collect();
+        Ok(found?.into_iter().flatten().collect())
     }
 
     fn free_individual(&self, number: u64) -> Option<Individual> {
