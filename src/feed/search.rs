@@ -84,6 +84,8 @@ pub struct NodeTask {
     pub before: StepMotion,
     /// Greatest h that a node has taken so far (rad).
     pub h_so_far: f64,
+    /// How often the search has gone back: gives other random numbers.
+    pub attempt: u64,
 }
 
 impl NodeTask {
@@ -194,6 +196,12 @@ pub struct SearchOutcome {
 impl SearchProblem<'_> {
     /// Times that a step is halved before the search gives up.
     const HALVINGS: i32 = 4;
+    /// How often the search goes back from a place where hardly anything is missing.
+    const ATTEMPTS: u64 = 6;
+    /// What may be missing there (mm).
+    const NEARLY: f64 = 0.05;
+    /// Nodes that it goes back the first time, twice as many the second, and so on.
+    const BACK: usize = 2;
     /// Share of the allowance that nodes must keep where there is no room for all of it.
     const NARROW: f64 = 0.3;
     /// Most times that it is halved from the start where the verifier asked for finer steps.
@@ -290,26 +298,41 @@ impl SearchProblem<'_> {
         if nodes.is_empty() {
             nodes.push(self.final_node());
         }
-        let mut convergence = Vec::new();
+        let mut convergence: Vec<Convergence> = Vec::new();
+        let least = nodes.len();
         let way = self.exit_clearance - self.way_out(&Pose::FINAL);
         // An electrode that is not out after twice the way plus its length never will be.
         let limit = 2.0 * way + 50.0;
+        let mut furthest: Option<SearchOutcome> = None;
+        let mut attempt = 0;
         loop {
             let last = nodes[nodes.len() - 1];
             if self.way_out(&last.pose) >= self.exit_clearance && nodes.len() > 1 {
                 return Ok(SearchOutcome { nodes, convergence, jam: None });
             }
             progress.report("search", last.s / way.max(1e-9), &format!("node {}", nodes.len() - 1));
-            match self.next_node(strategy, &nodes, cancel)? {
+            match self.next_node(strategy, &nodes, attempt, cancel)? {
                 Some((node, trace)) if node.s <= limit => {
                     nodes.push(node);
                     convergence.push(trace);
+                    continue;
                 }
-                _ => {
-                    let jam = Some(self.jam(&nodes, surface_of));
-                    return Ok(SearchOutcome { nodes, convergence, jam });
-                }
+                _ => {}
             }
+            let jam = self.jam(&nodes, surface_of);
+            let here = SearchOutcome { nodes: nodes.clone(), convergence: convergence.clone(), jam: Some(jam) };
+            let further = furthest.as_ref().and_then(|f| f.nodes.last()).is_none_or(|f| f.s < last.s);
+            if further {
+                furthest = Some(here.clone());
+            }
+            attempt += 1;
+            if attempt > Self::ATTEMPTS || jam.lack > Self::NEARLY {
+                return Ok(furthest.unwrap_or(here));
+            }
+            // Back a little, further each time, and on with other random numbers.
+            let back = (Self::BACK * attempt as usize).min(nodes.len() - least);
+            nodes.truncate(nodes.len() - back);
+            convergence.truncate(convergence.len() - back);
         }
     }
 
@@ -337,6 +360,7 @@ impl SearchProblem<'_> {
             duration,
             before,
             h_so_far: nodes.iter().map(|n| n.h).fold(0.0, f64::max),
+            attempt: 0,
         }
     }
 
@@ -344,6 +368,7 @@ impl SearchProblem<'_> {
         &self,
         strategy: &StrategyParams,
         nodes: &[Node],
+        attempt: u64,
         cancel: &Cancel,
     ) -> Result<Option<(Node, Convergence)>, Cancelled> {
         if let Some(coasting) = self.coast(nodes) {
@@ -355,7 +380,7 @@ impl SearchProblem<'_> {
         let first = self.first_halving(nodes);
         for (problem, first) in [(self, first), (&narrow, first.max(1))] {
             for halving in first..=Self::HALVINGS {
-                let task = problem.task(nodes, 0.5f64.powi(halving));
+                let task = NodeTask { attempt, ..problem.task(nodes, 0.5f64.powi(halving)) };
                 let (candidates, trace) = problem.candidates(strategy, &task, cancel)?;
                 if let Some(chosen) = candidates.iter().find(|c| problem.motion_is_free(nodes, &task, c)) {
                     return Ok(Some((problem.node(&task, chosen), trace)));

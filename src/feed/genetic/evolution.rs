@@ -34,7 +34,7 @@ struct Individual {
 
 impl<'a> GeneticStep<'a> {
     /// Tries for each individual of the first population.
-    const TRIES: u32 = 14;
+    const TRIES: u32 = 11;
     /// Individuals that look for a free place first: if none of them finds one, the node is given up.
     const SCOUTS: u64 = 16;
 
@@ -77,8 +77,8 @@ impl<'a> GeneticStep<'a> {
     }
 
     fn random(&self, generation: u64, individual: u64) -> ChaCha8Rng {
-        // Any change of one of the four gives an unrelated stream; bits of s stand for the node.
-        let parts = [self.params.seed, self.task.s.to_bits(), generation, individual];
+        // Any change of one of them gives an unrelated stream; bits of s stand for the node.
+        let parts = [self.params.seed, self.task.s.to_bits(), self.task.attempt, generation, individual];
         let mixed = parts.into_iter().fold(0x9e37_79b9_7f4a_7c15u64, |hash, part| {
             let mut z = (hash ^ part).wrapping_mul(0xbf58_476d_1ce4_e5b9);
             z ^= z >> 29;
