@@ -5,7 +5,7 @@
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::pose::{Axis, Pose};
-use super::probes::{Demand, Probes, group};
+use super::probes::{Demand, Instant, Probes, group};
 use super::samples::Sample;
 use crate::blisk::electrode::{ElectrodeFace, EntrySide};
 use crate::geometry::distance_field::DistanceField;
@@ -162,14 +162,15 @@ impl<'a> ClearanceModel<'a> {
     /// by a further `h` (rad). Tests cluster `hint` first and leaves there the one that failed.
     pub fn is_free(&self, pose: &Pose, s: f64, h: f64, demand: &Demand, hint: &mut usize) -> bool {
         let placed = Placed::new(pose, h, self.bodies.reference_point);
+        let at = Instant { s, h };
         let clusters = self.electrode.clusters() + self.blisk.clusters();
-        if *hint < clusters && !self.cluster_is_free(*hint, &placed, s, demand) {
+        if *hint < clusters && !self.cluster_is_free(*hint, &placed, &at, demand) {
             return false;
         }
         let of_electrode = |p: DVec3, group| self.bodies.electrode_clearance(&placed, p, group);
         let of_blisk = |p: DVec3, _| self.bodies.blisk_clearance(&placed, p);
-        let blocked = self.electrode.first_blocked(s, demand, &of_electrode, doubt).or_else(|| {
-            let blocked = self.blisk.first_blocked(s, demand, &of_blisk, doubt)?;
+        let blocked = self.electrode.first_blocked(&at, demand, &of_electrode, doubt).or_else(|| {
+            let blocked = self.blisk.first_blocked(&at, demand, &of_blisk, doubt)?;
             Some(self.electrode.clusters() + blocked)
         });
         *hint = blocked.unwrap_or(*hint);
@@ -178,15 +179,15 @@ impl<'a> ClearanceModel<'a> {
 
     /// Clusters are counted through: the electrode's first, then the blisk's.
     #[inline]
-    fn cluster_is_free(&self, i: usize, placed: &Placed, s: f64, demand: &Demand) -> bool {
+    fn cluster_is_free(&self, i: usize, placed: &Placed, at: &Instant, demand: &Demand) -> bool {
         match i.checked_sub(self.electrode.clusters()) {
             None => {
                 let clearance = |p: DVec3, group| self.bodies.electrode_clearance(placed, p, group);
-                self.electrode.cluster_is_free(i, s, demand, &clearance, doubt)
+                self.electrode.cluster_is_free(i, at, demand, &clearance, doubt)
             }
             Some(j) => {
                 let clearance = |p: DVec3, _| self.bodies.blisk_clearance(placed, p);
-                self.blisk.cluster_is_free(j, s, demand, &clearance, doubt)
+                self.blisk.cluster_is_free(j, at, demand, &clearance, doubt)
             }
         }
     }
@@ -194,18 +195,19 @@ impl<'a> ClearanceModel<'a> {
     /// The probes that lack clearance, in order.
     pub fn shortfalls(&self, pose: &Pose, s: f64, h: f64, demand: &Demand) -> Vec<Shortfall> {
         let placed = Placed::new(pose, h, self.bodies.reference_point);
+        let at = Instant { s, h };
         let mut found = Vec::new();
         for i in 0..self.electrode.clusters() {
-            if !self.cluster_is_free(i, &placed, s, demand) {
+            if !self.cluster_is_free(i, &placed, &at, demand) {
                 let clearance = |p: DVec3, group| self.bodies.electrode_clearance(&placed, p, group);
-                let lacking = self.electrode.lacking_in(i, s, demand, &clearance);
+                let lacking = self.electrode.lacking_in(i, &at, demand, &clearance);
                 found.extend(lacking.map(|(k, lack)| self.electrode_shortfall(k, lack, &placed)));
             }
         }
         for i in 0..self.blisk.clusters() {
-            if !self.cluster_is_free(self.electrode.clusters() + i, &placed, s, demand) {
+            if !self.cluster_is_free(self.electrode.clusters() + i, &placed, &at, demand) {
                 let clearance = |p: DVec3, _| self.bodies.blisk_clearance(&placed, p);
-                let lacking = self.blisk.lacking_in(i, s, demand, &clearance);
+                let lacking = self.blisk.lacking_in(i, &at, demand, &clearance);
                 found.extend(lacking.map(|(k, lack)| self.blisk_shortfall(k, lack, &placed)));
             }
         }

@@ -14,7 +14,7 @@ use super::plan::{FeedPlan, PlanSettings, PlannedPath, PlanningSpace, Remake};
 use super::plan_params::PlanError;
 use super::pose::{Axis, Pose};
 use super::probes::Demand;
-use super::samples::{Sample, SampleSpacing, sample_electrode};
+use super::samples::{Sample, SampleSpacing, limit_to_reduced, sample_electrode};
 use super::search::{Constraint, Node, SearchProblem, Strategy, StrategyParams};
 use super::smoothness::axis_smoothness;
 use super::verify::Verifier;
@@ -145,8 +145,9 @@ impl Planner<'_> {
             let lack = (self.settings.spark_gap - contact.distance).max(0.0);
             let face = model.face_at(contact.on_electrode);
             let extra = lack + Self::BEYOND;
-            lessons.on_electrode.push(Sample { point: contact.on_electrode, face, extra });
-            lessons.on_blisk.push(Sample { point: contact.on_blisk, face: ElectrodeFace::FarEnd, extra });
+            lessons.on_electrode.push(Sample { point: contact.on_electrode, face, extra, stays_to: f64::INFINITY });
+            let face = ElectrodeFace::FarEnd;
+            lessons.on_blisk.push(Sample { point: contact.on_blisk, face, extra, stays_to: f64::INFINITY });
             lessons.fine.push([contact.s - step, contact.s + step]);
         }
     }
@@ -240,7 +241,10 @@ impl Planner<'_> {
             reference_point: electrode.reference_point,
             side: electrode.enters_from,
         };
-        let samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default());
+        let mut samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default());
+        if self.settings.genetic.h == ReductionMode::Variable {
+            limit_to_reduced(&mut samples, field, self.settings.genetic.h_max_deg.to_radians());
+        }
         ClearanceModel::new(bodies, samples, self.space.edges.clone())
     }
 

@@ -25,6 +25,15 @@ impl Demand {
     }
 }
 
+/// What is the same for all points at one moment of the search.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instant {
+    /// Withdrawn distance (mm).
+    pub s: f64,
+    /// Additional circumferential reduction h (rad).
+    pub h: f64,
+}
+
 /// Which way a point follows the additional circumferential reduction h of P0: 0 not at all, 1 with the low
 /// wall, 2 with the high wall.
 pub fn group(face: ElectrodeFace) -> usize {
@@ -73,11 +82,11 @@ impl Probes {
         &self.samples
     }
 
-    /// The first cluster that lacks clearance when withdrawn by `s`. `clearance` tells the clearance of a point of
-    /// a group; `doubt` how much too great it may be for what is so far away.
+    /// The first cluster that lacks clearance at an instant. `clearance` tells the clearance of a point of a
+    /// group; `doubt` how much too great it may be for what is so far away.
     pub fn first_blocked(
         &self,
-        s: f64,
+        at: &Instant,
         demand: &Demand,
         clearance: &impl Fn(DVec3, usize) -> f64,
         doubt: impl Fn(f64) -> f64 + Copy,
@@ -88,7 +97,7 @@ impl Probes {
             if clearance(block.center, group) >= enough + doubt(enough) {
                 return None;
             }
-            (block.start..block.end).find(|&i| !self.cluster_is_free(i, s, demand, clearance, doubt))
+            (block.start..block.end).find(|&i| !self.cluster_is_free(i, at, demand, clearance, doubt))
         })
     }
 
@@ -114,7 +123,7 @@ impl Probes {
     pub fn cluster_is_free(
         &self,
         i: usize,
-        s: f64,
+        at: &Instant,
         demand: &Demand,
         clearance: &impl Fn(DVec3, usize) -> f64,
         doubt: impl Fn(f64) -> f64,
@@ -123,22 +132,25 @@ impl Probes {
         let group = group(self.samples[c.start].face);
         let enough = demand.wanted() + self.cluster_extra[i] + c.radius;
         clearance(c.center, group) >= enough + doubt(enough)
-            || (c.start..c.end).all(|k| clearance(self.samples[k].point, group) >= self.demanded(k, s, demand))
+            || (c.start..c.end).all(|k| {
+                self.samples[k].stays_to < at.h
+                    || clearance(self.samples[k].point, group) >= self.demanded(k, at.s, demand)
+            })
     }
 
     /// Points of cluster `i` that lack clearance, and how much (mm).
     pub fn lacking_in(
         &self,
         i: usize,
-        s: f64,
+        at: &Instant,
         demand: &Demand,
         clearance: &impl Fn(DVec3, usize) -> f64,
     ) -> impl Iterator<Item = (usize, f64)> {
         let c = self.clusters[i];
         (c.start..c.end).filter_map(move |k| {
             let sample = &self.samples[k];
-            let lack = self.demanded(k, s, demand) - clearance(sample.point, group(sample.face));
-            (lack > 0.0).then_some((k, lack))
+            let lack = self.demanded(k, at.s, demand) - clearance(sample.point, group(sample.face));
+            (lack > 0.0 && sample.stays_to >= at.h).then_some((k, lack))
         })
     }
 

@@ -2,9 +2,10 @@
 
 use std::collections::HashMap;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use crate::blisk::electrode::ElectrodeFace;
+use crate::geometry::distance_field::DistanceField;
 use crate::geometry::mesh::{Bounds, Mesh, unit_normal};
 
 /// A point on the electrode in its final pose.
@@ -17,6 +18,8 @@ pub struct Sample {
     /// Clearance demanded here beyond what all samples must have (mm): raised where the verifier found the
     /// search too trusting.
     pub extra: f64,
+    /// Greatest additional circumferential reduction h with which the point is still part of the electrode (rad).
+    pub stays_to: f64,
 }
 
 /// How densely an electrode is sampled.
@@ -84,6 +87,26 @@ pub fn sample_electrode(mesh: &Mesh, faces: &[ElectrodeFace], spacing: SampleSpa
         }
     }
     sieve.kept
+}
+
+/// Finds up to which h, at most `h_max` (rad), each sample stays part of the electrode when both walls are drawn in by
+/// h: as long as it is inside the electrode turned about X by h either way. `field` is that of the electrode. The
+/// walls themselves follow h and the holder does not change.
+pub fn limit_to_reduced(samples: &mut [Sample], field: &DistanceField, h_max: f64) {
+    const STEPS: u32 = 64;
+    /// Off the surface by no more than rounding and the field's error (mm).
+    const INSIDE: f64 = 3.0 * DistanceField::ACCURACY;
+    let follows = |face| matches!(face, ElectrodeFace::LowWall | ElectrodeFace::HighWall | ElectrodeFace::Holder);
+    for sample in samples.iter_mut().filter(|s| !follows(s.face)) {
+        let inside = |h: f64| {
+            [h, -h]
+                .into_iter()
+                .all(|turn| field.value(DMat3::from_rotation_x(turn) * sample.point).is_some_and(|d| d <= INSIDE))
+        };
+        let step = h_max / f64::from(STEPS);
+        let steps = (1..=STEPS).take_while(|&i| inside(f64::from(i) * step)).count();
+        sample.stays_to = if steps == STEPS as usize { f64::INFINITY } else { steps as f64 * step };
+    }
 }
 
 /// Points along the edges of `mesh` inside `region` where the surface bends outwards by more than 4 degrees: rims
@@ -155,7 +178,7 @@ impl Sieve {
         });
         if !crowded {
             self.grid.entry(cell).or_default().push(self.kept.len() as u32);
-            self.kept.push(Sample { point, face, extra: 0.0 });
+            self.kept.push(Sample { point, face, extra: 0.0, stays_to: f64::INFINITY });
         }
     }
 }

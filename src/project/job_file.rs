@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::blisk::electrode::{ElectrodeParams, Sizing};
+use crate::blisk::electrode::{ElectrodeParams, EnterSide, Sizing};
 use crate::blisk::options::BliskOptions;
 use crate::export::nc::NcSettings;
 use crate::feed::genetic::GeneticParams;
@@ -85,11 +85,15 @@ pub enum JobFileError {
 }
 
 impl PlanJob {
-    /// A job on the built-in demonstration blisk, all else by default.
+    /// A job on the built-in demonstration blisk, whose passage widens towards +X; all else by default.
     pub fn demonstration() -> Self {
         Self {
             blisk: BliskSection { mesh: None, units: Units::default(), options: BliskOptions::default() },
-            electrode: ElectrodeParams::default(),
+            electrode: ElectrodeParams {
+                circumferential_reduction_deg: [2.0, 2.0],
+                enter: EnterSide::PlusX,
+                ..Default::default()
+            },
             machine: MachineParams::default(),
             plan: PlanParams::default(),
             genetic: GeneticParams::default(),

@@ -119,12 +119,16 @@ impl<'a> GeneticStep<'a> {
         let mut hint = 0;
         (0..Self::TRIES).find_map(|attempt| {
             let reach = if number == 0 { 0.0 } else { 0.5f64.powi(attempt as i32) };
-            let mut values: Vec<f64> = self
-                .codings
-                .iter()
-                .zip(self.expected(number))
-                .map(|(c, expected)| expected + reach * 0.5 * (c.upper - c.lower) * random.random_range(-1.0..=1.0))
-                .collect();
+            let mut values = self.expected(number);
+            for (i, (value, coding)) in values.iter_mut().zip(&self.codings).enumerate() {
+                let width = coding.upper - coding.lower;
+                *value += if i < self.axes.len() {
+                    reach * 0.5 * width * random.random_range(-1.0..=1.0)
+                } else {
+                    // The longer the search for a place, the more reduction is tried.
+                    f64::from(attempt) / f64::from(Self::TRIES) * width * random.random_range(0.0..=1.0)
+                };
+            }
             if let Some(individual) = self.individual(self.encode(&values), &mut hint) {
                 return Some(individual);
             }
