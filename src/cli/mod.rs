@@ -20,7 +20,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 use crate::mesh_io::{ImportOptions, Imported, Units, import_file};
-use crate::progress::{Cancel, Cancelled, Progress};
+use crate::progress::{Cancel, Progress};
 
 /// Plans, verifies and exports EDM electrode feed paths for shrouded blisks.
 #[derive(Debug, Parser)]
@@ -158,7 +158,7 @@ pub fn run() -> ExitCode {
         }
     }
     let cancel = Cancel::default();
-    let flag = cancel.clone();
+    let (flag, cancelled) = (cancel.clone(), cancel.clone());
     if let Err(error) = ctrlc::set_handler(move || flag.cancel()) {
         return report(&anyhow::Error::new(Internal(error.to_string())));
     }
@@ -171,6 +171,11 @@ pub fn run() -> ExitCode {
     match outcome {
         Ok(Ok(Answer::Yes)) => ExitCode::SUCCESS,
         Ok(Ok(Answer::No)) => ExitCode::from(3),
+        // What a computation answers once it has been told to stop is that it stopped.
+        Ok(Err(_)) if cancelled.is_cancelled() => {
+            eprintln!("cancelled; nothing was written");
+            ExitCode::from(130)
+        }
         Ok(Err(error)) => report(&error),
         Err(panic) => {
             let text = panic.downcast_ref::<String>().cloned();
@@ -203,10 +208,6 @@ fn usage(error: &clap::Error) -> ExitCode {
 
 /// One line on standard error, and the exit code that tells whose fault it is.
 fn report(error: &anyhow::Error) -> ExitCode {
-    if error.chain().any(|cause| cause.is::<Cancelled>()) {
-        eprintln!("cancelled; nothing was written");
-        return ExitCode::from(130);
-    }
     eprintln!("error: {}", format!("{error:#}").split_whitespace().collect::<Vec<_>>().join(" "));
     ExitCode::from(if error.is::<Internal>() { 1 } else { 2 })
 }

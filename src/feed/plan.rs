@@ -40,8 +40,8 @@ pub struct PlanningSpace<'a> {
 }
 
 impl<'a> PlanningSpace<'a> {
-    /// How far beside the channel's walls the field reaches (mm).
-    const BESIDE: f64 = 6.0;
+    /// How far beside the channel's walls the field reaches, as a share of the pitch: the electrode swings there.
+    const BESIDE: f64 = 0.75;
     /// How far beyond the field the blisk's edges are sampled (mm): shank and holder pass there.
     const RIMS: f64 = 25.0;
     /// Distance between points along the blisk's edges (mm).
@@ -66,10 +66,11 @@ impl<'a> PlanningSpace<'a> {
     fn region(channel: &Channel) -> Bounds {
         let walls = Bounds::of(channel.low.points.iter().chain(&channel.high.points).copied());
         let [front, back] = channel.faces_x;
+        let beside = Self::BESIDE * std::f64::consts::TAU / channel.blades as f64 * walls.max.z;
         let shroud = channel.meridian.iter().map(|m| m.shroud).fold(walls.max.z, f64::max);
         Bounds {
-            min: DVec3::new(front - 1.0, walls.min.y - Self::BESIDE, walls.min.z - 3.0),
-            max: DVec3::new(back + 1.0, walls.max.y + Self::BESIDE, shroud + 2.0),
+            min: DVec3::new(front - 1.0, walls.min.y - beside, walls.min.z - 3.0),
+            max: DVec3::new(back + 1.0, walls.max.y + beside, shroud + 2.0),
         }
     }
 }
