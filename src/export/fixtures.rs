@@ -49,6 +49,7 @@ pub(crate) fn certificate(path: &FeedPath) -> Certificate {
         surface: Surface::HighWall,
     };
     Certificate {
+        violations: Vec::new(),
         path_digest: path.digest(),
         required: 0.1,
         tolerance: 0.002,

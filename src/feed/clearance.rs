@@ -98,7 +98,7 @@ impl Bodies<'_> {
 
     /// Clearance of a point of the blisk from the electrode in its final pose.
     #[inline]
-    fn from_electrode(&self, p: DVec3) -> f64 {
+    fn distance_to_electrode(&self, p: DVec3) -> f64 {
         self.electrode.value(p).unwrap_or(Self::AROUND)
     }
 
@@ -111,7 +111,7 @@ impl Bodies<'_> {
     /// drawn in, the intersection of three: no nearer than any of them.
     #[inline]
     fn blisk_clearance(&self, placed: &Placed, p: DVec3) -> f64 {
-        let seen = |i: usize| self.from_electrode(placed.to_electrode[i].transform_point3(p));
+        let seen = |i: usize| self.distance_to_electrode(placed.to_electrode[i].transform_point3(p));
         if placed.h == 0.0 { seen(0) } else { seen(0).max(seen(1)).max(seen(2)) }
     }
 }
@@ -122,7 +122,7 @@ impl<'a> ClearanceModel<'a> {
         Self {
             bodies,
             electrode: Probes::new(electrode_samples, |p| bodies.clearance_at(p)),
-            blisk: Probes::new(blisk_points, |p| bodies.from_electrode(p)),
+            blisk: Probes::new(blisk_points, |p| bodies.distance_to_electrode(p)),
         }
     }
 

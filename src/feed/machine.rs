@@ -99,7 +99,7 @@ impl MachineParams {
             }
         }
         for (key, speed) in [("speed_mm_min", self.speed_mm_min), ("speed_deg_min", self.speed_deg_min)] {
-            if !(speed > 0.0) {
+            if speed.is_nan() || speed <= 0.0 {
                 return Err(MachineError::Speed(key));
             }
         }

@@ -40,7 +40,9 @@ impl CubicSpline {
         if knots.len() < 2 || knots.len() != values.len() {
             return Err(SplineError::TooFew);
         }
-        if let Some(i) = (1..knots.len()).find(|&i| !(knots[i] > knots[i - 1])) {
+        if let Some(i) =
+            (1..knots.len()).find(|&i| knots[i].is_nan() || knots[i - 1].is_nan() || knots[i] <= knots[i - 1])
+        {
             return Err(SplineError::NotRising(i));
         }
         let seconds = second_derivatives(knots, values, ends);

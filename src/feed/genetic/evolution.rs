@@ -151,7 +151,7 @@ impl<'a> GeneticStep<'a> {
     /// Where to look first: for even numbers where the last step's rates lead, for odd ones the last pose.
     fn expected(&self, number: u64) -> Vec<f64> {
         let rates = &self.task.before.increments;
-        let ratio = if number % 2 == 0 { self.task.duration / self.task.before.duration } else { 0.0 };
+        let ratio = if number.is_multiple_of(2) { self.task.duration / self.task.before.duration } else { 0.0 };
         let mut values: Vec<f64> = self.axes.iter().map(|&a| rates[a as usize] * ratio).collect();
         values.resize(self.codings.len(), self.task.h_so_far);
         values

@@ -52,7 +52,7 @@ impl DistanceField {
         let root = cell * f64::from(1 << LEVELS);
         let roots_wanted = (region.size() / root).ceil().max(DVec3::ONE);
         let total = roots_wanted.element_product() * 8f64.powi(LEVELS as i32);
-        if !(total <= 2e8) {
+        if total.is_nan() || total > 2e8 {
             return Err(FieldError::TooLarge { cells: total });
         }
         let roots = [roots_wanted.x as usize, roots_wanted.y as usize, roots_wanted.z as usize];

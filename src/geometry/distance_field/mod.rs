@@ -125,8 +125,7 @@ impl DistanceField {
     #[inline]
     fn locate(&self, p: DVec3) -> Option<(Handle, [usize; 3])> {
         let q = (p - self.bounds.min) / self.cell;
-        // Negative and NaN coordinates fail the first test.
-        if !(q.min_element() >= 0.0) {
+        if q.is_nan() || q.min_element() < 0.0 {
             return None;
         }
         let cell = [q.x as usize, q.y as usize, q.z as usize];

@@ -1,0 +1,71 @@
+//! Times of the planning floors on the built-in demonstration blisk.
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use glam::DVec3;
+use sparkpath::blisk::electrode::{EntrySide, make_electrodes};
+use sparkpath::blisk::find_channel::find_channel;
+use sparkpath::blisk::options::BliskOptions;
+use sparkpath::blisk::parametric::{MeshResolution, ParametricBlisk};
+use sparkpath::feed::clearance::{Bodies, ClearanceModel};
+use sparkpath::feed::pose::Pose;
+use sparkpath::feed::samples::{SampleSpacing, sample_electrode};
+use sparkpath::feed::verify::Verifier;
+use sparkpath::geometry::distance_field::DistanceField;
+use sparkpath::geometry::exact::ExactMesh;
+use sparkpath::jobs::plan::{PlanInputs, run};
+use sparkpath::progress::{Cancel, Progress};
+use sparkpath::project::PlanJob;
+
+fn planning(criterion: &mut Criterion) {
+    let (progress, cancel) = (Progress::silent(), Cancel::default());
+    let job = PlanJob::demonstration();
+    let mesh = ParametricBlisk::demonstration().mesh(&MeshResolution::default()).expect("the demonstration blisk");
+    let options = BliskOptions::default();
+    let mut group = criterion.benchmark_group("planning");
+    group.sample_size(10);
+    group.bench_function("find channel", |b| b.iter(|| find_channel(&mesh, &options, &progress, &cancel)));
+    let channel = find_channel(&mesh, &options, &progress, &cancel).expect("its channel");
+    let blisk = mesh.in_frame(&channel.frame);
+    let exact = ExactMesh::new(&blisk).expect("its surface");
+    let electrodes = || make_electrodes(&channel, &exact, &job.electrode, EntrySide::PlusX, &progress, &cancel);
+    group.bench_function("make electrode", |b| b.iter(electrodes));
+    let electrode = electrodes().expect("its electrode").remove(0);
+    let region = electrode.mesh.bounds().grown(8.0);
+    let build = || DistanceField::build(&blisk, &exact, region, 0.25, &progress, &cancel);
+    group.bench_function("distance field", |b| b.iter(build));
+    let field = build().expect("its field");
+
+    // One clearance evaluation of 1,500 samples against one exact distance between the meshes.
+    let body = ExactMesh::new(&electrode.mesh).expect("its surface");
+    let own_field =
+        DistanceField::build(&electrode.mesh, &body, electrode.mesh.bounds().grown(1.0), 0.35, &progress, &cancel)
+            .expect("its field");
+    let mut samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default());
+    let stride = samples.len() / 1500;
+    samples = samples.into_iter().step_by(stride.max(1)).take(1500).collect();
+    let bodies = Bodies {
+        blisk: &field,
+        electrode: &own_field,
+        faces_x: channel.faces_x,
+        reference_point: electrode.reference_point,
+        side: electrode.enters_from,
+    };
+    let model = ClearanceModel::new(bodies, samples, Vec::new());
+    let pose = Pose { x: 0.2, z: 0.1, ..Pose::FINAL };
+    group.bench_function("clearance of 1500 samples", |b| b.iter(|| model.least_clearance(&pose)));
+    let placement = pose.placement(electrode.reference_point);
+    group.bench_function("library mesh distance", |b| b.iter(|| exact.distance_to(&body, &placement)));
+    let verifier = Verifier::new(&blisk, &electrode.mesh, electrode.reference_point).expect("a verifier");
+    group.bench_function("own mesh distance", |b| b.iter(|| verifier.distance(&pose)));
+    group.bench_function("field lookup x1000", |b| {
+        let points: Vec<DVec3> =
+            (0..1000).map(|i| channel.low.points[i * 7 % channel.low.points.len()] + DVec3::Y * 0.3).collect();
+        b.iter(|| points.iter().filter_map(|&p| field.value(p)).sum::<f64>());
+    });
+    let inputs = PlanInputs { blisk: mesh, own_electrode: None, job };
+    group.bench_function("whole demonstration plan", |b| b.iter(|| run(&inputs, &progress, &cancel)));
+    group.finish();
+}
+
+criterion_group!(benches, planning);
+criterion_main!(benches);
