@@ -14,10 +14,10 @@ pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow
     super::terminal::finish();
     if session.json {
         let all = serde_json::json!({ "sha256": imported.sha256, "import": imported.report, "blisk": inspection });
-        println!("{}", serde_json::to_string_pretty(&all)?);
+        say!("{}", serde_json::to_string_pretty(&all)?);
     } else {
         print_import(&imported);
-        println!("{inspection}");
+        say!("{inspection}");
     }
     match inspection.not_found.first() {
         None => Ok(Answer::Yes),
@@ -27,12 +27,15 @@ pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow
 
 fn print_import(imported: &Imported) {
     let r = &imported.report;
-    println!(
+    say!(
         "file         {:?}, {} triangles read, {} kept, {} vertices",
-        r.format, r.triangles_read, r.triangles, r.vertices
+        r.format,
+        r.triangles_read,
+        r.triangles,
+        r.vertices
     );
-    println!("unit         {}: {}", r.unit.name(), r.unit_reason);
-    println!(
+    say!("unit         {}: {}", r.unit.name(), r.unit_reason);
+    say!(
         "surface      {}, {} parts, {} holes, {} non-manifold edges",
         if r.watertight { "watertight" } else { "open" },
         r.components,
@@ -40,7 +43,7 @@ fn print_import(imported: &Imported) {
         r.non_manifold_edges
     );
     for warning in &r.warnings {
-        println!("note         {warning}");
+        say!("note         {warning}");
     }
 }
 

@@ -9,6 +9,11 @@
 //! | 3 | the answer is no: no path, or a check failed; results are written all the same |
 //! | 130 | cancelled: nothing is written |
 
+/// Prints a line on standard output, like `println!`, but survives a closed one.
+macro_rules! say {
+    ($($argument:tt)*) => { $crate::cli::terminal::print(&format!($($argument)*)) };
+}
+
 mod inspect;
 mod plan;
 mod terminal;
@@ -73,10 +78,10 @@ struct VerifyArguments {
     #[arg(long, value_name = "CSV")]
     path: PathBuf,
     /// Spark gap to be kept (mm).
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     gap: f64,
     /// How far below the gap is still accepted (mm).
-    #[arg(long, value_name = "MM", default_value_t = 0.002)]
+    #[arg(long, value_name = "MM", default_value_t = 0.002, allow_negative_numbers = true)]
     tolerance: f64,
     /// Unit of the blisk's mesh: auto, mm, cm, m, inch.
     #[arg(long, value_name = "UNIT", default_value = "auto", value_parser = unit)]
@@ -140,6 +145,20 @@ impl Session {
     }
 }
 
+/// Refuses a mesh with holes: it has no inside, so nothing about its clearance can be proven.
+fn require_closed(path: &Path, imported: &Imported) -> anyhow::Result<()> {
+    let report = &imported.report;
+    anyhow::ensure!(
+        imported.mesh.is_watertight(),
+        "{}: the surface is not closed ({} holes, {} edges of more than two triangles), so it has no inside and nothing can be \
+         proven about it; close it in the program it came from",
+        path.display(),
+        report.hole_count,
+        report.non_manifold_edges
+    );
+    Ok(())
+}
+
 /// A failure that is this program's own fault.
 #[derive(Debug, thiserror::Error)]
 #[error("internal error: {0}; please report it with the files that led to it")]
@@ -173,7 +192,7 @@ pub fn run() -> ExitCode {
         Ok(Ok(Answer::No)) => ExitCode::from(3),
         // What a computation answers once it has been told to stop is that it stopped.
         Ok(Err(_)) if cancelled.is_cancelled() => {
-            eprintln!("cancelled; nothing was written");
+            terminal::print_error("cancelled; nothing was written");
             ExitCode::from(130)
         }
         Ok(Err(error)) => report(&error),
@@ -201,13 +220,15 @@ fn usage(error: &clap::Error) -> ExitCode {
         return if error.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS };
     }
     let text = error.to_string();
-    let lines: Vec<&str> = text.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with("Usage:")).collect();
-    eprintln!("{}", lines.join("; ").replace("; For more information, try '--help'.", "; see --help"));
+    let said = text.lines().map(str::trim).take_while(|l| !l.starts_with("Usage:"));
+    let said: Vec<&str> = said.filter(|l| !l.is_empty() && !l.starts_with("tip:")).collect();
+    terminal::print_error(&format!("{}; see --help", said.join(" ")));
     ExitCode::from(2)
 }
 
 /// One line on standard error, and the exit code that tells whose fault it is.
 fn report(error: &anyhow::Error) -> ExitCode {
-    eprintln!("error: {}", format!("{error:#}").split_whitespace().collect::<Vec<_>>().join(" "));
+    let line = error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+    terminal::print_error(&format!("error: {line}"));
     ExitCode::from(if error.is::<Internal>() { 1 } else { 2 })
 }

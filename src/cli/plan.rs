@@ -19,7 +19,9 @@ pub(super) fn plan(job_file: &Path, out: &Path, session: &Session) -> anyhow::Re
     if let Some(seed) = session.seed {
         job.genetic.seed = seed;
     }
+    job.validate().map_err(|e| anyhow::anyhow!("{}: {e}", job_file.display()))?;
     let blisk = session.import(&mesh, job.blisk.units)?;
+    super::require_closed(&mesh, &blisk)?;
     let mut files = vec![input_file("blisk", &mesh, &blisk)];
     let own = match &job.electrode.mesh {
         Some(path) => {
@@ -52,19 +54,30 @@ pub(super) fn demo(out: &Path, session: &Session) -> anyhow::Result<Answer> {
 }
 
 fn finish(inputs: &PlanInputs, files: Vec<InputFile>, out: &Path, session: &Session) -> anyhow::Result<Answer> {
-    // A post that does not exist should not be found out after the work.
-    let post = Post::load(&inputs.job.export.post, None)?;
+    // What would stop the results should be found out before the work.
+    let post = post(&inputs.job.export.post)?;
+    plan_files::prepare(out)?;
     let outcome = run(inputs, &session.progress, &session.cancel)?;
-    let report = plan_report::report(&outcome, &inputs.job, files);
+    let mut report = plan_report::report(&outcome, &inputs.job, files);
     session.cancel.check()?;
-    let written = plan_files::write(out, &outcome, &inputs.job, &post, report.clone())?;
+    let written = plan_files::write(out, &outcome, &inputs.job, &post, &mut report)?;
     super::terminal::finish();
     if session.json {
-        println!("{}", report.json()?);
+        say!("{}", report.json()?);
     } else {
         print_summary(&report, &outcome, &written, out);
     }
     Ok(if outcome.is_verified() { Answer::Yes } else { Answer::No })
+}
+
+/// The post of this name, or in this file if it ends in `.toml`.
+fn post(name: &str) -> anyhow::Result<Post> {
+    if !name.ends_with(".toml") {
+        return Ok(Post::load(name, None)?);
+    }
+    let text = std::fs::read_to_string(name)
+        .map_err(|e| anyhow::anyhow!("{name}: the post cannot be read ({e}); check [export] post"))?;
+    Ok(Post::from_toml(&text, name)?)
 }
 
 fn input_file(role: &str, path: &Path, imported: &Imported) -> InputFile {
@@ -82,26 +95,33 @@ fn input_file(role: &str, path: &Path, imported: &Imported) -> InputFile {
 
 fn print_summary(report: &Report, outcome: &PlanOutcome, written: &[String], out: &Path) {
     let blisk = &report.blisk;
-    println!(
+    say!(
         "blisk      {} blades, channel {}, throat {:.3} mm, turning {:.1} deg",
-        blisk.blades, blisk.channel, blisk.throat_mm, blisk.turning_deg
+        blisk.blades,
+        blisk.channel,
+        blisk.throat_mm,
+        blisk.turning_deg
     );
     for assumed in &blisk.assumed {
-        println!("           assumed: {assumed}");
+        say!("           assumed: {assumed}");
     }
     for (e, o) in report.electrodes.iter().zip(&outcome.electrodes) {
-        println!(
+        say!(
             "electrode {} enters from {}: volume {:.1} mm3, least thickness {:.3} mm, burn area {:.1} mm2",
-            e.index, e.enters_from, e.volume_mm3, o.electrode.least_thickness_mm, o.electrode.burn_area_mm2
+            e.index,
+            e.enters_from,
+            e.volume_mm3,
+            o.electrode.least_thickness_mm,
+            o.electrode.burn_area_mm2
         );
-        println!("           {} nodes, {} searches, {} points tested", e.nodes.len(), o.plan.rounds, o.plan.probes);
+        say!("           {} nodes, {} searches, {} points tested", e.nodes.len(), o.plan.rounds, o.plan.probes);
     }
     for symbol in &report.symbols {
-        println!("           {:10} {:>22} {:4} {}", symbol.symbol, symbol.value, symbol.unit, symbol.meaning);
+        say!("           {:10} {:>22} {:4} {}", symbol.symbol, symbol.value, symbol.unit, symbol.meaning);
     }
     for time in &report.times {
-        println!("time       {:16} {:8.3} s", time.stage, time.seconds);
+        say!("time       {:16} {:8.3} s", time.stage, time.seconds);
     }
-    println!("files      {} in {}", written.join(", "), out.display());
-    println!("{}", report.verdict.sentence);
+    say!("files      {} in {}", written.join(", "), out.display());
+    say!("{}", report.verdict.sentence);
 }

@@ -59,6 +59,16 @@ pub(super) fn finish() {
     }
 }
 
+/// Writes a line to standard output. One that is closed or full is no reason to fail what has been done.
+pub(super) fn print(text: &str) {
+    let _ = std::io::stdout().write_all(text.as_bytes()).and_then(|()| std::io::stdout().write_all(b"\n"));
+}
+
+/// Writes a line to standard error.
+pub(super) fn print_error(text: &str) {
+    write(&format!("{text}\n"));
+}
+
 /// Writes to standard error; a closed one is no reason to stop working.
 fn write(text: &str) {
     let _ = std::io::stderr().write_all(text.as_bytes());

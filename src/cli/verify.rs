@@ -52,8 +52,8 @@ struct Place<'a> {
 /// Verifies the path of `arguments`.
 pub(super) fn verify(arguments: &VerifyArguments, session: &Session) -> anyhow::Result<Answer> {
     anyhow::ensure!(
-        arguments.gap > 0.0 && arguments.gap.is_finite(),
-        "--gap {}: must be a length in mm greater than 0",
+        arguments.gap > 0.0 && arguments.gap <= 100.0,
+        "--gap {}: must be a length in mm greater than 0 and at most 100",
         arguments.gap
     );
     let text = std::fs::read_to_string(&arguments.path)
@@ -62,14 +62,21 @@ pub(super) fn verify(arguments: &VerifyArguments, session: &Session) -> anyhow::
     let path = FeedPath { spark_gap: arguments.gap, ..path };
     let blisk = session.import(&arguments.blisk, arguments.units)?;
     let electrode = session.import(&arguments.electrode, Units::Mm)?;
-    anyhow::ensure!(
-        electrode.mesh.is_watertight(),
-        "{}: the electrode is not watertight, so its clearance means nothing; close its holes first",
-        arguments.electrode.display()
-    );
+    super::require_closed(&arguments.blisk, &blisk)?;
+    super::require_closed(&arguments.electrode, &electrode)?;
     let channel = channel_of(&blisk.mesh, &path, session);
     let options = VerifyOptions { tolerance_mm: arguments.tolerance, ..Default::default() };
     options.validate()?;
+    anyhow::ensure!(
+        arguments.tolerance < 0.5 * arguments.gap,
+        "--tolerance {}: must be less than half the gap of {} mm",
+        arguments.tolerance,
+        arguments.gap
+    );
+    if let Some(folder) = &arguments.out {
+        // An older verdict must not outlive a failure of this one.
+        let _ = std::fs::remove_file(folder.join("report.json"));
+    }
     let certificate = certify(&blisk.mesh, &electrode.mesh, &path, channel.as_ref(), &options, session)?;
     let surface = match &channel {
         Some(channel) => channel.surface_name(certificate.least.surface),
@@ -106,7 +113,7 @@ pub(super) fn verify(arguments: &VerifyArguments, session: &Session) -> anyhow::
         write_atomically(&folder.join("report.json"), format!("{json}\n").as_bytes())?;
     }
     super::terminal::finish();
-    println!("{}", if session.json { &json } else { &report.sentence });
+    say!("{}", if session.json { &json } else { &report.sentence });
     Ok(if report.verified { Answer::Yes } else { Answer::No })
 }
 

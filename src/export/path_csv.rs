@@ -43,6 +43,10 @@ pub enum PathCsvError {
     TooShort { found: usize },
     #[error("line {line}, column {column}: the last row is the final pose and must be 0, found {value}")]
     NotFinal { line: usize, column: &'static str, value: f64 },
+    #[error(
+        "line {line}: rows run from outside to the final pose: s_mm must fall and node must not rise; sort the rows"
+    )]
+    OutOfOrder { line: usize },
     #[error("row {row} is not rounded to the decimals of the file; round the path before it is verified")]
     NotQuantised { row: usize },
     #[error("{found} clearances for {rows} rows; verify this path again")]
@@ -189,8 +193,14 @@ fn check_rows(rows: &[PathRow]) -> Result<(), PathCsvError> {
     let values = [&[last.node as f64, last.s], &last.pose.to_array()[..]].concat();
     match values.iter().zip(COLUMNS).find(|(v, _)| **v != 0.0) {
         Some((&value, column)) => Err(PathCsvError::NotFinal { line: rows.len() + 2, column, value }),
-        None => Ok(()),
+        None => check_order(rows),
     }
+}
+
+fn check_order(rows: &[PathRow]) -> Result<(), PathCsvError> {
+    let wrong = (1..rows.len()).find(|&i| rows[i].s >= rows[i - 1].s || rows[i].node > rows[i - 1].node);
+    // Rows begin on line 3.
+    wrong.map_or(Ok(()), |i| Err(PathCsvError::OutOfOrder { line: i + 3 }))
 }
 
 #[cfg(test)]

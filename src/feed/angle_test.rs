@@ -104,6 +104,11 @@ impl OrderedWall {
     fn passes(&self, e: DVec3, delta2: f64, start: &mut usize) -> bool {
         const TOUCHING: f64 = 1e-4;
         *start = self.nearest(e, *start);
+        // Beyond the wall's first or last row the blade ends, and with it what the test can tell.
+        let row = *start / self.nv;
+        if row == 0 || row + 1 == self.nu {
+            return true;
+        }
         let m1 = self.points[*start];
         let to_e = e - m1;
         if to_e.length() < TOUCHING {

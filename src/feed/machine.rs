@@ -74,7 +74,7 @@ impl Default for MachineParams {
 pub enum MachineError {
     /// A travel that does not hold the final pose.
     #[error(
-        "[machine] travel_{axis}: {least} to {greatest} does not include 0, the final pose; give [least, greatest] about it"
+        "[machine] travel_{axis}: {least} to {greatest} must be finite and include 0, the final pose; give [least, greatest]"
     )]
     Travel {
         /// Axis and unit, as in the key.
@@ -85,7 +85,7 @@ pub enum MachineError {
         greatest: f64,
     },
     /// A speed that is not positive.
-    #[error("[machine] {0} must be greater than 0")]
+    #[error("[machine] {0} must be finite and greater than 0")]
     Speed(&'static str),
 }
 
@@ -94,12 +94,12 @@ impl MachineParams {
     pub fn validate(&self) -> Result<(), MachineError> {
         const KEYS: [&str; 6] = ["x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg"];
         for (axis, [least, greatest]) in KEYS.into_iter().zip(self.travels()) {
-            if !(least <= 0.0 && greatest >= 0.0) {
+            if !(least <= 0.0 && greatest >= 0.0 && least.is_finite() && greatest.is_finite()) {
                 return Err(MachineError::Travel { axis, least, greatest });
             }
         }
         for (key, speed) in [("speed_mm_min", self.speed_mm_min), ("speed_deg_min", self.speed_deg_min)] {
-            if speed.is_nan() || speed <= 0.0 {
+            if !speed.is_finite() || speed <= 0.0 {
                 return Err(MachineError::Speed(key));
             }
         }

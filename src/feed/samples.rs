@@ -262,8 +262,9 @@ mod tests {
         let mesh = cuboid(DVec3::splat(4.0));
         let everywhere = mesh.bounds().grown(1.0);
         let points = sample_convex_edges(&mesh, everywhere, 0.5);
-        let on_edge = |p: DVec3| p.to_array().iter().filter(|v| **v == 0.0 || **v == 4.0).count() >= 2;
-        assert!(points.len() >= 12 * 8 && points.iter().all(|s| on_edge(s.point)));
+        let on_edge =
+            |p: DVec3| p.to_array().iter().filter(|v| v.abs() < 1e-12 || (*v - 4.0).abs() < 1e-12).count() >= 2;
+        assert!(points.len() >= 12 * 7 + 8 && points.iter().all(|s| on_edge(s.point)));
         let cavity = Mesh { triangles: mesh.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(), ..mesh };
         assert!(sample_convex_edges(&cavity, everywhere, 0.5).is_empty());
     }

@@ -34,9 +34,22 @@ pub enum PlanFilesError {
     NotApproved { electrode: usize, source: NotApproved },
 }
 
-/// Makes everything first and then writes it, so that an error or an interruption leaves no mixture behind. Files
-/// of an earlier plan in the folder are removed: an old program must not stand beside a new report. Returns
-/// the names of the files.
+/// Makes the folder for results and makes sure that files can be written there.
+pub fn prepare(folder: &Path) -> Result<(), PlanFilesError> {
+    let unusable = |source| PlanFilesError::Folder { path: folder.to_owned(), source };
+    if folder.is_dir() {
+        return tempfile::tempfile_in(folder).map(drop).map_err(unusable);
+    }
+    // It is only made when there is something to put there, but what stands in its way shows now.
+    let parent = folder.ancestors().find(|a| a.exists()).unwrap_or(Path::new("."));
+    tempfile::tempfile_in(if parent.as_os_str().is_empty() { Path::new(".") } else { parent })
+        .map(drop)
+        .map_err(unusable)
+}
+
+/// Makes everything first, writes it under temporary names and renames it at the end, NC programs last, so that an
+/// error or an interruption leaves no program beside results that it does not belong to. Files of an earlier
+/// plan in the folder are removed. Returns the names of the files and enters them in `report`.
 ///
 /// A path that is not verified is written for study as `path_K.unverified.csv`, and never as NC.
 pub fn write(
@@ -44,24 +57,32 @@ pub fn write(
     outcome: &PlanOutcome,
     job: &PlanJob,
     post: &Post,
-    mut report: Report,
+    report: &mut Report,
 ) -> Result<Vec<String>, PlanFilesError> {
-    let mut files: Vec<(String, Vec<u8>)> = Vec::new();
+    let (mut files, mut programs): (Vec<(String, Vec<u8>)>, Vec<_>) = (Vec::new(), Vec::new());
     for (i, electrode) in outcome.electrodes.iter().enumerate() {
-        let own = electrode_files(i + 1, electrode, outcome, job, post)?;
-        report.electrodes[i].files = own.iter().map(|(name, _)| name.clone()).collect();
+        let (own, program) = electrode_files(i + 1, electrode, outcome, job, post)?;
+        report.electrodes[i].files = own.iter().chain(&program).map(|(name, _)| name.clone()).collect();
         files.extend(own);
+        programs.extend(program);
     }
     files.push(("report.json".to_owned(), report.json()?.into_bytes()));
     files.push(("report.html".to_owned(), report.html().into_bytes()));
+    files.extend(programs);
     let unusable = |source| PlanFilesError::Folder { path: folder.to_owned(), source };
     std::fs::create_dir_all(folder).map_err(unusable)?;
-    remove_results(folder).map_err(unusable)?;
+    let staging = tempfile::Builder::new().prefix(".sparkpath-").tempdir_in(folder).map_err(unusable)?;
     for (name, bytes) in &files {
-        write_atomically(&folder.join(name), bytes)?;
+        write_atomically(&staging.path().join(name), bytes)?;
+    }
+    remove_results(folder, &post.extension).map_err(unusable)?;
+    for (name, _) in &files {
+        std::fs::rename(staging.path().join(name), folder.join(name)).map_err(unusable)?;
     }
     Ok(files.into_iter().map(|(name, _)| name).collect())
 }
+
+type NamedFile = (String, Vec<u8>);
 
 fn electrode_files(
     k: usize,
@@ -69,15 +90,15 @@ fn electrode_files(
     whole: &PlanOutcome,
     job: &PlanJob,
     post: &Post,
-) -> Result<Vec<(String, Vec<u8>)>, PlanFilesError> {
+) -> Result<(Vec<NamedFile>, Option<NamedFile>), PlanFilesError> {
     let electrode_file = format!("electrode_{k}.stl");
     let in_mesh_frame = outcome.electrode.mesh.in_parent_of(&whole.channel.frame);
     let mut files = vec![(electrode_file.clone(), stl_bytes(&in_mesh_frame).map_err(PlanFilesError::Electrode)?)];
-    let Some(planned) = &outcome.plan.path else { return Ok(files) };
+    let Some(planned) = &outcome.plan.path else { return Ok((files, None)) };
     let csv = write_path_csv(&planned.path, &planned.certificate.row_clearance)?.into_bytes();
     if !planned.certificate.holds() {
         files.push((format!("path_{k}.unverified.csv"), csv));
-        return Ok(files);
+        return Ok((files, None));
     }
     files.push((format!("path_{k}.csv"), csv));
     let approved = Approved::new(planned.path.clone(), planned.certificate.clone())
@@ -89,12 +110,12 @@ fn electrode_files(
         axes: job.machine.axes.axes(),
     };
     let program = NcProgram::new(&approved, post, &job.export.nc, &nc_job)?;
-    files.push((format!("path_{k}.{}", program.extension()), program.text().as_bytes().to_vec()));
-    Ok(files)
+    let program = (format!("path_{k}.{}", program.extension()), program.text().as_bytes().to_vec());
+    Ok((files, Some(program)))
 }
 
-/// Removes what an earlier plan may have written.
-fn remove_results(folder: &Path) -> std::io::Result<()> {
+/// Removes what an earlier plan may have written; of a link only the link.
+fn remove_results(folder: &Path, extension: &str) -> std::io::Result<()> {
     for entry in std::fs::read_dir(folder)? {
         let entry = entry?;
         let name = entry.file_name();
@@ -102,8 +123,10 @@ fn remove_results(folder: &Path) -> std::io::Result<()> {
         let ours = name == "report.json"
             || name == "report.html"
             || numbered(&name, "electrode_").is_some_and(|rest| rest == ".stl")
-            || numbered(&name, "path_").is_some_and(|rest| rest.starts_with('.'));
-        if ours && entry.file_type()?.is_file() {
+            || numbered(&name, "path_").is_some_and(|rest| {
+                [".csv", ".unverified.csv", ".nc"].contains(&rest) || rest.strip_prefix('.') == Some(extension)
+            });
+        if ours && !entry.file_type()?.is_dir() {
             std::fs::remove_file(entry.path())?;
         }
     }
@@ -125,11 +148,12 @@ mod tests {
     fn only_results_of_a_plan_are_removed() {
         let folder = tempfile::tempdir().unwrap();
         let names = ["electrode_1.stl", "path_12.csv", "path_1.unverified.csv", "path_2.nc", "report.json"];
-        let others = ["electrode_x.stl", "path_.csv", "electrode_1.stl.bak", "part.stl", "report.txt"];
+        let others =
+            ["electrode_x.stl", "path_.csv", "electrode_1.stl.bak", "part.stl", "report.txt", "path_1.notes.txt"];
         for name in names.iter().chain(&others) {
             std::fs::write(folder.path().join(name), "x").unwrap();
         }
-        remove_results(folder.path()).unwrap();
+        remove_results(folder.path(), "nc").unwrap();
         assert!(names.iter().all(|n| !folder.path().join(n).exists()));
         assert!(others.iter().all(|n| folder.path().join(n).exists()));
     }

@@ -102,6 +102,25 @@ impl PlanJob {
         }
     }
 
+    /// Whether every parameter is usable, as far as that can be told before a mesh is seen.
+    pub fn validate(&self) -> Result<(), String> {
+        let text = |e: &dyn std::fmt::Display| e.to_string();
+        self.blisk.options.validate()?;
+        self.electrode.validate().map_err(|e| text(&e))?;
+        self.machine.validate().map_err(|e| text(&e))?;
+        self.plan.validate().map_err(|e| text(&e))?;
+        self.genetic.validate().map_err(|e| text(&e))?;
+        self.verify.validate().map_err(|e| format!("[verify] {e}"))?;
+        self.export.nc.validate().map_err(|e| format!("[export.nc] {e}"))?;
+        if self.verify.tolerance_mm >= 0.5 * self.electrode.spark_gap_mm {
+            return Err(format!(
+                "[verify] tolerance_mm = {}: must be less than half of spark_gap_mm = {}",
+                self.verify.tolerance_mm, self.electrode.spark_gap_mm
+            ));
+        }
+        Ok(())
+    }
+
     /// Reads a job file. Paths in it are relative to its folder.
     pub fn read(path: &Path) -> Result<Self, JobFileError> {
         let text = std::fs::read_to_string(path)
@@ -125,7 +144,7 @@ impl PlanJob {
         })?;
         let mut blisk = take_table(&mut table, "blisk")?;
         let mesh: Option<PathBuf> = take(&mut blisk, "blisk", "mesh")?;
-        let Some(mesh) = mesh else {
+        let Some(mesh) = mesh.filter(|m| !m.as_os_str().is_empty()) else {
             return Err(Problem::at("[blisk] ", "mesh is missing; give the mesh file, as in mesh = \"part.stl\""));
         };
         let units = take(&mut blisk, "blisk", "units")?.unwrap_or_default();
@@ -137,6 +156,10 @@ impl PlanJob {
                 "\"auto\" is not available; give the reductions, or let the search find h with [genetic] h = \"variable\"",
             ));
         }
+        let mut export: ExportSection = section(take_table(&mut table, "export")?, "export")?;
+        if export.post.ends_with(".toml") {
+            export.post = folder.join(&export.post).to_string_lossy().into_owned();
+        }
         let job = Self {
             blisk: BliskSection { mesh: Some(folder.join(mesh)), units, options: section(blisk, "blisk")? },
             electrode,
@@ -144,7 +167,7 @@ impl PlanJob {
             plan: section(take_table(&mut table, "plan")?, "plan")?,
             genetic: section(take_table(&mut table, "genetic")?, "genetic")?,
             verify: section(take_table(&mut table, "verify")?, "verify")?,
-            export: section(take_table(&mut table, "export")?, "export")?,
+            export,
         };
         match table.keys().next() {
             None => Ok(job),

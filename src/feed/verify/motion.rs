@@ -208,9 +208,10 @@ mod tests {
                 let placement = motion.pose(i as f64 / 1000.0).placement(O);
                 corners.map(|u| placement.transform_point3(O + u).dot(n))
             });
-            // 0.04 rad at 60 mm: the cubic part is below 0.04^3 * 60 / 48 and its like from the slides.
+            // Three turns of 0.04 rad at up to 60 mm and slides of 3.5 mm: third-order terms are below
+            // (0.12^3 * 60 + 3 * 0.12^2 * 3.5) / 48 = 5.3e-3 mm, where a bound of first order would be off by mm.
             let sampled = sampled.fold(f64::INFINITY, f64::min);
-            prop_assert!(sampled - bound < 5e-4, "{sampled} {bound}");
+            prop_assert!(sampled - bound < 5.5e-3, "{sampled} {bound}");
         }
     }
 }
