@@ -120,14 +120,6 @@ impl Planner<'_> {
             if contacts.is_empty() {
                 contacts.push(certificate.least);
             }
-            if std::env::var("DBG").is_ok() {
-                for v in &contacts {
-                    eprintln!(
-                        "DBG {:.4} s {:.3} row {} {:?} {:.3?} {:.3?}",
-                        v.distance, v.s, v.row, v.surface, v.on_electrode, v.on_blisk
-                    );
-                }
-            }
             self.learn(&mut lessons, model, &contacts);
             let nearest = contacts.iter().map(|c| c.s).fold(f64::INFINITY, f64::min);
             let kept = plan.nodes.iter().filter(|n| n.s < nearest - self.settings.plan.step_mm).count().max(1);
