@@ -74,7 +74,7 @@ fn doubt(distance: f64) -> f64 {
 }
 
 impl Bodies<'_> {
-    /// How far around the electrode its field must reach (mm): what is further away is taken to be that far.
+    /// How far beyond the wanted clearance the electrode's field reaches around it (mm): what is further away has room.
     pub const AROUND: f64 = 1.0;
 
     /// Clearance at a point of W from the blisk (mm), negative inside it. Outside the field it is a lower bound:
@@ -99,7 +99,7 @@ impl Bodies<'_> {
     /// Clearance of a point of the blisk from the electrode in its final pose.
     #[inline]
     fn distance_to_electrode(&self, p: DVec3) -> f64 {
-        self.electrode.value(p).unwrap_or(Self::AROUND)
+        self.electrode.value(p).unwrap_or(f64::INFINITY)
     }
 
     #[inline]

@@ -109,7 +109,10 @@ impl Planner<'_> {
             let surface_of = |p: DVec3| self.space.finder.surface_of(p);
             let certificate = verifier.verify(&path, &surface_of, self.settings.verify, self.progress, self.cancel)?;
             plan.verify_seconds += started.elapsed().as_secs_f64();
-            if certificate.holds() || plan.rounds > Self::ROUNDS || !certificate.ends_right {
+            if certificate.holds()
+                || plan.rounds > Self::ROUNDS
+                || (!certificate.ends_right && certificate.violations.is_empty())
+            {
                 let step = self.settings.plan.step_mm;
                 let smoothness = Axis::ALL.map(|axis| axis_smoothness(&curves, axis, step));
                 plan.path = Some(PlannedPath { curves, path, certificate, smoothness });
@@ -159,7 +162,7 @@ impl Planner<'_> {
         loop {
             plan.nodes.clone_from(&known);
             self.search(plan, model, genetic, lessons, kept)?;
-            if plan.jam.is_none() || kept <= 1 {
+            if plan.jam.is_none() || kept <= 1 || plan.rounds > Self::ROUNDS {
                 return Ok(());
             }
             kept /= 2;
@@ -221,7 +224,8 @@ impl Planner<'_> {
     fn electrode_field(&self, electrode: &Electrode) -> Result<DistanceField, PlanError> {
         const CELL: f64 = 0.35;
         let exact = ExactMesh::new(&electrode.mesh)?;
-        let region = electrode.mesh.bounds().grown(Bodies::AROUND);
+        let wanted = self.settings.spark_gap + self.settings.plan.margin_mm;
+        let region = electrode.mesh.bounds().grown(wanted + Bodies::AROUND);
         Ok(DistanceField::build(&electrode.mesh, &exact, region, CELL, self.progress, self.cancel)?)
     }
 

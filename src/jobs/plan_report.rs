@@ -65,7 +65,7 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
     ElectrodeReport {
         index,
         enters_from: side_name(electrode.enters_from).to_owned(),
-        extractable: plan.path.is_some(),
+        extractable: certificate.is_some_and(|c| c.ends_right && c.certified > 0.0),
         verified: plan.is_verified(),
         required_clearance_mm: job.electrode.spark_gap_mm,
         certified_clearance_mm: certificate.map(|c| c.certified),

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::blisk::electrode::{ElectrodeParams, EnterSide, Sizing};
 use crate::blisk::options::BliskOptions;
 use crate::export::nc::NcSettings;
-use crate::feed::genetic::GeneticParams;
+use crate::feed::genetic::{GeneticParams, ReductionMode};
 use crate::feed::machine::MachineParams;
 use crate::feed::plan_params::PlanParams;
 use crate::feed::verify::VerifyOptions;
@@ -112,6 +112,12 @@ impl PlanJob {
         self.genetic.validate().map_err(|e| text(&e))?;
         self.verify.validate().map_err(|e| format!("[verify] {e}"))?;
         self.export.nc.validate().map_err(|e| format!("[export.nc] {e}"))?;
+        if self.electrode.mesh.is_some() && self.genetic.h == ReductionMode::Variable {
+            return Err(
+                "[genetic] h = \"variable\": an electrode mesh of your own cannot be reduced; use h = \"given\""
+                    .to_owned(),
+            );
+        }
         if self.verify.tolerance_mm >= 0.5 * self.electrode.spark_gap_mm {
             return Err(format!(
                 "[verify] tolerance_mm = {}: must be less than half of spark_gap_mm = {}",
