@@ -4,3 +4,6 @@
 pub mod plan;
 pub mod plan_files;
 pub mod plan_report;
+pub mod pipeline;
+pub mod stages;
+pub mod worker;

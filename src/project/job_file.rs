@@ -139,8 +139,24 @@ impl PlanJob {
         })
     }
 
+    /// The parameters in a JSON value as [`serde_json::to_value`] makes it of a job, paths relative to `folder`.
+    pub(super) fn from_json(value: serde_json::Value, folder: &Path) -> Result<Self, String> {
+        let table = toml::Table::try_from(without_nulls(value)).map_err(|e| one_line(&e.to_string()))?;
+        Self::from_table(table, folder).map_err(|Problem { place, message }| place + &message)
+    }
+
+    /// The job as a job file for the command line. Its paths are as they stand here, so it belongs in the working
+    /// folder unless they are absolute.
+    ///
+    /// # Errors
+    /// If a number has no form in TOML.
+    pub fn to_toml(&self) -> Result<String, String> {
+        let value = serde_json::to_value(self).map_err(|e| e.to_string())?;
+        toml::to_string_pretty(&without_nulls(value)).map_err(|e| one_line(&e.to_string()))
+    }
+
     fn parse(text: &str, folder: &Path) -> Result<Self, Problem> {
-        let mut table: toml::Table = toml::from_str(text).map_err(|error| {
+        let table: toml::Table = toml::from_str(text).map_err(|error| {
             let place = error.span().map_or(String::new(), |span| {
                 let before = &text[..span.start.min(text.len())];
                 let line = before.matches('\n').count() + 1;
@@ -148,26 +164,32 @@ impl PlanJob {
             });
             Problem { place, message: one_line(error.message()) }
         })?;
-        let mut blisk = take_table(&mut table, "blisk")?;
-        let mesh: Option<PathBuf> = take(&mut blisk, "blisk", "mesh")?;
-        let Some(mesh) = mesh.filter(|m| !m.as_os_str().is_empty()) else {
+        let job = Self::from_table(table, folder)?;
+        if job.blisk.mesh.is_none() {
             return Err(Problem::at("[blisk] ", "mesh is missing; give the mesh file, as in mesh = \"part.stl\""));
-        };
-        let units = take(&mut blisk, "blisk", "units")?.unwrap_or_default();
-        let mut electrode: ElectrodeParams = section(take_table(&mut table, "electrode")?, "electrode")?;
-        electrode.mesh = electrode.mesh.map(|p| folder.join(p));
-        if electrode.size == Sizing::Auto {
+        }
+        if job.electrode.size == Sizing::Auto {
             return Err(Problem::at(
                 "[electrode] size: ",
                 "\"auto\" is not available; give the reductions, or let the search find h with [genetic] h = \"variable\"",
             ));
         }
+        Ok(job)
+    }
+
+    fn from_table(mut table: toml::Table, folder: &Path) -> Result<Self, Problem> {
+        let mut blisk = take_table(&mut table, "blisk")?;
+        let mesh: Option<PathBuf> = take(&mut blisk, "blisk", "mesh")?;
+        let mesh = mesh.filter(|m| !m.as_os_str().is_empty()).map(|m| folder.join(m));
+        let units = take(&mut blisk, "blisk", "units")?.unwrap_or_default();
+        let mut electrode: ElectrodeParams = section(take_table(&mut table, "electrode")?, "electrode")?;
+        electrode.mesh = electrode.mesh.map(|p| folder.join(p));
         let mut export: ExportSection = section(take_table(&mut table, "export")?, "export")?;
         if export.post.ends_with(".toml") {
             export.post = folder.join(&export.post).to_string_lossy().into_owned();
         }
         let job = Self {
-            blisk: BliskSection { mesh: Some(folder.join(mesh)), units, options: section(blisk, "blisk")? },
+            blisk: BliskSection { mesh, units, options: section(blisk, "blisk")? },
             electrode,
             machine: section(take_table(&mut table, "machine")?, "machine")?,
             plan: section(take_table(&mut table, "plan")?, "plan")?,
@@ -182,6 +204,18 @@ impl PlanJob {
                 "is no section of a plan; there are [blisk], [electrode], [machine], [plan], [genetic], [verify], [export]",
             )),
         }
+    }
+}
+
+/// TOML has no null: what is not there is left out.
+fn without_nulls(value: serde_json::Value) -> serde_json::Value {
+    match value {
+        serde_json::Value::Object(fields) => fields
+            .into_iter()
+            .filter(|(_, v)| !v.is_null())
+            .map(|(key, v)| (key, without_nulls(v)))
+            .collect(),
+        other => other,
     }
 }
 

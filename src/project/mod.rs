@@ -1,5 +1,17 @@
-//! Floor 5: the parameters of a whole job, as job files give them.
+//! Floor 5: the document. What a user chooses for a whole job, with undo, files and autosave. It holds no results:
+//! the same parameters and seed give the same results again, byte by byte.
 
-pub mod job_file;
+mod autosave;
+mod document;
+mod history;
+mod job_file;
+mod project_file;
+mod recent;
+mod stage;
 
-pub use job_file::{JobFileError, PlanJob};
+pub use autosave::{Autosave, Recovery};
+pub use document::{Document, OpenError};
+pub use job_file::{BliskSection, ExportSection, JobFileError, PlanJob};
+pub use project_file::{MeshReference, MovedMesh, ProjectFile, ProjectFileError};
+pub use recent::RecentFiles;
+pub use stage::{Fingerprint, Stage};

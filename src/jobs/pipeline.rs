@@ -1,0 +1,563 @@
+//! The steps of a document on the worker thread: what is done, what runs, what is stale, what failed.
+//!
+//! [`Pipeline::follow`] is called whenever the document may have changed. It starts part, channel and electrode by
+//! itself, since they take well under a second; the plan is started by the user. A result is kept with the
+//! fingerprint of what it was made from and is current only as long as that is the document's.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::plan::{PlanInputs, PlanOutcome};
+use super::stages::{self, Electrodes, FoundChannel, Part};
+use super::worker::{Ended, Message, Reporter, TaskId, Worker};
+use crate::export::report::InputFile;
+use crate::feed::search::{Convergence, Node};
+use crate::progress::{Cancel, Progress};
+use crate::project::{Document, Fingerprint, PlanJob, Stage};
+
+/// How a step stands.
+#[derive(Debug, Clone, PartialEq)]
+pub enum StageState {
+    /// Nothing has been done.
+    Missing,
+    /// It is being worked on.
+    Running,
+    /// Its result is that of the present parameters.
+    Done,
+    /// Its result is that of other parameters.
+    Stale,
+    /// It could not be done with the present parameters: one line why.
+    Failed(String),
+}
+
+/// What a step has found.
+enum Found {
+    Part(Part),
+    Channel(Box<FoundChannel>),
+    Electrode(Electrodes),
+    Plan(Box<PlanOutcome>),
+    Export(Exported),
+}
+
+/// What was written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Exported {
+    /// Where.
+    pub folder: PathBuf,
+    /// The names of the files.
+    pub written: Vec<String>,
+}
+
+/// Writes a plan of a job, made from these files, into a folder; answers the names of the files.
+pub type ExportWork = Box<
+    dyn FnOnce(&Path, &PlanOutcome, &PlanJob, Vec<InputFile>, &Progress, &Cancel) -> Result<Vec<String>, String> + Send,
+>;
+
+/// What a plan has found so far.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct PartialPlan {
+    /// Nodes from the final pose outwards.
+    pub nodes: Vec<Node>,
+    /// How each node's search converged.
+    pub convergence: Vec<Convergence>,
+}
+
+/// A line for the log.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Event {
+    /// Which step.
+    pub stage: Stage,
+    /// What became of it.
+    pub kind: EventKind,
+    /// In one sentence.
+    pub text: String,
+}
+
+/// What became of a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EventKind {
+    /// It is done.
+    Done,
+    /// It is done, and the answer is no.
+    Refused,
+    /// It was cancelled.
+    Cancelled,
+    /// It could not be done.
+    Failed,
+}
+
+/// What is being worked on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Running {
+    /// Which step.
+    pub stage: Stage,
+    /// What is being done, in the words of the computation.
+    pub doing: String,
+    /// How much of that is done, 0 to 1.
+    pub fraction: f64,
+    /// Detail, may be empty.
+    pub message: String,
+    /// When the step began.
+    pub since: Instant,
+    /// When what is being done now began.
+    doing_since: Instant,
+}
+
+impl Running {
+    /// Time that what is being done will still take if it goes on as it did; none while that cannot be told.
+    pub fn time_left(&self) -> Option<Duration> {
+        let spent = self.doing_since.elapsed();
+        let known = self.fraction > 0.03 && self.fraction < 1.0 && spent > Duration::from_millis(500);
+        known.then(|| spent.mul_f64((1.0 - self.fraction) / self.fraction))
+    }
+}
+
+/// One step's result and state.
+struct Slot<T> {
+    value: Option<(Fingerprint, Arc<T>)>,
+    failure: Option<(Fingerprint, String)>,
+    running: Option<(TaskId, Fingerprint)>,
+}
+
+impl<T> Default for Slot<T> {
+    fn default() -> Self {
+        Self { value: None, failure: None, running: None }
+    }
+}
+
+impl<T> Slot<T> {
+    fn current(&self, now: Fingerprint) -> Option<&Arc<T>> {
+        self.value.as_ref().filter(|(made_from, _)| *made_from == now).map(|(_, value)| value)
+    }
+
+    fn state(&self, now: Fingerprint) -> StageState {
+        if self.running.is_some_and(|(_, made_from)| made_from == now) {
+            return StageState::Running;
+        }
+        if let Some((_, text)) = self.failure.as_ref().filter(|(made_from, _)| *made_from == now) {
+            return StageState::Failed(text.clone());
+        }
+        match &self.value {
+            None => StageState::Missing,
+            Some((made_from, _)) if *made_from == now => StageState::Done,
+            Some(_) => StageState::Stale,
+        }
+    }
+
+    /// Whether nothing is known of, and nobody works on, what belongs to `now`.
+    fn wants_work(&self, now: Fingerprint) -> bool {
+        matches!(self.state(now), StageState::Missing | StageState::Stale)
+    }
+
+    /// Notes the end of `task` if it is the one this step waits for, and says what became of it.
+    fn end(
+        &mut self,
+        task: TaskId,
+        ended: Ended<Found>,
+        mine: fn(Found) -> Option<T>,
+        sentence: fn(&T) -> (EventKind, String),
+    ) -> Option<(EventKind, String)> {
+        let (_, made_from) = self.running.take_if(|(running, _)| *running == task)?;
+        let text = match ended {
+            Ended::Done(found) => match mine(found) {
+                Some(value) => {
+                    let said = sentence(&value);
+                    self.value = Some((made_from, Arc::new(value)));
+                    self.failure = None;
+                    return Some(said);
+                }
+                None => "internal error: a step answered with another step's result".to_owned(),
+            },
+            Ended::Cancelled => return Some((EventKind::Cancelled, "cancelled".to_owned())),
+            Ended::Failed(text) | Ended::Panicked(text) => text,
+        };
+        self.failure = Some((made_from, text.clone()));
+        Some((EventKind::Failed, text))
+    }
+
+    /// Takes being cancelled for an answer, where the step would otherwise begin again by itself.
+    fn rest(&mut self, made_from: Option<Fingerprint>) {
+        if let Some(made_from) = made_from {
+            self.failure = Some((made_from, "cancelled; load the part again to go on".to_owned()));
+        }
+    }
+}
+
+/// The fingerprints of the present document.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Now {
+    part: Fingerprint,
+    channel: Fingerprint,
+    electrode: Fingerprint,
+    plan: Fingerprint,
+    export: Fingerprint,
+}
+
+/// The steps of one document. See the module's page.
+pub struct Pipeline {
+    worker: Worker<PartialPlan, Found>,
+    part: Slot<Part>,
+    channel: Slot<FoundChannel>,
+    electrode: Slot<Electrodes>,
+    plan: Slot<PlanOutcome>,
+    export: Slot<Exported>,
+    approved: Option<Fingerprint>,
+    partial: PartialPlan,
+    running: Option<Running>,
+    now: Option<(PlanJob, Now)>,
+    reloads: u64,
+}
+
+impl Pipeline {
+    /// Starts the worker; `wake` is called from it whenever something has happened.
+    ///
+    /// # Errors
+    /// If the system gives no thread.
+    pub fn start(wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
+        Ok(Self {
+            worker: Worker::start(wake)?,
+            part: Slot::default(),
+            channel: Slot::default(),
+            electrode: Slot::default(),
+            plan: Slot::default(),
+            export: Slot::default(),
+            approved: None,
+            partial: PartialPlan::default(),
+            running: None,
+            now: None,
+            reloads: 0,
+        })
+    }
+
+    /// Takes in what the worker has said, and starts what `document` needs. Answers what has happened.
+    pub fn follow(&mut self, document: &mut Document) -> Vec<Event> {
+        let messages = self.worker.messages();
+        let mut events: Vec<Event> = messages.into_iter().filter_map(|m| self.take(m)).collect();
+        if let Some(part) = self.part.value.as_ref().map(|(_, part)| part.clone())
+            && let [blisk, ..] = &part.files[..]
+            && !blisk.sha256.is_empty()
+        {
+            for file in &part.files {
+                document.note_mesh(file.path.as_ref(), &file.sha256);
+            }
+        }
+        let now = self.refresh(document.job());
+        if self.approved.is_some_and(|of| of != now.plan) {
+            self.approved = None;
+            let text = "approval withdrawn: an input changed".to_owned();
+            events.push(Event { stage: Stage::Export, kind: EventKind::Cancelled, text });
+        }
+        // A plan for other parameters is of no use to anybody.
+        if self.plan.running.is_some_and(|(_, made_from)| made_from != now.plan) {
+            self.worker.cancel_from(Stage::Plan as u32);
+        }
+        self.start_early_stages(document.job(), now);
+        events
+    }
+
+    fn refresh(&mut self, job: &PlanJob) -> Now {
+        let content = self.part.value.as_ref().map(|(_, p)| p.content()).unwrap_or_default();
+        let of = |stage, content: &str| Fingerprint::of(stage, job, content);
+        let later = format!("{content}/{}", self.reloads);
+        let now = Now {
+            part: of(Stage::Part, &self.reloads.to_string()),
+            channel: of(Stage::Channel, &later),
+            electrode: of(Stage::Electrode, &later),
+            plan: of(Stage::Plan, &later),
+            export: of(Stage::Export, &later),
+        };
+        self.now = Some((job.clone(), now));
+        now
+    }
+
+    fn start_early_stages(&mut self, job: &PlanJob, now: Now) {
+        let job = job.clone();
+        if self.part.wants_work(now.part) {
+            let work = move |_: &Reporter<_, _>, p: &Progress, c: &Cancel| stages::load(&job, p, c).map(Found::Part);
+            let id = self.worker.submit(Stage::Part as u32, work);
+            self.part.running = Some((id, now.part));
+            return;
+        }
+        let Some(part) = self.part.current(now.part).cloned() else { return };
+        if self.channel.wants_work(now.channel) {
+            let work = move |_: &Reporter<_, _>, p: &Progress, c: &Cancel| {
+                stages::channel(&part, &job, p, c).map(|found| Found::Channel(Box::new(found)))
+            };
+            let id = self.worker.submit(Stage::Channel as u32, work);
+            self.channel.running = Some((id, now.channel));
+            return;
+        }
+        let Some(channel) = self.channel.current(now.channel).cloned() else { return };
+        if self.electrode.wants_work(now.electrode) {
+            let work = move |_: &Reporter<_, _>, p: &Progress, c: &Cancel| {
+                stages::electrodes(&part, &channel, &job, p, c).map(Found::Electrode)
+            };
+            let id = self.worker.submit(Stage::Electrode as u32, work);
+            self.electrode.running = Some((id, now.electrode));
+        }
+    }
+
+    /// Starts the plan for the parameters of the last [`follow`](Self::follow).
+    ///
+    /// # Errors
+    /// One line for the user if it cannot be started.
+    pub fn start_plan(&mut self) -> Result<(), String> {
+        let Some((job, now)) = self.now.clone() else { return Err("nothing is loaded".to_owned()) };
+        let Some(part) = self.part.current(now.part).cloned() else { return Err("the part is not loaded".to_owned()) };
+        job.validate()?;
+        self.partial = PartialPlan::default();
+        self.approved = None;
+        let work = move |_: &Reporter<PartialPlan, Found>, p: &Progress, c: &Cancel| {
+            let inputs = PlanInputs { blisk: (*part.mesh).clone(), own_electrode: part.own_electrode.clone(), job };
+            super::plan::run(&inputs, p, c).map(|o| Found::Plan(Box::new(o))).map_err(|e| e.to_string())
+        };
+        let id = self.worker.submit(Stage::Plan as u32, work);
+        self.plan.running = Some((id, now.plan));
+        self.plan.failure = None;
+        Ok(())
+    }
+
+    /// Cancels the plan, or whatever else runs.
+    pub fn cancel(&mut self) {
+        self.part.rest(self.part.running.map(|(_, of)| of));
+        self.channel.rest(self.channel.running.map(|(_, of)| of));
+        self.electrode.rest(self.electrode.running.map(|(_, of)| of));
+        self.worker.cancel_from(0);
+    }
+
+    /// Reads the files again.
+    pub fn reload(&mut self) {
+        self.reloads += 1;
+    }
+
+    fn take(&mut self, message: Message<PartialPlan, Found>) -> Option<Event> {
+        match message {
+            Message::Started(task) => {
+                let stage = self.stage_of(task)?;
+                let now = Instant::now();
+                self.running = Some(Running {
+                    stage,
+                    doing: stage.name().to_lowercase(),
+                    fraction: 0.0,
+                    message: String::new(),
+                    since: now,
+                    doing_since: now,
+                });
+                None
+            }
+            Message::Progress { task, stage: doing, fraction, message } => {
+                self.stage_of(task)?;
+                let running = self.running.as_mut()?;
+                if running.doing != doing {
+                    running.doing_since = Instant::now();
+                }
+                (running.doing, running.fraction, running.message) = (doing, fraction, message);
+                None
+            }
+            Message::Partial(task, partial) => {
+                self.stage_of(task)?;
+                self.partial = partial;
+                None
+            }
+            Message::Finished(task, ended) => {
+                let stage = self.stage_of(task)?;
+                let seconds = self.running.take_if(|r| r.stage == stage).map(|r| r.since.elapsed().as_secs_f64());
+                let (kind, text) = self.finish(stage, task, ended)?;
+                let took = seconds.map(|s| format!(" ({s:.1} s)")).unwrap_or_default();
+                Some(Event { stage, kind, text: text + &took })
+            }
+        }
+    }
+
+    fn stage_of(&self, task: TaskId) -> Option<Stage> {
+        let is = |running: Option<(TaskId, Fingerprint)>| running.is_some_and(|(id, _)| id == task);
+        if is(self.part.running) {
+            Some(Stage::Part)
+        } else if is(self.channel.running) {
+            Some(Stage::Channel)
+        } else if is(self.electrode.running) {
+            Some(Stage::Electrode)
+        } else if is(self.plan.running) {
+            Some(Stage::Plan)
+        } else {
+            is(self.export.running).then_some(Stage::Export)
+        }
+    }
+
+    fn finish(&mut self, stage: Stage, task: TaskId, ended: Ended<Found>) -> Option<(EventKind, String)> {
+        match stage {
+            Stage::Part => self.part.end(task, ended, Found::part, part_sentence),
+            Stage::Channel => self.channel.end(task, ended, Found::channel, channel_sentence),
+            Stage::Electrode => self.electrode.end(task, ended, Found::electrode, electrode_sentence),
+            Stage::Plan => self.plan.end(task, ended, Found::plan, plan_sentence),
+            Stage::Verify | Stage::Export => self.export.end(task, ended, Found::export, export_sentence),
+        }
+    }
+
+    /// How `stage` stands for the document of the last [`follow`](Self::follow).
+    pub fn state(&self, stage: Stage) -> StageState {
+        let Some((_, now)) = &self.now else { return StageState::Missing };
+        match stage {
+            Stage::Part => self.part.state(now.part),
+            Stage::Channel => self.channel.state(now.channel),
+            Stage::Electrode => self.electrode.state(now.electrode),
+            Stage::Plan => self.plan.state(now.plan),
+            Stage::Verify => match (self.plan.state(now.plan), &self.plan.value) {
+                (StageState::Done, Some((_, plan))) if !plan.is_verified() => {
+                    StageState::Failed(plan_sentence(plan).1)
+                }
+                (StageState::Failed(_) | StageState::Running, _) => StageState::Missing,
+                (state, _) => state,
+            },
+            Stage::Export => self.export.state(now.export),
+        }
+    }
+
+    /// The part, current or not.
+    pub fn part(&self) -> Option<&Arc<Part>> {
+        self.part.value.as_ref().map(|(_, v)| v)
+    }
+
+    /// The channel, current or not.
+    pub fn channel(&self) -> Option<&Arc<FoundChannel>> {
+        self.channel.value.as_ref().map(|(_, v)| v)
+    }
+
+    /// The electrodes, current or not.
+    pub fn electrodes(&self) -> Option<&Arc<Electrodes>> {
+        self.electrode.value.as_ref().map(|(_, v)| v)
+    }
+
+    /// The plan, current or not: see [`state`](Self::state).
+    pub fn plan(&self) -> Option<&Arc<PlanOutcome>> {
+        self.plan.value.as_ref().map(|(_, v)| v)
+    }
+
+    /// What the plan that runs has found so far.
+    pub fn partial_plan(&self) -> Option<&PartialPlan> {
+        self.plan.running.map(|_| &self.partial)
+    }
+
+    /// What is being worked on.
+    pub fn running(&self) -> Option<&Running> {
+        self.running.as_ref()
+    }
+
+    /// Whether anything waits or runs.
+    pub fn is_busy(&self) -> bool {
+        self.worker.is_busy()
+    }
+
+    /// The plan if it is that of the present parameters and every path of it is certified.
+    fn certified(&self) -> Option<(&Arc<PlanOutcome>, Fingerprint)> {
+        let (_, now) = self.now.as_ref()?;
+        self.plan.current(now.plan).filter(|plan| plan.is_verified()).map(|plan| (plan, now.plan))
+    }
+
+    /// Whether the plan can be approved.
+    pub fn can_approve(&self) -> bool {
+        self.certified().is_some()
+    }
+
+    /// Approves the plan. It can be exported from then on, until an input changes.
+    ///
+    /// # Errors
+    /// One line if there is no certified plan for the present parameters.
+    pub fn approve(&mut self) -> Result<(), String> {
+        let (_, fingerprint) = self.certified().ok_or("only a plan with a certificate that holds can be approved")?;
+        self.approved = Some(fingerprint);
+        Ok(())
+    }
+
+    /// Takes the approval back.
+    pub fn withdraw(&mut self) {
+        self.approved = None;
+    }
+
+    /// Whether the present plan is approved.
+    pub fn is_approved(&self) -> bool {
+        self.approved.is_some() && self.certified().map(|(_, of)| of) == self.approved
+    }
+
+    /// Writes the approved plan into `folder`.
+    ///
+    /// # Errors
+    /// One line if it is not approved.
+    pub fn start_export(&mut self, folder: &Path, write: ExportWork) -> Result<(), String> {
+        if !self.is_approved() {
+            return Err("approve the plan first".to_owned());
+        }
+        let (Some((job, now)), Some(part), Some((plan, _))) = (self.now.clone(), self.part(), self.certified()) else {
+            return Err("there is no plan to export".to_owned());
+        };
+        let (files, plan, folder) = (part.files.clone(), plan.clone(), folder.to_owned());
+        let work = move |_: &Reporter<PartialPlan, Found>, p: &Progress, c: &Cancel| {
+            write(&folder, &plan, &job, files, p, c).map(|written| Found::Export(Exported { folder, written }))
+        };
+        let id = self.worker.submit(Stage::Export as u32, work);
+        self.export.failure = None;
+        self.export.running = Some((id, now.export));
+        Ok(())
+    }
+
+    /// What was exported last.
+    pub fn exported(&self) -> Option<&Arc<Exported>> {
+        self.export.value.as_ref().map(|(_, v)| v)
+    }
+}
+
+impl Found {
+    fn part(self) -> Option<Part> {
+        if let Self::Part(part) = self { Some(part) } else { None }
+    }
+
+    fn channel(self) -> Option<FoundChannel> {
+        if let Self::Channel(channel) = self { Some(*channel) } else { None }
+    }
+
+    fn electrode(self) -> Option<Electrodes> {
+        if let Self::Electrode(electrodes) = self { Some(electrodes) } else { None }
+    }
+
+    fn plan(self) -> Option<PlanOutcome> {
+        if let Self::Plan(plan) = self { Some(*plan) } else { None }
+    }
+
+    fn export(self) -> Option<Exported> {
+        if let Self::Export(exported) = self { Some(exported) } else { None }
+    }
+}
+
+fn part_sentence(part: &Part) -> (EventKind, String) {
+    (EventKind::Done, format!("{}: {} triangles", part.name, part.mesh.triangles.len()))
+}
+
+fn channel_sentence(found: &FoundChannel) -> (EventKind, String) {
+    let channel = &found.channel;
+    let text = format!("{} blades, throat {:.2} mm", channel.blades, channel.throat.width_mm);
+    (EventKind::Done, text)
+}
+
+fn electrode_sentence(made: &Electrodes) -> (EventKind, String) {
+    let thinnest = made.electrodes.iter().map(|e| e.least_thickness_mm).fold(f64::INFINITY, f64::min);
+    let count = made.electrodes.len();
+    let plural = if count == 1 { "" } else { "s" };
+    (EventKind::Done, format!("{count} electrode{plural}, least thickness {thinnest:.2} mm"))
+}
+
+fn plan_sentence(plan: &PlanOutcome) -> (EventKind, String) {
+    let kind = if plan.is_verified() { EventKind::Done } else { EventKind::Refused };
+    // The first electrode that is not verified is what stands in the way.
+    let told = plan.electrodes.iter().enumerate().find(|(_, e)| !e.plan.is_verified());
+    let (i, electrode) = match told.or_else(|| plan.electrodes.iter().enumerate().next()) {
+        Some(found) => found,
+        None => return (EventKind::Refused, "there is no electrode".to_owned()),
+    };
+    let name = if plan.electrodes.len() > 1 { format!("electrode {} ", i + 1) } else { "the electrode ".to_owned() };
+    (kind, name + &electrode.plan.verdict(&plan.channel))
+}
+
+fn export_sentence(exported: &Exported) -> (EventKind, String) {
+    (EventKind::Done, format!("{} files written to {}", exported.written.len(), exported.folder.display()))
+}

@@ -1,0 +1,171 @@
+//! The steps before the plan, each a pure function of what it is given: the part, its channel, its electrodes.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::blisk::channel::Channel;
+use crate::blisk::electrode::{Electrode, EntrySide, from_user_mesh, make_electrodes};
+use crate::blisk::error::BliskError;
+use crate::blisk::find_channel::find_channel;
+use crate::blisk::parametric::{MeshResolution, ParametricBlisk};
+use crate::export::report::InputFile;
+use crate::geometry::exact::ExactMesh;
+use crate::geometry::mesh::Mesh;
+use crate::mesh_io::{ImportOptions, ImportReport, Imported, Units, import_file};
+use crate::progress::{Cancel, Progress};
+use crate::project::PlanJob;
+
+/// The meshes of a job as loaded.
+#[derive(Debug)]
+pub struct Part {
+    /// What to call it.
+    pub name: String,
+    /// The blisk (mm, in the axes of its file).
+    pub mesh: Arc<Mesh>,
+    /// What the import found; none for the built-in blisk.
+    pub report: Option<ImportReport>,
+    /// The user's own electrode in the blisk's coordinates (mm), if there is one.
+    pub own_electrode: Option<Mesh>,
+    /// The files for the report, the blisk's first.
+    pub files: Vec<InputFile>,
+}
+
+impl Part {
+    /// What tells the content of its files from any other.
+    pub fn content(&self) -> String {
+        self.files.iter().map(|f| f.sha256.as_str()).collect::<Vec<_>>().join("+")
+    }
+}
+
+/// The channel of a part, and the part made ready for exact questions.
+pub struct FoundChannel {
+    /// The channel.
+    pub channel: Channel,
+    /// The blisk in W.
+    pub blisk: Mesh,
+    /// The same for exact distances.
+    pub exact: ExactMesh,
+}
+
+/// The electrodes of a channel in their final pose, in the order of their parts.
+#[derive(Debug, Clone)]
+pub struct Electrodes {
+    /// The electrodes, in W.
+    pub electrodes: Vec<Electrode>,
+    /// Why the side that would have been taken first was not.
+    pub notes: Vec<String>,
+}
+
+/// Loads the blisk and, if the job has one, the user's own electrode. Reads files.
+///
+/// # Errors
+/// One line naming file, place and remedy.
+pub fn load(job: &PlanJob, progress: &Progress, cancel: &Cancel) -> Result<Part, String> {
+    let Some(path) = &job.blisk.mesh else { return demonstration() };
+    let blisk = import(path, job.blisk.units, progress, cancel)?;
+    let mut files = vec![input_file("blisk", path, &blisk)];
+    let own_electrode = match &job.electrode.mesh {
+        None => None,
+        Some(path) => {
+            let own = import(path, Units::Mm, progress, cancel)?;
+            files.push(input_file("electrode", path, &own));
+            Some(own.mesh)
+        }
+    };
+    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    Ok(Part { name, mesh: Arc::new(blisk.mesh), report: Some(blisk.report), own_electrode, files })
+}
+
+fn demonstration() -> Result<Part, String> {
+    let mesh = ParametricBlisk::demonstration().mesh(&MeshResolution::default()).map_err(|e| e.to_string())?;
+    let file = InputFile {
+        role: "blisk".to_owned(),
+        path: "built-in demonstration blisk".to_owned(),
+        triangles: mesh.triangles.len(),
+        unit: "mm".to_owned(),
+        unit_reason: "made by this program".to_owned(),
+        ..Default::default()
+    };
+    let name = "Demonstration blisk".to_owned();
+    Ok(Part { name, mesh: Arc::new(mesh), report: None, own_electrode: None, files: vec![file] })
+}
+
+fn import(path: &Path, units: Units, progress: &Progress, cancel: &Cancel) -> Result<Imported, String> {
+    let options = ImportOptions { units, ..Default::default() };
+    import_file(path, &options, progress, cancel).map_err(|e| e.to_string())
+}
+
+/// What a report says of a mesh file.
+pub fn input_file(role: &str, path: &Path, imported: &Imported) -> InputFile {
+    let report = &imported.report;
+    InputFile {
+        role: role.to_owned(),
+        path: path.display().to_string(),
+        sha256: imported.sha256.clone(),
+        triangles: report.triangles_read,
+        unit: report.unit.name().to_owned(),
+        unit_reason: report.unit_reason.clone(),
+        repairs: report.warnings.clone(),
+    }
+}
+
+/// Finds the channel.
+///
+/// # Errors
+/// One line for the user: what could not be found and how to give it by hand.
+pub fn channel(part: &Part, job: &PlanJob, progress: &Progress, cancel: &Cancel) -> Result<FoundChannel, String> {
+    if let Some(report) = part.report.as_ref().filter(|r| !r.watertight) {
+        return Err(format!(
+            "the surface is not closed ({} holes, {} edges of more than two triangles), so it has no inside and nothing can \
+             be proven about it; close it in the program it came from",
+            report.hole_count, report.non_manifold_edges
+        ));
+    }
+    job.blisk.options.validate()?;
+    let text = |e: BliskError| e.to_string();
+    let channel = find_channel(&part.mesh, &job.blisk.options, progress, cancel).map_err(text)?;
+    let blisk = part.mesh.in_frame(&channel.frame);
+    let exact = ExactMesh::new(&blisk).map_err(|e| e.to_string())?;
+    Ok(FoundChannel { channel, blisk, exact })
+}
+
+/// Makes the electrodes for the first side on which they can be made.
+///
+/// # Errors
+/// One line for the user, of the side that is tried first.
+pub fn electrodes(
+    part: &Part,
+    found: &FoundChannel,
+    job: &PlanJob,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Electrodes, String> {
+    job.electrode.validate().map_err(|e| e.to_string())?;
+    let mut notes = Vec::new();
+    for &side in job.electrode.enter.candidates() {
+        match on_side(part, found, job, side, progress, cancel) {
+            Ok(electrodes) => return Ok(Electrodes { electrodes, notes }),
+            Err(error) => notes.push(error),
+        }
+    }
+    Err(notes.into_iter().next().unwrap_or_default())
+}
+
+fn on_side(
+    part: &Part,
+    found: &FoundChannel,
+    job: &PlanJob,
+    side: EntrySide,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Vec<Electrode>, String> {
+    let (channel, exact, params) = (&found.channel, &found.exact, &job.electrode);
+    let made = match &part.own_electrode {
+        Some(own) => {
+            let own = own.in_frame(&channel.frame);
+            from_user_mesh(own, channel, exact, params.spark_gap_mm, side, cancel).map(|e| vec![e])
+        }
+        None => make_electrodes(channel, exact, params, side, progress, cancel),
+    };
+    made.map_err(|e| e.to_string())
+}
