@@ -10,6 +10,7 @@
 //! * [`feed`]: poses, search strategies, path and certificate.
 //! * [`export`]: NC, CSV and reports.
 //! * [`project`]: parameters of a whole job.
+//! * [`render`]: scenes to pictures, without a window.
 //! * [`jobs`]: whole jobs as pure functions of their inputs.
 //! * [`cli`]: the command line.
 //!
@@ -25,3 +26,4 @@ pub mod jobs;
 pub mod mesh_io;
 pub mod progress;
 pub mod project;
+pub mod render;
