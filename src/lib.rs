@@ -9,9 +9,9 @@
 //! * [`blisk`]: axis, channel, electrode, and a parametric blisk.
 //! * [`feed`]: poses, search strategies, path and certificate.
 //! * [`export`]: NC, CSV and reports.
-//! * [`project`]: parameters of a whole job.
+//! * [`project`]: the document: parameters of a whole job, undo, files.
 //! * [`render`]: scenes to pictures, without a window.
-//! * [`jobs`]: whole jobs as pure functions of their inputs.
+//! * [`jobs`]: whole jobs as pure functions of their inputs, and the thread they run on.
 //! * [`cli`]: the command line.
 //!
 //! Lengths are millimetres and angles radians everywhere inside; degrees appear only at the edges, in names
