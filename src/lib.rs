@@ -11,6 +11,7 @@
 //! * [`export`]: NC, CSV and reports.
 //! * [`project`]: the document: parameters of a whole job, undo, files.
 //! * [`render`]: scenes to pictures, without a window.
+//! * [`views`]: what is shown of a job, as scenes.
 //! * [`jobs`]: whole jobs as pure functions of their inputs, and the thread they run on.
 //! * [`cli`]: the command line.
 //!
@@ -27,3 +28,4 @@ pub mod mesh_io;
 pub mod progress;
 pub mod project;
 pub mod render;
+pub mod views;

@@ -3,6 +3,8 @@
 
 mod autosave;
 mod document;
+mod field_table;
+mod fields;
 mod history;
 mod job_file;
 mod project_file;
@@ -11,6 +13,7 @@ mod stage;
 
 pub use autosave::{Autosave, Recovery};
 pub use document::{Document, OpenError};
+pub use fields::{Field, Kind, Range, job_as_json, with_value};
 pub use job_file::{BliskSection, ExportSection, JobFileError, PlanJob};
 pub use project_file::{MeshReference, MovedMesh, ProjectFile, ProjectFileError};
 pub use recent::RecentFiles;

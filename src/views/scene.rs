@@ -1,0 +1,276 @@
+//! The scene of a job: which bodies are shown, where, and in which colours.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use super::shapes::ChannelShapes;
+use super::track::{Station, Track};
+use crate::blisk::channel::Channel;
+use crate::blisk::electrode::Electrode;
+use crate::geometry::frame::Frame;
+use crate::render::colour::{Colour, Theme};
+use crate::render::mesh::RenderMesh;
+use crate::render::scene::{Grid, LineSet, Marker, Object, ObjectId, Scene, SectionPlane, SurfaceValues};
+
+/// Something that can be shown or hidden as a whole.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Layer {
+    /// The whole blisk.
+    Blisk,
+    /// The blisk about the channel without its shroud.
+    Sector,
+    /// The low wall of the channel.
+    LowWall,
+    /// The high wall of the channel.
+    HighWall,
+    /// The electrode in the pose of the cursor.
+    Electrode,
+    /// The electrode at some of the nodes.
+    Ghosts,
+    /// The room that the electrode passes through.
+    Sweep,
+    /// The ways of some points of the electrode.
+    Paths,
+    /// Where the electrode comes closest, or jams.
+    Contact,
+    /// The grid below.
+    Grid,
+}
+
+impl Layer {
+    /// Every layer, in the order of the scene tree.
+    pub const ALL: [Self; 10] = [
+        Self::Blisk,
+        Self::Sector,
+        Self::LowWall,
+        Self::HighWall,
+        Self::Electrode,
+        Self::Ghosts,
+        Self::Sweep,
+        Self::Paths,
+        Self::Contact,
+        Self::Grid,
+    ];
+
+    /// Its name for a reader.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Blisk => "Blisk",
+            Self::Sector => "Channel sector",
+            Self::LowWall => "Low wall",
+            Self::HighWall => "High wall",
+            Self::Electrode => "Electrode",
+            Self::Ghosts => "Ghosts at nodes",
+            Self::Sweep => "Swept volume",
+            Self::Paths => "Point paths",
+            Self::Contact => "Contact",
+            Self::Grid => "Grid",
+        }
+    }
+
+    /// Whether it consists of bodies, which have a colour and an opacity.
+    pub fn is_body(self) -> bool {
+        !matches!(self, Self::Paths | Self::Contact | Self::Grid)
+    }
+}
+
+/// How a layer looks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Look {
+    /// Whether it is shown.
+    pub visible: bool,
+    /// 1 is solid.
+    pub opacity: f32,
+    /// Its colour.
+    pub colour: Colour,
+}
+
+/// How every layer looks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layers([Look; Layer::ALL.len()]);
+
+const STEEL: Colour = Colour::rgb(0x9d, 0xab, 0xba);
+const LOW: Colour = Colour::rgb(0x6f, 0xa8, 0xa0);
+const HIGH: Colour = Colour::rgb(0x8a, 0x96, 0xc8);
+const COPPER: Colour = Colour::rgb(0xd0, 0x83, 0x4f);
+const GHOST: Colour = Colour::rgb(0xe0, 0xb0, 0x8a);
+const BAD: Colour = Colour::rgb(0xe5, 0x48, 0x4d);
+
+impl Default for Layers {
+    fn default() -> Self {
+        let look = |visible, opacity, colour| Look { visible, opacity, colour };
+        Self([
+            look(true, 1.0, STEEL),
+            look(false, 1.0, STEEL),
+            look(false, 1.0, LOW),
+            look(false, 1.0, HIGH),
+            look(true, 1.0, COPPER),
+            look(false, 0.18, GHOST),
+            look(false, 0.5, GHOST),
+            look(true, 1.0, COPPER),
+            look(true, 1.0, BAD),
+            look(true, 1.0, STEEL),
+        ])
+    }
+}
+
+impl Layers {
+    /// How `layer` looks.
+    pub fn get(&self, layer: Layer) -> &Look {
+        &self.0[layer as usize]
+    }
+
+    /// How `layer` looks, to be changed.
+    pub fn get_mut(&mut self, layer: Layer) -> &mut Look {
+        &mut self.0[layer as usize]
+    }
+
+    /// Shows `layer` and hides every other body.
+    pub fn isolate(&mut self, layer: Layer) {
+        for other in Layer::ALL.into_iter().filter(|l| l.is_body()) {
+            self.get_mut(other).visible = other == layer;
+        }
+    }
+
+    /// What serves best to look into the channel: the sector and the electrode.
+    pub fn into_channel(&mut self) {
+        for (layer, visible) in [(Layer::Blisk, false), (Layer::Sector, true), (Layer::Electrode, true)] {
+            self.get_mut(layer).visible = visible;
+        }
+    }
+
+    /// The whole blisk as a solid.
+    pub fn whole_blisk(&mut self) {
+        *self.get_mut(Layer::Blisk) = *Self::default().get(Layer::Blisk);
+        self.get_mut(Layer::Sector).visible = false;
+    }
+}
+
+/// What a scene is made from. What is not there yet is not shown.
+#[derive(Clone, Copy)]
+pub struct SceneInputs<'a> {
+    /// The whole blisk in the axes of its file.
+    pub blisk: Option<&'a Arc<RenderMesh>>,
+    /// The channel and its shapes.
+    pub channel: Option<(&'a Channel, &'a ChannelShapes)>,
+    /// The electrode and its shape.
+    pub electrode: Option<(&'a Electrode, &'a Arc<RenderMesh>)>,
+    /// Its poses.
+    pub track: Option<&'a Track>,
+    /// Withdrawn distance of the cursor (mm).
+    pub s: f64,
+    /// Where it comes closest or jams: a point of the electrode in its final pose and one of the blisk, in W.
+    pub contact: Option<[DVec3; 2]>,
+    /// A quantity on the electrode.
+    pub values: Option<&'a SurfaceValues>,
+    /// How things look.
+    pub layers: &'a Layers,
+    /// What is selected.
+    pub selected: Option<Layer>,
+    /// A cut.
+    pub section: Option<SectionPlane>,
+    /// Colours of the surroundings.
+    pub theme: Theme,
+}
+
+/// The name of a layer's bodies in a scene.
+pub fn layer_id(layer: Layer) -> ObjectId {
+    ObjectId(layer as u32)
+}
+
+/// The layer that a body of a scene belongs to.
+pub fn layer_of(id: ObjectId) -> Option<Layer> {
+    Layer::ALL.get(id.0 as usize).copied()
+}
+
+/// The scene, in the coordinates of the loaded mesh.
+pub fn build(inputs: &SceneInputs) -> Scene {
+    let mut scene = Scene::new(inputs.theme);
+    let layers = inputs.layers;
+    let add = |scene: &mut Scene, layer: Layer, mesh: &Arc<RenderMesh>, at: DAffine3| {
+        let look = layers.get(layer);
+        if look.visible {
+            let object = Object::new(layer_id(layer), mesh.clone(), look.colour).at(at).with_opacity(look.opacity);
+            scene.objects.push(Object { selected: inputs.selected == Some(layer), ..object });
+        }
+    };
+    if let Some(blisk) = inputs.blisk {
+        add(&mut scene, Layer::Blisk, blisk, DAffine3::IDENTITY);
+    }
+    let to_mesh = inputs.channel.map_or(DAffine3::IDENTITY, |(channel, _)| from_w(&channel.frame));
+    if let Some((_, shapes)) = inputs.channel {
+        add(&mut scene, Layer::Sector, &shapes.sector, to_mesh);
+        add(&mut scene, Layer::LowWall, &shapes.low, to_mesh);
+        add(&mut scene, Layer::HighWall, &shapes.high, to_mesh);
+    }
+    if let Some((electrode, mesh)) = inputs.electrode {
+        let station = inputs.track.and_then(|t| t.at(inputs.s));
+        let placed = |station: &Station| to_mesh * station.pose.placement(electrode.reference_point);
+        let here = station.as_ref().map_or(to_mesh, placed);
+        add(&mut scene, Layer::Electrode, mesh, here);
+        if let Some(object) = scene.objects.iter_mut().find(|o| o.id == layer_id(Layer::Electrode)) {
+            object.values = inputs.values.cloned();
+        }
+        if let Some(track) = inputs.track {
+            let ghosts = spaced(track, 12);
+            ghosts.iter().for_each(|station| add(&mut scene, Layer::Ghosts, mesh, placed(station)));
+            let sweep = spaced(track, 60);
+            sweep.iter().for_each(|station| add(&mut scene, Layer::Sweep, mesh, placed(station)));
+            lines(&mut scene, inputs, electrode, track, to_mesh);
+        }
+        contact(&mut scene, inputs, electrode, station, to_mesh);
+    }
+    scene.section = inputs.section;
+    if layers.get(Layer::Grid).visible {
+        scene.grid = Grid::below(&scene.bounds());
+    }
+    scene
+}
+
+/// From W to the coordinates of the loaded mesh.
+pub(super) fn from_w(frame: &Frame) -> DAffine3 {
+    DAffine3 { matrix3: DMat3::from_cols(frame.x, frame.y, frame.z), translation: frame.origin }
+}
+
+/// About `count` of the track's stations, evenly along the way, the first and the last among them.
+fn spaced(track: &Track, count: usize) -> Vec<Station> {
+    let steps = count.max(2) - 1;
+    (0..=steps).filter_map(|i| track.at(track.length() * i as f64 / steps as f64)).collect()
+}
+
+/// The ways of the reference point and of the two ends of the burning part.
+fn lines(scene: &mut Scene, inputs: &SceneInputs, electrode: &Electrode, track: &Track, to_mesh: DAffine3) {
+    if !inputs.layers.get(Layer::Paths).visible {
+        return;
+    }
+    let o = electrode.reference_point;
+    let bounds = electrode.mesh.bounds();
+    let far_x = if electrode.enters_from.sign() < 0.0 { bounds.max.x } else { bounds.min.x };
+    let points = [o, DVec3::new(far_x, o.y, o.z)];
+    let colour = inputs.layers.get(Layer::Paths).colour;
+    let polylines = points
+        .iter()
+        .map(|p| track.stations().iter().map(|s| to_mesh.transform_point3(s.pose.placement(o).transform_point3(*p))))
+        .map(Iterator::collect::<Vec<_>>)
+        .filter(|line| line.len() > 1)
+        .collect();
+    scene.lines.push(LineSet { on_top: true, width_px: 1.5, ..LineSet::new(polylines, colour) });
+}
+
+fn contact(
+    scene: &mut Scene,
+    inputs: &SceneInputs,
+    electrode: &Electrode,
+    station: Option<Station>,
+    to_mesh: DAffine3,
+) {
+    let look = inputs.layers.get(Layer::Contact);
+    let (Some([on_electrode, on_blisk]), true) = (inputs.contact, look.visible) else { return };
+    let pose = station.map(|s| s.pose).unwrap_or_default();
+    let moved = pose.placement(electrode.reference_point).transform_point3(on_electrode);
+    let [a, b] = [moved, on_blisk].map(|p| to_mesh.transform_point3(p));
+    scene.lines.push(LineSet { on_top: true, width_px: 1.5, ..LineSet::new(vec![vec![a, b]], look.colour) });
+    scene.markers.push(Marker { at: b, colour: look.colour, radius_px: 5.0 });
+    scene.markers.push(Marker { at: a, colour: COPPER, radius_px: 3.5 });
+}
