@@ -13,11 +13,13 @@
 //! * [`render`]: scenes to pictures, without a window.
 //! * [`views`]: what is shown of a job, as scenes.
 //! * [`jobs`]: whole jobs as pure functions of their inputs, and the thread they run on.
+//! * [`app`]: the window.
 //! * [`cli`]: the command line.
 //!
 //! Lengths are millimetres and angles radians everywhere inside; degrees appear only at the edges, in names
 //! that end in `_deg`.
 
+pub mod app;
 pub mod blisk;
 pub mod cli;
 pub mod export;

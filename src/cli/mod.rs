@@ -24,15 +24,18 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::app::{Opening, run_window};
 use crate::mesh_io::{ImportOptions, Imported, Units, import_file};
 use crate::progress::{Cancel, Progress};
 
 /// Plans, verifies and exports EDM electrode feed paths for shrouded blisks.
 #[derive(Debug, Parser)]
-#[command(version, arg_required_else_help = true, propagate_version = true)]
+#[command(version, propagate_version = true, args_conflicts_with_subcommands = true)]
 struct Arguments {
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
+    /// Opens the window on this project or mesh; without it on the built-in demonstration blisk.
+    file: Option<PathBuf>,
     /// Progress as one JSON object a line on standard error, and the answer as JSON on standard output.
     #[arg(long, global = true)]
     json: bool,
@@ -185,7 +188,7 @@ pub fn run() -> ExitCode {
         Session { progress: terminal::progress(arguments.json), cancel, json: arguments.json, seed: arguments.seed };
     // A panic is a fault of the program: it ends as one line and exit code 1, like any other.
     std::panic::set_hook(Box::new(|_| {}));
-    let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| dispatch(&arguments.command, &session)));
+    let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| dispatch(&arguments, &session)));
     terminal::finish();
     match outcome {
         Ok(Ok(Answer::Yes)) => ExitCode::SUCCESS,
@@ -204,7 +207,11 @@ pub fn run() -> ExitCode {
     }
 }
 
-fn dispatch(command: &Command, session: &Session) -> anyhow::Result<Answer> {
+fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> {
+    let Some(command) = &arguments.command else {
+        let opening = arguments.file.clone().map_or(Opening::Demonstration, Opening::File);
+        return run_window(opening).map(|()| Answer::Yes).map_err(anyhow::Error::msg);
+    };
     match command {
         Command::Demo { out } => plan::demo(out, session),
         Command::Plan { job, out } => plan::plan(job, out, session),

@@ -149,6 +149,18 @@ pub struct Post {
 }
 
 impl Post {
+    /// The built-in post of this name, or the one in this file if it ends in `.toml`.
+    ///
+    /// # Errors
+    /// [`PostError`] when there is no such post or its file is not one.
+    pub fn named(name: &str) -> Result<Self, PostError> {
+        if !name.ends_with(".toml") {
+            return Self::load(name, None);
+        }
+        let text = std::fs::read_to_string(name).map_err(|source| PostError::Read { path: name.into(), source })?;
+        Self::from_toml(&text, name)
+    }
+
     /// The post called `name`: `NAME.toml` in `user_folder` if it is there, else the built-in one.
     ///
     /// # Errors

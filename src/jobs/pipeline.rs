@@ -14,6 +14,7 @@ use super::worker::{Ended, Message, Reporter, TaskId, Worker};
 use crate::export::report::InputFile;
 use crate::feed::search::{Convergence, Node};
 use crate::progress::{Cancel, Progress};
+use crate::render::mesh::RenderMesh;
 use crate::project::{Document, Fingerprint, PlanJob, Stage};
 
 /// How a step stands.
@@ -36,8 +37,14 @@ enum Found {
     Part(Part),
     Channel(Box<FoundChannel>),
     Electrode(Electrodes),
-    Plan(Box<PlanOutcome>),
+    Plan(Planned),
     Export(Exported),
+}
+
+/// A plan with its electrodes for the screen.
+struct Planned {
+    outcome: Arc<PlanOutcome>,
+    shapes: Vec<Arc<RenderMesh>>,
 }
 
 /// What was written.
@@ -200,7 +207,7 @@ pub struct Pipeline {
     part: Slot<Part>,
     channel: Slot<FoundChannel>,
     electrode: Slot<Electrodes>,
-    plan: Slot<PlanOutcome>,
+    plan: Slot<Planned>,
     export: Slot<Exported>,
     approved: Option<Fingerprint>,
     partial: PartialPlan,
@@ -310,7 +317,9 @@ impl Pipeline {
         self.approved = None;
         let work = move |_: &Reporter<PartialPlan, Found>, p: &Progress, c: &Cancel| {
             let inputs = PlanInputs { blisk: (*part.mesh).clone(), own_electrode: part.own_electrode.clone(), job };
-            super::plan::run(&inputs, p, c).map(|o| Found::Plan(Box::new(o))).map_err(|e| e.to_string())
+            let outcome = super::plan::run(&inputs, p, c).map_err(|e| e.to_string())?;
+            let shapes = outcome.electrodes.iter().map(|e| Arc::new(RenderMesh::new(&e.electrode.mesh))).collect();
+            Ok(Found::Plan(Planned { outcome: Arc::new(outcome), shapes }))
         };
         let id = self.worker.submit(Stage::Plan as u32, work);
         self.plan.running = Some((id, now.plan));
@@ -404,7 +413,7 @@ impl Pipeline {
             Stage::Electrode => self.electrode.state(now.electrode),
             Stage::Plan => self.plan.state(now.plan),
             Stage::Verify => match (self.plan.state(now.plan), &self.plan.value) {
-                (StageState::Done, Some((_, plan))) if !plan.is_verified() => {
+                (StageState::Done, Some((_, plan))) if !plan.outcome.is_verified() => {
                     StageState::Failed(plan_sentence(plan).1)
                 }
                 (StageState::Failed(_) | StageState::Running, _) => StageState::Missing,
@@ -431,7 +440,12 @@ impl Pipeline {
 
     /// The plan, current or not: see [`state`](Self::state).
     pub fn plan(&self) -> Option<&Arc<PlanOutcome>> {
-        self.plan.value.as_ref().map(|(_, v)| v)
+        self.plan.value.as_ref().map(|(_, v)| &v.outcome)
+    }
+
+    /// The electrodes of the plan for the screen.
+    pub fn plan_shapes(&self) -> Option<&[Arc<RenderMesh>]> {
+        self.plan.value.as_ref().map(|(_, v)| &v.shapes[..])
     }
 
     /// What the plan that runs has found so far.
@@ -452,7 +466,8 @@ impl Pipeline {
     /// The plan if it is that of the present parameters and every path of it is certified.
     fn certified(&self) -> Option<(&Arc<PlanOutcome>, Fingerprint)> {
         let (_, now) = self.now.as_ref()?;
-        self.plan.current(now.plan).filter(|plan| plan.is_verified()).map(|plan| (plan, now.plan))
+        let plan = &self.plan.current(now.plan)?.outcome;
+        plan.is_verified().then_some((plan, now.plan))
     }
 
     /// Whether the plan can be approved.
@@ -520,8 +535,8 @@ impl Found {
         if let Self::Electrode(electrodes) = self { Some(electrodes) } else { None }
     }
 
-    fn plan(self) -> Option<PlanOutcome> {
-        if let Self::Plan(plan) = self { Some(*plan) } else { None }
+    fn plan(self) -> Option<Planned> {
+        if let Self::Plan(plan) = self { Some(plan) } else { None }
     }
 
     fn export(self) -> Option<Exported> {
@@ -546,7 +561,8 @@ fn electrode_sentence(made: &Electrodes) -> (EventKind, String) {
     (EventKind::Done, format!("{count} electrode{plural}, least thickness {thinnest:.2} mm"))
 }
 
-fn plan_sentence(plan: &PlanOutcome) -> (EventKind, String) {
+fn plan_sentence(planned: &Planned) -> (EventKind, String) {
+    let plan = &planned.outcome;
     let kind = if plan.is_verified() { EventKind::Done } else { EventKind::Refused };
     // The first electrode that is not verified is what stands in the way.
     let told = plan.electrodes.iter().enumerate().find(|(_, e)| !e.plan.is_verified());

@@ -14,6 +14,8 @@ use crate::geometry::mesh::Mesh;
 use crate::mesh_io::{ImportOptions, ImportReport, Imported, Units, import_file};
 use crate::progress::{Cancel, Progress};
 use crate::project::PlanJob;
+use crate::render::mesh::RenderMesh;
+use crate::views::{ChannelShapes, channel_shapes};
 
 /// The meshes of a job as loaded.
 #[derive(Debug)]
@@ -22,6 +24,8 @@ pub struct Part {
     pub name: String,
     /// The blisk (mm, in the axes of its file).
     pub mesh: Arc<Mesh>,
+    /// The same for the screen.
+    pub shape: Arc<RenderMesh>,
     /// What the import found; none for the built-in blisk.
     pub report: Option<ImportReport>,
     /// The user's own electrode in the blisk's coordinates (mm), if there is one.
@@ -45,6 +49,8 @@ pub struct FoundChannel {
     pub blisk: Mesh,
     /// The same for exact distances.
     pub exact: ExactMesh,
+    /// What is shown of it.
+    pub shapes: ChannelShapes,
 }
 
 /// The electrodes of a channel in their final pose, in the order of their parts.
@@ -52,6 +58,8 @@ pub struct FoundChannel {
 pub struct Electrodes {
     /// The electrodes, in W.
     pub electrodes: Vec<Electrode>,
+    /// The same for the screen.
+    pub shapes: Vec<Arc<RenderMesh>>,
     /// Why the side that would have been taken first was not.
     pub notes: Vec<String>,
 }
@@ -73,7 +81,9 @@ pub fn load(job: &PlanJob, progress: &Progress, cancel: &Cancel) -> Result<Part,
         }
     };
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    Ok(Part { name, mesh: Arc::new(blisk.mesh), report: Some(blisk.report), own_electrode, files })
+    let shape = Arc::new(RenderMesh::new(&blisk.mesh));
+    cancel.check().map_err(|e| e.to_string())?;
+    Ok(Part { name, mesh: Arc::new(blisk.mesh), shape, report: Some(blisk.report), own_electrode, files })
 }
 
 fn demonstration() -> Result<Part, String> {
@@ -87,7 +97,8 @@ fn demonstration() -> Result<Part, String> {
         ..Default::default()
     };
     let name = "Demonstration blisk".to_owned();
-    Ok(Part { name, mesh: Arc::new(mesh), report: None, own_electrode: None, files: vec![file] })
+    let shape = Arc::new(RenderMesh::new(&mesh));
+    Ok(Part { name, mesh: Arc::new(mesh), shape, report: None, own_electrode: None, files: vec![file] })
 }
 
 fn import(path: &Path, units: Units, progress: &Progress, cancel: &Cancel) -> Result<Imported, String> {
@@ -126,7 +137,8 @@ pub fn channel(part: &Part, job: &PlanJob, progress: &Progress, cancel: &Cancel)
     let channel = find_channel(&part.mesh, &job.blisk.options, progress, cancel).map_err(text)?;
     let blisk = part.mesh.in_frame(&channel.frame);
     let exact = ExactMesh::new(&blisk).map_err(|e| e.to_string())?;
-    Ok(FoundChannel { channel, blisk, exact })
+    let shapes = channel_shapes(&blisk, &channel);
+    Ok(FoundChannel { channel, blisk, exact, shapes })
 }
 
 /// Makes the electrodes for the first side on which they can be made.
@@ -144,7 +156,10 @@ pub fn electrodes(
     let mut notes = Vec::new();
     for &side in job.electrode.enter.candidates() {
         match on_side(part, found, job, side, progress, cancel) {
-            Ok(electrodes) => return Ok(Electrodes { electrodes, notes }),
+            Ok(electrodes) => {
+                let shapes = electrodes.iter().map(|e| Arc::new(RenderMesh::new(&e.mesh))).collect();
+                return Ok(Electrodes { electrodes, shapes, notes });
+            }
             Err(error) => notes.push(error),
         }
     }

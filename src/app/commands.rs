@@ -1,0 +1,230 @@
+//! Everything that can be commanded, with its name and shortcut: one list for menus, palette, buttons and keys.
+
+use egui::{Key, KeyboardShortcut, Modifiers};
+
+use super::core::Core;
+use crate::jobs::pipeline::StageState;
+use crate::project::Stage;
+use crate::render::view::StandardView;
+
+/// A command of the user.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)] // `name` says what each of them is.
+pub enum Command {
+    NewDemonstration,
+    Open,
+    Reload,
+    Save,
+    SaveAs,
+    SaveJob,
+    Quit,
+    Undo,
+    Redo,
+    Preferences,
+    Plan,
+    Cancel,
+    Approve,
+    Withdraw,
+    Export,
+    Step(Stage),
+    Play,
+    NextNode,
+    PreviousNode,
+    FirstNode,
+    LastNode,
+    Fit,
+    View(StandardView),
+    Projection,
+    Section,
+    IntoChannel,
+    WholeBlisk,
+    Measure,
+    Colours,
+    Screenshot,
+    Theme,
+    Palette,
+    Log,
+    About,
+}
+
+impl Command {
+    /// Every command in the order of the palette.
+    pub fn all() -> Vec<Self> {
+        use Command as C;
+        let mut all = vec![
+            C::Open,
+            C::NewDemonstration,
+            C::Reload,
+            C::Save,
+            C::SaveAs,
+            C::SaveJob,
+            C::Undo,
+            C::Redo,
+            C::Plan,
+            C::Cancel,
+            C::Approve,
+            C::Withdraw,
+            C::Export,
+            C::Play,
+            C::NextNode,
+            C::PreviousNode,
+            C::FirstNode,
+            C::LastNode,
+            C::Fit,
+            C::Projection,
+            C::Section,
+            C::IntoChannel,
+            C::WholeBlisk,
+            C::Measure,
+            C::Colours,
+            C::Screenshot,
+            C::Theme,
+            C::Preferences,
+            C::Log,
+            C::Palette,
+            C::About,
+            C::Quit,
+        ];
+        all.extend(StandardView::ALL.map(C::View));
+        all.extend(Stage::ALL.map(C::Step));
+        all
+    }
+
+    /// Its name.
+    pub fn name(self) -> String {
+        let fixed = match self {
+            Self::NewDemonstration => "New from demonstration blisk",
+            Self::Open => "Open…",
+            Self::Reload => "Load meshes again",
+            Self::Save => "Save",
+            Self::SaveAs => "Save as…",
+            Self::SaveJob => "Save as job file…",
+            Self::Quit => "Quit",
+            Self::Undo => "Undo",
+            Self::Redo => "Redo",
+            Self::Preferences => "Preferences…",
+            Self::Plan => "Plan feed path",
+            Self::Cancel => "Cancel",
+            Self::Approve => "Approve",
+            Self::Withdraw => "Withdraw approval",
+            Self::Export => "Export…",
+            Self::Play => "Play or pause",
+            Self::NextNode => "Next node",
+            Self::PreviousNode => "Previous node",
+            Self::FirstNode => "To the first node",
+            Self::LastNode => "To the final pose",
+            Self::Fit => "Fit all",
+            Self::Projection => "Perspective or orthographic",
+            Self::Section => "Section plane",
+            Self::IntoChannel => "Look into the channel",
+            Self::WholeBlisk => "Show the whole blisk",
+            Self::Measure => "Measure",
+            Self::Colours => "Clearance colours",
+            Self::Screenshot => "Save picture…",
+            Self::Theme => "Dark or light",
+            Self::Palette => "Commands…",
+            Self::Log => "Log",
+            Self::About => "About Sparkpath",
+            Self::View(view) => return format!("View {}", view.name()),
+            Self::Step(stage) => return format!("Step {}: {}", stage.number(), stage.name()),
+        };
+        fixed.to_owned()
+    }
+
+    /// Its keys.
+    pub fn shortcut(self) -> Option<KeyboardShortcut> {
+        const NONE: Modifiers = Modifiers::NONE;
+        const CTRL: Modifiers = Modifiers::COMMAND;
+        let both = Modifiers::COMMAND | Modifiers::SHIFT;
+        let (modifiers, key) = match self {
+            Self::Open => (CTRL, Key::O),
+            Self::Reload => (CTRL, Key::R),
+            Self::Save => (CTRL, Key::S),
+            Self::SaveAs => (both, Key::S),
+            Self::Quit => (CTRL, Key::Q),
+            Self::Undo => (CTRL, Key::Z),
+            Self::Redo => (both, Key::Z),
+            Self::Preferences => (CTRL, Key::Comma),
+            Self::Plan => (NONE, Key::F5),
+            Self::Cancel => (NONE, Key::Escape),
+            Self::Export => (CTRL, Key::E),
+            Self::Play => (NONE, Key::Space),
+            Self::NextNode => (NONE, Key::ArrowRight),
+            Self::PreviousNode => (NONE, Key::ArrowLeft),
+            Self::FirstNode => (NONE, Key::Home),
+            Self::LastNode => (NONE, Key::End),
+            Self::Fit => (NONE, Key::F),
+            Self::Projection => (NONE, Key::P),
+            Self::Section => (NONE, Key::X),
+            Self::IntoChannel => (NONE, Key::C),
+            Self::WholeBlisk => (NONE, Key::B),
+            Self::Measure => (NONE, Key::M),
+            Self::Palette => (CTRL, Key::K),
+            Self::Log => (CTRL, Key::L),
+            Self::View(StandardView::Isometric) => (NONE, Key::Num0),
+            Self::View(StandardView::Front) => (NONE, Key::Num1),
+            Self::View(StandardView::Right) => (NONE, Key::Num3),
+            Self::View(StandardView::Top) => (NONE, Key::Num7),
+            _ => return None,
+        };
+        Some(KeyboardShortcut::new(modifiers, key))
+    }
+
+    /// Whether its keys are those that text fields and sliders need for themselves.
+    fn yields_to_focus(self) -> bool {
+        self.shortcut().is_some_and(|s| s.modifiers == Modifiers::NONE && s.logical_key != Key::F5)
+    }
+
+    /// Its name with its keys, for a tooltip.
+    pub fn hint(self, ctx: &egui::Context) -> String {
+        match self.shortcut() {
+            Some(keys) => format!("{}  ({})", self.name(), ctx.format_shortcut(&keys)),
+            None => self.name(),
+        }
+    }
+
+    /// Whether it can be done now.
+    pub fn is_enabled(self, core: &Core) -> bool {
+        match self {
+            Self::Undo => core.document.undo_label().is_some(),
+            Self::Redo => core.document.redo_label().is_some(),
+            Self::Plan => core.can_plan(),
+            Self::Cancel => core.pipeline.is_busy(),
+            Self::Approve => core.pipeline.can_approve() && !core.pipeline.is_approved(),
+            Self::Withdraw | Self::Export => core.pipeline.is_approved(),
+            Self::Play | Self::NextNode | Self::PreviousNode | Self::FirstNode | Self::LastNode => {
+                !core.track().is_empty()
+            }
+            Self::Colours => core.pipeline.state(Stage::Electrode) != StageState::Missing,
+            _ => true,
+        }
+    }
+
+    /// The commands whose keys were pressed.
+    pub fn pressed(ctx: &egui::Context) -> Vec<Self> {
+        let typing = ctx.egui_wants_keyboard_input();
+        // More modifiers first: Ctrl+Shift+S must not be taken for Ctrl+S.
+        let mut commands = Self::all();
+        commands.retain(|c| c.shortcut().is_some() && !(typing && c.yields_to_focus()));
+        commands.sort_by_key(|c| c.shortcut().map(|s| std::cmp::Reverse(s.modifiers.shift)));
+        ctx.input_mut(|input| {
+            commands.into_iter().filter(|c| c.shortcut().is_some_and(|s| input.consume_shortcut(&s))).collect()
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_commands_share_their_keys_or_their_name() {
+        let all = Command::all();
+        for (i, a) in all.iter().enumerate() {
+            for b in &all[i + 1..] {
+                assert!(a.shortcut().is_none() || a.shortcut() != b.shortcut(), "{a:?} and {b:?}");
+                assert_ne!(a.name(), b.name());
+            }
+        }
+    }
+}

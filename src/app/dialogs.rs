@@ -1,0 +1,254 @@
+//! Windows that ask or tell: unsaved work, recovery, moved meshes, preferences, export, log, about.
+
+use std::path::PathBuf;
+
+use egui::{Align2, Id, Modal, RichText, Ui};
+
+use super::core::Core;
+use super::preferences::{LengthUnit, Navigation, Preferences, ThemeChoice};
+use super::status::colour_of;
+use super::theme::palette;
+use crate::project::{MovedMesh, ProjectFile, Recovery};
+
+/// What the user is asked, one thing at a time.
+#[derive(Default)]
+pub enum Dialog {
+    /// Nothing.
+    #[default]
+    None,
+    /// Unsaved work is about to be lost by this.
+    Unsaved(Intent),
+    /// Work that an earlier program left behind.
+    Recover(Vec<Recovery>),
+    /// Meshes of a project that are gone or have changed.
+    Moved(Box<ProjectFile>, Vec<MovedMesh>, PathBuf),
+    /// Preferences.
+    Preferences,
+    /// What is exported and where.
+    Export,
+    /// About the program.
+    About,
+    /// Something went wrong: title and text.
+    Error(String, String),
+}
+
+/// What is done once unsaved work is out of the way.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Intent {
+    /// Ends the program.
+    Quit,
+    /// Opens this file.
+    Open(PathBuf),
+    /// Asks for a file to open.
+    AskOpen,
+    /// Starts from the demonstration blisk.
+    Demonstration,
+}
+
+/// What the user answered.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Answer {
+    /// Save, then do it.
+    SaveThen(Intent),
+    /// Do it, whatever is lost.
+    Discard(Intent),
+    /// Take over the work of this copy.
+    Recover(usize),
+    /// Remove the copies.
+    ForgetCopies,
+    /// Look for the mesh that was here.
+    Locate(PathBuf),
+    /// Open the project although meshes have changed.
+    OpenAnyway,
+    /// Choose the folder and export.
+    ExportTo,
+    /// Close the dialog.
+    Close,
+}
+
+/// Draws what is asked. Answers what the user answered.
+pub fn show(ctx: &egui::Context, core: &mut Core, dialog: &mut Dialog, adapter: &str) -> Option<Answer> {
+    let title = match dialog {
+        Dialog::None => return None,
+        Dialog::Unsaved(_) => "Unsaved work",
+        Dialog::Recover(_) => "Recovered work",
+        Dialog::Moved(..) => "Meshes of this project",
+        Dialog::Preferences => "Preferences",
+        Dialog::Export => "Export",
+        Dialog::About => "About Sparkpath",
+        Dialog::Error(title, _) => title,
+    }
+    .to_owned();
+    let response = Modal::new(Id::unique("dialog")).show(ctx, |ui| {
+        ui.set_width(420.0);
+        ui.heading(title);
+        ui.add_space(6.0);
+        match dialog {
+            Dialog::None => None,
+            Dialog::Unsaved(intent) => unsaved(ui, core, intent),
+            Dialog::Recover(copies) => recover(ui, copies),
+            Dialog::Moved(_, moved, _) => moved_meshes(ui, moved),
+            Dialog::Preferences => preferences(ui, &mut core.preferences),
+            Dialog::Export => export(ui, core),
+            Dialog::About => about(ui, adapter),
+            Dialog::Error(_, text) => {
+                ui.label(&*text);
+                buttons(ui, &[("Close", Answer::Close)])
+            }
+        }
+    });
+    let closes = response.should_close();
+    let answer = response.inner;
+    if answer.is_none() && closes && !matches!(dialog, Dialog::Recover(_)) {
+        return Some(Answer::Close);
+    }
+    answer
+}
+
+/// Buttons from right to left, the first the one that goes on.
+fn buttons(ui: &mut Ui, all: &[(&str, Answer)]) -> Option<Answer> {
+    ui.add_space(10.0);
+    let mut answer = None;
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        for (name, means) in all {
+            if ui.button(*name).clicked() {
+                answer = Some(means.clone());
+            }
+        }
+    });
+    answer
+}
+
+fn unsaved(ui: &mut Ui, core: &Core, intent: &Intent) -> Option<Answer> {
+    ui.label(format!("{} has changes that no file holds.", core.document.name()));
+    buttons(
+        ui,
+        &[
+            ("Save", Answer::SaveThen(intent.clone())),
+            ("Don't save", Answer::Discard(intent.clone())),
+            ("Cancel", Answer::Close),
+        ],
+    )
+}
+
+fn recover(ui: &mut Ui, copies: &[Recovery]) -> Option<Answer> {
+    ui.label("The program ended without saving. This work was kept:");
+    let mut answer = None;
+    for (i, copy) in copies.iter().enumerate() {
+        ui.horizontal(|ui| {
+            let name = copy.file.as_ref().map_or("not saved yet".to_owned(), |f| f.display().to_string());
+            let age = copy.written().and_then(|t| t.elapsed().ok()).map(|d| d.as_secs() / 60);
+            let age = age.map(|m| format!("{m} min ago")).unwrap_or_default();
+            if ui.button("Recover").clicked() {
+                answer = Some(Answer::Recover(i));
+            }
+            ui.label(name);
+            ui.label(RichText::new(age).color(palette(ui).faint));
+        });
+    }
+    answer.or(buttons(ui, &[("Later", Answer::Close), ("Throw away", Answer::ForgetCopies)]))
+}
+
+fn moved_meshes(ui: &mut Ui, moved: &[MovedMesh]) -> Option<Answer> {
+    let mut answer = None;
+    for mesh in moved {
+        let what = if mesh.changed { "has changed since the project was saved" } else { "is not there any more" };
+        ui.label(format!("{} {what}.", mesh.path.display()));
+        if ui.button("Find it…").clicked() {
+            answer = Some(Answer::Locate(mesh.path.clone()));
+        }
+        ui.add_space(4.0);
+    }
+    let mut all = vec![("Cancel", Answer::Close)];
+    if moved.iter().all(|m| m.changed) {
+        all.insert(0, ("Use as it is now", Answer::OpenAnyway));
+    }
+    answer.or(buttons(ui, &all))
+}
+
+fn preferences(ui: &mut Ui, p: &mut Preferences) -> Option<Answer> {
+    egui::Grid::new("preferences").num_columns(2).spacing([18.0, 8.0]).show(ui, |ui| {
+        let faint = palette(ui).faint;
+        ui.label(RichText::new("Theme").color(faint));
+        ui.horizontal(|ui| {
+            for (value, name) in [(ThemeChoice::Dark, "Dark"), (ThemeChoice::Light, "Light"), (ThemeChoice::System, "System")] {
+                ui.selectable_value(&mut p.theme, value, name);
+            }
+        });
+        ui.end_row();
+        ui.label(RichText::new("Scale").color(faint));
+        ui.horizontal(|ui| {
+            for scale in Preferences::SCALES {
+                ui.selectable_value(&mut p.scale, scale, format!("{:.0} %", 100.0 * scale));
+            }
+        });
+        ui.end_row();
+        ui.label(RichText::new("Lengths shown in").color(faint));
+        ui.horizontal(|ui| {
+            ui.selectable_value(&mut p.length, LengthUnit::Millimetre, "mm");
+            ui.selectable_value(&mut p.length, LengthUnit::Inch, "inch");
+        });
+        ui.end_row();
+        ui.label(RichText::new("Navigation").color(faint));
+        ui.horizontal(|ui| {
+            ui.selectable_value(&mut p.navigation, Navigation::Cad, "CAD");
+            ui.selectable_value(&mut p.navigation, Navigation::Blender, "Blender");
+        });
+        ui.end_row();
+        ui.label("");
+        ui.label(RichText::new(p.navigation.describe()).small().color(faint));
+        ui.end_row();
+        let label = ui.label(RichText::new("Threads").color(faint));
+        ui.horizontal(|ui| {
+            ui.add(egui::DragValue::new(&mut p.threads).range(0..=1024)).labelled_by(label.id);
+            ui.label(RichText::new("0: one a core; from the next start on").small().color(faint));
+        });
+        ui.end_row();
+    });
+    buttons(ui, &[("Close", Answer::Close)])
+}
+
+fn export(ui: &mut Ui, core: &Core) -> Option<Answer> {
+    let job = core.document.job();
+    ui.label("Written into the folder that you choose:");
+    for (name, what) in [
+        ("path_K.nc", format!("NC program, post {}", job.export.post)),
+        ("path_K.csv", "rows of the verified motion, in W".to_owned()),
+        ("electrode_K.stl", "electrode in its final pose, in the frame of the loaded mesh".to_owned()),
+        ("report.html, report.json", "pictures, curves, figures, verdict".to_owned()),
+    ] {
+        ui.horizontal(|ui| {
+            ui.label(RichText::new(name).monospace());
+            ui.label(RichText::new(what).color(palette(ui).faint));
+        });
+    }
+    ui.add_space(4.0);
+    ui.label(RichText::new("Results of an earlier plan in that folder are replaced.").color(palette(ui).warning));
+    buttons(ui, &[("Choose folder…", Answer::ExportTo), ("Cancel", Answer::Close)])
+}
+
+fn about(ui: &mut Ui, adapter: &str) -> Option<Answer> {
+    ui.label(format!("Sparkpath {}", env!("CARGO_PKG_VERSION")));
+    ui.label("Plans, verifies and exports EDM electrode feed paths for shrouded blisks. MIT or Apache-2.0.");
+    ui.label(RichText::new(adapter).small().color(palette(ui).faint));
+    buttons(ui, &[("Close", Answer::Close)])
+}
+
+/// The log in a window of its own.
+pub fn log(ctx: &egui::Context, core: &Core, open: &mut bool) {
+    let window = egui::Window::new("Log").open(open).default_size([560.0, 260.0]).anchor(Align2::LEFT_BOTTOM, [12.0, -40.0]);
+    window.show(ctx, |ui| {
+        egui::ScrollArea::vertical().stick_to_bottom(true).auto_shrink([false, false]).show(ui, |ui| {
+            for line in &core.log {
+                let ago = line.at.elapsed().map(|d| d.as_secs()).unwrap_or_default();
+                ui.horizontal_wrapped(|ui| {
+                    ui.label(RichText::new(format!("{ago:>4} s ago")).monospace().color(palette(ui).faint));
+                    ui.label(RichText::new(&line.text).color(colour_of(ui, line.kind)));
+                });
+            }
+            if core.log.is_empty() {
+                ui.weak("Nothing has been said yet.");
+            }
+        });
+    });
+}

@@ -1,0 +1,287 @@
+//! The form of a step, made from the table of parameters: label, value, unit, default, and what is wrong in place.
+
+use egui::{DragValue, Response, RichText, Slider, SliderClamping, Ui, vec2};
+use serde_json::Value;
+
+use super::core::Core;
+use super::theme::palette;
+use crate::project::{Field, Kind, PlanJob, Range, Stage, job_as_json, with_value};
+
+/// Width of the names (points).
+const LABEL_WIDTH: f32 = 128.0;
+/// Width of a number (points).
+const VALUE_WIDTH: f32 = 74.0;
+
+/// What a change of a field is to be.
+enum Change {
+    /// A value of its own.
+    To(Value),
+    /// One of many that come while the button is down or a number is typed.
+    Along(Value),
+    /// A file is to be chosen.
+    Choose,
+}
+
+/// What a form asks for that it cannot do itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Request {
+    /// An electrode mesh of one's own.
+    ElectrodeMesh,
+}
+
+/// Draws the fields of `stage`. Changes go into the document at once.
+pub fn show(ui: &mut Ui, core: &mut Core, stage: Stage) -> Option<Request> {
+    let job = job_as_json(core.document.job());
+    let defaults = job_as_json(&defaults(core.document.job()));
+    let mut group = "";
+    let mut request = None;
+    let groups = groups(stage);
+    for (name, folded) in groups {
+        if name == group {
+            continue;
+        }
+        group = name;
+        let fields: Vec<&Field> = Field::of(stage).filter(|f| f.group == name).collect();
+        let changed = |f: &&Field| f.get(&job) != f.get(&defaults);
+        let mut body = |ui: &mut Ui| {
+            for field in &fields {
+                match row(ui, field, &job, &defaults) {
+                    Some(Change::To(value)) => change(core, field, &job, value, false),
+                    Some(Change::Along(value)) => change(core, field, &job, value, true),
+                    Some(Change::Choose) => request = Some(Request::ElectrodeMesh),
+                    None => {}
+                }
+            }
+        };
+        if folded && !fields.iter().any(changed) {
+            egui::CollapsingHeader::new(name).id_salt((stage, name)).show(ui, body);
+        } else {
+            ui.add_space(4.0);
+            ui.label(RichText::new(name).small().color(palette(ui).faint));
+            body(ui);
+        }
+    }
+    if ui.input(|i| i.pointer.any_released()) {
+        core.end_gesture();
+    }
+    request
+}
+
+/// The defaults that fields are compared with: those of the same part.
+fn defaults(job: &PlanJob) -> PlanJob {
+    let mut defaults = PlanJob::demonstration();
+    if job.blisk.mesh.is_some() {
+        defaults.electrode = Default::default();
+    }
+    defaults.blisk.mesh = job.blisk.mesh.clone();
+    defaults
+}
+
+/// Headings of a step's form in order, and whether they start folded: what few need to touch.
+fn groups(stage: Stage) -> Vec<(&'static str, bool)> {
+    const FOLDED: [&str; 7] =
+        ["Radii", "Wall grid", "Body", "Own electrode", "Weights", "Fine points", "Genetic search"];
+    let mut groups: Vec<(&str, bool)> = Vec::new();
+    for field in Field::of(stage) {
+        if groups.last().is_none_or(|(name, _)| *name != field.group) {
+            groups.push((field.group, FOLDED.contains(&field.group)));
+        }
+    }
+    groups
+}
+
+fn change(core: &mut Core, field: &Field, job: &Value, value: Value, dragging: bool) {
+    // A value that the struct itself cannot hold never leaves its field.
+    if let Ok(job) = with_value(job, field, value) {
+        core.edit(&format!("{} {}", field.group, field.label), job, dragging);
+    }
+}
+
+fn row(ui: &mut Ui, field: &Field, job: &Value, defaults: &Value) -> Option<Change> {
+    let value = field.get(job);
+    let mut change = None;
+    ui.horizontal(|ui| {
+        let changed = value != field.get(defaults);
+        let name = RichText::new(field.label).color(if changed {
+            ui.visuals().strong_text_color()
+        } else {
+            ui.visuals().text_color()
+        });
+        let label = ui
+            .allocate_ui_with_layout(vec2(LABEL_WIDTH, 20.0), egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                ui.set_min_width(LABEL_WIDTH);
+                ui.add(egui::Label::new(name).truncate().selectable(false).sense(egui::Sense::click()))
+            })
+            .inner;
+        let hint = |ui: &mut Ui| tooltip(ui, field, field.get(defaults));
+        let label_id = label.id;
+        label.clone().on_hover_ui(hint);
+        label.context_menu(|ui| {
+            if ui.button("Reset to default").clicked() {
+                change = Some(Change::To(field.get(defaults).clone()));
+            }
+        });
+        if let Some(wanted) = widget(ui, field, value, label_id) {
+            change = Some(wanted);
+        }
+        if !field.unit.is_empty() && !matches!(field.kind, Kind::Flag) {
+            ui.label(RichText::new(field.unit).color(palette(ui).faint));
+        }
+    });
+    if let Some(problem) = field.problem(value) {
+        ui.horizontal(|ui| {
+            ui.add_space(LABEL_WIDTH + 6.0);
+            let text = RichText::new(format!("{} {problem}", field.label)).small().color(palette(ui).bad);
+            ui.add(egui::Label::new(text).wrap());
+        });
+    }
+    change
+}
+
+fn tooltip(ui: &mut Ui, field: &Field, default: &Value) {
+    ui.set_max_width(320.0);
+    let symbol = if field.symbol.is_empty() { String::new() } else { format!("   {}", field.symbol) };
+    ui.strong(format!("{}{symbol}", field.label));
+    ui.label(field.help);
+    let unit = if field.unit.is_empty() { String::new() } else { format!(" {}", field.unit) };
+    let range = match field.kind {
+        Kind::Number(r, _) | Kind::Slider(r, ..) | Kind::Integer(r) | Kind::AutoNumber(r, ..) => Some(r),
+        Kind::AutoInteger(r, _) => Some(r),
+        _ => None,
+    };
+    if let Some(Range(least, greatest)) = range {
+        let upper = if greatest.is_finite() { format!(" to {greatest}") } else { " or more".to_owned() };
+        ui.weak(format!("Range {least}{upper}{unit}"));
+    }
+    if let Some(text) = shown(default) {
+        ui.weak(format!("Default {text}{unit}"));
+    }
+    ui.weak(field.key());
+}
+
+fn shown(value: &Value) -> Option<String> {
+    match value {
+        Value::Null => None,
+        Value::String(text) => Some(text.clone()),
+        other => Some(other.to_string()),
+    }
+}
+
+fn widget(ui: &mut Ui, field: &Field, value: &Value, label: egui::Id) -> Option<Change> {
+    if field.problem(value).is_some() {
+        let bad = palette(ui).bad;
+        let widgets = &mut ui.visuals_mut().widgets;
+        widgets.inactive.bg_stroke = egui::Stroke::new(1.0, bad);
+        widgets.hovered.bg_stroke = egui::Stroke::new(1.0, bad);
+    }
+    match field.kind {
+        Kind::Number(_, decimals) => {
+            let mut number = value.as_f64().unwrap_or_default();
+            let response = drag(ui, &mut number, decimals).labelled_by(label);
+            along(&response, number.into())
+        }
+        Kind::Slider(_, Range(least, greatest), decimals) => {
+            let mut number = value.as_f64().unwrap_or_default();
+            let slider = Slider::new(&mut number, least..=greatest)
+                .clamping(SliderClamping::Never)
+                .show_value(false)
+                .step_by(10f64.powi(-(decimals as i32)));
+            let slid = ui.add(slider).labelled_by(label);
+            let typed = drag(ui, &mut number, decimals).labelled_by(label);
+            along(&slid, number.into()).or(along(&typed, number.into()))
+        }
+        Kind::Integer(_) => {
+            let mut number = value.as_u64().unwrap_or_default();
+            let response = whole(ui, &mut number).labelled_by(label);
+            along(&response, number.into())
+        }
+        Kind::AutoNumber(_, decimals, start) => auto(ui, value, start.into(), label, |ui, given| {
+            let mut number = given.as_f64().unwrap_or_default();
+            let response = drag(ui, &mut number, decimals).labelled_by(label);
+            along(&response, number.into())
+        }),
+        Kind::AutoInteger(_, start) => auto(ui, value, start.into(), label, |ui, given| {
+            let mut number = given.as_u64().unwrap_or_default();
+            let response = whole(ui, &mut number).labelled_by(label);
+            along(&response, number.into())
+        }),
+        Kind::Choice(words) => choice(ui, field, words, value, label),
+        Kind::Flag => {
+            let mut on = value.as_bool().unwrap_or_default();
+            let box_ = ui.add(egui::Checkbox::without_text(&mut on)).labelled_by(label);
+            box_.changed().then(|| Change::To(on.into()))
+        }
+        Kind::File => file(ui, value),
+    }
+}
+
+fn drag(ui: &mut Ui, number: &mut f64, decimals: usize) -> Response {
+    let speed = 10f64.powi(-(decimals as i32)) * 5.0;
+    let value = DragValue::new(number).speed(speed).max_decimals(decimals.max(6)).min_decimals(decimals.min(3));
+    ui.add_sized(vec2(VALUE_WIDTH, 20.0), value)
+}
+
+fn whole(ui: &mut Ui, number: &mut u64) -> Response {
+    ui.add_sized(vec2(VALUE_WIDTH, 20.0), DragValue::new(number).speed(0.2))
+}
+
+fn along(response: &Response, value: Value) -> Option<Change> {
+    response.changed().then_some(if response.dragged() || response.has_focus() {
+        Change::Along(value)
+    } else {
+        Change::To(value)
+    })
+}
+
+fn auto(
+    ui: &mut Ui,
+    value: &Value,
+    start: Value,
+    label: egui::Id,
+    given: impl FnOnce(&mut Ui, &Value) -> Option<Change>,
+) -> Option<Change> {
+    let mut is_auto = !value.is_number();
+    let toggled = ui.checkbox(&mut is_auto, "auto").labelled_by(label).changed();
+    if toggled {
+        return Some(Change::To(if is_auto { "auto".into() } else { start }));
+    }
+    if is_auto { None } else { given(ui, value) }
+}
+
+fn choice(
+    ui: &mut Ui,
+    field: &Field,
+    words: &'static [(&'static str, &'static str)],
+    value: &Value,
+    label: egui::Id,
+) -> Option<Change> {
+    let now = value.as_str();
+    let shown = words.iter().find(|(word, _)| Some(*word) == now).map(|(_, shown)| *shown);
+    let mut change = None;
+    let combo = egui::ComboBox::from_id_salt(field.pointer)
+        .selected_text(shown.or(now).unwrap_or("as in the job file"))
+        .width(VALUE_WIDTH + 40.0);
+    let response = combo.show_ui(ui, |ui| {
+        for (word, shown) in words {
+            if ui.selectable_label(Some(*word) == now, *shown).clicked() {
+                change = Some(Change::To((*word).into()));
+            }
+        }
+    });
+    response.response.labelled_by(label);
+    change
+}
+
+fn file(ui: &mut Ui, value: &Value) -> Option<Change> {
+    let mut change = None;
+    let name = value.as_str().map(|path| {
+        std::path::Path::new(path).file_name().map_or(path.to_owned(), |n| n.to_string_lossy().into_owned())
+    });
+    if ui.button(name.as_deref().unwrap_or("Choose…")).on_hover_text(value.as_str().unwrap_or("None")).clicked() {
+        change = Some(Change::Choose);
+    }
+    if value.is_string() && ui.button("None").on_hover_text("Derive the electrode from the channel").clicked() {
+        change = Some(Change::To(Value::Null));
+    }
+    change
+}

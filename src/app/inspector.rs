@@ -1,0 +1,110 @@
+//! The right panel: the pose at the cursor, the closest place, and what is selected or was clicked.
+
+use egui::{RichText, Ui};
+
+use super::core::Core;
+use super::stepper::fact;
+use super::theme::palette;
+use super::viewport::{Probe, Viewport};
+use crate::feed::pose::Axis;
+use crate::geometry::frame::Cylindrical;
+
+/// Draws it.
+pub fn show(ui: &mut Ui, core: &mut Core, viewport: &mut Viewport) {
+    egui::ScrollArea::vertical().id_salt("inspector").auto_shrink([false, false]).show(ui, |ui| {
+        super::scene_tree::show(ui, core);
+        pose(ui, core);
+        contact(ui, core);
+        probe(ui, core, viewport);
+    });
+}
+
+fn heading(ui: &mut Ui, text: &str) {
+    ui.add_space(6.0);
+    ui.separator();
+    ui.label(RichText::new(text).small().color(palette(ui).faint));
+}
+
+fn pose(ui: &mut Ui, core: &Core) {
+    let Some(station) = core.track().at(core.cursor.s) else { return };
+    let length = core.preferences.length;
+    heading(ui, "Pose of the electrode");
+    if core.plan_is_stale() {
+        ui.label(RichText::new("of a stale plan").small().color(palette(ui).warning));
+    }
+    let what = station.node.map_or("between nodes".to_owned(), |n| format!("node {n} from the final pose"));
+    fact(ui, "Place", what);
+    fact(ui, "Withdrawn", length.show(station.s, 3));
+    for axis in core.document.job().machine.axes.axes() {
+        let value = station.pose.get(*axis);
+        let text = if axis.is_rotary() { format!("{:.4} deg", value.to_degrees()) } else { length.show(value, 4) };
+        fact(ui, &axis.letter().to_string(), text);
+    }
+    let name = if core.track().is_path { "Clearance" } else { "Clearance, as the search sees it" };
+    fact(ui, name, length.show(station.clearance, 4));
+}
+
+fn contact(ui: &mut Ui, core: &mut Core) {
+    let (Some([_, on_blisk]), Some(s)) = (core.contact(), core.contact_s()) else { return };
+    let Some(outcome) = core.outcome() else { return };
+    let Some(plan) = core.pipeline.plan() else { return };
+    let (title, surface) = match (&outcome.plan.jam, &outcome.plan.path) {
+        (Some(jam), _) => (format!("Jams at node {}", jam.node), jam.surface),
+        (None, Some(path)) => ("Closest place of the path".to_owned(), path.certificate.least.surface),
+        (None, None) => return,
+    };
+    let lack = outcome.plan.jam.map(|j| j.lack);
+    let against = plan.channel.surface_name(surface);
+    let length = core.preferences.length;
+    heading(ui, &title);
+    fact(ui, "Against", against);
+    fact(ui, "Withdrawn", length.show(s, 3));
+    if let Some(lack) = lack {
+        fact(ui, "Missing", length.show(lack, 4));
+    }
+    point(ui, core, on_blisk);
+    if ui.button("Go there").clicked() {
+        core.cursor.s = s;
+        core.cursor.playing = false;
+    }
+}
+
+/// A point of W in both its coordinates.
+fn point(ui: &mut Ui, core: &Core, p: glam::DVec3) {
+    let (length, c) = (core.preferences.length, Cylindrical::from_point(p));
+    for (axis, value) in [Axis::X, Axis::Y, Axis::Z].into_iter().zip(p.to_array()) {
+        fact(ui, &format!("{} in W", axis.letter()), length.show(value, 3));
+    }
+    fact(ui, "Radius", length.show(c.r, 3));
+    fact(ui, "Angle about X", format!("{:.3} deg", c.theta.to_degrees()));
+}
+
+fn probe(ui: &mut Ui, core: &mut Core, viewport: &mut Viewport) {
+    let to_w = |p: glam::DVec3| core.pipeline.channel().map_or(p, |f| f.channel.frame.from_parent(p));
+    let length = core.preferences.length;
+    match viewport.probe().cloned() {
+        None if core.measuring => {
+            heading(ui, "Measure");
+            ui.label("Click two points in the view.");
+        }
+        None => {}
+        Some(Probe::Point { layer, at, normal }) => {
+            heading(ui, "Picked");
+            fact(ui, "On", layer.map_or("part", crate::views::Layer::name));
+            point(ui, core, to_w(at));
+            let n = core.pipeline.channel().map_or(normal, |f| f.channel.frame.direction_from_parent(normal));
+            fact(ui, "Normal", format!("{:.3}  {:.3}  {:.3}", n.x, n.y, n.z));
+        }
+        Some(Probe::Distance { from, to }) => {
+            heading(ui, "Measured");
+            fact(ui, "Distance", length.show((to - from).length(), 4));
+            let d = to_w(to) - to_w(from);
+            for (axis, value) in [Axis::X, Axis::Y, Axis::Z].into_iter().zip(d.to_array()) {
+                fact(ui, &format!("{} in W", axis.letter()), length.show(value, 4));
+            }
+            if ui.button("Clear").clicked() {
+                viewport.clear_probe();
+            }
+        }
+    }
+}

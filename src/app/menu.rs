@@ -1,0 +1,105 @@
+//! The menu bar and the workspace switch.
+
+use egui::{RichText, Ui};
+
+use super::commands::Command;
+use super::core::Core;
+use super::theme::palette;
+use crate::render::view::StandardView;
+
+/// Draws it. Answers a file to be opened from the list of recent ones.
+pub fn show(ui: &mut Ui, core: &mut Core) -> Option<std::path::PathBuf> {
+    let mut open = None;
+    egui::MenuBar::new().ui(ui, |ui| {
+        ui.menu_button("File", |ui| {
+            item(ui, core, Command::Open);
+            recent(ui, core, &mut open);
+            item(ui, core, Command::NewDemonstration);
+            item(ui, core, Command::Reload);
+            ui.separator();
+            item(ui, core, Command::Save);
+            item(ui, core, Command::SaveAs);
+            item(ui, core, Command::SaveJob);
+            ui.separator();
+            item(ui, core, Command::Export);
+            item(ui, core, Command::Screenshot);
+            ui.separator();
+            item(ui, core, Command::Quit);
+        });
+        ui.menu_button("Edit", |ui| {
+            let undo = core.document.undo_label().map(|l| format!("Undo {l}"));
+            let redo = core.document.redo_label().map(|l| format!("Redo {l}"));
+            named(ui, core, Command::Undo, undo);
+            named(ui, core, Command::Redo, redo);
+            ui.separator();
+            item(ui, core, Command::Preferences);
+        });
+        ui.menu_button("Plan", |ui| {
+            for command in [Command::Plan, Command::Cancel, Command::Approve, Command::Withdraw] {
+                item(ui, core, command);
+            }
+        });
+        ui.menu_button("View", |ui| {
+            item(ui, core, Command::Fit);
+            for view in StandardView::ALL {
+                item(ui, core, Command::View(view));
+            }
+            ui.separator();
+            for command in [Command::Projection, Command::Section, Command::IntoChannel, Command::WholeBlisk] {
+                item(ui, core, command);
+            }
+            ui.separator();
+            for command in [Command::Measure, Command::Colours, Command::Theme] {
+                item(ui, core, command);
+            }
+        });
+        ui.menu_button("Help", |ui| {
+            for command in [Command::Palette, Command::Log, Command::About] {
+                item(ui, core, command);
+            }
+        });
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| title(ui, core));
+    });
+    open
+}
+
+fn title(ui: &mut Ui, core: &Core) {
+    let dot = if core.document.is_unsaved() { " •" } else { "" };
+    ui.label(RichText::new(format!("{}{dot}", core.document.name())).strong())
+        .on_hover_text(if core.document.is_unsaved() { "There is unsaved work" } else { "Saved" });
+    ui.label(RichText::new("Blisk feed").color(palette(ui).accent));
+}
+
+fn recent(ui: &mut Ui, core: &mut Core, open: &mut Option<std::path::PathBuf>) {
+    ui.menu_button("Open recent", |ui| {
+        for path in core.preferences.recent.iter() {
+            let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+            if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
+                *open = Some(path.to_owned());
+            }
+        }
+        if core.preferences.recent.iter().len() == 0 {
+            ui.weak("None yet");
+        } else {
+            ui.separator();
+            if ui.button("Forget these").clicked() {
+                core.preferences.recent.clear();
+            }
+        }
+    });
+}
+
+fn item(ui: &mut Ui, core: &mut Core, command: Command) {
+    named(ui, core, command, None);
+}
+
+fn named(ui: &mut Ui, core: &mut Core, command: Command, name: Option<String>) {
+    let mut button = egui::Button::new(name.unwrap_or_else(|| command.name()));
+    if let Some(keys) = command.shortcut() {
+        button = button.shortcut_text(ui.ctx().format_shortcut(&keys));
+    }
+    if ui.add_enabled(command.is_enabled(core), button).clicked() {
+        core.push(command);
+        ui.close();
+    }
+}

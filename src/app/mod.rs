@@ -1,0 +1,28 @@
+//! Floor 6: the window. It draws the document and what has been made of it, sends edits and commands, and computes
+//! nothing. One file a panel; [`core::Core`] is what they all see.
+
+mod commands;
+mod core;
+mod dialogs;
+mod files;
+mod forms;
+mod inspector;
+mod menu;
+mod node_table;
+mod overlay;
+mod palette;
+mod plots;
+mod preferences;
+mod run;
+mod scene_tree;
+mod startup;
+mod status;
+mod step_facts;
+mod stepper;
+mod theme;
+mod timeline;
+mod viewport;
+mod viewport_gpu;
+
+pub use run::{Folders, Opening, SparkpathApp};
+pub use startup::{Window, preflight, run_window};

@@ -1,0 +1,68 @@
+//! The nodes of the track as a table; a click moves the cursor.
+
+use egui::{Align, Layout, RichText, Ui};
+use egui_extras::{Column, TableBuilder};
+
+use super::core::Core;
+use super::theme::palette;
+use crate::feed::pose::Axis;
+
+/// Draws it.
+pub fn show(ui: &mut Ui, core: &mut Core) {
+    let track = core.shared_track();
+    let nodes: Vec<_> = track.nodes().copied().collect();
+    let current = track.nearest_node(core.cursor.s);
+    let gap = core.document.job().electrode.spark_gap_mm - core.document.job().verify.tolerance_mm;
+    let colours = palette(ui);
+    let heads = ["node", "s mm", "X mm", "Y mm", "Z mm", "A deg", "B deg", "C deg", "clearance mm"];
+    let mut table = TableBuilder::new(ui)
+        .id_salt("nodes")
+        .striped(true)
+        .sense(egui::Sense::click())
+        .cell_layout(Layout::right_to_left(Align::Center))
+        .column(Column::exact(44.0))
+        .columns(Column::remainder().at_least(58.0), heads.len() - 1)
+        .auto_shrink([false, false]);
+    if let Some(row) = current {
+        table = table.scroll_to_row(row, None);
+    }
+    let table = table.header(20.0, |mut header| {
+        for head in heads {
+            header.col(|ui| {
+                ui.label(RichText::new(head).small().color(colours.faint));
+            });
+        }
+    });
+    let mut chosen = None;
+    table.body(|body| {
+        body.rows(18.0, nodes.len(), |mut row| {
+            let i = row.index();
+            let node = &nodes[i];
+            row.set_selected(current == Some(i));
+            let number = |v: f64| RichText::new(format!("{v:.4}")).monospace();
+            row.col(|ui| {
+                ui.label(RichText::new((i + 1).to_string()).monospace());
+            });
+            row.col(|ui| {
+                ui.label(number(node.s));
+            });
+            for axis in Axis::ALL {
+                let value = node.pose.get(axis);
+                row.col(|ui| {
+                    ui.label(number(if axis.is_rotary() { value.to_degrees() } else { value }));
+                });
+            }
+            row.col(|ui| {
+                let colour = if node.clearance < gap { colours.bad } else { ui.visuals().text_color() };
+                ui.label(number(node.clearance).color(colour));
+            });
+            if row.response().clicked() {
+                chosen = Some(node.s);
+            }
+        });
+    });
+    if let Some(s) = chosen {
+        core.cursor.s = s;
+        core.cursor.playing = false;
+    }
+}

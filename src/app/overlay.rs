@@ -1,0 +1,156 @@
+//! What is drawn over the 3-D view: the row of view buttons, the axis gizmo, the section's slider, the verdict.
+
+use egui::{Align2, Color32, FontId, Rect, RichText, Sense, Ui, UiBuilder, Role, WidgetInfo, pos2, vec2};
+use glam::DVec3;
+
+use super::commands::Command;
+use super::core::Core;
+use super::theme::palette;
+use super::viewport::Viewport;
+use crate::jobs::pipeline::StageState;
+use crate::project::Stage;
+use crate::render::scene::SectionPlane;
+use crate::render::view::StandardView;
+
+/// Draws all of it.
+pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core, viewport: &mut Viewport) {
+    buttons(ui, rect, core);
+    gizmo(ui, rect, viewport);
+    if core.section.is_some() {
+        section(ui, rect, core);
+    }
+    verdict(ui, rect, core);
+    measured(ui, rect, viewport, core);
+}
+
+fn buttons(ui: &mut Ui, rect: Rect, core: &mut Core) {
+    let area = Rect::from_min_size(rect.min + vec2(8.0, 8.0), vec2((rect.width() - 120.0).max(60.0), 26.0));
+    let mut child = ui.new_child(UiBuilder::new().max_rect(area).layout(egui::Layout::left_to_right(egui::Align::Center)));
+    child.spacing_mut().item_spacing.x = 3.0;
+    let views = [
+        ("Fit", Command::Fit, false),
+        ("Iso", Command::View(StandardView::Isometric), false),
+        ("Front", Command::View(StandardView::Front), false),
+        ("Right", Command::View(StandardView::Right), false),
+        ("Top", Command::View(StandardView::Top), false),
+        ("Channel", Command::IntoChannel, false),
+        ("Blisk", Command::WholeBlisk, false),
+        ("Section", Command::Section, core.section.is_some()),
+        ("Measure", Command::Measure, core.measuring),
+    ];
+    for (name, command, on) in views {
+        let enabled = command.is_enabled(core);
+        let button = egui::Button::new(RichText::new(name).size(12.0)).selected(on);
+        if child.add_enabled(enabled, button).on_hover_text(command.hint(ui.ctx())).clicked() {
+            core.push(command);
+        }
+    }
+}
+
+/// Three axes that turn with the view; a click on an end looks from there.
+fn gizmo(ui: &mut Ui, rect: Rect, viewport: &mut Viewport) {
+    const RADIUS: f32 = 34.0;
+    let centre = pos2(rect.right() - 52.0, rect.top() + 52.0);
+    let rotation = viewport.camera().0.view_rotation();
+    let colours = palette(ui).axes;
+    let mut ends: Vec<(DVec3, &str, Color32)> = Vec::new();
+    for (i, (axis, name)) in [(DVec3::X, "X"), (DVec3::Y, "Y"), (DVec3::Z, "Z")].into_iter().enumerate() {
+        ends.push((axis, name, colours[i]));
+        ends.push((-axis, "", colours[i]));
+    }
+    ends.sort_by(|a, b| (rotation * a.0).z.total_cmp(&(rotation * b.0).z));
+    for (axis, name, colour) in ends {
+        let seen = rotation * axis;
+        let at = centre + RADIUS * vec2(seen.x as f32, -seen.y as f32);
+        let size = if name.is_empty() { 6.0 } else { 8.5 };
+        let hit = Rect::from_center_size(at, vec2(18.0, 18.0));
+        let label = format!("View from {}{}", if name.is_empty() { "-" } else { "+" }, letter(axis));
+        let response = ui.interact(hit, ui.scope_id().with(("gizmo", &label)), Sense::click());
+        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &label));
+        let strength = if response.hovered() { 1.0 } else { (0.55 + 0.45 * seen.z).clamp(0.35, 1.0) as f32 };
+        if name.is_empty() {
+            ui.painter().circle(at, size, ui.visuals().panel_fill, egui::Stroke::new(1.5, colour.gamma_multiply(strength)));
+        } else {
+            ui.painter().line_segment([centre, at], egui::Stroke::new(2.0, colour.gamma_multiply(strength)));
+            ui.painter().circle_filled(at, size, colour.gamma_multiply(strength));
+            let ink = if ui.visuals().dark_mode { Color32::BLACK } else { Color32::WHITE };
+            ui.painter().text(at, Align2::CENTER_CENTER, name, FontId::proportional(11.0), ink);
+        }
+        if response.on_hover_text(label).clicked() {
+            viewport.turn_to(axis, ui.input(|i| i.time));
+        }
+    }
+}
+
+fn letter(axis: DVec3) -> char {
+    let i = axis.abs().to_array().iter().position(|v| *v > 0.5).unwrap_or(0);
+    ['X', 'Y', 'Z'][i]
+}
+
+/// Where the cut is and which way it looks.
+fn section(ui: &mut Ui, rect: Rect, core: &mut Core) {
+    let area = Rect::from_min_size(rect.left_bottom() + vec2(70.0, -40.0), vec2(430.0, 30.0));
+    egui::Frame::popup(ui.style()).shadow(egui::Shadow::NONE).inner_margin(4);
+    let mut child = ui.new_child(UiBuilder::new().max_rect(area).layout(egui::Layout::left_to_right(egui::Align::Center)));
+    child.painter().rect_filled(area, 5.0, child.visuals().window_fill.gamma_multiply(0.92));
+    child.add_space(8.0);
+    let Some(part) = core.pipeline.part().cloned() else { return };
+    let bounds = part.mesh.bounds();
+    let Some(plane) = &mut core.section else { return };
+    for (name, axis) in [("X", DVec3::X), ("Y", DVec3::Y), ("Z", DVec3::Z)] {
+        let on = plane.normal.dot(axis).abs() > 0.9;
+        if child.selectable_label(on, name).on_hover_text(format!("Cut across {name}")).clicked() {
+            *plane = SectionPlane { point: bounds.center(), normal: axis };
+        }
+    }
+    if child.button("Turn").on_hover_text("Take the other side away").clicked() {
+        plane.normal = -plane.normal;
+    }
+    let axis = plane.normal.abs();
+    let mut at = plane.point.dot(axis);
+    let range = bounds.min.dot(axis)..=bounds.max.dot(axis);
+    let label = child.label(RichText::new("at").color(palette(&child).faint));
+    let slider = egui::Slider::new(&mut at, range).suffix(" mm").max_decimals(2);
+    if child.add(slider).labelled_by(label.id).changed() {
+        plane.point += axis * (at - plane.point.dot(axis));
+    }
+    if child.button("Close").clicked() {
+        core.section = None;
+    }
+}
+
+/// The answer of the plan in one line at the bottom of the view.
+fn verdict(ui: &mut Ui, rect: Rect, core: &Core) {
+    let (Some(plan), Some(outcome)) = (core.pipeline.plan(), core.outcome()) else { return };
+    let colours = palette(ui);
+    let (colour, text) = match core.pipeline.state(Stage::Plan) {
+        StageState::Running => return,
+        StageState::Stale => (colours.warning, format!("stale: {}", outcome.plan.verdict(&plan.channel))),
+        _ if outcome.plan.is_verified() => (colours.good, outcome.plan.verdict(&plan.channel)),
+        _ => (colours.bad, outcome.plan.verdict(&plan.channel)),
+    };
+    let width = (rect.width() - 140.0).max(120.0);
+    let galley = ui.painter().layout(text.clone(), FontId::proportional(13.0), colour, width);
+    let size = galley.size() + vec2(20.0, 10.0);
+    let above = if core.section.is_some() { 50.0 } else { 10.0 };
+    let area = Rect::from_min_size(pos2(rect.center().x - 0.5 * size.x, rect.bottom() - size.y - above), size);
+    ui.painter().rect_filled(area, 6.0, ui.visuals().window_fill.gamma_multiply(0.92));
+    ui.painter().rect_stroke(area, 6.0, egui::Stroke::new(1.0, colour), egui::StrokeKind::Inside);
+    ui.painter().galley(area.min + vec2(10.0, 5.0), galley, colour);
+    let response = ui.interact(area, ui.scope_id().with("verdict"), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &text));
+}
+
+/// The measured distance beside its line.
+fn measured(ui: &Ui, rect: Rect, viewport: &Viewport, core: &Core) {
+    let Some(super::viewport::Probe::Distance { from, to }) = viewport.probe() else { return };
+    let (camera, size) = viewport.camera();
+    let Some(seen) = camera.project((*from + *to) * 0.5, size) else { return };
+    let p = seen.pixel / f64::from(ui.pixels_per_point());
+    let at = rect.min + vec2(p.x as f32, p.y as f32);
+    let text = core.preferences.length.show((*to - *from).length(), 3);
+    let galley = ui.painter().layout_no_wrap(text, FontId::proportional(13.0), ui.visuals().strong_text_color());
+    let area = Rect::from_center_size(at, galley.size() + vec2(12.0, 6.0));
+    ui.painter().rect_filled(area, 4.0, ui.visuals().window_fill);
+    ui.painter().galley(area.min + vec2(6.0, 3.0), galley, Color32::WHITE);
+}

@@ -1,0 +1,222 @@
+//! Plots over the withdrawn distance, all with the cursor of the 3-D view: axes, their derivatives, clearance, and how
+//! the search converged.
+
+use std::sync::Arc;
+
+use egui::{Color32, RichText, Ui, Vec2b};
+use egui_plot::{Corner, HLine, Legend, Line, LineStyle, Plot, PlotPoint, PlotPoints, VLine};
+
+use super::core::Core;
+use super::theme::palette;
+use crate::feed::pose::Axis;
+use crate::feed::search::Convergence;
+use crate::views::Track;
+
+/// Which plot is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tab {
+    /// Positions of all axes.
+    Positions,
+    /// Their first derivatives by the withdrawn distance.
+    Velocities,
+    /// Their second derivatives.
+    Accelerations,
+    /// Exact clearance at every row.
+    Clearance,
+    /// Objective over the generations.
+    Convergence,
+    /// The nodes as a table.
+    Table,
+}
+
+impl Tab {
+    /// Every tab in order.
+    pub const ALL: [Self; 6] =
+        [Self::Positions, Self::Velocities, Self::Accelerations, Self::Clearance, Self::Convergence, Self::Table];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        ["Axes", "Speed", "Acceleration", "Clearance", "Convergence", "Nodes"][self as usize]
+    }
+}
+
+/// The curves of a track, sampled once.
+#[derive(Default)]
+pub struct Curves {
+    of: Option<Arc<Track>>,
+    /// For each derivative (none, first, second) and axis.
+    axes: [[Vec<PlotPoint>; 6]; 3],
+    clearance: Vec<PlotPoint>,
+}
+
+impl Curves {
+    /// Samples `core`'s track anew if it is another than before.
+    pub fn follow(&mut self, core: &Core) {
+        let track = core.shared_track();
+        if self.of.as_ref().is_some_and(|of| Arc::ptr_eq(of, &track)) {
+            return;
+        }
+        self.clearance = track.stations().iter().map(|p| PlotPoint::new(p.s, p.clearance)).collect();
+        let shown = |axis: Axis, v: f64| if axis.is_rotary() { v.to_degrees() } else { v };
+        let curves = core.outcome().filter(|_| track.is_path).and_then(|o| o.plan.path.as_ref()).map(|p| &p.curves);
+        self.axes = std::array::from_fn(|order| {
+            std::array::from_fn(|i| {
+                let axis = Axis::ALL[i];
+                match curves {
+                    Some(curves) => {
+                        let steps = 400;
+                        let at = |k: usize| track.length() * k as f64 / f64::from(steps as u32);
+                        let value = |s: f64| shown(axis, curves.axis(axis).at(s)[order]);
+                        (0..=steps).map(|k| PlotPoint::new(at(k), value(at(k)))).collect()
+                    }
+                    None if order == 0 => {
+                        track.stations().iter().map(|p| PlotPoint::new(p.s, shown(axis, p.pose.get(axis)))).collect()
+                    }
+                    None => Vec::new(),
+                }
+            })
+        });
+        self.of = Some(track);
+    }
+}
+
+/// Draws tabs and the chosen plot.
+pub fn show(ui: &mut Ui, core: &mut Core, tab: &mut Tab, curves: &mut Curves) {
+    curves.follow(core);
+    ui.horizontal(|ui| {
+        for other in Tab::ALL {
+            ui.selectable_value(tab, other, other.name());
+        }
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.label(RichText::new(unit_note(*tab)).small().color(palette(ui).faint));
+        });
+    });
+    match *tab {
+        Tab::Table => super::node_table::show(ui, core),
+        Tab::Convergence => convergence(ui, core),
+        Tab::Clearance => clearance(ui, core, curves),
+        Tab::Positions => axes(ui, core, curves, 0),
+        Tab::Velocities => axes(ui, core, curves, 1),
+        Tab::Accelerations => axes(ui, core, curves, 2),
+    }
+}
+
+fn unit_note(tab: Tab) -> &'static str {
+    match tab {
+        Tab::Positions => "mm and deg over mm withdrawn",
+        Tab::Velocities => "mm/mm and deg/mm over mm withdrawn",
+        Tab::Accelerations => "mm/mm² and deg/mm² over mm withdrawn",
+        Tab::Clearance => "mm over mm withdrawn",
+        Tab::Convergence => "objective over generations",
+        Tab::Table => "",
+    }
+}
+
+/// A plot over the withdrawn distance; outside is on the left, as in the timeline.
+fn over_distance<'a>(
+    ui: &mut Ui,
+    core: &mut Core,
+    name: &'static str,
+    build: impl FnOnce(&mut egui_plot::PlotUi<'a>) + 'a,
+) {
+    let colour = palette(ui).accent;
+    let cursor = core.cursor.s;
+    let plot = Plot::new(name)
+        .invert_x(true)
+        .legend(Legend::default().position(Corner::LeftTop).text_style(egui::TextStyle::Small))
+        .allow_drag(false)
+        .allow_scroll(false)
+        .allow_zoom(Vec2b::new(false, false))
+        .allow_boxed_zoom(false)
+        .show_background(false)
+        .y_axis_min_width(44.0);
+    let response = plot.show(ui, move |plot| {
+        build(plot);
+        plot.vline(VLine::new("cursor", cursor).color(colour).width(1.5).allow_hover(false));
+        plot.pointer_coordinate()
+    });
+    response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Plot {name}")));
+    let pressed = response.response.dragged() || response.response.clicked();
+    if let (true, Some(point)) = (pressed || response.response.is_pointer_button_down_on(), response.inner) {
+        core.cursor.playing = false;
+        core.cursor.s = point.x.clamp(0.0, core.track().length());
+    }
+}
+
+fn axes(ui: &mut Ui, core: &mut Core, curves: &Curves, order: usize) {
+    if nothing(ui, core) {
+        return;
+    }
+    let colours = palette(ui).axes;
+    let name = ["axes", "speed", "acceleration"][order];
+    let moving = core.document.job().machine.axes.axes();
+    over_distance(ui, core, name, |plot| {
+        for axis in moving {
+            let points = &curves.axes[order][*axis as usize];
+            let label = format!("{} {}", axis.letter(), if axis.is_rotary() { "deg" } else { "mm" });
+            // X runs far beyond the others and says nothing that the abscissa does not.
+            if *axis == Axis::X {
+                continue;
+            }
+            plot.line(Line::new(label, PlotPoints::Borrowed(points)).color(colours[*axis as usize]).width(1.6));
+        }
+    });
+}
+
+fn clearance(ui: &mut Ui, core: &mut Core, curves: &Curves) {
+    if nothing(ui, core) {
+        return;
+    }
+    let job = core.document.job();
+    let (gap, least) = (job.electrode.spark_gap_mm, job.electrode.spark_gap_mm - job.verify.tolerance_mm);
+    let (line, required) = (palette(ui).good, palette(ui).bad);
+    // Far out everything is free: what is looked for lies near the gap.
+    let top = 6.0 * gap;
+    over_distance(ui, core, "clearance", |plot| {
+        plot.line(Line::new("clearance", PlotPoints::Borrowed(&curves.clearance)).color(line).width(1.6));
+        plot.hline(HLine::new(format!("required {gap} mm"), gap).color(required).width(1.0));
+        plot.hline(HLine::new("with tolerance", least).color(required).style(LineStyle::dashed_loose()).width(1.0));
+        plot.set_plot_bounds_y(0.0..=top);
+    });
+}
+
+fn convergence(ui: &mut Ui, core: &mut Core) {
+    let running = core.pipeline.partial_plan().map(|p| &p.convergence);
+    let Some(traces) = running.filter(|t| !t.is_empty()).or(core.outcome().map(|o| &o.plan.convergence)) else {
+        nothing(ui, core);
+        return;
+    };
+    let nearest = |t: &&Convergence| (t.s - core.cursor.s).abs();
+    let Some(trace) = traces.iter().min_by(|a, b| nearest(a).total_cmp(&nearest(b))) else { return };
+    let colours = palette(ui);
+    let points = |values: &[f64]| -> PlotPoints<'static> {
+        values.iter().enumerate().map(|(i, v)| [i as f64, *v]).collect()
+    };
+    let lines: [(&str, &[f64], Color32); 2] =
+        [("best", &trace.best, colours.accent), ("mean", &trace.mean, colours.faint)];
+    let plot = Plot::new("convergence")
+        .legend(Legend::default().text_style(egui::TextStyle::Small))
+        .allow_drag(false)
+        .allow_scroll(false)
+        .allow_zoom(Vec2b::new(false, false))
+        .allow_boxed_zoom(false)
+        .show_background(false)
+        .y_axis_min_width(44.0);
+    let response = plot.show(ui, |plot| {
+        for (name, values, colour) in lines {
+            plot.line(Line::new(format!("{name}, node at {:.2} mm", trace.s), points(values)).color(colour).width(1.6));
+        }
+    });
+    response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Plot convergence"));
+}
+
+/// Says that there is nothing to plot, if so.
+fn nothing(ui: &mut Ui, core: &Core) -> bool {
+    let empty = core.track().is_empty();
+    if empty {
+        ui.centered_and_justified(|ui| {
+            ui.label(RichText::new("Plan a feed path to see its curves.").color(palette(ui).faint));
+        });
+    }
+    empty
+}

@@ -1,0 +1,60 @@
+//! Opens the window, and says in plain words what stands in its way.
+
+use super::run::{Folders, Opening, SparkpathApp};
+
+/// What there is to open a window with.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Window {
+    /// Everything.
+    Possible,
+    /// Nothing to show it on, or nothing to draw it with: why, and what to do.
+    Impossible(String),
+}
+
+/// Whether a window can be opened here, told before anything is tried.
+pub fn preflight() -> Window {
+    let named = |name: &str| std::env::var_os(name).is_some_and(|v| !v.is_empty());
+    let has_display = cfg!(not(all(unix, not(target_os = "macos")))) || named("DISPLAY") || named("WAYLAND_DISPLAY");
+    if !has_display {
+        return Window::Impossible(
+            "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set): run it on a desktop, or use the commands \
+             that need no window, such as `sparkpath demo --out DIR`; `sparkpath --help` lists them"
+                .to_owned(),
+        );
+    }
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    if pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all())).is_empty() {
+        return Window::Impossible(
+            "no graphics driver was found: install one, or Mesa's software renderer (Debian: apt-get install \
+             mesa-vulkan-drivers libgl1-mesa-dri)"
+                .to_owned(),
+        );
+    }
+    Window::Possible
+}
+
+/// Opens the window and stays until it is closed.
+///
+/// # Errors
+/// In plain words, what stands in its way.
+pub fn run_window(opening: Opening) -> Result<(), String> {
+    if let Window::Impossible(why) = preflight() {
+        return Err(why);
+    }
+    let options = eframe::NativeOptions {
+        viewport: egui::ViewportBuilder::default()
+            .with_title("Sparkpath")
+            .with_app_id("sparkpath")
+            .with_inner_size([1440.0, 900.0])
+            .with_min_inner_size([960.0, 600.0])
+            .with_drag_and_drop(true),
+        renderer: eframe::Renderer::Wgpu,
+        ..Default::default()
+    };
+    let app = move |cc: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, Box<dyn std::error::Error + Send + Sync>> {
+        Ok(Box::new(SparkpathApp::new(cc, &opening, Folders::of_user())?))
+    };
+    eframe::run_native("sparkpath", options, Box::new(app)).map_err(|e| {
+        format!("the window could not be opened ({e}); the commands without a window still work, see `sparkpath --help`")
+    })
+}

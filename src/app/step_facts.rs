@@ -1,0 +1,192 @@
+//! What is known of a step, below its form, with the button that goes on.
+
+use egui::{RichText, Ui};
+
+use super::commands::Command;
+use super::core::Core;
+use super::stepper::{command_button, fact, notice};
+use super::theme::palette;
+use crate::blisk::electrode::EntrySide;
+use crate::jobs::pipeline::StageState;
+use crate::project::Stage;
+
+/// Draws them.
+pub fn show(ui: &mut Ui, core: &mut Core, stage: Stage) {
+    match stage {
+        Stage::Part => part(ui, core),
+        Stage::Channel => channel(ui, core),
+        Stage::Electrode => electrode(ui, core),
+        Stage::Plan => plan(ui, core),
+        Stage::Verify => verify(ui, core),
+        Stage::Export => export(ui, core),
+    }
+}
+
+fn next(ui: &mut Ui, core: &mut Core, stage: Stage) {
+    ui.add_space(8.0);
+    let text = format!("Go on to {}", stage.name());
+    command_button(ui, core, Command::Step(stage), &text, true);
+}
+
+fn part(ui: &mut Ui, core: &mut Core) {
+    ui.horizontal(|ui| {
+        command_button(ui, core, Command::Open, "Open…", core.pipeline.part().is_none());
+        command_button(ui, core, Command::NewDemonstration, "Demonstration", false);
+    });
+    ui.add_space(4.0);
+    let Some(part) = core.pipeline.part().cloned() else { return };
+    let length = core.preferences.length;
+    fact(ui, "File", &part.name);
+    fact(ui, "Triangles", part.mesh.triangles.len().to_string());
+    let size = part.mesh.bounds().size();
+    for (axis, extent) in ["Size along X", "Size along Y", "Size along Z"].into_iter().zip(size.to_array()) {
+        fact(ui, axis, length.show(extent, 2));
+    }
+    if let Some(report) = &part.report {
+        fact(ui, "Unit", report.unit.name());
+        fact(ui, "Surface", if report.watertight { "watertight" } else { "open" });
+        ui.add(egui::Label::new(RichText::new(&report.unit_reason).small().color(palette(ui).faint)).wrap());
+        for warning in &report.warnings {
+            notice(ui, palette(ui).warning, warning);
+        }
+    }
+    if core.pipeline.state(Stage::Part) == StageState::Done {
+        next(ui, core, Stage::Channel);
+    }
+}
+
+fn channel(ui: &mut Ui, core: &mut Core) {
+    let Some(found) = core.pipeline.channel().cloned() else { return };
+    let (channel, length) = (&found.channel, core.preferences.length);
+    let [low, high] = channel.span_x();
+    let (hub, shroud) = channel.radii_at(0.5 * (low + high));
+    fact(ui, "Blades", channel.blades.to_string());
+    fact(ui, "Channel", format!("{} of {}", channel.index, channel.blades));
+    fact(ui, "Throat", length.show(channel.throat.width_mm, 3));
+    fact(ui, "Turning", format!("{:.1} deg", channel.turning.to_degrees()));
+    fact(ui, "Hub radius, middle", length.show(hub, 2));
+    fact(ui, if channel.shrouded { "Shroud radius, middle" } else { "Tip radius, middle" }, length.show(shroud, 2));
+    fact(ui, "Blades along X", length.show(high - low, 2));
+    for assumed in &channel.assumed {
+        notice(ui, palette(ui).warning, assumed);
+    }
+    if core.pipeline.state(Stage::Channel) == StageState::Done {
+        next(ui, core, Stage::Electrode);
+    }
+}
+
+fn electrode(ui: &mut Ui, core: &mut Core) {
+    let Some(made) = core.pipeline.electrodes().cloned() else { return };
+    let length = core.preferences.length;
+    for (i, electrode) in made.electrodes.iter().enumerate() {
+        if made.electrodes.len() > 1 {
+            ui.strong(format!("Electrode {}", i + 1));
+        }
+        fact(ui, "Enters from", if electrode.enters_from == EntrySide::MinusX { "-X" } else { "+X" });
+        fact(ui, "Least thickness", length.show(electrode.least_thickness_mm, 3));
+        fact(ui, "Clearance in place", length.show(electrode.clearance_mm, 4));
+        fact(ui, "Volume", format!("{:.1} mm³", electrode.volume_mm3));
+        fact(ui, "Burn area", format!("{:.1} mm²", electrode.burn_area_mm2));
+        for assumed in &electrode.assumed {
+            notice(ui, palette(ui).warning, assumed);
+        }
+    }
+    if core.pipeline.state(Stage::Electrode) == StageState::Done {
+        next(ui, core, Stage::Plan);
+    }
+}
+
+fn plan(ui: &mut Ui, core: &mut Core) {
+    let running = core.pipeline.state(Stage::Plan) == StageState::Running;
+    ui.horizontal(|ui| {
+        if running {
+            command_button(ui, core, Command::Cancel, "Cancel", false);
+        } else {
+            let text = if core.pipeline.plan().is_some() { "Plan again" } else { "Plan feed path" };
+            command_button(ui, core, Command::Plan, text, true);
+        }
+    });
+    ui.add_space(4.0);
+    if running {
+        if let Some(partial) = core.pipeline.partial_plan() {
+            fact(ui, "Nodes so far", partial.nodes.len().to_string());
+            let withdrawn = partial.nodes.last().map_or(0.0, |n| n.s);
+            fact(ui, "Withdrawn", core.preferences.length.show(withdrawn, 2));
+        }
+        return;
+    }
+    let Some(plan) = core.pipeline.plan().cloned() else { return };
+    for (i, outcome) in plan.electrodes.iter().enumerate() {
+        let colour = if outcome.plan.is_verified() { palette(ui).good } else { palette(ui).bad };
+        let name = if plan.electrodes.len() > 1 { format!("Electrode {}: ", i + 1) } else { String::new() };
+        notice(ui, colour, &(name + &outcome.plan.verdict(&plan.channel)));
+        fact(ui, "Nodes", outcome.plan.nodes.len().to_string());
+        fact(ui, "Searches", outcome.plan.rounds.to_string());
+        fact(ui, "Points tested", outcome.plan.probes.to_string());
+        fact(ui, "Search", format!("{:.1} s", outcome.plan.search_seconds));
+        for (side, why) in &outcome.tried {
+            let side = if *side == EntrySide::MinusX { "-X" } else { "+X" };
+            ui.label(RichText::new(format!("From {side}: {why}")).small().color(palette(ui).faint));
+        }
+    }
+    if plan.is_verified() && core.pipeline.state(Stage::Plan) == StageState::Done {
+        next(ui, core, Stage::Verify);
+    }
+}
+
+fn verify(ui: &mut Ui, core: &mut Core) {
+    let Some(plan) = core.pipeline.plan().cloned() else {
+        ui.label("There is no path yet: plan one first.");
+        return;
+    };
+    let length = core.preferences.length;
+    for outcome in &plan.electrodes {
+        let Some(planned) = &outcome.plan.path else {
+            notice(ui, palette(ui).bad, &outcome.plan.verdict(&plan.channel));
+            continue;
+        };
+        let c = &planned.certificate;
+        let (colour, text) = if c.holds() {
+            (palette(ui).good, "Certified: the whole motion keeps the spark gap.".to_owned())
+        } else {
+            (palette(ui).bad, outcome.plan.verdict(&plan.channel))
+        };
+        notice(ui, colour, &text);
+        fact(ui, "Required", length.show(c.required, 4));
+        fact(ui, "Certified (lower bound)", length.show(c.certified, 4));
+        fact(ui, "Least met (upper bound)", length.show(c.least.distance, 4));
+        fact(ui, "  against", plan.channel.surface_name(c.least.surface));
+        fact(ui, "  withdrawn by", length.show(c.least.s, 3));
+        fact(ui, "Rows", planned.path.rows.len().to_string());
+        fact(ui, "Places too near", c.violations.len().to_string());
+        if ui.button("Go to the closest place").clicked() {
+            core.cursor.s = c.least.s;
+        }
+    }
+    if core.pipeline.can_approve() {
+        next(ui, core, Stage::Export);
+    }
+}
+
+fn export(ui: &mut Ui, core: &mut Core) {
+    let approved = core.pipeline.is_approved();
+    if approved {
+        notice(ui, palette(ui).good, "Approved. The approval is withdrawn as soon as an input changes.");
+    } else if !core.pipeline.can_approve() {
+        notice(ui, palette(ui).warning, "Only a plan with a certificate that holds, for the present parameters, can be approved.");
+    }
+    ui.horizontal(|ui| {
+        command_button(ui, core, Command::Approve, "Approve", !approved);
+        command_button(ui, core, Command::Export, "Export…", approved);
+        if approved {
+            command_button(ui, core, Command::Withdraw, "Withdraw", false);
+        }
+    });
+    let Some(exported) = core.pipeline.exported().cloned() else { return };
+    ui.add_space(6.0);
+    ui.strong("Written");
+    ui.add(egui::Label::new(RichText::new(exported.folder.display().to_string()).small()).wrap());
+    for name in &exported.written {
+        ui.label(RichText::new(name).monospace());
+    }
+}

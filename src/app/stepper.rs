@@ -1,0 +1,153 @@
+//! The left panel: the six steps with their state, the form of the open one, and what is known of it.
+
+use egui::{Align2, Color32, FontId, Rect, RichText, Sense, Ui, Role, WidgetInfo, pos2, vec2};
+
+use super::commands::Command;
+use super::core::Core;
+use super::forms::{self, Request};
+use super::step_facts;
+use super::theme::palette;
+use crate::jobs::pipeline::StageState;
+use crate::project::Stage;
+
+/// Draws stepper and form.
+pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Request> {
+    ui.add_space(2.0);
+    for stage in Stage::ALL {
+        if step(ui, stage, &core.pipeline.state(stage), core.step == stage).clicked() {
+            core.step = stage;
+        }
+    }
+    ui.add_space(4.0);
+    ui.separator();
+    let mut request = None;
+    egui::ScrollArea::vertical().id_salt("form").auto_shrink([false, false]).show(ui, |ui| {
+        introduction(ui, core.step);
+        if let StageState::Failed(why) = core.pipeline.state(core.step) {
+            notice(ui, palette(ui).bad, &why);
+        }
+        if core.pipeline.state(core.step) == StageState::Stale {
+            notice(ui, palette(ui).warning, stale_text(core.step));
+        }
+        request = forms::show(ui, core, core.step);
+        ui.add_space(8.0);
+        step_facts::show(ui, core, core.step);
+    });
+    request
+}
+
+fn stale_text(stage: Stage) -> &'static str {
+    match stage {
+        Stage::Plan | Stage::Verify => "An input has changed since this was planned. Plan again to bring it up to date.",
+        Stage::Export => "What was exported belongs to other parameters.",
+        _ => "An input has changed; this is being worked on.",
+    }
+}
+
+/// What is done in a step, for whoever sees it for the first time.
+fn introduction(ui: &mut Ui, stage: Stage) {
+    let text = match stage {
+        Stage::Part => "Load the finished blisk: drop a mesh into the window or open one.",
+        Stage::Channel => "Check axis, blades and the channel that was found; give by hand what is wrong.",
+        Stage::Electrode => "Tune gap and reductions by eye: the electrode follows.",
+        Stage::Plan => "Search the feed path, from the final pose outwards, node by node.",
+        Stage::Verify => "The whole motion is proven to keep the spark gap, or the place where it does not is shown.",
+        Stage::Export => "Approve the certified path and write it for the machine.",
+    };
+    ui.label(RichText::new(text).color(palette(ui).faint));
+    ui.add_space(2.0);
+}
+
+/// A framed sentence with a coloured edge.
+pub fn notice(ui: &mut Ui, colour: Color32, text: &str) {
+    let fill = colour.gamma_multiply(0.14);
+    egui::Frame::new().fill(fill).corner_radius(4).inner_margin(8).stroke(egui::Stroke::new(1.0, colour)).show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        ui.add(egui::Label::new(text).wrap());
+    });
+    ui.add_space(4.0);
+}
+
+/// One line of the stepper.
+fn step(ui: &mut Ui, stage: Stage, state: &StageState, open: bool) -> egui::Response {
+    let colours = palette(ui);
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 26.0), Sense::click());
+    let (word, colour) = match state {
+        StageState::Missing => ("", colours.faint),
+        StageState::Running => ("working", colours.accent),
+        StageState::Done => ("done", colours.good),
+        StageState::Stale => ("stale", colours.warning),
+        StageState::Failed(_) => ("failed", colours.bad),
+    };
+    let name = format!("{} {}", stage.number(), stage.name());
+    response.widget_info(|| {
+        let said = if word.is_empty() { name.clone() } else { format!("{name}, {word}") };
+        WidgetInfo::selected(Role::Tab, true, open, said)
+    });
+    let visuals = ui.visuals();
+    if open {
+        ui.painter().rect_filled(rect, 4.0, visuals.selection.bg_fill);
+    } else if response.hovered() {
+        ui.painter().rect_filled(rect, 4.0, visuals.widgets.hovered.weak_bg_fill);
+    }
+    let ink = if open { visuals.selection.stroke.color } else { visuals.text_color() };
+    badge(ui, pos2(rect.left() + 15.0, rect.center().y), stage, state, colour);
+    let font = FontId::proportional(13.0);
+    ui.painter().text(rect.left_center() + vec2(32.0, 0.0), Align2::LEFT_CENTER, stage.name(), font.clone(), ink);
+    let right = rect.right_center() - vec2(8.0, 0.0);
+    ui.painter().text(right, Align2::RIGHT_CENTER, word, FontId::proportional(11.5), colour);
+    response.on_hover_text(Command::Step(stage).name())
+}
+
+/// The number of a step in a circle that shows its state; a hook when it is done.
+fn badge(ui: &Ui, centre: egui::Pos2, stage: Stage, state: &StageState, colour: Color32) {
+    let painter = ui.painter();
+    let stroke = egui::Stroke::new(1.5, colour);
+    if *state == StageState::Done {
+        painter.circle_filled(centre, 9.0, colour);
+        let ink = egui::Stroke::new(1.8, ui.visuals().panel_fill);
+        let hook = [vec2(-4.0, 0.2), vec2(-1.2, 3.0), vec2(4.0, -3.0)].map(|d| centre + d);
+        painter.line(hook.to_vec(), ink);
+        return;
+    }
+    painter.circle_stroke(centre, 8.5, stroke);
+    let number = stage.number().to_string();
+    painter.text(centre, Align2::CENTER_CENTER, number, FontId::proportional(11.5), colour);
+    if *state == StageState::Running {
+        let angle = (ui.input(|i| i.time) * 4.0) as f32;
+        let point = centre + 8.5 * egui::Vec2::angled(angle);
+        painter.circle_filled(point, 2.5, colour);
+        // Twenty a second are enough for a dot that goes round.
+        ui.ctx().request_repaint_after(std::time::Duration::from_millis(50));
+    }
+}
+
+/// A button for a command, greyed while it cannot be done.
+pub fn command_button(ui: &mut Ui, core: &mut Core, command: Command, text: &str, primary: bool) {
+    let enabled = command.is_enabled(core);
+    let mut button = egui::Button::new(RichText::new(text).strong()).min_size(vec2(0.0, 26.0));
+    if primary && enabled {
+        let accent = palette(ui).accent;
+        let ink = if ui.visuals().dark_mode { Color32::BLACK } else { Color32::WHITE };
+        button = egui::Button::new(RichText::new(text).strong().color(ink)).fill(accent).min_size(vec2(0.0, 26.0));
+    }
+    if ui.add_enabled(enabled, button).on_hover_text(command.hint(ui.ctx())).clicked() {
+        core.push(command);
+    }
+}
+
+/// A name and a value in two aligned columns.
+pub fn fact(ui: &mut Ui, name: &str, value: impl Into<String>) {
+    let width = ui.available_width();
+    let (rect, _) = ui.allocate_exact_size(vec2(width, 18.0), Sense::hover());
+    let value = value.into();
+    let left = Rect::from_min_max(rect.min, pos2(rect.left() + 0.5 * width, rect.bottom()));
+    let right = Rect::from_min_max(pos2(rect.left() + 0.5 * width, rect.top()), rect.max);
+    let faint = palette(ui).faint;
+    let put = |ui: &mut Ui, at: Rect, text: RichText, layout: egui::Layout| {
+        let mut child = ui.new_child(egui::UiBuilder::new().max_rect(at).layout(layout));
+        child.add(egui::Label::new(text).truncate());
+    };
+    put(ui, left, RichText::new(name).color(faint), egui::Layout::left_to_right(egui::Align::Center));
+    put(ui, right, RichText::new(value), egui::Layout::right_to_left(egui::Align::Center));
+}

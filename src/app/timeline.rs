@@ -1,0 +1,126 @@
+//! The timeline: the nodes of the track from outside to the final pose, the cursor, and how it is played.
+
+use egui::{Align2, FontId, Key, Rect, RichText, Sense, Ui, Role, WidgetInfo, pos2, vec2};
+
+use super::commands::Command;
+use super::core::Core;
+use super::theme::palette;
+
+/// Draws it.
+pub fn show(ui: &mut Ui, core: &mut Core) {
+    ui.horizontal(|ui| {
+        controls(ui, core);
+        readout(ui, core);
+    });
+    strip(ui, core);
+}
+
+fn controls(ui: &mut Ui, core: &mut Core) {
+    let play = if core.cursor.playing { "⏸" } else { "▶" };
+    let buttons = [
+        (Command::FirstNode, "⏮", "First node"),
+        (Command::PreviousNode, "⏴", "Previous node"),
+        (Command::Play, play, "Play"),
+        (Command::NextNode, "⏵", "Next node"),
+        (Command::LastNode, "⏭", "Final pose"),
+    ];
+    for (command, sign, name) in buttons {
+        let button = egui::Button::new(RichText::new(sign).size(13.0)).min_size(vec2(28.0, 22.0));
+        let response = ui.add_enabled(command.is_enabled(core), button).on_hover_text(command.hint(ui.ctx()));
+        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
+        if response.clicked() {
+            core.push(command);
+        }
+    }
+    let label = ui.label(RichText::new("Speed").color(palette(ui).faint));
+    let speed = egui::DragValue::new(&mut core.cursor.speed).range(0.1..=200.0).speed(0.2).suffix(" mm/s").max_decimals(1);
+    ui.add_sized(vec2(78.0, 20.0), speed).labelled_by(label.id).on_hover_text("Speed of playing along the path");
+    let count = core.electrode_count();
+    if count > 1 {
+        let label = ui.label(RichText::new("Electrode").color(palette(ui).faint));
+        let mut chosen = core.cursor.electrode;
+        let combo = egui::ComboBox::from_id_salt("electrode").width(48.0).selected_text((chosen + 1).to_string());
+        let response = combo.show_ui(ui, |ui| {
+            for i in 0..count {
+                ui.selectable_value(&mut chosen, i, (i + 1).to_string());
+            }
+        });
+        response.response.labelled_by(label.id);
+        core.cursor.electrode = chosen;
+    }
+}
+
+fn readout(ui: &mut Ui, core: &Core) {
+    let Some(station) = core.track().at(core.cursor.s) else { return };
+    let length = core.preferences.length;
+    let node = core.track().nearest_node(core.cursor.s).map_or(0, |i| i + 1);
+    let count = core.track().nodes().count();
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        let gap = core.document.job().electrode.spark_gap_mm - core.document.job().verify.tolerance_mm;
+        let colour = if station.clearance < gap { palette(ui).bad } else { palette(ui).good };
+        ui.label(RichText::new(length.show(station.clearance, 4)).color(colour).monospace());
+        ui.label(RichText::new("clearance").color(palette(ui).faint));
+        ui.label(RichText::new(length.show(station.s, 3)).monospace());
+        ui.label(RichText::new("withdrawn").color(palette(ui).faint));
+        ui.label(RichText::new(format!("{node:>3} / {count}")).monospace());
+        ui.label(RichText::new("node").color(palette(ui).faint));
+    });
+}
+
+/// The strip with a tick for every node, coloured by its clearance; a drag moves the cursor.
+fn strip(ui: &mut Ui, core: &mut Core) {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 30.0), Sense::click_and_drag());
+    let length = core.track().length();
+    response.widget_info(|| WidgetInfo::slider(length > 0.0, core.cursor.s, "Timeline"));
+    let colours = palette(ui);
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
+    if core.track().is_empty() || length <= 0.0 {
+        let text = "The nodes of the path will stand here once one is planned.";
+        painter.text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(12.0), colours.faint);
+        return;
+    }
+    let inner = rect.shrink2(vec2(12.0, 0.0));
+    let x_of = |s: f64| inner.left() + inner.width() * (1.0 - (s / length) as f32);
+    let gap = core.document.job().electrode.spark_gap_mm - core.document.job().verify.tolerance_mm;
+    for node in core.track().nodes() {
+        let colour = if node.clearance < gap { colours.bad } else { colours.faint };
+        let x = x_of(node.s);
+        painter.vline(x, rect.bottom() - 10.0..=rect.bottom() - 3.0, egui::Stroke::new(1.0, colour));
+    }
+    scale(&painter, inner, rect, length, colours.faint);
+    if let Some(s) = core.contact_s() {
+        let tip = pos2(x_of(s), rect.bottom() - 10.0);
+        let triangle = vec![tip, tip + vec2(-4.0, -6.0), tip + vec2(4.0, -6.0)];
+        let colour = if core.outcome().is_some_and(|o| o.plan.is_verified()) { colours.warning } else { colours.bad };
+        painter.add(egui::Shape::convex_polygon(triangle, colour, egui::Stroke::NONE));
+    }
+    let x = x_of(core.cursor.s.clamp(0.0, length));
+    painter.vline(x, rect.y_range(), egui::Stroke::new(2.0, colours.accent));
+    painter.circle_filled(pos2(x, rect.top() + 5.0), 5.0, colours.accent);
+    if let Some(pointer) = response.interact_pointer_pos() {
+        core.cursor.playing = false;
+        let t = f64::from((pointer.x - inner.left()) / inner.width()).clamp(0.0, 1.0);
+        core.cursor.s = length * (1.0 - t);
+    }
+    if response.has_focus() {
+        // The keys that step would otherwise move the focus.
+        let lock = egui::EventFilter { horizontal_arrows: true, ..Default::default() };
+        ui.memory_mut(|m| m.set_focus_lock_filter(response.id, lock));
+        if ui.input(|i| i.key_pressed(Key::Escape)) {
+            response.surrender_focus();
+        }
+    }
+}
+
+/// Round distances along the strip.
+fn scale(painter: &egui::Painter, inner: Rect, rect: Rect, length: f64, colour: egui::Color32) {
+    let step = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0].into_iter().find(|s| length / s <= 14.0).unwrap_or(200.0);
+    let mut s = 0.0;
+    while s <= length + 1e-9 {
+        let x = inner.left() + inner.width() * (1.0 - (s / length) as f32);
+        let text = if s == 0.0 { "final".to_owned() } else { format!("{s}") };
+        painter.text(pos2(x, rect.top() + 8.0), Align2::CENTER_CENTER, text, FontId::proportional(10.0), colour);
+        s += step;
+    }
+}
