@@ -10,7 +10,7 @@
 //! * [`feed`]: poses, search strategies, path and certificate.
 //! * [`export`]: NC, CSV and reports.
 //! * [`project`]: parameters of a whole job.
-//! * [`render`]: scenes to pictures, without a window.
+//! * [`render`]: scenes to pictures, without a window; uses [`geometry`] alone.
 //! * [`jobs`]: whole jobs as pure functions of their inputs.
 //! * [`cli`]: the command line.
 //!
