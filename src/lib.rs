@@ -10,7 +10,7 @@
 //! * [`feed`]: poses, search strategies, path and certificate.
 //! * [`export`]: NC, CSV and reports.
 //! * [`project`]: the document: parameters of a whole job, undo, files.
-//! * [`render`]: scenes to pictures, without a window.
+//! * [`render`]: scenes to pictures, without a window; uses [`geometry`] alone.
 //! * [`views`]: what is shown of a job, as scenes.
 //! * [`jobs`]: whole jobs as pure functions of their inputs, and the thread they run on.
 //! * [`app`]: the window.

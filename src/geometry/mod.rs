@@ -5,5 +5,6 @@ pub mod distance_field;
 pub mod exact;
 pub mod frame;
 pub mod mesh;
+pub mod raycast;
 pub mod spline;
 pub mod triangle_distance;

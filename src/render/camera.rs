@@ -215,9 +215,7 @@ impl Camera {
     /// Depths (mm) between which all of `bounds` lies, for the planes at which a picture is clipped; the first
     /// is positive in a perspective view, and small against the second only as far as a depth buffer bears it.
     pub fn depth_range(&self, bounds: &Bounds) -> [f64; 2] {
-        let depths = corners(bounds).map(|c| -self.to_view(c).z);
-        let near = depths.into_iter().fold(f64::INFINITY, f64::min);
-        let far = depths.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let [near, far] = self.depth_extent(bounds);
         if !(near <= far && far.is_finite()) {
             return [0.5 * self.distance, 2.0 * self.distance];
         }
@@ -230,6 +228,12 @@ impl Camera {
                 [near.max(far * 5e-4), far]
             }
         }
+    }
+
+    /// Depths (mm) of the nearest and the furthest corner of `bounds`.
+    pub fn depth_extent(&self, bounds: &Bounds) -> [f64; 2] {
+        let depths = corners(bounds).map(|c| -self.to_view(c).z);
+        depths.into_iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], d| [a.min(d), b.max(d)])
     }
 
     /// The matrix from camera coordinates to clip space (x and y from -1 to 1, z from 0 at `near` to 1 at

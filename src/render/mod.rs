@@ -17,4 +17,5 @@ pub mod offscreen;
 pub mod pick;
 pub mod renderer;
 pub mod scene;
+pub mod section;
 pub mod view;

@@ -1,6 +1,7 @@
 //! Pictures without a window.
 
 use std::io::Cursor;
+use std::sync::mpsc;
 
 use image::RgbaImage;
 
@@ -19,7 +20,8 @@ pub enum RenderError {
     NoAdapter,
     /// The driver is there but does not work.
     #[error(
-        "the graphics driver of {adapter} does not work: {reason}. Update it, or install a software one (mesa-vulkan-drivers)"
+        "the graphics driver of {adapter} does not work: {reason}. Update it, or install a software one \
+         (Debian, Ubuntu: apt install mesa-vulkan-drivers libvulkan1)"
     )]
     Device {
         /// Name of the adapter.
@@ -50,7 +52,7 @@ pub enum RenderError {
 pub struct AdapterInfo {
     /// Its name, for the user.
     pub name: String,
-    /// Its driver and interface, for the user.
+    /// Its interface and driver, for the user.
     pub driver: String,
     /// Whether it is the CPU that draws: right, but slow.
     pub is_software: bool,
@@ -65,9 +67,30 @@ pub struct Offscreen {
 }
 
 impl Offscreen {
-    /// Opens the best adapter there is.
+    /// Opens the fastest adapter there is. The environment variables that wgpu reads (`WGPU_BACKEND`) choose
+    /// another.
     pub fn new() -> Result<Self, RenderError> {
-        Err(RenderError::NoAdapter)
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        let options = wgpu::RequestAdapterOptions {
+            power_preference: wgpu::PowerPreference::HighPerformance,
+            ..Default::default()
+        };
+        let adapter = pollster::block_on(instance.request_adapter(&options)).map_err(|_| RenderError::NoAdapter)?;
+        let info = adapter.get_info();
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("pictures"),
+            // All that the adapter has: large pictures and large meshes.
+            required_limits: adapter.limits(),
+            ..Default::default()
+        };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
+            .map_err(|e| RenderError::Device { adapter: info.name.clone(), reason: e.to_string() })?;
+        let adapter = AdapterInfo {
+            driver: format!("{:?} {} {}", info.backend, info.driver, info.driver_info).trim_end().to_owned(),
+            is_software: Renderer::is_software(&device),
+            name: info.name,
+        };
+        Ok(Self { renderer: Renderer::new(&device, &queue), device, queue, adapter })
     }
 
     /// What draws.
@@ -77,13 +100,66 @@ impl Offscreen {
 
     /// The picture in full quality.
     pub fn image(&mut self, scene: &Scene, camera: &Camera, size: [u32; 2]) -> Result<RgbaImage, RenderError> {
-        self.renderer.render(&self.device, &self.queue, scene, camera, size, Quality::Full);
-        Err(RenderError::NoAdapter)
+        let [width, height] = size;
+        let most = self.device.limits().max_texture_dimension_2d;
+        if width.min(height) == 0 || width.max(height) > most {
+            return Err(RenderError::Size { width, height, most });
+        }
+        self.draw(scene, camera, size, Quality::Full)?;
+        self.read_back()
     }
 
     /// The picture in full quality as a PNG file.
     pub fn png(&mut self, scene: &Scene, camera: &Camera, size: [u32; 2]) -> Result<Vec<u8>, RenderError> {
         png_bytes(&self.image(scene, camera, size)?)
+    }
+
+    /// Draws and waits until it is done, without reading the picture back.
+    pub fn draw(
+        &mut self,
+        scene: &Scene,
+        camera: &Camera,
+        size: [u32; 2],
+        quality: Quality,
+    ) -> Result<(), RenderError> {
+        self.renderer.render(&self.device, &self.queue, scene, camera, size, quality);
+        self.wait()
+    }
+
+    /// The picture drawn last.
+    pub fn read_back(&self) -> Result<RgbaImage, RenderError> {
+        let lost = |reason: &str| RenderError::Lost(reason.to_owned());
+        let texture = self.renderer.picture().ok_or_else(|| lost("nothing was drawn"))?;
+        let [width, height] = self.renderer.picture_size();
+        // Rows of a copy begin at multiples of this.
+        let row = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("picture"),
+            size: u64::from(row) * u64::from(height),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
+        encoder.copy_texture_to_buffer(
+            texture.as_image_copy(),
+            wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
+            texture.size(),
+        );
+        self.queue.submit([encoder.finish()]);
+        let (sender, receiver) = mpsc::channel();
+        buffer.slice(..).map_async(wgpu::MapMode::Read, move |answer| drop(sender.send(answer)));
+        self.wait()?;
+        let answer = receiver.recv().map_err(|_| lost("no answer"))?;
+        answer.map_err(|e| lost(&e.to_string()))?;
+        let mapped = buffer.slice(..).get_mapped_range().map_err(|e| lost(&e.to_string()))?;
+        let pixels = mapped.chunks(row as usize).flat_map(|r| &r[..4 * width as usize]).copied().collect();
+        RgbaImage::from_raw(width, height, pixels).ok_or_else(|| lost("rows are missing"))
+    }
+
+    fn wait(&self) -> Result<(), RenderError> {
+        let waited = self.device.poll(wgpu::PollType::wait_indefinitely());
+        waited.map(|_| ()).map_err(|e| RenderError::Lost(e.to_string()))
     }
 }
 

@@ -1,16 +1,37 @@
 //! Draws a scene into a texture.
 
+mod buffers;
+mod gpu_meshes;
+mod passes;
+mod pipelines;
+mod prepare;
+mod targets;
+mod triad;
+mod uniforms;
+
 use super::camera::Camera;
+use super::colour_map::{ColourMap, TABLE_SIZE};
 use super::scene::Scene;
+use super::section::CutCache;
+use buffers::{GrowingBuffer, spaced};
+use gpu_meshes::{Detail, GpuMeshes};
+use pipelines::Pipelines;
+use prepare::{Prepared, flat_frame, prepare};
+use targets::Targets;
+use uniforms::{FrameUniform, ObjectUniform};
 
 /// Format of the pictures; its values are already sRGB, so a reader must not decode them again.
 pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+/// Samples to a pixel at rest.
+const SAMPLES: u32 = 4;
+/// Pixels of a picture while the view moves on a software adapter, at most.
+const MOVING_PIXELS: f64 = 260_000.0;
 
 /// How much care a picture gets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Quality {
-    /// While the view moves. On a software adapter at half the resolution, with lighter meshes and without
-    /// edges and smoothing; on a real GPU like [`Full`](Self::Full).
+    /// While the view moves. On a software adapter at about half the resolution, with lighter meshes and
+    /// without edges and smoothing; on a real GPU like [`Full`](Self::Full).
     Moving,
     /// At rest and for print.
     Full,
@@ -19,22 +40,62 @@ pub enum Quality {
 /// Draws scenes on one device. Keeps meshes on the GPU between pictures, and lets go of those that have not
 /// been drawn for a while.
 pub struct Renderer {
-    view: wgpu::TextureView,
+    is_software: bool,
+    pipelines: Pipelines,
+    targets: Targets,
+    meshes: GpuMeshes,
+    cuts: CutCache,
+    colour_maps: wgpu::TextureView,
+    frames: GrowingBuffer,
+    objects: GrowingBuffer,
+    segments: GrowingBuffer,
+    dots: GrowingBuffer,
+    planes: GrowingBuffer,
+    /// Distance of uniforms in a buffer (bytes).
+    stride: usize,
+}
+
+/// How a picture is drawn.
+#[derive(Debug, Clone, Copy)]
+struct Plan {
     size: [u32; 2],
+    /// Pixels drawn for a pixel asked for.
+    scale: f64,
+    samples: u32,
+    detail: Detail,
+    edges: bool,
 }
 
 impl Renderer {
     /// A renderer on this device. Needs no features, and no limits beyond WebGL 2's.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
-        let _ = queue;
-        Self { view: target(device, [1, 1]), size: [1, 1] }
+        let alignment = device.limits().min_uniform_buffer_offset_alignment as usize;
+        let largest = size_of::<FrameUniform>().max(size_of::<ObjectUniform>());
+        let uniform = || GrowingBuffer::new(device, wgpu::BufferUsages::UNIFORM);
+        let vertex = || GrowingBuffer::new(device, wgpu::BufferUsages::VERTEX);
+        Self {
+            is_software: Self::is_software(device),
+            pipelines: Pipelines::new(device),
+            targets: Targets::default(),
+            meshes: GpuMeshes::default(),
+            cuts: CutCache::default(),
+            colour_maps: colour_maps(device, queue),
+            frames: uniform(),
+            objects: uniform(),
+            segments: vertex(),
+            dots: vertex(),
+            planes: vertex(),
+            stride: largest.next_multiple_of(alignment.max(1)),
+        }
     }
 
     /// Draws the scene and returns the finished picture, opaque, in [`FORMAT`], usable as a texture binding and
     /// as a copy source. The view is the same one until [`picture_size`](Self::picture_size) changes.
     ///
     /// The picture may be smaller than `size` asks for (moving on a software adapter, or beyond the device's
-    /// greatest texture): show it stretched over the place of `size`. Widths in pixels are those of `size`.
+    /// greatest texture): show it stretched over the place of `size`. Widths in pixels are those of `size`. A
+    /// size of zero counts as one; with a camera that is not [valid](Camera::is_valid) only the background is
+    /// drawn.
     pub fn render(
         &mut self,
         device: &wgpu::Device,
@@ -44,51 +105,84 @@ impl Renderer {
         size: [u32; 2],
         quality: Quality,
     ) -> &wgpu::TextureView {
-        let _ = (scene, camera, quality);
-        let size = size.map(|s| s.max(1));
-        if size != self.size {
-            (self.view, self.size) = (target(device, size), size);
-        }
-        let mut encoder = device.create_command_encoder(&Default::default());
-        let clear = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store };
-        drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("scene"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &self.view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: clear,
-            })],
-            ..Default::default()
-        }));
-        queue.submit([encoder.finish()]);
-        &self.view
+        let plan = self.plan(device, size, quality);
+        let (nothing, default) = (Scene { theme: scene.theme, ..Scene::default() }, Camera::default());
+        let (scene, camera) = if camera.is_valid() { (scene, camera) } else { (&nothing, &default) };
+        let prepared = prepare(scene, camera, plan.size, plan.scale, &mut self.cuts);
+        self.write(device, queue, &prepared, plan.size);
+        self.targets.select(device, plan.size, plan.samples);
+        let commands = self.draw(device, scene, &prepared, &plan);
+        queue.submit([commands]);
+        self.meshes.finish_picture();
+        // `select` has just made it the current one.
+        &self.targets.current().expect("a target was selected").picture
     }
 
-    /// Width and height of the last picture (pixels).
+    /// Width and height of the last picture (pixels); zero before the first.
     pub fn picture_size(&self) -> [u32; 2] {
-        self.size
+        self.targets.current().map_or([0, 0], |t| t.size)
+    }
+
+    /// The last picture's texture, to be copied from.
+    pub fn picture(&self) -> Option<&wgpu::Texture> {
+        self.targets.current().map(|t| t.picture.texture())
     }
 
     /// Whether the device computes on the CPU.
     pub fn is_software(device: &wgpu::Device) -> bool {
         device.adapter_info().device_type == wgpu::DeviceType::Cpu
     }
+
+    fn plan(&self, device: &wgpu::Device, size: [u32; 2], quality: Quality) -> Plan {
+        let asked = size.map(|s| f64::from(s.max(1)));
+        let most = f64::from(device.limits().max_texture_dimension_2d);
+        let light = quality == Quality::Moving && self.is_software;
+        let mut scale = (most / asked[0].max(asked[1])).min(1.0);
+        if light {
+            scale = scale.min((MOVING_PIXELS / (asked[0] * asked[1])).sqrt());
+        }
+        Plan {
+            size: asked.map(|s| (s * scale).round().clamp(1.0, most) as u32),
+            scale,
+            samples: if light { 1 } else { SAMPLES },
+            detail: if light { Detail::Lighter } else { Detail::Full },
+            edges: !light,
+        }
+    }
+
+    fn write(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, prepared: &Prepared, size: [u32; 2]) {
+        let frames = [prepared.frame, flat_frame(&prepared.frame, size)];
+        self.frames.write(device, queue, &spaced(frames, self.stride));
+        let objects = prepared.objects.iter().map(|o| o.uniform);
+        // At least one, so that there is something to bind.
+        let objects = objects.chain(prepared.objects.is_empty().then(bytemuck::Zeroable::zeroed));
+        self.objects.write(device, queue, &spaced(objects, self.stride));
+        self.segments.write(device, queue, bytemuck::cast_slice(&prepared.segments));
+        self.dots.write(device, queue, bytemuck::cast_slice(&prepared.dots));
+        self.planes.write(device, queue, bytemuck::cast_slice(&prepared.planes));
+    }
 }
 
-fn target(device: &wgpu::Device, [width, height]: [u32; 2]) -> wgpu::TextureView {
-    device
-        .create_texture(&wgpu::TextureDescriptor {
-            label: Some("picture"),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: FORMAT,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT
-                | wgpu::TextureUsages::TEXTURE_BINDING
-                | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        })
-        .create_view(&Default::default())
+/// A texture with one row for each colour map.
+fn colour_maps(device: &wgpu::Device, queue: &wgpu::Queue) -> wgpu::TextureView {
+    let size =
+        wgpu::Extent3d { width: TABLE_SIZE as u32, height: ColourMap::ALL.len() as u32, depth_or_array_layers: 1 };
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("colour maps"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: FORMAT,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let bytes: Vec<u8> = ColourMap::ALL.iter().flat_map(|m| m.table()).flat_map(|c| [c.r, c.g, c.b, 255]).collect();
+    let layout =
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * TABLE_SIZE as u32), rows_per_image: None };
+    queue.write_texture(texture.as_image_copy(), &bytes, layout, size);
+    texture.create_view(&Default::default())
 }
+
+#[cfg(test)]
+mod tests;
