@@ -60,7 +60,7 @@ fn finish(inputs: &PlanInputs, files: Vec<InputFile>, out: &Path, session: &Sess
     let outcome = run(inputs, &session.progress, &session.cancel)?;
     let mut report = plan_report::report(&outcome, &inputs.job, files);
     session.cancel.check()?;
-    let written = plan_files::write(out, &outcome, &inputs.job, &post, &mut report)?;
+    let written = plan_files::write(out, &outcome, inputs, &post, &mut report)?;
     super::terminal::finish();
     if session.json {
         say!("{}", report.json()?);

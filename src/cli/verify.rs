@@ -79,7 +79,7 @@ pub(super) fn verify(arguments: &VerifyArguments, session: &Session) -> anyhow::
     }
     let certificate = certify(&blisk.mesh, &electrode.mesh, &path, channel.as_ref(), &options, session)?;
     let surface = match &channel {
-        Some(channel) => channel.surface_name(certificate.least.surface),
+        Some(channel) => channel.surface_name(certificate.least().surface),
         None => "blisk",
     };
     let report = VerifyReport {
@@ -91,18 +91,18 @@ pub(super) fn verify(arguments: &VerifyArguments, session: &Session) -> anyhow::
         ],
         path: arguments.path.display().to_string(),
         verified: certificate.holds(),
-        required_clearance_mm: certificate.required,
-        tolerance_mm: certificate.tolerance,
-        certified_clearance_mm: certificate.certified,
-        least_clearance_mm: certificate.least.distance,
+        required_clearance_mm: certificate.required(),
+        tolerance_mm: certificate.tolerance(),
+        certified_clearance_mm: certificate.certified(),
+        least_clearance_mm: certificate.least().distance,
         least_clearance_at: Place {
-            row: certificate.least.row,
-            s_mm: certificate.least.s,
-            on_electrode: certificate.least.on_electrode.to_array(),
-            on_blisk: certificate.least.on_blisk.to_array(),
+            row: certificate.least().row,
+            s_mm: certificate.least().s,
+            on_electrode: certificate.least().on_electrode.to_array(),
+            on_blisk: certificate.least().on_blisk.to_array(),
             surface,
         },
-        starts_outside_and_ends_at_zero: certificate.ends_right,
+        starts_outside_and_ends_at_zero: certificate.ends_right(),
         rows: path.rows.len(),
         sentence: sentence(&certificate, surface),
     };
@@ -119,11 +119,16 @@ pub(super) fn verify(arguments: &VerifyArguments, session: &Session) -> anyhow::
 
 fn sentence(c: &Certificate, surface: &str) -> String {
     let verdict = if c.holds() { "verified" } else { "NOT verified" };
-    let ends = if c.ends_right { "" } else { "; the path does not lead from outside the blisk to the final pose" };
+    let ends = if c.ends_right() { "" } else { "; the path does not lead from outside the blisk to the final pose" };
     format!(
         "{verdict}: certified clearance {:.5} mm, least met {:.5} mm, required {:.5} mm less {:.5} mm; least against the \
          {surface} at row {:.2}, {:.3} mm before the final pose{ends}",
-        c.certified, c.least.distance, c.required, c.tolerance, c.least.row, c.least.s
+        c.certified(),
+        c.least().distance,
+        c.required(),
+        c.tolerance(),
+        c.least().row,
+        c.least().s
     )
 }
 

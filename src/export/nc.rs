@@ -12,10 +12,12 @@ use super::post::{FeedMode, Post};
 use super::quantise::{MM_DECIMALS, deg_text, floor_mm_text, mm_text};
 use crate::feed::path::PathRow;
 use crate::feed::pose::{Axis, Pose};
-use crate::geometry::mesh::Bounds;
 
 /// Shortest time a block is given where F is a time (s): a block that moves nothing still needs one.
 const LEAST_BLOCK_SECONDS: f64 = 0.01;
+
+/// Digits of a digest that a program shows; `report.json` has them all.
+const DIGEST_DIGITS: usize = 16;
 
 /// Why no program could be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -76,8 +78,6 @@ pub struct NcJob<'a> {
     pub program: &'a str,
     /// File of the electrode that it moves.
     pub electrode_file: &'a str,
-    /// Box around the electrode in its final pose, in W (mm).
-    pub electrode: Bounds,
     /// The axes of the machine.
     pub axes: &'a [Axis],
 }
@@ -98,7 +98,7 @@ impl NcProgram {
     pub fn new(approved: &Approved, post: &Post, settings: &NcSettings, job: &NcJob) -> Result<Self, NcError> {
         settings.validate()?;
         check_axes(&approved.path().rows, post, job.axes)?;
-        let mut w = Writer::new(post, job, settings);
+        let mut w = Writer::new(approved, post, job, settings);
         post.program_start.iter().for_each(|line| w.raw(line));
         header(&mut w, approved);
         motion(&mut w, approved);
@@ -138,12 +138,18 @@ fn header(w: &mut Writer, approved: &Approved) {
     let vector = |v: glam::DVec3| format!("{} {} {}", v.x, v.y, v.z);
     w.comment(&format!("Sparkpath {}: feed path {}", env!("CARGO_PKG_VERSION"), w.job.program));
     w.comment(&format!("Electrode file: {}", w.job.electrode_file));
-    w.comment(&format!("Required clearance {} mm, tolerance {} mm", mm(c.required), mm(c.tolerance)));
-    w.comment(&format!("Certified clearance over the whole motion: {} mm or more", floor_mm_text(c.certified)));
-    let least = (floor_mm_text(c.least.distance), mm(c.least.s));
+    w.comment(&format!("Required clearance {} mm, tolerance {} mm", mm(c.required()), mm(c.tolerance())));
+    w.comment(&format!("Certified clearance over the whole motion: {} mm or more", floor_mm_text(c.certified())));
+    let least = (floor_mm_text(c.least().distance), mm(c.least().s));
     w.comment(&format!("Least clearance found: {} mm, {} mm before the final pose", least.0, least.1));
-    w.comment(&format!("Path: {} rows, SHA-256", path.rows.len()));
-    w.comment(&c.path_digest);
+    w.comment(&format!(
+        "Path: {} rows. First {DIGEST_DIGITS} digits of the SHA-256 of what was verified:",
+        path.rows.len()
+    ));
+    for (name, digest) in [("path", c.path_digest()), ("blisk", c.blisk_digest()), ("electrode", c.electrode_digest())]
+    {
+        w.comment(&format!("{name} {}", &digest[..DIGEST_DIGITS.min(digest.len())]));
+    }
     w.comment("Work zero: ALL AXES ARE ZERO IN THE FINAL POSE. Set the zero with the electrode there.");
     w.comment("Workpiece frame W in the coordinates of the loaded mesh, mm:");
     w.comment(&format!("origin {}", vector(path.frame.origin)));
@@ -172,7 +178,7 @@ fn feed_comments(w: &mut Writer, approved: &Approved) {
             let ratios = path.rows.windows(2).map(|pair| {
                 let (from, to) = (&pair[0].pose, &pair[1].pose);
                 let length = programmed_length(from, to);
-                let travel = fastest_point_travel(from, to, path.reference_point, &w.job.electrode);
+                let travel = fastest_point_travel(from, to, path.reference_point, approved.electrode_bounds());
                 if length > 0.0 { travel / length } else { 0.0 }
             });
             let fastest = ratios.fold(0.0, f64::max);
@@ -223,6 +229,7 @@ fn motion(w: &mut Writer, approved: &Approved) {
 }
 
 struct Writer<'a> {
+    approved: &'a Approved,
     post: &'a Post,
     job: &'a NcJob<'a>,
     settings: &'a NcSettings,
@@ -231,8 +238,8 @@ struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    fn new(post: &'a Post, job: &'a NcJob<'a>, settings: &'a NcSettings) -> Self {
-        Self { post, job, settings, lines: Vec::new(), number: post.block_numbers.map(|n| n.first) }
+    fn new(approved: &'a Approved, post: &'a Post, job: &'a NcJob<'a>, settings: &'a NcSettings) -> Self {
+        Self { approved, post, job, settings, lines: Vec::new(), number: post.block_numbers.map(|n| n.first) }
     }
 
     /// One line as it is, with its placeholders filled.
@@ -287,7 +294,9 @@ impl<'a> Writer<'a> {
         for row in rows {
             if let Some(last) = last {
                 let words = format!("{} {}", self.post.linear, self.axis_words(&row.pose));
-                let seconds = fastest_point_travel(&last.pose, &row.pose, o, &self.job.electrode) / mm_per_min * 60.0;
+                let seconds = fastest_point_travel(&last.pose, &row.pose, o, self.approved.electrode_bounds())
+                    / mm_per_min
+                    * 60.0;
                 let f = match self.post.feed.mode {
                     FeedMode::PerMinute => (!fed).then_some(mm_per_min),
                     FeedMode::InverseTime => Some(60.0 / seconds.max(LEAST_BLOCK_SECONDS)),

@@ -4,19 +4,12 @@ use crate::export::path_csv::write_path_csv;
 
 const XYZAC: [Axis; 5] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::C];
 
-fn approved() -> Approved {
-    let path = fixtures::path();
-    let certificate = fixtures::certificate(&path);
-    Approved::new(path, certificate).unwrap()
-}
-
 fn job() -> NcJob<'static> {
-    let electrode = fixtures::electrode_bounds();
-    NcJob { program: "path_1", electrode_file: "electrode_1.stl", electrode, axes: &XYZAC }
+    NcJob { program: "path_1", electrode_file: "electrode_1.stl", axes: &XYZAC }
 }
 
 fn program(post: &Post) -> String {
-    NcProgram::new(&approved(), post, &NcSettings::default(), &job()).unwrap().text().to_owned()
+    NcProgram::new(&fixtures::approved(), post, &NcSettings::default(), &job()).unwrap().text().to_owned()
 }
 
 /// What an interpreter sees: the words of every block that moves, comments and block numbers dropped.
@@ -40,7 +33,7 @@ fn value<'a>(block: &'a [(String, String)], address: &str) -> Option<&'a str> {
 #[test]
 fn every_coordinate_is_the_number_of_the_path_file_there_and_back() {
     let path = fixtures::path();
-    let csv = write_path_csv(&path, &fixtures::certificate(&path).row_clearance).unwrap();
+    let csv = write_path_csv(&path, &fixtures::certificate(&path).row_clearance()).unwrap();
     let rows: Vec<Vec<&str>> = csv.lines().skip(2).map(|l| l.split(',').collect()).collect();
     let expected: Vec<_> = rows.iter().chain(rows.iter().rev().skip(1)).collect();
     for (name, _) in crate::export::post::BUILT_IN {
@@ -100,11 +93,12 @@ fn block_times_move_the_fastest_electrode_point_at_the_feed() {
 
 #[test]
 fn the_header_carries_the_certificate() {
-    let (post, a) = (Post::load("iso", None).unwrap(), approved());
+    let (post, a) = (Post::load("iso", None).unwrap(), fixtures::approved());
+    let c = a.certificate();
     let text = program(&post);
-    for part in
-        ["0.10150 mm or more", "0.10320 mm", "121 rows", "electrode_1.stl", "0.10000 mm", &a.certificate().path_digest]
-    {
+    let digests = [c.path_digest(), c.blisk_digest(), c.electrode_digest()].map(|d| &d[..16]);
+    let figures = ["0.10150 mm or more", "0.10320 mm", "121 rows", "electrode_1.stl", "0.10000 mm"];
+    for part in figures.into_iter().chain(digests) {
         assert!(text.contains(part), "{part}\n{text}");
     }
     assert!(text.find("G61").unwrap() < text.find("G01").unwrap(), "corners must not be rounded");
@@ -130,7 +124,7 @@ fn a_file_name_cannot_smuggle_in_a_block() {
         let post = Post::load(name, None).unwrap();
         let evil =
             NcJob { electrode_file: "e)\nG01 Z-99\r\n;(%\u{2028}G01 Z-98 \u{202e}ü", program: "p)\nM30", ..job() };
-        let text = NcProgram::new(&approved(), &post, &NcSettings::default(), &evil).unwrap();
+        let text = NcProgram::new(&fixtures::approved(), &post, &NcSettings::default(), &evil).unwrap();
         assert_eq!(moving_blocks(&post, text.text()), moving_blocks(&post, &program(&post)));
         let lines = |t: &str| t.lines().filter(|l| !l.starts_with(post.comment.open.trim())).count();
         assert_eq!(lines(text.text()), lines(&program(&post)));
@@ -142,16 +136,19 @@ fn a_file_name_cannot_smuggle_in_a_block() {
 fn an_axis_that_is_not_there_is_an_error() {
     let (post, settings) = (Post::load("iso", None).unwrap(), NcSettings::default());
     let four = NcJob { axes: &[Axis::X, Axis::Y, Axis::Z, Axis::C], ..job() };
-    let error = NcProgram::new(&approved(), &post, &settings, &four).unwrap_err();
+    let error = NcProgram::new(&fixtures::approved(), &post, &settings, &four).unwrap_err();
     assert!(matches!(error, NcError::AxisNotOnMachine { axis: 'A', .. }));
     let mut without_c = post.clone();
     without_c.axes.retain(|a| a.axis != Axis::C);
-    let error = NcProgram::new(&approved(), &without_c, &settings, &job()).unwrap_err();
+    let error = NcProgram::new(&fixtures::approved(), &without_c, &settings, &job()).unwrap_err();
     assert_eq!(error, NcError::AxisNotInPost { axis: 'C' });
     let short = Post { max_line_length: 50, ..post.clone() };
-    assert!(matches!(NcProgram::new(&approved(), &short, &settings, &job()), Err(NcError::LineTooLong { .. })));
+    assert!(matches!(
+        NcProgram::new(&fixtures::approved(), &short, &settings, &job()),
+        Err(NcError::LineTooLong { .. })
+    ));
     let still = NcSettings { feed_mm_per_min: f64::NAN, ..settings };
-    assert!(matches!(NcProgram::new(&approved(), &post, &still, &job()), Err(NcError::Setting { .. })));
+    assert!(matches!(NcProgram::new(&fixtures::approved(), &post, &still, &job()), Err(NcError::Setting { .. })));
 }
 
 #[test]

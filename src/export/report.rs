@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::files::{WriteError, write_atomically};
 use super::report_html;
 use crate::blisk::channel::Channel;
-use crate::feed::certificate::Contact;
+use crate::feed::certificate::{Certificate, Contact};
 use crate::feed::path::PathRow;
 use crate::feed::pose::{Axis, Pose};
 use crate::geometry::frame::Frame;
@@ -311,11 +311,31 @@ pub struct ElectrodeReport {
     pub ga_convergence: Vec<Convergence>,
     /// Why there is no path, when there is none.
     pub failure: Option<Jam>,
+    /// What the certificate was made for.
+    pub sha256: Option<VerifiedDigests>,
     /// Files written for this electrode.
     pub files: Vec<String>,
     /// Rows and clearances for the plots.
     #[serde(skip)]
     pub motion: Option<Motion>,
+}
+
+/// SHA-256 (hex) of what was verified, as [`Certificate`] has them: meshes in W, bit for bit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct VerifiedDigests {
+    pub path: String,
+    pub blisk: String,
+    pub electrode: String,
+}
+
+impl VerifiedDigests {
+    /// Those of `certificate`.
+    pub fn of(certificate: &Certificate) -> Self {
+        let c = certificate;
+        let [path, blisk, electrode] = [c.path_digest(), c.blisk_digest(), c.electrode_digest()].map(str::to_owned);
+        Self { path, blisk, electrode }
+    }
 }
 
 /// The rows of a path with their clearances.

@@ -20,6 +20,9 @@ fn the_json_has_the_agreed_keys() {
     assert_eq!(one["nodes"][1]["x_mm"], -2.0, "poses of nodes stand beside s_mm");
     assert_eq!(one["smoothness"][0]["axis"], "X");
     assert!(one["volume_mm3"].is_f64() && one["least_thickness_mm"].is_f64() && one.get("motion").is_none());
+    for what in ["path", "blisk", "electrode"] {
+        assert_eq!(one["sha256"][what].as_str().map(str::len), Some(64), "{what}");
+    }
     let two = &json["electrodes"][1];
     assert_eq!((&two["extractable"], &two["failure"]["node"]), (&false.into(), &14.into()));
     assert!(two["certified_clearance_mm"].is_null());

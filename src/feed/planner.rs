@@ -111,7 +111,7 @@ impl Planner<'_> {
             plan.verify_seconds += started.elapsed().as_secs_f64();
             if certificate.holds()
                 || plan.rounds > Self::ROUNDS
-                || (!certificate.ends_right && certificate.violations.is_empty())
+                || (!certificate.ends_right() && certificate.violations().is_empty())
             {
                 let step = self.settings.plan.step_mm;
                 let smoothness = Axis::ALL.map(|axis| axis_smoothness(&curves, axis, step));
@@ -119,9 +119,9 @@ impl Planner<'_> {
                 return Ok(());
             }
             // The proven bound may fall short where no point met does: then the nearest is what to learn from.
-            let mut contacts = certificate.violations;
+            let mut contacts = certificate.violations().to_vec();
             if contacts.is_empty() {
-                contacts.push(certificate.least);
+                contacts.push(*certificate.least());
             }
             self.learn(&mut lessons, model, &contacts);
             let nearest = contacts.iter().map(|c| c.s).fold(f64::INFINITY, f64::min);

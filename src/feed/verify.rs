@@ -14,7 +14,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::certificate::{Certificate, Contact};
+use super::certificate::{Certificate, Contact, Findings};
 use super::path::FeedPath;
 use super::pose::Pose;
 use crate::blisk::channel::Surface;
@@ -128,6 +128,8 @@ pub struct Verifier {
     /// A point of each connected part of the blisk (in W) and of the electrode (about the reference point).
     blisk_parts: Vec<DVec3>,
     electrode_parts: Vec<DVec3>,
+    /// Digests of the blisk and the electrode as they were given.
+    digests: [String; 2],
     reference_point: DVec3,
     /// Greatest distance of a point of the electrode from the reference point (mm).
     reach: f64,
@@ -187,6 +189,7 @@ impl Verifier {
             electrode: electrode_tree,
             blisk_parts: inside::point_of_each_part(blisk),
             electrode_parts: inside::point_of_each_part(&about_reference),
+            digests: [blisk.digest(), electrode.digest()],
             reference_point,
             faces_x: faces_x(blisk, electrode),
         })
@@ -316,8 +319,11 @@ impl Run<'_> {
         }
         let mut contacts: Vec<_> = at_rows.iter().chain(&between.found).copied().collect();
         contacts.sort_by(|p, q| p.distance.total_cmp(&q.distance).then(p.row.total_cmp(&q.row)));
-        Ok(Certificate {
+        let [blisk_digest, electrode_digest] = self.body.digests.clone();
+        Ok(Certificate::of(Findings {
             path_digest: self.path.digest(),
+            blisk_digest,
+            electrode_digest,
             required: self.path.spark_gap,
             tolerance: self.options.tolerance_mm,
             certified: between.certified,
@@ -327,7 +333,7 @@ impl Run<'_> {
             row_surface: at_rows.iter().map(|c| c.surface).collect(),
             ends_right: self.starts_outside() && self.path.rows.last().is_some_and(|row| row.pose == Pose::FINAL),
             pair_intervals: between.pairs,
-        })
+        }))
     }
 
     /// Sets the contacts of those rows to distance 0 where one body is inside the other.

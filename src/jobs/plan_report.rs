@@ -5,7 +5,7 @@ use crate::blisk::channel::Channel;
 use crate::blisk::electrode::EntrySide;
 use crate::export::report::{
     BliskSummary, ClearancePlace, Convergence, ElectrodeReport, InputFile, Jam, Motion, NodeReport, ObjectiveReport,
-    PoseReport, Report, SCHEMA, Smoothness, Symbol, Verdict,
+    PoseReport, Report, SCHEMA, Smoothness, Symbol, Verdict, VerifiedDigests,
 };
 use crate::feed::genetic::GeneticParams;
 use crate::feed::genetic::coding::Coding;
@@ -60,16 +60,16 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
     let ElectrodeOutcome { electrode, plan, .. } = outcome;
     let certificate = plan.path.as_ref().map(|p| &p.certificate);
     let place = |c: &crate::feed::certificate::Certificate| {
-        ClearancePlace::of(&c.least, whole.channel.surface_name(c.least.surface))
+        ClearancePlace::of(c.least(), whole.channel.surface_name(c.least().surface))
     };
     ElectrodeReport {
         index,
         enters_from: side_name(electrode.enters_from).to_owned(),
-        extractable: certificate.is_some_and(|c| c.ends_right && c.certified > 0.0),
+        extractable: certificate.is_some_and(|c| c.ends_right() && c.certified() > 0.0),
         verified: plan.is_verified(),
         required_clearance_mm: job.electrode.spark_gap_mm,
-        certified_clearance_mm: certificate.map(|c| c.certified),
-        least_clearance_mm: certificate.map(|c| c.least.distance),
+        certified_clearance_mm: certificate.map(|c| c.certified()),
+        least_clearance_mm: certificate.map(|c| c.least().distance),
         least_clearance_at: certificate.map(place),
         nodes: nodes(plan),
         smoothness: plan.path.as_ref().map_or(Vec::new(), smoothness),
@@ -77,12 +77,13 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
         least_thickness_mm: Some(electrode.least_thickness_mm),
         burn_area_mm2: Some(electrode.burn_area_mm2),
         ga_convergence: convergence(plan),
+        sha256: certificate.map(VerifiedDigests::of),
         failure: jam(plan, &whole.channel),
         files: Vec::new(),
         motion: plan
             .path
             .as_ref()
-            .map(|p| Motion { rows: p.path.rows.clone(), clearance: p.certificate.row_clearance.clone() }),
+            .map(|p| Motion { rows: p.path.rows.clone(), clearance: p.certificate.row_clearance().to_vec() }),
     }
 }
 
