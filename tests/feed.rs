@@ -156,10 +156,11 @@ fn without_reductions_it_jams_and_says_where() {
     let plan = &outcome.electrodes[0].plan;
     let jam = plan.jam.expect("a curved electrode that fills its channel cannot come out");
     assert!(plan.path.is_none() && jam.node == plan.nodes.len());
-    let on_blisk = jam.on_blisk.in_frame(&outcome);
+    let contact = jam.contact().expect("metal is in the way");
+    let on_blisk = contact.on_blisk.in_frame(&outcome);
     assert!(on_blisk < 0.05, "the place is {on_blisk} mm off the blisk");
     let sentence = jam.sentence(&outcome.channel);
-    assert!(sentence.contains("jams at node") && sentence.contains(outcome.channel.surface_name(jam.surface)));
+    assert!(sentence.contains("jams at node") && sentence.contains(outcome.channel.surface_name(contact.surface)));
 }
 
 trait OffBlisk {

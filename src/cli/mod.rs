@@ -24,6 +24,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::feed::pose::Axis;
 use crate::mesh_io::{ImportOptions, Imported, Units, import_file};
 use crate::progress::{Cancel, Progress};
 
@@ -86,7 +87,11 @@ struct VerifyArguments {
     /// Unit of the blisk's mesh: auto, mm, cm, m, inch.
     #[arg(long, value_name = "UNIT", default_value = "auto", value_parser = unit)]
     units: Units,
-    /// Folder for report.json, made if it is not there.
+    /// Travel of an axis about the final pose in mm or degrees, such as X=-250,250; once for each axis that has limits.
+    /// Without any, travel is not judged.
+    #[arg(long, value_name = "AXIS=LEAST,GREATEST", value_parser = travel)]
+    travel: Vec<(Axis, [f64; 2])>,
+    /// Folder for verify.json and verify.html, made if it is not there.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -118,6 +123,19 @@ struct InspectArguments {
 fn unit(text: &str) -> Result<Units, String> {
     let value = toml::Value::String(text.to_owned());
     value.try_into().map_err(|_| "expected auto, mm, cm, m or inch".to_owned())
+}
+
+fn travel(text: &str) -> Result<(Axis, [f64; 2]), String> {
+    let wrong = || "expected an axis and its limits, as in X=-250,250, that include 0, the final pose".to_owned();
+    let (letter, limits) = text.split_once('=').ok_or_else(wrong)?;
+    let (least, greatest) = limits.split_once(',').ok_or_else(wrong)?;
+    let axis = Axis::ALL.into_iter().find(|a| letter.trim().eq_ignore_ascii_case(&a.letter().to_string()));
+    let number = |text: &str| text.trim().parse::<f64>().map_err(|_| wrong());
+    let travel = [number(least)?, number(greatest)?];
+    match axis {
+        Some(axis) if travel[0] <= 0.0 && travel[1] >= 0.0 => Ok((axis, travel)),
+        _ => Err(wrong()),
+    }
 }
 
 /// How a command ended, short of an error.

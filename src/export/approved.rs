@@ -2,7 +2,8 @@
 //! exactly the meshes it is exported with.
 
 use super::quantise::first_unquantised_row;
-use crate::feed::certificate::Certificate;
+use crate::feed::certificate::{Certificate, TravelVerdict};
+use crate::feed::machine::BeyondTravel;
 use crate::feed::path::FeedPath;
 use crate::feed::pose::Pose;
 use crate::geometry::mesh::{Bounds, Mesh};
@@ -39,6 +40,10 @@ pub enum NotApproved {
              are needed; the least clearance is near row {row:.2} (s = {s:.3} mm)"
     )]
     TooClose { certified: f64, required: f64, tolerance: f64, row: f64, s: f64 },
+    #[error("{0}; plan for the machine's travel, or correct its limits, and verify again")]
+    BeyondTravel(BeyondTravel),
+    #[error("the travel of the axes was not judged; verify the path for the machine that it is exported for")]
+    TravelNotJudged,
     #[error(
         "row {row} was not rounded to the decimals of files before it was verified; round the path and verify again"
     )]
@@ -50,7 +55,7 @@ impl Approved {
     /// with, in its final pose; both meshes in W.
     ///
     /// # Errors
-    /// [`NotApproved`] unless the certificate holds, proves a clearance above zero, and was made for this very
+    /// [`NotApproved`] unless the certificate holds, proves a clearance above zero and axes within their travel, and was made for this very
     /// path with this path's spark gap and for these very meshes, and the path is rounded as files are.
     pub fn new(path: FeedPath, certificate: Certificate, blisk: &Mesh, electrode: &Mesh) -> Result<Self, NotApproved> {
         let c = &certificate;
@@ -73,6 +78,11 @@ impl Approved {
             let (row, s) = (c.least().row, c.least().s);
             let (certified, required, tolerance) = (c.certified(), c.required(), c.tolerance());
             return Err(NotApproved::TooClose { certified, required, tolerance, row, s });
+        }
+        match c.travel() {
+            TravelVerdict::Within => {}
+            TravelVerdict::Beyond(beyond) => return Err(NotApproved::BeyondTravel(beyond)),
+            TravelVerdict::NotJudged => return Err(NotApproved::TravelNotJudged),
         }
         if let Some(row) = first_unquantised_row(&path) {
             return Err(NotApproved::NotQuantised { row });
@@ -102,6 +112,7 @@ mod tests {
     use super::*;
     use crate::export::fixtures;
     use crate::feed::certificate::Findings;
+    use crate::feed::pose::Axis;
 
     fn refused(change: impl Fn(&mut FeedPath, &mut Findings)) -> NotApproved {
         let mut path = fixtures::path();
@@ -148,6 +159,9 @@ mod tests {
         let touching = |_: &mut FeedPath, c: &mut Findings| (c.certified, c.tolerance) = (0.0, 1.0);
         assert!(matches!(refused(touching), NotApproved::TooClose { .. }));
         assert_eq!(refused(|_, c| c.ends_right = false), NotApproved::WrongEnds);
+        assert_eq!(refused(|_, c| c.travel = TravelVerdict::NotJudged), NotApproved::TravelNotJudged);
+        let beyond = BeyondTravel { axis: Axis::C, row: 3, value: 0.4, limit: 0.3 };
+        assert_eq!(refused(|_, c| c.travel = TravelVerdict::Beyond(beyond)), NotApproved::BeyondTravel(beyond));
         assert!(matches!(refused(|_, c| c.required = 0.05), NotApproved::OtherGap { .. }));
     }
 

@@ -6,7 +6,7 @@ use super::approved::Approved;
 use super::quantise::quantise_path;
 use super::report::*;
 use crate::blisk::channel::Surface;
-use crate::feed::certificate::{Certificate, Contact, Findings};
+use crate::feed::certificate::{Certificate, Contact, Findings, TravelVerdict};
 use crate::feed::path::{FeedPath, PathRow};
 use crate::feed::pose::Pose;
 use crate::geometry::frame::Frame;
@@ -62,6 +62,7 @@ pub(crate) fn certificate(path: &FeedPath) -> Certificate {
         row_clearance: path.rows.iter().map(|r| clearance(r.s)).collect(),
         row_surface: vec![Surface::HighWall; path.rows.len()],
         ends_right: true,
+        travel: TravelVerdict::Within,
         pair_intervals: 123_456,
     })
 }
@@ -192,6 +193,7 @@ fn verified(path: &FeedPath) -> ElectrodeReport {
             .collect(),
         nodes,
         failure: None,
+        feed_lowered: Some(FeedLowered { blocks: 12, of_blocks: 240, least_share: 0.43, axis: 'A' }),
         sha256: Some(VerifiedDigests::of(&certificate)),
         files: ["electrode_1.stl", "path_1.csv", "path_1.nc"].map(str::to_owned).to_vec(),
         motion: Some(Motion { rows: path.rows.clone(), clearance: certificate.row_clearance().to_vec() }),
@@ -204,11 +206,11 @@ fn jammed() -> ElectrodeReport {
         enters_from: "+x".to_owned(),
         required_clearance_mm: 0.1,
         volume_mm3: 8790.2,
-        failure: Some(Jam {
+        failure: Some(Failure {
             node: 14,
             s_mm: 7.02,
-            wall: "suction wall & hub".to_owned(),
-            place: [-8.31, 1.442, 101.07],
+            wall: Some("suction wall & hub".to_owned()),
+            place: Some([-8.31, 1.442, 101.07]),
             sentence: "After 7.02 mm the electrode has no free pose: it is held between the suction wall and the hub. \
                        About 0.2° more circumferential reduction, or entering from -x, would open the way."
                 .to_owned(),

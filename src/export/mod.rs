@@ -15,6 +15,7 @@ mod report_curves;
 mod report_html;
 mod report_tables;
 pub mod svg_plot;
+pub mod verify_report;
 
 pub(crate) use crate::feed::quantise;
 

@@ -1,11 +1,15 @@
 use super::*;
 use crate::export::fixtures;
 use crate::export::path_csv::write_path_csv;
+use crate::feed::machine::AxisSet;
 
-const XYZAC: [Axis; 5] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::C];
+fn machine() -> &'static MachineParams {
+    static MACHINE: std::sync::OnceLock<MachineParams> = std::sync::OnceLock::new();
+    MACHINE.get_or_init(MachineParams::default)
+}
 
 fn job() -> NcJob<'static> {
-    NcJob { program: "path_1", electrode_file: "electrode_1.stl", axes: &XYZAC }
+    NcJob { program: "path_1", electrode_file: "electrode_1.stl", machine: machine() }
 }
 
 fn program(post: &Post) -> String {
@@ -91,6 +95,73 @@ fn block_times_move_the_fastest_electrode_point_at_the_feed() {
     }
 }
 
+/// F of every block after the approach, as the control has it in force, and the minutes it makes of it by RS-274/NGC.
+fn timed(post: &Post, text: &str) -> Vec<(f64, f64)> {
+    let rows = fixtures::path().rows;
+    let order: Vec<usize> = (0..121).chain((0..120).rev()).collect();
+    let mut f = f64::NAN;
+    let blocks = moving_blocks(post, text);
+    let timed = blocks[1..].iter().zip(order.windows(2)).map(|(block, pair)| {
+        f = value(block, "F").map_or(f, |f| f.parse().unwrap());
+        let minutes = match post.feed.mode {
+            FeedMode::PerMinute => programmed_length(&rows[pair[0]].pose, &rows[pair[1]].pose) / f,
+            FeedMode::InverseTime => 1.0 / f,
+            FeedMode::Seconds => f / 60.0,
+        };
+        (f, minutes)
+    });
+    timed.collect()
+}
+
+#[test]
+fn no_axis_exceeds_its_speed_and_no_block_is_slowed_in_vain() {
+    let rows = fixtures::path().rows;
+    let order: Vec<usize> = (0..121).chain((0..120).rev()).collect();
+    let limits = MachineParams { speed_mm_min: 30.0, speed_deg_min: 9.0, ..Default::default() };
+    for mode in [FeedMode::PerMinute, FeedMode::InverseTime, FeedMode::Seconds] {
+        let mut post = Post::load("iso", None).unwrap();
+        (post.feed.mode, post.feed.decimals) = (mode, 6);
+        let write = |machine| {
+            let settings = NcSettings::default();
+            NcProgram::new(&fixtures::approved(), &post, &settings, &NcJob { machine, ..job() }).unwrap()
+        };
+        let (limited, free) = (write(&limits), write(machine()));
+        let (blocks, unlimited) = (timed(&post, limited.text()), timed(&post, free.text()));
+        let mut slower = 0;
+        for (i, pair) in order.windows(2).enumerate() {
+            let speed = |axis: Axis| {
+                let way = (rows[pair[1]].pose.get(axis) - rows[pair[0]].pose.get(axis)).abs();
+                let (way, limit) = if axis.is_rotary() { (way.to_degrees(), 9.0) } else { (way, 30.0) };
+                way / blocks[i].1 / limit
+            };
+            let fastest = Axis::ALL.map(speed).into_iter().fold(0.0, f64::max);
+            assert!(fastest <= 1.0 + 1e-9, "{mode:?} block {i}: {fastest} of what an axis may");
+            if blocks[i].0 != unlimited[i].0 {
+                slower += 1;
+                assert!(fastest > 1.0 - 1e-5, "{mode:?} block {i} need not be so slow: {fastest}");
+            }
+        }
+        let slowed = limited.slowed().unwrap();
+        assert_eq!((slowed.blocks, slowed.of, free.slowed()), (slower, 240, None), "{mode:?}");
+        assert!(slower > 10 && slower < 240 && limited.text().contains("LOWERED FEED"), "{mode:?} {slower}");
+        assert!(!free.text().contains("LOWERED FEED"));
+    }
+}
+
+#[test]
+fn a_feed_too_slow_for_its_decimals_and_a_path_beyond_travel_are_refused() {
+    let mut post = Post::load("iso", None).unwrap();
+    (post.feed.mode, post.feed.decimals) = (FeedMode::PerMinute, 0);
+    let write = |machine| {
+        NcProgram::new(&fixtures::approved(), &post, &NcSettings::default(), &NcJob { machine, ..job() }).unwrap_err()
+    };
+    let slow = MachineParams { speed_mm_min: 0.4, ..Default::default() };
+    assert_eq!(write(&slow), NcError::FeedTooSlow { block: 0, decimals: 0 });
+    let short = MachineParams { travel_x_mm: [-59.9, 0.0], ..Default::default() };
+    let beyond = BeyondTravel { axis: Axis::X, row: 0, value: -60.0, limit: -59.9 };
+    assert_eq!(write(&short), NcError::BeyondTravel(beyond));
+}
+
 #[test]
 fn the_header_carries_the_certificate() {
     let (post, a) = (Post::load("iso", None).unwrap(), fixtures::approved());
@@ -135,7 +206,8 @@ fn a_file_name_cannot_smuggle_in_a_block() {
 #[test]
 fn an_axis_that_is_not_there_is_an_error() {
     let (post, settings) = (Post::load("iso", None).unwrap(), NcSettings::default());
-    let four = NcJob { axes: &[Axis::X, Axis::Y, Axis::Z, Axis::C], ..job() };
+    let machine = MachineParams { axes: AxisSet::XYZC, ..Default::default() };
+    let four = NcJob { machine: &machine, ..job() };
     let error = NcProgram::new(&fixtures::approved(), &post, &settings, &four).unwrap_err();
     assert!(matches!(error, NcError::AxisNotOnMachine { axis: 'A', .. }));
     let mut without_c = post.clone();

@@ -8,6 +8,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::files::{WriteError, write_atomically};
+use super::nc_feed::Slowed;
 use super::report_html;
 use crate::blisk::channel::Channel;
 use crate::feed::certificate::{Certificate, Contact};
@@ -263,17 +264,17 @@ pub struct Convergence {
     pub mean: Vec<f64>,
 }
 
-/// Why there is no path.
+/// Why there is no verified path.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Jam {
-    /// The node that has no free pose.
+pub struct Failure {
+    /// The node that has no free pose, or the one at or before the worst place of a path.
     pub node: usize,
-    /// How far the electrode came out (mm).
+    /// How far the electrode is withdrawn there (mm).
     pub s_mm: f64,
-    /// The surface that holds it.
-    pub wall: String,
+    /// The surface that is in the way, if one is.
+    pub wall: Option<String>,
     /// Where, in W (mm).
-    pub place: [f64; 3],
+    pub place: Option<[f64; 3]>,
     /// What happened and what would help, in plain words.
     pub sentence: String,
 }
@@ -309,15 +310,36 @@ pub struct ElectrodeReport {
     pub burn_area_mm2: Option<f64>,
     /// Per node of a genetic search.
     pub ga_convergence: Vec<Convergence>,
-    /// Why there is no path, when there is none.
-    pub failure: Option<Jam>,
+    /// Why it is not verified, when it is not.
+    pub failure: Option<Failure>,
     /// What the certificate was made for.
     pub sha256: Option<VerifiedDigests>,
+    /// How the NC program's feed was lowered for the machine's speeds, if it was.
+    pub feed_lowered: Option<FeedLowered>,
     /// Files written for this electrode.
     pub files: Vec<String>,
     /// Rows and clearances for the plots.
     #[serde(skip)]
     pub motion: Option<Motion>,
+}
+
+/// Blocks of the NC program that are slower than asked for, so that no axis exceeds its greatest speed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FeedLowered {
+    /// Blocks that are slower.
+    pub blocks: usize,
+    /// Blocks in all.
+    pub of_blocks: usize,
+    /// Least share of the speed asked for that is left.
+    pub least_share: f64,
+    /// The axis that demands it.
+    pub axis: char,
+}
+
+impl From<&Slowed> for FeedLowered {
+    fn from(s: &Slowed) -> Self {
+        Self { blocks: s.blocks, of_blocks: s.of, least_share: s.least_share, axis: s.axis.letter() }
+    }
 }
 
 /// SHA-256 (hex) of what was verified, as [`Certificate`] has them: meshes in W, bit for bit.

@@ -73,7 +73,8 @@ fn whatever_comes_from_input_is_escaped() {
     electrode.enters_from = evil.clone();
     electrode.files = vec![evil.clone()];
     electrode.least_clearance_at.as_mut().unwrap().surface = evil.clone();
-    electrode.failure = Some(Jam { node: 1, s_mm: 1.0, wall: evil.clone(), place: [0.0; 3], sentence: evil.clone() });
+    electrode.failure =
+        Some(Failure { node: 1, s_mm: 1.0, wall: Some(evil.clone()), place: Some([0.0; 3]), sentence: evil.clone() });
     let html = report.html();
     assert!(!html.to_lowercase().contains("<script"));
     assert_eq!(html.matches("alert(1)").count(), html.matches("script&gt;alert(1)&lt;/").count());

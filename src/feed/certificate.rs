@@ -3,6 +3,7 @@
 use glam::DVec3;
 use serde::Serialize;
 
+use super::machine::BeyondTravel;
 use super::pose::Pose;
 use crate::blisk::channel::Surface;
 
@@ -25,6 +26,18 @@ pub struct Contact {
     pub surface: Surface,
 }
 
+/// What was found out about the travel of the axes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TravelVerdict {
+    /// No machine was given.
+    NotJudged,
+    /// No row is beyond the travel of an axis, and so no instant is.
+    Within,
+    /// The first row that is.
+    Beyond(BeyondTravel),
+}
+
 /// What the verifier found out about the whole continuous motion of a path.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct Findings {
@@ -39,6 +52,7 @@ pub(crate) struct Findings {
     pub(crate) row_clearance: Vec<f64>,
     pub(crate) row_surface: Vec<Surface>,
     pub(crate) ends_right: bool,
+    pub(crate) travel: TravelVerdict,
     pub(crate) pair_intervals: u64,
 }
 
@@ -131,6 +145,11 @@ impl Certificate {
         self.findings.ends_right
     }
 
+    /// Whether the axes stay within their travel, if a machine was given.
+    pub fn travel(&self) -> TravelVerdict {
+        self.findings.travel
+    }
+
     /// Triangle pairs and time intervals that had to be bounded one by one.
     pub fn pair_intervals(&self) -> u64 {
         self.findings.pair_intervals
@@ -143,8 +162,9 @@ impl Certificate {
         f.certified > 0.0 && f.certified >= f.required - f.tolerance
     }
 
-    /// Whether the motion is proven to keep the spark gap less the tolerance, from outside to the final pose.
+    /// Whether the motion is proven to keep the spark gap less the tolerance, from outside to the final pose, and no
+    /// axis goes beyond its travel where that is known.
     pub fn holds(&self) -> bool {
-        self.ends_right() && self.keeps_clearance()
+        self.ends_right() && self.keeps_clearance() && !matches!(self.travel(), TravelVerdict::Beyond(_))
     }
 }

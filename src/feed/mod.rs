@@ -6,6 +6,7 @@ pub mod certificate;
 pub mod clearance;
 pub mod genetic;
 pub mod interpolation;
+pub mod jam;
 pub mod machine;
 pub mod objective;
 pub mod path;

@@ -5,10 +5,11 @@ use std::time::Instant;
 use glam::DVec3;
 
 use super::angle_test::AngleTest;
-use super::certificate::Contact;
+use super::certificate::{Contact, TravelVerdict};
 use super::clearance::{Bodies, ClearanceModel};
 use super::genetic::{GeneticParams, ReductionMode};
 use super::interpolation::{AxisCurves, Lever, PathFrame, feed_path};
+use super::machine::{BeyondTravel, TravelLimits};
 use super::objective::Objective;
 use super::plan::{FeedPlan, PlanSettings, PlannedPath, PlanningSpace, Remake};
 use super::plan_params::PlanError;
@@ -40,6 +41,8 @@ struct Lessons {
     on_blisk: Vec<Sample>,
     /// Stretches of withdrawn distance to be searched in finer steps (mm).
     fine: Vec<[f64; 2]>,
+    /// Travel to be kept to at the nodes, where the curve between them went beyond the machine's.
+    travel: Option<TravelLimits>,
 }
 
 impl Planner<'_> {
@@ -99,7 +102,8 @@ impl Planner<'_> {
         model: &ClearanceModel,
         genetic: &GeneticParams,
     ) -> Result<(), PlanError> {
-        let verifier = Verifier::new(self.space.blisk, &electrode.mesh, electrode.reference_point)?;
+        let verifier = Verifier::new(self.space.blisk, &electrode.mesh, electrode.reference_point)?
+            .within(self.settings.machine.limits());
         let mut lessons = Lessons::default();
         loop {
             let curves = AxisCurves::through(&plan.nodes, self.settings.plan.interpolation.ends)?;
@@ -109,10 +113,12 @@ impl Planner<'_> {
             let surface_of = |p: DVec3| self.space.finder.surface_of(p);
             let certificate = verifier.verify(&path, &surface_of, self.settings.verify, self.progress, self.cancel)?;
             plan.verify_seconds += started.elapsed().as_secs_f64();
-            if certificate.holds()
-                || plan.rounds > Self::ROUNDS
-                || (!certificate.ends_right() && certificate.violations().is_empty())
-            {
+            let beyond = match certificate.travel() {
+                TravelVerdict::Beyond(beyond) => Some(beyond),
+                TravelVerdict::Within | TravelVerdict::NotJudged => None,
+            };
+            let only_ends_wrong = !certificate.ends_right() && certificate.keeps_clearance() && beyond.is_none();
+            if certificate.holds() || plan.rounds > Self::ROUNDS || only_ends_wrong {
                 let step = self.settings.plan.step_mm;
                 let smoothness = Axis::ALL.map(|axis| axis_smoothness(&curves, axis, step));
                 plan.path = Some(PlannedPath { curves, path, certificate, smoothness });
@@ -120,11 +126,19 @@ impl Planner<'_> {
             }
             // The proven bound may fall short where no point met does: then the nearest is what to learn from.
             let mut contacts = certificate.violations().to_vec();
-            if contacts.is_empty() {
+            if contacts.is_empty() && !certificate.keeps_clearance() {
                 contacts.push(*certificate.least());
             }
             self.learn(&mut lessons, model, &contacts);
-            let nearest = contacts.iter().map(|c| c.s).fold(f64::INFINITY, f64::min);
+            let mut nearest = contacts.iter().map(|c| c.s).fold(f64::INFINITY, f64::min);
+            if let Some(beyond) = beyond {
+                self.stay_within(&mut lessons, &beyond);
+                // The first row is the furthest out: the nodes before any row that is beyond are not touched.
+                let limits = self.settings.machine.limits();
+                let rows = path.rows.iter().filter(|row| limits.beyond(&row.pose).is_some());
+                nearest = rows.map(|row| row.s).fold(nearest, f64::min);
+                lessons.fine.push([nearest - self.settings.plan.step_mm, nearest + self.settings.plan.step_mm]);
+            }
             let kept = plan.nodes.iter().filter(|n| n.s < nearest - self.settings.plan.step_mm).count().max(1);
             let model = model.with_probes(&lessons.on_electrode, &lessons.on_blisk);
             self.search_from(plan, &model, genetic, &lessons, kept)?;
@@ -145,6 +159,17 @@ impl Planner<'_> {
             lessons.on_blisk.push(Sample { point: contact.on_blisk, face, extra, stays_to: f64::INFINITY });
             lessons.fine.push([contact.s - step, contact.s + step]);
         }
+    }
+
+    /// Keeps the nodes away from an end of travel that the curve between them overshot, by twice as much.
+    fn stay_within(&self, lessons: &mut Lessons, beyond: &BeyondTravel) {
+        let limits = lessons.travel.unwrap_or_else(|| self.settings.machine.limits());
+        let by = 2.0 * (beyond.value - beyond.limit).abs();
+        let [least, greatest] = limits.of(beyond.axis);
+        let drawn_in = if beyond.value < beyond.limit { [least + by, greatest] } else { [least, greatest - by] };
+        // The final pose has to stay within.
+        let travel = [drawn_in[0].min(0.0), drawn_in[1].max(0.0)];
+        lessons.travel = Some(limits.with(beyond.axis, travel));
     }
 
     /// Searches on from the first `kept` nodes; where that jams, from half as many, down to the final pose: what was
@@ -195,7 +220,8 @@ impl Planner<'_> {
             model,
             angle: (params.constraint == Constraint::Angle).then_some(&test),
             objective: &objective,
-            machine,
+            axes: machine.axes,
+            travel: lessons.travel.unwrap_or_else(|| machine.limits()),
             ranges: plan.ranges,
             demand: Demand { spark_gap, margin: params.margin_mm, guard: Self::GUARD },
             side: model.side(),

@@ -5,8 +5,9 @@
 //! occur, and from below by directions along which electrode and blisk are proven to stay apart (see
 //! `interval.rs` and `motion.rs`); bounds are sharpened until they are within the resolution asked for.
 //!
-//! What it does not tell: how deep an interference is, and anything about bodies that are not in the two
-//! meshes, such as a holder or the machine.
+//! Where the machine is known it also says whether its axes stay within their travel. What it does not tell: how deep
+//! an interference is, anything about bodies that are not in the two meshes, such as a holder or the machine, and how
+//! fast the axes may go, which is seen to where the feed is written.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -14,7 +15,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::certificate::{Certificate, Contact, Findings};
+use super::certificate::{Certificate, Contact, Findings, TravelVerdict};
+use super::machine::TravelLimits;
 use super::path::FeedPath;
 use super::pose::Pose;
 use crate::blisk::channel::Surface;
@@ -131,6 +133,7 @@ pub struct Verifier {
     /// Digests of the blisk and the electrode as they were given.
     digests: [String; 2],
     reference_point: DVec3,
+    travel: Option<TravelLimits>,
     /// Greatest distance of a point of the electrode from the reference point (mm).
     reach: f64,
     /// Extent along X of the blisk near the electrode's radii (mm).
@@ -191,8 +194,14 @@ impl Verifier {
             electrode_parts: inside::point_of_each_part(&about_reference),
             digests: [blisk.digest(), electrode.digest()],
             reference_point,
+            travel: None,
             faces_x: faces_x(blisk, electrode),
         })
+    }
+
+    /// The same with the travel of the axes judged too; without it, it is not.
+    pub fn within(self, travel: TravelLimits) -> Self {
+        Self { travel: Some(travel), ..self }
     }
 
     /// The distance between the surfaces with the electrode at `pose`: exact to rounding.
@@ -332,6 +341,7 @@ impl Run<'_> {
             row_clearance: at_rows.iter().map(|c| c.distance).collect(),
             row_surface: at_rows.iter().map(|c| c.surface).collect(),
             ends_right: self.starts_outside() && self.path.rows.last().is_some_and(|row| row.pose == Pose::FINAL),
+            travel: self.travel(),
             pair_intervals: between.pairs,
         }))
     }
@@ -345,6 +355,13 @@ impl Run<'_> {
             }
             Ok(())
         })
+    }
+
+    fn travel(&self) -> TravelVerdict {
+        match self.body.travel {
+            None => TravelVerdict::NotJudged,
+            Some(limits) => limits.first_beyond(&self.path.rows).map_or(TravelVerdict::Within, TravelVerdict::Beyond),
+        }
     }
 
     fn starts_outside(&self) -> bool {

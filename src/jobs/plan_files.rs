@@ -9,7 +9,7 @@ use crate::export::files::{WriteError, write_atomically};
 use crate::export::nc::{NcError, NcJob, NcProgram};
 use crate::export::path_csv::{PathCsvError, write_path_csv};
 use crate::export::post::{Post, PostError};
-use crate::export::report::{Report, ReportError};
+use crate::export::report::{FeedLowered, Report, ReportError};
 use crate::geometry::mesh::Mesh;
 use crate::mesh_io::stl_bytes;
 use crate::project::PlanJob;
@@ -67,6 +67,8 @@ pub fn write(
     let (mut files, mut programs): (Vec<(String, Vec<u8>)>, Vec<_>) = (Vec::new(), Vec::new());
     for (i, electrode) in outcome.electrodes.iter().enumerate() {
         let (own, program) = electrode_files(i + 1, electrode, &context)?;
+        report.electrodes[i].feed_lowered = program.as_ref().and_then(NcProgram::slowed).map(FeedLowered::from);
+        let program = program.map(|p| (format!("path_{}.{}", i + 1, p.extension()), p.text().as_bytes().to_vec()));
         report.electrodes[i].files = own.iter().chain(&program).map(|(name, _)| name.clone()).collect();
         files.extend(own);
         programs.extend(program);
@@ -102,7 +104,7 @@ fn electrode_files(
     k: usize,
     outcome: &ElectrodeOutcome,
     context: &Context,
-) -> Result<(Vec<NamedFile>, Option<NamedFile>), PlanFilesError> {
+) -> Result<(Vec<NamedFile>, Option<NcProgram>), PlanFilesError> {
     let electrode_file = format!("electrode_{k}.stl");
     let in_mesh_frame = outcome.electrode.mesh.in_parent_of(&context.channel.frame);
     let mut files = vec![(electrode_file.clone(), stl_bytes(&in_mesh_frame).map_err(PlanFilesError::Electrode)?)];
@@ -117,9 +119,8 @@ fn electrode_files(
     let approved = Approved::new(planned.path.clone(), planned.certificate.clone(), context.blisk, electrode)
         .map_err(|source| PlanFilesError::NotApproved { electrode: k, source })?;
     let nc_job =
-        NcJob { program: &format!("path_{k}"), electrode_file: &electrode_file, axes: context.job.machine.axes.axes() };
+        NcJob { program: &format!("path_{k}"), electrode_file: &electrode_file, machine: &context.job.machine };
     let program = NcProgram::new(&approved, context.post, &context.job.export.nc, &nc_job)?;
-    let program = (format!("path_{k}.{}", program.extension()), program.text().as_bytes().to_vec());
     Ok((files, Some(program)))
 }
 

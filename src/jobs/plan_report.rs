@@ -4,11 +4,13 @@ use super::plan::{ElectrodeOutcome, PlanOutcome};
 use crate::blisk::channel::Channel;
 use crate::blisk::electrode::EntrySide;
 use crate::export::report::{
-    BliskSummary, ClearancePlace, Convergence, ElectrodeReport, InputFile, Jam, Motion, NodeReport, ObjectiveReport,
-    PoseReport, Report, SCHEMA, Smoothness, Symbol, Verdict, VerifiedDigests,
+    BliskSummary, ClearancePlace, Convergence, ElectrodeReport, Failure, InputFile, Motion, NodeReport,
+    ObjectiveReport, PoseReport, Report, SCHEMA, Smoothness, Symbol, Verdict, VerifiedDigests,
 };
+use crate::feed::certificate::TravelVerdict;
 use crate::feed::genetic::GeneticParams;
 use crate::feed::genetic::coding::Coding;
+use crate::feed::jam::JamCause;
 use crate::feed::plan::{FeedPlan, PlannedPath};
 use crate::feed::pose::Axis;
 use crate::project::PlanJob;
@@ -77,8 +79,9 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
         least_thickness_mm: Some(electrode.least_thickness_mm),
         burn_area_mm2: Some(electrode.burn_area_mm2),
         ga_convergence: convergence(plan),
+        feed_lowered: None,
         sha256: certificate.map(VerifiedDigests::of),
-        failure: jam(plan, &whole.channel),
+        failure: failure(plan, &whole.channel),
         files: Vec::new(),
         motion: plan
             .path
@@ -126,17 +129,45 @@ fn convergence(plan: &FeedPlan) -> Vec<Convergence> {
     searched.map(|(i, c)| Convergence { node: i + 1, best: c.best.clone(), mean: c.mean.clone() }).collect()
 }
 
-fn jam(plan: &FeedPlan, channel: &Channel) -> Option<Jam> {
-    plan.jam.as_ref().map(|j| Jam {
-        node: j.node,
-        s_mm: j.s,
-        wall: channel.surface_name(j.surface).to_owned(),
-        place: j.on_blisk.to_array(),
-        sentence: format!(
-            "The electrode {}. More circumferential reduction on that wall, another division or the other side of entry may \
-             open the way.",
-            j.sentence(channel)
-        ),
+/// Why there is no verified path, and what would help.
+fn failure(plan: &FeedPlan, channel: &Channel) -> Option<Failure> {
+    if plan.is_verified() {
+        return None;
+    }
+    let verdict = plan.verdict(channel);
+    let name = |surface| channel.surface_name(surface).to_owned();
+    if let Some(jam) = &plan.jam {
+        let remedy = match jam.cause {
+            JamCause::Contact(_) => {
+                "More circumferential reduction on that wall, another division or the other side of entry may open the way."
+            }
+            JamCause::Travel { .. } => "Another machine, less exit_clearance_mm or the other side of entry would help.",
+            JamCause::Unknown => "A larger population or a smaller step_mm may find one.",
+        };
+        return Some(Failure {
+            node: jam.node,
+            s_mm: jam.s,
+            wall: jam.contact().map(|c| name(c.surface)),
+            place: jam.contact().map(|c| c.on_blisk.to_array()),
+            sentence: format!("The electrode {verdict}. {remedy}"),
+        });
+    }
+    let PlannedPath { path, certificate: c, .. } = plan.path.as_ref()?;
+    let node = |row: usize| path.rows.get(row).map_or(0, |r| r.node);
+    let sentence = format!("The electrode {verdict}.");
+    // What makes it fail: the ends, the axes' travel, or else the clearance where it is least.
+    let elsewhere =
+        |row: usize, s_mm| Failure { node: node(row), s_mm, wall: None, place: None, sentence: sentence.clone() };
+    Some(match c.travel() {
+        _ if !c.keeps_clearance() => Failure {
+            node: node(c.least().row as usize),
+            s_mm: c.least().s,
+            wall: Some(name(c.least().surface)),
+            place: Some(c.least().on_blisk.to_array()),
+            sentence,
+        },
+        TravelVerdict::Beyond(beyond) => elsewhere(beyond.row, path.rows.get(beyond.row).map_or(0.0, |r| r.s)),
+        TravelVerdict::Within | TravelVerdict::NotJudged => elsewhere(0, path.rows.first().map_or(0.0, |r| r.s)),
     })
 }
 

@@ -4,7 +4,9 @@ use glam::{DAffine3, DMat3, DVec3};
 use proptest::prelude::*;
 
 use super::*;
+use crate::feed::machine::BeyondTravel;
 use crate::feed::path::PathRow;
+use crate::feed::pose::Axis;
 use crate::geometry::exact::ExactMesh;
 use crate::geometry::frame::{Cylindrical, Frame};
 use crate::geometry::mesh::tests::cuboid;
@@ -270,6 +272,36 @@ fn stopping_early_tells_a_violation_and_claims_nothing() {
     assert!(full.violations().windows(2).all(|pair| pair[0].distance <= pair[1].distance));
     let fine = super::super::path::FeedPath { spark_gap: 0.0, ..path };
     assert_eq!(certify_with(&hub, &pad, &fine, &stop).certified(), certify(&hub, &pad, &fine).certified());
+}
+
+#[test]
+fn a_path_beyond_the_travel_of_an_axis_is_not_verified() {
+    let block = cuboid(DVec3::new(10.0, 40.0, 5.0)).mapped(|p| p - DVec3::new(0.0, 20.0, 0.0));
+    let tool = cuboid(DVec3::ONE).mapped(|p| p + DVec3::new(4.0, 0.0, 6.0));
+    let poses = [Pose { x: 8.0, z: 3.0, ..Pose::FINAL }, Pose { x: 6.0, c: -0.1, ..Pose::FINAL }, Pose::FINAL];
+    let path = path(DVec3::ZERO, 0.1, &poses);
+    let judged = |travel: Option<TravelLimits>| {
+        let verifier = Verifier::new(&block, &tool, DVec3::ZERO).unwrap();
+        let verifier = match travel {
+            Some(travel) => verifier.within(travel),
+            None => verifier,
+        };
+        let (options, cancel) = (VerifyOptions::default(), Cancel::default());
+        let c = verifier.verify(&path, &|_| Surface::Hub, &options, &Progress::silent(), &cancel).unwrap();
+        (c.travel(), c.holds())
+    };
+    let unlimited = TravelLimits::UNLIMITED;
+    assert_eq!(judged(None), (TravelVerdict::NotJudged, true));
+    assert_eq!(judged(Some(unlimited)), (TravelVerdict::Within, true));
+    assert_eq!(judged(Some(unlimited.with(Axis::X, [0.0, 8.0]))), (TravelVerdict::Within, true));
+    for (limits, axis, row, value, limit) in [
+        (unlimited.with(Axis::X, [-1.0, 7.9]), Axis::X, 0, 8.0, 7.9),
+        (unlimited.with(Axis::Z, [0.0, 0.0]), Axis::Z, 0, 3.0, 0.0),
+        (unlimited.with(Axis::C, [-0.09, 1.0]), Axis::C, 1, -0.1, -0.09),
+    ] {
+        let beyond = BeyondTravel { axis, row, value, limit };
+        assert_eq!(judged(Some(limits)), (TravelVerdict::Beyond(beyond), false));
+    }
 }
 
 #[test]
