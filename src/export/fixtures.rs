@@ -8,7 +8,8 @@ use super::report::*;
 use crate::blisk::channel::Surface;
 use crate::feed::certificate::{Certificate, Contact, Findings, TravelVerdict};
 use crate::feed::path::{FeedPath, PathRow};
-use crate::feed::pose::Pose;
+use crate::feed::pose::{Axis, Pose};
+use crate::feed::smoothness::AxisSmoothness;
 use crate::geometry::frame::Frame;
 use crate::geometry::mesh::tests::cuboid;
 use crate::geometry::mesh::{Bounds, Mesh};
@@ -183,7 +184,10 @@ fn verified(path: &FeedPath) -> ElectrodeReport {
         certified_clearance_mm: Some(certificate.certified()),
         least_clearance_mm: Some(certificate.least().distance),
         least_clearance_at: Some(ClearancePlace::of(certificate.least(), "pressure wall")),
-        smoothness: Smoothness::of_rows(&path.rows),
+        smoothness: Smoothness::of(&Axis::ALL.map(|axis| {
+            let in_file_units = |v: f64| if axis.is_rotary() { v.to_degrees() } else { v };
+            AxisSmoothness::of(&path.rows.iter().map(|r| in_file_units(r.pose.get(axis))).collect::<Vec<_>>())
+        })),
         volume_mm3: 8431.7,
         least_thickness_mm: Some(1.84),
         burn_area_mm2: Some(3127.0),

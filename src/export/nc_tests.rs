@@ -37,7 +37,7 @@ fn value<'a>(block: &'a [(String, String)], address: &str) -> Option<&'a str> {
 #[test]
 fn every_coordinate_is_the_number_of_the_path_file_there_and_back() {
     let path = fixtures::path();
-    let csv = write_path_csv(&path, &fixtures::certificate(&path).row_clearance()).unwrap();
+    let csv = write_path_csv(&path, fixtures::certificate(&path).row_clearance()).unwrap();
     let rows: Vec<Vec<&str>> = csv.lines().skip(2).map(|l| l.split(',').collect()).collect();
     let expected: Vec<_> = rows.iter().chain(rows.iter().rev().skip(1)).collect();
     for (name, _) in crate::export::post::BUILT_IN {

@@ -14,6 +14,7 @@ use crate::blisk::channel::Channel;
 use crate::feed::certificate::{Certificate, Contact};
 use crate::feed::path::PathRow;
 use crate::feed::pose::{Axis, Pose};
+use crate::feed::smoothness::AxisSmoothness;
 use crate::geometry::frame::Frame;
 
 /// Version of the keys of `report.json`.
@@ -214,7 +215,7 @@ pub struct NodeReport {
     pub objective: Option<ObjectiveReport>,
 }
 
-/// How even the motion of an axis is, over the rows as they are; mm or degrees.
+/// How even the motion of an axis is, over equal steps of withdrawn distance; mm or degrees.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Smoothness {
     /// The axis letter.
@@ -232,26 +233,19 @@ pub struct Smoothness {
 }
 
 impl Smoothness {
-    /// The figures of every axis that moves along `rows`.
-    pub fn of_rows(rows: &[PathRow]) -> Vec<Self> {
-        let moving = Axis::ALL.into_iter().filter(|&axis| rows.iter().any(|r| r.pose.get(axis) != 0.0));
-        moving.map(|axis| Self::of_axis(rows, axis)).collect()
-    }
-
-    fn of_axis(rows: &[PathRow], axis: Axis) -> Self {
-        let in_file_units = |v: f64| if axis.is_rotary() { v.to_degrees() } else { v };
-        let values: Vec<f64> = rows.iter().map(|r| in_file_units(r.pose.get(axis))).collect();
-        let first: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).collect();
-        let second: Vec<f64> = first.windows(2).map(|w| w[1] - w[0]).collect();
-        let moves: Vec<f64> = first.iter().copied().filter(|d| *d != 0.0).collect();
-        Self {
-            axis: axis.letter(),
-            unit: if axis.is_rotary() { "deg" } else { "mm" },
-            total_variation: first.iter().map(|d| d.abs()).sum(),
-            rms_second_difference: (second.iter().map(|d| d * d).sum::<f64>() / second.len().max(1) as f64).sqrt(),
-            max_second_difference: second.iter().fold(0.0, |m, d| m.max(d.abs())),
-            sign_changes_first_difference: moves.windows(2).filter(|w| w[0] * w[1] < 0.0).count(),
-        }
+    /// The figures of every axis that moves, given in the order of [`Axis`].
+    pub fn of(axes: &[AxisSmoothness; 6]) -> Vec<Self> {
+        let moving = Axis::ALL.into_iter().zip(axes).filter(|(_, s)| s.total_variation > 0.0);
+        moving
+            .map(|(axis, s)| Self {
+                axis: axis.letter(),
+                unit: if axis.is_rotary() { "deg" } else { "mm" },
+                total_variation: s.total_variation,
+                rms_second_difference: s.rms_second_difference,
+                max_second_difference: s.max_second_difference,
+                sign_changes_first_difference: s.sign_changes,
+            })
+            .collect()
     }
 }
 

@@ -160,7 +160,7 @@ pub(super) fn smoothness(out: &mut String, axes: &[Smoothness]) {
         ]
     });
     let head = ["axis", "#total variation", "#RMS 2nd difference", "#greatest", "#turns back"];
-    table(out, "", "Smoothness over the rows", &head, rows);
+    table(out, "", "Smoothness over equal steps", &head, rows);
 }
 
 pub(super) fn least_clearance(out: &mut String, e: &ElectrodeReport) {

@@ -36,6 +36,11 @@ pub enum JamCause {
         /// Where its travel ends.
         limit: f64,
     },
+    /// The way out that was found takes so much additional reduction h (rad) that nothing is left of the electrode.
+    NothingLeft {
+        /// h (rad).
+        h: f64,
+    },
     /// Nothing that could be named: there was no place to look at.
     Unknown,
 }
@@ -63,7 +68,7 @@ impl Jam {
     pub(super) fn is_near(&self, nearly: f64) -> bool {
         match self.cause {
             JamCause::Contact(contact) => contact.lack <= nearly,
-            JamCause::Travel { .. } => false,
+            JamCause::Travel { .. } | JamCause::NothingLeft { .. } => false,
             JamCause::Unknown => true,
         }
     }
@@ -90,6 +95,10 @@ impl Jam {
                     "{place} because axis {letter} cannot go to {value:.2} {unit}: its travel ends at {limit} {unit}"
                 )
             }
+            JamCause::NothingLeft { h } => format!(
+                "{place}: the way out takes h = {:.3} deg of additional reduction, which leaves nothing of the electrode",
+                h.to_degrees()
+            ),
             JamCause::Unknown => format!("{place}: no free pose was found"),
         }
     }

@@ -9,6 +9,7 @@ pub mod interpolation;
 pub mod jam;
 pub mod machine;
 pub mod objective;
+pub mod outside;
 pub mod path;
 pub mod plan;
 pub mod plan_params;

@@ -9,8 +9,10 @@ use super::certificate::{Contact, TravelVerdict};
 use super::clearance::{Bodies, ClearanceModel};
 use super::genetic::{GeneticParams, ReductionMode};
 use super::interpolation::{AxisCurves, Lever, PathFrame, feed_path};
+use super::jam::{Jam, JamCause};
 use super::machine::{BeyondTravel, TravelLimits};
 use super::objective::Objective;
+use super::outside::Outside;
 use super::plan::{FeedPlan, PlanSettings, PlannedPath, PlanningSpace, Remake};
 use super::plan_params::PlanError;
 use super::pose::{Axis, Pose};
@@ -19,7 +21,7 @@ use super::samples::{Sample, SampleSpacing, limit_to_reduced, sample_electrode};
 use super::search::{Constraint, Node, SearchProblem, Strategy, StrategyParams};
 use super::smoothness::axis_smoothness;
 use super::verify::Verifier;
-use crate::blisk::electrode::{Electrode, ElectrodeFace};
+use crate::blisk::electrode::{Electrode, ElectrodeError, ElectrodeFace};
 use crate::geometry::distance_field::DistanceField;
 use crate::geometry::exact::ExactMesh;
 use crate::progress::{Cancel, Progress};
@@ -30,6 +32,12 @@ pub(super) struct Planner<'a> {
     pub(super) settings: &'a PlanSettings<'a>,
     pub(super) progress: &'a Progress,
     pub(super) cancel: &'a Cancel,
+}
+
+/// What is prepared for one electrode.
+struct ElectrodeFields {
+    distance: DistanceField,
+    outside: Outside,
 }
 
 /// What the verifier has taught the search so far.
@@ -56,8 +64,8 @@ impl Planner<'_> {
 
     pub(super) fn plan(&self, electrode: &Electrode, remake: &Remake) -> Result<FeedPlan, PlanError> {
         let started = Instant::now();
-        let field = self.electrode_field(electrode)?;
-        let model = self.model(electrode, &field);
+        let fields = self.electrode_fields(electrode)?;
+        let model = self.model(electrode, &fields);
         let field_seconds = started.elapsed().as_secs_f64();
         let mut plan = FeedPlan {
             nodes: Vec::new(),
@@ -82,10 +90,17 @@ impl Planner<'_> {
         genetic.h = ReductionMode::Given;
         if plan.h > 0.0 {
             // An electrode with more reduction lies inside one with less, so its path stays free.
-            let remade = remake(plan.h)?;
-            let field = self.electrode_field(&remade)?;
+            let remade = match remake(plan.h) {
+                Ok(remade) => remade,
+                Err(error) if leaves_nothing(&error) => {
+                    plan.jam = plan.nodes.last().map(|node| nothing_left(plan.nodes.len(), node, plan.h));
+                    return Ok(plan);
+                }
+                Err(error) => return Err(error.into()),
+            };
+            let fields = self.electrode_fields(&remade)?;
             plan.nodes.iter_mut().for_each(|node| node.h = 0.0);
-            self.verify_and_mend(&mut plan, &remade, &self.model(&remade, &field), &genetic)?;
+            self.verify_and_mend(&mut plan, &remade, &self.model(&remade, &fields), &genetic)?;
             plan.remade = Some(Box::new(remade));
         } else {
             self.verify_and_mend(&mut plan, electrode, &model, &genetic)?;
@@ -108,7 +123,7 @@ impl Planner<'_> {
         loop {
             let curves = AxisCurves::through(&plan.nodes, self.settings.plan.interpolation.ends)?;
             let chord_error = self.settings.plan.interpolation.chord_error_mm;
-            let path = feed_path(&curves, chord_error, lever(electrode, &plan.nodes), self.path_frame(electrode));
+            let path = feed_path(&curves, chord_error, lever(electrode, &plan.nodes), self.path_frame(electrode))?;
             let started = Instant::now();
             let surface_of = |p: DVec3| self.space.finder.surface_of(p);
             let certificate = verifier.verify(&path, &surface_of, self.settings.verify, self.progress, self.cancel)?;
@@ -229,7 +244,6 @@ impl Planner<'_> {
             step: params.step_mm,
             fine: &lessons.fine,
             exit_clearance: params.exit_clearance_mm,
-            faces_x: channel.faces_x,
         };
         let strategy = match params.strategy {
             Strategy::Genetic => StrategyParams::Genetic(*genetic),
@@ -246,26 +260,29 @@ impl Planner<'_> {
         Ok(())
     }
 
-    /// The electrode's own distance field, for the edges of the blisk.
-    fn electrode_field(&self, electrode: &Electrode) -> Result<DistanceField, PlanError> {
+    /// The electrode's own distance field, for the edges of the blisk, and where it is out of the blisk.
+    fn electrode_fields(&self, electrode: &Electrode) -> Result<ElectrodeFields, PlanError> {
         const CELL: f64 = 0.35;
         let exact = ExactMesh::new(&electrode.mesh)?;
         let wanted = self.settings.spark_gap + self.settings.plan.margin_mm;
         let region = electrode.mesh.bounds().grown(wanted + Bodies::AROUND);
-        Ok(DistanceField::build(&electrode.mesh, &exact, region, CELL, self.progress, self.cancel)?)
+        let distance = DistanceField::build(&electrode.mesh, &exact, region, CELL, self.progress, self.cancel)?;
+        let outside = Outside::new(self.space.blisk, &electrode.mesh, electrode.reference_point);
+        Ok(ElectrodeFields { distance, outside })
     }
 
-    fn model<'f>(&'f self, electrode: &Electrode, field: &'f DistanceField) -> ClearanceModel<'f> {
+    fn model<'f>(&'f self, electrode: &Electrode, fields: &'f ElectrodeFields) -> ClearanceModel<'f> {
         let bodies = Bodies {
             blisk: &self.space.field,
-            electrode: field,
+            electrode: &fields.distance,
             faces_x: self.space.channel.faces_x,
+            outside: &fields.outside,
             reference_point: electrode.reference_point,
             side: electrode.enters_from,
         };
         let mut samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default());
         if self.settings.genetic.h == ReductionMode::Variable {
-            limit_to_reduced(&mut samples, field, self.settings.genetic.h_max_deg.to_radians());
+            limit_to_reduced(&mut samples, &fields.distance, self.settings.genetic.h_max_deg.to_radians());
         }
         ClearanceModel::new(bodies, samples, self.space.edges.clone())
     }
@@ -306,6 +323,17 @@ impl Planner<'_> {
             spark_gap: self.settings.spark_gap,
         }
     }
+}
+
+/// Whether an electrode cannot be made because its reductions leave nothing of it.
+fn leaves_nothing(error: &ElectrodeError) -> bool {
+    use ElectrodeError::{NoHeight, NoMetal, OutOfRange};
+    matches!(error, NoMetal { .. } | NoHeight { .. } | OutOfRange { .. })
+}
+
+/// The end of a search whose way out, `nodes` nodes long to `last`, takes more reduction than the electrode has metal.
+fn nothing_left(nodes: usize, last: &Node, h: f64) -> Jam {
+    Jam { node: nodes - 1, s: last.s, pose: last.pose, cause: JamCause::NothingLeft { h } }
 }
 
 /// How far the electrode's points move when axes turn, over all of `nodes`.

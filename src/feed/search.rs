@@ -65,8 +65,6 @@ pub struct SearchProblem<'a> {
     pub fine: &'a [[f64; 2]],
     /// How far out of the blisk the electrode is withdrawn (mm).
     pub exit_clearance: f64,
-    /// X extent of the blisk (mm).
-    pub faces_x: [f64; 2],
 }
 
 /// The search for one node.
@@ -226,14 +224,9 @@ impl SearchProblem<'_> {
         })
     }
 
-    /// How far the electrode is out of the blisk at `pose`: negative while some point is not beyond the face (mm).
+    /// How far the electrode is out of the blisk at `pose`: negative while some point is not beyond the metal (mm).
     pub fn way_out(&self, pose: &Pose) -> f64 {
-        let place = pose.placement(self.model.reference_point());
-        let points = self.model.samples().iter().map(|s| place.transform_point3(s.point).x);
-        match self.side {
-            EntrySide::MinusX => self.faces_x[0] - points.fold(f64::NEG_INFINITY, f64::max),
-            EntrySide::PlusX => points.fold(f64::INFINITY, f64::min) - self.faces_x[1],
-        }
+        self.model.outside().way_out(pose, self.side)
     }
 
     /// Free candidates for `task`, best first, and how they were come by.

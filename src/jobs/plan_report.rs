@@ -74,7 +74,7 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
         least_clearance_mm: certificate.map(|c| c.least().distance),
         least_clearance_at: certificate.map(place),
         nodes: nodes(plan),
-        smoothness: plan.path.as_ref().map_or(Vec::new(), smoothness),
+        smoothness: plan.path.as_ref().map_or(Vec::new(), |p| Smoothness::of(&p.smoothness)),
         volume_mm3: electrode.volume_mm3,
         least_thickness_mm: Some(electrode.least_thickness_mm),
         burn_area_mm2: Some(electrode.burn_area_mm2),
@@ -109,20 +109,6 @@ fn nodes(plan: &FeedPlan) -> Vec<NodeReport> {
         .collect()
 }
 
-fn smoothness(path: &PlannedPath) -> Vec<Smoothness> {
-    let moving = Axis::ALL.into_iter().zip(&path.smoothness).filter(|(_, s)| s.total_variation > 0.0);
-    moving
-        .map(|(axis, s)| Smoothness {
-            axis: axis.letter(),
-            unit: if axis.is_rotary() { "deg" } else { "mm" },
-            total_variation: s.total_variation,
-            rms_second_difference: s.rms_second_difference,
-            max_second_difference: s.max_second_difference,
-            sign_changes_first_difference: s.sign_changes,
-        })
-        .collect()
-}
-
 fn convergence(plan: &FeedPlan) -> Vec<Convergence> {
     // The search of node i + 1 is trace i; nodes that were coasted to have none.
     let searched = plan.convergence.iter().enumerate().filter(|(_, c)| !c.best.is_empty());
@@ -142,6 +128,7 @@ fn failure(plan: &FeedPlan, channel: &Channel) -> Option<Failure> {
                 "More circumferential reduction on that wall, another division or the other side of entry may open the way."
             }
             JamCause::Travel { .. } => "Another machine, less exit_clearance_mm or the other side of entry would help.",
+            JamCause::NothingLeft { .. } => "A smaller h_max_deg, more parts or the other side of entry may help.",
             JamCause::Unknown => "A larger population or a smaller step_mm may find one.",
         };
         return Some(Failure {
