@@ -20,4 +20,4 @@ pub mod verify_report;
 pub(crate) use crate::feed::quantise;
 
 #[cfg(test)]
-mod fixtures;
+pub(crate) mod fixtures;

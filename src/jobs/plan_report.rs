@@ -239,3 +239,69 @@ fn text(value: f64) -> String {
 fn range_text([a, b]: [f64; 2]) -> String {
     if (a - b).abs() < 5e-5 { text(a) } else { format!("{} to {}", text(a), text(b)) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::blisk::parametric::ParametricBlisk;
+    use crate::blisk::parametric::tests::exact_channel;
+    use crate::export::fixtures;
+    use crate::feed::certificate::{Certificate, Findings};
+    use crate::feed::interpolation::AxisCurves;
+    use crate::feed::machine::BeyondTravel;
+    use crate::feed::objective::ObjectiveValue;
+    use crate::feed::pose::Pose;
+    use crate::feed::search::Node;
+    use crate::feed::smoothness::AxisSmoothness;
+    use crate::geometry::spline::EndCondition;
+
+    /// A plan whose path came out, with what the verifier found changed by `change`.
+    fn plan(change: impl Fn(&mut Findings)) -> FeedPlan {
+        let path = fixtures::path();
+        let mut findings = fixtures::certificate(&path).into_findings();
+        change(&mut findings);
+        let node = |s: f64| {
+            let pose = Pose { x: -s, ..Pose::FINAL };
+            Node { s, pose, h: 0.0, clearance: 0.1, objective: ObjectiveValue::default() }
+        };
+        let nodes = vec![node(0.0), node(60.0)];
+        let planned = PlannedPath {
+            curves: AxisCurves::through(&nodes, EndCondition::NotAKnot).unwrap(),
+            path,
+            certificate: Certificate::made_up(findings),
+            smoothness: [AxisSmoothness::of(&[0.0]); 6],
+        };
+        FeedPlan {
+            nodes,
+            convergence: Vec::new(),
+            jam: None,
+            path: Some(planned),
+            h: 0.0,
+            remade: None,
+            ranges: [0.0; 6],
+            probes: 0,
+            rounds: 1,
+            field_seconds: 0.0,
+            search_seconds: 0.0,
+            verify_seconds: 0.0,
+        }
+    }
+
+    #[test]
+    fn whatever_keeps_a_path_from_being_verified_is_told() {
+        let channel = exact_channel(&ParametricBlisk::demonstration());
+        let told = |change: &dyn Fn(&mut Findings)| failure(&plan(change), &channel);
+        assert_eq!(told(&|_| {}), None);
+
+        let close = told(&|f| f.certified = 0.05).unwrap();
+        assert_eq!((close.s_mm, close.node), (12.0, 6), "where the clearance is least");
+        assert!(close.wall.is_some() && close.place == Some([3.0, -4.1, 120.02]));
+
+        let ends = told(&|f| f.ends_right = false).unwrap();
+        assert!(ends.sentence.contains("begin wholly outside") && ends.s_mm == 60.0 && ends.place.is_none());
+
+        let beyond = BeyondTravel { axis: Axis::C, row: 20, value: 0.4, limit: 0.3 };
+        let travel = told(&|f| f.travel = TravelVerdict::Beyond(beyond)).unwrap();
+        assert!(travel.sentence.contains("axis C") && travel.s_mm == 50.0 && travel.wall.is_none());
+    }
+}
