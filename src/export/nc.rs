@@ -172,9 +172,9 @@ fn speed_comments(w: &mut Writer, slowed: Option<Slowed>) {
     let MachineParams { speed_mm_min, speed_deg_min, .. } = w.job.machine;
     w.comment(&format!("Greatest speeds of the machine: X Y Z {speed_mm_min} mm/min, A B C {speed_deg_min} deg/min"));
     match slowed {
-        None => w.comment("No axis would exceed them; the feed is as asked for throughout."),
+        None => w.comment("No axis would exceed them: the feed is as asked for throughout."),
         Some(Slowed { blocks, of, least_share, axis }) => w.comment(&format!(
-            "LOWERED FEED: {blocks} of {of} blocks are slower than asked for, so that no axis exceeds them; at most down to \
+            "LOWERED FEED: {blocks} of {of} blocks are slower than asked for, so that no axis exceeds them, at most down to \
              {:.1} percent, for axis {}",
             100.0 * least_share,
             axis.letter()
