@@ -7,6 +7,7 @@ use sparkpath::blisk::find_channel::find_channel;
 use sparkpath::blisk::options::BliskOptions;
 use sparkpath::blisk::parametric::{MeshResolution, ParametricBlisk};
 use sparkpath::feed::clearance::{Bodies, ClearanceModel};
+use sparkpath::feed::outside::Outside;
 use sparkpath::feed::pose::Pose;
 use sparkpath::feed::samples::{SampleSpacing, sample_electrode};
 use sparkpath::feed::verify::Verifier;
@@ -43,10 +44,12 @@ fn planning(criterion: &mut Criterion) {
     let mut samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default());
     let stride = samples.len() / 1500;
     samples = samples.into_iter().step_by(stride.max(1)).take(1500).collect();
+    let outside = Outside::new(&blisk, &electrode.mesh, electrode.reference_point);
     let bodies = Bodies {
         blisk: &field,
         electrode: &own_field,
         faces_x: channel.faces_x,
+        outside: &outside,
         reference_point: electrode.reference_point,
         side: electrode.enters_from,
     };
@@ -62,7 +65,7 @@ fn planning(criterion: &mut Criterion) {
             (0..1000).map(|i| channel.low.points[i * 7 % channel.low.points.len()] + DVec3::Y * 0.3).collect();
         b.iter(|| points.iter().filter_map(|&p| field.value(p)).sum::<f64>());
     });
-    let inputs = PlanInputs { blisk: mesh, own_electrode: None, job };
+    let inputs = PlanInputs { blisk: mesh.into(), own_electrode: None, job };
     group.bench_function("whole demonstration plan", |b| b.iter(|| run(&inputs, &progress, &cancel)));
     group.finish();
 }

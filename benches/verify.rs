@@ -107,8 +107,8 @@ fn verification(c: &mut Criterion) {
             verifier.verify(&path, &surface, &options, &Progress::silent(), &Cancel::default())
         };
         if let Ok(certificate) = run() {
-            let (pairs, least) = (certificate.pair_intervals, certificate.least.distance);
-            println!("{name}: {pairs} pairs, least {least:.6}, certified {:.6}", certificate.certified);
+            let (pairs, least) = (certificate.pair_intervals(), certificate.least().distance);
+            println!("{name}: {pairs} pairs, least {least:.6}, certified {:.6}", certificate.certified());
         }
         group.bench_function(name, |b| b.iter(run));
     }

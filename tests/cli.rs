@@ -1,10 +1,13 @@
 //! The program as its users and other tools meet it: exit codes, files, one line for every mistake.
 
+mod common;
+
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 
-use sparkpath::blisk::parametric::{MeshResolution, ParametricBlisk};
+use common::{curved_blisk, easy_blisk, mesh};
+use sparkpath::blisk::parametric::ParametricBlisk;
 use sparkpath::mesh_io::write_stl;
 use tempfile::TempDir;
 
@@ -16,21 +19,13 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// Writes a small blisk and a job with a small search for it, with `more` lines at its end.
+/// Writes the easy blisk and a job with a small search for it, with `electrode` among its keys.
 fn job(folder: &Path, electrode: &str) -> String {
-    let blisk = ParametricBlisk {
-        blades: 24,
-        hub_radius_mm: 60.0,
-        shroud_radius_mm: 72.0,
-        bore_radius_mm: 40.0,
-        width_mm: 20.0,
-        chord_mm: 14.0,
-        beta_in_deg: 20.0,
-        beta_out_deg: -25.0,
-        twist_deg: 2.0,
-        ..Default::default()
-    };
-    write_stl(&folder.join("part.stl"), &blisk.mesh(&MeshResolution::default()).unwrap()).unwrap();
+    job_for(&easy_blisk(), folder, electrode)
+}
+
+fn job_for(blisk: &ParametricBlisk, folder: &Path, electrode: &str) -> String {
+    write_stl(&folder.join("part.stl"), &mesh(blisk)).unwrap();
     let file = folder.join("job.toml");
     let text = format!(
         "[blisk]\nmesh = \"part.stl\"\nunits = \"mm\"\n[electrode]\nenter = \"-x\"\n{electrode}\n\
@@ -113,19 +108,72 @@ fn a_written_plan_passes_verify_and_a_tampered_one_does_not() {
 #[test]
 fn a_jam_answers_3_with_reasons_and_removes_an_older_program() {
     let folder = tempfile::tempdir().unwrap();
-    let file = job(folder.path(), "circumferential_reduction_deg = [0.0, 0.0]\nradial_reduction_mm = 0.0");
+    // A curved electrode that fills its channel.
+    let electrode = "circumferential_reduction_deg = [0.0, 0.0]\nradial_reduction_mm = 0.0";
+    let file = job_for(&curved_blisk(), folder.path(), electrode);
     let out = folder.path().join("out");
     std::fs::create_dir(&out).unwrap();
     std::fs::write(out.join("path_1.nc"), "an older program").unwrap();
     let output = sparkpath(&["plan", &file, "--out", out.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(3), "{}", text(&output.stderr));
     let report = std::fs::read_to_string(out.join("report.json")).unwrap();
     let report: serde_json::Value = serde_json::from_str(&report).unwrap();
-    // Whether a full electrode slides out of this blisk is not known beforehand; the answers must agree.
-    let verified = report["electrodes"][0]["verified"] == true;
-    assert_eq!(output.status.code(), Some(if verified { 0 } else { 3 }));
-    let program = std::fs::read_to_string(out.join("path_1.nc")).unwrap_or_default();
-    assert_eq!(!program.is_empty(), verified);
-    assert!(!program.contains("older"));
+    let electrode = &report["electrodes"][0];
+    assert_eq!((&electrode["verified"], &report["verdict"]["exit_code"]), (&false.into(), &3.into()));
+    let failure = &electrode["failure"];
+    assert!(failure["sentence"].as_str().unwrap().contains("jams at node"), "{failure}");
+    assert!(failure["wall"].is_string() && failure["place"].as_array().is_some_and(|p| p.len() == 3));
+    assert!(!out.join("path_1.nc").exists(), "no program stays that does not belong to these results");
+}
+
+#[test]
+fn an_electrode_of_ones_own_is_planned_like_a_derived_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let own = path("out/electrode_1.stl");
+    let file = job(folder.path(), &format!("mesh = '{own}'"));
+    let out = folder.path().join("out");
+    let output = sparkpath(&["plan", &file, "--out", out.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let read = |folder: &Path, name: &str| std::fs::read(folder.join(name)).unwrap();
+    assert_eq!(read(&out, "electrode_1.stl").len(), std::fs::read(&own).unwrap().len(), "as many triangles");
+    let report: serde_json::Value = serde_json::from_slice(&read(&out, "report.json")).unwrap();
+    let theirs: serde_json::Value = serde_json::from_slice(&std::fs::read(path("out/report.json")).unwrap()).unwrap();
+    let volume = |r: &serde_json::Value| r["electrodes"][0]["volume_mm3"].as_f64().unwrap();
+    assert!((volume(&report) / volume(&theirs) - 1.0).abs() < 1e-6);
+    assert_eq!(
+        (&report["electrodes"][0]["verified"], &report["inputs"][1]["role"]),
+        (&true.into(), &"electrode".into())
+    );
+    let csv = out.join("path_1.csv");
+    let part = folder.path().join("part.stl");
+    let files = ["--blisk", part.to_str().unwrap(), "--electrode", &own, "--path", csv.to_str().unwrap()];
+    let verified = sparkpath(&[&["verify", "--units", "mm", "--gap", "0.1"], &files[..]].concat());
+    assert_eq!(verified.status.code(), Some(0), "{}{}", text(&verified.stdout), text(&verified.stderr));
+}
+
+#[test]
+fn a_verification_judges_travel_if_limits_are_given_and_leaves_the_plans_report_alone() {
+    let out = tempfile::tempdir().unwrap();
+    let folder = out.path().to_str().unwrap().to_owned();
+    std::fs::write(out.path().join("report.json"), "of a plan").unwrap();
+    let (blisk, electrode, csv) = (path("part.stl"), path("out/electrode_1.stl"), path("out/path_1.csv"));
+    let verify = |limits: &[&str]| {
+        let files = ["--blisk", &blisk, "--electrode", &electrode, "--path", &csv, "--out", &folder];
+        let output = sparkpath(&[&["verify", "--units", "mm", "--gap", "0.1"], &files[..], limits].concat());
+        let report = std::fs::read(out.path().join("verify.json")).unwrap_or_default();
+        (output.status.code(), serde_json::from_slice::<serde_json::Value>(&report).unwrap_or_default())
+    };
+    let (code, report) = verify(&[]);
+    assert_eq!((code, &report["travel"]["judged"]), (Some(0), &false.into()));
+    assert!(report["sentence"].as_str().unwrap().contains("not judged"));
+    let (code, report) = verify(&["--travel", "X=-250,0", "--travel", "c=-360,360"]);
+    assert_eq!((code, &report["travel"]["judged"], &report["travel"]["beyond"]), (Some(0), &true.into(), &().into()));
+    let (code, report) = verify(&["--travel", "X=-1,1"]);
+    assert_eq!((code, &report["travel"]["beyond"]["axis"]), (Some(3), &"X".into()));
+    assert_eq!((&report["verified"], &report["travel"]["beyond"]["row"]), (&false.into(), &0.into()));
+    assert_eq!(verify(&["--travel", "X=1,2"]).0, Some(2), "the final pose is not within");
+    assert_eq!(std::fs::read_to_string(out.path().join("report.json")).unwrap(), "of a plan");
+    assert!(out.path().join("verify.html").is_file());
 }
 
 #[test]
@@ -188,6 +236,36 @@ fn progress_and_answer_are_json_when_asked_for() {
         let progress: serde_json::Value = serde_json::from_str(line).unwrap();
         assert!(progress["stage"].is_string() && progress["fraction"].as_f64().is_some_and(|f| f <= 1.0));
     }
+}
+
+#[test]
+fn mistakes_are_one_json_line_when_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let cube = folder.path().join("cube.stl");
+    std::fs::write(&cube, CUBE).unwrap();
+    for (arguments, named) in [
+        (vec!["--json", "fly"], "fly"),
+        (vec!["plan", "no-such-job.toml", "--out", "x", "--json"], "no-such-job.toml"),
+        (vec!["inspect", cube.to_str().unwrap(), "--json"], "cube.stl"),
+    ] {
+        let output = sparkpath(&arguments);
+        assert_eq!(output.status.code(), Some(2));
+        let lines: Vec<serde_json::Value> =
+            text(&output.stderr).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+        let errors: Vec<_> = lines.iter().filter(|line| line.get("error").is_some()).collect();
+        assert_eq!((errors.len(), &errors[0]["exit_code"]), (1, &2.into()));
+        assert!(errors[0]["error"].as_str().unwrap().contains(named), "{errors:?}");
+    }
+}
+
+#[test]
+fn inspect_names_the_arguments_that_help() {
+    let folder = tempfile::tempdir().unwrap();
+    let cube = folder.path().join("cube.stl");
+    std::fs::write(&cube, CUBE).unwrap();
+    let output = sparkpath(&["inspect", cube.to_str().unwrap()]);
+    let (said, error) = (text(&output.stdout), text(&output.stderr));
+    assert!(error.contains("--axis") && !error.contains("[blisk]") && !said.contains("[blisk]"), "{said}{error}");
 }
 
 /// A cube of 20 mm as ASCII STL.

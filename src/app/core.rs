@@ -214,16 +214,16 @@ impl Core {
     pub fn contact(&self) -> Option<[DVec3; 2]> {
         let plan = &self.outcome()?.plan;
         if let Some(jam) = &plan.jam {
-            return Some([jam.on_electrode, jam.on_blisk]);
+            return jam.contact().map(|c| [c.on_electrode, c.on_blisk]);
         }
-        let least = &plan.path.as_ref()?.certificate.least;
+        let least = plan.path.as_ref()?.certificate.least();
         Some([least.on_electrode, least.on_blisk])
     }
 
     /// Withdrawn distance at which that is (mm).
     pub fn contact_s(&self) -> Option<f64> {
         let plan = &self.outcome()?.plan;
-        plan.jam.map(|j| j.s).or_else(|| Some(plan.path.as_ref()?.certificate.least.s))
+        plan.jam.map(|j| j.s).or_else(|| Some(plan.path.as_ref()?.certificate.least().s))
     }
 
     /// Whether what is shown of the plan belongs to other parameters.

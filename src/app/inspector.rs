@@ -48,12 +48,13 @@ fn contact(ui: &mut Ui, core: &mut Core) {
     let (Some([_, on_blisk]), Some(s)) = (core.contact(), core.contact_s()) else { return };
     let Some(outcome) = core.outcome() else { return };
     let Some(plan) = core.pipeline.plan() else { return };
-    let (title, surface) = match (&outcome.plan.jam, &outcome.plan.path) {
-        (Some(jam), _) => (format!("Jams at node {}", jam.node), jam.surface),
-        (None, Some(path)) => ("Closest place of the path".to_owned(), path.certificate.least.surface),
+    let jammed = outcome.plan.jam.as_ref().and_then(|jam| Some((jam.node, jam.contact()?)));
+    let (title, surface) = match (jammed, &outcome.plan.path) {
+        (Some((node, contact)), _) => (format!("Jams at node {node}"), contact.surface),
+        (None, Some(path)) => ("Closest place of the path".to_owned(), path.certificate.least().surface),
         (None, None) => return,
     };
-    let lack = outcome.plan.jam.map(|j| j.lack);
+    let lack = jammed.map(|(_, contact)| contact.lack);
     let against = plan.channel.surface_name(surface);
     let length = core.preferences.length;
     heading(ui, &title);

@@ -90,7 +90,6 @@ fn letter(axis: DVec3) -> char {
 /// Where the cut is and which way it looks.
 fn section(ui: &mut Ui, rect: Rect, core: &mut Core) {
     let area = Rect::from_min_size(rect.left_bottom() + vec2(70.0, -40.0), vec2(430.0, 30.0));
-    egui::Frame::popup(ui.style()).shadow(egui::Shadow::NONE).inner_margin(4);
     let mut child = ui.new_child(UiBuilder::new().max_rect(area).layout(egui::Layout::left_to_right(egui::Align::Center)));
     child.painter().rect_filled(area, 5.0, child.visuals().window_fill.gamma_multiply(0.92));
     child.add_space(8.0);

@@ -266,12 +266,12 @@ impl SparkpathApp {
     }
 
     fn export(&mut self, folder: &Path) {
-        let write: ExportWork = Box::new(|folder, plan, job, files, _, cancel| {
-            let post = Post::named(&job.export.post).map_err(|e| e.to_string())?;
+        let write: ExportWork = Box::new(|folder, plan, inputs, files, _, cancel| {
+            let post = Post::named(&inputs.job.export.post).map_err(|e| e.to_string())?;
             plan_files::prepare(folder).map_err(|e| e.to_string())?;
-            let mut report = plan_report::report(plan, job, files);
+            let mut report = plan_report::report(plan, &inputs.job, files);
             cancel.check().map_err(|e| e.to_string())?;
-            plan_files::write(folder, plan, job, &post, &mut report).map_err(|e| e.to_string())
+            plan_files::write(folder, plan, inputs, &post, &mut report).map_err(|e| e.to_string())
         });
         if let Err(why) = self.core.pipeline.start_export(folder, write) {
             self.dialog = Dialog::Error("Nothing was exported".to_owned(), why);

@@ -152,15 +152,15 @@ fn verify(ui: &mut Ui, core: &mut Core) {
             (palette(ui).bad, outcome.plan.verdict(&plan.channel))
         };
         notice(ui, colour, &text);
-        fact(ui, "Required", length.show(c.required, 4));
-        fact(ui, "Certified (lower bound)", length.show(c.certified, 4));
-        fact(ui, "Least met (upper bound)", length.show(c.least.distance, 4));
-        fact(ui, "  against", plan.channel.surface_name(c.least.surface));
-        fact(ui, "  withdrawn by", length.show(c.least.s, 3));
+        fact(ui, "Required", length.show(c.required(), 4));
+        fact(ui, "Certified (lower bound)", length.show(c.certified(), 4));
+        fact(ui, "Least met (upper bound)", length.show(c.least().distance, 4));
+        fact(ui, "  against", plan.channel.surface_name(c.least().surface));
+        fact(ui, "  withdrawn by", length.show(c.least().s, 3));
         fact(ui, "Rows", planned.path.rows.len().to_string());
-        fact(ui, "Places too near", c.violations.len().to_string());
+        fact(ui, "Places too near", c.violations().len().to_string());
         if ui.button("Go to the closest place").clicked() {
-            core.cursor.s = c.least.s;
+            core.cursor.s = c.least().s;
         }
     }
     if core.pipeline.can_approve() {

@@ -9,8 +9,10 @@ use crate::mesh_io::Imported;
 pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow::Result<Answer> {
     let options = options(arguments)?;
     let imported = session.import(&arguments.mesh, arguments.units)?;
-    options.validate().map_err(anyhow::Error::msg)?;
-    let inspection = inspect_blisk(&imported.mesh, &options, &session.progress, &session.cancel)?;
+    options.validate().map_err(|e| anyhow::anyhow!(as_arguments(&e)))?;
+    let found = inspect_blisk(&imported.mesh, &options, &session.progress, &session.cancel);
+    let mut inspection = found.map_err(|e| anyhow::anyhow!(as_arguments(&e.to_string())))?;
+    inspection.not_found.iter_mut().for_each(|problem| *problem = as_arguments(problem));
     super::terminal::finish();
     if session.json {
         let all = serde_json::json!({ "sha256": imported.sha256, "import": imported.report, "blisk": inspection });
@@ -23,6 +25,29 @@ pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow
         None => Ok(Answer::Yes),
         Some(problem) => anyhow::bail!("{}: {problem}", arguments.mesh.display()),
     }
+}
+
+/// `message` with the arguments of this command in place of the keys of a job file, which is not at hand here.
+fn as_arguments(message: &str) -> String {
+    const ARGUMENTS: [(&str, &str); 8] = [
+        ("the keys [blisk] ", ""),
+        ("the key [blisk] ", ""),
+        ("[blisk] ", ""),
+        ("hub_radius_mm", "--hub-radius"),
+        ("shroud_radius_mm", "--shroud-radius"),
+        ("with axis", "with --axis"),
+        ("with blades", "with --blades"),
+        ("channel is", "--channel is"),
+    ];
+    let mut text = message.to_owned();
+    for key in ["axis", "blades"] {
+        text = text.replace(&format!("[blisk] {key}:"), &format!("--{key}:"));
+    }
+    // Only what was a key becomes an argument: a message that names none stays as it is.
+    if text.contains("[blisk] ") {
+        ARGUMENTS.iter().for_each(|(key, argument)| text = text.replace(key, argument));
+    }
+    text
 }
 
 fn print_import(imported: &Imported) {
@@ -69,4 +94,27 @@ fn axis(text: &str) -> anyhow::Result<AxisChoice> {
     serde_json::from_value(value).map_err(|_| {
         anyhow::anyhow!("--axis {text}: expected auto, x, y, z, or six numbers dx,dy,dz,px,py,pz (direction and point)")
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_of_a_job_file_become_arguments() {
+        for (message, expected) in [
+            (
+                "give its axis with the key [blisk] axis and its blade count with [blisk] blades",
+                "give its axis with --axis and its blade count with --blades",
+            ),
+            ("give its radius with the key [blisk] hub_radius_mm", "give its radius with --hub-radius"),
+            ("check the keys [blisk] hub_radius_mm and shroud_radius_mm", "check --hub-radius and --shroud-radius"),
+            ("[blisk] channel is 9, but the blisk has 4 channels", "--channel is 9, but the blisk has 4 channels"),
+            ("[blisk] blades: must be \"auto\"", "--blades: must be \"auto\""),
+            ("give the right axis with the key [blisk] axis", "give the right axis with --axis"),
+            ("the axis through (0, 0, 0) has nothing", "the axis through (0, 0, 0) has nothing"),
+        ] {
+            assert_eq!(as_arguments(message), expected);
+        }
+    }
 }

@@ -25,6 +25,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 use crate::app::{Opening, run_window};
+use crate::feed::pose::Axis;
 use crate::mesh_io::{ImportOptions, Imported, Units, import_file};
 use crate::progress::{Cancel, Progress};
 
@@ -89,7 +90,11 @@ struct VerifyArguments {
     /// Unit of the blisk's mesh: auto, mm, cm, m, inch.
     #[arg(long, value_name = "UNIT", default_value = "auto", value_parser = unit)]
     units: Units,
-    /// Folder for report.json, made if it is not there.
+    /// Travel of an axis about the final pose in mm or degrees, such as X=-250,250; once for each axis that has limits.
+    /// Without any, travel is not judged.
+    #[arg(long, value_name = "AXIS=LEAST,GREATEST", value_parser = travel)]
+    travel: Vec<(Axis, [f64; 2])>,
+    /// Folder for verify.json and verify.html, made if it is not there.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -121,6 +126,19 @@ struct InspectArguments {
 fn unit(text: &str) -> Result<Units, String> {
     let value = toml::Value::String(text.to_owned());
     value.try_into().map_err(|_| "expected auto, mm, cm, m or inch".to_owned())
+}
+
+fn travel(text: &str) -> Result<(Axis, [f64; 2]), String> {
+    let wrong = || "expected an axis and its limits, as in X=-250,250, that include 0, the final pose".to_owned();
+    let (letter, limits) = text.split_once('=').ok_or_else(wrong)?;
+    let (least, greatest) = limits.split_once(',').ok_or_else(wrong)?;
+    let axis = Axis::ALL.into_iter().find(|a| letter.trim().eq_ignore_ascii_case(&a.letter().to_string()));
+    let number = |text: &str| text.trim().parse::<f64>().map_err(|_| wrong());
+    let travel = [number(least)?, number(greatest)?];
+    match axis {
+        Some(axis) if travel[0] <= 0.0 && travel[1] >= 0.0 => Ok((axis, travel)),
+        _ => Err(wrong()),
+    }
 }
 
 /// How a command ended, short of an error.
@@ -171,18 +189,19 @@ struct Internal(String);
 pub fn run() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
-        Err(error) => return usage(&error),
+        // Nothing is parsed yet, and the wish for JSON has to be honoured all the same.
+        Err(error) => return usage(&error, std::env::args_os().any(|a| a == "--json")),
     };
     if let Some(threads) = arguments.threads {
         let built = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
         if let Err(error) = built {
-            return report(&anyhow::Error::new(Internal(error.to_string())));
+            return report(&anyhow::Error::new(Internal(error.to_string())), arguments.json);
         }
     }
     let cancel = Cancel::default();
     let (flag, cancelled) = (cancel.clone(), cancel.clone());
     if let Err(error) = ctrlc::set_handler(move || flag.cancel()) {
-        return report(&anyhow::Error::new(Internal(error.to_string())));
+        return report(&anyhow::Error::new(Internal(error.to_string())), arguments.json);
     }
     let session =
         Session { progress: terminal::progress(arguments.json), cancel, json: arguments.json, seed: arguments.seed };
@@ -194,15 +213,12 @@ pub fn run() -> ExitCode {
         Ok(Ok(Answer::Yes)) => ExitCode::SUCCESS,
         Ok(Ok(Answer::No)) => ExitCode::from(3),
         // What a computation answers once it has been told to stop is that it stopped.
-        Ok(Err(_)) if cancelled.is_cancelled() => {
-            terminal::print_error("cancelled; nothing was written");
-            ExitCode::from(130)
-        }
-        Ok(Err(error)) => report(&error),
+        Ok(Err(_)) if cancelled.is_cancelled() => fail("cancelled; nothing was written", 130, arguments.json),
+        Ok(Err(error)) => report(&error, arguments.json),
         Err(panic) => {
             let text = panic.downcast_ref::<String>().cloned();
             let text = text.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned())).unwrap_or_default();
-            report(&anyhow::Error::new(Internal(text)))
+            report(&anyhow::Error::new(Internal(text)), arguments.json)
         }
     }
 }
@@ -221,7 +237,7 @@ fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> 
 }
 
 /// Help and version go to standard output with exit code 0; wrong usage is one line and exit code 2.
-fn usage(error: &clap::Error) -> ExitCode {
+fn usage(error: &clap::Error, json: bool) -> ExitCode {
     if !error.use_stderr() || error.kind() == clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
         let _ = error.print();
         return if error.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS };
@@ -229,13 +245,22 @@ fn usage(error: &clap::Error) -> ExitCode {
     let text = error.to_string();
     let said = text.lines().map(str::trim).take_while(|l| !l.starts_with("Usage:"));
     let said: Vec<&str> = said.filter(|l| !l.is_empty() && !l.starts_with("tip:")).collect();
-    terminal::print_error(&format!("{}; see --help", said.join(" ")));
-    ExitCode::from(2)
+    fail(&format!("{}; see --help", said.join(" ")), 2, json)
 }
 
 /// One line on standard error, and the exit code that tells whose fault it is.
-fn report(error: &anyhow::Error) -> ExitCode {
+fn report(error: &anyhow::Error, json: bool) -> ExitCode {
     let line = error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
-    terminal::print_error(&format!("error: {line}"));
-    ExitCode::from(if error.is::<Internal>() { 1 } else { 2 })
+    fail(&format!("error: {line}"), if error.is::<Internal>() { 1 } else { 2 }, json)
+}
+
+/// Says in one line why the program ends with `code`: in words, or as a JSON object.
+fn fail(line: &str, code: u8, json: bool) -> ExitCode {
+    if json {
+        let message = line.strip_prefix("error: ").unwrap_or(line);
+        terminal::print_error(&serde_json::json!({ "error": message, "exit_code": code }).to_string());
+    } else {
+        terminal::print_error(line);
+    }
+    ExitCode::from(code)
 }

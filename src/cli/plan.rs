@@ -9,7 +9,8 @@ use crate::export::report::{InputFile, Report};
 use crate::jobs::plan::{PlanInputs, PlanOutcome, run};
 use crate::jobs::plan_files;
 use crate::jobs::plan_report;
-use crate::mesh_io::{Imported, Units};
+use crate::jobs::stages::input_file;
+use crate::mesh_io::Units;
 use crate::project::PlanJob;
 
 /// Plans the job in the file `job_file` and writes its results into `out`.
@@ -28,11 +29,11 @@ pub(super) fn plan(job_file: &Path, out: &Path, session: &Session) -> anyhow::Re
             // The user's electrode stands in the blisk's coordinates after conversion, as our own files do.
             let own = session.import(path, Units::Mm)?;
             files.push(input_file("electrode", path, &own));
-            Some(own.mesh)
+            Some(own.mesh.into())
         }
         None => None,
     };
-    finish(&PlanInputs { blisk: blisk.mesh, own_electrode: own, job }, files, out, session)
+    finish(&PlanInputs { blisk: blisk.mesh.into(), own_electrode: own, job }, files, out, session)
 }
 
 /// The whole journey on the built-in blisk.
@@ -50,17 +51,17 @@ pub(super) fn demo(out: &Path, session: &Session) -> anyhow::Result<Answer> {
         unit_reason: "made by this program".to_owned(),
         ..Default::default()
     };
-    finish(&PlanInputs { blisk, own_electrode: None, job }, vec![file], out, session)
+    finish(&PlanInputs { blisk: blisk.into(), own_electrode: None, job }, vec![file], out, session)
 }
 
 fn finish(inputs: &PlanInputs, files: Vec<InputFile>, out: &Path, session: &Session) -> anyhow::Result<Answer> {
     // What would stop the results should be found out before the work.
-    let post = post(&inputs.job.export.post)?;
+    let post = Post::named(&inputs.job.export.post)?;
     plan_files::prepare(out)?;
     let outcome = run(inputs, &session.progress, &session.cancel)?;
     let mut report = plan_report::report(&outcome, &inputs.job, files);
     session.cancel.check()?;
-    let written = plan_files::write(out, &outcome, &inputs.job, &post, &mut report)?;
+    let written = plan_files::write(out, &outcome, inputs, &post, &mut report)?;
     super::terminal::finish();
     if session.json {
         say!("{}", report.json()?);
@@ -68,29 +69,6 @@ fn finish(inputs: &PlanInputs, files: Vec<InputFile>, out: &Path, session: &Sess
         print_summary(&report, &outcome, &written, out);
     }
     Ok(if outcome.is_verified() { Answer::Yes } else { Answer::No })
-}
-
-/// The post of this name, or in this file if it ends in `.toml`.
-fn post(name: &str) -> anyhow::Result<Post> {
-    if !name.ends_with(".toml") {
-        return Ok(Post::load(name, None)?);
-    }
-    let text = std::fs::read_to_string(name)
-        .map_err(|e| anyhow::anyhow!("{name}: the post cannot be read ({e}); check [export] post"))?;
-    Ok(Post::from_toml(&text, name)?)
-}
-
-fn input_file(role: &str, path: &Path, imported: &Imported) -> InputFile {
-    let report = &imported.report;
-    InputFile {
-        role: role.to_owned(),
-        path: path.display().to_string(),
-        sha256: imported.sha256.clone(),
-        triangles: report.triangles_read,
-        unit: report.unit.name().to_owned(),
-        unit_reason: report.unit_reason.clone(),
-        repairs: report.warnings.clone(),
-    }
 }
 
 fn print_summary(report: &Report, outcome: &PlanOutcome, written: &[String], out: &Path) {

@@ -1,6 +1,8 @@
 //! `sparkpath verify`: certifies a path file, whoever made it.
 
-use serde::Serialize;
+use std::path::Path;
+
+use sha2::{Digest, Sha256};
 
 use super::{Answer, Session, VerifyArguments};
 use crate::blisk::channel::{Channel, Surface};
@@ -9,133 +11,108 @@ use crate::blisk::options::BliskOptions;
 use crate::blisk::surface_finder::SurfaceFinder;
 use crate::export::files::write_atomically;
 use crate::export::path_csv::read_path_csv;
+use crate::export::verify_report::{VerifiedFile, VerifyReport};
 use crate::feed::certificate::Certificate;
+use crate::feed::machine::TravelLimits;
 use crate::feed::path::FeedPath;
+use crate::feed::pose::Axis;
 use crate::feed::verify::{Verifier, VerifyOptions};
 use crate::geometry::mesh::Mesh;
 use crate::mesh_io::Units;
 
-/// `report.json` of a verification.
-#[derive(Serialize)]
-struct VerifyReport<'a> {
-    schema: u32,
-    program_version: &'static str,
-    inputs: [Input<'a>; 2],
-    path: String,
-    verified: bool,
-    required_clearance_mm: f64,
-    tolerance_mm: f64,
-    certified_clearance_mm: f64,
-    least_clearance_mm: f64,
-    least_clearance_at: Place<'a>,
-    starts_outside_and_ends_at_zero: bool,
-    rows: usize,
-    sentence: String,
-}
-
-#[derive(Serialize)]
-struct Input<'a> {
-    role: &'static str,
-    path: String,
-    sha256: &'a str,
-}
-
-#[derive(Serialize)]
-struct Place<'a> {
-    row: f64,
-    s_mm: f64,
-    on_electrode: [f64; 3],
-    on_blisk: [f64; 3],
-    surface: &'a str,
+/// What is verified.
+struct Inputs {
+    blisk: Mesh,
+    electrode: Mesh,
+    path: FeedPath,
+    files: Vec<VerifiedFile>,
 }
 
 /// Verifies the path of `arguments`.
 pub(super) fn verify(arguments: &VerifyArguments, session: &Session) -> anyhow::Result<Answer> {
+    let options = options(arguments)?;
+    let inputs = read(arguments, session)?;
+    let channel = channel_of(&inputs.blisk, &inputs.path, session);
+    if let Some(folder) = &arguments.out {
+        // An older verdict must not outlive a failure of this one.
+        for name in ["verify.json", "verify.html"] {
+            let _ = std::fs::remove_file(folder.join(name));
+        }
+    }
+    let certificate = certify(&inputs, travel(arguments), channel.as_ref(), &options, session)?;
+    let surface = channel.as_ref().map_or("blisk", |channel| channel.surface_name(certificate.least().surface));
+    let report = VerifyReport::new(&inputs.path, &certificate, surface, inputs.files);
+    let json = report.json()?;
+    if let Some(folder) = &arguments.out {
+        write(folder, &report, &json)?;
+    }
+    super::terminal::finish();
+    say!("{}", if session.json { json.trim_end() } else { &report.sentence });
+    Ok(if report.verified { Answer::Yes } else { Answer::No })
+}
+
+fn options(arguments: &VerifyArguments) -> anyhow::Result<VerifyOptions> {
     anyhow::ensure!(
         arguments.gap > 0.0 && arguments.gap <= 100.0,
         "--gap {}: must be a length in mm greater than 0 and at most 100",
         arguments.gap
     );
+    anyhow::ensure!(
+        (0.0..0.5 * arguments.gap).contains(&arguments.tolerance),
+        "--tolerance {}: must be 0 or more and less than half the gap of {} mm",
+        arguments.tolerance,
+        arguments.gap
+    );
+    let options = VerifyOptions { tolerance_mm: arguments.tolerance, ..Default::default() };
+    options.validate()?;
+    Ok(options)
+}
+
+fn read(arguments: &VerifyArguments, session: &Session) -> anyhow::Result<Inputs> {
+    let name = arguments.path.display();
     let text = std::fs::read_to_string(&arguments.path)
-        .map_err(|e| anyhow::anyhow!("{}: cannot be read ({e}); check the path", arguments.path.display()))?;
-    let path = read_path_csv(&text).map_err(|e| anyhow::anyhow!("{}: {e}", arguments.path.display()))?;
-    let path = FeedPath { spark_gap: arguments.gap, ..path };
+        .map_err(|e| anyhow::anyhow!("{name}: cannot be read ({e}); check the path"))?;
+    let path = read_path_csv(&text).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
     let blisk = session.import(&arguments.blisk, arguments.units)?;
     let electrode = session.import(&arguments.electrode, Units::Mm)?;
     super::require_closed(&arguments.blisk, &blisk)?;
     super::require_closed(&arguments.electrode, &electrode)?;
-    let channel = channel_of(&blisk.mesh, &path, session);
-    let options = VerifyOptions { tolerance_mm: arguments.tolerance, ..Default::default() };
-    options.validate()?;
-    anyhow::ensure!(
-        arguments.tolerance < 0.5 * arguments.gap,
-        "--tolerance {}: must be less than half the gap of {} mm",
-        arguments.tolerance,
-        arguments.gap
-    );
-    if let Some(folder) = &arguments.out {
-        // An older verdict must not outlive a failure of this one.
-        let _ = std::fs::remove_file(folder.join("report.json"));
-    }
-    let certificate = certify(&blisk.mesh, &electrode.mesh, &path, channel.as_ref(), &options, session)?;
-    let surface = match &channel {
-        Some(channel) => channel.surface_name(certificate.least.surface),
-        None => "blisk",
-    };
-    let report = VerifyReport {
-        schema: 1,
-        program_version: env!("CARGO_PKG_VERSION"),
-        inputs: [
-            Input { role: "blisk", path: arguments.blisk.display().to_string(), sha256: &blisk.sha256 },
-            Input { role: "electrode", path: arguments.electrode.display().to_string(), sha256: &electrode.sha256 },
+    let path_sha256 = Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect();
+    let file = |role, path: &Path, sha256: String| VerifiedFile { role, path: path.display().to_string(), sha256 };
+    Ok(Inputs {
+        files: vec![
+            file("blisk", &arguments.blisk, blisk.sha256),
+            file("electrode", &arguments.electrode, electrode.sha256),
+            file("path", &arguments.path, path_sha256),
         ],
-        path: arguments.path.display().to_string(),
-        verified: certificate.holds(),
-        required_clearance_mm: certificate.required,
-        tolerance_mm: certificate.tolerance,
-        certified_clearance_mm: certificate.certified,
-        least_clearance_mm: certificate.least.distance,
-        least_clearance_at: Place {
-            row: certificate.least.row,
-            s_mm: certificate.least.s,
-            on_electrode: certificate.least.on_electrode.to_array(),
-            on_blisk: certificate.least.on_blisk.to_array(),
-            surface,
-        },
-        starts_outside_and_ends_at_zero: certificate.ends_right,
-        rows: path.rows.len(),
-        sentence: sentence(&certificate, surface),
-    };
-    let json = serde_json::to_string_pretty(&report)?;
-    if let Some(folder) = &arguments.out {
-        std::fs::create_dir_all(folder)
-            .map_err(|e| anyhow::anyhow!("{}: the folder cannot be made ({e}); give another", folder.display()))?;
-        write_atomically(&folder.join("report.json"), format!("{json}\n").as_bytes())?;
-    }
-    super::terminal::finish();
-    say!("{}", if session.json { &json } else { &report.sentence });
-    Ok(if report.verified { Answer::Yes } else { Answer::No })
+        blisk: blisk.mesh,
+        electrode: electrode.mesh,
+        path: FeedPath { spark_gap: arguments.gap, ..path },
+    })
 }
 
-fn sentence(c: &Certificate, surface: &str) -> String {
-    let verdict = if c.holds() { "verified" } else { "NOT verified" };
-    let ends = if c.ends_right { "" } else { "; the path does not lead from outside the blisk to the final pose" };
-    format!(
-        "{verdict}: certified clearance {:.5} mm, least met {:.5} mm, required {:.5} mm less {:.5} mm; least against the \
-         {surface} at row {:.2}, {:.3} mm before the final pose{ends}",
-        c.certified, c.least.distance, c.required, c.tolerance, c.least.row, c.least.s
-    )
+/// The limits of the axes that were given; none if none was.
+fn travel(arguments: &VerifyArguments) -> Option<TravelLimits> {
+    let with = |limits: TravelLimits, &(axis, travel): &(Axis, [f64; 2])| {
+        limits.with(axis, if axis.is_rotary() { travel.map(f64::to_radians) } else { travel })
+    };
+    (!arguments.travel.is_empty()).then(|| arguments.travel.iter().fold(TravelLimits::UNLIMITED, with))
 }
 
 fn certify(
-    blisk: &Mesh,
-    electrode: &Mesh,
-    path: &FeedPath,
+    inputs: &Inputs,
+    travel: Option<TravelLimits>,
     channel: Option<&Channel>,
     options: &VerifyOptions,
     session: &Session,
 ) -> anyhow::Result<Certificate> {
-    let verifier = Verifier::new(&blisk.in_frame(&path.frame), &electrode.in_frame(&path.frame), path.reference_point)?;
+    let Inputs { blisk, electrode, path, .. } = inputs;
+    let in_w = |mesh: &Mesh| mesh.in_frame(&path.frame);
+    let verifier = Verifier::new(&in_w(blisk), &in_w(electrode), path.reference_point)?;
+    let verifier = match travel {
+        Some(travel) => verifier.within(travel),
+        None => verifier,
+    };
     let finder = channel.map(SurfaceFinder::new).transpose()?;
     let surface_of = |p| finder.as_ref().map_or(Surface::Elsewhere, |f| f.surface_of(p));
     Ok(verifier.verify(path, &surface_of, options, &session.progress, &session.cancel)?)
@@ -148,4 +125,12 @@ fn channel_of(blisk: &Mesh, path: &FeedPath, session: &Session) -> Option<Channe
     let same =
         (channel.frame.z - path.frame.z).length() < 1e-4 && (channel.frame.origin - path.frame.origin).length() < 1e-3;
     same.then_some(channel)
+}
+
+/// Writes under names of its own: a plan's `report.json` in the same folder is another thing.
+fn write(folder: &Path, report: &VerifyReport, json: &str) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder)
+        .map_err(|e| anyhow::anyhow!("{}: the folder cannot be made ({e}); give another", folder.display()))?;
+    write_atomically(&folder.join("verify.json"), json.as_bytes())?;
+    Ok(write_atomically(&folder.join("verify.html"), report.html().as_bytes())?)
 }

@@ -1,15 +1,19 @@
-//! The only door to an NC program: a path together with a certificate that holds for exactly this path.
+//! The only door to an NC program: a path together with a certificate that holds for exactly this path and
+//! exactly the meshes it is exported with.
 
 use super::quantise::first_unquantised_row;
-use crate::feed::certificate::Certificate;
+use crate::feed::certificate::{Certificate, TravelVerdict};
+use crate::feed::machine::BeyondTravel;
 use crate::feed::path::FeedPath;
 use crate::feed::pose::Pose;
+use crate::geometry::mesh::{Bounds, Mesh};
 
 /// A path that may be exported as NC. It can only be made by [`Approved::new`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Approved {
     path: FeedPath,
     certificate: Certificate,
+    electrode: Bounds,
 }
 
 /// Why a path cannot be exported as NC.
@@ -18,6 +22,12 @@ pub struct Approved {
 pub enum NotApproved {
     #[error("the certificate belongs to another path; verify this path")]
     OtherPath,
+    #[error("the certificate belongs to another blisk than the one at hand; verify the path against this blisk")]
+    OtherBlisk,
+    #[error(
+        "the certificate belongs to another electrode than the one to be exported; verify the path with this electrode"
+    )]
+    OtherElectrode,
     #[error(
         "the certificate asks for {required} mm of clearance but the path for a spark gap of {spark_gap} mm; \
              verify the path with its own gap"
@@ -30,6 +40,10 @@ pub enum NotApproved {
              are needed; the least clearance is near row {row:.2} (s = {s:.3} mm)"
     )]
     TooClose { certified: f64, required: f64, tolerance: f64, row: f64, s: f64 },
+    #[error("{0}; plan for the machine's travel, or correct its limits, and verify again")]
+    BeyondTravel(BeyondTravel),
+    #[error("the travel of the axes was not judged; verify the path for the machine that it is exported for")]
+    TravelNotJudged,
     #[error(
         "row {row} was not rounded to the decimals of files before it was verified; round the path and verify again"
     )]
@@ -37,31 +51,49 @@ pub enum NotApproved {
 }
 
 impl Approved {
-    /// Approves `path` on the strength of `certificate`.
+    /// Approves `path` on the strength of `certificate`, for the `blisk` at hand and the `electrode` that it is exported
+    /// with, in its final pose; both meshes in W.
     ///
     /// # Errors
-    /// [`NotApproved`] unless the certificate holds, proves a clearance above zero, and was made for this very
-    /// path with this path's spark gap, and the path is rounded as files are.
-    pub fn new(path: FeedPath, certificate: Certificate) -> Result<Self, NotApproved> {
+    /// [`NotApproved`] unless the certificate holds, proves a clearance above zero and axes within their travel, and was made for this very
+    /// path with this path's spark gap and for these very meshes, and the path is rounded as files are.
+    pub fn new(path: FeedPath, certificate: Certificate, blisk: &Mesh, electrode: &Mesh) -> Result<Self, NotApproved> {
         let c = &certificate;
-        if c.path_digest != path.digest() || c.row_clearance.len() != path.rows.len() {
+        if c.path_digest() != path.digest() || c.row_clearance().len() != path.rows.len() {
             return Err(NotApproved::OtherPath);
         }
-        if c.required.is_nan() || c.required < path.spark_gap {
-            return Err(NotApproved::OtherGap { required: c.required, spark_gap: path.spark_gap });
+        if c.blisk_digest() != blisk.digest() {
+            return Err(NotApproved::OtherBlisk);
         }
-        if !c.ends_right || path.rows.len() < 2 || path.rows.last().map(|r| r.pose) != Some(Pose::FINAL) {
+        if c.electrode_digest() != electrode.digest() {
+            return Err(NotApproved::OtherElectrode);
+        }
+        if c.required().is_nan() || c.required() < path.spark_gap {
+            return Err(NotApproved::OtherGap { required: c.required(), spark_gap: path.spark_gap });
+        }
+        if !c.ends_right() || path.rows.len() < 2 || path.rows.last().map(|r| r.pose) != Some(Pose::FINAL) {
             return Err(NotApproved::WrongEnds);
         }
-        if !c.holds() || c.certified <= 0.0 {
-            let (row, s) = (c.least.row, c.least.s);
-            let (certified, required, tolerance) = (c.certified, c.required, c.tolerance);
+        if !c.keeps_clearance() {
+            let (row, s) = (c.least().row, c.least().s);
+            let (certified, required, tolerance) = (c.certified(), c.required(), c.tolerance());
             return Err(NotApproved::TooClose { certified, required, tolerance, row, s });
+        }
+        match c.travel() {
+            TravelVerdict::Within => {}
+            TravelVerdict::Beyond(beyond) => return Err(NotApproved::BeyondTravel(beyond)),
+            TravelVerdict::NotJudged => return Err(NotApproved::TravelNotJudged),
         }
         if let Some(row) = first_unquantised_row(&path) {
             return Err(NotApproved::NotQuantised { row });
         }
-        Ok(Self { path, certificate })
+        let electrode = electrode.bounds();
+        Ok(Self { path, certificate, electrode })
+    }
+
+    /// The box around the electrode in its final pose, in W (mm).
+    pub fn electrode_bounds(&self) -> &Bounds {
+        &self.electrode
     }
 
     /// The approved path.
@@ -79,19 +111,21 @@ impl Approved {
 mod tests {
     use super::*;
     use crate::export::fixtures;
+    use crate::feed::certificate::Findings;
+    use crate::feed::pose::Axis;
 
-    fn refused(change: impl Fn(&mut FeedPath, &mut Certificate)) -> NotApproved {
+    fn refused(change: impl Fn(&mut FeedPath, &mut Findings)) -> NotApproved {
         let mut path = fixtures::path();
-        let mut certificate = fixtures::certificate(&path);
-        change(&mut path, &mut certificate);
-        Approved::new(path, certificate).unwrap_err()
+        let mut findings = fixtures::certificate(&path).into_findings();
+        change(&mut path, &mut findings);
+        let (blisk, electrode) = (fixtures::blisk_mesh(), fixtures::electrode_mesh());
+        Approved::new(path, Certificate::made_up(findings), &blisk, &electrode).unwrap_err()
     }
 
     #[test]
     fn a_certificate_that_holds_approves_its_own_path_only() {
         let path = fixtures::path();
-        let certificate = fixtures::certificate(&path);
-        assert_eq!(Approved::new(path.clone(), certificate).unwrap().path(), &path);
+        assert_eq!(fixtures::approved().path(), &path);
         let one_bit = |x: f64| f64::from_bits(x.to_bits() + 1);
         assert_eq!(refused(|p, _| p.rows[3].pose.y = one_bit(p.rows[3].pose.y)), NotApproved::OtherPath);
         assert_eq!(refused(|p, _| p.reference_point.z += 1e-9), NotApproved::OtherPath);
@@ -100,19 +134,40 @@ mod tests {
     }
 
     #[test]
+    fn a_certificate_approves_for_its_own_meshes_only() {
+        let path = fixtures::path();
+        let (blisk, electrode) = (fixtures::blisk_mesh(), fixtures::electrode_mesh());
+        let approve = |blisk: &Mesh, electrode: &Mesh| {
+            Approved::new(path.clone(), fixtures::certificate(&path), blisk, electrode).map(|_| ())
+        };
+        let other = |mesh: &Mesh| {
+            let mut mesh = mesh.clone();
+            mesh.vertices[0].x = f64::from_bits(mesh.vertices[0].x.to_bits() + 1);
+            mesh
+        };
+        assert_eq!(approve(&blisk, &electrode), Ok(()));
+        assert_eq!(approve(&other(&blisk), &electrode), Err(NotApproved::OtherBlisk));
+        assert_eq!(approve(&blisk, &other(&electrode)), Err(NotApproved::OtherElectrode));
+        assert_eq!(approve(&electrode, &blisk), Err(NotApproved::OtherBlisk));
+    }
+
+    #[test]
     fn a_certificate_that_does_not_hold_approves_nothing() {
         assert!(matches!(refused(|_, c| c.certified = 0.0979), NotApproved::TooClose { .. }));
         assert!(matches!(refused(|_, c| c.certified = f64::NAN), NotApproved::TooClose { .. }));
         assert!(matches!(refused(|_, c| c.tolerance = f64::NAN), NotApproved::TooClose { .. }));
-        let touching = |_: &mut FeedPath, c: &mut Certificate| (c.certified, c.tolerance) = (0.0, 1.0);
+        let touching = |_: &mut FeedPath, c: &mut Findings| (c.certified, c.tolerance) = (0.0, 1.0);
         assert!(matches!(refused(touching), NotApproved::TooClose { .. }));
         assert_eq!(refused(|_, c| c.ends_right = false), NotApproved::WrongEnds);
+        assert_eq!(refused(|_, c| c.travel = TravelVerdict::NotJudged), NotApproved::TravelNotJudged);
+        let beyond = BeyondTravel { axis: Axis::C, row: 3, value: 0.4, limit: 0.3 };
+        assert_eq!(refused(|_, c| c.travel = TravelVerdict::Beyond(beyond)), NotApproved::BeyondTravel(beyond));
         assert!(matches!(refused(|_, c| c.required = 0.05), NotApproved::OtherGap { .. }));
     }
 
     #[test]
     fn a_path_must_be_rounded_before_it_is_verified() {
-        let change = |p: &mut FeedPath, c: &mut Certificate| {
+        let change = |p: &mut FeedPath, c: &mut Findings| {
             p.rows[9].pose.a += 1e-10;
             c.path_digest = p.digest();
         };

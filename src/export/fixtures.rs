@@ -2,14 +2,17 @@
 
 use glam::DVec3;
 
+use super::approved::Approved;
 use super::quantise::quantise_path;
 use super::report::*;
 use crate::blisk::channel::Surface;
-use crate::feed::certificate::{Certificate, Contact};
+use crate::feed::certificate::{Certificate, Contact, Findings, TravelVerdict};
 use crate::feed::path::{FeedPath, PathRow};
-use crate::feed::pose::Pose;
+use crate::feed::pose::{Axis, Pose};
+use crate::feed::smoothness::AxisSmoothness;
 use crate::geometry::frame::Frame;
-use crate::geometry::mesh::Bounds;
+use crate::geometry::mesh::tests::cuboid;
+use crate::geometry::mesh::{Bounds, Mesh};
 
 /// A five-axis path of 121 rows over 60 mm, rounded, in a turned and shifted frame.
 pub(crate) fn path() -> FeedPath {
@@ -48,9 +51,11 @@ pub(crate) fn certificate(path: &FeedPath) -> Certificate {
         on_blisk: DVec3::new(3.0, -4.1, 120.02),
         surface: Surface::HighWall,
     };
-    Certificate {
+    Certificate::made_up(Findings {
         violations: Vec::new(),
         path_digest: path.digest(),
+        blisk_digest: blisk_mesh().digest(),
+        electrode_digest: electrode_mesh().digest(),
         required: 0.1,
         tolerance: 0.002,
         certified: 0.1015,
@@ -58,13 +63,32 @@ pub(crate) fn certificate(path: &FeedPath) -> Certificate {
         row_clearance: path.rows.iter().map(|r| clearance(r.s)).collect(),
         row_surface: vec![Surface::HighWall; path.rows.len()],
         ends_right: true,
+        travel: TravelVerdict::Within,
         pair_intervals: 123_456,
-    }
+    })
 }
 
 /// The box around the electrode of [`path`], in W.
 pub(crate) fn electrode_bounds() -> Bounds {
     Bounds { min: DVec3::new(-18.0, -9.0, 88.0), max: DVec3::new(20.0, 11.0, 131.0) }
+}
+
+/// A blisk that nothing but its digest is taken of.
+pub(crate) fn blisk_mesh() -> Mesh {
+    cuboid(DVec3::new(30.0, 250.0, 250.0))
+}
+
+/// An electrode that fills [`electrode_bounds`].
+pub(crate) fn electrode_mesh() -> Mesh {
+    let Bounds { min, max } = electrode_bounds();
+    cuboid(max - min).mapped(|p| p + min)
+}
+
+/// [`path`] approved on its [`certificate`].
+pub(crate) fn approved() -> Approved {
+    let path = path();
+    let certificate = certificate(&path);
+    Approved::new(path, certificate, &blisk_mesh(), &electrode_mesh()).unwrap()
 }
 
 /// A report on one electrode that comes out and one that jams.
@@ -140,7 +164,7 @@ fn verified(path: &FeedPath) -> ElectrodeReport {
         node: r.node,
         s_mm: r.s,
         pose: PoseReport::from(&r.pose),
-        clearance_mm: certificate.row_clearance[i],
+        clearance_mm: certificate.row_clearance()[i],
         objective: Some(ObjectiveReport {
             smoothness: 0.02 + 0.001 * r.s,
             centring: 0.11,
@@ -156,11 +180,14 @@ fn verified(path: &FeedPath) -> ElectrodeReport {
         enters_from: "-x".to_owned(),
         extractable: true,
         verified: true,
-        required_clearance_mm: certificate.required,
-        certified_clearance_mm: Some(certificate.certified),
-        least_clearance_mm: Some(certificate.least.distance),
-        least_clearance_at: Some(ClearancePlace::of(&certificate.least, "pressure wall")),
-        smoothness: Smoothness::of_rows(&path.rows),
+        required_clearance_mm: certificate.required(),
+        certified_clearance_mm: Some(certificate.certified()),
+        least_clearance_mm: Some(certificate.least().distance),
+        least_clearance_at: Some(ClearancePlace::of(certificate.least(), "pressure wall")),
+        smoothness: Smoothness::of(&Axis::ALL.map(|axis| {
+            let in_file_units = |v: f64| if axis.is_rotary() { v.to_degrees() } else { v };
+            AxisSmoothness::of(&path.rows.iter().map(|r| in_file_units(r.pose.get(axis))).collect::<Vec<_>>())
+        })),
         volume_mm3: 8431.7,
         least_thickness_mm: Some(1.84),
         burn_area_mm2: Some(3127.0),
@@ -170,8 +197,10 @@ fn verified(path: &FeedPath) -> ElectrodeReport {
             .collect(),
         nodes,
         failure: None,
+        feed_lowered: Some(FeedLowered { blocks: 12, of_blocks: 240, least_share: 0.43, axis: 'A' }),
+        sha256: Some(VerifiedDigests::of(&certificate)),
         files: ["electrode_1.stl", "path_1.csv", "path_1.nc"].map(str::to_owned).to_vec(),
-        motion: Some(Motion { rows: path.rows.clone(), clearance: certificate.row_clearance }),
+        motion: Some(Motion { rows: path.rows.clone(), clearance: certificate.row_clearance().to_vec() }),
     }
 }
 
@@ -181,11 +210,11 @@ fn jammed() -> ElectrodeReport {
         enters_from: "+x".to_owned(),
         required_clearance_mm: 0.1,
         volume_mm3: 8790.2,
-        failure: Some(Jam {
+        failure: Some(Failure {
             node: 14,
             s_mm: 7.02,
-            wall: "suction wall & hub".to_owned(),
-            place: [-8.31, 1.442, 101.07],
+            wall: Some("suction wall & hub".to_owned()),
+            place: Some([-8.31, 1.442, 101.07]),
             sentence: "After 7.02 mm the electrode has no free pose: it is held between the suction wall and the hub. \
                        About 0.2° more circumferential reduction, or entering from -x, would open the way."
                 .to_owned(),

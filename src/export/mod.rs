@@ -15,8 +15,9 @@ mod report_curves;
 mod report_html;
 mod report_tables;
 pub mod svg_plot;
+pub mod verify_report;
 
 pub(crate) use crate::feed::quantise;
 
 #[cfg(test)]
-mod fixtures;
+pub(crate) mod fixtures;

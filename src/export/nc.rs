@@ -7,15 +7,15 @@
 use serde::{Deserialize, Serialize};
 
 use super::approved::Approved;
-use super::nc_feed::{fastest_point_travel, programmed_length};
+use super::nc_feed::{BlockFeed, Pace, Slowed, fastest_point_travel, programmed_length};
 use super::post::{FeedMode, Post};
 use super::quantise::{MM_DECIMALS, deg_text, floor_mm_text, mm_text};
+use crate::feed::machine::{BeyondTravel, MachineParams};
 use crate::feed::path::PathRow;
 use crate::feed::pose::{Axis, Pose};
-use crate::geometry::mesh::Bounds;
 
-/// Shortest time a block is given where F is a time (s): a block that moves nothing still needs one.
-const LEAST_BLOCK_SECONDS: f64 = 0.01;
+/// Digits of a digest that a program shows; `report.json` has them all.
+const DIGEST_DIGITS: usize = 16;
 
 /// Why no program could be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -30,6 +30,12 @@ pub enum NcError {
              shorten the post's words or raise max_line_length"
     )]
     LineTooLong { length: usize, limit: usize, line: String },
+    #[error(
+        "the F word of block {block} would be 0 with its {decimals} decimals; raise the feed or the decimals of the post"
+    )]
+    FeedTooSlow { block: usize, decimals: usize },
+    #[error("{0}; the program is for another machine than the path was verified for")]
+    BeyondTravel(BeyondTravel),
     #[error("{name} is {value}, but must be {range}")]
     Setting { name: &'static str, value: f64, range: &'static str },
 }
@@ -76,10 +82,8 @@ pub struct NcJob<'a> {
     pub program: &'a str,
     /// File of the electrode that it moves.
     pub electrode_file: &'a str,
-    /// Box around the electrode in its final pose, in W (mm).
-    pub electrode: Bounds,
-    /// The axes of the machine.
-    pub axes: &'a [Axis],
+    /// The machine.
+    pub machine: &'a MachineParams,
 }
 
 /// An NC program.
@@ -87,23 +91,32 @@ pub struct NcJob<'a> {
 pub struct NcProgram {
     text: String,
     extension: String,
+    slowed: Option<Slowed>,
 }
 
 impl NcProgram {
     /// Writes the program of `approved` in the words of `post`.
     ///
     /// # Errors
-    /// [`NcError`] when the machine or the post lacks a moving axis, a setting is out of range, or a line gets
-    /// longer than the control takes.
+    /// [`NcError`] when the machine or the post lacks a moving axis, the path leaves the machine's travel, a setting is
+    /// out of range, or a line gets longer than the control takes.
     pub fn new(approved: &Approved, post: &Post, settings: &NcSettings, job: &NcJob) -> Result<Self, NcError> {
         settings.validate()?;
-        check_axes(&approved.path().rows, post, job.axes)?;
+        check_axes(&approved.path().rows, post, job.machine)?;
+        let feeds = Feeds::new(approved, post, settings, job.machine)?;
+        let slowed = Slowed::of(feeds.inwards.iter().chain(&feeds.outwards));
         let mut w = Writer::new(post, job, settings);
         post.program_start.iter().for_each(|line| w.raw(line));
         header(&mut w, approved);
-        motion(&mut w, approved);
+        speed_comments(&mut w, slowed);
+        motion(&mut w, approved, &feeds);
         post.program_end.iter().for_each(|line| w.raw(line));
-        Ok(Self { text: w.finish()?, extension: post.extension.clone() })
+        Ok(Self { text: w.finish()?, extension: post.extension.clone(), slowed })
+    }
+
+    /// Where the program is slower than asked for, so that no axis exceeds its speed; None if nowhere.
+    pub fn slowed(&self) -> Option<&Slowed> {
+        self.slowed.as_ref()
     }
 
     /// The program, line ends included.
@@ -117,10 +130,33 @@ impl NcProgram {
     }
 }
 
-fn check_axes(rows: &[PathRow], post: &Post, machine: &[Axis]) -> Result<(), NcError> {
+/// The F words of a program.
+struct Feeds {
+    approach: String,
+    inwards: Vec<BlockFeed>,
+    outwards: Vec<BlockFeed>,
+}
+
+impl Feeds {
+    fn new(approved: &Approved, post: &Post, settings: &NcSettings, machine: &MachineParams) -> Result<Self, NcError> {
+        let (mode, decimals) = (post.feed.mode, post.feed.decimals);
+        let path = approved.path();
+        let (reference_point, electrode) = (path.reference_point, approved.electrode_bounds());
+        let pace = Pace { mode, decimals, machine, reference_point, electrode };
+        let too_slow = |block| NcError::FeedTooSlow { block, decimals };
+        let back: Vec<PathRow> = path.rows.iter().rev().copied().collect();
+        Ok(Self {
+            approach: pace.approach(settings.retract_mm_per_min).ok_or(too_slow(0))?,
+            inwards: pace.blocks(&path.rows, settings.feed_mm_per_min).map_err(too_slow)?,
+            outwards: pace.blocks(&back, settings.retract_mm_per_min).map_err(too_slow)?,
+        })
+    }
+}
+
+fn check_axes(rows: &[PathRow], post: &Post, machine: &MachineParams) -> Result<(), NcError> {
     for axis in Axis::ALL {
         if let Some(row) = rows.iter().position(|r| r.pose.get(axis) != 0.0) {
-            if !machine.contains(&axis) {
+            if !machine.axes.axes().contains(&axis) {
                 return Err(NcError::AxisNotOnMachine { axis: axis.letter(), row });
             }
             if !post.axes.iter().any(|a| a.axis == axis) {
@@ -128,7 +164,22 @@ fn check_axes(rows: &[PathRow], post: &Post, machine: &[Axis]) -> Result<(), NcE
             }
         }
     }
-    Ok(())
+    machine.limits().first_beyond(rows).map_or(Ok(()), |beyond| Err(NcError::BeyondTravel(beyond)))
+}
+
+/// What the machine's speeds made of the feed.
+fn speed_comments(w: &mut Writer, slowed: Option<Slowed>) {
+    let MachineParams { speed_mm_min, speed_deg_min, .. } = w.job.machine;
+    w.comment(&format!("Greatest speeds of the machine: X Y Z {speed_mm_min} mm/min, A B C {speed_deg_min} deg/min"));
+    match slowed {
+        None => w.comment("No axis would exceed them: the feed is as asked for throughout."),
+        Some(Slowed { blocks, of, least_share, axis }) => w.comment(&format!(
+            "LOWERED FEED: {blocks} of {of} blocks are slower than asked for, so that no axis exceeds them, at most down to \
+             {:.1} percent, for axis {}",
+            100.0 * least_share,
+            axis.letter()
+        )),
+    }
 }
 
 /// The comments that make the program understandable without any other file.
@@ -138,12 +189,18 @@ fn header(w: &mut Writer, approved: &Approved) {
     let vector = |v: glam::DVec3| format!("{} {} {}", v.x, v.y, v.z);
     w.comment(&format!("Sparkpath {}: feed path {}", env!("CARGO_PKG_VERSION"), w.job.program));
     w.comment(&format!("Electrode file: {}", w.job.electrode_file));
-    w.comment(&format!("Required clearance {} mm, tolerance {} mm", mm(c.required), mm(c.tolerance)));
-    w.comment(&format!("Certified clearance over the whole motion: {} mm or more", floor_mm_text(c.certified)));
-    let least = (floor_mm_text(c.least.distance), mm(c.least.s));
+    w.comment(&format!("Required clearance {} mm, tolerance {} mm", mm(c.required()), mm(c.tolerance())));
+    w.comment(&format!("Certified clearance over the whole motion: {} mm or more", floor_mm_text(c.certified())));
+    let least = (floor_mm_text(c.least().distance), mm(c.least().s));
     w.comment(&format!("Least clearance found: {} mm, {} mm before the final pose", least.0, least.1));
-    w.comment(&format!("Path: {} rows, SHA-256", path.rows.len()));
-    w.comment(&c.path_digest);
+    w.comment(&format!(
+        "Path: {} rows. First {DIGEST_DIGITS} digits of the SHA-256 of what was verified:",
+        path.rows.len()
+    ));
+    for (name, digest) in [("path", c.path_digest()), ("blisk", c.blisk_digest()), ("electrode", c.electrode_digest())]
+    {
+        w.comment(&format!("{name} {}", &digest[..DIGEST_DIGITS.min(digest.len())]));
+    }
     w.comment("Work zero: ALL AXES ARE ZERO IN THE FINAL POSE. Set the zero with the electrode there.");
     w.comment("Workpiece frame W in the coordinates of the loaded mesh, mm:");
     w.comment(&format!("origin {}", vector(path.frame.origin)));
@@ -165,14 +222,14 @@ fn header(w: &mut Writer, approved: &Approved) {
 
 fn feed_comments(w: &mut Writer, approved: &Approved) {
     let (feed, back) = (w.settings.feed_mm_per_min, w.settings.retract_mm_per_min);
-    w.comment(&format!("Feed {feed} mm/min, approach and retraction {back} mm/min"));
+    w.comment(&format!("Feed {feed} mm/min, approach and retraction {back} mm/min, where no axis is too fast"));
     match w.post.feed.mode {
         FeedMode::PerMinute => {
             let path = approved.path();
             let ratios = path.rows.windows(2).map(|pair| {
                 let (from, to) = (&pair[0].pose, &pair[1].pose);
                 let length = programmed_length(from, to);
-                let travel = fastest_point_travel(from, to, path.reference_point, &w.job.electrode);
+                let travel = fastest_point_travel(from, to, path.reference_point, approved.electrode_bounds());
                 if length > 0.0 { travel / length } else { 0.0 }
             });
             let fastest = ratios.fold(0.0, f64::max);
@@ -192,9 +249,8 @@ fn feed_comments(w: &mut Writer, approved: &Approved) {
 }
 
 /// Approach, feed, burn, retraction.
-fn motion(w: &mut Writer, approved: &Approved) {
+fn motion(w: &mut Writer, approved: &Approved, feeds: &Feeds) {
     let (post, rows) = (w.post, &approved.path().rows);
-    let o = approved.path().reference_point;
     w.block(&post.modes);
     w.block(&post.exact_path);
     w.comment(
@@ -203,21 +259,20 @@ fn motion(w: &mut Writer, approved: &Approved) {
     post.safe_start.iter().for_each(|line| w.block(line));
     w.block(&post.feed.approach_word);
     if let Some(first) = rows.first() {
-        let f = number(w.settings.retract_mm_per_min, post.feed.decimals);
-        w.block(&format!("{} {} F{f}", post.linear, w.axis_words(&first.pose)));
+        w.block(&format!("{} {} F{}", post.linear, w.axis_words(&first.pose), feeds.approach));
     }
     w.comment("Verified motion begins: feed to the final pose");
     if post.feed.word != post.feed.approach_word {
         w.block(&post.feed.word);
     }
-    w.moves(rows.iter(), w.settings.feed_mm_per_min, o);
+    w.moves(rows.iter().skip(1), &feeds.inwards);
     w.comment("Final pose. Put the burn here: generator, flushing and finishing motions are not part of this program.");
     post.burn.iter().for_each(|line| w.block(line));
     if w.settings.burn_dwell_s > 0.0 {
         w.block(&post.dwell);
     }
     w.comment("Retraction along the same verified path");
-    w.moves(rows.iter().rev(), w.settings.retract_mm_per_min, o);
+    w.moves(rows.iter().rev().skip(1), &feeds.outwards);
     w.comment("Verified motion ends: electrode outside");
     post.safe_end.iter().for_each(|line| w.block(line));
 }
@@ -280,30 +335,23 @@ impl<'a> Writer<'a> {
         self.lines.extend(lines.iter().map(|l| format!("{}{l}{}", style.open, style.close)));
     }
 
-    /// Linear motion from the first of `rows`, where the electrode stands, through the others.
-    fn moves<'r>(&mut self, rows: impl Iterator<Item = &'r PathRow>, mm_per_min: f64, o: glam::DVec3) {
-        let mut last: Option<&PathRow> = None;
-        let mut fed = false;
-        for row in rows {
-            if let Some(last) = last {
-                let words = format!("{} {}", self.post.linear, self.axis_words(&row.pose));
-                let seconds = fastest_point_travel(&last.pose, &row.pose, o, &self.job.electrode) / mm_per_min * 60.0;
-                let f = match self.post.feed.mode {
-                    FeedMode::PerMinute => (!fed).then_some(mm_per_min),
-                    FeedMode::InverseTime => Some(60.0 / seconds.max(LEAST_BLOCK_SECONDS)),
-                    FeedMode::Seconds => Some(seconds.max(LEAST_BLOCK_SECONDS)),
-                };
-                let f = f.map(|f| format!(" F{}", number(f, self.post.feed.decimals))).unwrap_or_default();
-                self.block(&format!("{words}{f}"));
-                fed = true;
+    /// Linear motion through `rows`, in the pace of `feeds`. A feed per minute stays until another is given.
+    fn moves<'r>(&mut self, rows: impl Iterator<Item = &'r PathRow>, feeds: &[BlockFeed]) {
+        let mut given = "";
+        for (row, feed) in rows.zip(feeds) {
+            let words = format!("{} {}", self.post.linear, self.axis_words(&row.pose));
+            if self.post.feed.mode == FeedMode::PerMinute && given == feed.text {
+                self.block(&words);
+            } else {
+                self.block(&format!("{words} F{}", feed.text));
             }
-            last = Some(row);
+            given = &feed.text;
         }
     }
 
     /// The words of every axis that the machine has.
     fn axis_words(&self, pose: &Pose) -> String {
-        let of_machine = self.post.axes.iter().filter(|a| self.job.axes.contains(&a.axis));
+        let of_machine = self.post.axes.iter().filter(|a| self.job.machine.axes.axes().contains(&a.axis));
         let word = of_machine.map(|a| {
             // `+ 0.0` keeps a reversed zero without a sign.
             let value = if a.reversed { -pose.get(a.axis) } else { pose.get(a.axis) } + 0.0;

@@ -1,12 +1,116 @@
-//! How far, and so how long, the electrode moves within one block.
+//! How far, and so how long, the electrode moves within one block, and the F word that says so.
 
 use glam::DVec3;
 
+use super::post::FeedMode;
+use crate::feed::machine::MachineParams;
+use crate::feed::path::PathRow;
 use crate::feed::pose::{Axis, Pose};
 use crate::geometry::mesh::Bounds;
 
 /// Pieces a block is measured in; with blocks of a few degrees the chords miss less than one part in 10^5.
 const PIECES: usize = 8;
+
+/// Shortest time a block is given where F is a time (min): a block that moves nothing still needs one.
+const LEAST_BLOCK_MINUTES: f64 = 0.01 / 60.0;
+
+/// What F words are made from.
+#[derive(Debug, Clone, Copy)]
+pub struct Pace<'a> {
+    /// What F means.
+    pub mode: FeedMode,
+    /// Decimals of the F word.
+    pub decimals: usize,
+    /// The machine whose speeds are not to be exceeded.
+    pub machine: &'a MachineParams,
+    /// O in W (mm).
+    pub reference_point: DVec3,
+    /// Box around the electrode in its final pose, in W (mm).
+    pub electrode: &'a Bounds,
+}
+
+/// The F word of a block.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BlockFeed {
+    /// The number, in decimals.
+    pub text: String,
+    /// What is left of the speed that was asked for (1: all of it) and the axis that would go too fast with more.
+    pub share: f64,
+    /// See `share`.
+    pub axis: Axis,
+}
+
+impl Pace<'_> {
+    /// The F word of the block from one pose to the other at `mm_per_min`, lowered so far that no axis exceeds its
+    /// greatest speed. None when that is slower than the decimals of F can say.
+    pub fn block(&self, from: &Pose, to: &Pose, mm_per_min: f64) -> Option<BlockFeed> {
+        let (least_minutes, axis) = self.machine.least_minutes(from, to);
+        let travel = || fastest_point_travel(from, to, self.reference_point, self.electrode);
+        // As the control takes it: in feed per minute F is over the programmed length.
+        let length = if self.mode == FeedMode::PerMinute { programmed_length(from, to) } else { travel() };
+        let asked = length / mm_per_min;
+        let minutes = asked.max(least_minutes);
+        let f = match self.mode {
+            FeedMode::PerMinute if asked >= least_minutes => slow_down(mm_per_min, self.decimals),
+            FeedMode::PerMinute => slow_down(length / minutes, self.decimals),
+            FeedMode::InverseTime => slow_down(1.0 / minutes.max(LEAST_BLOCK_MINUTES), self.decimals),
+            FeedMode::Seconds => {
+                let steps = 10f64.powi(self.decimals as i32);
+                Some((minutes.max(LEAST_BLOCK_MINUTES) * 60.0 * steps - ROUNDING).ceil() / steps)
+            }
+        };
+        let share = if least_minutes > asked { asked / least_minutes } else { 1.0 };
+        f.map(|f| BlockFeed { text: format!("{f:.*}", self.decimals), share, axis })
+    }
+
+    /// The F words of linear motion along `rows`, one for each but the first.
+    ///
+    /// # Errors
+    /// The number of the first block whose F word would be 0.
+    pub fn blocks(&self, rows: &[PathRow], mm_per_min: f64) -> Result<Vec<BlockFeed>, usize> {
+        let pairs = rows.windows(2).enumerate();
+        pairs.map(|(i, pair)| self.block(&pair[0].pose, &pair[1].pose, mm_per_min).ok_or(i)).collect()
+    }
+
+    /// F of the approach (feed per minute), whose start is not known: no faster than any axis may go.
+    pub fn approach(&self, mm_per_min: f64) -> Option<String> {
+        let MachineParams { speed_mm_min, speed_deg_min, .. } = self.machine;
+        let f = slow_down(mm_per_min.min(*speed_mm_min).min(*speed_deg_min), self.decimals)?;
+        Some(format!("{f:.*}", self.decimals))
+    }
+}
+
+/// Share of a step by which a number may be beyond it and still count as this step.
+const ROUNDING: f64 = 1e-6;
+
+/// `f` rounded down to `decimals`, so that no limit is exceeded; None if nothing is left of it.
+fn slow_down(f: f64, decimals: usize) -> Option<f64> {
+    let steps = 10f64.powi(decimals as i32);
+    let down = (f * steps + ROUNDING).floor() / steps;
+    (down > 0.0).then_some(down)
+}
+
+/// How many blocks of a program are slower than asked for, and by how much.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slowed {
+    /// Blocks that are slower.
+    pub blocks: usize,
+    /// Blocks in all.
+    pub of: usize,
+    /// Least share of the speed asked for that is left.
+    pub least_share: f64,
+    /// The axis that demands it.
+    pub axis: Axis,
+}
+
+impl Slowed {
+    /// The summary of `feeds`; None if all have the speed asked for.
+    pub fn of<'f>(feeds: impl Iterator<Item = &'f BlockFeed> + Clone) -> Option<Self> {
+        let slower = feeds.clone().filter(|f| f.share < 1.0);
+        let least = slower.clone().min_by(|a, b| a.share.total_cmp(&b.share))?;
+        Some(Self { blocks: slower.count(), of: feeds.count(), least_share: least.share, axis: least.axis })
+    }
+}
 
 /// An upper bound of the way (mm) that the fastest electrode point travels, relative to the workpiece, while
 /// every axis moves linearly from `from` to `to`. `reference_point` is O and `electrode` the electrode's box in

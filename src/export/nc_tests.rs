@@ -1,22 +1,19 @@
 use super::*;
 use crate::export::fixtures;
 use crate::export::path_csv::write_path_csv;
+use crate::feed::machine::AxisSet;
 
-const XYZAC: [Axis; 5] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::C];
-
-fn approved() -> Approved {
-    let path = fixtures::path();
-    let certificate = fixtures::certificate(&path);
-    Approved::new(path, certificate).unwrap()
+fn machine() -> &'static MachineParams {
+    static MACHINE: std::sync::OnceLock<MachineParams> = std::sync::OnceLock::new();
+    MACHINE.get_or_init(MachineParams::default)
 }
 
 fn job() -> NcJob<'static> {
-    let electrode = fixtures::electrode_bounds();
-    NcJob { program: "path_1", electrode_file: "electrode_1.stl", electrode, axes: &XYZAC }
+    NcJob { program: "path_1", electrode_file: "electrode_1.stl", machine: machine() }
 }
 
 fn program(post: &Post) -> String {
-    NcProgram::new(&approved(), post, &NcSettings::default(), &job()).unwrap().text().to_owned()
+    NcProgram::new(&fixtures::approved(), post, &NcSettings::default(), &job()).unwrap().text().to_owned()
 }
 
 /// What an interpreter sees: the words of every block that moves, comments and block numbers dropped.
@@ -40,7 +37,7 @@ fn value<'a>(block: &'a [(String, String)], address: &str) -> Option<&'a str> {
 #[test]
 fn every_coordinate_is_the_number_of_the_path_file_there_and_back() {
     let path = fixtures::path();
-    let csv = write_path_csv(&path, &fixtures::certificate(&path).row_clearance).unwrap();
+    let csv = write_path_csv(&path, fixtures::certificate(&path).row_clearance()).unwrap();
     let rows: Vec<Vec<&str>> = csv.lines().skip(2).map(|l| l.split(',').collect()).collect();
     let expected: Vec<_> = rows.iter().chain(rows.iter().rev().skip(1)).collect();
     for (name, _) in crate::export::post::BUILT_IN {
@@ -98,13 +95,81 @@ fn block_times_move_the_fastest_electrode_point_at_the_feed() {
     }
 }
 
+/// F of every block after the approach, as the control has it in force, and the minutes it makes of it by RS-274/NGC.
+fn timed(post: &Post, text: &str) -> Vec<(f64, f64)> {
+    let rows = fixtures::path().rows;
+    let order: Vec<usize> = (0..121).chain((0..120).rev()).collect();
+    let mut f = f64::NAN;
+    let blocks = moving_blocks(post, text);
+    let timed = blocks[1..].iter().zip(order.windows(2)).map(|(block, pair)| {
+        f = value(block, "F").map_or(f, |f| f.parse().unwrap());
+        let minutes = match post.feed.mode {
+            FeedMode::PerMinute => programmed_length(&rows[pair[0]].pose, &rows[pair[1]].pose) / f,
+            FeedMode::InverseTime => 1.0 / f,
+            FeedMode::Seconds => f / 60.0,
+        };
+        (f, minutes)
+    });
+    timed.collect()
+}
+
+#[test]
+fn no_axis_exceeds_its_speed_and_no_block_is_slowed_in_vain() {
+    let rows = fixtures::path().rows;
+    let order: Vec<usize> = (0..121).chain((0..120).rev()).collect();
+    let limits = MachineParams { speed_mm_min: 30.0, speed_deg_min: 9.0, ..Default::default() };
+    for mode in [FeedMode::PerMinute, FeedMode::InverseTime, FeedMode::Seconds] {
+        let mut post = Post::load("iso", None).unwrap();
+        (post.feed.mode, post.feed.decimals) = (mode, 6);
+        let write = |machine| {
+            let settings = NcSettings::default();
+            NcProgram::new(&fixtures::approved(), &post, &settings, &NcJob { machine, ..job() }).unwrap()
+        };
+        let (limited, free) = (write(&limits), write(machine()));
+        let (blocks, unlimited) = (timed(&post, limited.text()), timed(&post, free.text()));
+        let mut slower = 0;
+        for (i, pair) in order.windows(2).enumerate() {
+            let speed = |axis: Axis| {
+                let way = (rows[pair[1]].pose.get(axis) - rows[pair[0]].pose.get(axis)).abs();
+                let (way, limit) = if axis.is_rotary() { (way.to_degrees(), 9.0) } else { (way, 30.0) };
+                way / blocks[i].1 / limit
+            };
+            let fastest = Axis::ALL.map(speed).into_iter().fold(0.0, f64::max);
+            assert!(fastest <= 1.0 + 1e-9, "{mode:?} block {i}: {fastest} of what an axis may");
+            if blocks[i].0 != unlimited[i].0 {
+                slower += 1;
+                assert!(fastest > 1.0 - 1e-5, "{mode:?} block {i} need not be so slow: {fastest}");
+            }
+        }
+        let slowed = limited.slowed().unwrap();
+        assert_eq!((slowed.blocks, slowed.of, free.slowed()), (slower, 240, None), "{mode:?}");
+        assert!(slower > 10 && slower < 240 && limited.text().contains("LOWERED FEED"), "{mode:?} {slower}");
+        assert!(!free.text().contains("LOWERED FEED"));
+    }
+}
+
+#[test]
+fn a_feed_too_slow_for_its_decimals_and_a_path_beyond_travel_are_refused() {
+    let mut post = Post::load("iso", None).unwrap();
+    (post.feed.mode, post.feed.decimals) = (FeedMode::PerMinute, 0);
+    let write = |machine| {
+        NcProgram::new(&fixtures::approved(), &post, &NcSettings::default(), &NcJob { machine, ..job() }).unwrap_err()
+    };
+    let slow = MachineParams { speed_mm_min: 0.4, ..Default::default() };
+    assert_eq!(write(&slow), NcError::FeedTooSlow { block: 0, decimals: 0 });
+    let short = MachineParams { travel_x_mm: [-59.9, 0.0], ..Default::default() };
+    let beyond = BeyondTravel { axis: Axis::X, row: 0, value: -60.0, limit: -59.9 };
+    assert_eq!(write(&short), NcError::BeyondTravel(beyond));
+}
+
 #[test]
 fn the_header_carries_the_certificate() {
-    let (post, a) = (Post::load("iso", None).unwrap(), approved());
+    let (post, a) = (Post::load("iso", None).unwrap(), fixtures::approved());
+    let c = a.certificate();
     let text = program(&post);
-    for part in
-        ["0.10150 mm or more", "0.10320 mm", "121 rows", "electrode_1.stl", "0.10000 mm", &a.certificate().path_digest]
-    {
+    let digests = [c.path_digest(), c.blisk_digest(), c.electrode_digest()].map(|d| &d[..16]);
+    let figures = ["0.10150 mm or more", "0.10320 mm", "121 rows", "electrode_1.stl", "0.10000 mm"];
+    for part in figures.into_iter().chain(digests) {
         assert!(text.contains(part), "{part}\n{text}");
     }
     assert!(text.find("G61").unwrap() < text.find("G01").unwrap(), "corners must not be rounded");
@@ -130,7 +195,7 @@ fn a_file_name_cannot_smuggle_in_a_block() {
         let post = Post::load(name, None).unwrap();
         let evil =
             NcJob { electrode_file: "e)\nG01 Z-99\r\n;(%\u{2028}G01 Z-98 \u{202e}ü", program: "p)\nM30", ..job() };
-        let text = NcProgram::new(&approved(), &post, &NcSettings::default(), &evil).unwrap();
+        let text = NcProgram::new(&fixtures::approved(), &post, &NcSettings::default(), &evil).unwrap();
         assert_eq!(moving_blocks(&post, text.text()), moving_blocks(&post, &program(&post)));
         let lines = |t: &str| t.lines().filter(|l| !l.starts_with(post.comment.open.trim())).count();
         assert_eq!(lines(text.text()), lines(&program(&post)));
@@ -141,17 +206,21 @@ fn a_file_name_cannot_smuggle_in_a_block() {
 #[test]
 fn an_axis_that_is_not_there_is_an_error() {
     let (post, settings) = (Post::load("iso", None).unwrap(), NcSettings::default());
-    let four = NcJob { axes: &[Axis::X, Axis::Y, Axis::Z, Axis::C], ..job() };
-    let error = NcProgram::new(&approved(), &post, &settings, &four).unwrap_err();
+    let machine = MachineParams { axes: AxisSet::XYZC, ..Default::default() };
+    let four = NcJob { machine: &machine, ..job() };
+    let error = NcProgram::new(&fixtures::approved(), &post, &settings, &four).unwrap_err();
     assert!(matches!(error, NcError::AxisNotOnMachine { axis: 'A', .. }));
     let mut without_c = post.clone();
     without_c.axes.retain(|a| a.axis != Axis::C);
-    let error = NcProgram::new(&approved(), &without_c, &settings, &job()).unwrap_err();
+    let error = NcProgram::new(&fixtures::approved(), &without_c, &settings, &job()).unwrap_err();
     assert_eq!(error, NcError::AxisNotInPost { axis: 'C' });
     let short = Post { max_line_length: 50, ..post.clone() };
-    assert!(matches!(NcProgram::new(&approved(), &short, &settings, &job()), Err(NcError::LineTooLong { .. })));
+    assert!(matches!(
+        NcProgram::new(&fixtures::approved(), &short, &settings, &job()),
+        Err(NcError::LineTooLong { .. })
+    ));
     let still = NcSettings { feed_mm_per_min: f64::NAN, ..settings };
-    assert!(matches!(NcProgram::new(&approved(), &post, &still, &job()), Err(NcError::Setting { .. })));
+    assert!(matches!(NcProgram::new(&fixtures::approved(), &post, &still, &job()), Err(NcError::Setting { .. })));
 }
 
 #[test]

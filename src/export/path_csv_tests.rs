@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 fn text() -> String {
     let path = fixtures::path();
-    write_path_csv(&path, &fixtures::certificate(&path).row_clearance).unwrap()
+    write_path_csv(&path, fixtures::certificate(&path).row_clearance()).unwrap()
 }
 
 #[test]

@@ -8,11 +8,13 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::files::{WriteError, write_atomically};
+use super::nc_feed::Slowed;
 use super::report_html;
 use crate::blisk::channel::Channel;
-use crate::feed::certificate::Contact;
+use crate::feed::certificate::{Certificate, Contact};
 use crate::feed::path::PathRow;
 use crate::feed::pose::{Axis, Pose};
+use crate::feed::smoothness::AxisSmoothness;
 use crate::geometry::frame::Frame;
 
 /// Version of the keys of `report.json`.
@@ -213,7 +215,7 @@ pub struct NodeReport {
     pub objective: Option<ObjectiveReport>,
 }
 
-/// How even the motion of an axis is, over the rows as they are; mm or degrees.
+/// How even the motion of an axis is, over equal steps of withdrawn distance; mm or degrees.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Smoothness {
     /// The axis letter.
@@ -231,26 +233,19 @@ pub struct Smoothness {
 }
 
 impl Smoothness {
-    /// The figures of every axis that moves along `rows`.
-    pub fn of_rows(rows: &[PathRow]) -> Vec<Self> {
-        let moving = Axis::ALL.into_iter().filter(|&axis| rows.iter().any(|r| r.pose.get(axis) != 0.0));
-        moving.map(|axis| Self::of_axis(rows, axis)).collect()
-    }
-
-    fn of_axis(rows: &[PathRow], axis: Axis) -> Self {
-        let in_file_units = |v: f64| if axis.is_rotary() { v.to_degrees() } else { v };
-        let values: Vec<f64> = rows.iter().map(|r| in_file_units(r.pose.get(axis))).collect();
-        let first: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).collect();
-        let second: Vec<f64> = first.windows(2).map(|w| w[1] - w[0]).collect();
-        let moves: Vec<f64> = first.iter().copied().filter(|d| *d != 0.0).collect();
-        Self {
-            axis: axis.letter(),
-            unit: if axis.is_rotary() { "deg" } else { "mm" },
-            total_variation: first.iter().map(|d| d.abs()).sum(),
-            rms_second_difference: (second.iter().map(|d| d * d).sum::<f64>() / second.len().max(1) as f64).sqrt(),
-            max_second_difference: second.iter().fold(0.0, |m, d| m.max(d.abs())),
-            sign_changes_first_difference: moves.windows(2).filter(|w| w[0] * w[1] < 0.0).count(),
-        }
+    /// The figures of every axis that moves, given in the order of [`Axis`].
+    pub fn of(axes: &[AxisSmoothness; 6]) -> Vec<Self> {
+        let moving = Axis::ALL.into_iter().zip(axes).filter(|(_, s)| s.total_variation > 0.0);
+        moving
+            .map(|(axis, s)| Self {
+                axis: axis.letter(),
+                unit: if axis.is_rotary() { "deg" } else { "mm" },
+                total_variation: s.total_variation,
+                rms_second_difference: s.rms_second_difference,
+                max_second_difference: s.max_second_difference,
+                sign_changes_first_difference: s.sign_changes,
+            })
+            .collect()
     }
 }
 
@@ -263,17 +258,17 @@ pub struct Convergence {
     pub mean: Vec<f64>,
 }
 
-/// Why there is no path.
+/// Why there is no verified path.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Jam {
-    /// The node that has no free pose.
+pub struct Failure {
+    /// The node that has no free pose, or the one at or before the worst place of a path.
     pub node: usize,
-    /// How far the electrode came out (mm).
+    /// How far the electrode is withdrawn there (mm).
     pub s_mm: f64,
-    /// The surface that holds it.
-    pub wall: String,
+    /// The surface that is in the way, if one is.
+    pub wall: Option<String>,
     /// Where, in W (mm).
-    pub place: [f64; 3],
+    pub place: Option<[f64; 3]>,
     /// What happened and what would help, in plain words.
     pub sentence: String,
 }
@@ -309,13 +304,54 @@ pub struct ElectrodeReport {
     pub burn_area_mm2: Option<f64>,
     /// Per node of a genetic search.
     pub ga_convergence: Vec<Convergence>,
-    /// Why there is no path, when there is none.
-    pub failure: Option<Jam>,
+    /// Why it is not verified, when it is not.
+    pub failure: Option<Failure>,
+    /// What the certificate was made for.
+    pub sha256: Option<VerifiedDigests>,
+    /// How the NC program's feed was lowered for the machine's speeds, if it was.
+    pub feed_lowered: Option<FeedLowered>,
     /// Files written for this electrode.
     pub files: Vec<String>,
     /// Rows and clearances for the plots.
     #[serde(skip)]
     pub motion: Option<Motion>,
+}
+
+/// Blocks of the NC program that are slower than asked for, so that no axis exceeds its greatest speed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FeedLowered {
+    /// Blocks that are slower.
+    pub blocks: usize,
+    /// Blocks in all.
+    pub of_blocks: usize,
+    /// Least share of the speed asked for that is left.
+    pub least_share: f64,
+    /// The axis that demands it.
+    pub axis: char,
+}
+
+impl From<&Slowed> for FeedLowered {
+    fn from(s: &Slowed) -> Self {
+        Self { blocks: s.blocks, of_blocks: s.of, least_share: s.least_share, axis: s.axis.letter() }
+    }
+}
+
+/// SHA-256 (hex) of what was verified, as [`Certificate`] has them: meshes in W, bit for bit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct VerifiedDigests {
+    pub path: String,
+    pub blisk: String,
+    pub electrode: String,
+}
+
+impl VerifiedDigests {
+    /// Those of `certificate`.
+    pub fn of(certificate: &Certificate) -> Self {
+        let c = certificate;
+        let [path, blisk, electrode] = [c.path_digest(), c.blisk_digest(), c.electrode_digest()].map(str::to_owned);
+        Self { path, blisk, electrode }
+    }
 }
 
 /// The rows of a path with their clearances.

@@ -7,7 +7,7 @@ use super::report_curves::{axis_plots, moving_axes};
 use super::report_tables as tables;
 use super::svg_plot::{Plot, Series, escape};
 
-const STYLE: &str = include_str!("report.css");
+pub(super) const STYLE: &str = include_str!("report.css");
 /// Nodes whose search is shown generation by generation, beside that of the first.
 const CONVERGENCE_PLOTS: usize = 3;
 
@@ -68,8 +68,8 @@ fn electrode(out: &mut String, e: &ElectrodeReport) {
     let (class, word, sentence) = verdict(e);
     let _ = write!(out, "<p class=\"banner {class}\"><b>{word}</b> {sentence}</p>");
     key_figures(out, e);
-    if let Some(jam) = &e.failure {
-        tables::jam(out, jam);
+    if let Some(failure) = &e.failure {
+        tables::failure(out, failure);
     }
     if let Some(motion) = e.motion.as_ref().filter(|m| m.rows.len() > 1) {
         plots(out, e, motion);

@@ -3,10 +3,11 @@
 use std::fmt::Write;
 
 use super::report::{
-    BliskSummary, ElectrodeReport, InputFile, Jam, NodeReport, PoseReport, Smoothness, StageTime, Symbol,
+    BliskSummary, ElectrodeReport, Failure, InputFile, NodeReport, PoseReport, Smoothness, StageTime, Symbol,
 };
 use super::report_html::file_name;
 use super::svg_plot::escape;
+use super::verify_report::VerifyReport;
 
 /// A table with a caption; cells are HTML. Columns whose header starts with `#` are numbers.
 fn table(out: &mut String, class: &str, caption: &str, head: &[&str], rows: impl IntoIterator<Item = Vec<String>>) {
@@ -135,14 +136,13 @@ pub(super) fn times(out: &mut String, times: &[StageTime]) {
     table(out, "times", "Stages", &["stage", "#seconds", "share"], rows.chain([sum]));
 }
 
-pub(super) fn jam(out: &mut String, jam: &Jam) {
-    let _ = write!(out, "<div class=\"jam\"><p>{}</p>", escape(&jam.sentence));
-    let rows = [
-        row("Stuck at", format!("node {}, {} mm withdrawn", jam.node, number(jam.s_mm, 2))),
-        row("Held by", escape(&jam.wall)),
-        row("Place in W, mm", point(jam.place)),
-    ];
-    table(out, "pairs", "Where it jams", &[], rows);
+pub(super) fn failure(out: &mut String, failure: &Failure) {
+    let _ = write!(out, "<div class=\"jam\"><p>{}</p>", escape(&failure.sentence));
+    let at = format!("node {}, {} mm withdrawn", failure.node, number(failure.s_mm, 2));
+    let mut rows = vec![row("Fails at", at)];
+    rows.extend(failure.wall.iter().map(|wall| row("Held by", escape(wall))));
+    rows.extend(failure.place.iter().map(|&place| row("Place in W, mm", point(place))));
+    table(out, "pairs", "Where it fails", &[], rows);
     out.push_str("</div>");
 }
 
@@ -160,7 +160,7 @@ pub(super) fn smoothness(out: &mut String, axes: &[Smoothness]) {
         ]
     });
     let head = ["axis", "#total variation", "#RMS 2nd difference", "#greatest", "#turns back"];
-    table(out, "", "Smoothness over the rows", &head, rows);
+    table(out, "", "Smoothness over equal steps", &head, rows);
 }
 
 pub(super) fn least_clearance(out: &mut String, e: &ElectrodeReport) {
@@ -174,6 +174,37 @@ pub(super) fn least_clearance(out: &mut String, e: &ElectrodeReport) {
             row("On the blisk, W, mm", point(at.on_blisk)),
         ];
         table(out, "pairs", "Least clearance", &[], rows);
+    }
+}
+
+/// Figures and files of a verification.
+pub(super) fn verification(out: &mut String, v: &VerifyReport) {
+    let at = &v.least_clearance_at;
+    let travel = match (&v.travel.beyond, v.travel.judged) {
+        (Some(b), _) => format!("{} beyond {} {} at row {}", b.axis, number(b.limit, 3), b.unit, b.row),
+        (None, true) => "within".to_owned(),
+        (None, false) => "not judged".to_owned(),
+    };
+    let rows = [
+        row("Required, mm", number(v.required_clearance_mm, 5)),
+        row("Tolerance, mm", number(v.tolerance_mm, 5)),
+        row("Certified, at least, mm", number(v.certified_clearance_mm, 5)),
+        row("Least met, mm", number(v.least_clearance_mm, 5)),
+        row("To", escape(&at.surface)),
+        row("Withdrawn, mm", format!("{} (row {} of {})", number(at.s_mm, 3), number(at.row, 2), v.rows)),
+        row("Pose X Y Z A B C", pose_cells(&at.pose).join(" ")),
+        row("On the electrode, W, mm", point(at.on_electrode)),
+        row("On the blisk, W, mm", point(at.on_blisk)),
+        row("From outside to the final pose", if v.starts_outside_and_ends_at_zero { "yes" } else { "no" }),
+        row("Travel of the axes", travel),
+    ];
+    table(out, "pairs", "Verification", &[], rows);
+    for file in &v.inputs {
+        let rows = [
+            row("File", format!("<span class=\"path\">{}</span>", escape(&file.path))),
+            row("SHA-256", format!("<code>{}</code>", escape(&file.sha256))),
+        ];
+        table(out, "pairs", &format!("Input: {}", file.role), &[], rows);
     }
 }
 

@@ -3,6 +3,7 @@
 use glam::DVec3;
 use serde::Serialize;
 
+use super::machine::BeyondTravel;
 use super::pose::Pose;
 use crate::blisk::channel::Surface;
 
@@ -25,38 +26,145 @@ pub struct Contact {
     pub surface: Surface,
 }
 
-/// What the verifier proved about the whole continuous motion of a path.
+/// What was found out about the travel of the axes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TravelVerdict {
+    /// No machine was given.
+    NotJudged,
+    /// No row is beyond the travel of an axis, and so no instant is.
+    Within,
+    /// The first row that is.
+    Beyond(BeyondTravel),
+}
+
+/// What the verifier found out about the whole continuous motion of a path.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct Findings {
+    pub(crate) path_digest: String,
+    pub(crate) blisk_digest: String,
+    pub(crate) electrode_digest: String,
+    pub(crate) required: f64,
+    pub(crate) tolerance: f64,
+    pub(crate) certified: f64,
+    pub(crate) least: Contact,
+    pub(crate) violations: Vec<Contact>,
+    pub(crate) row_clearance: Vec<f64>,
+    pub(crate) row_surface: Vec<Surface>,
+    pub(crate) ends_right: bool,
+    pub(crate) travel: TravelVerdict,
+    pub(crate) pair_intervals: u64,
+}
+
+/// What the verifier proved about the whole continuous motion of a path. Nobody else can make or change one.
+///
+/// ```compile_fail,E0616
+/// fn flatter(mut certificate: sparkpath::feed::certificate::Certificate) {
+///     certificate.findings.certified = 1.0;
+/// }
+/// ```
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(transparent)]
 pub struct Certificate {
-    /// [`FeedPath::digest`](super::path::FeedPath::digest) of the path that was verified.
-    pub path_digest: String,
-    /// Spark gap (mm).
-    pub required: f64,
-    /// How far below the spark gap is still accepted (mm).
-    pub tolerance: f64,
-    /// Proven lower bound of the clearance over the whole motion (mm). 0 if the electrode touches or crosses
-    /// the blisk or starts inside it, and if the verification stopped at the first violation.
-    pub certified: f64,
-    /// The smallest clearance met: an upper bound of the least clearance, and where it is.
-    pub least: Contact,
-    /// Places where the clearance falls below the spark gap less the tolerance, at rows and at instants found
-    /// between them: the worst first, none close to a worse one, at most 16.
-    pub violations: Vec<Contact>,
-    /// Exact clearance at every row of the path (mm), 0 in metal. If the verification stopped at a violation,
-    /// rows wholly inside metal show the distance between the surfaces.
-    pub row_clearance: Vec<f64>,
-    /// Which surface each row's clearance is to.
-    pub row_surface: Vec<Surface>,
-    /// Whether the first row has the electrode wholly outside the blisk and the last is the final pose.
-    pub ends_right: bool,
-    /// Triangle pairs and time intervals that had to be bounded one by one.
-    pub pair_intervals: u64,
+    findings: Findings,
 }
 
 impl Certificate {
-    /// Whether the motion is proven to keep the spark gap less the tolerance, from outside to the final pose.
-    pub fn holds(&self) -> bool {
+    /// The certificate of `findings`: for the verifier alone.
+    pub(super) fn of(findings: Findings) -> Self {
+        Self { findings }
+    }
+
+    /// A certificate of made-up findings.
+    #[cfg(test)]
+    pub(crate) fn made_up(findings: Findings) -> Self {
+        Self { findings }
+    }
+
+    /// What it was made from, to be changed.
+    #[cfg(test)]
+    pub(crate) fn into_findings(self) -> Findings {
+        self.findings
+    }
+
+    /// [`FeedPath::digest`](super::path::FeedPath::digest) of the path that was verified.
+    pub fn path_digest(&self) -> &str {
+        &self.findings.path_digest
+    }
+
+    /// [`Mesh::digest`](crate::geometry::mesh::Mesh::digest) of the blisk it was verified against, in W.
+    pub fn blisk_digest(&self) -> &str {
+        &self.findings.blisk_digest
+    }
+
+    /// [`Mesh::digest`](crate::geometry::mesh::Mesh::digest) of the electrode that was moved, in its final pose in W.
+    pub fn electrode_digest(&self) -> &str {
+        &self.findings.electrode_digest
+    }
+
+    /// Spark gap (mm).
+    pub fn required(&self) -> f64 {
+        self.findings.required
+    }
+
+    /// How far below the spark gap is still accepted (mm).
+    pub fn tolerance(&self) -> f64 {
+        self.findings.tolerance
+    }
+
+    /// Proven lower bound of the clearance over the whole motion (mm). 0 if the electrode touches or crosses
+    /// the blisk or starts inside it, and if the verification stopped at the first violation.
+    pub fn certified(&self) -> f64 {
+        self.findings.certified
+    }
+
+    /// The smallest clearance met: an upper bound of the least clearance, and where it is.
+    pub fn least(&self) -> &Contact {
+        &self.findings.least
+    }
+
+    /// Places where the clearance falls below the spark gap less the tolerance, at rows and at instants found
+    /// between them: the worst first, none close to a worse one, at most 16.
+    pub fn violations(&self) -> &[Contact] {
+        &self.findings.violations
+    }
+
+    /// Exact clearance at every row of the path (mm), 0 in metal. If the verification stopped at a violation,
+    /// rows wholly inside metal show the distance between the surfaces.
+    pub fn row_clearance(&self) -> &[f64] {
+        &self.findings.row_clearance
+    }
+
+    /// Which surface each row's clearance is to.
+    pub fn row_surface(&self) -> &[Surface] {
+        &self.findings.row_surface
+    }
+
+    /// Whether the first row has the electrode wholly outside the blisk and the last is the final pose.
+    pub fn ends_right(&self) -> bool {
+        self.findings.ends_right
+    }
+
+    /// Whether the axes stay within their travel, if a machine was given.
+    pub fn travel(&self) -> TravelVerdict {
+        self.findings.travel
+    }
+
+    /// Triangle pairs and time intervals that had to be bounded one by one.
+    pub fn pair_intervals(&self) -> u64 {
+        self.findings.pair_intervals
+    }
+
+    /// Whether the clearance over the whole motion is proven to be the spark gap less the tolerance or more.
+    pub fn keeps_clearance(&self) -> bool {
+        let f = &self.findings;
         // 0 says that nothing was proven, which no tolerance can make good.
-        self.ends_right && self.certified > 0.0 && self.certified >= self.required - self.tolerance
+        f.certified > 0.0 && f.certified >= f.required - f.tolerance
+    }
+
+    /// Whether the motion is proven to keep the spark gap less the tolerance, from outside to the final pose, and no
+    /// axis goes beyond its travel where that is known.
+    pub fn holds(&self) -> bool {
+        self.ends_right() && self.keeps_clearance() && !matches!(self.travel(), TravelVerdict::Beyond(_))
     }
 }

@@ -4,6 +4,7 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
+use super::outside::Outside;
 use super::pose::{Axis, Pose};
 use super::probes::{Demand, Instant, Probes, group};
 use super::samples::Sample;
@@ -27,6 +28,8 @@ pub struct Bodies<'a> {
     pub electrode: &'a DistanceField,
     /// X extent of the blisk at the channel's radii (mm): beyond it, outside the field, there is nothing to meet.
     pub faces_x: [f64; 2],
+    /// Where the electrode is out of the blisk.
+    pub outside: &'a Outside,
     /// Electrode reference point O in W (mm).
     pub reference_point: DVec3,
     /// The side that the electrode is withdrawn to.
@@ -134,6 +137,11 @@ impl<'a> ClearanceModel<'a> {
     /// Points tested on both bodies.
     pub fn probes(&self) -> usize {
         self.electrode.samples().len() + self.blisk.samples().len()
+    }
+
+    /// Where the electrode is out of the blisk.
+    pub fn outside(&self) -> &Outside {
+        self.bodies.outside
     }
 
     /// Electrode reference point O in W (mm).

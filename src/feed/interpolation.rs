@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::path::{FeedPath, PathRow};
 use super::pose::{Axis, Pose};
-use super::quantise::quantise_path;
+use super::quantise::{DEG_DECIMALS, MM_DECIMALS, quantise_path};
 use super::search::Node;
 use crate::geometry::frame::Frame;
 use crate::geometry::spline::{CubicSpline, EndCondition, SplineError};
@@ -40,6 +40,36 @@ impl InterpolationParams {
     }
 }
 
+/// Most rows from one node to the next.
+const MOST_PIECES: f64 = 1e4;
+
+/// Why no rows can be made that keep to the curve.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum InterpolationError {
+    /// Rounding alone moves the electrode's points further than allowed.
+    #[error(
+        "[plan.interpolation] chord_error_mm = {chord_error}: rounding of rows alone moves the electrode by up to {rounding:.6} \
+         mm; allow more"
+    )]
+    Rounding {
+        /// What is allowed (mm).
+        chord_error: f64,
+        /// What rounding takes (mm).
+        rounding: f64,
+    },
+    /// The curve bends so much that it would take too many rows to follow it.
+    #[error(
+        "the curve bends so much {s:.3} mm before the final pose that it takes {pieces:.0} rows to the next node, more than \
+         10000; raise [plan.interpolation] chord_error_mm"
+    )]
+    TooManyRows {
+        /// Where (mm withdrawn).
+        s: f64,
+        /// Rows needed.
+        pieces: f64,
+    },
+}
+
 /// The curve of every axis over the withdrawn distance s.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AxisCurves {
@@ -71,11 +101,16 @@ impl AxisCurves {
     /// Rows between knots `i` and `i + 1` needed to keep `chord_error`. Linear interpolation of f over a length h
     /// is off by at most h^2/8 max|f''|; an error in A moves a point by at most `radius` times it, one in B or
     /// C by `reach` times it.
-    fn pieces(&self, i: usize, chord_error: f64, radius: f64, reach: f64) -> usize {
+    fn pieces(&self, i: usize, chord_error: f64, Lever { radius, reach }: Lever) -> Result<usize, InterpolationError> {
         let h = self.splines[0].knots()[i + 1] - self.splines[0].knots()[i];
         let [x, y, z, a, b, c] = std::array::from_fn(|k| self.splines[k].greatest_second(i));
         let bend = DVec3::new(x, y, z).length() + radius * a + reach * (b + c);
-        (h * (bend / (8.0 * chord_error)).sqrt()).ceil().clamp(1.0, 1e4) as usize
+        let pieces = (h * (bend / (8.0 * chord_error)).sqrt()).ceil().max(1.0);
+        if pieces <= MOST_PIECES {
+            Ok(pieces as usize)
+        } else {
+            Err(InterpolationError::TooManyRows { s: self.splines[0].knots()[i], pieces })
+        }
     }
 }
 
@@ -86,6 +121,15 @@ pub struct Lever {
     pub radius: f64,
     /// Greatest distance of a point from the reference point O (mm).
     pub reach: f64,
+}
+
+impl Lever {
+    /// How far rounding a row moves a point at most (mm): half a step of each of X, Y and Z, together less than a step,
+    /// and half a step of each of A, B and C.
+    fn rounding(&self) -> f64 {
+        let half_turn = 0.5 * 10f64.powi(-(DEG_DECIMALS as i32)).to_radians();
+        10f64.powi(-(MM_DECIMALS as i32)) + half_turn * (self.radius + 2.0 * self.reach)
+    }
 }
 
 /// What a path is given in.
@@ -100,12 +144,25 @@ pub struct PathFrame {
 }
 
 /// Rows in feed order that follow `curves` to `chord_error` (mm) with linear motion between them. Every row is
-/// rounded to what files print, so that the motion that is verified is the one that is written.
-pub fn feed_path(curves: &AxisCurves, chord_error: f64, lever: Lever, given_in: PathFrame) -> FeedPath {
+/// rounded to what files print, so that the motion that is verified is the one that is written; the rounding is part
+/// of the error.
+///
+/// # Errors
+/// [`InterpolationError`] if the error cannot be kept.
+pub fn feed_path(
+    curves: &AxisCurves,
+    chord_error: f64,
+    lever: Lever,
+    given_in: PathFrame,
+) -> Result<FeedPath, InterpolationError> {
+    let rounding = lever.rounding();
+    if rounding.is_nan() || rounding >= chord_error {
+        return Err(InterpolationError::Rounding { chord_error, rounding });
+    }
     let knots = curves.splines[0].knots();
     let mut rows = vec![PathRow { node: 0, s: 0.0, pose: Pose::FINAL }];
     for i in 0..knots.len() - 1 {
-        let pieces = curves.pieces(i, chord_error, lever.radius, lever.reach);
+        let pieces = curves.pieces(i, chord_error - rounding, lever)?;
         for k in 1..=pieces {
             let s = knots[i] + (knots[i + 1] - knots[i]) * k as f64 / pieces as f64;
             let node = if k == pieces { i + 1 } else { i };
@@ -114,7 +171,7 @@ pub fn feed_path(curves: &AxisCurves, chord_error: f64, lever: Lever, given_in: 
     }
     rows.reverse();
     let PathFrame { frame, reference_point, spark_gap } = given_in;
-    quantise_path(&FeedPath { frame, reference_point, spark_gap, rows })
+    Ok(quantise_path(&FeedPath { frame, reference_point, spark_gap, rows }))
 }
 
 #[cfg(test)]
@@ -140,19 +197,37 @@ mod tests {
         let radius = 130.0;
         let reach = points.iter().map(|p| p.distance(o)).fold(0.0, f64::max);
         let given_in = PathFrame { frame: Frame::IDENTITY, reference_point: o, spark_gap: 0.1 };
-        let path = feed_path(&curves, 0.001, Lever { radius, reach }, given_in);
+        let path = feed_path(&curves, 0.001, Lever { radius, reach }, given_in).unwrap();
         for pair in path.rows.windows(2) {
             for k in 0..=20 {
                 let t = f64::from(k) / 20.0;
                 let linear = pair[0].pose.lerp(&pair[1].pose, t).placement(o);
-                let curve = curves.pose(pair[0].s + (pair[1].s - pair[0].s) * t).placement(o);
+                // s is rounded too: the place on the curve is that far uncertain.
+                let near = (-5..=5).map(|i| curves.pose(pair[0].s + (pair[1].s - pair[0].s) * t + 1e-6 * f64::from(i)));
+                let near: Vec<_> = near.map(|pose| pose.placement(o)).collect();
                 for &p in &points {
-                    let off = linear.transform_point3(p).distance(curve.transform_point3(p));
-                    // Rounding to 1e-5 mm and 1e-6 deg adds a little.
-                    assert!(off <= 0.001 + 3e-5, "{off} mm");
+                    let at = linear.transform_point3(p);
+                    let off = near.iter().map(|c| at.distance(c.transform_point3(p))).fold(f64::INFINITY, f64::min);
+                    // Between two of the places tried the curve goes on by less than 1e-6 mm times its speed.
+                    assert!(off <= 0.001 + 2e-6, "{off} mm");
                 }
             }
         }
+    }
+
+    #[test]
+    fn an_error_that_cannot_be_kept_is_refused_and_not_passed_over() {
+        let curves = AxisCurves::through(&nodes(), EndCondition::NotAKnot).unwrap();
+        let given_in = PathFrame { frame: Frame::IDENTITY, reference_point: DVec3::ZERO, spark_gap: 0.1 };
+        let rows = |chord_error, radius| feed_path(&curves, chord_error, Lever { radius, reach: 30.0 }, given_in);
+        // Half of 1e-6 deg at 1e4 mm is 8.7e-5 mm.
+        assert!(matches!(rows(9e-5, 1e4), Err(InterpolationError::Rounding { .. })));
+        assert!(rows(1.1e-4, 1e4).is_ok());
+        let wild = Pose { y: 1e7, ..Pose::FINAL };
+        let jump = [nodes(), vec![Node { s: 5.6, pose: wild, ..nodes()[0] }]].concat();
+        let curves = AxisCurves::through(&jump, EndCondition::NotAKnot).unwrap();
+        let error = feed_path(&curves, 0.001, Lever { radius: 1.0, reach: 1.0 }, given_in).unwrap_err();
+        assert!(matches!(error, InterpolationError::TooManyRows { .. }), "{error}");
     }
 
     #[test]
@@ -160,7 +235,7 @@ mod tests {
         let nodes = nodes();
         let curves = AxisCurves::through(&nodes, EndCondition::NotAKnot).unwrap();
         let given_in = PathFrame { frame: Frame::IDENTITY, reference_point: DVec3::ZERO, spark_gap: 0.1 };
-        let path = feed_path(&curves, 0.001, Lever { radius: 1.0, reach: 1.0 }, given_in);
+        let path = feed_path(&curves, 0.001, Lever { radius: 1.0, reach: 1.0 }, given_in).unwrap();
         assert_eq!(path.rows.last().map(|r| (r.node, r.s, r.pose)), Some((0, 0.0, Pose::FINAL)));
         assert!(path.rows.windows(2).all(|w| w[0].s > w[1].s));
         for (i, node) in nodes.iter().enumerate() {

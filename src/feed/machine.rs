@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::path::PathRow;
 use super::pose::{Axis, Pose};
 
 /// Axes of the machine.
@@ -89,6 +90,78 @@ pub enum MachineError {
     Speed(&'static str),
 }
 
+/// Travel of every axis about the final pose, `[least, greatest]` (mm or rad).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TravelLimits([[f64; 2]; 6]);
+
+/// A row that is beyond the travel of an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct BeyondTravel {
+    /// The axis.
+    pub axis: Axis,
+    /// Index of the row in feed order.
+    pub row: usize,
+    /// Where the axis would have to go (mm or rad).
+    pub value: f64,
+    /// Where its travel ends (mm or rad).
+    pub limit: f64,
+}
+
+impl BeyondTravel {
+    /// Value, limit and their unit, as files have them: mm or degrees.
+    pub fn in_file_units(&self) -> (f64, f64, &'static str) {
+        if self.axis.is_rotary() {
+            (self.value.to_degrees(), self.limit.to_degrees(), "deg")
+        } else {
+            (self.value, self.limit, "mm")
+        }
+    }
+}
+
+impl std::fmt::Display for BeyondTravel {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (value, limit, unit) = self.in_file_units();
+        let letter = self.axis.letter();
+        write!(f, "axis {letter} goes to {value:.5} {unit} at row {}, beyond its travel to {limit} {unit}", self.row)
+    }
+}
+
+impl TravelLimits {
+    /// What rounding may add (mm or rad).
+    const ROUNDING: f64 = 1e-9;
+
+    /// Axes that go as far as they like.
+    pub const UNLIMITED: Self = Self([[f64::NEG_INFINITY, f64::INFINITY]; 6]);
+
+    /// The same with `axis` kept within `[least, greatest]` (mm or rad).
+    pub fn with(mut self, axis: Axis, travel: [f64; 2]) -> Self {
+        self.0[axis as usize] = travel;
+        self
+    }
+
+    /// Travel of `axis` (mm or rad).
+    pub fn of(&self, axis: Axis) -> [f64; 2] {
+        self.0[axis as usize]
+    }
+
+    /// The first axis that is beyond its travel at `pose`, with where that ends.
+    pub fn beyond(&self, pose: &Pose) -> Option<(Axis, f64)> {
+        Axis::ALL.into_iter().find_map(|axis| {
+            let ([least, greatest], value) = (self.of(axis), pose.get(axis));
+            let within = (least - Self::ROUNDING..=greatest + Self::ROUNDING).contains(&value);
+            (!within).then_some((axis, if value < least { least } else { greatest }))
+        })
+    }
+
+    /// The first of `rows` that is beyond travel. Axes are linear between rows, so that what holds at the rows holds
+    /// between them.
+    pub fn first_beyond(&self, rows: &[PathRow]) -> Option<BeyondTravel> {
+        rows.iter().enumerate().find_map(|(row, r)| {
+            self.beyond(&r.pose).map(|(axis, limit)| BeyondTravel { axis, row, value: r.pose.get(axis), limit })
+        })
+    }
+}
+
 impl MachineParams {
     /// Whether every travel holds the final pose and every speed is positive.
     pub fn validate(&self) -> Result<(), MachineError> {
@@ -120,12 +193,20 @@ impl MachineParams {
         if axis.is_rotary() { travel.map(f64::to_radians) } else { travel }
     }
 
-    /// The first axis that is beyond its travel at `pose`, if any.
-    pub fn beyond_travel(&self, pose: &Pose) -> Option<Axis> {
-        Axis::ALL.into_iter().find(|&axis| {
-            let [least, greatest] = self.travel(axis);
-            !(least - 1e-9..=greatest + 1e-9).contains(&pose.get(axis))
-        })
+    /// Travel of all axes; that of an axis which the machine does not have is nothing.
+    pub fn limits(&self) -> TravelLimits {
+        TravelLimits(Axis::ALL.map(|axis| self.travel(axis)))
+    }
+
+    /// Shortest time (min) in which all axes can go linearly from one pose to the other within their speeds, and the
+    /// axis that needs it.
+    pub fn least_minutes(&self, from: &Pose, to: &Pose) -> (f64, Axis) {
+        let minutes = |axis: Axis| {
+            let way = (to.get(axis) - from.get(axis)).abs();
+            if axis.is_rotary() { way.to_degrees() / self.speed_deg_min } else { way / self.speed_mm_min }
+        };
+        let slowest = Axis::ALL.map(|axis| (minutes(axis), axis));
+        slowest.into_iter().fold((0.0, Axis::X), |most, next| if next.0 > most.0 { next } else { most })
     }
 }
 
@@ -136,9 +217,23 @@ mod tests {
     #[test]
     fn a_pose_beyond_travel_names_its_axis() {
         let machine = MachineParams { travel_c_deg: [-10.0, 90.0], ..Default::default() };
-        assert_eq!(machine.beyond_travel(&Pose { c: -0.2, ..Pose::FINAL }), Some(Axis::C));
-        assert_eq!(machine.beyond_travel(&Pose { b: 0.01, ..Pose::FINAL }), Some(Axis::B), "five axes have no B");
-        assert_eq!(machine.beyond_travel(&Pose { x: -40.0, a: 1.0, ..Pose::FINAL }), None);
+        let beyond = |pose: Pose| machine.limits().beyond(&pose);
+        assert_eq!(beyond(Pose { c: -0.2, ..Pose::FINAL }), Some((Axis::C, (-10f64).to_radians())));
+        assert_eq!(beyond(Pose { b: 0.01, ..Pose::FINAL }), Some((Axis::B, 0.0)), "five axes have no B");
+        assert_eq!(beyond(Pose { x: -40.0, a: 1.0, ..Pose::FINAL }), None);
+        assert_eq!(beyond(Pose { x: -250.0, ..Pose::FINAL }), None, "the end of travel can be reached");
+        assert!(beyond(Pose { x: f64::NAN, ..Pose::FINAL }).is_some());
+    }
+
+    #[test]
+    fn the_slowest_axis_sets_the_time() {
+        let machine = MachineParams { speed_mm_min: 100.0, speed_deg_min: 30.0, ..Default::default() };
+        let to = Pose { x: -2.0, y: 1.0, c: 0.3f64.to_radians(), ..Pose::FINAL };
+        let (minutes, axis) = machine.least_minutes(&Pose::FINAL, &to);
+        assert!((minutes - 0.02).abs() < 1e-15 && axis == Axis::X);
+        let (minutes, axis) = machine.least_minutes(&to, &Pose { a: (-1.5f64).to_radians(), ..to });
+        assert!((minutes - 0.05).abs() < 1e-15 && axis == Axis::A);
+        assert_eq!(machine.least_minutes(&to, &to).0, 0.0);
     }
 
     #[test]

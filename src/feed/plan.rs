@@ -3,16 +3,17 @@
 
 use glam::DVec3;
 
-use super::certificate::Certificate;
+use super::certificate::{Certificate, TravelVerdict};
 use super::genetic::GeneticParams;
 use super::interpolation::AxisCurves;
+use super::jam::Jam;
 use super::machine::MachineParams;
 use super::objective::WallDistances;
 use super::path::FeedPath;
 use super::plan_params::{PlanError, PlanParams};
 use super::planner::Planner;
 use super::samples::{Sample, sample_convex_edges};
-use super::search::{Convergence, Jam, Node};
+use super::search::{Convergence, Node};
 use super::smoothness::AxisSmoothness;
 use super::verify::VerifyOptions;
 use crate::blisk::channel::Channel;
@@ -128,17 +129,21 @@ impl FeedPlan {
         match (&self.jam, &self.path) {
             (Some(jam), _) => jam.sentence(channel),
             (None, Some(PlannedPath { certificate: c, .. })) if c.holds() => {
-                format!("comes out, certified clearance {:.4} mm of {:.4} mm", c.certified, c.required)
+                format!("comes out, certified clearance {:.4} mm of {:.4} mm", c.certified(), c.required())
             }
-            (None, Some(PlannedPath { certificate: c, .. })) if !c.ends_right => {
+            (None, Some(PlannedPath { certificate: c, .. })) if !c.ends_right() => {
                 "comes out of its channel, but the path does not begin wholly outside the blisk; raise exit_clearance_mm".to_owned()
             }
+            (None, Some(PlannedPath { certificate: c, .. })) if c.keeps_clearance() => match c.travel() {
+                TravelVerdict::Beyond(beyond) => format!("comes out, but {beyond}"),
+                TravelVerdict::Within | TravelVerdict::NotJudged => "was not verified".to_owned(),
+            },
             (None, Some(PlannedPath { certificate: c, .. })) => format!(
                 "comes out, but with only {:.4} mm of {:.4} mm left against the {} {:.2} mm before the final pose",
-                c.least.distance,
-                c.required,
-                channel.surface_name(c.least.surface),
-                c.least.s
+                c.least().distance,
+                c.required(),
+                channel.surface_name(c.least().surface),
+                c.least().s
             ),
             (None, None) => "was not planned".to_owned(),
         }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::angle_test::{AngleParams, AngleParamsError};
 use super::genetic::GeneticParamsError;
-use super::interpolation::{InterpolationParams, InterpolationParamsError};
+use super::interpolation::{InterpolationError, InterpolationParams, InterpolationParamsError};
 use super::machine::MachineError;
 use super::objective::{Weights, WeightsError};
 use super::search::{Constraint, Strategy};
@@ -69,6 +69,8 @@ pub enum PlanError {
     Angle(#[from] AngleParamsError),
     #[error(transparent)]
     Interpolation(#[from] InterpolationParamsError),
+    #[error(transparent)]
+    Rows(#[from] InterpolationError),
     #[error(transparent)]
     Genetic(#[from] GeneticParamsError),
     #[error(transparent)]

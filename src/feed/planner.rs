@@ -5,11 +5,14 @@ use std::time::Instant;
 use glam::DVec3;
 
 use super::angle_test::AngleTest;
-use super::certificate::Contact;
+use super::certificate::{Contact, TravelVerdict};
 use super::clearance::{Bodies, ClearanceModel};
 use super::genetic::{GeneticParams, ReductionMode};
 use super::interpolation::{AxisCurves, Lever, PathFrame, feed_path};
+use super::jam::{Jam, JamCause};
+use super::machine::{BeyondTravel, TravelLimits};
 use super::objective::Objective;
+use super::outside::Outside;
 use super::plan::{FeedPlan, PlanSettings, PlannedPath, PlanningSpace, Remake};
 use super::plan_params::PlanError;
 use super::pose::{Axis, Pose};
@@ -18,7 +21,7 @@ use super::samples::{Sample, SampleSpacing, limit_to_reduced, sample_electrode};
 use super::search::{Constraint, Node, SearchProblem, Strategy, StrategyParams};
 use super::smoothness::axis_smoothness;
 use super::verify::Verifier;
-use crate::blisk::electrode::{Electrode, ElectrodeFace};
+use crate::blisk::electrode::{Electrode, ElectrodeError, ElectrodeFace};
 use crate::geometry::distance_field::DistanceField;
 use crate::geometry::exact::ExactMesh;
 use crate::progress::{Cancel, Progress};
@@ -31,6 +34,12 @@ pub(super) struct Planner<'a> {
     pub(super) cancel: &'a Cancel,
 }
 
+/// What is prepared for one electrode.
+struct ElectrodeFields {
+    distance: DistanceField,
+    outside: Outside,
+}
+
 /// What the verifier has taught the search so far.
 #[derive(Default)]
 struct Lessons {
@@ -40,6 +49,8 @@ struct Lessons {
     on_blisk: Vec<Sample>,
     /// Stretches of withdrawn distance to be searched in finer steps (mm).
     fine: Vec<[f64; 2]>,
+    /// Travel to be kept to at the nodes, where the curve between them went beyond the machine's.
+    travel: Option<TravelLimits>,
 }
 
 impl Planner<'_> {
@@ -53,8 +64,8 @@ impl Planner<'_> {
 
     pub(super) fn plan(&self, electrode: &Electrode, remake: &Remake) -> Result<FeedPlan, PlanError> {
         let started = Instant::now();
-        let field = self.electrode_field(electrode)?;
-        let model = self.model(electrode, &field);
+        let fields = self.electrode_fields(electrode)?;
+        let model = self.model(electrode, &fields);
         let field_seconds = started.elapsed().as_secs_f64();
         let mut plan = FeedPlan {
             nodes: Vec::new(),
@@ -79,10 +90,17 @@ impl Planner<'_> {
         genetic.h = ReductionMode::Given;
         if plan.h > 0.0 {
             // An electrode with more reduction lies inside one with less, so its path stays free.
-            let remade = remake(plan.h)?;
-            let field = self.electrode_field(&remade)?;
+            let remade = match remake(plan.h) {
+                Ok(remade) => remade,
+                Err(error) if leaves_nothing(&error) => {
+                    plan.jam = plan.nodes.last().map(|node| nothing_left(plan.nodes.len(), node, plan.h));
+                    return Ok(plan);
+                }
+                Err(error) => return Err(error.into()),
+            };
+            let fields = self.electrode_fields(&remade)?;
             plan.nodes.iter_mut().for_each(|node| node.h = 0.0);
-            self.verify_and_mend(&mut plan, &remade, &self.model(&remade, &field), &genetic)?;
+            self.verify_and_mend(&mut plan, &remade, &self.model(&remade, &fields), &genetic)?;
             plan.remade = Some(Box::new(remade));
         } else {
             self.verify_and_mend(&mut plan, electrode, &model, &genetic)?;
@@ -99,32 +117,43 @@ impl Planner<'_> {
         model: &ClearanceModel,
         genetic: &GeneticParams,
     ) -> Result<(), PlanError> {
-        let verifier = Verifier::new(self.space.blisk, &electrode.mesh, electrode.reference_point)?;
+        let verifier = Verifier::new(self.space.blisk, &electrode.mesh, electrode.reference_point)?
+            .within(self.settings.machine.limits());
         let mut lessons = Lessons::default();
         loop {
             let curves = AxisCurves::through(&plan.nodes, self.settings.plan.interpolation.ends)?;
             let chord_error = self.settings.plan.interpolation.chord_error_mm;
-            let path = feed_path(&curves, chord_error, lever(electrode, &plan.nodes), self.path_frame(electrode));
+            let path = feed_path(&curves, chord_error, lever(electrode, &plan.nodes), self.path_frame(electrode))?;
             let started = Instant::now();
             let surface_of = |p: DVec3| self.space.finder.surface_of(p);
             let certificate = verifier.verify(&path, &surface_of, self.settings.verify, self.progress, self.cancel)?;
             plan.verify_seconds += started.elapsed().as_secs_f64();
-            if certificate.holds()
-                || plan.rounds > Self::ROUNDS
-                || (!certificate.ends_right && certificate.violations.is_empty())
-            {
+            let beyond = match certificate.travel() {
+                TravelVerdict::Beyond(beyond) => Some(beyond),
+                TravelVerdict::Within | TravelVerdict::NotJudged => None,
+            };
+            let only_ends_wrong = !certificate.ends_right() && certificate.keeps_clearance() && beyond.is_none();
+            if certificate.holds() || plan.rounds > Self::ROUNDS || only_ends_wrong {
                 let step = self.settings.plan.step_mm;
                 let smoothness = Axis::ALL.map(|axis| axis_smoothness(&curves, axis, step));
                 plan.path = Some(PlannedPath { curves, path, certificate, smoothness });
                 return Ok(());
             }
             // The proven bound may fall short where no point met does: then the nearest is what to learn from.
-            let mut contacts = certificate.violations;
-            if contacts.is_empty() {
-                contacts.push(certificate.least);
+            let mut contacts = certificate.violations().to_vec();
+            if contacts.is_empty() && !certificate.keeps_clearance() {
+                contacts.push(*certificate.least());
             }
             self.learn(&mut lessons, model, &contacts);
-            let nearest = contacts.iter().map(|c| c.s).fold(f64::INFINITY, f64::min);
+            let mut nearest = contacts.iter().map(|c| c.s).fold(f64::INFINITY, f64::min);
+            if let Some(beyond) = beyond {
+                self.stay_within(&mut lessons, &beyond);
+                // The first row is the furthest out: the nodes before any row that is beyond are not touched.
+                let limits = self.settings.machine.limits();
+                let rows = path.rows.iter().filter(|row| limits.beyond(&row.pose).is_some());
+                nearest = rows.map(|row| row.s).fold(nearest, f64::min);
+                lessons.fine.push([nearest - self.settings.plan.step_mm, nearest + self.settings.plan.step_mm]);
+            }
             let kept = plan.nodes.iter().filter(|n| n.s < nearest - self.settings.plan.step_mm).count().max(1);
             let model = model.with_probes(&lessons.on_electrode, &lessons.on_blisk);
             self.search_from(plan, &model, genetic, &lessons, kept)?;
@@ -145,6 +174,17 @@ impl Planner<'_> {
             lessons.on_blisk.push(Sample { point: contact.on_blisk, face, extra, stays_to: f64::INFINITY });
             lessons.fine.push([contact.s - step, contact.s + step]);
         }
+    }
+
+    /// Keeps the nodes away from an end of travel that the curve between them overshot, by twice as much.
+    fn stay_within(&self, lessons: &mut Lessons, beyond: &BeyondTravel) {
+        let limits = lessons.travel.unwrap_or_else(|| self.settings.machine.limits());
+        let by = 2.0 * (beyond.value - beyond.limit).abs();
+        let [least, greatest] = limits.of(beyond.axis);
+        let drawn_in = if beyond.value < beyond.limit { [least + by, greatest] } else { [least, greatest - by] };
+        // The final pose has to stay within.
+        let travel = [drawn_in[0].min(0.0), drawn_in[1].max(0.0)];
+        lessons.travel = Some(limits.with(beyond.axis, travel));
     }
 
     /// Searches on from the first `kept` nodes; where that jams, from half as many, down to the final pose: what was
@@ -195,7 +235,8 @@ impl Planner<'_> {
             model,
             angle: (params.constraint == Constraint::Angle).then_some(&test),
             objective: &objective,
-            machine,
+            axes: machine.axes,
+            travel: lessons.travel.unwrap_or_else(|| machine.limits()),
             ranges: plan.ranges,
             demand: Demand { spark_gap, margin: params.margin_mm, guard: Self::GUARD },
             side: model.side(),
@@ -203,7 +244,6 @@ impl Planner<'_> {
             step: params.step_mm,
             fine: &lessons.fine,
             exit_clearance: params.exit_clearance_mm,
-            faces_x: channel.faces_x,
         };
         let strategy = match params.strategy {
             Strategy::Genetic => StrategyParams::Genetic(*genetic),
@@ -220,26 +260,29 @@ impl Planner<'_> {
         Ok(())
     }
 
-    /// The electrode's own distance field, for the edges of the blisk.
-    fn electrode_field(&self, electrode: &Electrode) -> Result<DistanceField, PlanError> {
+    /// The electrode's own distance field, for the edges of the blisk, and where it is out of the blisk.
+    fn electrode_fields(&self, electrode: &Electrode) -> Result<ElectrodeFields, PlanError> {
         const CELL: f64 = 0.35;
         let exact = ExactMesh::new(&electrode.mesh)?;
         let wanted = self.settings.spark_gap + self.settings.plan.margin_mm;
         let region = electrode.mesh.bounds().grown(wanted + Bodies::AROUND);
-        Ok(DistanceField::build(&electrode.mesh, &exact, region, CELL, self.progress, self.cancel)?)
+        let distance = DistanceField::build(&electrode.mesh, &exact, region, CELL, self.progress, self.cancel)?;
+        let outside = Outside::new(self.space.blisk, &electrode.mesh, electrode.reference_point);
+        Ok(ElectrodeFields { distance, outside })
     }
 
-    fn model<'f>(&'f self, electrode: &Electrode, field: &'f DistanceField) -> ClearanceModel<'f> {
+    fn model<'f>(&'f self, electrode: &Electrode, fields: &'f ElectrodeFields) -> ClearanceModel<'f> {
         let bodies = Bodies {
             blisk: &self.space.field,
-            electrode: field,
+            electrode: &fields.distance,
             faces_x: self.space.channel.faces_x,
+            outside: &fields.outside,
             reference_point: electrode.reference_point,
             side: electrode.enters_from,
         };
         let mut samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default());
         if self.settings.genetic.h == ReductionMode::Variable {
-            limit_to_reduced(&mut samples, field, self.settings.genetic.h_max_deg.to_radians());
+            limit_to_reduced(&mut samples, &fields.distance, self.settings.genetic.h_max_deg.to_radians());
         }
         ClearanceModel::new(bodies, samples, self.space.edges.clone())
     }
@@ -280,6 +323,17 @@ impl Planner<'_> {
             spark_gap: self.settings.spark_gap,
         }
     }
+}
+
+/// Whether an electrode cannot be made because its reductions leave nothing of it.
+fn leaves_nothing(error: &ElectrodeError) -> bool {
+    use ElectrodeError::{NoHeight, NoMetal, OutOfRange};
+    matches!(error, NoMetal { .. } | NoHeight { .. } | OutOfRange { .. })
+}
+
+/// The end of a search whose way out, `nodes` nodes long to `last`, takes more reduction than the electrode has metal.
+fn nothing_left(nodes: usize, last: &Node, h: f64) -> Jam {
+    Jam { node: nodes - 1, s: last.s, pose: last.pose, cause: JamCause::NothingLeft { h } }
 }
 
 /// How far the electrode's points move when axes turn, over all of `nodes`.

@@ -8,13 +8,13 @@ use super::angle_test::AngleTest;
 use super::clearance::{ClearanceModel, Shortfall};
 use super::genetic::{GeneticParams, GeneticStep};
 use super::interpolation::AxisCurves;
-use super::machine::MachineParams;
+use super::jam::{Jam, JamCause, JamContact};
+use super::machine::{AxisSet, TravelLimits};
 use super::objective::{Objective, ObjectiveValue, StepMotion};
 use super::pose::{Axis, Pose};
 use super::probes::Demand;
-use crate::blisk::channel::{Channel, Surface};
+use crate::blisk::channel::Surface;
 use crate::blisk::electrode::EntrySide;
-use crate::geometry::frame::Cylindrical;
 use crate::geometry::spline::EndCondition;
 use crate::progress::{Cancel, Cancelled, Progress};
 
@@ -47,8 +47,10 @@ pub struct SearchProblem<'a> {
     pub angle: Option<&'a AngleTest<'a>>,
     /// What is optimised.
     pub objective: &'a Objective<'a>,
-    /// Axes and travels.
-    pub machine: &'a MachineParams,
+    /// Axes of the machine.
+    pub axes: AxisSet,
+    /// How far they go.
+    pub travel: TravelLimits,
     /// Full ranges of motion in one step, (7), in the order of [`Axis`]; 0 for axes that do not move.
     pub ranges: [f64; 6],
     /// Clearance wanted.
@@ -63,8 +65,6 @@ pub struct SearchProblem<'a> {
     pub fine: &'a [[f64; 2]],
     /// How far out of the blisk the electrode is withdrawn (mm).
     pub exit_clearance: f64,
-    /// X extent of the blisk (mm).
-    pub faces_x: [f64; 2],
 }
 
 /// The search for one node.
@@ -143,45 +143,6 @@ impl Convergence {
     }
 }
 
-/// Where a search came to its end.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Jam {
-    /// The node that could not be reached, counted from the final pose.
-    pub node: usize,
-    /// Its withdrawn distance (mm).
-    pub s: f64,
-    /// The pose that came nearest to being free.
-    pub pose: Pose,
-    /// The point of the electrode that lacks most room there, in its final pose in W (mm).
-    pub on_electrode: DVec3,
-    /// The nearest point of the blisk, in W (mm).
-    pub on_blisk: DVec3,
-    /// The surface it lies on.
-    pub surface: Surface,
-    /// Clearance that is missing there (mm).
-    pub lack: f64,
-}
-
-impl Jam {
-    /// Where and why the search ended, in one sentence.
-    pub fn sentence(&self, channel: &Channel) -> String {
-        let (at, on) = (self.on_blisk, Cylindrical::from_point(self.on_blisk));
-        format!(
-            "jams at node {} ({:.2} mm withdrawn) against the {} at x = {:.2}, r = {:.2} mm (W: {:.2}, {:.2}, {:.2}): \
-             {:.3} mm of clearance are missing there",
-            self.node,
-            self.s,
-            channel.surface_name(self.surface),
-            on.x,
-            on.r,
-            at.x,
-            at.y,
-            at.z,
-            self.lack
-        )
-    }
-}
-
 /// The answer of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SearchOutcome {
@@ -215,7 +176,7 @@ impl SearchProblem<'_> {
 
     /// The machine's axes except X.
     pub fn free_axes(&self) -> &[Axis] {
-        &self.machine.axes.axes()[1..]
+        &self.axes.axes()[1..]
     }
 
     /// Direction of withdrawal along X.
@@ -229,7 +190,7 @@ impl SearchProblem<'_> {
     }
 
     fn keeps(&self, pose: &Pose, s: f64, h: f64, demand: &Demand, hint: &mut usize) -> bool {
-        if self.machine.beyond_travel(pose).is_some() {
+        if self.travel.beyond(pose).is_some() {
             return false;
         }
         match self.angle {
@@ -263,14 +224,9 @@ impl SearchProblem<'_> {
         })
     }
 
-    /// How far the electrode is out of the blisk at `pose`: negative while some point is not beyond the face (mm).
+    /// How far the electrode is out of the blisk at `pose`: negative while some point is not beyond the metal (mm).
     pub fn way_out(&self, pose: &Pose) -> f64 {
-        let place = pose.placement(self.model.reference_point());
-        let points = self.model.samples().iter().map(|s| place.transform_point3(s.point).x);
-        match self.side {
-            EntrySide::MinusX => self.faces_x[0] - points.fold(f64::NEG_INFINITY, f64::max),
-            EntrySide::PlusX => points.fold(f64::INFINITY, f64::min) - self.faces_x[1],
-        }
+        self.model.outside().way_out(pose, self.side)
     }
 
     /// Free candidates for `task`, best first, and how they were come by.
@@ -326,7 +282,7 @@ impl SearchProblem<'_> {
                 furthest = Some(here.clone());
             }
             attempt += 1;
-            if attempt > Self::ATTEMPTS || jam.lack > Self::NEARLY {
+            if attempt > Self::ATTEMPTS || !jam.is_near(Self::NEARLY) {
                 return Ok(furthest.unwrap_or(here));
             }
             // Back a little, further each time, and on with other random numbers.
@@ -431,9 +387,9 @@ impl SearchProblem<'_> {
         Node { s: task.s, pose: chosen.pose, h: chosen.h, clearance, objective: chosen.objective }
     }
 
-    /// The place that stops the electrode: where the pose that comes nearest to being free, climbing from the
-    /// expected one, still lacks room. The worst place counts even if the climb succeeds, which it may when only
-    /// the motion to it is blocked.
+    /// What stops the electrode: the end of X's travel, or the place where the pose that comes nearest to being free,
+    /// climbing from the expected one, still lacks room. The worst place counts even if the climb succeeds, which it
+    /// may when only the motion to it is blocked.
     fn jam(&self, nodes: &[Node], surface_of: &dyn Fn(DVec3) -> Surface) -> Jam {
         let task = self.task(nodes, 1.0);
         let ratio = task.duration / task.before.duration;
@@ -443,19 +399,23 @@ impl SearchProblem<'_> {
         }
         expected[0] = task.x;
         let starts = [Pose::from_array(expected), Pose { x: task.x, ..task.from }];
-        let nearest = starts
-            .into_iter()
-            .filter_map(|start| {
-                let (pose, short) = self.climb(start, task.s, task.h_so_far);
-                short.map(|short| (pose, short))
-            })
+        let jam = |pose, cause| Jam { node: nodes.len(), s: task.s, pose, cause };
+        // The other axes are free to stay where they are; X has to go on.
+        if let Some((axis, limit)) = self.travel.beyond(&Pose { x: task.x, ..Pose::FINAL }) {
+            return jam(starts[1], JamCause::Travel { axis, value: task.x, limit });
+        }
+        let climbed = starts.into_iter().filter_map(|start| {
+            let (pose, short) = self.climb(start, task.s, task.h_so_far);
+            short.map(|short| (pose, short))
+        });
+        let nearest = climbed
             .min_by(|a, b| a.1.lack.total_cmp(&b.1.lack))
             .or_else(|| Some((starts[1], self.model.tightest(&starts[1], self.demand.wanted())?)));
-        let (pose, on_electrode, on_blisk, lack) = match nearest {
-            Some((pose, short)) => (pose, short.on_electrode, short.on_blisk, short.lack),
-            None => (starts[1], DVec3::ZERO, DVec3::ZERO, 0.0),
+        let Some((pose, Shortfall { on_electrode, on_blisk, lack, .. })) = nearest else {
+            return jam(starts[1], JamCause::Unknown);
         };
-        Jam { node: nodes.len(), s: task.s, pose, on_electrode, on_blisk, surface: surface_of(on_blisk), lack }
+        let surface = surface_of(on_blisk);
+        jam(pose, JamCause::Contact(JamContact { on_electrode, on_blisk, surface, lack }))
     }
 }
 

@@ -27,21 +27,24 @@ pub fn axis_smoothness(curves: &AxisCurves, axis: Axis, step: f64) -> AxisSmooth
         .map(|i| curve.at(way * i as f64 / steps as f64)[0])
         .map(|v| if axis.is_rotary() { v.to_degrees() } else { v })
         .collect();
-    smoothness(&values)
+    AxisSmoothness::of(&values)
 }
 
-fn smoothness(values: &[f64]) -> AxisSmoothness {
-    /// Movements smaller than this are rounding, not reversals.
-    const STILL: f64 = 1e-9;
-    let first: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).collect();
-    let second: Vec<f64> = first.windows(2).map(|w| w[1] - w[0]).collect();
-    let signs: Vec<bool> = first.iter().filter(|d| d.abs() > STILL).map(|d| *d > 0.0).collect();
-    let squares: f64 = second.iter().map(|d| d * d).sum();
-    AxisSmoothness {
-        total_variation: first.iter().map(|d| d.abs()).sum(),
-        rms_second_difference: (squares / second.len().max(1) as f64).sqrt(),
-        max_second_difference: second.iter().map(|d| d.abs()).fold(0.0, f64::max),
-        sign_changes: signs.windows(2).filter(|w| w[0] != w[1]).count(),
+impl AxisSmoothness {
+    /// The figures of `values` at equal steps.
+    pub fn of(values: &[f64]) -> Self {
+        /// Movements smaller than this are rounding, not reversals.
+        const STILL: f64 = 1e-9;
+        let first: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).collect();
+        let second: Vec<f64> = first.windows(2).map(|w| w[1] - w[0]).collect();
+        let signs: Vec<bool> = first.iter().filter(|d| d.abs() > STILL).map(|d| *d > 0.0).collect();
+        let squares: f64 = second.iter().map(|d| d * d).sum();
+        Self {
+            total_variation: first.iter().map(|d| d.abs()).sum(),
+            rms_second_difference: (squares / second.len().max(1) as f64).sqrt(),
+            max_second_difference: second.iter().map(|d| d.abs()).fold(0.0, f64::max),
+            sign_changes: signs.windows(2).filter(|w| w[0] != w[1]).count(),
+        }
     }
 }
 
@@ -51,7 +54,7 @@ mod tests {
 
     #[test]
     fn figures_of_a_short_zigzag() {
-        let s = smoothness(&[0.0, 1.0, 0.0, 0.0, 2.0]);
+        let s = AxisSmoothness::of(&[0.0, 1.0, 0.0, 0.0, 2.0]);
         // First differences 1 -1 0 2, second -2 1 2.
         assert_eq!(s.total_variation, 4.0);
         assert_eq!(s.max_second_difference, 2.0);

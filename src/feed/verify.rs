@@ -5,8 +5,9 @@
 //! occur, and from below by directions along which electrode and blisk are proven to stay apart (see
 //! `interval.rs` and `motion.rs`); bounds are sharpened until they are within the resolution asked for.
 //!
-//! What it does not tell: how deep an interference is, and anything about bodies that are not in the two
-//! meshes, such as a holder or the machine.
+//! Where the machine is known it also says whether its axes stay within their travel. What it does not tell: how deep
+//! an interference is, anything about bodies that are not in the two meshes, such as a holder or the machine, and how
+//! fast the axes may go, which is seen to where the feed is written.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -14,7 +15,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::certificate::{Certificate, Contact};
+use super::certificate::{Certificate, Contact, Findings, TravelVerdict};
+use super::machine::TravelLimits;
+use super::outside::Outside;
 use super::path::FeedPath;
 use super::pose::Pose;
 use crate::blisk::channel::Surface;
@@ -42,8 +45,6 @@ const INTERVALS_IN_TURN: usize = 16;
 /// How many violations are listed, and how far apart they are on the electrode or on the blisk (mm).
 const VIOLATIONS: usize = 16;
 const VIOLATION_SPACING: f64 = 1.0;
-/// Depth below the electrode's innermost point that counts as its surroundings when it has to be outside (mm).
-const SURROUNDINGS: f64 = 15.0;
 
 /// Greatest coordinate (mm) and turn (rad) for which [`ROUNDING`] covers the rounding.
 const LARGEST_COORDINATE: f64 = 1e4;
@@ -128,11 +129,13 @@ pub struct Verifier {
     /// A point of each connected part of the blisk (in W) and of the electrode (about the reference point).
     blisk_parts: Vec<DVec3>,
     electrode_parts: Vec<DVec3>,
+    /// Digests of the blisk and the electrode as they were given.
+    digests: [String; 2],
     reference_point: DVec3,
+    travel: Option<TravelLimits>,
     /// Greatest distance of a point of the electrode from the reference point (mm).
     reach: f64,
-    /// Extent along X of the blisk near the electrode's radii (mm).
-    faces_x: [f64; 2],
+    outside: Outside,
 }
 
 /// Verifies `path` for one electrode and blisk, both in W, the electrode in its final pose. `surface_of` names
@@ -187,9 +190,16 @@ impl Verifier {
             electrode: electrode_tree,
             blisk_parts: inside::point_of_each_part(blisk),
             electrode_parts: inside::point_of_each_part(&about_reference),
+            digests: [blisk.digest(), electrode.digest()],
             reference_point,
-            faces_x: faces_x(blisk, electrode),
+            travel: None,
+            outside: Outside::new(blisk, electrode, reference_point),
         })
+    }
+
+    /// The same with the travel of the axes judged too; without it, it is not.
+    pub fn within(self, travel: TravelLimits) -> Self {
+        Self { travel: Some(travel), ..self }
     }
 
     /// The distance between the surfaces with the electrode at `pose`: exact to rounding.
@@ -227,13 +237,6 @@ impl Verifier {
         nearest::nearest(&self.electrode, &self.blisk, (&placement.matrix3, shift), guess)
     }
 
-    /// Extent along X of the electrode at `pose` (mm).
-    fn extent_x(&self, pose: &Pose) -> [f64; 2] {
-        let placement = pose.placement(self.reference_point);
-        let points = self.electrode.triangles().iter().flatten();
-        extent(points.map(|&u| placement.transform_point3(self.reference_point + u).x))
-    }
-
     /// A point of the electrode at `pose`, in W, that is inside the blisk, or of the blisk inside the electrode.
     fn one_inside_the_other(&self, pose: &Pose) -> Option<DVec3> {
         let placement = pose.placement(self.reference_point);
@@ -250,18 +253,6 @@ impl Verifier {
 /// Whether every coordinate is a number of sensible size.
 fn in_range(p: DVec3) -> bool {
     p.abs().cmple(DVec3::splat(LARGEST_COORDINATE)).all()
-}
-
-/// Extent along X of that part of the blisk that lies further out than a little below the electrode.
-fn faces_x(blisk: &Mesh, electrode: &Mesh) -> [f64; 2] {
-    let radius = |p: &DVec3| p.y.hypot(p.z);
-    let innermost = electrode.iter_corners().flatten().map(|p| radius(&p)).fold(f64::INFINITY, f64::min);
-    let around = blisk.iter_corners().filter(|t| t.iter().any(|p| radius(p) > innermost - SURROUNDINGS));
-    extent(around.flatten().map(|p| p.x))
-}
-
-fn extent(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[min, max], x| [min.min(x), max.max(x)])
 }
 
 /// One verification under way.
@@ -316,8 +307,11 @@ impl Run<'_> {
         }
         let mut contacts: Vec<_> = at_rows.iter().chain(&between.found).copied().collect();
         contacts.sort_by(|p, q| p.distance.total_cmp(&q.distance).then(p.row.total_cmp(&q.row)));
-        Ok(Certificate {
+        let [blisk_digest, electrode_digest] = self.body.digests.clone();
+        Ok(Certificate::of(Findings {
             path_digest: self.path.digest(),
+            blisk_digest,
+            electrode_digest,
             required: self.path.spark_gap,
             tolerance: self.options.tolerance_mm,
             certified: between.certified,
@@ -325,9 +319,11 @@ impl Run<'_> {
             violations: apart(contacts.iter().filter(|c| c.distance < self.limit())),
             row_clearance: at_rows.iter().map(|c| c.distance).collect(),
             row_surface: at_rows.iter().map(|c| c.surface).collect(),
-            ends_right: self.starts_outside() && self.path.rows.last().is_some_and(|row| row.pose == Pose::FINAL),
+            ends_right: self.body.outside.is_outside(&self.path.rows[0].pose)
+                && self.path.rows.last().is_some_and(|row| row.pose == Pose::FINAL),
+            travel: self.travel(),
             pair_intervals: between.pairs,
-        })
+        }))
     }
 
     /// Sets the contacts of those rows to distance 0 where one body is inside the other.
@@ -341,10 +337,11 @@ impl Run<'_> {
         })
     }
 
-    fn starts_outside(&self) -> bool {
-        let [least, most] = self.body.extent_x(&self.path.rows[0].pose);
-        let [first_face, last_face] = self.body.faces_x;
-        most < first_face || least > last_face
+    fn travel(&self) -> TravelVerdict {
+        match self.body.travel {
+            None => TravelVerdict::NotJudged,
+            Some(limits) => limits.first_beyond(&self.path.rows).map_or(TravelVerdict::Within, TravelVerdict::Beyond),
+        }
     }
 
     /// The closest points at every row.

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use glam::DVec3;
+use sha2::{Digest, Sha256};
 
 use super::frame::Frame;
 
@@ -82,6 +83,20 @@ impl Mesh {
         self.iter_corners().map(|t| normal_times_two_areas(t).length()).sum::<f64>() / 2.0
     }
 
+    /// SHA-256 (lower-case hex) over the number and exact bits of the vertices and over the triangles: two meshes with
+    /// the same digest are the same surface in the same coordinates.
+    pub fn digest(&self) -> String {
+        let mut hash = Sha256::new();
+        hash.update((self.vertices.len() as u64).to_le_bytes());
+        for vertex in &self.vertices {
+            vertex.to_array().iter().for_each(|v| hash.update(v.to_bits().to_le_bytes()));
+        }
+        for triangle in &self.triangles {
+            triangle.iter().for_each(|i| hash.update(i.to_le_bytes()));
+        }
+        hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+
     /// How often each directed edge occurs; in a closed, oriented mesh each once, with its opposite once.
     pub fn directed_edges(&self) -> HashMap<(u32, u32), u32> {
         let mut edges = HashMap::with_capacity(self.triangles.len() * 3);
@@ -137,6 +152,21 @@ pub(crate) mod tests {
         let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
         let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
         Mesh { vertices, triangles }
+    }
+
+    #[test]
+    fn the_digest_tells_one_bit_and_one_triangle() {
+        let mesh = cuboid(DVec3::new(2.0, 3.0, 4.0));
+        assert_eq!(mesh.digest(), mesh.clone().digest());
+        let (mut moved, mut turned) = (mesh.clone(), mesh.clone());
+        moved.vertices[5].y = f64::from_bits(moved.vertices[5].y.to_bits() + 1);
+        turned.triangles[3].rotate_left(1);
+        let shorter = Mesh { triangles: mesh.triangles[1..].to_vec(), ..mesh.clone() };
+        let all = [&mesh, &moved, &turned, &shorter].map(Mesh::digest);
+        assert!((0..4).all(|i| all[i].len() == 64 && (0..i).all(|j| all[i] != all[j])), "{all:?}");
+        // No vertices and no triangles: the digest of eight zero bytes, as another program computes it.
+        let nothing = "af5570f5a1810b7af78caf4bc70a660f0df51e42baf91d4de5b2328de0e83dfc";
+        assert_eq!(Mesh::default().digest(), nothing);
     }
 
     #[test]

@@ -43,6 +43,7 @@ enum Found {
 
 /// A plan with its electrodes for the screen.
 struct Planned {
+    inputs: PlanInputs,
     outcome: Arc<PlanOutcome>,
     shapes: Vec<Arc<RenderMesh>>,
 }
@@ -56,9 +57,9 @@ pub struct Exported {
     pub written: Vec<String>,
 }
 
-/// Writes a plan of a job, made from these files, into a folder; answers the names of the files.
+/// Writes a plan of these inputs, which were read from these files, into a folder; answers the names of the files.
 pub type ExportWork = Box<
-    dyn FnOnce(&Path, &PlanOutcome, &PlanJob, Vec<InputFile>, &Progress, &Cancel) -> Result<Vec<String>, String> + Send,
+    dyn FnOnce(&Path, &PlanOutcome, &PlanInputs, Vec<InputFile>, &Progress, &Cancel) -> Result<Vec<String>, String> + Send,
 >;
 
 /// What a plan has found so far.
@@ -316,10 +317,10 @@ impl Pipeline {
         self.partial = PartialPlan::default();
         self.approved = None;
         let work = move |_: &Reporter<PartialPlan, Found>, p: &Progress, c: &Cancel| {
-            let inputs = PlanInputs { blisk: (*part.mesh).clone(), own_electrode: part.own_electrode.clone(), job };
+            let inputs = PlanInputs { blisk: part.mesh.clone(), own_electrode: part.own_electrode.clone(), job };
             let outcome = super::plan::run(&inputs, p, c).map_err(|e| e.to_string())?;
             let shapes = outcome.electrodes.iter().map(|e| Arc::new(RenderMesh::new(&e.electrode.mesh))).collect();
-            Ok(Found::Plan(Planned { outcome: Arc::new(outcome), shapes }))
+            Ok(Found::Plan(Planned { inputs, outcome: Arc::new(outcome), shapes }))
         };
         let id = self.worker.submit(Stage::Plan as u32, work);
         self.plan.running = Some((id, now.plan));
@@ -503,12 +504,15 @@ impl Pipeline {
         if !self.is_approved() {
             return Err("approve the plan first".to_owned());
         }
-        let (Some((job, now)), Some(part), Some((plan, _))) = (self.now.clone(), self.part(), self.certified()) else {
+        let planned = self.plan.value.as_ref().map(|(_, planned)| planned.clone());
+        let (Some((job, now)), Some(part), Some(planned)) = (self.now.clone(), self.part(), planned) else {
             return Err("there is no plan to export".to_owned());
         };
-        let (files, plan, folder) = (part.files.clone(), plan.clone(), folder.to_owned());
+        let (files, folder) = (part.files.clone(), folder.to_owned());
         let work = move |_: &Reporter<PartialPlan, Found>, p: &Progress, c: &Cancel| {
-            write(&folder, &plan, &job, files, p, c).map(|written| Found::Export(Exported { folder, written }))
+            // What is only about writing may have changed since the plan was made.
+            let inputs = PlanInputs { job, ..planned.inputs.clone() };
+            write(&folder, &planned.outcome, &inputs, files, p, c).map(|written| Found::Export(Exported { folder, written }))
         };
         let id = self.worker.submit(Stage::Export as u32, work);
         self.export.failure = None;

@@ -1,5 +1,6 @@
 //! From a blisk mesh to verified feed paths of its electrodes.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use crate::blisk::channel::Channel;
@@ -21,9 +22,9 @@ use crate::project::PlanJob;
 #[derive(Debug, Clone)]
 pub struct PlanInputs {
     /// The blisk as loaded (mm).
-    pub blisk: Mesh,
+    pub blisk: Arc<Mesh>,
     /// The user's own electrode in its final pose, in the blisk's coordinates (mm), if there is one.
-    pub own_electrode: Option<Mesh>,
+    pub own_electrode: Option<Arc<Mesh>>,
     /// All parameters.
     pub job: PlanJob,
 }
@@ -155,30 +156,46 @@ impl JobPlanner<'_> {
         if self.inputs.own_electrode.is_some() { 1 } else { self.inputs.job.electrode.parts }
     }
 
-    /// The part that is number `part` along X. Tries the sides one after the other until one is verified; if none is, the one that came out, or else the
-    /// one that got furthest, is the answer.
+    /// The part that is number `part` along X. Tries the sides one after the other until one is verified; if none is, the
+    /// one that came out, or else the one that got furthest, is the answer. A side for which no electrode can be made is
+    /// noted and left.
+    ///
+    /// # Errors
+    /// That of the first side if no electrode can be made for any.
     fn part(&mut self, part: usize) -> Result<ElectrodeOutcome, PlanJobError> {
         let mut best: Option<ElectrodeOutcome> = None;
+        let mut impossible: Option<ElectrodeError> = None;
+        let mut tried = Vec::new();
         for side in sides(self.inputs.job.electrode.enter, part, self.parts()) {
-            let outcome = self.on_side(part, side)?;
-            let rank = |o: &ElectrodeOutcome| {
-                let withdrawn = o.plan.nodes.last().map_or(0.0, |n| n.s);
-                (o.plan.is_verified(), o.plan.path.is_some(), withdrawn)
-            };
-            let tried = |o: ElectrodeOutcome| (o.electrode.enters_from, o.plan.verdict(self.space.channel));
-            best = Some(match best.take() {
-                Some(before) if rank(&before) >= rank(&outcome) => {
-                    let note = tried(outcome);
-                    ElectrodeOutcome { tried: [before.tried.clone(), vec![note]].concat(), ..before }
+            let outcome = match self.on_side(part, side) {
+                Ok(outcome) => outcome,
+                Err(PlanJobError::Electrode(error)) => {
+                    tried.push((side, format!("cannot be made: {error}")));
+                    impossible.get_or_insert(error);
+                    continue;
                 }
-                Some(before) => ElectrodeOutcome { tried: vec![tried(before)], ..outcome },
-                None => outcome,
-            });
+                Err(other) => return Err(other),
+            };
+            let worse = match best.take() {
+                Some(before) if rank(&before) >= rank(&outcome) => {
+                    best = Some(before);
+                    Some(outcome)
+                }
+                before => {
+                    best = Some(outcome);
+                    before
+                }
+            };
+            tried.extend(worse.map(|o| (o.electrode.enters_from, o.plan.verdict(self.space.channel))));
             if best.as_ref().is_some_and(|b| b.plan.is_verified()) {
                 break;
             }
         }
-        best.ok_or(PlanJobError::Cancelled(Cancelled))
+        match (best, impossible) {
+            (Some(best), _) => Ok(ElectrodeOutcome { tried, ..best }),
+            (None, Some(error)) => Err(error.into()),
+            (None, None) => Err(Cancelled.into()),
+        }
     }
 
     fn on_side(&mut self, part: usize, side: EntrySide) -> Result<ElectrodeOutcome, PlanJobError> {
@@ -223,6 +240,12 @@ impl JobPlanner<'_> {
         electrode.mesh = as_written(&electrode.mesh, &channel.frame);
         Ok(electrode)
     }
+}
+
+/// How good an outcome is: verified, come out, or got so far (mm).
+fn rank(outcome: &ElectrodeOutcome) -> (bool, bool, f64) {
+    let withdrawn = outcome.plan.nodes.last().map_or(0.0, |n| n.s);
+    (outcome.plan.is_verified(), outcome.plan.path.is_some(), withdrawn)
 }
 
 /// The sides to try for the part that is number `part` of `parts` along X, the nearer one first.

@@ -2,13 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use super::plan::{ElectrodeOutcome, PlanOutcome};
+use super::plan::{ElectrodeOutcome, PlanInputs, PlanOutcome};
+use crate::blisk::channel::Channel;
 use crate::export::approved::{Approved, NotApproved};
 use crate::export::files::{WriteError, write_atomically};
 use crate::export::nc::{NcError, NcJob, NcProgram};
 use crate::export::path_csv::{PathCsvError, write_path_csv};
 use crate::export::post::{Post, PostError};
-use crate::export::report::{Report, ReportError};
+use crate::export::report::{FeedLowered, Report, ReportError};
+use crate::geometry::mesh::Mesh;
 use crate::mesh_io::stl_bytes;
 use crate::project::PlanJob;
 
@@ -55,13 +57,18 @@ pub fn prepare(folder: &Path) -> Result<(), PlanFilesError> {
 pub fn write(
     folder: &Path,
     outcome: &PlanOutcome,
-    job: &PlanJob,
+    inputs: &PlanInputs,
     post: &Post,
     report: &mut Report,
 ) -> Result<Vec<String>, PlanFilesError> {
+    // Frames are exact data of the outcome: the blisk comes out with the very bits that it was verified with.
+    let blisk = inputs.blisk.in_frame(&outcome.channel.frame);
+    let context = Context { channel: &outcome.channel, blisk: &blisk, job: &inputs.job, post };
     let (mut files, mut programs): (Vec<(String, Vec<u8>)>, Vec<_>) = (Vec::new(), Vec::new());
     for (i, electrode) in outcome.electrodes.iter().enumerate() {
-        let (own, program) = electrode_files(i + 1, electrode, outcome, job, post)?;
+        let (own, program) = electrode_files(i + 1, electrode, &context)?;
+        report.electrodes[i].feed_lowered = program.as_ref().and_then(NcProgram::slowed).map(FeedLowered::from);
+        let program = program.map(|p| (format!("path_{}.{}", i + 1, p.extension()), p.text().as_bytes().to_vec()));
         report.electrodes[i].files = own.iter().chain(&program).map(|(name, _)| name.clone()).collect();
         files.extend(own);
         programs.extend(program);
@@ -84,33 +91,36 @@ pub fn write(
 
 type NamedFile = (String, Vec<u8>);
 
+/// What the files of all electrodes share.
+struct Context<'a> {
+    channel: &'a Channel,
+    /// The blisk in W.
+    blisk: &'a Mesh,
+    job: &'a PlanJob,
+    post: &'a Post,
+}
+
 fn electrode_files(
     k: usize,
     outcome: &ElectrodeOutcome,
-    whole: &PlanOutcome,
-    job: &PlanJob,
-    post: &Post,
-) -> Result<(Vec<NamedFile>, Option<NamedFile>), PlanFilesError> {
+    context: &Context,
+) -> Result<(Vec<NamedFile>, Option<NcProgram>), PlanFilesError> {
     let electrode_file = format!("electrode_{k}.stl");
-    let in_mesh_frame = outcome.electrode.mesh.in_parent_of(&whole.channel.frame);
+    let in_mesh_frame = outcome.electrode.mesh.in_parent_of(&context.channel.frame);
     let mut files = vec![(electrode_file.clone(), stl_bytes(&in_mesh_frame).map_err(PlanFilesError::Electrode)?)];
     let Some(planned) = &outcome.plan.path else { return Ok((files, None)) };
-    let csv = write_path_csv(&planned.path, &planned.certificate.row_clearance)?.into_bytes();
+    let csv = write_path_csv(&planned.path, planned.certificate.row_clearance())?.into_bytes();
     if !planned.certificate.holds() {
         files.push((format!("path_{k}.unverified.csv"), csv));
         return Ok((files, None));
     }
     files.push((format!("path_{k}.csv"), csv));
-    let approved = Approved::new(planned.path.clone(), planned.certificate.clone())
+    let electrode = &outcome.electrode.mesh;
+    let approved = Approved::new(planned.path.clone(), planned.certificate.clone(), context.blisk, electrode)
         .map_err(|source| PlanFilesError::NotApproved { electrode: k, source })?;
-    let nc_job = NcJob {
-        program: &format!("path_{k}"),
-        electrode_file: &electrode_file,
-        electrode: outcome.electrode.mesh.bounds(),
-        axes: job.machine.axes.axes(),
-    };
-    let program = NcProgram::new(&approved, post, &job.export.nc, &nc_job)?;
-    let program = (format!("path_{k}.{}", program.extension()), program.text().as_bytes().to_vec());
+    let nc_job =
+        NcJob { program: &format!("path_{k}"), electrode_file: &electrode_file, machine: &context.job.machine };
+    let program = NcProgram::new(&approved, context.post, &context.job.export.nc, &nc_job)?;
     Ok((files, Some(program)))
 }
 

@@ -4,11 +4,13 @@ use super::plan::{ElectrodeOutcome, PlanOutcome};
 use crate::blisk::channel::Channel;
 use crate::blisk::electrode::EntrySide;
 use crate::export::report::{
-    BliskSummary, ClearancePlace, Convergence, ElectrodeReport, InputFile, Jam, Motion, NodeReport, ObjectiveReport,
-    PoseReport, Report, SCHEMA, Smoothness, Symbol, Verdict,
+    BliskSummary, ClearancePlace, Convergence, ElectrodeReport, Failure, InputFile, Motion, NodeReport,
+    ObjectiveReport, PoseReport, Report, SCHEMA, Smoothness, Symbol, Verdict, VerifiedDigests,
 };
+use crate::feed::certificate::TravelVerdict;
 use crate::feed::genetic::GeneticParams;
 use crate::feed::genetic::coding::Coding;
+use crate::feed::jam::JamCause;
 use crate::feed::plan::{FeedPlan, PlannedPath};
 use crate::feed::pose::Axis;
 use crate::project::PlanJob;
@@ -60,29 +62,31 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
     let ElectrodeOutcome { electrode, plan, .. } = outcome;
     let certificate = plan.path.as_ref().map(|p| &p.certificate);
     let place = |c: &crate::feed::certificate::Certificate| {
-        ClearancePlace::of(&c.least, whole.channel.surface_name(c.least.surface))
+        ClearancePlace::of(c.least(), whole.channel.surface_name(c.least().surface))
     };
     ElectrodeReport {
         index,
         enters_from: side_name(electrode.enters_from).to_owned(),
-        extractable: certificate.is_some_and(|c| c.ends_right && c.certified > 0.0),
+        extractable: certificate.is_some_and(|c| c.ends_right() && c.certified() > 0.0),
         verified: plan.is_verified(),
         required_clearance_mm: job.electrode.spark_gap_mm,
-        certified_clearance_mm: certificate.map(|c| c.certified),
-        least_clearance_mm: certificate.map(|c| c.least.distance),
+        certified_clearance_mm: certificate.map(|c| c.certified()),
+        least_clearance_mm: certificate.map(|c| c.least().distance),
         least_clearance_at: certificate.map(place),
         nodes: nodes(plan),
-        smoothness: plan.path.as_ref().map_or(Vec::new(), smoothness),
+        smoothness: plan.path.as_ref().map_or(Vec::new(), |p| Smoothness::of(&p.smoothness)),
         volume_mm3: electrode.volume_mm3,
         least_thickness_mm: Some(electrode.least_thickness_mm),
         burn_area_mm2: Some(electrode.burn_area_mm2),
         ga_convergence: convergence(plan),
-        failure: jam(plan, &whole.channel),
+        feed_lowered: None,
+        sha256: certificate.map(VerifiedDigests::of),
+        failure: failure(plan, &whole.channel),
         files: Vec::new(),
         motion: plan
             .path
             .as_ref()
-            .map(|p| Motion { rows: p.path.rows.clone(), clearance: p.certificate.row_clearance.clone() }),
+            .map(|p| Motion { rows: p.path.rows.clone(), clearance: p.certificate.row_clearance().to_vec() }),
     }
 }
 
@@ -105,37 +109,52 @@ fn nodes(plan: &FeedPlan) -> Vec<NodeReport> {
         .collect()
 }
 
-fn smoothness(path: &PlannedPath) -> Vec<Smoothness> {
-    let moving = Axis::ALL.into_iter().zip(&path.smoothness).filter(|(_, s)| s.total_variation > 0.0);
-    moving
-        .map(|(axis, s)| Smoothness {
-            axis: axis.letter(),
-            unit: if axis.is_rotary() { "deg" } else { "mm" },
-            total_variation: s.total_variation,
-            rms_second_difference: s.rms_second_difference,
-            max_second_difference: s.max_second_difference,
-            sign_changes_first_difference: s.sign_changes,
-        })
-        .collect()
-}
-
 fn convergence(plan: &FeedPlan) -> Vec<Convergence> {
     // The search of node i + 1 is trace i; nodes that were coasted to have none.
     let searched = plan.convergence.iter().enumerate().filter(|(_, c)| !c.best.is_empty());
     searched.map(|(i, c)| Convergence { node: i + 1, best: c.best.clone(), mean: c.mean.clone() }).collect()
 }
 
-fn jam(plan: &FeedPlan, channel: &Channel) -> Option<Jam> {
-    plan.jam.as_ref().map(|j| Jam {
-        node: j.node,
-        s_mm: j.s,
-        wall: channel.surface_name(j.surface).to_owned(),
-        place: j.on_blisk.to_array(),
-        sentence: format!(
-            "The electrode {}. More circumferential reduction on that wall, another division or the other side of entry may \
-             open the way.",
-            j.sentence(channel)
-        ),
+/// Why there is no verified path, and what would help.
+fn failure(plan: &FeedPlan, channel: &Channel) -> Option<Failure> {
+    if plan.is_verified() {
+        return None;
+    }
+    let verdict = plan.verdict(channel);
+    let name = |surface| channel.surface_name(surface).to_owned();
+    if let Some(jam) = &plan.jam {
+        let remedy = match jam.cause {
+            JamCause::Contact(_) => {
+                "More circumferential reduction on that wall, another division or the other side of entry may open the way."
+            }
+            JamCause::Travel { .. } => "Another machine, less exit_clearance_mm or the other side of entry would help.",
+            JamCause::NothingLeft { .. } => "A smaller h_max_deg, more parts or the other side of entry may help.",
+            JamCause::Unknown => "A larger population or a smaller step_mm may find one.",
+        };
+        return Some(Failure {
+            node: jam.node,
+            s_mm: jam.s,
+            wall: jam.contact().map(|c| name(c.surface)),
+            place: jam.contact().map(|c| c.on_blisk.to_array()),
+            sentence: format!("The electrode {verdict}. {remedy}"),
+        });
+    }
+    let PlannedPath { path, certificate: c, .. } = plan.path.as_ref()?;
+    let node = |row: usize| path.rows.get(row).map_or(0, |r| r.node);
+    let sentence = format!("The electrode {verdict}.");
+    // What makes it fail: the ends, the axes' travel, or else the clearance where it is least.
+    let elsewhere =
+        |row: usize, s_mm| Failure { node: node(row), s_mm, wall: None, place: None, sentence: sentence.clone() };
+    Some(match c.travel() {
+        _ if !c.keeps_clearance() => Failure {
+            node: node(c.least().row as usize),
+            s_mm: c.least().s,
+            wall: Some(name(c.least().surface)),
+            place: Some(c.least().on_blisk.to_array()),
+            sentence,
+        },
+        TravelVerdict::Beyond(beyond) => elsewhere(beyond.row, path.rows.get(beyond.row).map_or(0.0, |r| r.s)),
+        TravelVerdict::Within | TravelVerdict::NotJudged => elsewhere(0, path.rows.first().map_or(0.0, |r| r.s)),
     })
 }
 
@@ -219,4 +238,70 @@ fn text(value: f64) -> String {
 
 fn range_text([a, b]: [f64; 2]) -> String {
     if (a - b).abs() < 5e-5 { text(a) } else { format!("{} to {}", text(a), text(b)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::blisk::parametric::ParametricBlisk;
+    use crate::blisk::parametric::tests::exact_channel;
+    use crate::export::fixtures;
+    use crate::feed::certificate::{Certificate, Findings};
+    use crate::feed::interpolation::AxisCurves;
+    use crate::feed::machine::BeyondTravel;
+    use crate::feed::objective::ObjectiveValue;
+    use crate::feed::pose::Pose;
+    use crate::feed::search::Node;
+    use crate::feed::smoothness::AxisSmoothness;
+    use crate::geometry::spline::EndCondition;
+
+    /// A plan whose path came out, with what the verifier found changed by `change`.
+    fn plan(change: impl Fn(&mut Findings)) -> FeedPlan {
+        let path = fixtures::path();
+        let mut findings = fixtures::certificate(&path).into_findings();
+        change(&mut findings);
+        let node = |s: f64| {
+            let pose = Pose { x: -s, ..Pose::FINAL };
+            Node { s, pose, h: 0.0, clearance: 0.1, objective: ObjectiveValue::default() }
+        };
+        let nodes = vec![node(0.0), node(60.0)];
+        let planned = PlannedPath {
+            curves: AxisCurves::through(&nodes, EndCondition::NotAKnot).unwrap(),
+            path,
+            certificate: Certificate::made_up(findings),
+            smoothness: [AxisSmoothness::of(&[0.0]); 6],
+        };
+        FeedPlan {
+            nodes,
+            convergence: Vec::new(),
+            jam: None,
+            path: Some(planned),
+            h: 0.0,
+            remade: None,
+            ranges: [0.0; 6],
+            probes: 0,
+            rounds: 1,
+            field_seconds: 0.0,
+            search_seconds: 0.0,
+            verify_seconds: 0.0,
+        }
+    }
+
+    #[test]
+    fn whatever_keeps_a_path_from_being_verified_is_told() {
+        let channel = exact_channel(&ParametricBlisk::demonstration());
+        let told = |change: &dyn Fn(&mut Findings)| failure(&plan(change), &channel);
+        assert_eq!(told(&|_| {}), None);
+
+        let close = told(&|f| f.certified = 0.05).unwrap();
+        assert_eq!((close.s_mm, close.node), (12.0, 6), "where the clearance is least");
+        assert!(close.wall.is_some() && close.place == Some([3.0, -4.1, 120.02]));
+
+        let ends = told(&|f| f.ends_right = false).unwrap();
+        assert!(ends.sentence.contains("begin wholly outside") && ends.s_mm == 60.0 && ends.place.is_none());
+
+        let beyond = BeyondTravel { axis: Axis::C, row: 20, value: 0.4, limit: 0.3 };
+        let travel = told(&|f| f.travel = TravelVerdict::Beyond(beyond)).unwrap();
+        assert!(travel.sentence.contains("axis C") && travel.s_mm == 50.0 && travel.wall.is_none());
+    }
 }

@@ -29,7 +29,7 @@ pub struct Part {
     /// What the import found; none for the built-in blisk.
     pub report: Option<ImportReport>,
     /// The user's own electrode in the blisk's coordinates (mm), if there is one.
-    pub own_electrode: Option<Mesh>,
+    pub own_electrode: Option<Arc<Mesh>>,
     /// The files for the report, the blisk's first.
     pub files: Vec<InputFile>,
 }
@@ -77,7 +77,7 @@ pub fn load(job: &PlanJob, progress: &Progress, cancel: &Cancel) -> Result<Part,
         Some(path) => {
             let own = import(path, Units::Mm, progress, cancel)?;
             files.push(input_file("electrode", path, &own));
-            Some(own.mesh)
+            Some(Arc::new(own.mesh))
         }
     };
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();

@@ -31,7 +31,7 @@ impl Track {
     pub fn of_plan(plan: &FeedPlan) -> Self {
         let Some(planned) = &plan.path else { return Self::of_nodes(&plan.nodes) };
         let rows = &planned.path.rows;
-        let clearances = planned.certificate.row_clearance.iter().copied();
+        let clearances = planned.certificate.row_clearance().iter().copied();
         let stations = rows.iter().zip(clearances).enumerate().map(|(i, (row, clearance))| {
             // The rows on the way to a node carry its number as well; the node itself is the last of them.
             let is_node = rows.get(i + 1).is_none_or(|next| next.node != row.node);

@@ -4,7 +4,9 @@ use glam::{DAffine3, DMat3, DVec3};
 use proptest::prelude::*;
 
 use super::*;
+use crate::feed::machine::BeyondTravel;
 use crate::feed::path::PathRow;
+use crate::feed::pose::Axis;
 use crate::geometry::exact::ExactMesh;
 use crate::geometry::frame::{Cylindrical, Frame};
 use crate::geometry::mesh::tests::cuboid;
@@ -104,12 +106,12 @@ proptest! {
             }
         }
         // The other library's distances are good to about 1e-6.
-        prop_assert!(certificate.certified <= sampled + 1e-6, "{} {sampled}", certificate.certified);
-        prop_assert!(certificate.least.distance - certificate.certified <= options.resolution_mm + 1e-6);
-        prop_assert!(certificate.least.distance >= sampled - step - 1e-6, "{} {sampled}", certificate.least.distance);
-        prop_assert!(certificate.least.distance <= sampled + options.resolution_mm + 1e-6);
+        prop_assert!(certificate.certified() <= sampled + 1e-6, "{} {sampled}", certificate.certified());
+        prop_assert!(certificate.least().distance - certificate.certified() <= options.resolution_mm + 1e-6);
+        prop_assert!(certificate.least().distance >= sampled - step - 1e-6, "{} {sampled}", certificate.least().distance);
+        prop_assert!(certificate.least().distance <= sampled + options.resolution_mm + 1e-6);
 
-        let least = certificate.least;
+        let least = certificate.least();
         let moved = least.pose.placement(CENTER).transform_point3(least.on_electrode);
         prop_assert!((moved.distance(least.on_blisk) - least.distance).abs() < 1e-9);
     }
@@ -133,8 +135,8 @@ proptest! {
         let there = certify(&blisk, &electrode, &path(CENTER, 0.1, &poses));
         let back = certify(&blisk, &electrode, &path(CENTER, 0.1, &reversed));
         let resolution = VerifyOptions::default().resolution_mm + 1e-6;
-        prop_assert!((there.least.distance - back.least.distance).abs() <= resolution);
-        prop_assert!(there.row_clearance.iter().zip(back.row_clearance.iter().rev()).all(|(p, q)| (p - q).abs() < 1e-9));
+        prop_assert!((there.least().distance - back.least().distance).abs() <= resolution);
+        prop_assert!(there.row_clearance().iter().zip(back.row_clearance().iter().rev()).all(|(p, q)| (p - q).abs() < 1e-9));
     }
 
     #[test]
@@ -147,8 +149,8 @@ proptest! {
         let plain = certify(&blisk, &electrode, &path(CENTER, 0.1, &poses));
         let moved = certify(&turned_blisk, &electrode, &path(CENTER, 0.1, &turned));
         let resolution = VerifyOptions::default().resolution_mm + 1e-6;
-        prop_assert!((plain.least.distance - moved.least.distance).abs() <= resolution);
-        prop_assert!((plain.row_clearance[0] - moved.row_clearance[0]).abs() < 1e-9);
+        prop_assert!((plain.least().distance - moved.least().distance).abs() <= resolution);
+        prop_assert!((plain.row_clearance()[0] - moved.row_clearance()[0]).abs() < 1e-9);
     }
 }
 
@@ -168,8 +170,12 @@ fn sliding_along_a_plane_keeps_exactly_the_gap() {
     for (c, error) in [(0.0, 1e-8), (2.0, VerifyOptions::default().resolution_mm)] {
         let poses = [Pose::from_array([20.0, 7.0, 0.0, 0.0, 0.0, c]), Pose::FINAL];
         let certificate = certify(&block, &tool, &path(DVec3::new(12.0, 13.0, 4.0), 0.1, &poses));
-        assert!(certificate.certified <= 0.1 && certificate.certified >= 0.1 - error, "{}", certificate.certified);
-        assert!((certificate.least.distance - 0.1).abs() < 1e-12);
+        assert!(
+            certificate.certified() <= 0.1 && certificate.certified() >= 0.1 - error,
+            "{}",
+            certificate.certified()
+        );
+        assert!((certificate.least().distance - 0.1).abs() < 1e-12);
         assert!(!certificate.holds(), "it starts above the block, not outside");
     }
 }
@@ -182,9 +188,9 @@ fn sliding_around_a_hub_keeps_the_gap_of_its_facets() {
     // The middle of a facet of the pad dips below the circle by 40.1 (1 - cos(0.0125)), and it passes over an
     // edge of the hub, whose vertices are on the circle.
     let expected = 40.1 * f64::cos(0.0125) - 40.0;
-    assert!(certificate.certified <= expected && certificate.certified >= expected - 0.0005);
-    assert!(certificate.least.distance >= expected - 1e-9);
-    assert_eq!(certificate.row_clearance.len(), 8);
+    assert!(certificate.certified() <= expected && certificate.certified() >= expected - 0.0005);
+    assert!(certificate.least().distance >= expected - 1e-9);
+    assert_eq!(certificate.row_clearance().len(), 8);
 }
 
 #[test]
@@ -194,16 +200,20 @@ fn a_dip_between_two_free_rows_is_caught() {
     let bar = cuboid(DVec3::new(1.0, 20.0, 2.0)).mapped(|p| p + DVec3::new(-0.5, -10.0, 5.0));
     let poses = [Pose { c: std::f64::consts::PI, ..Pose::FINAL }, Pose::FINAL];
     let certificate = certify(&post, &bar, &path(DVec3::ZERO, 0.1, &poses));
-    assert!(certificate.row_clearance.iter().all(|&d| (d - 7.5).abs() < 1e-9));
-    assert_eq!((certificate.certified, certificate.least.distance <= 0.0005), (0.0, true));
-    let row = certificate.least.row;
-    assert!(row > 0.0 && row < 1.0 && !certificate.violations.is_empty());
+    assert!(certificate.row_clearance().iter().all(|&d| (d - 7.5).abs() < 1e-9));
+    assert_eq!((certificate.certified(), certificate.least().distance <= 0.0005), (0.0, true));
+    let row = certificate.least().row;
+    assert!(row > 0.0 && row < 1.0 && !certificate.violations().is_empty());
     // Passing at a height of 0.05 mm above the post instead of through it.
     let over = bar.mapped(|p| p + DVec3::Z * 5.05);
     let certificate = certify(&post, &over, &path(DVec3::ZERO, 0.1, &poses));
-    assert!((certificate.certified - 0.05).abs() < VerifyOptions::default().resolution_mm, "{}", certificate.certified);
-    assert!(certificate.violations.iter().all(|v| v.distance < 0.098));
-    assert_eq!(certificate.violations[0], certificate.least);
+    assert!(
+        (certificate.certified() - 0.05).abs() < VerifyOptions::default().resolution_mm,
+        "{}",
+        certificate.certified()
+    );
+    assert!(certificate.violations().iter().all(|v| v.distance < 0.098));
+    assert_eq!(&certificate.violations()[0], certificate.least());
 }
 
 #[test]
@@ -214,18 +224,21 @@ fn crossing_surfaces_and_an_electrode_inside_metal_have_no_clearance() {
     for (place, starts_inside) in [(DVec3::splat(9.5), false), (DVec3::splat(4.0), true)] {
         let placed = tool.mapped(|p| p + place);
         let into = certify(&block, &placed, &path(DVec3::ZERO, 0.1, &[away, Pose::FINAL]));
-        assert_eq!((into.certified, into.least.distance, into.ends_right), (0.0, 0.0, true));
+        assert_eq!((into.certified(), into.least().distance, into.ends_right()), (0.0, 0.0, true));
         assert!(!into.holds());
-        assert!(!Certificate { required: 0.0, ..into }.holds(), "no tolerance makes a crossing good");
+        assert!(
+            !Certificate::made_up(Findings { required: 0.0, ..into.into_findings() }).holds(),
+            "no tolerance makes a crossing good"
+        );
         let still = certify(&block, &placed, &path(DVec3::ZERO, 0.1, &[Pose::FINAL, Pose::FINAL]));
-        assert_eq!((still.certified, still.least.distance, still.least.row), (0.0, 0.0, 0.0));
-        assert_eq!(still.row_clearance, [0.0, 0.0]);
+        assert_eq!((still.certified(), still.least().distance, still.least().row), (0.0, 0.0, 0.0));
+        assert_eq!(still.row_clearance(), [0.0, 0.0]);
         assert!(mesh_distance(&block, &placed, DVec3::ZERO, &Pose::FINAL).unwrap().distance > 0.0 || !starts_inside);
     }
     // And the other way round: a small part of the blisk inside a big electrode.
     let around = block.mapped(|p| p - 4.0);
     let swallowed = certify(&tool, &around, &path(DVec3::ZERO, 0.1, &[Pose::FINAL]));
-    assert_eq!(swallowed.certified, 0.0);
+    assert_eq!(swallowed.certified(), 0.0);
 }
 
 #[test]
@@ -233,13 +246,13 @@ fn both_ends_of_the_path_have_to_be_right() {
     let block = cuboid(DVec3::new(10.0, 40.0, 5.0)).mapped(|p| p - DVec3::new(0.0, 20.0, 0.0));
     let tool = cuboid(DVec3::ONE).mapped(|p| p + DVec3::new(4.0, 0.0, 6.0));
     let ends_right =
-        |first: Pose, last: Pose| certify(&block, &tool, &path(DVec3::ZERO, 0.1, &[first, last])).ends_right;
+        |first: Pose, last: Pose| certify(&block, &tool, &path(DVec3::ZERO, 0.1, &[first, last])).ends_right();
     let out = |x: f64| Pose { x, ..Pose::FINAL };
     assert!(ends_right(out(6.1), Pose::FINAL) && ends_right(out(-5.1), Pose::FINAL));
     assert!(!ends_right(out(5.9), Pose::FINAL) && !ends_right(out(-4.9), Pose::FINAL));
     assert!(!ends_right(out(6.1), out(1e-9)));
     let certificate = certify(&block, &tool, &path(DVec3::ZERO, 0.1, &[out(6.1), Pose::FINAL]));
-    assert!(certificate.holds() && certificate.violations.is_empty());
+    assert!(certificate.holds() && certificate.violations().is_empty());
 }
 
 #[test]
@@ -250,11 +263,53 @@ fn stopping_early_tells_a_violation_and_claims_nothing() {
     let path = path(DVec3::new(0.0, 0.0, 40.0), 0.1, &poses);
     let stop = VerifyOptions { stop_at_violation: true, ..VerifyOptions::default() };
     let (early, full) = (certify_with(&hub, &pad, &path, &stop), certify(&hub, &pad, &path));
-    assert_eq!(early.certified, 0.0);
-    assert!(!early.violations.is_empty() && early.violations.len() <= 16 && early.pair_intervals < full.pair_intervals);
-    assert!(full.violations.windows(2).all(|pair| pair[0].distance <= pair[1].distance));
+    assert_eq!(early.certified(), 0.0);
+    assert!(
+        !early.violations().is_empty()
+            && early.violations().len() <= 16
+            && early.pair_intervals() < full.pair_intervals()
+    );
+    assert!(full.violations().windows(2).all(|pair| pair[0].distance <= pair[1].distance));
     let fine = super::super::path::FeedPath { spark_gap: 0.0, ..path };
-    assert_eq!(certify_with(&hub, &pad, &fine, &stop).certified, certify(&hub, &pad, &fine).certified);
+    assert_eq!(certify_with(&hub, &pad, &fine, &stop).certified(), certify(&hub, &pad, &fine).certified());
+}
+
+#[test]
+fn a_path_beyond_the_travel_of_an_axis_is_not_verified() {
+    let block = cuboid(DVec3::new(10.0, 40.0, 5.0)).mapped(|p| p - DVec3::new(0.0, 20.0, 0.0));
+    let tool = cuboid(DVec3::ONE).mapped(|p| p + DVec3::new(4.0, 0.0, 6.0));
+    let poses = [Pose { x: 8.0, z: 3.0, ..Pose::FINAL }, Pose { x: 6.0, c: -0.1, ..Pose::FINAL }, Pose::FINAL];
+    let path = path(DVec3::ZERO, 0.1, &poses);
+    let judged = |travel: Option<TravelLimits>| {
+        let verifier = Verifier::new(&block, &tool, DVec3::ZERO).unwrap();
+        let verifier = match travel {
+            Some(travel) => verifier.within(travel),
+            None => verifier,
+        };
+        let (options, cancel) = (VerifyOptions::default(), Cancel::default());
+        let c = verifier.verify(&path, &|_| Surface::Hub, &options, &Progress::silent(), &cancel).unwrap();
+        (c.travel(), c.holds())
+    };
+    let unlimited = TravelLimits::UNLIMITED;
+    assert_eq!(judged(None), (TravelVerdict::NotJudged, true));
+    assert_eq!(judged(Some(unlimited)), (TravelVerdict::Within, true));
+    assert_eq!(judged(Some(unlimited.with(Axis::X, [0.0, 8.0]))), (TravelVerdict::Within, true));
+    for (limits, axis, row, value, limit) in [
+        (unlimited.with(Axis::X, [-1.0, 7.9]), Axis::X, 0, 8.0, 7.9),
+        (unlimited.with(Axis::Z, [0.0, 0.0]), Axis::Z, 0, 3.0, 0.0),
+        (unlimited.with(Axis::C, [-0.09, 1.0]), Axis::C, 1, -0.1, -0.09),
+    ] {
+        let beyond = BeyondTravel { axis, row, value, limit };
+        assert_eq!(judged(Some(limits)), (TravelVerdict::Beyond(beyond), false));
+    }
+}
+
+#[test]
+fn the_certificate_names_what_was_verified() {
+    let (hub, pad) = hub_and_pad();
+    let path = path(DVec3::new(0.0, 0.0, 40.0), 0.1, &[Pose { x: 60.0, ..Pose::FINAL }, Pose::FINAL]);
+    let c = certify(&hub, &pad, &path);
+    assert_eq!([c.path_digest(), c.blisk_digest(), c.electrode_digest()], [path.digest(), hub.digest(), pad.digest()]);
 }
 
 #[test]
@@ -305,10 +360,10 @@ fn meshes_without_size_and_wild_motions_end_with_an_answer() {
     let certificate = certify(&point, &other, &path(DVec3::ZERO, 0.1, &poses));
     // The straight line passes the origin at its middle, 1.5 along X, and is inclined by 3 in 60.
     let expected = 1.5 / (1.0 + 0.05f64 * 0.05).sqrt();
-    assert!(certificate.certified <= expected && certificate.certified > expected - 0.001);
+    assert!(certificate.certified() <= expected && certificate.certified() > expected - 0.001);
     let wild = [Pose::from_array([1e4, -1e4, 1e4, 900.0, -900.0, 900.0]), Pose::FINAL];
     let certificate = certify(&point, &other.mapped(|p| p - DVec3::Y * 29.0), &path(DVec3::ZERO, 0.1, &wild));
-    assert!(certificate.least.distance - certificate.certified <= 0.0005 + 1e-9);
+    assert!(certificate.least().distance - certificate.certified() <= 0.0005 + 1e-9);
 }
 
 #[test]

@@ -1,0 +1,30 @@
+//! Parts that several journeys share.
+
+use sparkpath::blisk::parametric::{MeshResolution, ParametricBlisk};
+use sparkpath::geometry::mesh::Mesh;
+
+/// A blisk with wide channels of little turning, so that small populations do.
+pub fn easy_blisk() -> ParametricBlisk {
+    ParametricBlisk {
+        blades: 24,
+        hub_radius_mm: 60.0,
+        shroud_radius_mm: 72.0,
+        bore_radius_mm: 40.0,
+        width_mm: 20.0,
+        chord_mm: 14.0,
+        beta_in_deg: 20.0,
+        beta_out_deg: -25.0,
+        twist_deg: 2.0,
+        ..Default::default()
+    }
+}
+
+/// The same with channels so curved that an electrode which fills them cannot come out.
+pub fn curved_blisk() -> ParametricBlisk {
+    ParametricBlisk { beta_in_deg: 45.0, beta_out_deg: -45.0, ..easy_blisk() }
+}
+
+/// The mesh of a parametric blisk at the usual resolution.
+pub fn mesh(blisk: &ParametricBlisk) -> Mesh {
+    blisk.mesh(&MeshResolution::default()).unwrap()
+}
