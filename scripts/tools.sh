@@ -26,6 +26,17 @@ install_packages() {
     as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@" >&2
 }
 
+# Pictures without a graphics card: a Vulkan driver that draws on the processor, unless there is some driver.
+ensure_graphics() {
+    local drivers=(/usr/share/vulkan/icd.d/*.json /etc/vulkan/icd.d/*.json)
+    [ "$(uname -s)" = Linux ] && [ -z "${VK_DRIVER_FILES:-}" ] || return 0
+    for driver in "${drivers[@]}"; do
+        [ -e "$driver" ] && return 0
+    done
+    install_packages mesa-vulkan-drivers libvulkan1 \
+        || say "warning: no Vulkan driver; install mesa-vulkan-drivers and libvulkan1, or what draws pictures will fail"
+}
+
 # The least Rust that the crate builds with, from Cargo.toml.
 least_rust() { sed -n 's/^rust-version *= *"\(.*\)"/\1/p' Cargo.toml; }
 

@@ -18,7 +18,8 @@ fn vs(
     let corner = vec2(f32(index & 1u), f32(index >> 1u)) * 2.0 - 1.0;
     let off = corner * (radius + 2.0);
     var clip = frame.projection * vec4(at + towards_viewer(at) * radius * pixel_size(at), 1.0);
-    clip = vec4(clip.xy + off * 2.0 / frame.picture.xy * clip.w, clip.zw);
+    // Not moved through the near plane.
+    clip = vec4(clip.xy + off * 2.0 / frame.picture.xy * clip.w, max(clip.z, 0.0), clip.w);
     return Dot(clip, off, colour, radius);
 }
 

@@ -8,7 +8,7 @@ struct Object {
     colour: vec4<f32>,
     // Share of the accent colour; row of the colour map; 1 or, for a mirrored object, -1; strength of edges.
     look: vec4<f32>,
-    // Least value and one over the range of values.
+    // Least value and one over the range of values; how much nearer it is drawn (of the depth range).
     values: vec4<f32>,
 }
 

@@ -22,10 +22,11 @@ fn lifted(p: vec3<f32>, pixels: f32) -> vec3<f32> {
     return p + towards_viewer(p) * (pixels * pixel_size(p) + 1e-4 * abs(p.z) * frame.up.w);
 }
 
+// Place on the screen (pixels) and depth, of which the lift may not cross the near plane.
 fn on_screen(p: vec3<f32>) -> vec3<f32> {
     let clip = frame.projection * vec4(p, 1.0);
     let ndc = clip.xyz / clip.w;
-    return vec3((vec2(ndc.x, -ndc.y) * 0.5 + 0.5) * frame.picture.xy, ndc.z);
+    return vec3((vec2(ndc.x, -ndc.y) * 0.5 + 0.5) * frame.picture.xy, max(ndc.z, 0.0));
 }
 
 // Corner `index` (0 to 3, a strip) of the segment's quad; `reach` extends it beyond its ends (pixels).

@@ -15,7 +15,9 @@ struct Surface {
 
 fn surface(position: vec3<f32>, normal: vec3<f32>, value: vec2<f32>) -> Surface {
     let view = object.model_view * vec4(position, 1.0);
-    return Surface(frame.projection * view, view.xyz, (object.normal_view * vec4(normal, 0.0)).xyz, value);
+    var clip = frame.projection * view;
+    clip.z -= object.values.z * clip.w;
+    return Surface(clip, view.xyz, (object.normal_view * vec4(normal, 0.0)).xyz, value);
 }
 
 @vertex
@@ -32,13 +34,14 @@ fn vs_valued(
     return surface(position, normal.xyz, select(vec2(0.0), vec2(t, 1.0), valid));
 }
 
-// Light from a hemisphere, a key light over the viewer's left shoulder and a weak one from the right.
+// Light from a hemisphere, a key light over the viewer's left shoulder, and weak ones from the right and from the
+// viewer.
 fn lit(base: vec3<f32>, n: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
     let key = normalize(vec3(-0.45, 0.65, 0.80));
     let fill = normalize(vec3(0.85, -0.10, 0.45));
     let sky = normalize(frame.up.xyz + vec3(0.0, 0.6, 0.0));
     let ambient = mix(vec3(0.15, 0.155, 0.17), vec3(0.40, 0.41, 0.43), 0.5 + 0.5 * dot(n, sky));
-    let diffuse = 0.62 * max(dot(n, key), 0.0) + 0.13 * max(dot(n, fill), 0.0);
+    let diffuse = 0.60 * max(dot(n, key), 0.0) + 0.12 * max(dot(n, fill), 0.0) + 0.10 * max(dot(n, v), 0.0);
     let shine = 0.10 * pow(max(dot(n, normalize(key + v)), 0.0), 36.0);
     let rim = 0.07 * pow(1.0 - clamp(dot(n, v), 0.0, 1.0), 3.0);
     return base * (ambient + vec3(1.0, 0.985, 0.96) * diffuse) + shine + rim;

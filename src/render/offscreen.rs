@@ -67,15 +67,11 @@ pub struct Offscreen {
 }
 
 impl Offscreen {
-    /// Opens the fastest adapter there is. The environment variables that wgpu reads (`WGPU_BACKEND`) choose
-    /// another.
+    /// Opens the fastest adapter there is, of those that the environment variable `WGPU_BACKEND` leaves if set.
     pub fn new() -> Result<Self, RenderError> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-        let options = wgpu::RequestAdapterOptions {
-            power_preference: wgpu::PowerPreference::HighPerformance,
-            ..Default::default()
-        };
-        let adapter = pollster::block_on(instance.request_adapter(&options)).map_err(|_| RenderError::NoAdapter)?;
+        // OpenGL only where there is nothing better: merely asking for it makes some drivers complain aloud.
+        let adapter = adapter(wgpu::Backends::PRIMARY).or_else(|| adapter(wgpu::Backends::SECONDARY));
+        let adapter = adapter.ok_or(RenderError::NoAdapter)?;
         let info = adapter.get_info();
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("pictures"),
@@ -161,6 +157,16 @@ impl Offscreen {
         let waited = self.device.poll(wgpu::PollType::wait_indefinitely());
         waited.map(|_| ()).map_err(|e| RenderError::Lost(e.to_string()))
     }
+}
+
+/// The fastest adapter behind these interfaces.
+fn adapter(backends: wgpu::Backends) -> Option<wgpu::Adapter> {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = backends;
+    let instance = wgpu::Instance::new(descriptor.with_env());
+    let options =
+        wgpu::RequestAdapterOptions { power_preference: wgpu::PowerPreference::HighPerformance, ..Default::default() };
+    pollster::block_on(instance.request_adapter(&options)).ok()
 }
 
 /// `image` as a PNG file.

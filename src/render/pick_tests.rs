@@ -23,7 +23,8 @@ fn scene(objects: Vec<Object>) -> Scene {
 }
 
 fn fitted(scene: &Scene, towards_viewer: DVec3) -> Camera {
-    let mut camera = Camera { orientation: looking(towards_viewer, DVec3::Z), ..Camera::default() };
+    let up = if towards_viewer.z.abs() > 0.9 { DVec3::Y } else { DVec3::Z };
+    let mut camera = Camera { orientation: looking(towards_viewer, up), ..Camera::default() };
     camera.fit(&scene.bounds(), 1.6);
     camera
 }
@@ -88,7 +89,7 @@ fn what_the_section_takes_away_is_not_met_and_its_cut_face_is() {
     // Across the view: to the right of the cut there is nothing.
     scene.section = plane(DVec3::X);
     assert!(pick(&scene, &camera, DVec2::new(175.0, 100.0), SIZE).is_none());
-    assert!(pick(&scene, &camera, DVec2::new(140.0, 100.0), SIZE).is_some());
+    assert!(pick(&scene, &camera, DVec2::new(120.0, 100.0), SIZE).is_some());
 }
 
 #[test]

@@ -5,7 +5,6 @@ mod fans;
 mod shading;
 mod simplify;
 
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::DVec3;
@@ -33,7 +32,7 @@ pub struct RenderMesh {
     closed: bool,
     full: Level,
     lighter: Option<Level>,
-    rays: OnceLock<Option<RayMesh>>,
+    rays: Option<RayMesh>,
 }
 
 /// One version of a mesh as the GPU wants it: positions are from the [`RenderMesh::origin`].
@@ -61,23 +60,10 @@ impl RenderMesh {
     pub fn new(mesh: &Mesh) -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         let (source, bounds) = cleaned(mesh);
-        let normals: Vec<DVec3> = source.triangles.par_iter().map(|t| normal(&source, t)).collect();
-        let fans = Fans::new(source.vertices.len(), &source.triangles);
         let origin = if source.triangles.is_empty() { DVec3::ZERO } else { bounds.center() };
-        let edges = edges::find_edges(&source.triangles, &fans, &normals, CREASE);
-        let ends = |e: &[u32; 2]| e.map(|v| (source.vertices[v as usize] - origin).as_vec3().to_array());
-        let shaded = shade(&source, &fans, &normals, origin, CREASE);
-        let full = Level { edges: edges.features.iter().map(ends).collect(), ..Level::from(shaded) };
-        let lighter = (source.triangles.len() >= LIGHTER_FROM).then(|| lighter_level(&source, &fans, &normals, origin));
-        Self {
-            id: NEXT.fetch_add(1, Ordering::Relaxed),
-            bounds,
-            closed: edges.closed,
-            full,
-            lighter,
-            rays: OnceLock::new(),
-            source,
-        }
+        let (levels, rays) = rayon::join(|| levels(&source, origin), || RayMesh::new(&source).ok());
+        let Levels { full, lighter, closed } = levels;
+        Self { id: NEXT.fetch_add(1, Ordering::Relaxed), source, bounds, closed, full, lighter, rays }
     }
 
     /// Whether there is nothing to be seen.
@@ -126,9 +112,9 @@ impl RenderMesh {
         self.lighter.as_ref().unwrap_or(&self.full)
     }
 
-    /// The mesh prepared for rays, on first use; `None` if there is nothing to meet.
+    /// The mesh prepared for rays; `None` if there is nothing to meet.
     pub fn rays(&self) -> Option<&RayMesh> {
-        self.rays.get_or_init(|| RayMesh::new(&self.source).ok()).as_ref()
+        self.rays.as_ref()
     }
 }
 
@@ -137,6 +123,24 @@ impl From<Shaded> for Level {
         let Shaded { vertices, sources, indices } = shaded;
         Self { vertices, sources, indices, edges: Vec::new() }
     }
+}
+
+/// What is drawn of a mesh.
+struct Levels {
+    full: Level,
+    lighter: Option<Level>,
+    closed: bool,
+}
+
+fn levels(source: &Mesh, origin: DVec3) -> Levels {
+    let normals: Vec<DVec3> = source.triangles.par_iter().map(|t| normal(source, t)).collect();
+    let fans = Fans::new(source.vertices.len(), &source.triangles);
+    let edges = edges::find_edges(&source.triangles, &fans, &normals, CREASE);
+    let ends = |e: &[u32; 2]| e.map(|v| (source.vertices[v as usize] - origin).as_vec3().to_array());
+    let shaded = shade(source, &fans, &normals, origin, CREASE);
+    let full = Level { edges: edges.features.iter().map(ends).collect(), ..Level::from(shaded) };
+    let lighter = (source.triangles.len() >= LIGHTER_FROM).then(|| lighter_level(source, &fans, &normals, origin));
+    Levels { full, lighter, closed: edges.closed }
 }
 
 /// `mesh` with every index valid and every vertex finite, and the box around its triangles.

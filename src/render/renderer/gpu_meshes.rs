@@ -36,12 +36,18 @@ pub struct GpuMesh {
 #[derive(Default)]
 pub struct GpuMeshes {
     meshes: HashMap<(u64, Detail), Kept<GpuMesh>>,
-    values: HashMap<ValuesKey, Kept<(wgpu::Buffer, Arc<Vec<f32>>)>>,
+    values: HashMap<ValuesKey, Kept<GpuValues>>,
     picture: u64,
 }
 
-/// Mesh, version and address of the values, which are kept alive so that the address stays theirs.
+/// Mesh, version and address of the values.
 type ValuesKey = (u64, Detail, usize);
+
+/// Values on the GPU, and where they came from: kept alive so that the address stays theirs.
+struct GpuValues {
+    buffer: wgpu::Buffer,
+    _source: Arc<Vec<f32>>,
+}
 
 struct Kept<T> {
     what: T,
@@ -66,7 +72,8 @@ impl GpuMeshes {
             let kept = self.values.entry(values_key(object, detail, values)).or_insert_with(|| {
                 let data = spread(level(&object.mesh, detail), &values.values);
                 let buffer = buffer(device, bytemuck::cast_slice(&data), wgpu::BufferUsages::VERTEX);
-                Kept { bytes: buffer.size(), what: (buffer, values.values.clone()), used: picture }
+                let bytes = buffer.size();
+                Kept { what: GpuValues { buffer, _source: values.values.clone() }, used: picture, bytes }
             });
             kept.used = picture;
         }
@@ -81,13 +88,7 @@ impl GpuMeshes {
     /// The copy of an object's values, if it has any.
     pub fn values(&self, object: &Object, detail: Detail) -> Option<&wgpu::Buffer> {
         let key = values_key(object, detail, object.values.as_ref()?);
-        self.values.get(&key).map(|k| &k.what.0)
-    }
-
-    /// How many copies of meshes there are.
-    #[cfg(test)]
-    pub fn count(&self) -> usize {
-        self.meshes.len()
+        self.values.get(&key).map(|k| &k.what.buffer)
     }
 
     /// To be called after each picture: lets go of what has not been used for long, or of all that is unused

@@ -9,7 +9,7 @@ use super::uniforms::{FrameUniform, ObjectUniform};
 use super::{Plan, Renderer};
 use crate::render::scene::{Object, Scene};
 
-const KINDS: [Kind; 14] = [
+const KINDS: [Kind; 15] = [
     Kind::Background,
     Kind::Surface,
     Kind::SurfaceDepth,
@@ -19,6 +19,7 @@ const KINDS: [Kind; 14] = [
     Kind::CapFill,
     Kind::Grid,
     Kind::Lines,
+    Kind::LinesDepth,
     Kind::LinesBehind,
     Kind::LinesFlat,
     Kind::Dots,
@@ -138,6 +139,7 @@ impl Pass<'_> {
         }
         self.quad(Kind::Grid, self.prepared.grid.clone());
         self.segments(Kind::Lines, self.prepared.lines.clone());
+        self.segments(Kind::LinesDepth, self.prepared.lines.clone());
         for i in self.prepared.opaque..self.prepared.objects.len() {
             self.surface(Kind::SurfaceDepth, i);
             self.cap(i);

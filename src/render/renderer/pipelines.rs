@@ -27,6 +27,8 @@ pub enum Kind {
     CapFill,
     Grid,
     Lines,
+    /// Only the depth of lines, for what is blended over them later.
+    LinesDepth,
     /// Lines where something lies before them.
     LinesBehind,
     /// Lines over everything.
@@ -188,6 +190,7 @@ impl Pipelines {
             Kind::CapFill => (&m.cap, "vs", "fs", true, true),
             Kind::Grid => (&m.grid, "vs", "fs", true, false),
             Kind::Lines | Kind::LinesBehind | Kind::LinesFlat => (&m.lines, "vs", "fs", true, false),
+            Kind::LinesDepth => (&m.lines, "vs", "fs_depth", false, false),
             Kind::Dots | Kind::DotsBehind | Kind::DotsFlat => (&m.markers, "vs", "fs", true, false),
         };
         Program { module, vertex, fragment, colour, object }
@@ -218,7 +221,7 @@ const BLEND: wgpu::BlendState = wgpu::BlendState {
 };
 
 fn blends(kind: Kind) -> bool {
-    !matches!(kind, Kind::Background | Kind::Surface | Kind::SurfaceDepth | Kind::CapCount)
+    !matches!(kind, Kind::Background | Kind::Surface | Kind::SurfaceDepth | Kind::CapCount | Kind::LinesDepth)
 }
 
 fn constants(key: Key) -> Vec<(&'static str, f64)> {
@@ -228,7 +231,7 @@ fn constants(key: Key) -> Vec<(&'static str, f64)> {
             vec![("SECTION", flag(key.section)), ("TRANSLUCENT", flag(key.kind == Kind::SurfaceBlended))]
         }
         Kind::Edges => vec![("SECTION", flag(key.section))],
-        Kind::Lines | Kind::LinesFlat | Kind::Dots | Kind::DotsFlat => vec![("FAINT", 0.0)],
+        Kind::Lines | Kind::LinesDepth | Kind::LinesFlat | Kind::Dots | Kind::DotsFlat => vec![("FAINT", 0.0)],
         Kind::LinesBehind | Kind::DotsBehind => vec![("FAINT", 1.0)],
         Kind::Background | Kind::CapCount | Kind::CapFill | Kind::Grid => Vec::new(),
     }
@@ -238,8 +241,8 @@ fn depth_stencil(kind: Kind) -> wgpu::DepthStencilState {
     use wgpu::CompareFunction::{Always, Greater, LessEqual};
     let (write, compare) = match kind {
         Kind::Background | Kind::CapCount | Kind::LinesFlat | Kind::DotsFlat => (false, Always),
-        Kind::Surface | Kind::SurfaceDepth | Kind::CapFill | Kind::Lines => (true, LessEqual),
-        Kind::SurfaceBlended | Kind::Edges | Kind::Grid | Kind::Dots => (false, LessEqual),
+        Kind::Surface | Kind::SurfaceDepth | Kind::CapFill | Kind::LinesDepth => (true, LessEqual),
+        Kind::SurfaceBlended | Kind::Edges | Kind::Grid | Kind::Lines | Kind::Dots => (false, LessEqual),
         Kind::LinesBehind | Kind::DotsBehind => (false, Greater),
     };
     wgpu::DepthStencilState {
@@ -301,7 +304,7 @@ fn vertex_buffers(key: Key) -> Vec<Option<wgpu::VertexBufferLayout<'static>>> {
             buffers
         }
         Kind::Edges => vec![layout(size_of::<[[f32; 3]; 2]>(), Instance, &EDGE)],
-        Kind::Lines | Kind::LinesBehind | Kind::LinesFlat => {
+        Kind::Lines | Kind::LinesDepth | Kind::LinesBehind | Kind::LinesFlat => {
             vec![layout(size_of::<SegmentInstance>(), Instance, &LINE)]
         }
         Kind::Dots | Kind::DotsBehind | Kind::DotsFlat => vec![layout(size_of::<DotInstance>(), Instance, &DOT)],

@@ -15,7 +15,11 @@ use crate::render::section::{Cut, CutCache};
 /// How much the furthest things fade into the background.
 const FADE: f32 = 0.16;
 /// Distance of a cap's hatch lines (pixels), at least.
-const HATCH_PX: f64 = 7.0;
+const HATCH_PX: f64 = 5.0;
+/// By how much of the depth range each translucent object is drawn nearer than the one behind it, so that
+/// ghosts that slide along their own faces do not flicker, and how many times at most.
+const STEP: f32 = 3e-6;
+const STEPS: usize = 64;
 /// Widths and radii in pixels lie between these.
 const PIXELS: [f32; 2] = [0.25, 64.0];
 
@@ -79,6 +83,9 @@ pub fn prepare(scene: &Scene, camera: &Camera, size: [u32; 2], scale: f64, cuts:
         section: section.is_some(),
     };
     prepared.opaque = prepared.objects.iter().filter(|o| scene.objects[o.index].is_opaque()).count();
+    for (rank, object) in prepared.objects[prepared.opaque..].iter_mut().enumerate() {
+        object.uniform.values[2] = rank.min(STEPS) as f32 * STEP;
+    }
     if let Some(plane) = &section {
         add_caps(&mut prepared, scene, plane, &view, cuts);
     }
@@ -112,14 +119,13 @@ pub fn flat_frame(frame: &FrameUniform, size: [u32; 2]) -> FrameUniform {
 
 fn frame_uniform(scene: &Scene, view: &View, section: Option<&SectionPlane>) -> FrameUniform {
     let camera = view.camera;
-    let objects = scene.bounds();
     let grid = scene.grid.iter().filter(|g| is_grid(g)).map(|g| {
         let reach = DVec3::new(g.radius, g.radius, 0.0);
         Bounds { min: g.center - reach, max: g.center + reach }
     });
-    let all = grid.fold(objects, |a, b| Bounds { min: a.min.min(b.min), max: a.max.max(b.max) });
-    let range = camera.depth_range(&all);
-    let [near, far] = camera.depth_range(&objects);
+    let range = camera.depth_range(&grid.fold(scene.bounds(), union));
+    let objects = scene.objects.iter().filter(|o| o.is_visible()).map(Object::bounds);
+    let [near, far] = camera.depth_range(&objects.fold(Bounds::EMPTY, union));
     let [width, height] = view.size.map(f64::from);
     let perspective = camera.projection == Projection::Perspective;
     let unit_depth = camera.pixel_size(1.0, view.size[1]);
@@ -223,7 +229,7 @@ fn add_caps(prepared: &mut Prepared, scene: &Scene, plane: &SectionPlane, view: 
         let cut = cuts.cut(object, plane);
         let place = |p: DVec3| DVec3::new(u.dot(p - plane.point), v.dot(p - plane.point), 0.0);
         let own = Bounds::of(cut.iter().flatten().map(|&p| place(p)));
-        corners = Bounds { min: corners.min.min(own.min), max: corners.max.max(own.max) };
+        corners = union(corners, own);
         add_outline(&mut prepared.segments, &cut, scene.theme.section, object.opacity, view);
         if object.mesh.is_closed() && !cut.is_empty() {
             let first = prepared.planes.len() as u32;
@@ -254,7 +260,7 @@ fn add_outline(segments: &mut Vec<SegmentInstance>, cut: &Cut, colour: Colour, o
     segments.extend(cut.iter().map(|&[a, b]| SegmentInstance {
         ends: [view.point(a), view.point(b)],
         colour,
-        width: 1.5,
+        width: 1.4,
     }));
 }
 
@@ -306,6 +312,10 @@ impl View<'_> {
     fn point(&self, p: DVec3) -> [f32; 3] {
         self.affine.transform_point3(p).as_vec3().to_array()
     }
+}
+
+fn union(a: Bounds, b: Bounds) -> Bounds {
+    Bounds { min: a.min.min(b.min), max: a.max.max(b.max) }
 }
 
 fn pixels(asked: f32) -> f32 {

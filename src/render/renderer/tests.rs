@@ -155,8 +155,9 @@ fn the_hatch_fills_a_ring_but_not_its_hole() {
     let (ring, disc) = (drawn(&ring, &camera), drawn(&disc, &camera));
     let wall = camera.project(DVec3::new(6.5, 0.0, 0.0), SIZE).unwrap().pixel;
     assert!(difference(around(&ring, wall), around(&disc, wall)) < 2.0);
-    // Through the hole one sees the far inside of the shell, which is darker than a cut face.
-    assert!(around(&ring, MIDDLE)[2] < around(&disc, MIDDLE)[2] - 15.0);
+    // Through the hole one sees the far inside of the shell, in another light and without hatch.
+    let (hole, face) = (around(&ring, MIDDLE), around(&disc, MIDDLE));
+    assert!(difference(hole, face) > 15.0, "{hole:?} {face:?}");
 }
 
 #[test]
@@ -192,13 +193,14 @@ fn lines_and_markers_are_where_they_should_be_and_shine_through_only_if_asked() 
         let (new, old) = (image.get_pixel(at.x as u32, at.y as u32), plain.get_pixel(at.x as u32, at.y as u32));
         i32::from(new.0[1]) - i32::from(old.0[1])
     };
-    assert!(greener(-6.0, 2.0) > 120 && greener(6.0, 0.0) == 0);
+    assert!(greener(-6.0, 2.0) > 120, "{}", greener(-6.0, 2.0));
+    assert!(greener(6.0, 0.0) == 0, "{}", greener(6.0, 0.0));
     assert!((20..120).contains(&greener(6.0, -2.0)), "{}", greener(6.0, -2.0));
     scene.lines.clear();
     scene.markers = vec![Marker { at: DVec3::new(0.0, -5.0, 3.0), colour: green, radius_px: 6.0 }];
     let image = drawn(&scene, &camera);
     let at = camera.project(scene.markers[0].at, SIZE).unwrap().pixel;
-    assert!(around(&image, at)[1] > 240.0);
+    assert!(around(&image, at)[1] > 240.0, "{:?} {at}", around(&image, at));
     let count = image.pixels().filter(|p| p.0[1] > 240 && p.0[0] < 30).count() as f64;
     // A disc of 6 pixels less its rim.
     assert!((40.0..114.0).contains(&count), "{count}");
@@ -257,7 +259,7 @@ fn a_moving_picture_is_the_same_view() {
     let moving = offscreen.read_back().unwrap();
     let scale = f64::from(moving.width()) / 1200.0;
     assert!((f64::from(moving.height()) / 800.0 - scale).abs() < 0.005);
-    for at in [DVec2::new(600.0, 400.0), DVec2::new(500.0, 380.0), DVec2::new(700.0, 420.0), DVec2::new(20.0, 20.0)] {
+    for at in [DVec2::new(600.0, 310.0), DVec2::new(520.0, 450.0), DVec2::new(680.0, 450.0), DVec2::new(20.0, 20.0)] {
         assert!(difference(around(&full, at), around(&moving, at * scale)) < 6.0, "{at}");
     }
 }

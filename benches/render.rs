@@ -1,0 +1,75 @@
+//! Times of pictures: preparing meshes, cutting them, drawing frames, picking.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use glam::{DAffine3, DVec2, DVec3};
+use sparkpath::geometry::mesh::Mesh;
+use sparkpath::render::camera::{Camera, OrbitStyle};
+use sparkpath::render::colour::{Colour, Theme};
+use sparkpath::render::mesh::RenderMesh;
+use sparkpath::render::offscreen::Offscreen;
+use sparkpath::render::pick::pick;
+use sparkpath::render::renderer::Quality;
+use sparkpath::render::scene::{Grid, Object, ObjectId, Scene, SectionPlane};
+use sparkpath::render::section::cut;
+
+const SIZE: [u32; 2] = [1280, 800];
+
+/// A closed ring with 20 waves around it: `2 n * n` triangles.
+fn wavy_ring(n: usize) -> Mesh {
+    let point = |i: usize, j: usize| {
+        let (around, across) = (TAU * i as f64 / n as f64, TAU * j as f64 / n as f64);
+        let tube = 12.0 + (20.0 * around).sin();
+        let r = 60.0 + tube * across.cos();
+        DVec3::new(r * around.cos(), r * around.sin(), tube * across.sin())
+    };
+    let at = |i: usize, j: usize| (i % n * n + j % n) as u32;
+    let cells = || (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+    let quads = cells().map(|(i, j)| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+    Mesh {
+        vertices: cells().map(|(i, j)| point(i, j)).collect(),
+        triangles: quads.flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
+    }
+}
+
+fn scene(mesh: Arc<RenderMesh>) -> (Scene, Camera) {
+    let mut scene = Scene::new(Theme::DARK);
+    scene.objects.push(Object::new(ObjectId(0), mesh, Colour::rgb(150, 160, 175)));
+    scene.grid = Grid::below(&scene.bounds());
+    let mut camera = Camera::default();
+    camera.fit(&scene.bounds(), f64::from(SIZE[0]) / f64::from(SIZE[1]));
+    (scene, camera)
+}
+
+fn render(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("render");
+    group.sample_size(10);
+    let (mesh, large) = (wavy_ring(316), wavy_ring(707));
+    group.bench_function("prepare mesh, 200k triangles", |b| b.iter(|| RenderMesh::new(&mesh)));
+    group.bench_function("prepare mesh, 1M triangles", |b| b.iter(|| RenderMesh::new(&large)));
+    let prepared = Arc::new(RenderMesh::new(&mesh));
+    let plane = SectionPlane { point: DVec3::ZERO, normal: DVec3::Y };
+    group.bench_function("section, 200k triangles", |b| b.iter(|| cut(&prepared, &DAffine3::IDENTITY, &plane)));
+
+    let mut offscreen = Offscreen::new().expect("a graphics driver");
+    let mut frames = |name: &str, scene: &Scene, mut camera: Camera, quality| {
+        group.bench_function(name, |b| {
+            b.iter(|| {
+                camera.orbit(DVec2::new(3.0, 0.0), SIZE[1], OrbitStyle::Turntable, camera.target);
+                offscreen.draw(scene, &camera, SIZE, quality)
+            });
+        });
+    };
+    let (small, camera) = scene(prepared);
+    frames("frame at rest, 200k triangles", &small, camera, Quality::Full);
+    frames("frame in motion, 200k triangles", &small, camera, Quality::Moving);
+    let (million, wide) = scene(Arc::new(RenderMesh::new(&large)));
+    frames("frame in motion, 1M triangles", &million, wide, Quality::Moving);
+    group.bench_function("pick", |b| b.iter(|| pick(&small, &camera, DVec2::new(500.0, 500.0), SIZE)));
+    group.finish();
+}
+
+criterion_group!(benches, render);
+criterion_main!(benches);
