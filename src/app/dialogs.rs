@@ -171,7 +171,9 @@ fn preferences(ui: &mut Ui, p: &mut Preferences) -> Option<Answer> {
         let faint = palette(ui).faint;
         ui.label(RichText::new("Theme").color(faint));
         ui.horizontal(|ui| {
-            for (value, name) in [(ThemeChoice::Dark, "Dark"), (ThemeChoice::Light, "Light"), (ThemeChoice::System, "System")] {
+            for (value, name) in
+                [(ThemeChoice::Dark, "Dark"), (ThemeChoice::Light, "Light"), (ThemeChoice::System, "System")]
+            {
                 ui.selectable_value(&mut p.theme, value, name);
             }
         });
@@ -236,7 +238,8 @@ fn about(ui: &mut Ui, adapter: &str) -> Option<Answer> {
 
 /// The log in a window of its own.
 pub fn log(ctx: &egui::Context, core: &Core, open: &mut bool) {
-    let window = egui::Window::new("Log").open(open).default_size([560.0, 260.0]).anchor(Align2::LEFT_BOTTOM, [12.0, -40.0]);
+    let window =
+        egui::Window::new("Log").open(open).default_size([560.0, 260.0]).anchor(Align2::LEFT_BOTTOM, [12.0, -40.0]);
     window.show(ctx, |ui| {
         egui::ScrollArea::vertical().stick_to_bottom(true).auto_shrink([false, false]).show(ui, |ui| {
             for line in &core.log {

@@ -52,9 +52,11 @@ impl FileDialogs {
                 Purpose::MovedMesh(_) | Purpose::ElectrodeMesh => {
                     dialog.set_title(&name).add_filter("Meshes", &MESHES).add_filter("All files", &["*"]).pick_file()
                 }
-                Purpose::SaveProject => {
-                    dialog.set_title("Save project").add_filter("Project", &["sparkpath"]).set_file_name(name).save_file()
-                }
+                Purpose::SaveProject => dialog
+                    .set_title("Save project")
+                    .add_filter("Project", &["sparkpath"])
+                    .set_file_name(name)
+                    .save_file(),
                 Purpose::SaveJob => {
                     dialog.set_title("Save job file").add_filter("Job", &["toml"]).set_file_name(name).save_file()
                 }

@@ -1,6 +1,6 @@
 //! What is drawn over the 3-D view: the row of view buttons, the axis gizmo, the section's slider, the verdict.
 
-use egui::{Align2, Color32, FontId, Rect, RichText, Sense, Ui, UiBuilder, Role, WidgetInfo, pos2, vec2};
+use egui::{Align2, Color32, FontId, Rect, RichText, Role, Sense, Ui, UiBuilder, WidgetInfo, pos2, vec2};
 use glam::DVec3;
 
 use super::commands::Command;
@@ -25,7 +25,8 @@ pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core, viewport: &mut Viewport) {
 
 fn buttons(ui: &mut Ui, rect: Rect, core: &mut Core) {
     let area = Rect::from_min_size(rect.min + vec2(8.0, 8.0), vec2((rect.width() - 120.0).max(60.0), 26.0));
-    let mut child = ui.new_child(UiBuilder::new().max_rect(area).layout(egui::Layout::left_to_right(egui::Align::Center)));
+    let mut child =
+        ui.new_child(UiBuilder::new().max_rect(area).layout(egui::Layout::left_to_right(egui::Align::Center)));
     child.spacing_mut().item_spacing.x = 3.0;
     let views = [
         ("Fit", Command::Fit, false),
@@ -69,7 +70,12 @@ fn gizmo(ui: &mut Ui, rect: Rect, viewport: &mut Viewport) {
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &label));
         let strength = if response.hovered() { 1.0 } else { (0.55 + 0.45 * seen.z).clamp(0.35, 1.0) as f32 };
         if name.is_empty() {
-            ui.painter().circle(at, size, ui.visuals().panel_fill, egui::Stroke::new(1.5, colour.gamma_multiply(strength)));
+            ui.painter().circle(
+                at,
+                size,
+                ui.visuals().panel_fill,
+                egui::Stroke::new(1.5, colour.gamma_multiply(strength)),
+            );
         } else {
             ui.painter().line_segment([centre, at], egui::Stroke::new(2.0, colour.gamma_multiply(strength)));
             ui.painter().circle_filled(at, size, colour.gamma_multiply(strength));
@@ -90,7 +96,8 @@ fn letter(axis: DVec3) -> char {
 /// Where the cut is and which way it looks.
 fn section(ui: &mut Ui, rect: Rect, core: &mut Core) {
     let area = Rect::from_min_size(rect.left_bottom() + vec2(70.0, -40.0), vec2(430.0, 30.0));
-    let mut child = ui.new_child(UiBuilder::new().max_rect(area).layout(egui::Layout::left_to_right(egui::Align::Center)));
+    let mut child =
+        ui.new_child(UiBuilder::new().max_rect(area).layout(egui::Layout::left_to_right(egui::Align::Center)));
     child.painter().rect_filled(area, 5.0, child.visuals().window_fill.gamma_multiply(0.92));
     child.add_space(8.0);
     let Some(part) = core.pipeline.part().cloned() else { return };

@@ -62,8 +62,7 @@ impl CommandPalette {
             for (i, command) in found.iter().enumerate() {
                 let enabled = command.is_enabled(core);
                 ui.horizontal(|ui| {
-                    let response =
-                        ui.add_enabled(enabled, egui::Button::selectable(i == self.chosen, command.name()));
+                    let response = ui.add_enabled(enabled, egui::Button::selectable(i == self.chosen, command.name()));
                     if response.clicked() {
                         run = Some(*command);
                     }

@@ -189,9 +189,8 @@ fn convergence(ui: &mut Ui, core: &mut Core) {
     let nearest = |t: &&Convergence| (t.s - core.cursor.s).abs();
     let Some(trace) = traces.iter().min_by(|a, b| nearest(a).total_cmp(&nearest(b))) else { return };
     let colours = palette(ui);
-    let points = |values: &[f64]| -> PlotPoints<'static> {
-        values.iter().enumerate().map(|(i, v)| [i as f64, *v]).collect()
-    };
+    let points =
+        |values: &[f64]| -> PlotPoints<'static> { values.iter().enumerate().map(|(i, v)| [i as f64, *v]).collect() };
     let lines: [(&str, &[f64], Color32); 2] =
         [("best", &trace.best, colours.accent), ("mean", &trace.mean, colours.faint)];
     let plot = Plot::new("convergence")

@@ -283,8 +283,9 @@ impl SparkpathApp {
         let picture = crate::render::offscreen::Offscreen::new()
             .and_then(|mut o| o.png(scene, camera, [1920, 1200]))
             .map_err(|e| e.to_string());
-        let written = picture
-            .and_then(|bytes| crate::mesh_io::atomic_write(path, |out| out.write_all(&bytes)).map_err(|e| e.to_string()));
+        let written = picture.and_then(|bytes| {
+            crate::mesh_io::atomic_write(path, |out| out.write_all(&bytes)).map_err(|e| e.to_string())
+        });
         match written {
             Ok(()) => self.core.say(EventKind::Done, format!("picture written to {}", path.display())),
             Err(e) => self.dialog = Dialog::Error("The picture was not written".to_owned(), e),

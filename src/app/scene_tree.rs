@@ -1,6 +1,6 @@
 //! What is in the scene: an eye, a colour, an opacity and "only this" for every body.
 
-use egui::{Color32, RichText, Sense, Ui, Role, WidgetInfo, vec2};
+use egui::{Color32, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 
 use super::core::Core;
 use super::theme::palette;
@@ -32,7 +32,9 @@ fn exists(core: &Core, layer: Layer) -> bool {
         Layer::Sector | Layer::LowWall | Layer::HighWall => core.pipeline.channel().is_some(),
         Layer::Electrode => core.pipeline.electrodes().is_some(),
         Layer::Ghosts | Layer::Sweep | Layer::Paths => !core.track().is_empty(),
-        Layer::Contact => core.contact().is_some() && core.pipeline.state(Stage::Plan) != crate::jobs::pipeline::StageState::Missing,
+        Layer::Contact => {
+            core.contact().is_some() && core.pipeline.state(Stage::Plan) != crate::jobs::pipeline::StageState::Missing
+        }
     }
 }
 
@@ -93,7 +95,12 @@ fn eye(ui: &mut Ui, open: bool, name: &str) -> egui::Response {
     let stroke = egui::Stroke::new(1.3, colour);
     let c = rect.center();
     let lid = |up: f32| -> Vec<egui::Pos2> {
-        (0..=8).map(|i| { let t = i as f32 / 4.0 - 1.0; c + vec2(7.0 * t, -up * 4.5 * (1.0 - t * t)) }).collect()
+        (0..=8)
+            .map(|i| {
+                let t = i as f32 / 4.0 - 1.0;
+                c + vec2(7.0 * t, -up * 4.5 * (1.0 - t * t))
+            })
+            .collect()
     };
     ui.painter().line(lid(1.0), stroke);
     ui.painter().line(lid(-1.0), stroke);
@@ -103,7 +110,12 @@ fn eye(ui: &mut Ui, open: bool, name: &str) -> egui::Response {
         ui.painter().line_segment([c + vec2(-6.0, 5.0), c + vec2(6.0, -5.0)], stroke);
     }
     if response.hovered() {
-        ui.painter().rect_stroke(rect, 3.0, egui::Stroke::new(1.0, Color32::from_gray(128).gamma_multiply(0.4)), egui::StrokeKind::Inside);
+        ui.painter().rect_stroke(
+            rect,
+            3.0,
+            egui::Stroke::new(1.0, Color32::from_gray(128).gamma_multiply(0.4)),
+            egui::StrokeKind::Inside,
+        );
     }
     response.on_hover_text(if open { "Hide" } else { "Show" })
 }

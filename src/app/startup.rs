@@ -55,6 +55,8 @@ pub fn run_window(opening: Opening) -> Result<(), String> {
         Ok(Box::new(SparkpathApp::new(cc, &opening, Folders::of_user())?))
     };
     eframe::run_native("sparkpath", options, Box::new(app)).map_err(|e| {
-        format!("the window could not be opened ({e}); the commands without a window still work, see `sparkpath --help`")
+        format!(
+            "the window could not be opened ({e}); the commands without a window still work, see `sparkpath --help`"
+        )
     })
 }

@@ -173,7 +173,11 @@ fn export(ui: &mut Ui, core: &mut Core) {
     if approved {
         notice(ui, palette(ui).good, "Approved. The approval is withdrawn as soon as an input changes.");
     } else if !core.pipeline.can_approve() {
-        notice(ui, palette(ui).warning, "Only a plan with a certificate that holds, for the present parameters, can be approved.");
+        notice(
+            ui,
+            palette(ui).warning,
+            "Only a plan with a certificate that holds, for the present parameters, can be approved.",
+        );
     }
     ui.horizontal(|ui| {
         command_button(ui, core, Command::Approve, "Approve", !approved);

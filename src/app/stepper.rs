@@ -1,6 +1,6 @@
 //! The left panel: the six steps with their state, the form of the open one, and what is known of it.
 
-use egui::{Align2, Color32, FontId, Rect, RichText, Sense, Ui, Role, WidgetInfo, pos2, vec2};
+use egui::{Align2, Color32, FontId, Rect, RichText, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::commands::Command;
 use super::core::Core;
@@ -38,7 +38,9 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Request> {
 
 fn stale_text(stage: Stage) -> &'static str {
     match stage {
-        Stage::Plan | Stage::Verify => "An input has changed since this was planned. Plan again to bring it up to date.",
+        Stage::Plan | Stage::Verify => {
+            "An input has changed since this was planned. Plan again to bring it up to date."
+        }
         Stage::Export => "What was exported belongs to other parameters.",
         _ => "An input has changed; this is being worked on.",
     }
@@ -61,10 +63,13 @@ fn introduction(ui: &mut Ui, stage: Stage) {
 /// A framed sentence with a coloured edge.
 pub fn notice(ui: &mut Ui, colour: Color32, text: &str) {
     let fill = colour.gamma_multiply(0.14);
-    egui::Frame::new().fill(fill).corner_radius(4).inner_margin(8).stroke(egui::Stroke::new(1.0, colour)).show(ui, |ui| {
-        ui.set_width(ui.available_width());
-        ui.add(egui::Label::new(text).wrap());
-    });
+    egui::Frame::new().fill(fill).corner_radius(4).inner_margin(8).stroke(egui::Stroke::new(1.0, colour)).show(
+        ui,
+        |ui| {
+            ui.set_width(ui.available_width());
+            ui.add(egui::Label::new(text).wrap());
+        },
+    );
     ui.add_space(4.0);
 }
 

@@ -119,8 +119,11 @@ fn visuals(dark: bool) -> Visuals {
 
 fn widgets(dark: bool, line: Color32, accent: Color32) -> Widgets {
     let rgb = Color32::from_rgb;
-    let (text, strong) =
-        if dark { (rgb(0xcf, 0xd5, 0xdd), rgb(0xf4, 0xf6, 0xf9)) } else { (rgb(0x2a, 0x31, 0x3a), rgb(0x0c, 0x10, 0x15)) };
+    let (text, strong) = if dark {
+        (rgb(0xcf, 0xd5, 0xdd), rgb(0xf4, 0xf6, 0xf9))
+    } else {
+        (rgb(0x2a, 0x31, 0x3a), rgb(0x0c, 0x10, 0x15))
+    };
     let look = |fill: Color32, stroke: Color32, ink: Color32| WidgetVisuals {
         bg_fill: fill,
         weak_bg_fill: fill,

@@ -1,6 +1,6 @@
 //! The timeline: the nodes of the track from outside to the final pose, the cursor, and how it is played.
 
-use egui::{Align2, FontId, Key, Rect, RichText, Sense, Ui, Role, WidgetInfo, pos2, vec2};
+use egui::{Align2, FontId, Key, Rect, RichText, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::commands::Command;
 use super::core::Core;
@@ -33,7 +33,8 @@ fn controls(ui: &mut Ui, core: &mut Core) {
         }
     }
     let label = ui.label(RichText::new("Speed").color(palette(ui).faint));
-    let speed = egui::DragValue::new(&mut core.cursor.speed).range(0.1..=200.0).speed(0.2).suffix(" mm/s").max_decimals(1);
+    let speed =
+        egui::DragValue::new(&mut core.cursor.speed).range(0.1..=200.0).speed(0.2).suffix(" mm/s").max_decimals(1);
     ui.add_sized(vec2(78.0, 20.0), speed).labelled_by(label.id).on_hover_text("Speed of playing along the path");
     let count = core.electrode_count();
     if count > 1 {

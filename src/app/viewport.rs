@@ -358,7 +358,8 @@ pub fn scene(core: &Core, theme: Theme) -> Scene {
     let p = &core.pipeline;
     let planned = core.outcome().map(|o| &o.electrode).zip(p.plan_shapes().and_then(|s| s.get(core.cursor.electrode)));
     // While parameters are tuned the electrode as it would be is shown, not the one that was planned before.
-    let tuned = p.electrodes().and_then(|e| e.electrodes.get(core.cursor.electrode).zip(e.shapes.get(core.cursor.electrode)));
+    let tuned =
+        p.electrodes().and_then(|e| e.electrodes.get(core.cursor.electrode).zip(e.shapes.get(core.cursor.electrode)));
     let fresh = p.state(Stage::Plan) != StageState::Done && core.step <= Stage::Electrode;
     let electrode = if fresh { tuned.or(planned) } else { planned.or(tuned) };
     let track = core.shared_track();
@@ -381,7 +382,9 @@ fn empty(ui: &Ui, rect: Rect, state: &StageState) {
     let colours = palette(ui);
     let (title, lines) = match state {
         StageState::Running => ("Loading…", ["", "", ""]),
-        StageState::Failed(_) => ("This could not be loaded", ["The form on the left says why.", "Drop another mesh here, or open one.", ""]),
+        StageState::Failed(_) => {
+            ("This could not be loaded", ["The form on the left says why.", "Drop another mesh here, or open one.", ""])
+        }
         _ => (
             "Drop a blisk here",
             [

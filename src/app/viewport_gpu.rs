@@ -65,9 +65,8 @@ impl Gpu {
 
     fn draw(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, picture: &Picture) {
         let Picture { scene, camera, size, quality } = picture;
-        let same = |s: &Shown| {
-            Arc::ptr_eq(&s.scene, scene) && s.camera == *camera && s.size == *size && s.quality == *quality
-        };
+        let same =
+            |s: &Shown| Arc::ptr_eq(&s.scene, scene) && s.camera == *camera && s.size == *size && s.quality == *quality;
         if self.shown.as_ref().is_some_and(same) {
             return;
         }

@@ -14,8 +14,8 @@ use super::worker::{Ended, Message, Reporter, TaskId, Worker};
 use crate::export::report::InputFile;
 use crate::feed::search::{Convergence, Node};
 use crate::progress::{Cancel, Progress};
-use crate::render::mesh::RenderMesh;
 use crate::project::{Document, Fingerprint, PlanJob, Stage};
+use crate::render::mesh::RenderMesh;
 
 /// How a step stands.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,7 +59,8 @@ pub struct Exported {
 
 /// Writes a plan of these inputs, which were read from these files, into a folder; answers the names of the files.
 pub type ExportWork = Box<
-    dyn FnOnce(&Path, &PlanOutcome, &PlanInputs, Vec<InputFile>, &Progress, &Cancel) -> Result<Vec<String>, String> + Send,
+    dyn FnOnce(&Path, &PlanOutcome, &PlanInputs, Vec<InputFile>, &Progress, &Cancel) -> Result<Vec<String>, String>
+        + Send,
 >;
 
 /// What a plan has found so far.
@@ -512,7 +513,8 @@ impl Pipeline {
         let work = move |_: &Reporter<PartialPlan, Found>, p: &Progress, c: &Cancel| {
             // What is only about writing may have changed since the plan was made.
             let inputs = PlanInputs { job, ..planned.inputs.clone() };
-            write(&folder, &planned.outcome, &inputs, files, p, c).map(|written| Found::Export(Exported { folder, written }))
+            write(&folder, &planned.outcome, &inputs, files, p, c)
+                .map(|written| Found::Export(Exported { folder, written }))
         };
         let id = self.worker.submit(Stage::Export as u32, work);
         self.export.failure = None;

@@ -210,11 +210,9 @@ impl PlanJob {
 /// TOML has no null: what is not there is left out.
 fn without_nulls(value: serde_json::Value) -> serde_json::Value {
     match value {
-        serde_json::Value::Object(fields) => fields
-            .into_iter()
-            .filter(|(_, v)| !v.is_null())
-            .map(|(key, v)| (key, without_nulls(v)))
-            .collect(),
+        serde_json::Value::Object(fields) => {
+            fields.into_iter().filter(|(_, v)| !v.is_null()).map(|(key, v)| (key, without_nulls(v))).collect()
+        }
         other => other,
     }
 }

@@ -122,8 +122,7 @@ impl ProjectFile {
         }
         let content: Content = serde_json::from_str(text).map_err(|e| format!("the project is damaged: {e}"))?;
         let job = PlanJob::from_json(content.job, folder).map_err(|e| format!("the project is damaged: {e}"))?;
-        let meshes =
-            content.meshes.into_iter().map(|m| MeshReference { path: folder.join(m.path), ..m }).collect();
+        let meshes = content.meshes.into_iter().map(|m| MeshReference { path: folder.join(m.path), ..m }).collect();
         Ok(Self { job, meshes })
     }
 
@@ -151,8 +150,7 @@ impl ProjectFile {
             .iter()
             .map(|m| MeshReference { path: relative(&m.path, &folder), sha256: m.sha256.clone() })
             .collect();
-        let content =
-            Content { format: FORMAT.to_owned(), version: VERSION, job: serde_json::to_value(&job)?, meshes };
+        let content = Content { format: FORMAT.to_owned(), version: VERSION, job: serde_json::to_value(&job)?, meshes };
         serde_json::to_string_pretty(&content).map(|text| text + "\n")
     }
 

@@ -24,8 +24,7 @@ pub enum Stage {
 
 impl Stage {
     /// Every step in order.
-    pub const ALL: [Self; 6] =
-        [Self::Part, Self::Channel, Self::Electrode, Self::Plan, Self::Verify, Self::Export];
+    pub const ALL: [Self; 6] = [Self::Part, Self::Channel, Self::Electrode, Self::Plan, Self::Verify, Self::Export];
 
     /// The name shown to a reader.
     pub fn name(self) -> &'static str {
