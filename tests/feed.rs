@@ -2,7 +2,7 @@
 
 mod common;
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use common::{curved_blisk, easy_blisk, mesh};
 use glam::{DMat3, DVec3};
@@ -181,17 +181,18 @@ fn a_searched_reduction_makes_a_thinner_electrode_that_comes_out_where_the_given
 fn a_searched_reduction_that_leaves_no_metal_is_an_answer_and_not_bad_input() {
     let (job, silent, cancel) = (job_that_needs_h(), Progress::silent(), Cancel::default());
     let part = mesh(&easy_blisk());
-    let channel = find_channel(&part, &BliskOptions::default(), &silent, &cancel).unwrap();
-    let blisk = part.in_frame(&channel.frame);
+    let channel = Arc::new(find_channel(&part, &BliskOptions::default(), &silent, &cancel).unwrap());
+    let blisk = Arc::new(part.in_frame(&channel.frame));
     let exact = ExactMesh::new(&blisk).unwrap();
     let electrodes = make_electrodes(&channel, &exact, &job.electrode, EntrySide::MinusX, &silent, &cancel).unwrap();
-    let space = PlanningSpace::new(&blisk, &exact, &channel, job.plan.field_cell_mm, &silent, &cancel).unwrap();
+    let space = PlanningSpace::new(blisk, &exact, channel.clone(), job.plan.field_cell_mm, &silent, &cancel).unwrap();
     let settings = PlanSettings {
         plan: &job.plan,
         genetic: &job.genetic,
         machine: &job.machine,
         verify: &job.verify,
         spark_gap: job.electrode.spark_gap_mm,
+        observe: &|_, _| (),
     };
     let nothing = |_: f64| Err(ElectrodeError::NoMetal { x: 0.0, r: 60.0, available: 1.0, taken: 1.1 });
     let plan = plan_feed(&space, &electrodes[0], &settings, &nothing, &silent, &cancel).unwrap();

@@ -159,7 +159,7 @@ impl SparkpathApp {
             autosave.discard();
         }
         self.core.document = document;
-        self.core.pipeline.reload();
+        self.core.pipeline.reset();
         self.core.step = Stage::Part;
         self.core.cursor.s = 0.0;
         self.core.section = None;

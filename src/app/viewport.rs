@@ -365,7 +365,7 @@ pub fn scene(core: &Core, theme: Theme) -> Scene {
     let track = core.shared_track();
     build(&SceneInputs {
         blisk: p.part().map(|part| &part.shape),
-        channel: p.channel().map(|f| (&f.channel, &f.shapes)),
+        channel: p.channel().map(|f| (&*f.channel, &f.shapes)),
         electrode,
         track: (!track.is_empty() && !fresh).then_some(&*track),
         s: core.cursor.s,

@@ -1,5 +1,7 @@
 //! Tells which surface of the blisk a point lies on, and how far the walls of the channel are.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::channel::{Channel, ChannelWall, Surface};
@@ -8,24 +10,22 @@ use crate::geometry::frame::Cylindrical;
 use crate::geometry::mesh::Mesh;
 
 /// Distances to the surfaces of one channel, each taken by itself.
-pub struct SurfaceFinder<'a> {
-    channel: &'a Channel,
+pub struct SurfaceFinder {
+    channel: Arc<Channel>,
     low: ExactMesh,
     high: ExactMesh,
 }
 
-impl<'a> SurfaceFinder<'a> {
+impl SurfaceFinder {
     /// How far from a surface a point may be and still count as lying on it (mm): above the chord error of the
     /// wall grids, well below any spark gap's use.
     const ON_SURFACE: f64 = 0.2;
 
     /// Prepares the walls of `channel`.
-    pub fn new(channel: &'a Channel) -> Result<Self, ExactMeshError> {
-        Ok(Self {
-            channel,
-            low: ExactMesh::new(&wall_mesh(&channel.low))?,
-            high: ExactMesh::new(&wall_mesh(&channel.high))?,
-        })
+    pub fn new(channel: Arc<Channel>) -> Result<Self, ExactMeshError> {
+        let low = ExactMesh::new(&wall_mesh(&channel.low))?;
+        let high = ExactMesh::new(&wall_mesh(&channel.high))?;
+        Ok(Self { channel, low, high })
     }
 
     /// The surface that the point `p` of the blisk lies on.

@@ -113,7 +113,7 @@ fn certify(
         Some(travel) => verifier.within(travel),
         None => verifier,
     };
-    let finder = channel.map(SurfaceFinder::new).transpose()?;
+    let finder = channel.map(|c| SurfaceFinder::new(c.clone().into())).transpose()?;
     let surface_of = |p| finder.as_ref().map_or(Surface::Elsewhere, |f| f.surface_of(p));
     Ok(verifier.verify(path, &surface_of, options, &session.progress, &session.cancel)?)
 }

@@ -17,6 +17,7 @@ mod planner;
 pub mod pose;
 pub mod probes;
 pub mod quantise;
+pub mod replay;
 pub mod samples;
 pub mod search;
 pub mod smoothness;

@@ -99,7 +99,8 @@ fn scaled_to_one<const N: usize>(weights: [f64; N]) -> [f64; N] {
 }
 
 /// Obj1 and Obj2 of a pose and their weighted sum.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ObjectiveValue {
     /// Obj1 (4): unsmoothness.
     pub smoothness: f64,

@@ -1,6 +1,8 @@
 //! The whole plan for one electrode: search, interpolate, verify, and search again where the verifier found the
 //! search too trusting.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::certificate::{Certificate, TravelVerdict};
@@ -25,13 +27,13 @@ use crate::geometry::mesh::{Bounds, Mesh};
 use crate::progress::{Cancel, Progress};
 
 /// What all electrodes of one channel share: the blisk's surface in W, its distance field, and the walls.
-pub struct PlanningSpace<'a> {
+pub struct PlanningSpace {
     /// The finished blisk in W.
-    pub blisk: &'a Mesh,
+    pub blisk: Arc<Mesh>,
     /// The channel.
-    pub channel: &'a Channel,
+    pub channel: Arc<Channel>,
     /// The surfaces of the channel.
-    pub finder: SurfaceFinder<'a>,
+    pub finder: SurfaceFinder,
     /// Signed distance around the channel.
     pub field: DistanceField,
     /// Distances to the two walls there.
@@ -40,7 +42,7 @@ pub struct PlanningSpace<'a> {
     pub edges: Vec<Sample>,
 }
 
-impl<'a> PlanningSpace<'a> {
+impl PlanningSpace {
     /// How far beside the channel's walls the field reaches, as a share of the pitch: the electrode swings there.
     const BESIDE: f64 = 0.75;
     /// How far beyond the field the blisk's edges are sampled (mm): shank and holder pass there.
@@ -50,16 +52,16 @@ impl<'a> PlanningSpace<'a> {
 
     /// Builds the distance field with cells of `cell` mm over the channel and its surroundings.
     pub fn new(
-        blisk: &'a Mesh,
+        blisk: Arc<Mesh>,
         exact: &ExactMesh,
-        channel: &'a Channel,
+        channel: Arc<Channel>,
         cell: f64,
         progress: &Progress,
         cancel: &Cancel,
     ) -> Result<Self, PlanError> {
-        let finder = SurfaceFinder::new(channel)?;
-        let field = DistanceField::build(blisk, exact, Self::region(channel), cell, progress, cancel)?;
-        let edges = sample_convex_edges(blisk, field.bounds().grown(Self::RIMS), Self::EDGE_SPACING);
+        let finder = SurfaceFinder::new(channel.clone())?;
+        let field = DistanceField::build(&blisk, exact, Self::region(&channel), cell, progress, cancel)?;
+        let edges = sample_convex_edges(&blisk, field.bounds().grown(Self::RIMS), Self::EDGE_SPACING);
         let walls = WallDistances::new(&finder, field.bounds());
         Ok(Self { blisk, channel, finder, field, walls, edges })
     }
@@ -151,7 +153,7 @@ impl FeedPlan {
 }
 
 /// Parameters of all that happens to one electrode.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub struct PlanSettings<'a> {
     /// Search and interpolation.
     pub plan: &'a PlanParams,
@@ -163,7 +165,12 @@ pub struct PlanSettings<'a> {
     pub verify: &'a VerifyOptions,
     /// Spark gap (mm).
     pub spark_gap: f64,
+    /// Is shown the nodes found so far after each of them.
+    pub observe: &'a Observe<'a>,
 }
+
+/// Looks at a search while it goes on: nodes from the final pose outwards, and how each of them converged.
+pub type Observe<'a> = dyn Fn(&[Node], &[Convergence]) + Sync + 'a;
 
 /// Makes the electrode again with its walls drawn in by a further h (rad).
 pub type Remake<'a> = dyn Fn(f64) -> Result<Electrode, ElectrodeError> + 'a;

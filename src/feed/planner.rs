@@ -5,13 +5,14 @@ use std::time::Instant;
 use glam::DVec3;
 
 use super::angle_test::AngleTest;
-use super::certificate::{Contact, TravelVerdict};
+use super::certificate::{Certificate, Contact, TravelVerdict};
 use super::clearance::{Bodies, ClearanceModel};
 use super::genetic::{GeneticParams, ReductionMode};
-use super::interpolation::{AxisCurves, Lever, PathFrame, feed_path};
+use super::interpolation::{AxisCurves, InterpolationParams, Lever, PathFrame, feed_path};
 use super::jam::{Jam, JamCause};
 use super::machine::{BeyondTravel, TravelLimits};
 use super::objective::Objective;
+use super::path::FeedPath;
 use super::outside::Outside;
 use super::plan::{FeedPlan, PlanSettings, PlannedPath, PlanningSpace, Remake};
 use super::plan_params::PlanError;
@@ -24,11 +25,12 @@ use super::verify::Verifier;
 use crate::blisk::electrode::{Electrode, ElectrodeError, ElectrodeFace};
 use crate::geometry::distance_field::DistanceField;
 use crate::geometry::exact::ExactMesh;
+use crate::geometry::frame::Frame;
 use crate::progress::{Cancel, Progress};
 
 /// Plans one electrode.
 pub(super) struct Planner<'a> {
-    pub(super) space: &'a PlanningSpace<'a>,
+    pub(super) space: &'a PlanningSpace,
     pub(super) settings: &'a PlanSettings<'a>,
     pub(super) progress: &'a Progress,
     pub(super) cancel: &'a Cancel,
@@ -117,13 +119,11 @@ impl Planner<'_> {
         model: &ClearanceModel,
         genetic: &GeneticParams,
     ) -> Result<(), PlanError> {
-        let verifier = Verifier::new(self.space.blisk, &electrode.mesh, electrode.reference_point)?
+        let verifier = Verifier::new(&self.space.blisk, &electrode.mesh, electrode.reference_point)?
             .within(self.settings.machine.limits());
         let mut lessons = Lessons::default();
         loop {
-            let curves = AxisCurves::through(&plan.nodes, self.settings.plan.interpolation.ends)?;
-            let chord_error = self.settings.plan.interpolation.chord_error_mm;
-            let path = feed_path(&curves, chord_error, lever(electrode, &plan.nodes), self.path_frame(electrode))?;
+            let (curves, path) = interpolated(&plan.nodes, electrode, self.settings, self.space.channel.frame)?;
             let started = Instant::now();
             let surface_of = |p: DVec3| self.space.finder.surface_of(p);
             let certificate = verifier.verify(&path, &surface_of, self.settings.verify, self.progress, self.cancel)?;
@@ -134,9 +134,7 @@ impl Planner<'_> {
             };
             let only_ends_wrong = !certificate.ends_right() && certificate.keeps_clearance() && beyond.is_none();
             if certificate.holds() || plan.rounds > Self::ROUNDS || only_ends_wrong {
-                let step = self.settings.plan.step_mm;
-                let smoothness = Axis::ALL.map(|axis| axis_smoothness(&curves, axis, step));
-                plan.path = Some(PlannedPath { curves, path, certificate, smoothness });
+                plan.path = Some(planned_path(curves, path, certificate, self.settings));
                 return Ok(());
             }
             // The proven bound may fall short where no point met does: then the nearest is what to learn from.
@@ -220,7 +218,7 @@ impl Planner<'_> {
     ) -> Result<(), PlanError> {
         let started = Instant::now();
         let PlanSettings { plan: params, machine, spark_gap, .. } = *self.settings;
-        let channel = self.space.channel;
+        let channel = &*self.space.channel;
         let moving: Vec<Axis> = machine.axes.axes()[1..].to_vec();
         let objective = Objective::new(
             params.weights.normalised(&moving),
@@ -244,6 +242,7 @@ impl Planner<'_> {
             step: params.step_mm,
             fine: &lessons.fine,
             exit_clearance: params.exit_clearance_mm,
+            observe: self.settings.observe,
         };
         let strategy = match params.strategy {
             Strategy::Genetic => StrategyParams::Genetic(*genetic),
@@ -267,7 +266,7 @@ impl Planner<'_> {
         let wanted = self.settings.spark_gap + self.settings.plan.margin_mm;
         let region = electrode.mesh.bounds().grown(wanted + Bodies::AROUND);
         let distance = DistanceField::build(&electrode.mesh, &exact, region, CELL, self.progress, self.cancel)?;
-        let outside = Outside::new(self.space.blisk, &electrode.mesh, electrode.reference_point);
+        let outside = Outside::new(&self.space.blisk, &electrode.mesh, electrode.reference_point);
         Ok(ElectrodeFields { distance, outside })
     }
 
@@ -291,7 +290,7 @@ impl Planner<'_> {
     /// the angle that the electrode's farthest wall point has to its blade. P0 leaves A and B still; here A may
     /// turn by half a pitch and B as far as C.
     fn ranges(&self, electrode: &Electrode) -> [f64; 6] {
-        let channel = self.space.channel;
+        let channel = &*self.space.channel;
         let hub = channel.meridian.iter().map(|m| m.hub).fold(f64::INFINITY, f64::min);
         let shroud = channel.meridian.iter().map(|m| m.shroud).fold(0.0, f64::max);
         let pitch = std::f64::consts::TAU / channel.blades as f64;
@@ -315,14 +314,32 @@ impl Planner<'_> {
         let b = self.space.finder.nearest_on_low_wall(a);
         (a - o).angle_between(b - o).max(1f64.to_radians())
     }
+}
 
-    fn path_frame(&self, electrode: &Electrode) -> PathFrame {
-        PathFrame {
-            frame: self.space.channel.frame,
-            reference_point: electrode.reference_point,
-            spark_gap: self.settings.spark_gap,
-        }
-    }
+/// The curves through `nodes` and the rows along them; `frame` is W in the coordinates of the loaded mesh.
+pub(super) fn interpolated(
+    nodes: &[Node],
+    electrode: &Electrode,
+    settings: &PlanSettings,
+    frame: Frame,
+) -> Result<(AxisCurves, FeedPath), PlanError> {
+    let InterpolationParams { ends, chord_error_mm } = settings.plan.interpolation;
+    let curves = AxisCurves::through(nodes, ends)?;
+    let reference_point = electrode.reference_point;
+    let frame = PathFrame { frame, reference_point, spark_gap: settings.spark_gap };
+    let path = feed_path(&curves, chord_error_mm, lever(electrode, nodes), frame)?;
+    Ok((curves, path))
+}
+
+/// The path with its figures of smoothness.
+pub(super) fn planned_path(
+    curves: AxisCurves,
+    path: FeedPath,
+    certificate: Certificate,
+    settings: &PlanSettings,
+) -> PlannedPath {
+    let smoothness = Axis::ALL.map(|axis| axis_smoothness(&curves, axis, settings.plan.step_mm));
+    PlannedPath { curves, path, certificate, smoothness }
 }
 
 /// Whether an electrode cannot be made because its reductions leave nothing of it.

@@ -11,6 +11,7 @@ use super::interpolation::AxisCurves;
 use super::jam::{Jam, JamCause, JamContact};
 use super::machine::{AxisSet, TravelLimits};
 use super::objective::{Objective, ObjectiveValue, StepMotion};
+use super::plan::Observe;
 use super::pose::{Axis, Pose};
 use super::probes::Demand;
 use crate::blisk::channel::Surface;
@@ -65,6 +66,8 @@ pub struct SearchProblem<'a> {
     pub fine: &'a [[f64; 2]],
     /// How far out of the blisk the electrode is withdrawn (mm).
     pub exit_clearance: f64,
+    /// Is shown the nodes found so far after each of them.
+    pub observe: &'a Observe<'a>,
 }
 
 /// The search for one node.
@@ -108,7 +111,8 @@ pub struct Candidate {
 }
 
 /// A node of the path, counted from the final pose, which is node 0.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Node {
     /// Withdrawn distance (mm).
     pub s: f64,
@@ -267,6 +271,7 @@ impl SearchProblem<'_> {
                 return Ok(SearchOutcome { nodes, convergence, jam: None });
             }
             progress.report("search", last.s / way.max(1e-9), &format!("node {}", nodes.len() - 1));
+            (self.observe)(&nodes, &convergence);
             match self.next_node(strategy, &nodes, attempt, cancel)? {
                 Some((node, trace)) if node.s <= limit => {
                     nodes.push(node);

@@ -5,16 +5,16 @@
 //! fingerprint of what it was made from and is current only as long as that is the document's.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::plan::{PlanInputs, PlanOutcome};
+use super::plan::{PlanInputs, PlanJobError, PlanOutcome, PreparedBlisk};
 use super::stages::{self, Electrodes, FoundChannel, Part};
 use super::worker::{Ended, Message, Reporter, TaskId, Worker};
 use crate::export::report::InputFile;
 use crate::feed::search::{Convergence, Node};
 use crate::progress::{Cancel, Progress};
-use crate::project::{Document, Fingerprint, PlanJob, Stage};
+use crate::project::{Document, Fingerprint, KeptPlan, PlanJob, Stage};
 use crate::render::mesh::RenderMesh;
 
 /// How a step stands.
@@ -46,6 +46,42 @@ struct Planned {
     inputs: PlanInputs,
     outcome: Arc<PlanOutcome>,
     shapes: Vec<Arc<RenderMesh>>,
+}
+
+impl Planned {
+    fn new(inputs: PlanInputs, outcome: PlanOutcome) -> Self {
+        let shapes = outcome.electrodes.iter().map(|e| Arc::new(RenderMesh::new(&e.electrode.mesh))).collect();
+        Self { inputs, outcome: Arc::new(outcome), shapes }
+    }
+}
+
+/// The blisk that was made ready for planning last, kept between plans.
+#[derive(Clone, Default)]
+struct Prepared(Arc<Mutex<Option<(Arc<FoundChannel>, Arc<PreparedBlisk>)>>>);
+
+impl Prepared {
+    /// The one for `found`, made now if it is not that of the last time.
+    fn get(
+        &self,
+        found: &Arc<FoundChannel>,
+        cell: f64,
+        progress: &Progress,
+        cancel: &Cancel,
+    ) -> Result<Arc<PreparedBlisk>, PlanJobError> {
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((of, ready)) = &*kept
+            && Arc::ptr_eq(of, found)
+            && ready.has_cell(cell)
+        {
+            return Ok(ready.clone());
+        }
+        // Two fields at a time would take twice the memory.
+        *kept = None;
+        let (blisk, exact, channel) = (found.blisk.clone(), found.exact.clone(), found.channel.clone());
+        let ready = Arc::new(PreparedBlisk::new(blisk, exact, channel, cell, progress, cancel)?);
+        *kept = Some((found.clone(), ready.clone()));
+        Ok(ready)
+    }
 }
 
 /// What was written.
@@ -211,7 +247,12 @@ pub struct Pipeline {
     electrode: Slot<Electrodes>,
     plan: Slot<Planned>,
     export: Slot<Exported>,
+    prepared: Prepared,
     approved: Option<Fingerprint>,
+    /// The kept plan that was taken up already.
+    replayed: Option<String>,
+    /// A plan to be noted in the document.
+    newly_planned: Option<KeptPlan>,
     partial: PartialPlan,
     running: Option<Running>,
     now: Option<(PlanJob, Now)>,
@@ -231,7 +272,10 @@ impl Pipeline {
             electrode: Slot::default(),
             plan: Slot::default(),
             export: Slot::default(),
+            prepared: Prepared::default(),
             approved: None,
+            replayed: None,
+            newly_planned: None,
             partial: PartialPlan::default(),
             running: None,
             now: None,
@@ -262,6 +306,10 @@ impl Pipeline {
             self.worker.cancel_from(Stage::Plan as u32);
         }
         self.start_early_stages(document.job(), now);
+        self.replay_kept_plan(document, now);
+        if let Some(plan) = self.newly_planned.take() {
+            document.note_plan(plan);
+        }
         events
     }
 
@@ -307,21 +355,52 @@ impl Pipeline {
         }
     }
 
+    /// Takes up the plan that the document came with, if it is for its present parameters.
+    fn replay_kept_plan(&mut self, document: &Document, now: Now) {
+        let (Some(kept), true) = (document.plan(), self.plan.value.is_none() && self.plan.running.is_none()) else {
+            return;
+        };
+        let (Some(part), Some(found)) = (self.part.current(now.part), self.channel.current(now.channel)) else { return };
+        if self.electrode.current(now.electrode).is_none()
+            || self.replayed.as_deref() == Some(&kept.inputs)
+            || kept.inputs != KeptPlan::inputs_of(document.job(), &part.content())
+        {
+            return;
+        }
+        self.replayed = Some(kept.inputs.clone());
+        let (part, found, kept, job) = (part.clone(), found.clone(), kept.clone(), document.job().clone());
+        let work = move |_: &Reporter<PartialPlan, Found>, p: &Progress, c: &Cancel| {
+            let inputs = PlanInputs { blisk: part.mesh.clone(), own_electrode: part.own_electrode.clone(), job };
+            let outcome = super::plan::replay(&inputs, &found.channel, &found.blisk, &found.exact, &kept, p, c);
+            outcome.map(|o| Found::Plan(Planned::new(inputs, o))).map_err(|e| e.to_string())
+        };
+        let id = self.worker.submit(Stage::Plan as u32, work);
+        self.plan.running = Some((id, now.plan));
+    }
+
     /// Starts the plan for the parameters of the last [`follow`](Self::follow).
     ///
     /// # Errors
     /// One line for the user if it cannot be started.
     pub fn start_plan(&mut self) -> Result<(), String> {
         let Some((job, now)) = self.now.clone() else { return Err("nothing is loaded".to_owned()) };
-        let Some(part) = self.part.current(now.part).cloned() else { return Err("the part is not loaded".to_owned()) };
+        let (Some(part), Some(channel)) = (self.part.current(now.part), self.channel.current(now.channel)) else {
+            return Err("the channel is not known yet".to_owned());
+        };
+        let (part, channel) = (part.clone(), channel.clone());
         job.validate()?;
         self.partial = PartialPlan::default();
         self.approved = None;
-        let work = move |_: &Reporter<PartialPlan, Found>, p: &Progress, c: &Cancel| {
+        let prepared = self.prepared.clone();
+        let work = move |reporter: &Reporter<PartialPlan, Found>, p: &Progress, c: &Cancel| {
             let inputs = PlanInputs { blisk: part.mesh.clone(), own_electrode: part.own_electrode.clone(), job };
-            let outcome = super::plan::run(&inputs, p, c).map_err(|e| e.to_string())?;
-            let shapes = outcome.electrodes.iter().map(|e| Arc::new(RenderMesh::new(&e.electrode.mesh))).collect();
-            Ok(Found::Plan(Planned { inputs, outcome: Arc::new(outcome), shapes }))
+            let text = |e: PlanJobError| e.to_string();
+            let ready = prepared.get(&channel, inputs.job.plan.field_cell_mm, p, c).map_err(text)?;
+            let observe = |nodes: &[Node], convergence: &[Convergence]| {
+                reporter.partial(PartialPlan { nodes: nodes.to_vec(), convergence: convergence.to_vec() });
+            };
+            let outcome = super::plan::run_prepared(&ready, &inputs, &observe, p, c).map_err(text)?;
+            Ok(Found::Plan(Planned::new(inputs, outcome)))
         };
         let id = self.worker.submit(Stage::Plan as u32, work);
         self.plan.running = Some((id, now.plan));
@@ -335,6 +414,16 @@ impl Pipeline {
         self.channel.rest(self.channel.running.map(|(_, of)| of));
         self.electrode.rest(self.electrode.running.map(|(_, of)| of));
         self.worker.cancel_from(0);
+    }
+
+    /// Forgets everything: another document is there.
+    pub fn reset(&mut self) {
+        self.worker.cancel_from(0);
+        (self.part, self.channel, self.electrode) = Default::default();
+        (self.plan, self.export) = Default::default();
+        (self.approved, self.replayed, self.newly_planned) = Default::default();
+        (self.running, self.now) = (None, None);
+        self.partial = PartialPlan::default();
     }
 
     /// Reads the files again.
@@ -401,9 +490,22 @@ impl Pipeline {
             Stage::Part => self.part.end(task, ended, Found::part, part_sentence),
             Stage::Channel => self.channel.end(task, ended, Found::channel, channel_sentence),
             Stage::Electrode => self.electrode.end(task, ended, Found::electrode, electrode_sentence),
-            Stage::Plan => self.plan.end(task, ended, Found::plan, plan_sentence),
+            Stage::Plan => {
+                let said = self.plan.end(task, ended, Found::plan, plan_sentence);
+                self.keep_plan();
+                said
+            }
             Stage::Verify | Stage::Export => self.export.end(task, ended, Found::export, export_sentence),
         }
+    }
+
+    fn keep_plan(&mut self) {
+        let Some((_, planned)) = &self.plan.value else { return };
+        let Some(electrodes) = super::plan::kept(&planned.outcome) else { return };
+        let content = self.part.value.as_ref().map(|(_, p)| p.content()).unwrap_or_default();
+        let inputs = KeptPlan::inputs_of(&planned.inputs.job, &content);
+        self.replayed = Some(inputs.clone());
+        self.newly_planned = Some(KeptPlan { inputs, electrodes });
     }
 
     /// How `stage` stands for the document of the last [`follow`](Self::follow).

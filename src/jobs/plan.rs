@@ -9,14 +9,16 @@ use crate::blisk::electrode::{
 };
 use crate::blisk::error::BliskError;
 use crate::blisk::find_channel::find_channel;
+use crate::blisk::surface_finder::SurfaceFinder;
 use crate::export::report::StageTime;
-use crate::feed::plan::{FeedPlan, PlanSettings, PlanningSpace, plan_feed};
+use crate::feed::plan::{FeedPlan, Observe, PlanSettings, PlanningSpace, plan_feed};
 use crate::feed::plan_params::PlanError;
+use crate::feed::replay::{Stage, replay_feed};
 use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::frame::Frame;
 use crate::geometry::mesh::Mesh;
 use crate::progress::{Cancel, Cancelled, Progress};
-use crate::project::PlanJob;
+use crate::project::{KeptElectrode, KeptPlan, PlanJob};
 
 /// What a plan is made from.
 #[derive(Debug, Clone)]
@@ -44,7 +46,7 @@ pub struct ElectrodeOutcome {
 #[derive(Debug, Clone)]
 pub struct PlanOutcome {
     /// The channel.
-    pub channel: Channel,
+    pub channel: Arc<Channel>,
     /// The electrodes in the order of their parts.
     pub electrodes: Vec<ElectrodeOutcome>,
     /// Times of the stages in order.
@@ -101,25 +103,83 @@ impl From<PlanError> for PlanJobError {
     }
 }
 
+/// A blisk made ready for planning: everything that does not change while electrodes and searches are tuned.
+pub struct PreparedBlisk {
+    /// For exact distances, in W.
+    exact: Arc<ExactMesh>,
+    /// The channel with its distance field.
+    space: PlanningSpace,
+    /// Size of a cell of the field (mm).
+    cell: f64,
+    /// Times of the stages.
+    clock: Clock,
+}
+
+impl PreparedBlisk {
+    /// Builds the distance field about `channel`; `blisk` and `exact` are in W.
+    ///
+    /// # Errors
+    /// If the field gets too large, or when told to stop.
+    pub fn new(
+        blisk: Arc<Mesh>,
+        exact: Arc<ExactMesh>,
+        channel: Arc<Channel>,
+        cell: f64,
+        progress: &Progress,
+        cancel: &Cancel,
+    ) -> Result<Self, PlanJobError> {
+        let mut clock = Clock::default();
+        let build = || PlanningSpace::new(blisk, &exact, channel, cell, progress, cancel);
+        let space = clock.time("distance field", build)?;
+        Ok(Self { exact, space, cell, clock })
+    }
+
+    /// Whether it was made with this cell size (mm).
+    pub fn has_cell(&self, cell: f64) -> bool {
+        self.cell == cell
+    }
+}
+
 /// Plans every electrode of the job.
+///
+/// # Errors
+/// [`PlanJobError`]; that there is no path is not one of them.
 pub fn run(inputs: &PlanInputs, progress: &Progress, cancel: &Cancel) -> Result<PlanOutcome, PlanJobError> {
     let job = &inputs.job;
+    job.plan.validate()?;
     let mut clock = Clock::default();
     let channel = clock.time("channel", || find_channel(&inputs.blisk, &job.blisk.options, progress, cancel))?;
     let blisk = inputs.blisk.in_frame(&channel.frame);
     let exact = clock.time("exact mesh", || ExactMesh::new(&blisk))?;
     let cell = job.plan.field_cell_mm;
-    job.plan.validate()?;
-    let space =
-        clock.time("distance field", || PlanningSpace::new(&blisk, &exact, &channel, cell, progress, cancel))?;
-    let mut planner = JobPlanner { inputs, space: &space, exact: &exact, progress, cancel, clock };
+    let mut prepared =
+        PreparedBlisk::new(blisk.into(), exact.into(), channel.into(), cell, progress, cancel)?;
+    clock.0.append(&mut prepared.clock.0);
+    prepared.clock = clock;
+    run_prepared(&prepared, inputs, &|_, _| (), progress, cancel)
+}
+
+/// Plans every electrode of the job on a blisk that was made ready before; `observe` is shown the nodes as they are
+/// found. The answer is that of [`run`].
+///
+/// # Errors
+/// [`PlanJobError`]; that there is no path is not one of them.
+pub fn run_prepared(
+    prepared: &PreparedBlisk,
+    inputs: &PlanInputs,
+    observe: &Observe,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<PlanOutcome, PlanJobError> {
+    inputs.job.plan.validate()?;
+    let PreparedBlisk { space, exact, clock, .. } = prepared;
+    let mut planner = JobPlanner { inputs, space, exact, observe, progress, cancel, clock: clock.clone() };
     let electrodes = planner.electrodes()?;
-    let times = planner.clock.0;
-    Ok(PlanOutcome { channel, electrodes, times })
+    Ok(PlanOutcome { channel: space.channel.clone(), electrodes, times: planner.clock.0 })
 }
 
 /// Adds up the times of stages by name.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Clock(Vec<StageTime>);
 
 impl Clock {
@@ -140,8 +200,9 @@ impl Clock {
 
 struct JobPlanner<'a> {
     inputs: &'a PlanInputs,
-    space: &'a PlanningSpace<'a>,
+    space: &'a PlanningSpace,
     exact: &'a ExactMesh,
+    observe: &'a Observe<'a>,
     progress: &'a Progress,
     cancel: &'a Cancel,
     clock: Clock,
@@ -186,7 +247,7 @@ impl JobPlanner<'_> {
                     before
                 }
             };
-            tried.extend(worse.map(|o| (o.electrode.enters_from, o.plan.verdict(self.space.channel))));
+            tried.extend(worse.map(|o| (o.electrode.enters_from, o.plan.verdict(&self.space.channel))));
             if best.as_ref().is_some_and(|b| b.plan.is_verified()) {
                 break;
             }
@@ -209,6 +270,7 @@ impl JobPlanner<'_> {
             machine: &job.machine,
             verify: &job.verify,
             spark_gap: job.electrode.spark_gap_mm,
+            observe: self.observe,
         };
         let remake = |h: f64| self.electrode(part, side, h);
         let mut plan = plan_feed(self.space, &electrode, &settings, &remake, self.progress, self.cancel)?;
@@ -219,27 +281,81 @@ impl JobPlanner<'_> {
         Ok(ElectrodeOutcome { electrode, plan, tried: Vec::new() })
     }
 
-    /// The electrode with its walls drawn in by a further `h` (rad), its vertices as a file will hold them.
     fn electrode(&self, part: usize, side: EntrySide, h: f64) -> Result<Electrode, ElectrodeError> {
-        let params = &self.inputs.job.electrode;
-        let channel = self.space.channel;
-        let mut electrode = match &self.inputs.own_electrode {
-            Some(own) => {
-                let own = own.in_frame(&channel.frame);
-                from_user_mesh(own, channel, self.exact, params.spark_gap_mm, side, self.cancel)?
-            }
-            None => {
-                let [low, high] = params.circumferential_reduction_deg;
-                let circumferential_reduction_deg = [low + h.to_degrees(), high + h.to_degrees()];
-                let params = ElectrodeParams { circumferential_reduction_deg, ..params.clone() };
-                let mut all = make_electrodes(channel, self.exact, &params, side, self.progress, self.cancel)?;
-                // Electrodes are counted from the side of entry.
-                all.swap_remove(if side == EntrySide::MinusX { part } else { params.parts - 1 - part })
-            }
-        };
-        electrode.mesh = as_written(&electrode.mesh, &channel.frame);
-        Ok(electrode)
+        electrode_of(self.inputs, &self.space.channel, self.exact, (part, side, h), self.progress, self.cancel)
     }
+}
+
+/// The electrode number `part` along X for a side, with its walls drawn in by a further `h` (rad), its vertices as a file
+/// will hold them.
+fn electrode_of(
+    inputs: &PlanInputs,
+    channel: &Channel,
+    exact: &ExactMesh,
+    (part, side, h): (usize, EntrySide, f64),
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Electrode, ElectrodeError> {
+    let params = &inputs.job.electrode;
+    let mut electrode = match &inputs.own_electrode {
+        Some(own) => from_user_mesh(own.in_frame(&channel.frame), channel, exact, params.spark_gap_mm, side, cancel)?,
+        None => {
+            let [low, high] = params.circumferential_reduction_deg;
+            let circumferential_reduction_deg = [low + h.to_degrees(), high + h.to_degrees()];
+            let params = ElectrodeParams { circumferential_reduction_deg, ..params.clone() };
+            let mut all = make_electrodes(channel, exact, &params, side, progress, cancel)?;
+            // Electrodes are counted from the side of entry.
+            all.swap_remove(if side == EntrySide::MinusX { part } else { params.parts - 1 - part })
+        }
+    };
+    electrode.mesh = as_written(&electrode.mesh, &channel.frame);
+    Ok(electrode)
+}
+
+/// The plan whose nodes were kept in a project: joined and verified anew, in a fraction of the time of a search.
+///
+/// # Errors
+/// As [`run`], and if the nodes do not fit the job.
+pub fn replay(
+    inputs: &PlanInputs,
+    channel: &Arc<Channel>,
+    blisk: &Mesh,
+    exact: &ExactMesh,
+    kept: &KeptPlan,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<PlanOutcome, PlanJobError> {
+    let job = &inputs.job;
+    let mut clock = Clock::default();
+    let finder = SurfaceFinder::new(channel.clone())?;
+    let settings = PlanSettings {
+        plan: &job.plan,
+        genetic: &job.genetic,
+        machine: &job.machine,
+        verify: &job.verify,
+        spark_gap: job.electrode.spark_gap_mm,
+        observe: &|_, _| (),
+    };
+    let stage = Stage { blisk, finder: &finder, frame: channel.frame };
+    let mut electrodes = Vec::new();
+    for (part, KeptElectrode { side, h, nodes }) in kept.electrodes.iter().enumerate() {
+        let make = || electrode_of(inputs, channel, exact, (part, *side, *h), progress, cancel);
+        let electrode = clock.time("electrode", make)?;
+        let plan = replay_feed(&stage, &electrode, nodes, *h, &settings, progress, cancel)?;
+        clock.add("certificate", plan.verify_seconds);
+        electrodes.push(ElectrodeOutcome { electrode, plan, tried: Vec::new() });
+    }
+    Ok(PlanOutcome { channel: channel.clone(), electrodes, times: clock.0 })
+}
+
+/// What a project keeps of a plan: none unless every electrode has a certified path.
+pub fn kept(outcome: &PlanOutcome) -> Option<Vec<KeptElectrode>> {
+    let keep = |e: &ElectrodeOutcome| KeptElectrode {
+        side: e.electrode.enters_from,
+        h: e.plan.h,
+        nodes: e.plan.nodes.clone(),
+    };
+    outcome.is_verified().then(|| outcome.electrodes.iter().map(keep).collect())
 }
 
 /// How good an outcome is: verified, come out, or got so far (mm).

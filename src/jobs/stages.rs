@@ -44,11 +44,11 @@ impl Part {
 /// The channel of a part, and the part made ready for exact questions.
 pub struct FoundChannel {
     /// The channel.
-    pub channel: Channel,
+    pub channel: Arc<Channel>,
     /// The blisk in W.
-    pub blisk: Mesh,
+    pub blisk: Arc<Mesh>,
     /// The same for exact distances.
-    pub exact: ExactMesh,
+    pub exact: Arc<ExactMesh>,
     /// What is shown of it.
     pub shapes: ChannelShapes,
 }
@@ -138,7 +138,7 @@ pub fn channel(part: &Part, job: &PlanJob, progress: &Progress, cancel: &Cancel)
     let blisk = part.mesh.in_frame(&channel.frame);
     let exact = ExactMesh::new(&blisk).map_err(|e| e.to_string())?;
     let shapes = channel_shapes(&blisk, &channel);
-    Ok(FoundChannel { channel, blisk, exact, shapes })
+    Ok(FoundChannel { channel: channel.into(), blisk: blisk.into(), exact: exact.into(), shapes })
 }
 
 /// Makes the electrodes for the first side on which they can be made.

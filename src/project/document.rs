@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::history::History;
 use super::job_file::PlanJob;
+use super::kept_plan::KeptPlan;
 use super::project_file::{MeshReference, MovedMesh, ProjectFile, ProjectFileError};
 
 /// The parameters of a job as a user edits them.
@@ -15,6 +16,8 @@ pub struct Document {
     saved: PlanJob,
     /// Meshes as they were when they were last read, for the project file.
     meshes: Vec<MeshReference>,
+    /// The plan that was made last.
+    plan: Option<KeptPlan>,
 }
 
 /// Why a project file cannot be opened as it stands.
@@ -30,14 +33,15 @@ pub enum OpenError {
 
 impl Default for Document {
     fn default() -> Self {
-        Self::new(PlanJob::demonstration())
+        let ProjectFile { job, meshes, plan } = ProjectFile::demonstration();
+        Self { meshes, plan, ..Self::new(job) }
     }
 }
 
 impl Document {
     /// A new document, not yet saved and without unsaved work.
     pub fn new(job: PlanJob) -> Self {
-        Self { saved: job.clone(), job, history: History::default(), file: None, meshes: Vec::new() }
+        Self { saved: job.clone(), job, history: History::default(), file: None, meshes: Vec::new(), plan: None }
     }
 
     /// A new document for the blisk in the mesh file `mesh`, all else by default.
@@ -60,17 +64,17 @@ impl Document {
 
     /// The document of a project file, whatever has become of its meshes.
     pub fn opened(project: ProjectFile, path: &Path) -> Self {
-        let ProjectFile { job, meshes } = project;
-        Self { file: Some(path.to_owned()), meshes, ..Self::new(job) }
+        let ProjectFile { job, meshes, plan } = project;
+        Self { file: Some(path.to_owned()), meshes, plan, ..Self::new(job) }
     }
 
     /// A document from an autosaved copy: unsaved work, to be saved as `file`.
     pub fn recovered(project: ProjectFile, file: Option<PathBuf>) -> Self {
-        let ProjectFile { job, meshes } = project;
+        let ProjectFile { job, meshes, plan } = project;
         // Nothing on disk holds these parameters, so that any comparison must find them unsaved.
         let mut saved = job.clone();
         saved.genetic.seed = saved.genetic.seed.wrapping_add(1);
-        Self { file, meshes, saved, ..Self::new(job) }
+        Self { file, meshes, plan, saved, ..Self::new(job) }
     }
 
     /// The parameters.
@@ -139,7 +143,17 @@ impl Document {
         let used = |m: &&MeshReference| {
             [&self.job.blisk.mesh, &self.job.electrode.mesh].iter().any(|p| p.as_ref() == Some(&m.path))
         };
-        ProjectFile { job: self.job.clone(), meshes: self.meshes.iter().filter(used).cloned().collect() }
+        ProjectFile { job: self.job.clone(), meshes: self.meshes.iter().filter(used).cloned().collect(), plan: self.plan.clone() }
+    }
+
+    /// The plan that was made last, or came with the file.
+    pub fn plan(&self) -> Option<&KeptPlan> {
+        self.plan.as_ref()
+    }
+
+    /// Notes a plan, for the project file. A plan alone is no unsaved work: the same search finds it again.
+    pub fn note_plan(&mut self, plan: KeptPlan) {
+        self.plan = Some(plan);
     }
 
     /// Saves as `path` and makes it the document's file.

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::job_file::PlanJob;
+use super::kept_plan::KeptPlan;
 use crate::mesh_io::atomic_write;
 
 /// What a project file holds. Paths are as seen from the working folder, not from the file.
@@ -21,6 +22,8 @@ pub struct ProjectFile {
     pub job: PlanJob,
     /// The meshes they name, as far as these have been read.
     pub meshes: Vec<MeshReference>,
+    /// The plan that was made of them, if there was one.
+    pub plan: Option<KeptPlan>,
 }
 
 /// A mesh file and what it held.
@@ -84,6 +87,8 @@ struct Content {
     job: serde_json::Value,
     #[serde(default)]
     meshes: Vec<MeshReference>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    plan: Option<KeptPlan>,
 }
 
 /// What every version has, to tell a newer file from a broken one.
@@ -107,6 +112,14 @@ impl ProjectFile {
             .map_err(|problem| ProjectFileError::Invalid { path: path.to_owned(), problem })
     }
 
+    /// The project of the built-in demonstration, with its plan.
+    pub fn demonstration() -> Self {
+        let built_in = include_str!("../../assets/demonstration.sparkpath");
+        // A test opens it; were it damaged, the demonstration would start without its plan.
+        let bare = || Self { job: PlanJob::demonstration(), meshes: Vec::new(), plan: None };
+        Self::parse(built_in, Path::new("")).unwrap_or_else(|_| bare())
+    }
+
     fn parse(text: &str, folder: &Path) -> Result<Self, String> {
         let head: Head = serde_json::from_str(text)
             .map_err(|e| format!("this is no Sparkpath project ({e}); open a .sparkpath file"))?;
@@ -123,7 +136,7 @@ impl ProjectFile {
         let content: Content = serde_json::from_str(text).map_err(|e| format!("the project is damaged: {e}"))?;
         let job = PlanJob::from_json(content.job, folder).map_err(|e| format!("the project is damaged: {e}"))?;
         let meshes = content.meshes.into_iter().map(|m| MeshReference { path: folder.join(m.path), ..m }).collect();
-        Ok(Self { job, meshes })
+        Ok(Self { job, meshes, plan: content.plan })
     }
 
     /// Writes the project file, under a temporary name first.
@@ -150,7 +163,8 @@ impl ProjectFile {
             .iter()
             .map(|m| MeshReference { path: relative(&m.path, &folder), sha256: m.sha256.clone() })
             .collect();
-        let content = Content { format: FORMAT.to_owned(), version: VERSION, job: serde_json::to_value(&job)?, meshes };
+        let (job, plan) = (serde_json::to_value(&job)?, self.plan.clone());
+        let content = Content { format: FORMAT.to_owned(), version: VERSION, job, meshes, plan };
         serde_json::to_string_pretty(&content).map(|text| text + "\n")
     }
 
@@ -226,7 +240,7 @@ mod tests {
         job.blisk.mesh = Some(mesh.clone());
         job.electrode.circumferential_reduction_deg = [0.1 + 0.2, 1.0 / 3.0];
         job.blisk.options.blades = crate::blisk::options::Auto::Given(60);
-        ProjectFile { job, meshes: vec![MeshReference { sha256: sha256_of(&mesh).unwrap(), path: mesh }] }
+        ProjectFile { job, plan: None, meshes: vec![MeshReference { sha256: sha256_of(&mesh).unwrap(), path: mesh }] }
     }
 
     #[test]
@@ -285,6 +299,14 @@ mod tests {
             let problem = ProjectFile::parse(&text, Path::new("")).unwrap_err();
             assert!(problem.contains(named) && !problem.contains('\n'), "{problem}");
         }
+    }
+
+    #[test]
+    fn the_demonstration_comes_with_a_plan_for_its_own_parameters() {
+        let ProjectFile { job, plan, .. } = ProjectFile::demonstration();
+        assert_eq!(job, PlanJob::demonstration());
+        let plan = plan.expect("open the demonstration, plan, and save it as assets/demonstration.sparkpath");
+        assert_eq!(plan.inputs, KeptPlan::inputs_of(&job, ""), "plan it again, and save it");
     }
 
     #[test]
