@@ -8,11 +8,16 @@ use glam::DVec3;
 
 use super::commands::Command;
 use super::preferences::Preferences;
+use crate::blisk::electrode::Electrode;
+use crate::feed::pose::Pose;
 use crate::jobs::pipeline::{Event, EventKind, Pipeline, StageState};
 use crate::jobs::plan::ElectrodeOutcome;
+use crate::jobs::worker::{Ended, Message, Worker};
 use crate::project::{Document, PlanJob, Stage};
-use crate::render::scene::SectionPlane;
-use crate::views::{Layer, Layers, Track};
+use crate::render::colour_map::{ColourMap, Legend};
+use crate::render::mesh::RenderMesh;
+use crate::render::scene::{SectionPlane, SurfaceValues};
+use crate::views::{Layer, Layers, Track, clearance_at_vertices};
 
 /// See the module's page.
 pub struct Core {
@@ -34,6 +39,11 @@ pub struct Core {
     pub section: Option<SectionPlane>,
     /// Whether the electrode is coloured by its clearance.
     pub colours: bool,
+    /// The colours of the electrode at some pose, and the thread that they are computed on: another than that of the
+    /// plan, which may take long.
+    colouring: Worker<(), (ColourKey, Arc<Vec<f32>>)>,
+    coloured: Option<(ColourKey, Arc<Vec<f32>>)>,
+    colours_asked: Option<ColourKey>,
     /// Whether clicks in the view measure.
     pub measuring: bool,
     /// Everything that has been said.
@@ -56,6 +66,14 @@ pub struct Cursor {
     pub playing: bool,
     /// How fast (mm/s).
     pub speed: f64,
+}
+
+/// What colours were computed for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct ColourKey {
+    /// The address of the electrode, which stays where it is as long as it is shown.
+    electrode: usize,
+    pose: Pose,
 }
 
 /// A line of the log.
@@ -86,11 +104,14 @@ impl Core {
     pub fn new(
         document: Document,
         preferences: Preferences,
-        wake: impl Fn() + Send + Sync + 'static,
+        wake: impl Fn() + Send + Sync + Clone + 'static,
     ) -> std::io::Result<Self> {
         Ok(Self {
             document,
-            pipeline: Pipeline::start(wake)?,
+            pipeline: Pipeline::start(wake.clone())?,
+            colouring: Worker::start(wake)?,
+            coloured: None,
+            colours_asked: None,
             preferences,
             step: Stage::Part,
             cursor: Cursor { electrode: 0, s: 0.0, playing: false, speed: 10.0 },
@@ -124,6 +145,7 @@ impl Core {
             self.say(event.kind, format!("{}: {}", event.stage.name(), event.text));
         }
         self.follow_track();
+        self.follow_colours();
         events
     }
 
@@ -194,6 +216,66 @@ impl Core {
         }
         self.cursor.s = self.cursor.s.min(track.length());
         (self.track, self.track_of) = (Arc::new(track), source);
+    }
+
+    /// Has the electrode's clearance computed at the pose of the cursor, if it is to be seen.
+    fn follow_colours(&mut self) {
+        for message in self.colouring.messages() {
+            if let Message::Finished(_, Ended::Done(found)) = message {
+                self.coloured = Some(found);
+            }
+        }
+        if !self.colours {
+            (self.coloured, self.colours_asked) = (None, None);
+            return;
+        }
+        let Some((electrode, _)) = self.shown_electrode() else { return };
+        let Some(found) = self.pipeline.channel() else { return };
+        let pose = self.track.at(self.cursor.s).filter(|_| !self.is_tuning()).map(|s| s.pose).unwrap_or_default();
+        let key = ColourKey { electrode: std::ptr::from_ref(electrode) as usize, pose };
+        if self.colours_asked == Some(key) {
+            return;
+        }
+        let (electrode, exact) = (electrode.clone(), found.exact.clone());
+        self.colours_asked = Some(key);
+        self.colouring.submit(0, move |_, _, cancel| {
+            let values = clearance_at_vertices(&electrode, &exact, &pose, cancel).map_err(|e| e.to_string())?;
+            Ok((key, Arc::new(values)))
+        });
+    }
+
+    /// The electrode's clearance as colours, as far as it is computed.
+    pub fn colour_values(&self) -> Option<SurfaceValues> {
+        let (_, values) = self.coloured.as_ref().filter(|_| self.colours)?;
+        let legend = self.colour_legend();
+        let range = [legend.min as f32, legend.max as f32];
+        Some(SurfaceValues { values: values.clone(), map: legend.map, range })
+    }
+
+    /// What the colours mean.
+    pub fn colour_legend(&self) -> Legend {
+        let gap = self.document.job().electrode.spark_gap_mm;
+        Legend {
+            title: "Clearance".to_owned(),
+            unit: "mm".to_owned(),
+            map: ColourMap::Threshold,
+            min: 0.0,
+            max: 2.0 * gap,
+            threshold: Some(gap),
+        }
+    }
+
+    /// Whether the electrode is being tuned, so that the plan there may be is not its own.
+    pub fn is_tuning(&self) -> bool {
+        self.pipeline.state(Stage::Plan) != StageState::Done && self.step <= Stage::Electrode
+    }
+
+    /// The electrode that is shown and its shape: while parameters are tuned as it would be, not as it was planned.
+    pub fn shown_electrode(&self) -> Option<(&Electrode, &Arc<RenderMesh>)> {
+        let (p, i) = (&self.pipeline, self.cursor.electrode);
+        let planned = self.outcome().map(|o| &o.electrode).zip(p.plan_shapes().and_then(|s| s.get(i)));
+        let tuned = p.electrodes().and_then(|e| e.electrodes.get(i).zip(e.shapes.get(i)));
+        if self.is_tuning() { tuned.or(planned) } else { planned.or(tuned) }
     }
 
     /// Moves the playing cursor on by `elapsed`. Tells whether it still moves.

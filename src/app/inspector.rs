@@ -32,7 +32,7 @@ fn pose(ui: &mut Ui, core: &Core) {
     if core.plan_is_stale() {
         ui.label(RichText::new("of a stale plan").small().color(palette(ui).warning));
     }
-    let what = station.node.map_or("between nodes".to_owned(), |n| format!("node {n} from the final pose"));
+    let what = station.node.map_or("between nodes".to_owned(), |n| format!("{n} nodes before final"));
     fact(ui, "Place", what);
     fact(ui, "Withdrawn", length.show(station.s, 3));
     for axis in core.document.job().machine.axes.axes() {

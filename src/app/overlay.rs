@@ -9,6 +9,7 @@ use super::theme::palette;
 use super::viewport::Viewport;
 use crate::jobs::pipeline::StageState;
 use crate::project::Stage;
+use crate::render::colour_map::Legend;
 use crate::render::scene::SectionPlane;
 use crate::render::view::StandardView;
 
@@ -21,6 +22,39 @@ pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core, viewport: &mut Viewport) {
     }
     verdict(ui, rect, core);
     measured(ui, rect, viewport, core);
+    if core.colour_values().is_some() {
+        legend(ui, rect, &core.colour_legend());
+    }
+}
+
+/// The bar of colours with round values beside it and a mark at the value that counts.
+fn legend(ui: &Ui, rect: Rect, legend: &Legend) {
+    const SIZE: egui::Vec2 = vec2(14.0, 180.0);
+    let bar = Rect::from_min_size(pos2(rect.left() + 18.0, rect.top() + 78.0), SIZE);
+    let colours = palette(ui);
+    let painter = ui.painter();
+    let back = Rect::from_min_max(bar.min - vec2(8.0, 28.0), bar.max + vec2(74.0, 12.0));
+    painter.rect_filled(back, 6.0, ui.visuals().window_fill.gamma_multiply(0.88));
+    let title = format!("{} {}", legend.title, legend.unit);
+    painter.text(bar.left_top() - vec2(0.0, 16.0), Align2::LEFT_CENTER, title, FontId::proportional(12.0), colours.faint);
+    let steps = 60;
+    for i in 0..steps {
+        let t = f64::from(i) / f64::from(steps - 1);
+        let c = legend.map.at(t);
+        let top = bar.bottom() - SIZE.y * (i + 1) as f32 / steps as f32;
+        let cell = Rect::from_min_size(pos2(bar.left(), top), vec2(SIZE.x, SIZE.y / steps as f32 + 0.5));
+        painter.rect_filled(cell, 0.0, Color32::from_rgb(c.r, c.g, c.b));
+    }
+    let y = |value: f64| bar.bottom() - SIZE.y * legend.place(value) as f32;
+    for value in legend.ticks(5) {
+        let at = pos2(bar.right() + 6.0, y(value));
+        painter.text(at, Align2::LEFT_CENTER, format!("{value:.2}"), FontId::monospace(11.0), ui.visuals().text_color());
+    }
+    if let Some(value) = legend.threshold {
+        let line = egui::Stroke::new(2.0, ui.visuals().strong_text_color());
+        painter.hline(bar.left() - 3.0..=bar.right() + 3.0, y(value), line);
+        painter.text(pos2(bar.right() + 40.0, y(value)), Align2::LEFT_CENTER, "gap", FontId::proportional(11.0), colours.faint);
+    }
 }
 
 fn buttons(ui: &mut Ui, rect: Rect, core: &mut Core) {
@@ -38,6 +72,7 @@ fn buttons(ui: &mut Ui, rect: Rect, core: &mut Core) {
         ("Blisk", Command::WholeBlisk, false),
         ("Section", Command::Section, core.section.is_some()),
         ("Measure", Command::Measure, core.measuring),
+        ("Clearance", Command::Colours, core.colours),
     ];
     for (name, command, on) in views {
         let enabled = command.is_enabled(core);

@@ -119,7 +119,7 @@ fn over_distance<'a>(
     name: &'static str,
     build: impl FnOnce(&mut egui_plot::PlotUi<'a>) + 'a,
 ) {
-    let colour = palette(ui).accent;
+    let (colour, grid) = (palette(ui).accent, palette(ui).faint.gamma_multiply(0.35));
     let cursor = core.cursor.s;
     let plot = Plot::new(name)
         .invert_x(true)
@@ -129,10 +129,12 @@ fn over_distance<'a>(
         .allow_zoom(Vec2b::new(false, false))
         .allow_boxed_zoom(false)
         .show_background(false)
+        .grid_color(grid)
+        .set_margin_fraction(egui::vec2(0.012, 0.06))
         .y_axis_min_width(44.0);
     let response = plot.show(ui, move |plot| {
         build(plot);
-        plot.vline(VLine::new("cursor", cursor).color(colour).width(1.5).allow_hover(false));
+        plot.vline(VLine::new("", cursor).color(colour).width(1.5).allow_hover(false));
         plot.pointer_coordinate()
     });
     response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Plot {name}")));

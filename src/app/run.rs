@@ -485,8 +485,8 @@ impl SparkpathApp {
         }
         Panel::bottom("status").exact_size(26.0).show(ui, |ui| status::show(ui, &mut self.core));
         let request = Panel::left("step")
-            .default_size(312.0)
-            .size_range(280.0..=420.0)
+            .default_size(356.0)
+            .size_range(356.0..=460.0)
             .show(ui, |ui| stepper::show(ui, &mut self.core))
             .inner;
         if request == Some(Request::ElectrodeMesh) {

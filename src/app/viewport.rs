@@ -6,7 +6,6 @@ use std::time::{Duration, Instant};
 use egui::{Align2, Color32, FontId, PointerButton, Rect, Response, Sense, Ui, pos2, vec2};
 use glam::{DVec2, DVec3};
 
-use super::commands::Command;
 use super::core::Core;
 use super::preferences::Navigation;
 use super::theme::palette;
@@ -65,12 +64,13 @@ pub struct Viewport {
 /// Everything that the scene depends on.
 #[derive(Debug, Clone, PartialEq)]
 struct SceneKey {
-    sources: [usize; 5],
+    sources: [usize; 6],
     s: f64,
     layers: crate::views::Layers,
     selected: Option<Layer>,
     section: Option<crate::render::scene::SectionPlane>,
     dark: bool,
+    tuning: bool,
     contact: Option<[DVec3; 2]>,
     probe: Option<Probe>,
     first_point: Option<DVec3>,
@@ -301,6 +301,7 @@ impl Viewport {
             address(p.electrodes()),
             address(p.plan()) ^ core.cursor.electrode,
             Arc::as_ptr(&core.shared_track()) as usize,
+            core.colour_values().map_or(0, |v| Arc::as_ptr(&v.values) as usize),
         ];
         SceneKey {
             sources,
@@ -309,6 +310,7 @@ impl Viewport {
             selected: core.selected,
             section: core.section,
             dark: ui.visuals().dark_mode,
+            tuning: core.is_tuning(),
             contact: core.contact(),
             probe: self.probe.clone(),
             first_point: self.first_point,
@@ -356,25 +358,22 @@ fn bodies(scene: &Scene) -> crate::geometry::mesh::Bounds {
 /// The scene of the present state.
 pub fn scene(core: &Core, theme: Theme) -> Scene {
     let p = &core.pipeline;
-    let planned = core.outcome().map(|o| &o.electrode).zip(p.plan_shapes().and_then(|s| s.get(core.cursor.electrode)));
-    // While parameters are tuned the electrode as it would be is shown, not the one that was planned before.
-    let tuned =
-        p.electrodes().and_then(|e| e.electrodes.get(core.cursor.electrode).zip(e.shapes.get(core.cursor.electrode)));
-    let fresh = p.state(Stage::Plan) != StageState::Done && core.step <= Stage::Electrode;
-    let electrode = if fresh { tuned.or(planned) } else { planned.or(tuned) };
+    let fresh = core.is_tuning();
+    let values = core.colour_values();
     let track = core.shared_track();
     build(&SceneInputs {
         blisk: p.part().map(|part| &part.shape),
         channel: p.channel().map(|f| (&*f.channel, &f.shapes)),
-        electrode,
+        electrode: core.shown_electrode(),
         track: (!track.is_empty() && !fresh).then_some(&*track),
         s: core.cursor.s,
         contact: core.contact().filter(|_| !fresh),
-        values: None,
+        values: values.as_ref(),
         layers: &core.layers,
         selected: core.selected,
         section: core.section,
         theme,
+        triad: false,
     })
 }
 
@@ -401,5 +400,4 @@ fn empty(ui: &Ui, rect: Rect, state: &StageState) {
         let colour = Color32::from_gray(150);
         ui.painter().text(at, Align2::CENTER_CENTER, line, FontId::proportional(13.5), colour);
     }
-    let _ = Command::Open;
 }

@@ -4,7 +4,9 @@
 mod scene;
 mod shapes;
 mod track;
+mod values;
 
 pub use scene::{Layer, Layers, Look, SceneInputs, build, layer_id, layer_of};
 pub use shapes::{ChannelShapes, channel_shapes};
 pub use track::{Station, Track};
+pub use values::clearance_at_vertices;

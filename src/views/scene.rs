@@ -172,6 +172,8 @@ pub struct SceneInputs<'a> {
     pub section: Option<SectionPlane>,
     /// Colours of the surroundings.
     pub theme: Theme,
+    /// Whether the axes are shown in a corner.
+    pub triad: bool,
 }
 
 /// The name of a layer's bodies in a scene.
@@ -186,7 +188,7 @@ pub fn layer_of(id: ObjectId) -> Option<Layer> {
 
 /// The scene, in the coordinates of the loaded mesh.
 pub fn build(inputs: &SceneInputs) -> Scene {
-    let mut scene = Scene::new(inputs.theme);
+    let mut scene = Scene { triad: inputs.triad, ..Scene::new(inputs.theme) };
     let layers = inputs.layers;
     let add = |scene: &mut Scene, layer: Layer, mesh: &Arc<RenderMesh>, at: DAffine3| {
         let look = layers.get(layer);

@@ -1,6 +1,10 @@
 //! Meshes for the screen, made once where the work is done and not where it is shown.
 
+use std::collections::HashMap;
+use std::f64::consts::PI;
 use std::sync::Arc;
+
+use glam::DVec3;
 
 use crate::blisk::channel::{Channel, ChannelWall};
 use crate::geometry::frame::Cylindrical;
@@ -36,32 +40,74 @@ fn wall_mesh(wall: &ChannelWall, is_low: bool) -> Mesh {
     Mesh { triangles: triangles.collect(), vertices: wall.points.clone() }
 }
 
-/// The triangles of the blisk within a pitch of the channel's middle and below its shroud, so that one sees into it.
+/// The blisk within a pitch of the channel's middle and below its shroud, so that one sees into it. Cut along the planes
+/// through the axis, so that its sides are straight.
 fn sector(blisk: &Mesh, channel: &Channel) -> Mesh {
-    let half = 1.6 * std::f64::consts::PI / channel.blades as f64;
-    let kept = |[a, b, c]: [glam::DVec3; 3]| {
-        let middle = Cylindrical::from_point((a + b + c) / 3.0);
-        let (_, shroud) = channel.radii_at(middle.x);
-        let below_shroud = !channel.shrouded || middle.r < shroud - 0.05;
-        middle.theta.abs() < half && below_shroud
+    let half = (1.6 * PI / channel.blades as f64).min(0.45 * PI);
+    let sides = [half, -half].map(|theta| DVec3::new(0.0, -theta.cos(), -theta.sin()) * theta.signum());
+    let above = |corners: &[DVec3; 3]| corners.iter().sum::<DVec3>().z > 0.0;
+    let below_shroud = |corners: &[DVec3; 3]| {
+        let middle = Cylindrical::from_point(corners.iter().sum::<DVec3>() / 3.0);
+        !channel.shrouded || middle.r < channel.radii_at(middle.x).1 - 0.05
     };
-    let triangles: Vec<[u32; 3]> =
-        blisk.triangles.iter().zip(blisk.iter_corners()).filter(|(_, c)| kept(*c)).map(|(t, _)| *t).collect();
-    compacted(&Mesh { vertices: blisk.vertices.clone(), triangles })
+    let mut mesh = Mesh::default();
+    for corners in blisk.iter_corners().filter(|c| above(c) && below_shroud(c)) {
+        let kept = sides.iter().fold(corners.to_vec(), |polygon, side| clipped(&polygon, *side));
+        let first = mesh.vertices.len() as u32;
+        mesh.triangles.extend((2..kept.len() as u32).map(|i| [first, first + i - 1, first + i]));
+        mesh.vertices.extend(kept);
+    }
+    joined(&mesh)
 }
 
-/// The mesh without the vertices that no triangle uses.
-fn compacted(mesh: &Mesh) -> Mesh {
-    let mut place = vec![u32::MAX; mesh.vertices.len()];
-    let mut vertices = Vec::new();
-    let mut keep = |v: u32| {
-        let known = &mut place[v as usize];
-        if *known == u32::MAX {
-            *known = vertices.len() as u32;
-            vertices.push(mesh.vertices[v as usize]);
+/// The part of a convex polygon on the side of the plane through the origin that `normal` points away from.
+fn clipped(polygon: &[DVec3], normal: DVec3) -> Vec<DVec3> {
+    let mut kept = Vec::with_capacity(polygon.len() + 1);
+    for (i, &b) in polygon.iter().enumerate() {
+        let a = polygon[(i + polygon.len() - 1) % polygon.len()];
+        let (ha, hb) = (normal.dot(a), normal.dot(b));
+        if (ha > 0.0) != (hb > 0.0) {
+            kept.push(a + (b - a) * (ha / (ha - hb)));
         }
-        *known
-    };
-    let triangles = mesh.triangles.iter().map(|t| t.map(&mut keep)).collect();
-    Mesh { vertices, triangles }
+        if hb <= 0.0 {
+            kept.push(b);
+        }
+    }
+    kept
+}
+
+/// The mesh with equal vertices made one, so that its shading is smooth again.
+fn joined(mesh: &Mesh) -> Mesh {
+    let mut known: HashMap<[i64; 3], u32> = HashMap::new();
+    let mut vertices = Vec::new();
+    // A nanometre: what is nearer was one point before the cut.
+    let key = |p: DVec3| (p * 1e6).round().to_array().map(|v| v as i64);
+    let place: Vec<u32> = mesh
+        .vertices
+        .iter()
+        .map(|p| {
+            *known.entry(key(*p)).or_insert_with(|| {
+                vertices.push(*p);
+                vertices.len() as u32 - 1
+            })
+        })
+        .collect();
+    let triangles = mesh.triangles.iter().map(|t| t.map(|v| place[v as usize]));
+    Mesh { triangles: triangles.filter(|[a, b, c]| a != b && b != c && c != a).collect(), vertices }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_clipped_square_loses_the_half_on_the_side_of_the_normal() {
+        let square = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]].map(|[x, y]| DVec3::new(x, y, 5.0));
+        let half = clipped(&square, DVec3::X);
+        assert_eq!(half.len(), 4);
+        assert!(half.iter().all(|p| p.x <= 0.0 && p.z == 5.0));
+        let area: f64 = (2..half.len()).map(|i| (half[i - 1] - half[0]).cross(half[i] - half[0]).z / 2.0).sum();
+        assert!((area - 2.0).abs() < 1e-12);
+        assert!(clipped(&square, DVec3::Z).is_empty() && clipped(&square, DVec3::NEG_Z).len() == 4);
+    }
 }
