@@ -32,6 +32,7 @@ pub enum Command {
     PreviousNode,
     FirstNode,
     LastNode,
+    Ghost,
     Fit,
     View(StandardView),
     Projection,
@@ -70,6 +71,7 @@ impl Command {
             C::PreviousNode,
             C::FirstNode,
             C::LastNode,
+            C::Ghost,
             C::Fit,
             C::Projection,
             C::Section,
@@ -113,6 +115,7 @@ impl Command {
             Self::PreviousNode => "Previous node",
             Self::FirstNode => "To the first node",
             Self::LastNode => "To the final pose",
+            Self::Ghost => "Pin or take away a ghost here",
             Self::Fit => "Fit all",
             Self::Projection => "Perspective or orthographic",
             Self::Section => "Section plane",
@@ -153,6 +156,7 @@ impl Command {
             Self::PreviousNode => (NONE, Key::ArrowLeft),
             Self::FirstNode => (NONE, Key::Home),
             Self::LastNode => (NONE, Key::End),
+            Self::Ghost => (NONE, Key::G),
             Self::Fit => (NONE, Key::F),
             Self::Projection => (NONE, Key::P),
             Self::Section => (NONE, Key::X),
@@ -192,7 +196,7 @@ impl Command {
             Self::Cancel => core.pipeline.is_busy(),
             Self::Approve => core.pipeline.can_approve() && !core.pipeline.is_approved(),
             Self::Withdraw | Self::Export => core.pipeline.is_approved(),
-            Self::Play | Self::NextNode | Self::PreviousNode | Self::FirstNode | Self::LastNode => {
+            Self::Ghost | Self::Play | Self::NextNode | Self::PreviousNode | Self::FirstNode | Self::LastNode => {
                 !core.track().is_empty()
             }
             Self::Colours => core.pipeline.state(Stage::Electrode) != StageState::Missing,

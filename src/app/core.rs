@@ -44,6 +44,8 @@ pub struct Core {
     colouring: Worker<(), (ColourKey, Arc<Vec<f32>>)>,
     coloured: Option<(ColourKey, Arc<Vec<f32>>)>,
     colours_asked: Option<ColourKey>,
+    /// Withdrawn distances at which ghosts of the electrode are pinned (mm).
+    pub ghosts: Vec<f64>,
     /// Whether clicks in the view measure.
     pub measuring: bool,
     /// Everything that has been said.
@@ -119,6 +121,7 @@ impl Core {
             selected: None,
             section: None,
             colours: false,
+            ghosts: Vec::new(),
             measuring: false,
             log: Vec::new(),
             track: Arc::default(),
@@ -276,6 +279,17 @@ impl Core {
         let planned = self.outcome().map(|o| &o.electrode).zip(p.plan_shapes().and_then(|s| s.get(i)));
         let tuned = p.electrodes().and_then(|e| e.electrodes.get(i).zip(e.shapes.get(i)));
         if self.is_tuning() { tuned.or(planned) } else { planned.or(tuned) }
+    }
+
+    /// Pins a ghost of the electrode where the cursor stands, or takes the one there away.
+    pub fn toggle_ghost(&mut self) {
+        let s = self.cursor.s;
+        let before = self.ghosts.len();
+        self.ghosts.retain(|g| (g - s).abs() > 1e-9);
+        if self.ghosts.len() == before {
+            self.ghosts.push(s);
+            self.layers.get_mut(Layer::Ghosts).visible = true;
+        }
     }
 
     /// Moves the playing cursor on by `elapsed`. Tells whether it still moves.

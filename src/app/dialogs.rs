@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use egui::{Align2, Id, Modal, RichText, Ui};
 
 use super::core::Core;
+use super::files::Purpose;
 use super::preferences::{LengthUnit, Navigation, Preferences, ThemeChoice};
 use super::status::colour_of;
 use super::theme::palette;
@@ -26,6 +27,8 @@ pub enum Dialog {
     Preferences,
     /// What is exported and where.
     Export,
+    /// A path, typed because the system has no file dialogs.
+    Path(Purpose, String),
     /// About the program.
     About,
     /// Something went wrong: title and text.
@@ -62,6 +65,8 @@ pub enum Answer {
     OpenAnyway,
     /// Choose the folder and export.
     ExportTo,
+    /// Take this path.
+    Path(Purpose, PathBuf),
     /// Close the dialog.
     Close,
 }
@@ -75,6 +80,7 @@ pub fn show(ctx: &egui::Context, core: &mut Core, dialog: &mut Dialog, adapter: 
         Dialog::Moved(..) => "Meshes of this project",
         Dialog::Preferences => "Preferences",
         Dialog::Export => "Export",
+        Dialog::Path(purpose, _) => purpose.title(),
         Dialog::About => "About Sparkpath",
         Dialog::Error(title, _) => title,
     }
@@ -90,6 +96,7 @@ pub fn show(ctx: &egui::Context, core: &mut Core, dialog: &mut Dialog, adapter: 
             Dialog::Moved(_, moved, _) => moved_meshes(ui, moved),
             Dialog::Preferences => preferences(ui, &mut core.preferences),
             Dialog::Export => export(ui, core),
+            Dialog::Path(purpose, text) => path(ui, purpose, text),
             Dialog::About => about(ui, adapter),
             Dialog::Error(_, text) => {
                 ui.label(&*text);
@@ -227,6 +234,19 @@ fn export(ui: &mut Ui, core: &Core) -> Option<Answer> {
     ui.add_space(4.0);
     ui.label(RichText::new("Results of an earlier plan in that folder are replaced.").color(palette(ui).warning));
     buttons(ui, &[("Choose folder…", Answer::ExportTo), ("Cancel", Answer::Close)])
+}
+
+fn path(ui: &mut Ui, purpose: &Purpose, text: &mut String) -> Option<Answer> {
+    let label = ui.label("This system has no file dialogs. Type or paste the path:");
+    let field = ui.add(egui::TextEdit::singleline(text).desired_width(f32::INFINITY)).labelled_by(label.id);
+    if !field.has_focus() && !field.lost_focus() {
+        field.request_focus();
+    }
+    let entered = field.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
+    let chosen = Answer::Path(purpose.clone(), PathBuf::from(text.trim()));
+    let answer = buttons(ui, &[("OK", chosen.clone()), ("Cancel", Answer::Close)]);
+    let answer = if entered { Some(chosen) } else { answer };
+    answer.filter(|a| !matches!(a, Answer::Path(_, path) if path.as_os_str().is_empty()))
 }
 
 fn about(ui: &mut Ui, adapter: &str) -> Option<Answer> {

@@ -19,6 +19,7 @@ pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core, viewport: &mut Viewport) {
     gizmo(ui, rect, viewport);
     if core.section.is_some() {
         section(ui, rect, core);
+        section_handle(ui, rect, core, viewport);
     }
     verdict(ui, rect, core);
     measured(ui, rect, viewport, core);
@@ -36,7 +37,13 @@ fn legend(ui: &Ui, rect: Rect, legend: &Legend) {
     let back = Rect::from_min_max(bar.min - vec2(8.0, 28.0), bar.max + vec2(74.0, 12.0));
     painter.rect_filled(back, 6.0, ui.visuals().window_fill.gamma_multiply(0.88));
     let title = format!("{} {}", legend.title, legend.unit);
-    painter.text(bar.left_top() - vec2(0.0, 16.0), Align2::LEFT_CENTER, title, FontId::proportional(12.0), colours.faint);
+    painter.text(
+        bar.left_top() - vec2(0.0, 16.0),
+        Align2::LEFT_CENTER,
+        title,
+        FontId::proportional(12.0),
+        colours.faint,
+    );
     let steps = 60;
     for i in 0..steps {
         let t = f64::from(i) / f64::from(steps - 1);
@@ -48,12 +55,24 @@ fn legend(ui: &Ui, rect: Rect, legend: &Legend) {
     let y = |value: f64| bar.bottom() - SIZE.y * legend.place(value) as f32;
     for value in legend.ticks(5) {
         let at = pos2(bar.right() + 6.0, y(value));
-        painter.text(at, Align2::LEFT_CENTER, format!("{value:.2}"), FontId::monospace(11.0), ui.visuals().text_color());
+        painter.text(
+            at,
+            Align2::LEFT_CENTER,
+            format!("{value:.2}"),
+            FontId::monospace(11.0),
+            ui.visuals().text_color(),
+        );
     }
     if let Some(value) = legend.threshold {
         let line = egui::Stroke::new(2.0, ui.visuals().strong_text_color());
         painter.hline(bar.left() - 3.0..=bar.right() + 3.0, y(value), line);
-        painter.text(pos2(bar.right() + 40.0, y(value)), Align2::LEFT_CENTER, "gap", FontId::proportional(11.0), colours.faint);
+        painter.text(
+            pos2(bar.right() + 40.0, y(value)),
+            Align2::LEFT_CENTER,
+            "gap",
+            FontId::proportional(11.0),
+            colours.faint,
+        );
     }
 }
 
@@ -157,6 +176,29 @@ fn section(ui: &mut Ui, rect: Rect, core: &mut Core) {
     }
     if child.button("Close").clicked() {
         core.section = None;
+    }
+}
+
+/// A knob in the middle of the cut that moves it along its normal.
+fn section_handle(ui: &mut Ui, rect: Rect, core: &mut Core, viewport: &Viewport) {
+    let Some(plane) = &mut core.section else { return };
+    let (camera, size) = viewport.camera();
+    let seen = |p: DVec3| camera.project(p, size).map(|s| s.pixel / f64::from(ui.pixels_per_point()));
+    let reach = 0.04 * camera.visible_height();
+    let (Some(at), Some(tip)) = (seen(plane.point), seen(plane.point + plane.normal * reach)) else { return };
+    let [at, tip] = [at, tip].map(|p| rect.min + vec2(p.x as f32, p.y as f32));
+    if !rect.shrink(10.0).contains(at) {
+        return;
+    }
+    let response = ui.interact(Rect::from_center_size(at, vec2(22.0, 22.0)), ui.scope_id().with("cut"), Sense::drag());
+    response.widget_info(|| WidgetInfo::labeled(Role::Slider, true, "Move the section plane"));
+    let colour = if response.hovered() || response.dragged() { palette(ui).accent } else { ui.visuals().text_color() };
+    ui.painter().arrow(at, tip - at, egui::Stroke::new(2.0, colour));
+    ui.painter().circle(at, 6.0, ui.visuals().window_fill, egui::Stroke::new(2.0, colour));
+    let along = tip - at;
+    if response.dragged() && along.length_sq() > 4.0 {
+        let share = response.drag_delta().dot(along) / along.length_sq();
+        plane.point += plane.normal * (reach * f64::from(share));
     }
 }
 

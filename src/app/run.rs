@@ -8,7 +8,7 @@ use egui::{Panel, Ui};
 use super::commands::Command;
 use super::core::Core;
 use super::dialogs::{self, Answer, Dialog, Intent};
-use super::files::{FileDialogs, Purpose};
+use super::files::{Chosen, FileDialogs, Purpose};
 use super::palette::CommandPalette;
 use super::plots::{self, Curves, Tab};
 use super::preferences::{Preferences, ThemeChoice};
@@ -58,6 +58,8 @@ pub struct SparkpathApp {
     tab: Tab,
     palette: CommandPalette,
     dialog: Dialog,
+    /// What was asked when a path had to be typed for it.
+    behind: Dialog,
     files: FileDialogs,
     log_open: bool,
     folders: Option<Folders>,
@@ -95,6 +97,7 @@ impl SparkpathApp {
             tab: Tab::Positions,
             palette: CommandPalette::default(),
             dialog: if copies.is_empty() { Dialog::None } else { Dialog::Recover(copies) },
+            behind: Dialog::None,
             files: FileDialogs::default(),
             log_open: false,
             folders,
@@ -163,6 +166,7 @@ impl SparkpathApp {
         self.core.step = Stage::Part;
         self.core.cursor.s = 0.0;
         self.core.section = None;
+        self.core.ghosts.clear();
         self.core.layers = Default::default();
         self.viewport.clear_probe();
     }
@@ -322,6 +326,11 @@ impl SparkpathApp {
                 self.dialog = dialog;
                 self.open_anyway();
             }
+            (Answer::Path(purpose, path), _) => {
+                self.dialog = std::mem::take(&mut self.behind);
+                self.chosen(purpose, path, ctx);
+            }
+            (Answer::Close, Dialog::Path(..)) => self.dialog = std::mem::take(&mut self.behind),
             (Answer::ExportTo, _) => self.files.ask(Purpose::ExportFolder, "", self.folder().as_deref(), ctx),
             _ => {}
         }
@@ -372,6 +381,7 @@ impl SparkpathApp {
             Command::Palette => self.palette.toggle(),
             Command::Log => self.log_open = !self.log_open,
             Command::About => self.dialog = Dialog::About,
+            Command::Ghost => self.core.toggle_ghost(),
             Command::Fit => self.viewport.fit(false),
             Command::View(view) => self.viewport.look(view, now),
             Command::Projection => self.viewport.toggle_projection(),
@@ -466,8 +476,13 @@ impl SparkpathApp {
         if let Some(path) = dropped.into_iter().next() {
             self.intend(Intent::Open(path), ctx);
         }
-        if let Some((purpose, path)) = self.files.chosen() {
-            self.chosen(purpose, path, ctx);
+        match self.files.chosen() {
+            Some(Chosen::Path(purpose, path)) => self.chosen(purpose, path, ctx),
+            Some(Chosen::NoDialogs(purpose)) => {
+                let start = self.folder().map(|f| f.join("").display().to_string()).unwrap_or_default();
+                self.behind = std::mem::replace(&mut self.dialog, Dialog::Path(purpose, start));
+            }
+            None => {}
         }
         if ctx.input(|i| i.viewport().close_requested()) && !self.quitting && self.core.document.is_unsaved() {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);

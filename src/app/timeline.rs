@@ -36,6 +36,10 @@ fn controls(ui: &mut Ui, core: &mut Core) {
     let speed =
         egui::DragValue::new(&mut core.cursor.speed).range(0.1..=200.0).speed(0.2).suffix(" mm/s").max_decimals(1);
     ui.add_sized(vec2(78.0, 20.0), speed).labelled_by(label.id).on_hover_text("Speed of playing along the path");
+    let ghost = ui.add_enabled(Command::Ghost.is_enabled(core), egui::Button::new("Ghost"));
+    if ghost.on_hover_text(Command::Ghost.hint(ui.ctx())).clicked() {
+        core.push(Command::Ghost);
+    }
     let count = core.electrode_count();
     if count > 1 {
         let label = ui.label(RichText::new("Electrode").color(palette(ui).faint));
@@ -90,6 +94,9 @@ fn strip(ui: &mut Ui, core: &mut Core) {
         painter.vline(x, rect.bottom() - 10.0..=rect.bottom() - 3.0, egui::Stroke::new(1.0, colour));
     }
     scale(&painter, inner, rect, length, colours.faint);
+    for s in &core.ghosts {
+        painter.circle_stroke(pos2(x_of(*s), rect.bottom() - 7.0), 3.5, egui::Stroke::new(1.5, colours.accent));
+    }
     if let Some(s) = core.contact_s() {
         let tip = pos2(x_of(s), rect.bottom() - 10.0);
         let triangle = vec![tip, tip + vec2(-4.0, -6.0), tip + vec2(4.0, -6.0)];

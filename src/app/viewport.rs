@@ -66,6 +66,7 @@ pub struct Viewport {
 struct SceneKey {
     sources: [usize; 6],
     s: f64,
+    ghosts: Vec<f64>,
     layers: crate::views::Layers,
     selected: Option<Layer>,
     section: Option<crate::render::scene::SectionPlane>,
@@ -306,6 +307,7 @@ impl Viewport {
         SceneKey {
             sources,
             s: core.cursor.s,
+            ghosts: core.ghosts.clone(),
             layers: core.layers.clone(),
             selected: core.selected,
             section: core.section,
@@ -367,6 +369,7 @@ pub fn scene(core: &Core, theme: Theme) -> Scene {
         electrode: core.shown_electrode(),
         track: (!track.is_empty() && !fresh).then_some(&*track),
         s: core.cursor.s,
+        ghosts: &core.ghosts,
         contact: core.contact().filter(|_| !fresh),
         values: values.as_ref(),
         layers: &core.layers,

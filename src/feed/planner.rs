@@ -12,8 +12,8 @@ use super::interpolation::{AxisCurves, InterpolationParams, Lever, PathFrame, fe
 use super::jam::{Jam, JamCause};
 use super::machine::{BeyondTravel, TravelLimits};
 use super::objective::Objective;
-use super::path::FeedPath;
 use super::outside::Outside;
+use super::path::FeedPath;
 use super::plan::{FeedPlan, PlanSettings, PlannedPath, PlanningSpace, Remake};
 use super::plan_params::PlanError;
 use super::pose::{Axis, Pose};

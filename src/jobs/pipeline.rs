@@ -360,7 +360,9 @@ impl Pipeline {
         let (Some(kept), true) = (document.plan(), self.plan.value.is_none() && self.plan.running.is_none()) else {
             return;
         };
-        let (Some(part), Some(found)) = (self.part.current(now.part), self.channel.current(now.channel)) else { return };
+        let (Some(part), Some(found)) = (self.part.current(now.part), self.channel.current(now.channel)) else {
+            return;
+        };
         if self.electrode.current(now.electrode).is_none()
             || self.replayed.as_deref() == Some(&kept.inputs)
             || kept.inputs != KeptPlan::inputs_of(document.job(), &part.content())

@@ -152,8 +152,7 @@ pub fn run(inputs: &PlanInputs, progress: &Progress, cancel: &Cancel) -> Result<
     let blisk = inputs.blisk.in_frame(&channel.frame);
     let exact = clock.time("exact mesh", || ExactMesh::new(&blisk))?;
     let cell = job.plan.field_cell_mm;
-    let mut prepared =
-        PreparedBlisk::new(blisk.into(), exact.into(), channel.into(), cell, progress, cancel)?;
+    let mut prepared = PreparedBlisk::new(blisk.into(), exact.into(), channel.into(), cell, progress, cancel)?;
     clock.0.append(&mut prepared.clock.0);
     prepared.clock = clock;
     run_prepared(&prepared, inputs, &|_, _| (), progress, cancel)

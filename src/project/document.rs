@@ -143,7 +143,11 @@ impl Document {
         let used = |m: &&MeshReference| {
             [&self.job.blisk.mesh, &self.job.electrode.mesh].iter().any(|p| p.as_ref() == Some(&m.path))
         };
-        ProjectFile { job: self.job.clone(), meshes: self.meshes.iter().filter(used).cloned().collect(), plan: self.plan.clone() }
+        ProjectFile {
+            job: self.job.clone(),
+            meshes: self.meshes.iter().filter(used).cloned().collect(),
+            plan: self.plan.clone(),
+        }
     }
 
     /// The plan that was made last, or came with the file.

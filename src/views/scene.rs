@@ -160,6 +160,8 @@ pub struct SceneInputs<'a> {
     pub track: Option<&'a Track>,
     /// Withdrawn distance of the cursor (mm).
     pub s: f64,
+    /// Withdrawn distances at which ghosts are shown (mm); if there are none, at some evenly along the way.
+    pub ghosts: &'a [f64],
     /// Where it comes closest or jams: a point of the electrode in its final pose and one of the blisk, in W.
     pub contact: Option<[DVec3; 2]>,
     /// A quantity on the electrode.
@@ -215,7 +217,8 @@ pub fn build(inputs: &SceneInputs) -> Scene {
             object.values = inputs.values.cloned();
         }
         if let Some(track) = inputs.track {
-            let ghosts = spaced(track, 12);
+            let chosen: Vec<Station> = inputs.ghosts.iter().filter_map(|s| track.at(*s)).collect();
+            let ghosts = if chosen.is_empty() { spaced(track, 12) } else { chosen };
             ghosts.iter().for_each(|station| add(&mut scene, Layer::Ghosts, mesh, placed(station)));
             let sweep = spaced(track, 60);
             sweep.iter().for_each(|station| add(&mut scene, Layer::Sweep, mesh, placed(station)));
