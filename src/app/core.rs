@@ -172,7 +172,9 @@ impl Core {
 
     /// Whether a plan can be started.
     pub fn can_plan(&self) -> bool {
-        self.pipeline.state(Stage::Electrode) == StageState::Done
+        // A plan makes its own electrodes, so that it need not wait for those that are shown.
+        self.pipeline.state(Stage::Channel) == StageState::Done
+            && !matches!(self.pipeline.state(Stage::Electrode), StageState::Missing | StageState::Failed(_))
             && self.pipeline.state(Stage::Plan) != StageState::Running
     }
 
