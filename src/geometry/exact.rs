@@ -1,6 +1,7 @@
 //! Exact distances to a mesh, through parry3d-f64's bounding volume hierarchy.
 
 use glam::{DAffine3, DQuat, DVec3};
+use parry3d_f64::bounding_volume::BoundingVolume;
 use parry3d_f64::math::Pose;
 use parry3d_f64::partitioning::BvhNode;
 use parry3d_f64::query::{self, PointQuery, Ray, RayCast};
@@ -74,6 +75,15 @@ impl ExactMesh {
     /// either side, if there is one within `reach`.
     pub fn first_crossing(&self, origin: DVec3, direction: DVec3, reach: f64) -> Option<f64> {
         self.shape.cast_local_ray(&Ray::new(origin, direction), reach, false)
+    }
+
+    /// The triangles whose boxes the ray from `origin` along `direction` meets.
+    pub fn triangles_along(&self, origin: DVec3, direction: DVec3) -> impl Iterator<Item = [DVec3; 3]> {
+        let ray = Ray::new(origin, direction);
+        // A hair more than the box, which rounding must not make too small.
+        let meets = move |node: &BvhNode| node.aabb().loosened(1e-9).intersects_local_ray(&ray, f64::MAX);
+        let triangle = |i: u32| self.shape.triangle(i);
+        self.shape.bvh().leaves(meets).map(triangle).map(|t| [t.a, t.b, t.c])
     }
 
     /// The least distance between this mesh and `other` moved by the rigid motion `placement`; 0 when they

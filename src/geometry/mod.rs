@@ -4,6 +4,7 @@ pub mod bvh;
 pub mod distance_field;
 pub mod exact;
 pub mod frame;
+pub mod inside;
 pub mod mesh;
 pub mod raycast;
 pub mod spline;

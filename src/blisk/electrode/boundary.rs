@@ -3,12 +3,12 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::distance::signed_distance;
 use super::walls::WallTable;
 use super::{ElectrodeError, ElectrodeParams};
 use crate::blisk::channel::Channel;
 use crate::geometry::exact::ExactMesh;
 use crate::geometry::frame::Cylindrical;
+use crate::geometry::inside::guarded_distance;
 use crate::progress::Cancel;
 
 /// A boundary point keeps at least the gap and at most this more (mm).
@@ -94,7 +94,7 @@ impl<'a> Boundary<'a> {
 
     /// Distance to the blisk less the gap (mm).
     pub(super) fn clearance(&self, x: f64, p: Polar) -> f64 {
-        signed_distance(self.blisk, p.at(x)) - self.gap
+        guarded_distance(self.blisk, p.at(x)) - self.gap
     }
 
     /// Sections over `extent`, in order of x: at `planes`, at equal steps, and wherever the chord between two
@@ -158,7 +158,7 @@ impl<'a> Boundary<'a> {
     fn chord_depth(&self, a: &Section, b: &Section) -> f64 {
         let chords = (0..2).flat_map(|w| a.walls[w].iter().zip(&b.walls[w]).skip(1).take(self.rows - 1));
         let middles = chords.map(|(p, q)| (p.at(a.x) + q.at(b.x)) / 2.0);
-        middles.map(|middle| self.gap - signed_distance(self.blisk, middle)).fold(0.0, f64::max)
+        middles.map(|middle| self.gap - guarded_distance(self.blisk, middle)).fold(0.0, f64::max)
     }
 
     /// The boundary in the plane at `x`.

@@ -3,9 +3,9 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::distance::signed_distance;
 use super::{ElectrodeError, ElectrodeFace};
 use crate::geometry::exact::ExactMesh;
+use crate::geometry::inside::guarded_distance;
 use crate::geometry::mesh::{Mesh, normal_times_two_areas, unit_normal};
 use crate::progress::Cancel;
 
@@ -85,7 +85,7 @@ fn least_clearance(mesh: &Mesh, blisk: &ExactMesh, cancel: &Cancel) -> Result<(f
         let edges = [(a, b), (b, c), (c, a)].into_iter().filter(|(p, q)| p < q);
         places.extend(edges.map(|(p, q)| (mesh.vertices[p as usize] + mesh.vertices[q as usize]) / 2.0));
     }
-    let distances = in_batches(places.len(), cancel, |i| signed_distance(blisk, places[i]))?;
+    let distances = in_batches(places.len(), cancel, |i| guarded_distance(blisk, places[i]))?;
     let least = distances.into_iter().zip(places).reduce(|a, b| if b.0 < a.0 { b } else { a });
     Ok(least.unwrap_or((f64::INFINITY, DVec3::ZERO)))
 }

@@ -13,7 +13,6 @@
 
 mod body;
 mod boundary;
-mod distance;
 mod measure;
 mod own;
 mod params;

@@ -3,11 +3,12 @@
 use glam::DVec3;
 
 use super::boundary::components;
-use super::distance::signed_distance;
+
 use super::measure::{burn_area, in_batches, least_thickness, reference_point};
 use super::{Electrode, ElectrodeError, ElectrodeFace, EntrySide};
 use crate::blisk::channel::Channel;
 use crate::geometry::exact::ExactMesh;
+use crate::geometry::inside::guarded_distance;
 use crate::geometry::mesh::{Mesh, unit_normal};
 use crate::progress::Cancel;
 
@@ -60,7 +61,7 @@ pub fn from_user_mesh(
 
 /// The exact distance between the two surfaces, if they are apart and neither is inside the other.
 fn clearance(mesh: &Mesh, blisk: &ExactMesh, cancel: &Cancel) -> Result<f64, ElectrodeError> {
-    let vertices = in_batches(mesh.vertices.len(), cancel, |i| signed_distance(blisk, mesh.vertices[i]))?;
+    let vertices = in_batches(mesh.vertices.len(), cancel, |i| guarded_distance(blisk, mesh.vertices[i]))?;
     if vertices.iter().any(|d| d.is_nan() || *d <= 0.0) {
         return Err(ElectrodeError::Interferes);
     }

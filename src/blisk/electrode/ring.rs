@@ -4,8 +4,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::boundary::{Boundary, Polar, Section, components};
-use super::distance::signed_distance;
+
 use super::{ElectrodeError, ElectrodeFace};
+use crate::geometry::inside::guarded_distance;
 use crate::progress::Cancel;
 
 /// Metal that must be left between the walls (mm).
@@ -325,7 +326,7 @@ impl<'a> Finisher<'a> {
 
     /// If `place` falls short of the gap, what it takes from the ring points around it.
     fn push(&self, place: DVec3, around: &[(usize, usize)], pushes: &mut Vec<Push>) {
-        let distance = signed_distance(self.boundary.blisk, place);
+        let distance = guarded_distance(self.boundary.blisk, place);
         let short = self.boundary.gap - distance;
         if short <= 0.0 {
             return;
@@ -341,7 +342,7 @@ impl<'a> Finisher<'a> {
     /// The place of the edge from `a` to `b` that is nearest to the blisk, unless the edge has room to spare. The
     /// distance to a convex surface is convex along an edge, so that shrinking by the golden section finds it.
     fn nearest_on_edge(&self, a: DVec3, b: DVec3) -> Option<DVec3> {
-        let distance = |t: f64| signed_distance(self.boundary.blisk, a.lerp(b, t));
+        let distance = |t: f64| guarded_distance(self.boundary.blisk, a.lerp(b, t));
         if distance(0.5) > self.boundary.gap + SPARE {
             return None;
         }

@@ -73,7 +73,7 @@ fn winding_number(triangles: &[[DVec3; 3]], p: DVec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::mesh::tests::cuboid;
+    use crate::geometry::mesh::tests::{cuboid, folded_box};
 
     #[test]
     fn a_box_holds_its_inside_and_nothing_else() {
@@ -87,6 +87,19 @@ mod tests {
         ] {
             assert!((winding_number(&triangles, p) - f64::from(u8::from(inside))).abs() < 1e-9, "{p}");
             assert_eq!(first_inside(&triangles, [DVec3::splat(9.0), p]), inside.then_some(p));
+        }
+    }
+
+    #[test]
+    fn a_fold_hides_no_inside_and_makes_none() {
+        for thickness in [0.04, -0.04] {
+            let triangles: Vec<_> = folded_box(thickness).iter_corners().collect();
+            for x in [0.5, 1.5, 2.5, 3.5] {
+                for (z, inside) in [(0.2, true), (2.9, true), (3.1, false), (4.0, false)] {
+                    let p = DVec3::new(x, 1.1, z);
+                    assert_eq!(first_inside(&triangles, [p]).is_some(), inside, "{p}");
+                }
+            }
         }
     }
 

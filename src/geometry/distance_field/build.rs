@@ -1,8 +1,11 @@
 //! Building a [`DistanceField`]: octree cubes that carry the triangles that can be nearest inside them.
 
+use std::collections::HashMap;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::signs::{self, Passage};
 use super::{DistanceField, Handle, LocalTriangles, trilinear};
 use crate::geometry::exact::ExactMesh;
 use crate::geometry::mesh::{Bounds, Mesh};
@@ -34,7 +37,9 @@ pub enum FieldError {
 struct Block {
     handles: Vec<Handle>,
     leaves: Vec<[f32; 8]>,
+    leaf_kinds: Vec<Passage>,
     lists: Vec<Vec<u32>>,
+    list_kinds: Vec<Passage>,
 }
 
 impl DistanceField {
@@ -79,13 +84,17 @@ impl DistanceField {
             leaves: Vec::new(),
             list_ends: Vec::new(),
             list: Vec::new(),
+            windings: HashMap::new(),
             triangles,
         };
-        field.assemble(roots, rows);
+        let (leaves, lists) = field.assemble(roots, rows);
+        signs::settle(&mut field, exact, leaves, lists, cancel)?;
         Ok(field)
     }
 
-    fn assemble(&mut self, roots: [usize; 3], rows: Vec<Vec<Block>>) {
+    /// Puts the blocks together; answers how the surface passes each leaf and each exact cell.
+    fn assemble(&mut self, roots: [usize; 3], rows: Vec<Vec<Block>>) -> (Vec<Passage>, Vec<Passage>) {
+        let (mut leaf_kinds, mut list_kinds) = (Vec::new(), Vec::new());
         let side = 1usize << LEVELS;
         self.handles = vec![Handle::new(0, 0); self.cells.iter().product()];
         for (row, blocks) in rows.into_iter().enumerate() {
@@ -98,12 +107,15 @@ impl DistanceField {
                         Handle::new(handle.kind(), base + handle.number());
                 }
                 self.leaves.extend(block.leaves);
+                leaf_kinds.extend(block.leaf_kinds);
+                list_kinds.extend(block.list_kinds);
                 for list in block.lists {
                     self.list.extend(list);
                     self.list_ends.push(self.list.len() as u32);
                 }
             }
         }
+        (leaf_kinds, list_kinds)
     }
 }
 
@@ -131,14 +143,18 @@ impl Builder<'_> {
     fn refine(&self, block: &mut Block, at: [usize; 3], level: u32, first: [usize; 3], parents: &[(f64, u32)]) {
         let corner = [0, 1, 2].map(|k| first[k] + at[k]);
         let candidates = self.nearest_candidates(self.center(corner, level), self.half_diagonal(level), parents);
-        if let Some(leaf) = self.smooth_leaf(corner, level, &candidates) {
+        let clear = candidates.first().is_none_or(|&(d, _)| d > self.half_diagonal(level));
+        let (values, smooth) = self.smooth_leaf(corner, level, clear, &candidates);
+        if smooth {
             let handle = Handle::new(level, block.leaves.len());
-            block.leaves.push(leaf);
+            block.leaf_kinds.push(self.passage_of_smooth(&values, level, clear));
+            block.leaves.push(values);
             self.fill(block, at, level, handle);
         } else if level == 0 {
             let handle = Handle::new(Handle::EXACT, block.lists.len());
             let mut list: Vec<u32> = candidates.into_iter().map(|(_, t)| t).collect();
             list.sort_unstable();
+            block.list_kinds.push(self.passage_of_exact(&values, clear, &list));
             block.lists.push(list);
             self.fill(block, at, level, handle);
         } else {
@@ -185,11 +201,18 @@ impl Builder<'_> {
         found
     }
 
-    /// The corner distances of a cube if interpolating them is accurate enough all over it.
-    fn smooth_leaf(&self, corner: [usize; 3], level: u32, candidates: &[(f64, u32)]) -> Option<[f32; 8]> {
+    /// The corner distances of a cube, and whether interpolating them is accurate enough all over it. In a cube that
+    /// the surface does not cross they have no sign yet.
+    fn smooth_leaf(&self, corner: [usize; 3], level: u32, clear: bool, near: &[(f64, u32)]) -> ([f32; 8], bool) {
         let center = self.center(corner, level);
-        let exact =
-            |t: DVec3| self.triangles.signed_distance_in_order(self.point(corner, level, t), center, candidates);
+        let exact = |t: DVec3| {
+            let p = self.point(corner, level, t);
+            if clear {
+                self.triangles.distance_in_order(p, center, near)
+            } else {
+                self.triangles.signed_distance_in_order(p, center, near)
+            }
+        };
         let values: [f32; 8] = std::array::from_fn(|i| exact(corner_of(i)) as f32);
         let good = |t: DVec3| {
             let d = exact(t);
@@ -198,10 +221,39 @@ impl Builder<'_> {
         };
         // The centre first: it rejects most cubes at once.
         let accepted = good(DVec3::splat(0.5)) && probes(level).all(good);
-        accepted.then_some(values)
+        (values, accepted)
+    }
+
+    /// How the surface passes a smooth leaf. It crosses none whose corners are further away than any point of the leaf
+    /// is from the nearest place where the interpolation was compared with the truth.
+    fn passage_of_smooth(&self, values: &[f32; 8], level: u32, clear: bool) -> Passage {
+        let pieces = if level > 0 { 4.0 } else { 2.0 };
+        // Interpolation may be off by 5 % far away.
+        let reach = 1.06 * self.half_diagonal(level) / pieces + 2.0 * DistanceField::ACCURACY;
+        let least = values.iter().map(|v| f64::from(v.abs())).fold(f64::INFINITY, f64::min);
+        let one_sign = values.iter().all(|&v| v > 0.0) || values.iter().all(|&v| v < 0.0);
+        if clear || (one_sign && least > reach) { Passage::Clear } else { Passage::Crossed(inside_corners(values)) }
+    }
+
+    /// How the surface passes an exact cell. Where sheets that face away from each other come together the normals
+    /// are not to be trusted: the mesh may be folded.
+    fn passage_of_exact(&self, values: &[f32; 8], clear: bool, triangles: &[u32]) -> Passage {
+        if clear {
+            Passage::Clear
+        } else if self.triangles.any_opposite(triangles) {
+            Passage::Folded
+        } else {
+            Passage::Crossed(inside_corners(values))
+        }
     }
 }
 
+/// Bit `i` is set if corner `i` is inside.
+fn inside_corners(values: &[f32; 8]) -> u8 {
+    (0..8).filter(|&i| values[i] < 0.0).map(|i| 1 << i).sum()
+}
+
+/// The corners of the unit cube: bits 0, 1 and 2 of `i` tell the far side along x, y and z.
 fn corner_of(i: usize) -> DVec3 {
     DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2 & 1) as f64)
 }

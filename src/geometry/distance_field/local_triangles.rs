@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
+use crate::geometry::inside::crossing;
 use crate::geometry::mesh::{Mesh, unit_normal};
 
 /// Triangles with the normals that decide the sign of a distance at each of their features (angle-weighted
@@ -70,6 +71,17 @@ impl LocalTriangles {
     /// Signed distance from `p` to the nearest of `candidates`, the nearest point, and the normal there.
     /// Infinite when there are no candidates.
     pub(super) fn signed_distance(&self, p: DVec3, candidates: &[u32]) -> (f64, DVec3, DVec3) {
+        self.signed(p, self.nearest(p, candidates))
+    }
+
+    /// Distance from `p` to the nearest of `candidates`, without a sign.
+    pub(super) fn least_distance(&self, p: DVec3, candidates: &[u32]) -> f64 {
+        self.nearest(p, candidates).0.sqrt()
+    }
+
+    /// Square of the distance to the nearest of `candidates`, and which it is.
+    #[inline]
+    fn nearest(&self, p: DVec3, candidates: &[u32]) -> (f64, u32) {
         let mut best = (f64::INFINITY, 0);
         for &i in candidates {
             let d = self.triangles[i as usize].distance_squared(p);
@@ -77,12 +89,35 @@ impl LocalTriangles {
                 best = (d, i);
             }
         }
-        self.signed(p, best)
+        best
+    }
+
+    /// Crossings from inside to outside less those from outside to inside on the way from `from` to `to`.
+    pub(super) fn signed_crossings(&self, from: DVec3, to: DVec3, candidates: &[u32]) -> i32 {
+        let corners = |t: &Triangle| [t.a, t.a + t.ab, t.a + t.ac].map(|q| q - from);
+        let triangles = candidates.iter().map(|&i| corners(&self.triangles[i as usize]));
+        triangles.filter_map(|t| crossing(t, to - from)).filter(|&(_, share)| share <= 1.0).map(|(sign, _)| sign).sum()
+    }
+
+    /// Whether two of these triangles face away from each other, as those of a fold do.
+    pub(super) fn any_opposite(&self, candidates: &[u32]) -> bool {
+        const OPPOSITE: f64 = -0.8;
+        let face = |i: u32| self.triangles[i as usize].face;
+        candidates.iter().enumerate().any(|(k, &i)| candidates[..k].iter().any(|&j| face(i).dot(face(j)) < OPPOSITE))
     }
 
     /// The same over candidates in order of their distance from `center`, given with each: those that are too far
     /// from the centre to be nearest to `p` need not be looked at.
     pub(super) fn signed_distance_in_order(&self, p: DVec3, center: DVec3, candidates: &[(f64, u32)]) -> f64 {
+        self.signed(p, self.nearest_in_order(p, center, candidates)).0
+    }
+
+    /// The same without a sign.
+    pub(super) fn distance_in_order(&self, p: DVec3, center: DVec3, candidates: &[(f64, u32)]) -> f64 {
+        self.nearest_in_order(p, center, candidates).0.sqrt()
+    }
+
+    fn nearest_in_order(&self, p: DVec3, center: DVec3, candidates: &[(f64, u32)]) -> (f64, u32) {
         let away = p.distance(center);
         let mut best = (f64::INFINITY, 0);
         for &(from_center, i) in candidates {
@@ -96,7 +131,7 @@ impl LocalTriangles {
                 best = (d, i);
             }
         }
-        self.signed(p, best).0
+        best
     }
 
     /// Sign, nearest point and normal for the square of the distance to triangle `best.1`.

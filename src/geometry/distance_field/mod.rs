@@ -13,10 +13,16 @@
 //! accepted when it meets less than that at 19 places of its own and 8 inside; the tests compare the whole with
 //! exact distances.
 //!
+//! **Sign:** negative where the surface winds around a point, also where sheets of it overlap or are folded (see
+//! `signs`); within a cell of a fold the sign may follow either sheet.
+//!
 //! **Not guaranteed:** the sign, where the mesh is not closed.
 
 mod build;
 mod local_triangles;
+mod signs;
+
+use std::collections::HashMap;
 
 pub use build::FieldError;
 use glam::{DVec3, Vec3};
@@ -37,15 +43,24 @@ pub struct DistanceField {
     /// Where the list of each exact cell ends in `list`; it begins where the one before ends.
     list_ends: Vec<u32>,
     list: Vec<u32>,
+    /// Winding number at the reference point of each folded cell, by the number of its list.
+    windings: HashMap<u32, i32>,
     triangles: LocalTriangles,
 }
 
-/// What describes a cell: in the low 3 bits the leaf's level (it spans `2^level` cells) or [`Handle::EXACT`],
-/// above them the number of the leaf or of the exact cell.
+/// What describes a cell: in the low 3 bits the leaf's level (it spans `2^level` cells) or how an exact cell gets its
+/// sign, above them the number of the leaf or of the exact cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Handle(u32);
 
 impl Handle {
+    /// Wholly outside.
+    const OUTSIDE: u32 = 4;
+    /// Wholly inside.
+    const INSIDE: u32 = 5;
+    /// Crossed by a surface whose normals are not to be trusted: crossings are counted.
+    const FOLDED: u32 = 6;
+    /// Signs by the normals.
     const EXACT: u32 = 7;
 
     fn new(kind: u32, number: usize) -> Self {
@@ -89,17 +104,27 @@ impl DistanceField {
     #[inline]
     pub fn value(&self, p: DVec3) -> Option<f64> {
         let (handle, cell) = self.locate(p)?;
-        if handle.kind() == Handle::EXACT {
-            return Some(self.triangles.signed_distance(p, self.candidates(handle)).0);
-        }
-        Some(f64::from(trilinear(&self.leaves[handle.number()], self.leaf_position(p, cell, handle.kind()))))
+        let exactly = |sign: f64| sign * self.triangles.least_distance(p, self.candidates(handle));
+        Some(match handle.kind() {
+            Handle::OUTSIDE => exactly(1.0),
+            Handle::INSIDE => exactly(-1.0),
+            Handle::FOLDED => exactly(self.sign_in_folded(p, handle, cell)),
+            Handle::EXACT => self.triangles.signed_distance(p, self.candidates(handle)).0,
+            level => f64::from(trilinear(&self.leaves[handle.number()], self.leaf_position(p, cell, level))),
+        })
     }
 
     /// Signed distance at `p` and its gradient; `None` outside the field's bounds.
     pub fn value_and_gradient(&self, p: DVec3) -> Option<(f64, DVec3)> {
         let (handle, cell) = self.locate(p)?;
-        if handle.kind() == Handle::EXACT {
-            let (d, nearest, normal) = self.triangles.signed_distance(p, self.candidates(handle));
+        if handle.kind() >= Handle::OUTSIDE {
+            let (by_normals, nearest, normal) = self.triangles.signed_distance(p, self.candidates(handle));
+            let d = match handle.kind() {
+                Handle::OUTSIDE => by_normals.abs(),
+                Handle::INSIDE => -by_normals.abs(),
+                Handle::FOLDED => self.sign_in_folded(p, handle, cell) * by_normals.abs(),
+                _ => by_normals,
+            };
             let away = ((p - nearest) * d.signum()).try_normalize().unwrap_or(normal);
             return Some((d, away));
         }
@@ -122,6 +147,23 @@ impl DistanceField {
         }
     }
 
+    /// -1 if the surface winds around `p`, a point of a folded cell, and 1 if not.
+    #[cold]
+    fn sign_in_folded(&self, p: DVec3, handle: Handle, cell: [usize; 3]) -> f64 {
+        let known = self.windings.get(&(handle.number() as u32)).copied().unwrap_or(0);
+        let reference = self.reference_point(cell);
+        let passed = self.triangles.signed_crossings(p, reference, self.candidates(handle));
+        if known + passed == 0 { 1.0 } else { -1.0 }
+    }
+
+    fn handle(&self, cell: [usize; 3]) -> Handle {
+        self.handles[self.index(cell)]
+    }
+
+    fn index(&self, cell: [usize; 3]) -> usize {
+        (cell[2] * self.cells[1] + cell[1]) * self.cells[0] + cell[0]
+    }
+
     #[inline]
     fn locate(&self, p: DVec3) -> Option<(Handle, [usize; 3])> {
         let q = (p - self.bounds.min) / self.cell;
@@ -132,7 +174,7 @@ impl DistanceField {
         if cell[0] >= self.cells[0] || cell[1] >= self.cells[1] || cell[2] >= self.cells[2] {
             return None;
         }
-        Some((self.handles[(cell[2] * self.cells[1] + cell[1]) * self.cells[0] + cell[0]], cell))
+        Some((self.handle(cell), cell))
     }
 
     /// Position of `p` within its leaf, 0 to 1 along each axis.

@@ -3,7 +3,7 @@ use rand::{RngExt, SeedableRng};
 
 use super::DistanceField;
 use crate::geometry::exact::ExactMesh;
-use crate::geometry::mesh::tests::cuboid;
+use crate::geometry::mesh::tests::{cuboid, folded_box};
 use crate::geometry::mesh::{Bounds, Mesh};
 use crate::progress::{Cancel, Progress};
 
@@ -51,6 +51,47 @@ fn near_the_surface_the_error_keeps_the_stated_accuracy() {
     }
     assert!(near > 10_000);
     assert!(worst <= DistanceField::ACCURACY, "worst error {worst} mm");
+}
+
+/// Winding number of a closed surface around `p` as the sum of the triangles' solid angles.
+fn solid_angles(mesh: &Mesh, p: DVec3) -> f64 {
+    let half_angle = |corners: [DVec3; 3]| {
+        let [a, b, c] = corners.map(|q| (q - p).normalize());
+        a.dot(b.cross(c)).atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
+    };
+    mesh.iter_corners().map(half_angle).sum::<f64>() / std::f64::consts::TAU
+}
+
+#[test]
+fn folds_turn_no_sign_further_away_than_they_are_thick() {
+    // The way back above or below the way there: turned inside out, or overlapping.
+    for thickness in [0.04, -0.04] {
+        let turn = glam::DMat3::from_rotation_z(0.3) * glam::DMat3::from_rotation_x(0.5);
+        let mesh = folded_box(thickness).mapped(|p| turn * p);
+        assert!(mesh.is_watertight());
+        let (field, exact) = field(&mesh, mesh.bounds().grown(0.8));
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);
+        let (min, size) = (field.bounds().min, field.bounds().size());
+        let mut misled = 0;
+        for _ in 0..100_000 {
+            let p = min + size * DVec3::new(random.random(), random.random(), random.random());
+            let by_normals = exact.signed_distance(p);
+            let distance = by_normals.abs();
+            let (got, gradient) = field.value_and_gradient(p).unwrap();
+            let allowed = DistanceField::ACCURACY + 0.08 * (distance - DistanceField::NEAR).max(0.0);
+            assert!((got.abs() - distance).abs() <= allowed, "{p}: {got}, the distance is {distance}");
+            if distance > thickness.abs() {
+                let inside = solid_angles(&mesh, p).abs() > 0.5;
+                assert_eq!(got < 0.0, inside, "{p}: {got}");
+                assert_eq!(field.value(p).unwrap() < 0.0, inside, "{p}");
+                let ahead = field.value(p + gradient.normalize_or_zero() * 1e-3).unwrap_or(got);
+                let jump = (ahead - got).abs() - 1e-3;
+                assert!(distance > DistanceField::NEAR || jump < 2.0 * DistanceField::ACCURACY, "{p}: {jump}");
+                misled += usize::from((by_normals < 0.0) != inside);
+            }
+        }
+        assert!(misled > 100, "the normals mislead at {misled} places only");
+    }
 }
 
 #[test]
