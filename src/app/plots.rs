@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use egui::{Color32, RichText, Ui, Vec2b};
-use egui_plot::{Corner, HLine, Legend, Line, LineStyle, Plot, PlotPoint, PlotPoints, VLine};
+use egui_plot::{Corner, GridInput, GridMark, HLine, Legend, Line, LineStyle, Plot, PlotPoint, PlotPoints, VLine};
 
 use super::core::Core;
 use super::theme::palette;
@@ -131,6 +131,7 @@ fn over_distance<'a>(
         .show_background(false)
         .grid_color(grid)
         .set_margin_fraction(egui::vec2(0.012, 0.06))
+        .y_grid_spacer(round_steps)
         .y_axis_min_width(44.0);
     let response = plot.show(ui, move |plot| {
         build(plot);
@@ -143,6 +144,19 @@ fn over_distance<'a>(
         core.cursor.playing = false;
         core.cursor.s = point.x.clamp(0.0, core.track().length());
     }
+}
+
+/// Four or so lines at round values, each with its number.
+fn round_steps(input: GridInput) -> Vec<GridMark> {
+    let (low, high) = input.bounds;
+    let rough = (high - low) / 4.0;
+    if !(rough > 0.0 && rough.is_finite()) {
+        return Vec::new();
+    }
+    let decade = 10f64.powf(rough.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].map(|s| s * decade).into_iter().find(|s| *s >= rough).unwrap_or(rough);
+    let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
+    (first..=last).map(|i| GridMark { value: i as f64 * step, step_size: step }).collect()
 }
 
 fn axes(ui: &mut Ui, core: &mut Core, curves: &Curves, order: usize) {

@@ -448,7 +448,10 @@ impl SparkpathApp {
                 let plane = self.core.pipeline.channel().map(|found| {
                     let frame = &found.channel.frame;
                     let [low, high] = found.channel.span_x();
-                    SectionPlane { point: frame.to_parent(glam::DVec3::X * 0.5 * (low + high)), normal: frame.x }
+                    let middle = 0.5 * (low + high);
+                    let (hub, shroud) = found.channel.radii_at(middle);
+                    let point = glam::DVec3::new(middle, 0.0, 0.5 * (hub + shroud));
+                    SectionPlane { point: frame.to_parent(point), normal: frame.x }
                 });
                 plane.or(Some(SectionPlane { point: part.mesh.bounds().center(), normal: glam::DVec3::X }))
             }

@@ -275,7 +275,10 @@ fn contact(
     let pose = station.map(|s| s.pose).unwrap_or_default();
     let moved = pose.placement(electrode.reference_point).transform_point3(on_electrode);
     let [a, b] = [moved, on_blisk].map(|p| to_mesh.transform_point3(p));
-    scene.lines.push(LineSet { on_top: true, width_px: 1.5, ..LineSet::new(vec![vec![a, b]], look.colour) });
     scene.markers.push(Marker { at: b, colour: look.colour, radius_px: 5.0 });
-    scene.markers.push(Marker { at: a, colour: COPPER, radius_px: 3.5 });
+    // Elsewhere on the path the point of the electrode has nothing to do with the place.
+    if a.distance(b) < 2.0 {
+        scene.lines.push(LineSet { on_top: true, width_px: 1.5, ..LineSet::new(vec![vec![a, b]], look.colour) });
+        scene.markers.push(Marker { at: a, colour: COPPER, radius_px: 3.5 });
+    }
 }
