@@ -4,11 +4,21 @@
 //! itself, since they take well under a second; the plan is started by the user. A result is kept with the
 //! fingerprint of what it was made from and is current only as long as that is the document's.
 
+mod prepared;
+mod sentences;
+mod slot;
+
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::plan::{PlanInputs, PlanJobError, PlanOutcome, PreparedBlisk};
+pub use slot::StageState;
+
+use prepared::Prepared;
+use sentences::{channel_sentence, electrode_sentence, export_sentence, part_sentence, plan_sentence};
+use slot::Slot;
+
+use super::plan::{PlanInputs, PlanJobError, PlanOutcome};
 use super::stages::{self, Electrodes, FoundChannel, Part};
 use super::worker::{Ended, Message, Reporter, TaskId, Worker};
 use crate::export::report::InputFile;
@@ -16,21 +26,6 @@ use crate::feed::search::{Convergence, Node};
 use crate::progress::{Cancel, Progress};
 use crate::project::{Document, Fingerprint, KeptPlan, PlanJob, Stage};
 use crate::render::mesh::RenderMesh;
-
-/// How a step stands.
-#[derive(Debug, Clone, PartialEq)]
-pub enum StageState {
-    /// Nothing has been done.
-    Missing,
-    /// It is being worked on.
-    Running,
-    /// Its result is that of the present parameters.
-    Done,
-    /// Its result is that of other parameters.
-    Stale,
-    /// It could not be done with the present parameters: one line why.
-    Failed(String),
-}
 
 /// What a step has found.
 enum Found {
@@ -52,35 +47,6 @@ impl Planned {
     fn new(inputs: PlanInputs, outcome: PlanOutcome) -> Self {
         let shapes = outcome.electrodes.iter().map(|e| Arc::new(RenderMesh::new(&e.electrode.mesh))).collect();
         Self { inputs, outcome: Arc::new(outcome), shapes }
-    }
-}
-
-/// The blisk that was made ready for planning last, kept between plans.
-#[derive(Clone, Default)]
-struct Prepared(Arc<Mutex<Option<(Arc<FoundChannel>, Arc<PreparedBlisk>)>>>);
-
-impl Prepared {
-    /// The one for `found`, made now if it is not that of the last time.
-    fn get(
-        &self,
-        found: &Arc<FoundChannel>,
-        cell: f64,
-        progress: &Progress,
-        cancel: &Cancel,
-    ) -> Result<Arc<PreparedBlisk>, PlanJobError> {
-        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((of, ready)) = &*kept
-            && Arc::ptr_eq(of, found)
-            && ready.has_cell(cell)
-        {
-            return Ok(ready.clone());
-        }
-        // Two fields at a time would take twice the memory.
-        *kept = None;
-        let (blisk, exact, channel) = (found.blisk.clone(), found.exact.clone(), found.channel.clone());
-        let ready = Arc::new(PreparedBlisk::new(blisk, exact, channel, cell, progress, cancel)?);
-        *kept = Some((found.clone(), ready.clone()));
-        Ok(ready)
     }
 }
 
@@ -155,77 +121,6 @@ impl Running {
         let spent = self.doing_since.elapsed();
         let known = self.fraction > 0.03 && self.fraction < 1.0 && spent > Duration::from_millis(500);
         known.then(|| spent.mul_f64((1.0 - self.fraction) / self.fraction))
-    }
-}
-
-/// One step's result and state.
-struct Slot<T> {
-    value: Option<(Fingerprint, Arc<T>)>,
-    failure: Option<(Fingerprint, String)>,
-    running: Option<(TaskId, Fingerprint)>,
-}
-
-impl<T> Default for Slot<T> {
-    fn default() -> Self {
-        Self { value: None, failure: None, running: None }
-    }
-}
-
-impl<T> Slot<T> {
-    fn current(&self, now: Fingerprint) -> Option<&Arc<T>> {
-        self.value.as_ref().filter(|(made_from, _)| *made_from == now).map(|(_, value)| value)
-    }
-
-    fn state(&self, now: Fingerprint) -> StageState {
-        if self.running.is_some_and(|(_, made_from)| made_from == now) {
-            return StageState::Running;
-        }
-        if let Some((_, text)) = self.failure.as_ref().filter(|(made_from, _)| *made_from == now) {
-            return StageState::Failed(text.clone());
-        }
-        match &self.value {
-            None => StageState::Missing,
-            Some((made_from, _)) if *made_from == now => StageState::Done,
-            Some(_) => StageState::Stale,
-        }
-    }
-
-    /// Whether nothing is known of, and nobody works on, what belongs to `now`.
-    fn wants_work(&self, now: Fingerprint) -> bool {
-        matches!(self.state(now), StageState::Missing | StageState::Stale)
-    }
-
-    /// Notes the end of `task` if it is the one this step waits for, and says what became of it.
-    fn end(
-        &mut self,
-        task: TaskId,
-        ended: Ended<Found>,
-        mine: fn(Found) -> Option<T>,
-        sentence: fn(&T) -> (EventKind, String),
-    ) -> Option<(EventKind, String)> {
-        let (_, made_from) = self.running.take_if(|(running, _)| *running == task)?;
-        let text = match ended {
-            Ended::Done(found) => match mine(found) {
-                Some(value) => {
-                    let said = sentence(&value);
-                    self.value = Some((made_from, Arc::new(value)));
-                    self.failure = None;
-                    return Some(said);
-                }
-                None => "internal error: a step answered with another step's result".to_owned(),
-            },
-            Ended::Cancelled => return Some((EventKind::Cancelled, "cancelled".to_owned())),
-            Ended::Failed(text) | Ended::Panicked(text) => text,
-        };
-        self.failure = Some((made_from, text.clone()));
-        Some((EventKind::Failed, text))
-    }
-
-    /// Takes being cancelled for an answer, where the step would otherwise begin again by itself.
-    fn rest(&mut self, made_from: Option<Fingerprint>) {
-        if let Some(made_from) = made_from {
-            self.failure = Some((made_from, "cancelled; load the part again to go on".to_owned()));
-        }
     }
 }
 
@@ -652,38 +547,4 @@ impl Found {
     fn export(self) -> Option<Exported> {
         if let Self::Export(exported) = self { Some(exported) } else { None }
     }
-}
-
-fn part_sentence(part: &Part) -> (EventKind, String) {
-    (EventKind::Done, format!("{}: {} triangles", part.name, part.mesh.triangles.len()))
-}
-
-fn channel_sentence(found: &FoundChannel) -> (EventKind, String) {
-    let channel = &found.channel;
-    let text = format!("{} blades, throat {:.2} mm", channel.blades, channel.throat.width_mm);
-    (EventKind::Done, text)
-}
-
-fn electrode_sentence(made: &Electrodes) -> (EventKind, String) {
-    let thinnest = made.electrodes.iter().map(|e| e.least_thickness_mm).fold(f64::INFINITY, f64::min);
-    let count = made.electrodes.len();
-    let plural = if count == 1 { "" } else { "s" };
-    (EventKind::Done, format!("{count} electrode{plural}, least thickness {thinnest:.2} mm"))
-}
-
-fn plan_sentence(planned: &Planned) -> (EventKind, String) {
-    let plan = &planned.outcome;
-    let kind = if plan.is_verified() { EventKind::Done } else { EventKind::Refused };
-    // The first electrode that is not verified is what stands in the way.
-    let told = plan.electrodes.iter().enumerate().find(|(_, e)| !e.plan.is_verified());
-    let (i, electrode) = match told.or_else(|| plan.electrodes.iter().enumerate().next()) {
-        Some(found) => found,
-        None => return (EventKind::Refused, "there is no electrode".to_owned()),
-    };
-    let name = if plan.electrodes.len() > 1 { format!("electrode {} ", i + 1) } else { "the electrode ".to_owned() };
-    (kind, name + &electrode.plan.verdict(&plan.channel))
-}
-
-fn export_sentence(exported: &Exported) -> (EventKind, String) {
-    (EventKind::Done, format!("{} files written to {}", exported.written.len(), exported.folder.display()))
 }

@@ -1,0 +1,36 @@
+//! What all plans on one channel share.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::jobs::plan::{PlanJobError, PreparedBlisk};
+use crate::jobs::stages::FoundChannel;
+use crate::progress::{Cancel, Progress};
+
+/// The blisk that was made ready for planning last, kept between plans.
+#[derive(Clone, Default)]
+pub(super) struct Prepared(Arc<Mutex<Option<(Arc<FoundChannel>, Arc<PreparedBlisk>)>>>);
+
+impl Prepared {
+    /// The one for `found`, made now if it is not that of the last time.
+    pub(super) fn get(
+        &self,
+        found: &Arc<FoundChannel>,
+        cell: f64,
+        progress: &Progress,
+        cancel: &Cancel,
+    ) -> Result<Arc<PreparedBlisk>, PlanJobError> {
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((of, ready)) = &*kept
+            && Arc::ptr_eq(of, found)
+            && ready.has_cell(cell)
+        {
+            return Ok(ready.clone());
+        }
+        // Two fields at a time would take twice the memory.
+        *kept = None;
+        let (blisk, exact, channel) = (found.blisk.clone(), found.exact.clone(), found.channel.clone());
+        let ready = Arc::new(PreparedBlisk::new(blisk, exact, channel, cell, progress, cancel)?);
+        *kept = Some((found.clone(), ready.clone()));
+        Ok(ready)
+    }
+}
