@@ -502,24 +502,34 @@ impl SparkpathApp {
             self.intend(Intent::Open(path), &ui.ctx().clone());
         }
         Panel::bottom("status").exact_size(26.0).show(ui, |ui| status::show(ui, &mut self.core));
+        // In a small window, or one drawn large, the view comes first: what can be spared gives way to it.
+        let room = ui.available_size();
+        let (wide, tall) = (room.x > 900.0, room.y > 480.0);
+        let left = if wide { 356.0 } else { (0.46 * room.x).clamp(240.0, 356.0) };
         let request = Panel::left("step")
-            .default_size(356.0)
-            .size_range(356.0..=460.0)
+            .default_size(left)
+            .size_range(left..=left.max(460.0).min(0.5 * room.x).max(left))
             .show(ui, |ui| stepper::show(ui, &mut self.core))
             .inner;
         if request == Some(Request::ElectrodeMesh) {
             let ctx = ui.ctx().clone();
             self.files.ask(Purpose::ElectrodeMesh, "Your own electrode", self.folder().as_deref(), &ctx);
         }
-        Panel::right("inspector")
-            .default_size(250.0)
-            .size_range(220.0..=380.0)
-            .show(ui, |ui| inspector::show(ui, &mut self.core, &mut self.viewport));
-        Panel::bottom("timeline").default_size(250.0).size_range(150.0..=520.0).resizable(true).show(ui, |ui| {
+        if wide {
+            Panel::right("inspector")
+                .default_size(250.0)
+                .size_range(220.0..=380.0)
+                .show(ui, |ui| inspector::show(ui, &mut self.core, &mut self.viewport));
+        }
+        let name = if tall { "timeline" } else { "timeline alone" };
+        let heights = if tall { 150.0..=520.0 } else { 70.0..=70.0 };
+        Panel::bottom(name).default_size(250.0).size_range(heights).resizable(tall).show(ui, |ui| {
             ui.add_space(2.0);
             timeline::show(ui, &mut self.core);
-            ui.add_space(2.0);
-            plots::show(ui, &mut self.core, &mut self.tab, &mut self.curves);
+            if tall {
+                ui.add_space(2.0);
+                plots::show(ui, &mut self.core, &mut self.tab, &mut self.curves);
+            }
         });
         egui::CentralPanel::no_frame().show(ui, |ui| self.viewport.show(ui, &mut self.core));
     }

@@ -119,7 +119,10 @@ fn plan(ui: &mut Ui, core: &mut Core) {
     for (i, outcome) in plan.electrodes.iter().enumerate() {
         let colour = if outcome.plan.is_verified() { palette(ui).good } else { palette(ui).bad };
         let name = if plan.electrodes.len() > 1 { format!("Electrode {}: ", i + 1) } else { String::new() };
-        notice(ui, colour, &(name + &outcome.plan.verdict(&plan.channel)));
+        // A plan that failed says so above the form.
+        if outcome.plan.path.is_some() {
+            notice(ui, colour, &(name + &outcome.plan.verdict(&plan.channel)));
+        }
         fact(ui, "Nodes", outcome.plan.nodes.len().to_string());
         fact(ui, "Searches", outcome.plan.rounds.to_string());
         fact(ui, "Points tested", outcome.plan.probes.to_string());

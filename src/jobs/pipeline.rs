@@ -412,8 +412,20 @@ impl Pipeline {
             Stage::Part => self.part.state(now.part),
             Stage::Channel => self.channel.state(now.channel),
             Stage::Electrode => self.electrode.state(now.electrode),
-            Stage::Plan => self.plan.state(now.plan),
+            Stage::Plan => match (self.plan.state(now.plan), &self.plan.value) {
+                (StageState::Done, Some((_, plan)))
+                    if plan.outcome.electrodes.iter().any(|e| e.plan.path.is_none()) =>
+                {
+                    StageState::Failed(plan_sentence(plan).1)
+                }
+                (state, _) => state,
+            },
             Stage::Verify => match (self.plan.state(now.plan), &self.plan.value) {
+                (StageState::Done, Some((_, plan)))
+                    if plan.outcome.electrodes.iter().any(|e| e.plan.path.is_none()) =>
+                {
+                    StageState::Missing
+                }
                 (StageState::Done, Some((_, plan))) if !plan.outcome.is_verified() => {
                     StageState::Failed(plan_sentence(plan).1)
                 }
