@@ -85,8 +85,12 @@ pub struct LogLine {
     pub at: SystemTime,
     /// What kind of news.
     pub kind: EventKind,
+    /// Of which step.
+    pub stage: Option<Stage>,
     /// In one sentence.
     pub text: String,
+    /// How long it took, if that is known.
+    pub took: Option<Duration>,
 }
 
 /// What a track was made from: the plan's address or the number of nodes found so far.
@@ -145,7 +149,9 @@ impl Core {
     pub fn follow(&mut self) -> Vec<Event> {
         let events = self.pipeline.follow(&mut self.document);
         for event in &events {
-            self.say(event.kind, format!("{}: {}", event.stage.name(), event.text));
+            let text = format!("{}: {}", event.stage.name(), event.text);
+            let (kind, stage, took) = (event.kind, Some(event.stage), event.took);
+            self.log.push(LogLine { at: SystemTime::now(), kind, stage, text, took });
         }
         self.follow_track();
         self.follow_colours();
@@ -154,7 +160,21 @@ impl Core {
 
     /// Adds a line to the log.
     pub fn say(&mut self, kind: EventKind, text: impl Into<String>) {
-        self.log.push(LogLine { at: SystemTime::now(), kind, text: text.into() });
+        self.log.push(LogLine { at: SystemTime::now(), kind, stage: None, text: text.into(), took: None });
+    }
+
+    /// What was said last, unless it is of a failure that is none any more.
+    pub fn last_said(&self) -> Option<&LogLine> {
+        let line = self.log.last()?;
+        let failed = |stage| matches!(self.pipeline.state(stage), StageState::Failed(_));
+        let is_over = line.kind == EventKind::Failed && line.stage.is_some_and(|stage| !failed(stage));
+        (!is_over).then_some(line)
+    }
+
+    /// Moves the cursor to where `s` is withdrawn, or as far as there are poses.
+    pub fn go_to(&mut self, s: f64) {
+        self.cursor.s = s.clamp(0.0, self.track.length());
+        self.cursor.playing = false;
     }
 
     /// Changes parameters. `dragging` tells that more changes of the same kind may follow at once.

@@ -85,7 +85,8 @@ pub fn show(ctx: &egui::Context, core: &mut Core, dialog: &mut Dialog, adapter: 
         Dialog::Error(title, _) => title,
     }
     .to_owned();
-    let response = Modal::new(Id::unique("dialog")).show(ctx, |ui| {
+    let frame = egui::Frame::popup(&ctx.global_style()).inner_margin(16);
+    let response = Modal::new(Id::unique("dialog")).frame(frame).show(ctx, |ui| {
         ui.set_width(420.0);
         ui.heading(title);
         ui.add_space(6.0);
@@ -267,6 +268,9 @@ pub fn log(ctx: &egui::Context, core: &Core, open: &mut bool) {
                 ui.horizontal_wrapped(|ui| {
                     ui.label(RichText::new(format!("{ago:>4} s ago")).monospace().color(palette(ui).faint));
                     ui.label(RichText::new(&line.text).color(colour_of(ui, line.kind)));
+                    if let Some(took) = line.took {
+                        ui.label(RichText::new(format!("{:.1} s", took.as_secs_f64())).color(palette(ui).faint));
+                    }
                 });
             }
             if core.log.is_empty() {

@@ -32,7 +32,7 @@ fn pose(ui: &mut Ui, core: &Core) {
     if core.plan_is_stale() {
         ui.label(RichText::new("of a stale plan").small().color(palette(ui).warning));
     }
-    let what = station.node.map_or("between nodes".to_owned(), |n| format!("{n} nodes before final"));
+    let what = station.node.map_or("between nodes".to_owned(), |n| format!("node {n} from the final pose"));
     fact(ui, "Place", what);
     fact(ui, "Withdrawn", length.show(station.s, 3));
     for axis in core.document.job().machine.axes.axes() {
@@ -40,7 +40,7 @@ fn pose(ui: &mut Ui, core: &Core) {
         let text = if axis.is_rotary() { format!("{:.4} deg", value.to_degrees()) } else { length.show(value, 4) };
         fact(ui, &axis.letter().to_string(), text);
     }
-    let name = if core.track().is_path { "Clearance" } else { "Clearance, as the search sees it" };
+    let name = if core.track().is_path { "Clearance" } else { "Clearance (search)" };
     fact(ui, name, length.show(station.clearance, 4));
 }
 
@@ -65,8 +65,7 @@ fn contact(ui: &mut Ui, core: &mut Core) {
     }
     point(ui, core, on_blisk);
     if ui.button("Go there").clicked() {
-        core.cursor.s = s;
-        core.cursor.playing = false;
+        core.go_to(s);
     }
 }
 

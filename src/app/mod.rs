@@ -24,5 +24,6 @@ mod timeline;
 mod viewport;
 mod viewport_gpu;
 
+pub use preferences::{Preferences, ThemeChoice};
 pub use run::{Folders, Opening, SparkpathApp};
 pub use startup::{Window, preflight, run_window};

@@ -1,11 +1,12 @@
 //! The nodes of the track as a table; a click moves the cursor.
 
-use egui::{Align, Layout, RichText, Ui};
+use egui::{Align, Layout, RichText, Role, Ui, WidgetInfo};
 use egui_extras::{Column, TableBuilder};
 
 use super::core::Core;
 use super::theme::palette;
 use crate::feed::pose::Axis;
+use crate::views::Station;
 
 /// Draws it.
 pub fn show(ui: &mut Ui, core: &mut Core) {
@@ -22,6 +23,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
         .cell_layout(Layout::right_to_left(Align::Center))
         .column(Column::exact(44.0))
         .columns(Column::remainder().at_least(58.0), heads.len() - 1)
+        .min_scrolled_height(0.0)
         .auto_shrink([false, false]);
     if let Some(row) = current {
         table = table.scroll_to_row(row, None);
@@ -41,7 +43,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
             row.set_selected(current == Some(i));
             let number = |v: f64| RichText::new(format!("{v:.4}")).monospace();
             row.col(|ui| {
-                ui.label(RichText::new((i + 1).to_string()).monospace());
+                ui.label(RichText::new(number_of(node, i).to_string()).monospace());
             });
             row.col(|ui| {
                 ui.label(number(node.s));
@@ -56,13 +58,21 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
                 let colour = if node.clearance < gap { colours.bad } else { ui.visuals().text_color() };
                 ui.label(number(node.clearance).color(colour));
             });
-            if row.response().clicked() {
+            let response = row.response();
+            response.widget_info(|| {
+                WidgetInfo::selected(Role::Row, true, current == Some(i), format!("Node {}", number_of(node, i)))
+            });
+            if response.clicked() {
                 chosen = Some(node.s);
             }
         });
     });
     if let Some(s) = chosen {
-        core.cursor.s = s;
-        core.cursor.playing = false;
+        core.go_to(s);
     }
+}
+
+/// Its number as verdicts, reports and path files give it: counted from the final pose.
+fn number_of(node: &Station, place: usize) -> usize {
+    node.node.unwrap_or(place)
 }

@@ -18,7 +18,7 @@ use crate::export::post::Post;
 use crate::jobs::pipeline::{EventKind, ExportWork};
 use crate::jobs::{plan_files, plan_report};
 use crate::project::{Autosave, Document, OpenError, Recovery, Stage};
-use crate::render::scene::SectionPlane;
+use crate::render::scene::{Scene, SectionPlane};
 
 /// Where the program keeps what is its own.
 #[derive(Debug, Clone)]
@@ -129,6 +129,11 @@ impl SparkpathApp {
     /// The same, to be changed: for tests and pictures.
     pub fn core_mut(&mut self) -> &mut Core {
         &mut self.core
+    }
+
+    /// What the 3-D view shows.
+    pub fn scene(&self) -> &Scene {
+        self.viewport.picture().0
     }
 
     /// Longest time that a frame has taken to lay out since the last call, drawing apart (s).
@@ -269,7 +274,8 @@ impl SparkpathApp {
         }
     }
 
-    fn export(&mut self, folder: &Path) {
+    /// Writes the files of the approved plan into `folder`, as the export dialog does; says why not if it cannot.
+    pub fn export(&mut self, folder: &Path) {
         let write: ExportWork = Box::new(|folder, plan, inputs, files, _, cancel| {
             let post = Post::named(&inputs.job.export.post).map_err(|e| e.to_string())?;
             plan_files::prepare(folder).map_err(|e| e.to_string())?;
@@ -284,8 +290,10 @@ impl SparkpathApp {
 
     fn write_picture(&mut self, path: &Path) {
         let (scene, camera) = self.viewport.picture();
+        // A picture has nothing else that tells the axes.
+        let scene = Scene { triad: true, ..(**scene).clone() };
         let picture = crate::render::offscreen::Offscreen::new()
-            .and_then(|mut o| o.png(scene, camera, [1920, 1200]))
+            .and_then(|mut o| o.png(&scene, camera, [1920, 1200]))
             .map_err(|e| e.to_string());
         let written = picture.and_then(|bytes| {
             crate::mesh_io::atomic_write(path, |out| out.write_all(&bytes)).map_err(|e| e.to_string())

@@ -35,7 +35,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
 }
 
 fn message(ui: &mut Ui, core: &mut Core) {
-    let Some(line) = core.log.last() else {
+    let Some(line) = core.last_said() else {
         ui.label(RichText::new("Ready").color(palette(ui).faint));
         return;
     };

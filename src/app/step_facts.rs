@@ -145,11 +145,16 @@ fn verify(ui: &mut Ui, core: &mut Core) {
     let length = core.preferences.length;
     for outcome in &plan.electrodes {
         let Some(planned) = &outcome.plan.path else {
-            notice(ui, palette(ui).bad, &outcome.plan.verdict(&plan.channel));
+            // What a single electrode fails at is said above the form already.
+            if plan.electrodes.len() > 1 {
+                notice(ui, palette(ui).bad, &outcome.plan.verdict(&plan.channel));
+            }
             continue;
         };
         let c = &planned.certificate;
-        let (colour, text) = if c.holds() {
+        let (colour, text) = if core.plan_is_stale() {
+            (palette(ui).warning, "This certificate is of other parameters.".to_owned())
+        } else if c.holds() {
             (palette(ui).good, "Certified: the whole motion keeps the spark gap.".to_owned())
         } else {
             (palette(ui).bad, outcome.plan.verdict(&plan.channel))
@@ -163,7 +168,7 @@ fn verify(ui: &mut Ui, core: &mut Core) {
         fact(ui, "Rows", planned.path.rows.len().to_string());
         fact(ui, "Places too near", c.violations().len().to_string());
         if ui.button("Go to the closest place").clicked() {
-            core.cursor.s = c.least().s;
+            core.go_to(c.least().s);
         }
     }
     if core.pipeline.can_approve() {

@@ -13,11 +13,14 @@ use crate::project::Stage;
 /// Draws stepper and form.
 pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Request> {
     ui.add_space(2.0);
-    for stage in Stage::ALL {
-        if step(ui, stage, &core.pipeline.state(stage), core.step == stage).clicked() {
-            core.step = stage;
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.y = 2.0;
+        for stage in Stage::ALL {
+            if step(ui, stage, &core.pipeline.state(stage), core.step == stage).clicked() {
+                core.step = stage;
+            }
         }
-    }
+    });
     ui.add_space(4.0);
     ui.separator();
     let mut request = None;
@@ -141,13 +144,16 @@ pub fn command_button(ui: &mut Ui, core: &mut Core, command: Command, text: &str
     }
 }
 
-/// A name and a value in two aligned columns.
+/// A name on the left and its value on the right; a long value takes from the name's room, but not all of it.
 pub fn fact(ui: &mut Ui, name: &str, value: impl Into<String>) {
     let width = ui.available_width();
     let (rect, _) = ui.allocate_exact_size(vec2(width, 18.0), Sense::hover());
     let value = value.into();
-    let left = Rect::from_min_max(rect.min, pos2(rect.left() + 0.5 * width, rect.bottom()));
-    let right = Rect::from_min_max(pos2(rect.left() + 0.5 * width, rect.top()), rect.max);
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let needed = ui.painter().layout_no_wrap(value.clone(), font, Color32::WHITE).size().x;
+    let border = rect.right() - (needed + 8.0).clamp(0.0, 0.75 * width);
+    let left = Rect::from_min_max(rect.min, pos2(border, rect.bottom()));
+    let right = Rect::from_min_max(pos2(border, rect.top()), rect.max);
     let faint = palette(ui).faint;
     let put = |ui: &mut Ui, at: Rect, text: RichText, layout: egui::Layout| {
         let mut child = ui.new_child(egui::UiBuilder::new().max_rect(at).layout(layout));

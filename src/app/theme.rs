@@ -82,7 +82,7 @@ fn style(dark: bool) -> Style {
     spacing.window_margin = Margin::same(12);
     spacing.menu_margin = Margin::same(6);
     spacing.indent = 14.0;
-    spacing.slider_width = 110.0;
+    spacing.slider_width = 90.0;
     spacing.combo_width = 96.0;
     spacing.tooltip_width = 320.0;
     style.interaction.tooltip_delay = 0.35;

@@ -58,16 +58,18 @@ fn controls(ui: &mut Ui, core: &mut Core) {
 fn readout(ui: &mut Ui, core: &Core) {
     let Some(station) = core.track().at(core.cursor.s) else { return };
     let length = core.preferences.length;
-    let node = core.track().nearest_node(core.cursor.s).map_or(0, |i| i + 1);
-    let count = core.track().nodes().count();
+    // Numbers count from the final pose, which is node 0, as in verdicts and files.
+    let nodes: Vec<_> = core.track().nodes().map(|n| n.node.unwrap_or_default()).collect();
+    let node = core.track().nearest_node(core.cursor.s).map_or(0, |i| nodes[i]);
+    let last = nodes.iter().copied().max().unwrap_or_default();
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         let gap = core.document.job().electrode.spark_gap_mm - core.document.job().verify.tolerance_mm;
         let colour = if station.clearance < gap { palette(ui).bad } else { palette(ui).good };
         ui.label(RichText::new(length.show(station.clearance, 4)).color(colour).monospace());
         ui.label(RichText::new("clearance").color(palette(ui).faint));
         ui.label(RichText::new(length.show(station.s, 3)).monospace());
-        ui.label(RichText::new("withdrawn").color(palette(ui).faint));
-        ui.label(RichText::new(format!("{node:>3} / {count}")).monospace());
+        ui.label(RichText::new("at").color(palette(ui).faint));
+        ui.label(RichText::new(format!("{node:>3} / {last}")).monospace());
         ui.label(RichText::new("node").color(palette(ui).faint));
     });
 }
@@ -81,7 +83,10 @@ fn strip(ui: &mut Ui, core: &mut Core) {
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
     if core.track().is_empty() || length <= 0.0 {
-        let text = "The nodes of the path will stand here once one is planned.";
+        let text = match core.track().is_empty() {
+            true => "The nodes of the path will stand here once one is planned.",
+            false => "Only the final pose was found to be free.",
+        };
         painter.text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(12.0), colours.faint);
         return;
     }

@@ -83,6 +83,8 @@ pub struct Event {
     pub kind: EventKind,
     /// In one sentence.
     pub text: String,
+    /// How long it was worked on.
+    pub took: Option<Duration>,
 }
 
 /// What became of a step.
@@ -194,7 +196,7 @@ impl Pipeline {
         if self.approved.is_some_and(|of| of != now.plan) {
             self.approved = None;
             let text = "approval withdrawn: an input changed".to_owned();
-            events.push(Event { stage: Stage::Export, kind: EventKind::Cancelled, text });
+            events.push(Event { stage: Stage::Export, kind: EventKind::Cancelled, text, took: None });
         }
         // A plan for other parameters is of no use to anybody.
         if self.plan.running.is_some_and(|(_, made_from)| made_from != now.plan) {
@@ -359,10 +361,9 @@ impl Pipeline {
             }
             Message::Finished(task, ended) => {
                 let stage = self.stage_of(task)?;
-                let seconds = self.running.take_if(|r| r.stage == stage).map(|r| r.since.elapsed().as_secs_f64());
+                let took = self.running.take_if(|r| r.stage == stage).map(|r| r.since.elapsed());
                 let (kind, text) = self.finish(stage, task, ended)?;
-                let took = seconds.map(|s| format!(" ({s:.1} s)")).unwrap_or_default();
-                Some(Event { stage, kind, text: text + &took })
+                Some(Event { stage, kind, text, took })
             }
         }
     }

@@ -88,7 +88,7 @@ pub(super) const FIELDS: &[Field] = &[
 
     field(Stage::Verify, "Certificate", "/verify/tolerance_mm", "Tolerance", "", "mm", Number(Range(0.0, 0.05), 4), "How far below the spark gap the clearance may fall and still count as kept."),
     field(Stage::Verify, "Certificate", "/verify/resolution_mm", "Resolution", "", "mm", Number(Range(1e-6, 1.0), 6), "How close the proven bound comes to the smallest clearance met."),
-    field(Stage::Verify, "Certificate", "/verify/stop_at_violation", "Stop at the first violation", "", "", Flag, "Answers no as soon as one place is too near, without looking for the others."),
+    field(Stage::Verify, "Certificate", "/verify/stop_at_violation", "Stop at violation", "", "", Flag, "Answers no as soon as one place is too near, without looking for the others."),
 
     field(Stage::Export, "NC program", "/export/post", "Post-processor", "", "", Choice(POSTS), "The words that the control understands. Posts are TOML files: a job file may name one of its own."),
     field(Stage::Export, "NC program", "/export/nc/feed_mm_per_min", "Feed", "", "mm/min", Number(Range(0.001, 100000.0), 1), "Feed towards the final pose. While eroding, the generator's servo sets the pace; this is its limit."),

@@ -134,8 +134,12 @@ impl ProjectFile {
             ));
         }
         let content: Content = serde_json::from_str(text).map_err(|e| format!("the project is damaged: {e}"))?;
-        let job = PlanJob::from_json(content.job, folder).map_err(|e| format!("the project is damaged: {e}"))?;
-        let meshes = content.meshes.into_iter().map(|m| MeshReference { path: folder.join(m.path), ..m }).collect();
+        let mut job = PlanJob::from_json(content.job, folder).map_err(|e| format!("the project is damaged: {e}"))?;
+        for mesh in [&mut job.blisk.mesh, &mut job.electrode.mesh] {
+            *mesh = mesh.take().map(|p| without_detours(&p));
+        }
+        let path = |m: &MeshReference| without_detours(&folder.join(&m.path));
+        let meshes = content.meshes.into_iter().map(|m| MeshReference { path: path(&m), ..m }).collect();
         Ok(Self { job, meshes, plan: content.plan })
     }
 
@@ -216,6 +220,21 @@ fn sha256_of(path: &Path) -> std::io::Result<String> {
 fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(if path.as_os_str().is_empty() { Path::new(".") } else { path })
         .unwrap_or_else(|_| path.to_owned())
+}
+
+/// `path` without the `folder/..` that [`relative`] makes necessary, so that a mesh keeps its name through saving and
+/// opening.
+fn without_detours(path: &Path) -> PathBuf {
+    use std::path::Component;
+    let mut short = PathBuf::new();
+    for part in path.components() {
+        if part == Component::ParentDir && matches!(short.components().next_back(), Some(Component::Normal(_))) {
+            short.pop();
+        } else {
+            short.push(part);
+        }
+    }
+    short
 }
 
 /// `path` as seen from `folder`, with `..` where it lies beside it; absolute where they share no root.
@@ -312,6 +331,8 @@ mod tests {
     #[test]
     fn paths_are_written_as_seen_from_the_file() {
         let seen = relative(Path::new("/a/b/part.stl"), Path::new("/a/c"));
+        assert_eq!(without_detours(&Path::new("/a/c").join(&seen)).as_os_str(), "/a/b/part.stl");
+        assert_eq!(without_detours(Path::new("../../part.stl")).as_os_str(), "../../part.stl");
         assert_eq!(seen, Path::new("../b/part.stl"));
         assert_eq!(relative(Path::new("/a/part.stl"), Path::new("/a")), Path::new("part.stl"));
     }

@@ -1,0 +1,116 @@
+//! Times of the window: laying out a frame, drawing apart, while nothing happens and while a plan runs.
+//!
+//! `take_slowest_frame` measures what the window itself does in a frame, on the clock of the thread that draws. A
+//! frame of 60 a second has 16.7 ms for that and for drawing.
+
+use std::cell::RefCell;
+use std::time::{Duration, Instant};
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use egui::vec2;
+use egui_kittest::Harness;
+use sparkpath::app::{Opening, SparkpathApp};
+use sparkpath::jobs::pipeline::StageState;
+use sparkpath::project::Stage;
+
+type Window = Harness<'static, SparkpathApp>;
+
+fn window() -> Window {
+    let mut window = Harness::builder()
+        .with_size(vec2(1440.0, 900.0))
+        .wgpu()
+        .build_eframe(|cc| SparkpathApp::new(cc, &Opening::Demonstration, None).expect("a graphics driver"));
+    while window.state().core().pipeline.state(Stage::Plan) != StageState::Done {
+        window.step();
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    window.run_steps(4);
+    window
+}
+
+/// Starts a plan of the demonstration with a seed of its own, so that none is like another.
+fn start_plan(window: &mut Window, seed: u64) {
+    let core = window.state_mut().core_mut();
+    let mut job = core.document.job().clone();
+    job.genetic.seed = seed;
+    core.edit("Seed", job, false);
+    while !window.state().core().can_plan() {
+        window.step();
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    window.state_mut().core_mut().pipeline.start_plan().expect("the electrode is made");
+}
+
+fn is_planning(window: &Window) -> bool {
+    window.state().core().pipeline.state(Stage::Plan) == StageState::Running
+}
+
+/// Lays out one frame and answers what the window itself took for it.
+fn frame(window: &mut Window) -> Duration {
+    window.state_mut().take_slowest_frame();
+    window.step();
+    Duration::from_secs_f64(window.state_mut().take_slowest_frame())
+}
+
+fn frames(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("window");
+    group.sample_size(20);
+    let window = RefCell::new(window());
+    group.bench_function("frame, nothing happens", |b| {
+        b.iter_custom(|n| (0..n).map(|_| frame(&mut window.borrow_mut())).sum());
+    });
+    group.bench_function("frame, cursor moves along the path", |b| {
+        b.iter_custom(|n| {
+            let mut window = window.borrow_mut();
+            let length = window.state().core().track().length();
+            let mut total = Duration::ZERO;
+            for i in 0..n {
+                window.state_mut().core_mut().go_to(length * (i % 50) as f64 / 50.0);
+                total += frame(&mut window);
+            }
+            total
+        });
+    });
+    group.bench_function("frame, a plan runs", |b| {
+        let mut seed = 1;
+        b.iter_custom(|n| {
+            let mut window = window.borrow_mut();
+            let mut total = Duration::ZERO;
+            for _ in 0..n {
+                while !is_planning(&window) {
+                    seed += 1;
+                    start_plan(&mut window, seed);
+                    window.step();
+                }
+                total += frame(&mut window);
+            }
+            total
+        });
+    });
+    group.finish();
+    slowest_while_planning(&mut window.borrow_mut());
+}
+
+/// The slowest frame of a whole plan at the pace of a screen: what a mean hides.
+fn slowest_while_planning(window: &mut Window) {
+    start_plan(window, 1_000);
+    window.step();
+    let (started, mut times) = (Instant::now(), Vec::new());
+    while is_planning(window) && started.elapsed() < Duration::from_secs(60) {
+        times.push(frame(window));
+        std::thread::sleep(Duration::from_millis(16));
+    }
+    times.sort();
+    let at = |share: f64| times.get((share * (times.len() as f64 - 1.0)) as usize).copied().unwrap_or_default();
+    println!(
+        "window/frames of a whole plan: {} in {:.1} s, median {:.2?}, 99 of 100 within {:.2?}, slowest {:.2?}",
+        times.len(),
+        started.elapsed().as_secs_f64(),
+        at(0.5),
+        at(0.99),
+        at(1.0)
+    );
+}
+
+criterion_group!(benches, frames);
+criterion_main!(benches);

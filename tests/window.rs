@@ -1,0 +1,14 @@
+//! The window as its users meet it, driven without a screen by the names of its controls.
+//!
+//! Pictures are drawn by Mesa's software renderer (Debian: mesa-vulkan-drivers); `UPDATE_SNAPSHOTS=1` makes those in
+//! `tests/snapshots` anew, which must then be looked at.
+
+mod common;
+#[path = "window/desk.rs"]
+mod desk;
+#[path = "window/failures.rs"]
+mod failures;
+#[path = "window/journey.rs"]
+mod journey;
+#[path = "window/looks.rs"]
+mod looks;

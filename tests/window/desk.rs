@@ -1,0 +1,209 @@
+//! A window without a screen, with folders of its own, and the hands of its user.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use egui::{Key, Modifiers, Role, pos2, vec2};
+use egui_kittest::kittest::{By, Queryable as _};
+use egui_kittest::{Harness, Node};
+use sparkpath::app::{Folders, Opening, SparkpathApp};
+use sparkpath::blisk::electrode::EnterSide;
+use sparkpath::blisk::parametric::ParametricBlisk;
+use sparkpath::jobs::pipeline::StageState;
+use sparkpath::mesh_io::write_stl;
+use sparkpath::project::{PlanJob, Stage};
+use tempfile::TempDir;
+
+use crate::common::mesh;
+
+/// Longest time that anything is waited for: far more than it takes.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// Where a user's files and the program's own are.
+pub struct Home {
+    folder: TempDir,
+}
+
+impl Home {
+    pub fn new() -> Self {
+        Self { folder: tempfile::tempdir().unwrap() }
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    pub fn folders(&self) -> Folders {
+        Folders { config: self.path("config"), autosave: self.path("autosave") }
+    }
+
+    /// Writes the mesh of `blisk`.
+    pub fn part(&self, blisk: &ParametricBlisk) -> PathBuf {
+        let file = self.path("part.stl");
+        write_stl(&file, &mesh(blisk)).unwrap();
+        file
+    }
+
+    /// Starts the program on `opening`.
+    pub fn start(&self, opening: Opening) -> Desk {
+        let folders = self.folders();
+        let window = Harness::builder()
+            .with_size(vec2(1280.0, 720.0))
+            .wgpu()
+            .build_eframe(move |cc| SparkpathApp::new(cc, &opening, Some(folders)).unwrap());
+        Desk { window }
+    }
+}
+
+/// The window, and what a user does at it.
+pub struct Desk {
+    pub window: Harness<'static, SparkpathApp>,
+}
+
+impl Desk {
+    pub fn app(&self) -> &SparkpathApp {
+        self.window.state()
+    }
+
+    pub fn state(&self, stage: Stage) -> StageState {
+        self.app().core().pipeline.state(stage)
+    }
+
+    /// Goes on until `is` holds, at the pace of the real program.
+    pub fn until(&mut self, what: &str, is: impl Fn(&Self) -> bool) {
+        let started = Instant::now();
+        while !is(self) {
+            assert!(started.elapsed() < PATIENCE, "waited in vain until {what}; the log: {:#?}", self.log());
+            std::thread::sleep(Duration::from_millis(10));
+            self.window.step();
+        }
+        self.settle();
+    }
+
+    /// A few frames, so that everything shows what is known.
+    pub fn settle(&mut self) {
+        self.window.run_steps(4);
+    }
+
+    /// Until nothing is worked on.
+    pub fn until_idle(&mut self) {
+        self.settle();
+        self.until("all work is done", |desk| !desk.app().core().pipeline.is_busy());
+        // The end of one step may be the beginning of the next.
+        while self.app().core().pipeline.is_busy() {
+            self.until("all work is done", |desk| !desk.app().core().pipeline.is_busy());
+        }
+    }
+
+    pub fn log(&self) -> Vec<String> {
+        self.app().core().log.iter().map(|line| line.text.clone()).collect()
+    }
+
+    /// Whether a text that contains `text` is anywhere in the window.
+    pub fn shows(&self, text: &str) -> bool {
+        self.window.query_all_by_label_contains(text).next().is_some()
+    }
+
+    #[track_caller]
+    pub fn assert_shows(&self, text: &str) {
+        assert!(self.shows(text), "nothing in the window says \"{text}\"; the log: {:#?}", self.log());
+    }
+
+    #[track_caller]
+    fn find<'a>(&'a self, role: Role, name: &'a str) -> Node<'a> {
+        let all: Vec<Node<'a>> = self.window.query_all(By::new().role(role).label(name)).collect();
+        *all.first().unwrap_or_else(|| panic!("there is no {role:?} called \"{name}\""))
+    }
+
+    /// Scrolls to a control and presses it with the mouse.
+    #[track_caller]
+    pub fn press_role(&mut self, role: Role, name: &str) {
+        self.find(role, name).scroll_to_me();
+        self.settle();
+        self.find(role, name).click();
+        self.settle();
+        self.window.remove_cursor();
+        self.settle();
+    }
+
+    #[track_caller]
+    pub fn press(&mut self, button: &str) {
+        self.press_role(Role::Button, button);
+    }
+
+    /// Opens the form of a step.
+    #[track_caller]
+    pub fn open_step(&mut self, stage: Stage) {
+        let name = format!("{} {}", stage.number(), stage.name());
+        let tab = self.window.query_all(By::new().role(Role::Tab).label_contains(&name)).next();
+        tab.unwrap_or_else(|| panic!("there is no step {name}")).click();
+        self.settle();
+        self.window.remove_cursor();
+        self.settle();
+    }
+
+    /// What the stepper says of a step: "4 Plan, done".
+    pub fn step_says(&self, stage: Stage, word: &str) -> bool {
+        let name = format!("{} {}, {word}", stage.number(), stage.name());
+        self.window.query(By::new().role(Role::Tab).label(&name)).is_some()
+    }
+
+    /// Types `text` into the number called `name`.
+    #[track_caller]
+    pub fn enter(&mut self, name: &str, text: &str) {
+        self.press_role(Role::SpinButton, name);
+        self.window.event(egui::Event::Text(text.to_owned()));
+        self.settle();
+        self.key(Key::Enter);
+    }
+
+    /// Drags the slider called `name` from its place to `fraction` of its range, in `moves` movements.
+    #[track_caller]
+    pub fn slide(&mut self, name: &str, fraction: f32, moves: u32) {
+        let rail = self.find(Role::Slider, name).rect();
+        let goal = pos2(rail.left() + fraction * rail.width(), rail.center().y);
+        let start = pos2(rail.left() + 0.1 * rail.width(), rail.center().y);
+        self.window.hover_at(start);
+        self.window.drag_at(start);
+        for i in 1..=moves {
+            self.window.step();
+            self.window.hover_at(start.lerp(goal, i as f32 / moves as f32));
+        }
+        self.settle();
+        self.window.drop_at(goal);
+        self.settle();
+    }
+
+    pub fn key(&mut self, key: Key) {
+        self.key_with(Modifiers::NONE, key);
+    }
+
+    pub fn key_with(&mut self, modifiers: Modifiers, key: Key) {
+        self.window.key_press_modifiers(modifiers, key);
+        self.settle();
+    }
+
+    /// Makes the search a small one, as a user would who types the numbers in.
+    pub fn quicken(&mut self) {
+        let core = self.window.state_mut().core_mut();
+        let job = quick(core.document.job().clone());
+        core.edit("Small search", job, false);
+        self.until_idle();
+    }
+}
+
+/// `job` with a search that takes a second.
+pub fn quick(mut job: PlanJob) -> PlanJob {
+    job.electrode.enter = EnterSide::MinusX;
+    job.genetic.population = 16;
+    job.genetic.generations = 6;
+    job.plan.step_mm = 1.6;
+    job.plan.field_cell_mm = 0.4;
+    job
+}
+
+/// Whether `folder` holds a file whose name ends with `end`.
+pub fn holds(folder: &Path, end: &str) -> bool {
+    let Ok(entries) = std::fs::read_dir(folder) else { return false };
+    entries.flatten().any(|e| e.file_name().to_string_lossy().ends_with(end))
+}

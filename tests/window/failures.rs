@@ -1,0 +1,95 @@
+//! What goes wrong is said where it went wrong, in words.
+
+use egui::Key;
+use sparkpath::app::Opening;
+use sparkpath::jobs::pipeline::StageState;
+use sparkpath::project::Stage;
+
+use crate::common::{curved_blisk, easy_blisk};
+use crate::desk::Home;
+
+#[test]
+fn a_wrong_number_is_told_beside_its_field() {
+    let home = Home::new();
+    let mut desk = home.start(Opening::Demonstration);
+    desk.until_idle();
+    desk.open_step(Stage::Electrode);
+    desk.enter("Spark gap", "9");
+    desk.until_idle();
+    desk.assert_shows("Spark gap must be from 0.005 to 2 mm");
+    assert!(desk.step_says(Stage::Electrode, "failed") && desk.step_says(Stage::Channel, "done"));
+    let StageState::Failed(why) = desk.state(Stage::Electrode) else { panic!() };
+    assert!(why.contains("spark_gap_mm"), "{why}");
+    desk.key(Key::F5);
+    desk.until_idle();
+    assert_eq!(desk.state(Stage::Plan), StageState::Stale, "nothing is planned from a wrong number");
+    desk.enter("Spark gap", "0.1");
+    desk.until_idle();
+    assert!(!desk.shows("must be from") && desk.step_says(Stage::Electrode, "done"));
+}
+
+#[test]
+fn a_mesh_that_is_no_blisk_fails_at_its_channel() {
+    let home = Home::new();
+    let mut desk = home.start(Opening::File("tests/data/cube.stl".into()));
+    desk.until_idle();
+    assert!(desk.step_says(Stage::Part, "done") && desk.step_says(Stage::Channel, "failed"));
+    assert_eq!(desk.state(Stage::Electrode), StageState::Missing);
+    desk.open_step(Stage::Channel);
+    let StageState::Failed(why) = desk.state(Stage::Channel) else { panic!() };
+    assert!(why.contains("blade") || why.contains("axis"), "{why}");
+    desk.assert_shows(&why);
+}
+
+#[test]
+fn a_file_that_is_no_mesh_fails_at_the_part() {
+    let home = Home::new();
+    let file = home.path("noise.stl");
+    std::fs::write(&file, b"this is not a mesh").unwrap();
+    let mut desk = home.start(Opening::File(file));
+    desk.until_idle();
+    assert!(desk.step_says(Stage::Part, "failed"));
+    let StageState::Failed(why) = desk.state(Stage::Part) else { panic!() };
+    assert!(why.contains("noise.stl"), "{why}");
+    desk.assert_shows(&why);
+}
+
+#[test]
+fn a_project_whose_mesh_has_changed_asks() {
+    let home = Home::new();
+    let part = home.part(&easy_blisk());
+    let mut desk = home.start(Opening::File(part.clone()));
+    desk.until_idle();
+    let project = home.path("job.sparkpath");
+    desk.window.state_mut().core_mut().document.save_as(&project).unwrap();
+    home.part(&curved_blisk());
+    desk.window.state_mut().open(&project);
+    desk.settle();
+    desk.assert_shows("has changed since the project was saved");
+    desk.press("Use as it is now");
+    desk.until_idle();
+    assert_eq!(desk.app().core().document.file(), Some(project.as_path()));
+    std::fs::remove_file(&part).unwrap();
+    desk.window.state_mut().open(&project);
+    desk.settle();
+    desk.assert_shows("is not there any more");
+    desk.assert_shows("Find it…");
+    assert!(!desk.shows("Use as it is now"), "there is nothing to use");
+    desk.press("Cancel");
+    assert!(!desk.shows("is not there any more"));
+    assert!(desk.step_says(Stage::Channel, "done"), "what was open stays");
+}
+
+#[test]
+fn a_broken_project_is_said_to_be_broken_and_what_was_open_stays() {
+    let home = Home::new();
+    let file = home.path("broken.sparkpath");
+    std::fs::write(&file, "{\"format\": 7").unwrap();
+    let mut desk = home.start(Opening::File(file));
+    desk.settle();
+    desk.assert_shows("This project cannot be opened");
+    desk.assert_shows("broken.sparkpath");
+    desk.press("Close");
+    desk.until_idle();
+    assert!(desk.step_says(Stage::Electrode, "done") && !desk.shows("This project cannot be opened"));
+}

@@ -1,0 +1,220 @@
+//! From a mesh to an NC program, and back after a kill.
+
+use egui::accesskit::Toggled;
+use egui::{Key, Modifiers, Role};
+use egui_kittest::kittest::{AccessKitNode, By, Queryable as _};
+use glam::DVec3;
+use sparkpath::app::{Opening, ThemeChoice};
+use sparkpath::jobs::pipeline::StageState;
+use sparkpath::project::Stage;
+use sparkpath::views::{Layer, layer_id};
+
+use crate::common::easy_blisk;
+use crate::desk::{Desk, Home, holds};
+
+#[test]
+fn from_a_mesh_to_an_nc_program() {
+    let home = Home::new();
+    let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
+    desk.until_idle();
+    for stage in [Stage::Part, Stage::Channel, Stage::Electrode] {
+        assert!(desk.step_says(stage, "done"), "{stage:?}: {:?}", desk.state(stage));
+    }
+    desk.quicken();
+    a_drag_is_one_step(&mut desk);
+    plan_cancel_and_plan_again(&mut desk);
+    everything_follows_the_cursor(&mut desk);
+    verify_and_approve(&mut desk);
+    export(&mut desk, &home);
+    an_edit_withdraws_the_approval(&mut desk);
+}
+
+fn volume(desk: &Desk) -> f64 {
+    desk.app().core().pipeline.electrodes().unwrap().electrodes[0].volume_mm3
+}
+
+fn low_reduction(desk: &Desk) -> f64 {
+    desk.app().core().document.job().electrode.circumferential_reduction_deg[0]
+}
+
+/// The electrode follows the slider; undo takes the whole drag back and nothing else.
+fn a_drag_is_one_step(desk: &mut Desk) {
+    desk.open_step(Stage::Electrode);
+    let (before, thick) = (low_reduction(desk), volume(desk));
+    desk.slide("Reduction, low wall", 0.5, 8);
+    let dragged = low_reduction(desk);
+    assert!((dragged - 2.0).abs() < 0.3, "the middle of a slider from 0 to 4 is {dragged}");
+    desk.until_idle();
+    assert!(desk.step_says(Stage::Electrode, "done"));
+    assert!(volume(desk) < thick, "a larger reduction leaves less metal: {} of {thick}", volume(desk));
+    desk.key_with(Modifiers::COMMAND, Key::Z);
+    assert_eq!(low_reduction(desk), before, "one undo takes eight movements back");
+    desk.until_idle();
+    assert_eq!(volume(desk), thick);
+    for (name, value) in [("Reduction, low wall", "3"), ("Reduction, high wall", "3"), ("Radial reduction", "1")] {
+        desk.enter(name, value);
+    }
+    let electrode = &desk.app().core().document.job().electrode;
+    assert_eq!((electrode.circumferential_reduction_deg, electrode.radial_reduction_mm), ([3.0, 3.0], 1.0));
+    desk.until_idle();
+}
+
+fn plan_cancel_and_plan_again(desk: &mut Desk) {
+    desk.press("Go on to Plan");
+    desk.press("Plan feed path");
+    desk.until("the plan is under way", |d| d.app().core().pipeline.running().is_some_and(|r| r.stage == Stage::Plan));
+    assert!(desk.step_says(Stage::Plan, "working"));
+    desk.press("Cancel");
+    desk.until("the plan has stopped", |d| d.state(Stage::Plan) != StageState::Running);
+    desk.assert_shows("Plan: cancelled");
+    assert!(desk.app().core().pipeline.plan().is_none());
+    desk.key(Key::F5);
+    desk.until("the plan is done", |d| d.state(Stage::Plan) == StageState::Done);
+    desk.assert_shows("comes out, certified clearance");
+    assert!(desk.step_says(Stage::Plan, "done") && desk.step_says(Stage::Verify, "done"));
+}
+
+/// The cursor, the row of the table, the inspector and the electrode in the view are in the same place.
+#[track_caller]
+fn assert_together(desk: &Desk) {
+    let core = desk.app().core();
+    let station = core.track().at(core.cursor.s).unwrap();
+    let node = station.node.expect("the cursor is on a node");
+    let name = format!("Node {node}");
+    let is_selected = |n: &AccessKitNode<'_>| n.toggled() == Some(Toggled::True);
+    let selected: Vec<_> = desk.window.query_all(By::new().role(Role::Row).predicate(is_selected)).collect();
+    assert_eq!(selected.len(), 1, "one row is selected");
+    assert!(desk.window.query(By::new().role(Role::Row).label(&name).predicate(is_selected)).is_some(), "not {name}");
+    desk.assert_shows(&format!("node {node} from the final pose"));
+    let channel = core.pipeline.channel().unwrap();
+    let electrode = &core.outcome().unwrap().electrode;
+    let shown = desk.app().scene().objects.iter().find(|o| o.id == layer_id(Layer::Electrode)).unwrap();
+    let placed = station.pose.placement(electrode.reference_point);
+    for p in [DVec3::ZERO, DVec3::new(10.0, 0.0, 70.0), DVec3::new(0.0, 5.0, 60.0)] {
+        let expected = channel.channel.frame.to_parent(placed.transform_point3(p));
+        let drawn = shown.transform.transform_point3(p);
+        assert!((drawn - expected).length() < 1e-9, "{name}: {drawn} drawn, {expected} expected");
+    }
+}
+
+fn everything_follows_the_cursor(desk: &mut Desk) {
+    desk.press("Nodes");
+    let nodes: Vec<f64> = desk.app().core().track().nodes().map(|n| n.s).collect();
+    assert!(nodes.len() > 10);
+    let s = |desk: &Desk| desk.app().core().cursor.s;
+    desk.key(Key::Home);
+    assert_eq!(s(desk), nodes[0]);
+    assert_together(desk);
+    for place in &nodes[1..4] {
+        desk.key(Key::ArrowRight);
+        assert_eq!(s(desk), *place);
+        assert_together(desk);
+    }
+    desk.key(Key::ArrowLeft);
+    assert_eq!(s(desk), nodes[2]);
+    assert_together(desk);
+    let row = format!("Node {}", nodes.len() - 6);
+    desk.press_role(Role::Row, &row);
+    assert_eq!(s(desk), nodes[5], "nodes count from the final pose");
+    assert_together(desk);
+    desk.key(Key::End);
+    assert_eq!(s(desk), 0.0);
+    assert_together(desk);
+}
+
+fn verify_and_approve(desk: &mut Desk) {
+    desk.open_step(Stage::Verify);
+    desk.assert_shows("Certified: the whole motion keeps the spark gap.");
+    let least = {
+        let outcome = desk.app().core().outcome().unwrap();
+        let certificate = &outcome.plan.path.as_ref().unwrap().certificate;
+        desk.assert_shows(&format!("{:.4} mm", certificate.certified()));
+        certificate.least().s
+    };
+    desk.press("Go to the closest place");
+    assert_eq!(desk.app().core().cursor.s, least);
+    desk.open_step(Stage::Export);
+    let folder = tempfile::tempdir().unwrap();
+    desk.window.state_mut().export(&folder.path().join("early"));
+    desk.until_idle();
+    desk.assert_shows("approve the plan first");
+    desk.press("Close");
+    assert!(!folder.path().join("early").exists());
+    desk.press("Approve");
+    assert!(desk.app().core().pipeline.is_approved());
+    desk.assert_shows("Approved. The approval is withdrawn as soon as an input changes.");
+}
+
+fn export(desk: &mut Desk, home: &Home) {
+    desk.press("Export…");
+    desk.assert_shows("Written into the folder that you choose:");
+    desk.press_role(Role::Button, "Cancel");
+    let folder = home.path("out");
+    desk.window.state_mut().export(&folder);
+    desk.until("the files are written", |d| d.state(Stage::Export) == StageState::Done);
+    for name in ["path_1.nc", "path_1.csv", "electrode_1.stl", "report.html", "report.json"] {
+        assert!(folder.join(name).is_file(), "{name}");
+        desk.assert_shows(name);
+    }
+    let program = std::fs::read_to_string(folder.join("path_1.nc")).unwrap();
+    assert!(program.starts_with("%\n"), "{program}");
+    assert!(program.lines().nth(1).is_some_and(|line| line.starts_with("(Sparkpath")), "{program}");
+    let digest = desk.app().core().outcome().unwrap().plan.path.as_ref().unwrap().path.digest();
+    assert!(program.contains(&digest[..16]), "the program names the path that was approved");
+}
+
+fn an_edit_withdraws_the_approval(desk: &mut Desk) {
+    desk.open_step(Stage::Electrode);
+    desk.enter("Radial reduction", "1.2");
+    desk.until_idle();
+    assert!(!desk.app().core().pipeline.is_approved());
+    assert!(desk.step_says(Stage::Plan, "stale") && desk.step_says(Stage::Export, "stale"));
+    assert!(desk.log().iter().any(|line| line.contains("approval withdrawn: an input changed")));
+    desk.assert_shows("stale: comes out");
+    desk.key_with(Modifiers::COMMAND, Key::Z);
+    desk.until_idle();
+    assert!(desk.step_says(Stage::Plan, "done"), "the plan is of these parameters again");
+    assert!(!desk.app().core().pipeline.is_approved(), "but an approval does not come back by itself");
+}
+
+#[test]
+fn commands_are_found_by_a_few_of_their_letters() {
+    let home = Home::new();
+    let mut desk = home.start(Opening::Demonstration);
+    desk.settle();
+    assert_eq!(desk.app().core().preferences.theme, ThemeChoice::Dark);
+    desk.key_with(Modifiers::COMMAND, Key::K);
+    desk.window.event(egui::Event::Text("dk light".to_owned()));
+    desk.settle();
+    desk.key(Key::Enter);
+    assert_eq!(desk.app().core().preferences.theme, ThemeChoice::Light);
+    assert!(!desk.window.ctx.global_style().visuals.dark_mode);
+    drop(desk);
+    let desk = home.start(Opening::Demonstration);
+    assert_eq!(desk.app().core().preferences.theme, ThemeChoice::Light, "preferences are kept");
+}
+
+#[test]
+fn unsaved_work_survives_a_kill() {
+    let home = Home::new();
+    let part = home.part(&easy_blisk());
+    let mut desk = home.start(Opening::File(part.clone()));
+    desk.until_idle();
+    desk.open_step(Stage::Electrode);
+    desk.enter("Spark gap", "0.123");
+    desk.until("a copy is kept", |_| holds(&home.folders().autosave, ".sparkpath"));
+    let job = desk.app().core().document.job().clone();
+    // Nothing of the program runs any more, neither its saving nor its end.
+    drop(desk);
+    let mut desk = home.start(Opening::Demonstration);
+    desk.settle();
+    desk.assert_shows("The program ended without saving.");
+    desk.press("Recover");
+    desk.until_idle();
+    let document = &desk.app().core().document;
+    assert_eq!((document.job(), document.job().electrode.spark_gap_mm), (&job, 0.123));
+    assert!(document.is_unsaved() && document.job().blisk.mesh.as_ref() == Some(&part));
+    assert!(desk.step_says(Stage::Electrode, "done"));
+    // The work is recovered, and kept by the program that did so.
+    assert!(holds(&home.folders().autosave, ".sparkpath"));
+}
