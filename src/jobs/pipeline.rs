@@ -34,10 +34,10 @@ pub enum StageState {
 
 /// What a step has found.
 enum Found {
-    Part(Part),
+    Part(Box<Part>),
     Channel(Box<FoundChannel>),
     Electrode(Electrodes),
-    Plan(Planned),
+    Plan(Box<Planned>),
     Export(Exported),
 }
 
@@ -283,7 +283,9 @@ impl Pipeline {
     fn start_early_stages(&mut self, job: &PlanJob, now: Now) {
         let job = job.clone();
         if self.part.wants_work(now.part) {
-            let work = move |_: &Reporter<_, _>, p: &Progress, c: &Cancel| stages::load(&job, p, c).map(Found::Part);
+            let work = move |_: &Reporter<_, _>, p: &Progress, c: &Cancel| {
+                stages::load(&job, p, c).map(|part| Found::Part(Box::new(part)))
+            };
             let id = self.worker.submit(Stage::Part as u32, work);
             self.part.running = Some((id, now.part));
             return;
@@ -321,7 +323,7 @@ impl Pipeline {
             let inputs = PlanInputs { blisk: part.mesh.clone(), own_electrode: part.own_electrode.clone(), job };
             let outcome = super::plan::run(&inputs, p, c).map_err(|e| e.to_string())?;
             let shapes = outcome.electrodes.iter().map(|e| Arc::new(RenderMesh::new(&e.electrode.mesh))).collect();
-            Ok(Found::Plan(Planned { inputs, outcome: Arc::new(outcome), shapes }))
+            Ok(Found::Plan(Box::new(Planned { inputs, outcome: Arc::new(outcome), shapes })))
         };
         let id = self.worker.submit(Stage::Plan as u32, work);
         self.plan.running = Some((id, now.plan));
@@ -530,7 +532,7 @@ impl Pipeline {
 
 impl Found {
     fn part(self) -> Option<Part> {
-        if let Self::Part(part) = self { Some(part) } else { None }
+        if let Self::Part(part) = self { Some(*part) } else { None }
     }
 
     fn channel(self) -> Option<FoundChannel> {
@@ -542,7 +544,7 @@ impl Found {
     }
 
     fn plan(self) -> Option<Planned> {
-        if let Self::Plan(plan) = self { Some(plan) } else { None }
+        if let Self::Plan(plan) = self { Some(*plan) } else { None }
     }
 
     fn export(self) -> Option<Exported> {
