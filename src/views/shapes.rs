@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use crate::blisk::channel::{Channel, ChannelWall};
 use crate::geometry::frame::Cylindrical;
 use crate::geometry::mesh::Mesh;
@@ -14,8 +16,8 @@ pub struct ChannelShapes {
     pub low: Arc<RenderMesh>,
     /// The wall on the side of greater theta, in W.
     pub high: Arc<RenderMesh>,
-    /// The part of the blisk about the channel with its shroud taken off, in W.
-    pub sector: Arc<RenderMesh>,
+    /// The blisk with its shroud taken off, so that one sees into the channels, in W.
+    pub unshrouded: Arc<RenderMesh>,
 }
 
 /// The shapes of `channel` in `blisk`, which is in W.
@@ -23,7 +25,7 @@ pub fn channel_shapes(blisk: &Mesh, channel: &Channel) -> ChannelShapes {
     ChannelShapes {
         low: Arc::new(RenderMesh::new(&wall_mesh(&channel.low, true))),
         high: Arc::new(RenderMesh::new(&wall_mesh(&channel.high, false))),
-        sector: Arc::new(RenderMesh::new(&sector(blisk, channel))),
+        unshrouded: Arc::new(RenderMesh::new(&unshrouded(blisk, channel))),
     }
 }
 
@@ -36,15 +38,15 @@ fn wall_mesh(wall: &ChannelWall, is_low: bool) -> Mesh {
     Mesh { triangles: triangles.collect(), vertices: wall.points.clone() }
 }
 
-/// The triangles of the blisk within a pitch of the channel's middle and below its shroud, so that one sees into it.
-fn sector(blisk: &Mesh, channel: &Channel) -> Mesh {
-    let half = 1.6 * std::f64::consts::PI / channel.blades as f64;
-    let kept = |[a, b, c]: [glam::DVec3; 3]| {
-        let middle = Cylindrical::from_point((a + b + c) / 3.0);
-        let (_, shroud) = channel.radii_at(middle.x);
-        let below_shroud = !channel.shrouded || middle.r < shroud - 0.05;
-        middle.theta.abs() < half && below_shroud
+/// The triangles of the blisk without those of the shroud.
+fn unshrouded(blisk: &Mesh, channel: &Channel) -> Mesh {
+    let at_shroud = |p: DVec3| {
+        let place = Cylindrical::from_point(p);
+        place.r > channel.radii_at(place.x).1 - 0.05
     };
+    // Facets of the shroud's inside dip below its radius between their corners; faces of blades only end there.
+    let is_shroud = |[a, b, c]: [DVec3; 3]| at_shroud((a + b + c) / 3.0) || [a, b, c].into_iter().all(at_shroud);
+    let kept = |corners: [DVec3; 3]| !channel.shrouded || !is_shroud(corners);
     let triangles: Vec<[u32; 3]> =
         blisk.triangles.iter().zip(blisk.iter_corners()).filter(|(_, c)| kept(*c)).map(|(t, _)| *t).collect();
     compacted(&Mesh { vertices: blisk.vertices.clone(), triangles })
@@ -64,4 +66,30 @@ fn compacted(mesh: &Mesh) -> Mesh {
     };
     let triangles = mesh.triangles.iter().map(|t| t.map(&mut keep)).collect();
     Mesh { vertices, triangles }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::blisk::find_channel::find_channel;
+    use crate::blisk::options::BliskOptions;
+    use crate::blisk::parametric::{MeshResolution, ParametricBlisk};
+    use crate::progress::{Cancel, Progress};
+
+    #[test]
+    fn without_its_shroud_a_blisk_keeps_its_disc_and_blades() {
+        let part = ParametricBlisk::demonstration();
+        let mesh = part.mesh(&MeshResolution::default()).unwrap();
+        let channel = find_channel(&mesh, &BliskOptions::default(), &Progress::silent(), &Cancel::default()).unwrap();
+        let bare = unshrouded(&mesh.in_frame(&channel.frame), &channel);
+        let radii: Vec<f64> = bare.vertices.iter().map(|p| p.y.hypot(p.z)).collect();
+        let (least, most) = radii.iter().fold((f64::INFINITY, 0.0), |(a, b), r| (f64::min(a, *r), f64::max(b, *r)));
+        assert!((least - part.bore_radius_mm).abs() < 1e-6, "{least}");
+        // The blades end at the shroud, which grows along X; the ring around it is 5 mm thick.
+        let tips = part.shroud_radius_mm + 0.5 * part.chord_mm * part.shroud_slope.abs();
+        assert!((part.shroud_radius_mm..tips + 0.01).contains(&most), "{most}");
+        // The hub between the blades, the bore and the two faces of the disc are a good part of what is left.
+        let disc = 2.0 * std::f64::consts::PI * (part.hub_radius_mm.powi(2) - part.bore_radius_mm.powi(2));
+        assert!(bare.area() > disc && bare.area() < mesh.area());
+    }
 }
