@@ -231,7 +231,9 @@ pub fn run() -> ExitCode {
     }
     let cancel = Cancel::default();
     let (flag, cancelled) = (cancel.clone(), cancel.clone());
-    if let Err(error) = ctrlc::set_handler(move || flag.cancel()) {
+    // The window looks at no flag: it shall end as any window does, and its unsaved work is kept by autosave.
+    let handled = arguments.command.as_ref().map_or(Ok(()), |_| ctrlc::set_handler(move || flag.cancel()));
+    if let Err(error) = handled {
         return report(&anyhow::Error::new(Internal(error.to_string())), arguments.json);
     }
     let session =
