@@ -16,7 +16,7 @@ use super::viewport::Viewport;
 use super::{forms::Request, inspector, menu, status, stepper, theme, timeline};
 use crate::export::post::Post;
 use crate::jobs::pipeline::{EventKind, ExportWork};
-use crate::jobs::{plan_files, plan_report};
+use crate::jobs::{plan_files, plan_pictures, plan_report};
 use crate::project::{Autosave, Document, OpenError, Recovery, Stage};
 use crate::render::scene::{Scene, SectionPlane};
 
@@ -276,10 +276,11 @@ impl SparkpathApp {
 
     /// Writes the files of the approved plan into `folder`, as the export dialog does; says why not if it cannot.
     pub fn export(&mut self, folder: &Path) {
-        let write: ExportWork = Box::new(|folder, plan, inputs, files, _, cancel| {
+        let write: ExportWork = Box::new(|folder, plan, inputs, files, progress, cancel| {
             let post = Post::named(&inputs.job.export.post).map_err(|e| e.to_string())?;
             plan_files::prepare(folder).map_err(|e| e.to_string())?;
             let mut report = plan_report::report(plan, &inputs.job, files);
+            plan_pictures::add(&mut report, plan, inputs, progress, cancel).map_err(|e| e.to_string())?;
             cancel.check().map_err(|e| e.to_string())?;
             plan_files::write(folder, plan, inputs, &post, &mut report).map_err(|e| e.to_string())
         });

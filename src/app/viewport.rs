@@ -10,6 +10,7 @@ use super::core::Core;
 use super::preferences::Navigation;
 use super::theme::palette;
 use super::viewport_gpu::Picture;
+use crate::blisk::electrode::EntrySide;
 use crate::jobs::pipeline::StageState;
 use crate::project::Stage;
 use crate::render::camera::{Camera, OrbitStyle, Projection};
@@ -18,7 +19,7 @@ use crate::render::pick::pick;
 use crate::render::renderer::Quality;
 use crate::render::scene::{LineSet, Marker, Scene};
 use crate::render::view::StandardView;
-use crate::views::{Layer, SceneInputs, build, layer_of};
+use crate::views::{Layer, SceneInputs, bodies, build, into_channel, layer_of, standard};
 
 /// How long a change of view takes (s).
 const FLIGHT: f64 = 0.25;
@@ -248,21 +249,17 @@ impl Viewport {
 
     /// Turns to a standard view of everything.
     pub fn look(&mut self, view: StandardView, now: f64) {
-        let mut camera = Camera { orientation: view.orientation(), ..self.camera };
-        camera.fit(&bodies(&self.scene), self.aspect());
+        let camera = standard(view, &self.scene, self.camera, self.aspect());
         self.fly_to(camera, now);
     }
 
     /// Looks along the channel's radius into it.
     pub fn look_into_channel(&mut self, core: &Core, now: f64) {
         let Some(found) = core.pipeline.channel() else { return };
-        let frame = &found.channel.frame;
-        let towards_viewer = frame.z * 0.8 - frame.y * 0.45 - frame.x * 0.4;
-        let orientation = crate::render::view::looking(towards_viewer, frame.z);
-        let mut camera = Camera { orientation, ..self.camera };
-        let walls = found.channel.low.points.iter().chain(&found.channel.high.points);
-        let bounds = crate::geometry::mesh::Bounds::of(walls.map(|p| frame.to_parent(*p)));
-        camera.fit(&bounds.grown(0.25 * bounds.size().length()), self.aspect());
+        let planned = core.outcome().map(|o| &o.electrode);
+        let electrode = planned.or(core.pipeline.electrodes().and_then(|e| e.electrodes.first()));
+        let side = electrode.map_or(EntrySide::MinusX, |e| e.enters_from);
+        let camera = into_channel(&found.channel, side, self.camera, self.aspect());
         self.fly_to(camera, now);
     }
 
@@ -349,12 +346,6 @@ impl Viewport {
         let orientation = crate::render::view::looking(towards_viewer, up);
         self.fly_to(Camera { orientation, ..self.camera }, now);
     }
-}
-
-/// The box around the bodies, without the grid and the lines that reach far out.
-fn bodies(scene: &Scene) -> crate::geometry::mesh::Bounds {
-    let only = Scene { objects: scene.objects.clone(), ..Scene::default() };
-    only.bounds()
 }
 
 /// The scene of the present state.

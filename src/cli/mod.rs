@@ -16,6 +16,7 @@ macro_rules! say {
 
 mod inspect;
 mod plan;
+mod render;
 mod terminal;
 mod verify;
 
@@ -28,6 +29,8 @@ use crate::app::{Opening, run_window};
 use crate::feed::pose::Axis;
 use crate::mesh_io::{ImportOptions, Imported, Units, import_file};
 use crate::progress::{Cancel, Progress};
+use crate::render::colour::Theme;
+use crate::views::NamedView;
 
 /// Plans, verifies and exports EDM electrode feed paths for shrouded blisks.
 #[derive(Debug, Parser)]
@@ -66,6 +69,8 @@ enum Command {
     },
     /// Certifies a feed path file, whoever made it.
     Verify(VerifyArguments),
+    /// A picture of a project or of meshes as a PNG file, without a window.
+    Render(RenderArguments),
     /// What the importer and the channel finder make of a mesh.
     Inspect(InspectArguments),
 }
@@ -97,6 +102,32 @@ struct VerifyArguments {
     /// Folder for verify.json and verify.html, made if it is not there.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+struct RenderArguments {
+    /// A project (.sparkpath), or meshes, which are shown together, each in its own colour.
+    #[arg(required = true, value_name = "PROJECT|MESH")]
+    files: Vec<PathBuf>,
+    /// The file for the picture.
+    #[arg(long, value_name = "FILE")]
+    png: PathBuf,
+    /// Width and height (pixels).
+    #[arg(long, value_name = "WxH", default_value = "1400x900", value_parser = render::size)]
+    size: [u32; 2],
+    /// Plans the project and shows its first electrode at this node, counted from the final pose.
+    #[arg(long, value_name = "N")]
+    node: Option<usize>,
+    /// Front, back, left, right, top, bottom, isometric, or of a project channel: into its channel, without the shroud
+    /// [default: isometric, with --node channel].
+    #[arg(long, value_name = "NAME", value_parser = render::view)]
+    view: Option<NamedView>,
+    /// Colours of the surroundings: light or dark.
+    #[arg(long, value_name = "NAME", default_value = "light", value_parser = render::theme)]
+    theme: Theme,
+    /// Unit of the meshes: auto, mm, cm, m, inch.
+    #[arg(long, value_name = "UNIT", default_value = "auto", value_parser = unit)]
+    units: Units,
 }
 
 #[derive(Debug, Args)]
@@ -200,7 +231,9 @@ pub fn run() -> ExitCode {
     }
     let cancel = Cancel::default();
     let (flag, cancelled) = (cancel.clone(), cancel.clone());
-    if let Err(error) = ctrlc::set_handler(move || flag.cancel()) {
+    // The window looks at no flag: it shall end as any window does, and its unsaved work is kept by autosave.
+    let handled = arguments.command.as_ref().map_or(Ok(()), |_| ctrlc::set_handler(move || flag.cancel()));
+    if let Err(error) = handled {
         return report(&anyhow::Error::new(Internal(error.to_string())), arguments.json);
     }
     let session =
@@ -232,6 +265,7 @@ fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> 
         Command::Demo { out } => plan::demo(out, session),
         Command::Plan { job, out } => plan::plan(job, out, session),
         Command::Verify(arguments) => verify::verify(arguments, session),
+        Command::Render(arguments) => render::render(arguments, session),
         Command::Inspect(arguments) => inspect::inspect(arguments, session),
     }
 }

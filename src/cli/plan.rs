@@ -8,6 +8,7 @@ use crate::export::post::Post;
 use crate::export::report::{InputFile, Report};
 use crate::jobs::plan::{PlanInputs, PlanOutcome, run};
 use crate::jobs::plan_files;
+use crate::jobs::plan_pictures;
 use crate::jobs::plan_report;
 use crate::jobs::stages::input_file;
 use crate::mesh_io::Units;
@@ -60,6 +61,7 @@ fn finish(inputs: &PlanInputs, files: Vec<InputFile>, out: &Path, session: &Sess
     plan_files::prepare(out)?;
     let outcome = run(inputs, &session.progress, &session.cancel)?;
     let mut report = plan_report::report(&outcome, &inputs.job, files);
+    plan_pictures::add(&mut report, &outcome, inputs, &session.progress, &session.cancel)?;
     session.cancel.check()?;
     let written = plan_files::write(out, &outcome, inputs, &post, &mut report)?;
     super::terminal::finish();
@@ -99,6 +101,9 @@ fn print_summary(report: &Report, outcome: &PlanOutcome, written: &[String], out
     }
     for time in &report.times {
         say!("time       {:16} {:8.3} s", time.stage, time.seconds);
+    }
+    if let Some(why) = &report.no_pictures {
+        say!("pictures   none: {why}");
     }
     say!("files      {} in {}", written.join(", "), out.display());
     say!("{}", report.verdict.sentence);

@@ -127,6 +127,7 @@ pub(crate) fn report() -> Report {
             stage("export", 0.09),
         ],
         pictures: vec![],
+        no_pictures: None,
     }
 }
 

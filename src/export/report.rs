@@ -54,6 +54,9 @@ pub struct Report {
     /// Pictures for the page.
     #[serde(skip)]
     pub pictures: Vec<Picture>,
+    /// Why there are none, when they were wanted and could not be drawn.
+    #[serde(skip)]
+    pub no_pictures: Option<String>,
 }
 
 /// How a job ended.
@@ -374,8 +377,14 @@ pub struct StageTime {
 /// A picture on the page.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
-    /// What it shows.
+    /// Name of its file beside the report.
+    pub file: String,
+    /// What it shows, in a few words.
     pub title: String,
+    /// What is to be seen in it, in a sentence or two.
+    pub caption: String,
+    /// Its colours in CSS notation and what they stand for.
+    pub legend: Vec<(String, String)>,
     /// The image as PNG bytes.
     pub png: Vec<u8>,
 }

@@ -22,7 +22,7 @@ pub(super) fn page(report: &Report) -> String {
         part = escape(part)
     );
     header(&mut out, report, part);
-    pictures(&mut out, &report.pictures);
+    pictures(&mut out, report);
     report.electrodes.iter().for_each(|e| electrode(&mut out, e));
     out.push_str("<section><h2>Blisk and inputs</h2><div class=\"cols\">");
     tables::blisk(&mut out, &report.blisk);
@@ -48,19 +48,34 @@ fn header(out: &mut String, report: &Report, part: &str) {
     );
 }
 
-fn pictures(out: &mut String, pictures: &[Picture]) {
-    if pictures.is_empty() {
+fn pictures(out: &mut String, report: &Report) {
+    if let Some(why) = &report.no_pictures {
+        let _ = write!(out, "<p class=\"soft\">This report has no pictures: {}</p>", escape(why));
+    }
+    if report.pictures.is_empty() {
         return;
     }
     out.push_str("<section class=\"pictures\">");
-    for picture in pictures {
-        let (title, data) = (escape(&picture.title), base64(&picture.png));
-        let _ = write!(
-            out,
-            "<figure><img alt=\"{title}\" src=\"data:image/png;base64,{data}\"><figcaption>{title}</figcaption></figure>"
-        );
-    }
+    report.pictures.iter().for_each(|picture| figure(out, picture));
     out.push_str("</section>");
+}
+
+fn figure(out: &mut String, picture: &Picture) {
+    let (title, caption) = (escape(&picture.title), escape(&picture.caption));
+    let data = base64(&picture.png);
+    let _ = write!(
+        out,
+        "<figure><img alt=\"{title}\" src=\"data:image/png;base64,{data}\"><figcaption><b>{title}.</b> {caption}"
+    );
+    if !picture.legend.is_empty() {
+        out.push_str("<span class=\"legend\">");
+        for (colour, what) in &picture.legend {
+            let (colour, what) = (escape(colour), escape(what));
+            let _ = write!(out, "<span><i style=\"background:{colour}\"></i>{what}</span>");
+        }
+        out.push_str("</span>");
+    }
+    out.push_str("</figcaption></figure>");
 }
 
 fn electrode(out: &mut String, e: &ElectrodeReport) {

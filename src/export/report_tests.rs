@@ -68,7 +68,14 @@ fn whatever_comes_from_input_is_escaped() {
     report.symbols[0] = Symbol { symbol: evil.clone(), meaning: evil.clone(), value: evil.clone(), unit: evil.clone() };
     report.times[0].stage = evil.clone();
     report.program_version = evil.clone();
-    report.pictures = vec![Picture { title: evil.clone(), png: vec![1, 2, 3] }];
+    report.no_pictures = Some(evil.clone());
+    report.pictures = vec![Picture {
+        file: evil.clone(),
+        title: evil.clone(),
+        caption: evil.clone(),
+        legend: vec![(evil.clone(), evil.clone())],
+        png: vec![1, 2, 3],
+    }];
     let electrode = &mut report.electrodes[0];
     electrode.enters_from = evil.clone();
     electrode.files = vec![evil.clone()];

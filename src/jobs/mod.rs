@@ -4,6 +4,7 @@
 pub mod pipeline;
 pub mod plan;
 pub mod plan_files;
+pub mod plan_pictures;
 pub mod plan_report;
 pub mod stages;
 pub mod worker;

@@ -29,10 +29,10 @@ use crate::render::mesh::RenderMesh;
 
 /// What a step has found.
 enum Found {
-    Part(Part),
+    Part(Box<Part>),
     Channel(Box<FoundChannel>),
     Electrode(Electrodes),
-    Plan(Planned),
+    Plan(Box<Planned>),
     Export(Exported),
 }
 
@@ -228,7 +228,9 @@ impl Pipeline {
     fn start_early_stages(&mut self, job: &PlanJob, now: Now) {
         let job = job.clone();
         if self.part.wants_work(now.part) {
-            let work = move |_: &Reporter<_, _>, p: &Progress, c: &Cancel| stages::load(&job, p, c).map(Found::Part);
+            let work = move |_: &Reporter<_, _>, p: &Progress, c: &Cancel| {
+                stages::load(&job, p, c).map(|part| Found::Part(Box::new(part)))
+            };
             let id = self.worker.submit(Stage::Part as u32, work);
             self.part.running = Some((id, now.part));
             return;
@@ -271,7 +273,7 @@ impl Pipeline {
         let work = move |_: &Reporter<PartialPlan, Found>, p: &Progress, c: &Cancel| {
             let inputs = PlanInputs { blisk: part.mesh.clone(), own_electrode: part.own_electrode.clone(), job };
             let outcome = super::plan::replay(&inputs, &found.channel, &found.blisk, &found.exact, &kept, p, c);
-            outcome.map(|o| Found::Plan(Planned::new(inputs, o))).map_err(|e| e.to_string())
+            outcome.map(|o| Found::Plan(Box::new(Planned::new(inputs, o)))).map_err(|e| e.to_string())
         };
         let id = self.worker.submit(Stage::Plan as u32, work);
         self.plan.running = Some((id, now.plan));
@@ -299,7 +301,7 @@ impl Pipeline {
                 reporter.partial(PartialPlan { nodes: nodes.to_vec(), convergence: convergence.to_vec() });
             };
             let outcome = super::plan::run_prepared(&ready, &inputs, &observe, p, c).map_err(text)?;
-            Ok(Found::Plan(Planned::new(inputs, outcome)))
+            Ok(Found::Plan(Box::new(Planned::new(inputs, outcome))))
         };
         let id = self.worker.submit(Stage::Plan as u32, work);
         self.plan.running = Some((id, now.plan));
@@ -542,7 +544,7 @@ impl Pipeline {
 
 impl Found {
     fn part(self) -> Option<Part> {
-        if let Self::Part(part) = self { Some(part) } else { None }
+        if let Self::Part(part) = self { Some(*part) } else { None }
     }
 
     fn channel(self) -> Option<FoundChannel> {
@@ -554,7 +556,7 @@ impl Found {
     }
 
     fn plan(self) -> Option<Planned> {
-        if let Self::Plan(plan) = self { Some(plan) } else { None }
+        if let Self::Plan(plan) = self { Some(*plan) } else { None }
     }
 
     fn export(self) -> Option<Exported> {

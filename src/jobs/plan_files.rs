@@ -73,6 +73,7 @@ pub fn write(
         files.extend(own);
         programs.extend(program);
     }
+    files.extend(report.pictures.iter().map(|p| (p.file.clone(), p.png.clone())));
     files.push(("report.json".to_owned(), report.json()?.into_bytes()));
     files.push(("report.html".to_owned(), report.html().into_bytes()));
     files.extend(programs);
@@ -132,7 +133,9 @@ fn remove_results(folder: &Path, extension: &str) -> std::io::Result<()> {
         let name = name.to_string_lossy();
         let ours = name == "report.json"
             || name == "report.html"
-            || numbered(&name, "electrode_").is_some_and(|rest| rest == ".stl")
+            || numbered(&name, "view_").is_some_and(|rest| rest == "_whole.png")
+            || numbered(&name, "electrode_")
+                .is_some_and(|rest| [".stl", "_final.png", "_sweep.png", "_closest.png"].contains(&rest))
             || numbered(&name, "path_").is_some_and(|rest| {
                 [".csv", ".unverified.csv", ".nc"].contains(&rest) || rest.strip_prefix('.') == Some(extension)
             });
@@ -157,9 +160,27 @@ mod tests {
     #[test]
     fn only_results_of_a_plan_are_removed() {
         let folder = tempfile::tempdir().unwrap();
-        let names = ["electrode_1.stl", "path_12.csv", "path_1.unverified.csv", "path_2.nc", "report.json"];
-        let others =
-            ["electrode_x.stl", "path_.csv", "electrode_1.stl.bak", "part.stl", "report.txt", "path_1.notes.txt"];
+        let names = [
+            "electrode_1.stl",
+            "path_12.csv",
+            "path_1.unverified.csv",
+            "path_2.nc",
+            "report.json",
+            "view_1_whole.png",
+            "electrode_2_final.png",
+            "electrode_2_sweep.png",
+            "electrode_2_closest.png",
+        ];
+        let others = [
+            "electrode_x.stl",
+            "path_.csv",
+            "electrode_1.stl.bak",
+            "part.stl",
+            "report.txt",
+            "path_1.notes.txt",
+            "view.png",
+            "electrode_1.png",
+        ];
         for name in names.iter().chain(&others) {
             std::fs::write(folder.path().join(name), "x").unwrap();
         }

@@ -29,6 +29,7 @@ pub fn report(outcome: &PlanOutcome, job: &PlanJob, inputs: Vec<InputFile>) -> R
         electrodes,
         times: outcome.times.clone(),
         pictures: Vec::new(),
+        no_pictures: None,
     }
 }
 

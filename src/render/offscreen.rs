@@ -1,9 +1,10 @@
 //! Pictures without a window.
 
 use std::io::Cursor;
-use std::sync::mpsc;
+use std::sync::{Arc, Mutex, mpsc};
 
-use image::RgbaImage;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{DynamicImage, RgbaImage};
 
 use super::camera::Camera;
 use super::renderer::{Quality, Renderer};
@@ -64,6 +65,8 @@ pub struct Offscreen {
     queue: wgpu::Queue,
     renderer: Renderer,
     adapter: AdapterInfo,
+    /// What the driver refused since the last picture. Without somebody to tell, it would end the program.
+    refused: Arc<Mutex<Option<String>>>,
 }
 
 impl Offscreen {
@@ -81,12 +84,19 @@ impl Offscreen {
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
             .map_err(|e| RenderError::Device { adapter: info.name.clone(), reason: e.to_string() })?;
+        let refused = Arc::new(Mutex::new(None));
+        let told = refused.clone();
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            if let Ok(mut first) = told.lock() {
+                first.get_or_insert_with(|| error.to_string().split_whitespace().collect::<Vec<_>>().join(" "));
+            }
+        }));
         let adapter = AdapterInfo {
             driver: format!("{:?} {} {}", info.backend, info.driver, info.driver_info).trim_end().to_owned(),
             is_software: Renderer::is_software(&device),
             name: info.name,
         };
-        Ok(Self { renderer: Renderer::new(&device, &queue), device, queue, adapter })
+        Ok(Self { renderer: Renderer::new(&device, &queue), device, queue, adapter, refused })
     }
 
     /// What draws.
@@ -155,7 +165,11 @@ impl Offscreen {
 
     fn wait(&self) -> Result<(), RenderError> {
         let waited = self.device.poll(wgpu::PollType::wait_indefinitely());
-        waited.map(|_| ()).map_err(|e| RenderError::Lost(e.to_string()))
+        waited.map_err(|e| RenderError::Lost(e.to_string()))?;
+        match self.refused.lock().ok().and_then(|mut first| first.take()) {
+            Some(reason) => Err(RenderError::Lost(reason)),
+            None => Ok(()),
+        }
     }
 }
 
@@ -171,7 +185,10 @@ fn adapter(backends: wgpu::Backends) -> Option<wgpu::Adapter> {
 
 /// `image` as a PNG file.
 pub fn png_bytes(image: &RgbaImage) -> Result<Vec<u8>, RenderError> {
+    // Pictures have no holes: without the fourth channel the file is a good deal smaller.
+    let opaque = DynamicImage::ImageRgba8(image.clone()).into_rgb8();
     let mut bytes = Cursor::new(Vec::new());
-    image.write_to(&mut bytes, image::ImageFormat::Png).map_err(|e| RenderError::Png(e.to_string()))?;
+    let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::Adaptive);
+    opaque.write_with_encoder(encoder).map_err(|e| RenderError::Png(e.to_string()))?;
     Ok(bytes.into_inner())
 }

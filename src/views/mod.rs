@@ -1,11 +1,15 @@
 //! Floor 5: what is shown of a job: tracks of poses to step through, and scenes for the window, for pictures in
 //! reports and for `sparkpath render`. Computes nothing that a result depends on.
 
+mod camera;
+mod pictures;
 mod scene;
 mod shapes;
 mod track;
 mod values;
 
+pub use camera::{NamedView, bodies, into_channel, standard};
+pub use pictures::{PICTURE_SIZE, PlanPicture, PlanToShow, plan_pictures};
 pub use scene::{Layer, Layers, Look, SceneInputs, build, layer_id, layer_of};
 pub use shapes::{ChannelShapes, channel_shapes};
 pub use track::{Station, Track};

@@ -18,8 +18,8 @@ use crate::render::scene::{Grid, LineSet, Marker, Object, ObjectId, Scene, Secti
 pub enum Layer {
     /// The whole blisk.
     Blisk,
-    /// The blisk about the channel without its shroud.
-    Sector,
+    /// The blisk without its shroud.
+    Unshrouded,
     /// The low wall of the channel.
     LowWall,
     /// The high wall of the channel.
@@ -42,7 +42,7 @@ impl Layer {
     /// Every layer, in the order of the scene tree.
     pub const ALL: [Self; 10] = [
         Self::Blisk,
-        Self::Sector,
+        Self::Unshrouded,
         Self::LowWall,
         Self::HighWall,
         Self::Electrode,
@@ -57,7 +57,7 @@ impl Layer {
     pub fn name(self) -> &'static str {
         match self {
             Self::Blisk => "Blisk",
-            Self::Sector => "Channel sector",
+            Self::Unshrouded => "Without shroud",
             Self::LowWall => "Low wall",
             Self::HighWall => "High wall",
             Self::Electrode => "Electrode",
@@ -133,9 +133,9 @@ impl Layers {
         }
     }
 
-    /// What serves best to look into the channel: the sector and the electrode.
+    /// What serves best to look into the channel: the blisk without its shroud, and the electrode.
     pub fn into_channel(&mut self) {
-        for (layer, visible) in [(Layer::Blisk, false), (Layer::Sector, true), (Layer::Electrode, true)] {
+        for (layer, visible) in [(Layer::Blisk, false), (Layer::Unshrouded, true), (Layer::Electrode, true)] {
             self.get_mut(layer).visible = visible;
         }
     }
@@ -143,7 +143,7 @@ impl Layers {
     /// The whole blisk as a solid.
     pub fn whole_blisk(&mut self) {
         *self.get_mut(Layer::Blisk) = *Self::default().get(Layer::Blisk);
-        self.get_mut(Layer::Sector).visible = false;
+        self.get_mut(Layer::Unshrouded).visible = false;
     }
 }
 
@@ -196,6 +196,8 @@ pub fn build(inputs: &SceneInputs) -> Scene {
         let look = layers.get(layer);
         if look.visible {
             let object = Object::new(layer_id(layer), mesh.clone(), look.colour).at(at).with_opacity(look.opacity);
+            // Edges of so many copies would hide the room that they fill.
+            let object = Object { edges: layer != Layer::Sweep, ..object };
             scene.objects.push(Object { selected: inputs.selected == Some(layer), ..object });
         }
     };
@@ -204,7 +206,7 @@ pub fn build(inputs: &SceneInputs) -> Scene {
     }
     let to_mesh = inputs.channel.map_or(DAffine3::IDENTITY, |(channel, _)| from_w(&channel.frame));
     if let Some((_, shapes)) = inputs.channel {
-        add(&mut scene, Layer::Sector, &shapes.sector, to_mesh);
+        add(&mut scene, Layer::Unshrouded, &shapes.unshrouded, to_mesh);
         add(&mut scene, Layer::LowWall, &shapes.low, to_mesh);
         add(&mut scene, Layer::HighWall, &shapes.high, to_mesh);
     }

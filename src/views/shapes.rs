@@ -1,7 +1,5 @@
 //! Meshes for the screen, made once where the work is done and not where it is shown.
 
-use std::collections::HashMap;
-use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -18,8 +16,8 @@ pub struct ChannelShapes {
     pub low: Arc<RenderMesh>,
     /// The wall on the side of greater theta, in W.
     pub high: Arc<RenderMesh>,
-    /// The part of the blisk about the channel with its shroud taken off, in W.
-    pub sector: Arc<RenderMesh>,
+    /// The blisk with its shroud taken off, so that one sees into the channels, in W.
+    pub unshrouded: Arc<RenderMesh>,
 }
 
 /// The shapes of `channel` in `blisk`, which is in W.
@@ -27,7 +25,7 @@ pub fn channel_shapes(blisk: &Mesh, channel: &Channel) -> ChannelShapes {
     ChannelShapes {
         low: Arc::new(RenderMesh::new(&wall_mesh(&channel.low, true))),
         high: Arc::new(RenderMesh::new(&wall_mesh(&channel.high, false))),
-        sector: Arc::new(RenderMesh::new(&sector(blisk, channel))),
+        unshrouded: Arc::new(RenderMesh::new(&unshrouded(blisk, channel))),
     }
 }
 
@@ -40,74 +38,58 @@ fn wall_mesh(wall: &ChannelWall, is_low: bool) -> Mesh {
     Mesh { triangles: triangles.collect(), vertices: wall.points.clone() }
 }
 
-/// The blisk within a pitch of the channel's middle and below its shroud, so that one sees into it. Cut along the planes
-/// through the axis, so that its sides are straight.
-fn sector(blisk: &Mesh, channel: &Channel) -> Mesh {
-    let half = (1.6 * PI / channel.blades as f64).min(0.45 * PI);
-    let sides = [half, -half].map(|theta| DVec3::new(0.0, -theta.cos(), -theta.sin()) * theta.signum());
-    let above = |corners: &[DVec3; 3]| corners.iter().sum::<DVec3>().z > 0.0;
-    let below_shroud = |corners: &[DVec3; 3]| {
-        let middle = Cylindrical::from_point(corners.iter().sum::<DVec3>() / 3.0);
-        !channel.shrouded || middle.r < channel.radii_at(middle.x).1 - 0.05
+/// The triangles of the blisk without those of the shroud.
+fn unshrouded(blisk: &Mesh, channel: &Channel) -> Mesh {
+    let at_shroud = |p: DVec3| {
+        let place = Cylindrical::from_point(p);
+        place.r > channel.radii_at(place.x).1 - 0.05
     };
-    let mut mesh = Mesh::default();
-    for corners in blisk.iter_corners().filter(|c| above(c) && below_shroud(c)) {
-        let kept = sides.iter().fold(corners.to_vec(), |polygon, side| clipped(&polygon, *side));
-        let first = mesh.vertices.len() as u32;
-        mesh.triangles.extend((2..kept.len() as u32).map(|i| [first, first + i - 1, first + i]));
-        mesh.vertices.extend(kept);
-    }
-    joined(&mesh)
+    // Facets of the shroud's inside dip below its radius between their corners; faces of blades only end there.
+    let is_shroud = |[a, b, c]: [DVec3; 3]| at_shroud((a + b + c) / 3.0) || [a, b, c].into_iter().all(at_shroud);
+    let kept = |corners: [DVec3; 3]| !channel.shrouded || !is_shroud(corners);
+    let triangles: Vec<[u32; 3]> =
+        blisk.triangles.iter().zip(blisk.iter_corners()).filter(|(_, c)| kept(*c)).map(|(t, _)| *t).collect();
+    compacted(&Mesh { vertices: blisk.vertices.clone(), triangles })
 }
 
-/// The part of a convex polygon on the side of the plane through the origin that `normal` points away from.
-fn clipped(polygon: &[DVec3], normal: DVec3) -> Vec<DVec3> {
-    let mut kept = Vec::with_capacity(polygon.len() + 1);
-    for (i, &b) in polygon.iter().enumerate() {
-        let a = polygon[(i + polygon.len() - 1) % polygon.len()];
-        let (ha, hb) = (normal.dot(a), normal.dot(b));
-        if (ha > 0.0) != (hb > 0.0) {
-            kept.push(a + (b - a) * (ha / (ha - hb)));
-        }
-        if hb <= 0.0 {
-            kept.push(b);
-        }
-    }
-    kept
-}
-
-/// The mesh with equal vertices made one, so that its shading is smooth again.
-fn joined(mesh: &Mesh) -> Mesh {
-    let mut known: HashMap<[i64; 3], u32> = HashMap::new();
+/// The mesh without the vertices that no triangle uses.
+fn compacted(mesh: &Mesh) -> Mesh {
+    let mut place = vec![u32::MAX; mesh.vertices.len()];
     let mut vertices = Vec::new();
-    // A nanometre: what is nearer was one point before the cut.
-    let key = |p: DVec3| (p * 1e6).round().to_array().map(|v| v as i64);
-    let place: Vec<u32> = mesh
-        .vertices
-        .iter()
-        .map(|p| {
-            *known.entry(key(*p)).or_insert_with(|| {
-                vertices.push(*p);
-                vertices.len() as u32 - 1
-            })
-        })
-        .collect();
-    let triangles = mesh.triangles.iter().map(|t| t.map(|v| place[v as usize]));
-    Mesh { triangles: triangles.filter(|[a, b, c]| a != b && b != c && c != a).collect(), vertices }
+    let mut keep = |v: u32| {
+        let known = &mut place[v as usize];
+        if *known == u32::MAX {
+            *known = vertices.len() as u32;
+            vertices.push(mesh.vertices[v as usize]);
+        }
+        *known
+    };
+    let triangles = mesh.triangles.iter().map(|t| t.map(&mut keep)).collect();
+    Mesh { vertices, triangles }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::blisk::find_channel::find_channel;
+    use crate::blisk::options::BliskOptions;
+    use crate::blisk::parametric::{MeshResolution, ParametricBlisk};
+    use crate::progress::{Cancel, Progress};
 
     #[test]
-    fn a_clipped_square_loses_the_half_on_the_side_of_the_normal() {
-        let square = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]].map(|[x, y]| DVec3::new(x, y, 5.0));
-        let half = clipped(&square, DVec3::X);
-        assert_eq!(half.len(), 4);
-        assert!(half.iter().all(|p| p.x <= 0.0 && p.z == 5.0));
-        let area: f64 = (2..half.len()).map(|i| (half[i - 1] - half[0]).cross(half[i] - half[0]).z / 2.0).sum();
-        assert!((area - 2.0).abs() < 1e-12);
-        assert!(clipped(&square, DVec3::Z).is_empty() && clipped(&square, DVec3::NEG_Z).len() == 4);
+    fn without_its_shroud_a_blisk_keeps_its_disc_and_blades() {
+        let part = ParametricBlisk::demonstration();
+        let mesh = part.mesh(&MeshResolution::default()).unwrap();
+        let channel = find_channel(&mesh, &BliskOptions::default(), &Progress::silent(), &Cancel::default()).unwrap();
+        let bare = unshrouded(&mesh.in_frame(&channel.frame), &channel);
+        let radii: Vec<f64> = bare.vertices.iter().map(|p| p.y.hypot(p.z)).collect();
+        let (least, most) = radii.iter().fold((f64::INFINITY, 0.0), |(a, b), r| (f64::min(a, *r), f64::max(b, *r)));
+        assert!((least - part.bore_radius_mm).abs() < 1e-6, "{least}");
+        // The blades end at the shroud, which grows along X; the ring around it is 5 mm thick.
+        let tips = part.shroud_radius_mm + 0.5 * part.chord_mm * part.shroud_slope.abs();
+        assert!((part.shroud_radius_mm..tips + 0.01).contains(&most), "{most}");
+        // The hub between the blades, the bore and the two faces of the disc are a good part of what is left.
+        let disc = 2.0 * std::f64::consts::PI * (part.hub_radius_mm.powi(2) - part.bore_radius_mm.powi(2));
+        assert!(bare.area() > disc && bare.area() < mesh.area());
     }
 }

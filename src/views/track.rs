@@ -1,6 +1,7 @@
 //! The poses of one electrode in feed order, to be stepped through: the rows of a path, or the nodes found where
 //! there is no path.
 
+use crate::feed::jam::Jam;
 use crate::feed::plan::FeedPlan;
 use crate::feed::pose::Pose;
 use crate::feed::search::Node;
@@ -40,10 +41,26 @@ impl Track {
         Self { stations: stations.collect(), is_path: true }
     }
 
+    /// The one pose of `station`.
+    pub fn standing(station: Station) -> Self {
+        Self { stations: vec![station], is_path: false }
+    }
+
     /// Nodes, which are counted from the final pose, turned round.
     pub fn of_nodes(nodes: &[Node]) -> Self {
         let station = |(i, n): (usize, &Node)| Station { s: n.s, pose: n.pose, node: Some(i), clearance: n.clearance };
         Self { stations: nodes.iter().enumerate().rev().map(station).collect(), is_path: false }
+    }
+
+    /// The track with one pose more before its first: that in which the electrode jams, further out by nature. What
+    /// clearance it lacks there counts as negative.
+    pub fn with_jam(mut self, jam: &Jam) -> Self {
+        let clearance = -jam.contact().map_or(0.0, |c| c.lack);
+        let station = Station { s: jam.s, pose: jam.pose, node: Some(jam.node), clearance };
+        if jam.s > self.length() || self.is_empty() {
+            self.stations.insert(0, station);
+        }
+        self
     }
 
     /// The stations in feed order.
@@ -107,6 +124,7 @@ impl Track {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::feed::jam::JamCause;
     use crate::feed::objective::ObjectiveValue;
 
     fn track() -> Track {
@@ -126,6 +144,16 @@ mod tests {
         assert_eq!(track.at(0.0).unwrap().pose, Pose::FINAL);
         assert_eq!(track.at(9.0).unwrap().s, 1.5, "beyond the ends are the ends");
         assert_eq!(track.at(-1.0).unwrap().s, 0.0);
+    }
+
+    #[test]
+    fn a_jam_lies_beyond_the_last_node_that_was_reached() {
+        let pose = Pose { x: -2.0, ..Pose::FINAL };
+        let jam = Jam { node: 4, s: 2.0, pose, cause: JamCause::Unknown };
+        let jammed = track().with_jam(&jam);
+        assert_eq!((jammed.length(), jammed.at(2.0).unwrap().pose), (2.0, pose));
+        assert_eq!(jammed.at(1.5), track().at(1.5), "what was reached stays as it was");
+        assert_eq!(track().with_jam(&Jam { s: 1.0, ..jam }), track(), "a place that was passed is no end");
     }
 
     #[test]
