@@ -258,6 +258,9 @@ pub fn run() -> ExitCode {
 
 fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> {
     let Some(command) = &arguments.command else {
+        if let Some(file) = arguments.file.as_ref().filter(|f| !f.exists()) {
+            anyhow::bail!("{}: there is neither a command nor a file of that name; see --help", file.display());
+        }
         let opening = arguments.file.clone().map_or(Opening::Demonstration, Opening::File);
         return run_window(opening).map(|()| Answer::Yes).map_err(anyhow::Error::msg);
     };
