@@ -95,6 +95,10 @@ fn buttons(ui: &mut Ui, rect: Rect, core: &mut Core) {
     ];
     for (name, command, on) in views {
         let enabled = command.is_enabled(core);
+        // What finds no room beside the axes is still in menu and palette.
+        if child.available_width() < 12.0 + 8.0 * name.len() as f32 {
+            break;
+        }
         let button = egui::Button::new(RichText::new(name).size(12.0)).selected(on);
         if child.add_enabled(enabled, button).on_hover_text(command.hint(ui.ctx())).clicked() {
             core.push(command);

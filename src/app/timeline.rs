@@ -6,11 +6,16 @@ use super::commands::Command;
 use super::core::Core;
 use super::theme::palette;
 
+/// Least room for the figures beside the buttons (points).
+const READOUT_WIDTH: f32 = 330.0;
+
 /// Draws it.
 pub fn show(ui: &mut Ui, core: &mut Core) {
     ui.horizontal(|ui| {
         controls(ui, core);
-        readout(ui, core);
+        if ui.available_width() > READOUT_WIDTH {
+            readout(ui, core);
+        }
     });
     strip(ui, core);
 }

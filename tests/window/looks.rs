@@ -81,9 +81,6 @@ fn a_plan_until_it_is_stale() {
     desk.press("Nodes");
     desk.picture("nodes_dark");
     desk.press("Clearance");
-    desk.window.state_mut().core_mut().preferences.scale = 2.0;
-    desk.picture("planned_scale2");
-    desk.window.state_mut().core_mut().preferences.scale = 1.0;
     desk.open_step(Stage::Export);
     desk.press("Approve");
     desk.press("Export…");
