@@ -34,6 +34,8 @@ fn start_plan(window: &mut Window, seed: u64) {
     let mut job = core.document.job().clone();
     job.genetic.seed = seed;
     core.edit("Seed", job, false);
+    // The frame in which the window takes note of it.
+    window.step();
     while !window.state().core().can_plan() {
         window.step();
         std::thread::sleep(Duration::from_millis(5));

@@ -8,7 +8,10 @@ use crate::progress::{Cancel, Progress};
 
 /// The blisk that was made ready for planning last, kept between plans.
 #[derive(Clone, Default)]
-pub(super) struct Prepared(Arc<Mutex<Option<(Arc<FoundChannel>, Arc<PreparedBlisk>)>>>);
+pub(super) struct Prepared(Arc<Mutex<Option<Kept>>>);
+
+/// The channel it is for, and what was made ready.
+type Kept = (Arc<FoundChannel>, Arc<PreparedBlisk>);
 
 impl Prepared {
     /// The one for `found`, made now if it is not that of the last time.
