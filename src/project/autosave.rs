@@ -188,11 +188,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut first = Autosave::start(folder.path()).unwrap();
         let mut second = Autosave::start(folder.path()).unwrap();
-        first.update(&unsaved(1)).unwrap();
-        second.update(&unsaved(2)).unwrap();
+        first.update(&unsaved(11)).unwrap();
+        second.update(&unsaved(12)).unwrap();
         drop((first, second));
         let seeds: Vec<u64> =
             Recovery::find(folder.path()).iter().map(|r| r.document().unwrap().job().genetic.seed).collect();
-        assert_eq!(seeds, [1, 2]);
+        assert_eq!(seeds, [11, 12]);
     }
 }
