@@ -259,18 +259,10 @@ impl JobPlanner<'_> {
     }
 
     fn on_side(&mut self, part: usize, side: EntrySide) -> Result<ElectrodeOutcome, PlanJobError> {
-        let job = &self.inputs.job;
         let started = Instant::now();
         let electrode = self.electrode(part, side, 0.0)?;
         self.clock.add("electrode", started.elapsed().as_secs_f64());
-        let settings = PlanSettings {
-            plan: &job.plan,
-            genetic: &job.genetic,
-            machine: &job.machine,
-            verify: &job.verify,
-            spark_gap: job.electrode.spark_gap_mm,
-            observe: self.observe,
-        };
+        let settings = settings_of(&self.inputs.job, self.observe);
         let remake = |h: f64| self.electrode(part, side, h);
         let mut plan = plan_feed(self.space, &electrode, &settings, &remake, self.progress, self.cancel)?;
         self.clock.add("electrode field", plan.field_seconds);
@@ -311,6 +303,18 @@ fn electrode_of(
     Ok(electrode)
 }
 
+/// What concerns the feed in a job.
+fn settings_of<'a>(job: &'a PlanJob, observe: &'a Observe<'a>) -> PlanSettings<'a> {
+    PlanSettings {
+        plan: &job.plan,
+        genetic: &job.genetic,
+        machine: &job.machine,
+        verify: &job.verify,
+        spark_gap: job.electrode.spark_gap_mm,
+        observe,
+    }
+}
+
 /// The plan whose nodes were kept in a project: joined and verified anew, in a fraction of the time of a search.
 ///
 /// # Errors
@@ -327,14 +331,7 @@ pub fn replay(
     let job = &inputs.job;
     let mut clock = Clock::default();
     let finder = SurfaceFinder::new(channel.clone())?;
-    let settings = PlanSettings {
-        plan: &job.plan,
-        genetic: &job.genetic,
-        machine: &job.machine,
-        verify: &job.verify,
-        spark_gap: job.electrode.spark_gap_mm,
-        observe: &|_, _| (),
-    };
+    let settings = settings_of(job, &|_, _| ());
     let stage = Stage { blisk, finder: &finder, frame: channel.frame };
     let mut electrodes = Vec::new();
     for (part, KeptElectrode { side, h, nodes }) in kept.electrodes.iter().enumerate() {
