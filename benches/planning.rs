@@ -41,7 +41,8 @@ fn planning(criterion: &mut Criterion) {
     let own_field =
         DistanceField::build(&electrode.mesh, &body, electrode.mesh.bounds().grown(1.0), 0.35, &progress, &cancel)
             .expect("its field");
-    let mut samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default());
+    let mut samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default(), &Cancel::default())
+        .expect("not cancelled");
     let stride = samples.len() / 1500;
     samples = samples.into_iter().step_by(stride.max(1)).take(1500).collect();
     let outside = Outside::new(&blisk, &electrode.mesh, electrode.reference_point);
@@ -58,7 +59,8 @@ fn planning(criterion: &mut Criterion) {
     group.bench_function("clearance of 1500 samples", |b| b.iter(|| model.least_clearance(&pose)));
     let placement = pose.placement(electrode.reference_point);
     group.bench_function("library mesh distance", |b| b.iter(|| exact.distance_to(&body, &placement)));
-    let verifier = Verifier::new(&blisk, &electrode.mesh, electrode.reference_point).expect("a verifier");
+    let verifier =
+        Verifier::new(&blisk, &electrode.mesh, electrode.reference_point, &Cancel::default()).expect("a verifier");
     group.bench_function("own mesh distance", |b| b.iter(|| verifier.distance(&pose)));
     group.bench_function("field lookup x1000", |b| {
         let points: Vec<DVec3> =

@@ -92,12 +92,13 @@ fn path(rows: usize, slip: f64) -> FeedPath {
 
 fn verification(c: &mut Criterion) {
     let (blisk, electrode) = (blisk(), electrode());
-    let verifier = Verifier::new(&blisk, &electrode, REFERENCE_POINT).expect("the meshes have triangles");
+    let verifier =
+        Verifier::new(&blisk, &electrode, REFERENCE_POINT, &Cancel::default()).expect("the meshes have triangles");
     let options = VerifyOptions::default();
     let mut group = c.benchmark_group("verify");
     group.sample_size(10);
     group.bench_function("prepare 100k and 12k triangles", |b| {
-        b.iter(|| Verifier::new(&blisk, &electrode, REFERENCE_POINT));
+        b.iter(|| Verifier::new(&blisk, &electrode, REFERENCE_POINT, &Cancel::default()));
     });
     group.bench_function("distance in the channel", |b| b.iter(|| verifier.distance(&Pose::FINAL)));
     for (name, slip) in [("300 rows at constant gap", 0.0), ("300 rows that cross", 0.05)] {

@@ -1,6 +1,8 @@
 //! Whole plans on parametric blisks: what must hold for every plan, and what must not depend on how it was made.
 
 mod common;
+#[path = "feed/mend.rs"]
+mod mend;
 
 use std::sync::{Arc, OnceLock};
 
@@ -118,7 +120,8 @@ fn moving_and_scaling_the_mesh_changes_nothing_in_w() {
     assert!((a.volume_mm3 / b.volume_mm3 - 1.0).abs() < 1e-4, "{} {}", a.volume_mm3, b.volume_mm3);
     assert!((a.least_thickness_mm - b.least_thickness_mm).abs() < 1e-3);
     let planned = here.electrodes[0].plan.path.as_ref().unwrap();
-    let verifier = Verifier::new(&moved.in_frame(&there.channel.frame), &b.mesh, b.reference_point).unwrap();
+    let verifier =
+        Verifier::new(&moved.in_frame(&there.channel.frame), &b.mesh, b.reference_point, &Cancel::default()).unwrap();
     let mut path = planned.path.clone();
     path.reference_point = b.reference_point;
     let options = here_options();

@@ -108,7 +108,7 @@ fn certify(
 ) -> anyhow::Result<Certificate> {
     let Inputs { blisk, electrode, path, .. } = inputs;
     let in_w = |mesh: &Mesh| mesh.in_frame(&path.frame);
-    let verifier = Verifier::new(&in_w(blisk), &in_w(electrode), path.reference_point)?;
+    let verifier = Verifier::new(&in_w(blisk), &in_w(electrode), path.reference_point, &session.cancel)?;
     let verifier = match travel {
         Some(travel) => verifier.within(travel),
         None => verifier,

@@ -17,6 +17,8 @@ pub struct ClearanceModel<'a> {
     bodies: Bodies<'a>,
     electrode: Probes,
     blisk: Probes,
+    /// Greatest distance of an electrode sample from the blisk's axis, and from the reference point (mm).
+    levers: [f64; 2],
 }
 
 /// What the model is made of.
@@ -122,7 +124,10 @@ impl Bodies<'_> {
 impl<'a> ClearanceModel<'a> {
     /// A model with `electrode_samples` on the electrode and `blisk_points` on the blisk.
     pub fn new(bodies: Bodies<'a>, electrode_samples: Vec<Sample>, blisk_points: Vec<Sample>) -> Self {
+        let greatest =
+            |length: &dyn Fn(DVec3) -> f64| electrode_samples.iter().map(|s| length(s.point)).fold(0.0, f64::max);
         Self {
+            levers: [greatest(&|p| p.y.hypot(p.z)), greatest(&|p| p.distance(bodies.reference_point))],
             bodies,
             electrode: Probes::new(electrode_samples, |p| bodies.clearance_at(p)),
             blisk: Probes::new(blisk_points, |p| bodies.distance_to_electrode(p)),
@@ -152,6 +157,13 @@ impl<'a> ClearanceModel<'a> {
     /// The side that the electrode is withdrawn to.
     pub fn side(&self) -> EntrySide {
         self.bodies.side
+    }
+
+    /// About how far the electrode's points move from one pose to another, at most (mm).
+    pub fn motion_between(&self, from: &Pose, to: &Pose) -> f64 {
+        let (p, q) = (from.to_array(), to.to_array());
+        let [x, y, z, a, b, c] = std::array::from_fn(|i| (q[i] - p[i]).abs());
+        DVec3::new(x, y, z).length() + self.levers[0] * a + self.levers[1] * (b + c)
     }
 
     /// The face of the sample nearest to the point `p` of the electrode.
@@ -205,20 +217,14 @@ impl<'a> ClearanceModel<'a> {
         let placed = Placed::new(pose, h, self.bodies.reference_point);
         let at = Instant { s, h };
         let mut found = Vec::new();
-        for i in 0..self.electrode.clusters() {
-            if !self.cluster_is_free(i, &placed, &at, demand) {
-                let clearance = |p: DVec3, group| self.bodies.electrode_clearance(&placed, p, group);
-                let lacking = self.electrode.lacking_in(i, &at, demand, &clearance);
-                found.extend(lacking.map(|(k, lack)| self.electrode_shortfall(k, lack, &placed)));
-            }
-        }
-        for i in 0..self.blisk.clusters() {
-            if !self.cluster_is_free(self.electrode.clusters() + i, &placed, &at, demand) {
-                let clearance = |p: DVec3, _| self.bodies.blisk_clearance(&placed, p);
-                let lacking = self.blisk.lacking_in(i, &at, demand, &clearance);
-                found.extend(lacking.map(|(k, lack)| self.blisk_shortfall(k, lack, &placed)));
-            }
-        }
+        let clearance = |p: DVec3, group| self.bodies.electrode_clearance(&placed, p, group);
+        self.electrode.lacking(&at, demand, &clearance, doubt, |k, lack| {
+            found.push(self.electrode_shortfall(k, lack, &placed));
+        });
+        let clearance = |p: DVec3, _| self.bodies.blisk_clearance(&placed, p);
+        self.blisk.lacking(&at, demand, &clearance, doubt, |k, lack| {
+            found.push(self.blisk_shortfall(k, lack, &placed));
+        });
         found
     }
 

@@ -8,6 +8,7 @@ pub mod genetic;
 pub mod interpolation;
 pub mod jam;
 pub mod machine;
+mod mend;
 pub mod objective;
 pub mod outside;
 pub mod path;

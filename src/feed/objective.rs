@@ -9,6 +9,7 @@ use crate::blisk::channel::Channel;
 use crate::blisk::electrode::ElectrodeFace;
 use crate::blisk::surface_finder::SurfaceFinder;
 use crate::geometry::mesh::Bounds;
+use crate::progress::{Cancel, Cancelled};
 
 /// Weights of the objective; within each group only the ratios count, and each is used scaled to sum 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -131,6 +132,14 @@ pub struct StepMotion {
     pub duration: f64,
 }
 
+impl StepMotion {
+    /// The motion from one pose to another in `duration` nominal steps.
+    pub fn between(from: &Pose, to: &Pose, duration: f64) -> Self {
+        let (p, q) = (from.to_array(), to.to_array());
+        Self { increments: std::array::from_fn(|i| q[i] - p[i]), duration }
+    }
+}
+
 impl<'a> Objective<'a> {
     /// Most samples of each wall that are used, spread evenly.
     const WALL_SAMPLES: usize = 120;
@@ -227,18 +236,22 @@ impl WallDistances {
     const CELL: f64 = 0.6;
 
     /// The distances over `region`.
-    pub fn new(finder: &SurfaceFinder, region: Bounds) -> Self {
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn new(finder: &SurfaceFinder, region: Bounds, cancel: &Cancel) -> Result<Self, Cancelled> {
         use rayon::prelude::*;
         let nodes = (region.size() / Self::CELL).ceil().to_array().map(|n| (n as usize).clamp(1, 400) + 1);
         let cell = (0..3).map(|i| region.size()[i] / (nodes[i] - 1) as f64).fold(Self::CELL, f64::max);
         let values = (0..nodes[0] * nodes[1] * nodes[2])
             .into_par_iter()
             .map(|i| {
+                cancel.check()?;
                 let at = [i % nodes[0], i / nodes[0] % nodes[1], i / nodes[0] / nodes[1]].map(|k| k as f64);
-                finder.wall_distances(region.min + DVec3::from_array(at) * cell).map(|d| d as f32)
+                Ok(finder.wall_distances(region.min + DVec3::from_array(at) * cell).map(|d| d as f32))
             })
-            .collect();
-        Self { min: region.min, cell, nodes, values }
+            .collect::<Result<_, Cancelled>>()?;
+        Ok(Self { min: region.min, cell, nodes, values })
     }
 
     /// Distances to the low and the high wall; beyond the grid, those at its border.

@@ -61,8 +61,8 @@ impl PlanningSpace {
     ) -> Result<Self, PlanError> {
         let finder = SurfaceFinder::new(channel.clone())?;
         let field = DistanceField::build(&blisk, exact, Self::region(&channel), cell, progress, cancel)?;
-        let edges = sample_convex_edges(&blisk, field.bounds().grown(Self::RIMS), Self::EDGE_SPACING);
-        let walls = WallDistances::new(&finder, field.bounds());
+        let edges = sample_convex_edges(&blisk, field.bounds().grown(Self::RIMS), Self::EDGE_SPACING, cancel)?;
+        let walls = WallDistances::new(&finder, field.bounds(), cancel)?;
         Ok(Self { blisk, channel, finder, field, walls, edges })
     }
 

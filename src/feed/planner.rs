@@ -19,7 +19,7 @@ use super::plan_params::PlanError;
 use super::pose::{Axis, Pose};
 use super::probes::Demand;
 use super::samples::{Sample, SampleSpacing, limit_to_reduced, sample_electrode};
-use super::search::{Constraint, Node, SearchProblem, Strategy, StrategyParams};
+use super::search::{Constraint, Convergence, Node, SearchProblem, Strategy, StrategyParams};
 use super::smoothness::axis_smoothness;
 use super::verify::Verifier;
 use crate::blisk::electrode::{Electrode, ElectrodeError, ElectrodeFace};
@@ -56,7 +56,7 @@ struct Lessons {
 }
 
 impl Planner<'_> {
-    /// Searches after the first that the verifier's findings may cause.
+    /// Searches after the first that the verifier's findings may cause, and mends.
     const ROUNDS: usize = 8;
     /// Clearance that nodes keep beyond what is asked for, for the errors of the fields and for what the curve between
     /// them takes (mm).
@@ -67,7 +67,7 @@ impl Planner<'_> {
     pub(super) fn plan(&self, electrode: &Electrode, remake: &Remake) -> Result<FeedPlan, PlanError> {
         let started = Instant::now();
         let fields = self.electrode_fields(electrode)?;
-        let model = self.model(electrode, &fields);
+        let model = self.model(electrode, &fields)?;
         let field_seconds = started.elapsed().as_secs_f64();
         let mut plan = FeedPlan {
             nodes: Vec::new(),
@@ -102,7 +102,7 @@ impl Planner<'_> {
             };
             let fields = self.electrode_fields(&remade)?;
             plan.nodes.iter_mut().for_each(|node| node.h = 0.0);
-            self.verify_and_mend(&mut plan, &remade, &self.model(&remade, &fields), &genetic)?;
+            self.verify_and_mend(&mut plan, &remade, &self.model(&remade, &fields)?, &genetic)?;
             plan.remade = Some(Box::new(remade));
         } else {
             self.verify_and_mend(&mut plan, electrode, &model, &genetic)?;
@@ -110,8 +110,8 @@ impl Planner<'_> {
         Ok(plan)
     }
 
-    /// Verifies the path; where it comes too near, adds the contacts to the samples and searches anew from there in
-    /// finer steps, until it holds or the rounds are spent.
+    /// Verifies the path; where it comes too near, adds the contacts to the samples and mends it, or searches anew from
+    /// there in finer steps where that is not enough, until it holds or the rounds are spent.
     fn verify_and_mend(
         &self,
         plan: &mut FeedPlan,
@@ -119,10 +119,10 @@ impl Planner<'_> {
         model: &ClearanceModel,
         genetic: &GeneticParams,
     ) -> Result<(), PlanError> {
-        let verifier = Verifier::new(&self.space.blisk, &electrode.mesh, electrode.reference_point)?
+        let verifier = Verifier::new(&self.space.blisk, &electrode.mesh, electrode.reference_point, self.cancel)?
             .within(self.settings.machine.limits());
         let mut lessons = Lessons::default();
-        loop {
+        for checks in 1.. {
             let (curves, path) = interpolated(&plan.nodes, electrode, self.settings, self.space.channel.frame)?;
             let started = Instant::now();
             let surface_of = |p: DVec3| self.space.finder.surface_of(p);
@@ -154,11 +154,15 @@ impl Planner<'_> {
             }
             let kept = plan.nodes.iter().filter(|n| n.s < nearest - self.settings.plan.step_mm).count().max(1);
             let model = model.with_probes(&lessons.on_electrode, &lessons.on_blisk);
+            if beyond.is_none() && checks <= Self::ROUNDS && self.mend(plan, &model, &lessons)? {
+                continue;
+            }
             self.search_from(plan, &model, genetic, &lessons, kept)?;
             if plan.jam.is_some() {
                 return Ok(());
             }
         }
+        Ok(())
     }
 
     fn learn(&self, lessons: &mut Lessons, model: &ClearanceModel, violations: &[Contact]) {
@@ -207,7 +211,7 @@ impl Planner<'_> {
         }
     }
 
-    /// Searches on from the first `kept` nodes of the plan and puts the answer in their place.
+    /// Searches on from the first `kept` nodes of the plan, puts the answer in their place and mends the curve.
     fn search(
         &self,
         plan: &mut FeedPlan,
@@ -217,6 +221,51 @@ impl Planner<'_> {
         kept: usize,
     ) -> Result<(), PlanError> {
         let started = Instant::now();
+        let strategy = match self.settings.plan.strategy {
+            Strategy::Genetic => StrategyParams::Genetic(*genetic),
+        };
+        let surface_of = |p: DVec3| self.space.finder.surface_of(p);
+        let outcome = self.with_problem(plan, model, lessons, |problem| {
+            problem.search(&strategy, &plan.nodes[..kept], &surface_of, self.progress, self.cancel)
+        })?;
+        plan.convergence.truncate(kept.saturating_sub(1));
+        plan.convergence.extend(outcome.convergence);
+        plan.nodes = outcome.nodes;
+        plan.jam = outcome.jam;
+        plan.probes = model.probes();
+        plan.rounds += 1;
+        plan.search_seconds += started.elapsed().as_secs_f64();
+        if plan.jam.is_none() {
+            // Where it cannot be mended the verifier says what is missing.
+            self.mend(plan, model, lessons)?;
+        }
+        Ok(())
+    }
+
+    /// Puts nodes in where the curve comes too near between those that were searched; answers whether that was enough,
+    /// as far as the probes tell. If not, the plan stays as it is.
+    fn mend(&self, plan: &mut FeedPlan, model: &ClearanceModel, lessons: &Lessons) -> Result<bool, PlanError> {
+        let started = Instant::now();
+        let mended = self.with_problem(plan, model, lessons, |problem| problem.mended(&plan.nodes, self.cancel))?;
+        plan.search_seconds += started.elapsed().as_secs_f64();
+        let Some(nodes) = mended else { return Ok(false) };
+        let mut searched = std::mem::take(&mut plan.convergence).into_iter().peekable();
+        let put_in = |s: f64| Convergence { s, best: Vec::new(), mean: Vec::new() };
+        for node in &nodes[1..] {
+            plan.convergence.push(searched.next_if(|c| c.s == node.s).unwrap_or_else(|| put_in(node.s)));
+        }
+        plan.nodes = nodes;
+        Ok(true)
+    }
+
+    /// Calls `work` with the search problem for `model`.
+    fn with_problem<T>(
+        &self,
+        plan: &FeedPlan,
+        model: &ClearanceModel,
+        lessons: &Lessons,
+        work: impl FnOnce(&SearchProblem) -> T,
+    ) -> T {
         let PlanSettings { plan: params, machine, spark_gap, .. } = *self.settings;
         let channel = &*self.space.channel;
         let moving: Vec<Axis> = machine.axes.axes()[1..].to_vec();
@@ -229,7 +278,7 @@ impl Planner<'_> {
             &self.space.walls,
         );
         let test = AngleTest::new(channel, spark_gap + params.margin_mm, &params.angle);
-        let problem = SearchProblem {
+        work(&SearchProblem {
             model,
             angle: (params.constraint == Constraint::Angle).then_some(&test),
             objective: &objective,
@@ -243,20 +292,7 @@ impl Planner<'_> {
             fine: &lessons.fine,
             exit_clearance: params.exit_clearance_mm,
             observe: self.settings.observe,
-        };
-        let strategy = match params.strategy {
-            Strategy::Genetic => StrategyParams::Genetic(*genetic),
-        };
-        let surface_of = |p: DVec3| self.space.finder.surface_of(p);
-        let outcome = problem.search(&strategy, &plan.nodes[..kept], &surface_of, self.progress, self.cancel)?;
-        plan.convergence.truncate(kept.saturating_sub(1));
-        plan.convergence.extend(outcome.convergence);
-        plan.nodes = outcome.nodes;
-        plan.jam = outcome.jam;
-        plan.probes = model.probes();
-        plan.rounds += 1;
-        plan.search_seconds += started.elapsed().as_secs_f64();
-        Ok(())
+        })
     }
 
     /// The electrode's own distance field, for the edges of the blisk, and where it is out of the blisk.
@@ -270,7 +306,11 @@ impl Planner<'_> {
         Ok(ElectrodeFields { distance, outside })
     }
 
-    fn model<'f>(&'f self, electrode: &Electrode, fields: &'f ElectrodeFields) -> ClearanceModel<'f> {
+    fn model<'f>(
+        &'f self,
+        electrode: &Electrode,
+        fields: &'f ElectrodeFields,
+    ) -> Result<ClearanceModel<'f>, PlanError> {
         let bodies = Bodies {
             blisk: &self.space.field,
             electrode: &fields.distance,
@@ -279,11 +319,11 @@ impl Planner<'_> {
             reference_point: electrode.reference_point,
             side: electrode.enters_from,
         };
-        let mut samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default());
+        let mut samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default(), self.cancel)?;
         if self.settings.genetic.h == ReductionMode::Variable {
             limit_to_reduced(&mut samples, &fields.distance, self.settings.genetic.h_max_deg.to_radians());
         }
-        ClearanceModel::new(bodies, samples, self.space.edges.clone())
+        Ok(ClearanceModel::new(bodies, samples, self.space.edges.clone()))
     }
 
     /// Full ranges of motion in one step by (7): Z within the passage's height, Y within half a pitch, C within

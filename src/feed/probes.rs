@@ -91,14 +91,38 @@ impl Probes {
         clearance: &impl Fn(DVec3, usize) -> f64,
         doubt: impl Fn(f64) -> f64 + Copy,
     ) -> Option<usize> {
-        self.blocks.iter().find_map(|block| {
-            let group = group(self.samples[self.clusters[block.start].start].face);
-            let enough = demand.wanted() + self.greatest_extra + block.radius;
-            if clearance(block.center, group) >= enough + doubt(enough) {
-                return None;
-            }
+        self.crowded_blocks(demand, clearance, doubt).find_map(|block| {
             (block.start..block.end).find(|&i| !self.cluster_is_free(i, at, demand, clearance, doubt))
         })
+    }
+
+    /// Blocks of clusters that are not wholly where there is room for every point.
+    fn crowded_blocks(
+        &self,
+        demand: &Demand,
+        clearance: &impl Fn(DVec3, usize) -> f64,
+        doubt: impl Fn(f64) -> f64,
+    ) -> impl Iterator<Item = &Cluster> {
+        self.blocks.iter().filter(move |block| {
+            let group = group(self.samples[self.clusters[block.start].start].face);
+            let enough = demand.wanted() + self.greatest_extra + block.radius;
+            clearance(block.center, group) < enough + doubt(enough)
+        })
+    }
+
+    /// Calls `found` with every point that lacks clearance and how much it lacks (mm), in order.
+    pub fn lacking(
+        &self,
+        at: &Instant,
+        demand: &Demand,
+        clearance: &impl Fn(DVec3, usize) -> f64,
+        doubt: impl Fn(f64) -> f64 + Copy,
+        mut found: impl FnMut(usize, f64),
+    ) {
+        let crowded = self.crowded_blocks(demand, clearance, doubt).flat_map(|block| block.start..block.end);
+        for i in crowded.filter(|&i| !self.cluster_is_free(i, at, demand, clearance, doubt)) {
+            self.lacking_in(i, at, demand, clearance).for_each(|(k, lack)| found(k, lack));
+        }
     }
 
     /// Number of clusters.
@@ -139,7 +163,7 @@ impl Probes {
     }
 
     /// Points of cluster `i` that lack clearance, and how much (mm).
-    pub fn lacking_in(
+    fn lacking_in(
         &self,
         i: usize,
         at: &Instant,

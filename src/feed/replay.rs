@@ -45,8 +45,8 @@ pub fn replay_feed(
     settings.machine.validate()?;
     let (curves, path) = interpolated(nodes, electrode, settings, stage.frame)?;
     let started = Instant::now();
-    let verifier =
-        Verifier::new(stage.blisk, &electrode.mesh, electrode.reference_point)?.within(settings.machine.limits());
+    let verifier = Verifier::new(stage.blisk, &electrode.mesh, electrode.reference_point, cancel)?
+        .within(settings.machine.limits());
     let surface_of = |p: DVec3| stage.finder.surface_of(p);
     let certificate = verifier.verify(&path, &surface_of, settings.verify, progress, cancel)?;
     Ok(FeedPlan {

@@ -7,6 +7,7 @@ use glam::{DMat3, DVec3};
 use crate::blisk::electrode::ElectrodeFace;
 use crate::geometry::distance_field::DistanceField;
 use crate::geometry::mesh::{Bounds, Mesh, unit_normal};
+use crate::progress::{Cancel, Cancelled};
 
 /// A point on the electrode in its final pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,7 +52,15 @@ impl Default for SampleSpacing {
 
 /// Samples of the whole surface of `mesh`, whose triangle `i` lies on `faces[i]`: every sharp corner, points
 /// along sharp edges, then points on faces, each no closer to those before it than the spacing.
-pub fn sample_electrode(mesh: &Mesh, faces: &[ElectrodeFace], spacing: SampleSpacing) -> Vec<Sample> {
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn sample_electrode(
+    mesh: &Mesh,
+    faces: &[ElectrodeFace],
+    spacing: SampleSpacing,
+    cancel: &Cancel,
+) -> Result<Vec<Sample>, Cancelled> {
     let size = spacing.on(ElectrodeFace::Holder).face;
     let mut sieve = Sieve { kept: Vec::new(), grid: HashMap::new(), size };
     let edges = bent_edges(mesh, 20f64.to_radians());
@@ -66,6 +75,7 @@ pub fn sample_electrode(mesh: &Mesh, faces: &[ElectrodeFace], spacing: SampleSpa
         }
     }
     for edge in &edges {
+        cancel.check()?;
         let [p, q] = edge.ends.map(|v| mesh.vertices[v as usize]);
         let spacing = spacing.on(faces[edge.triangle]).edge;
         let pieces = (p.distance(q) / spacing).ceil().clamp(1.0, 1e4) as usize;
@@ -74,6 +84,7 @@ pub fn sample_electrode(mesh: &Mesh, faces: &[ElectrodeFace], spacing: SampleSpa
         }
     }
     for (corners, &face) in mesh.iter_corners().zip(faces) {
+        cancel.check()?;
         // Twice as fine as the spacing, so that the sieve decides and no gap stays open.
         let longest = (0..3).map(|i| corners[i].distance(corners[(i + 1) % 3])).fold(0.0, f64::max);
         let spacing = spacing.on(face).face;
@@ -86,7 +97,7 @@ pub fn sample_electrode(mesh: &Mesh, faces: &[ElectrodeFace], spacing: SampleSpa
             }
         }
     }
-    sieve.kept
+    Ok(sieve.kept)
 }
 
 /// Finds up to which h, at most `h_max` (rad), each sample stays part of the electrode when both walls are drawn in by
@@ -111,9 +122,18 @@ pub fn limit_to_reduced(samples: &mut [Sample], field: &DistanceField, h_max: f6
 
 /// Points along the edges of `mesh` inside `region` where the surface bends outwards by more than 4 degrees: rims
 /// and the facets of blade edges, which a coarsely sampled electrode would not notice.
-pub fn sample_convex_edges(mesh: &Mesh, region: Bounds, spacing: f64) -> Vec<Sample> {
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn sample_convex_edges(
+    mesh: &Mesh,
+    region: Bounds,
+    spacing: f64,
+    cancel: &Cancel,
+) -> Result<Vec<Sample>, Cancelled> {
     let mut sieve = Sieve { kept: Vec::new(), grid: HashMap::new(), size: spacing };
     for edge in bent_edges(mesh, 4f64.to_radians()).into_iter().filter(|e| e.convex) {
+        cancel.check()?;
         let [p, q] = edge.ends.map(|v| mesh.vertices[v as usize]);
         if !Bounds::of([p, q]).intersects(&region) {
             continue;
@@ -126,7 +146,7 @@ pub fn sample_convex_edges(mesh: &Mesh, region: Bounds, spacing: f64) -> Vec<Sam
             }
         }
     }
-    sieve.kept
+    Ok(sieve.kept)
 }
 
 /// An edge where the surface bends.
@@ -244,7 +264,7 @@ mod tests {
         let mesh = cuboid(DVec3::new(6.0, 4.0, 3.0));
         let faces = vec![ElectrodeFace::FarEnd; 12];
         let spacing = SampleSpacing { face: 0.8, edge: 0.3 };
-        let samples = sample_electrode(&mesh, &faces, spacing);
+        let samples = sample_electrode(&mesh, &faces, spacing, &Cancel::default()).unwrap();
         let nearest = |p: DVec3| samples.iter().map(|s| s.point.distance(p)).fold(f64::INFINITY, f64::min);
         for v in &mesh.vertices {
             assert!(nearest(*v) < 1e-12, "corner {v}");
@@ -261,12 +281,12 @@ mod tests {
         // A box seen from outside has 12 convex edges, turned inside out (a cavity) none.
         let mesh = cuboid(DVec3::splat(4.0));
         let everywhere = mesh.bounds().grown(1.0);
-        let points = sample_convex_edges(&mesh, everywhere, 0.5);
+        let points = sample_convex_edges(&mesh, everywhere, 0.5, &Cancel::default()).unwrap();
         let on_edge =
             |p: DVec3| p.to_array().iter().filter(|v| v.abs() < 1e-12 || (*v - 4.0).abs() < 1e-12).count() >= 2;
         assert!(points.len() >= 12 * 7 + 8 && points.iter().all(|s| on_edge(s.point)));
         let cavity = Mesh { triangles: mesh.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(), ..mesh };
-        assert!(sample_convex_edges(&cavity, everywhere, 0.5).is_empty());
+        assert!(sample_convex_edges(&cavity, everywhere, 0.5, &Cancel::default()).unwrap().is_empty());
     }
 
     #[test]
@@ -274,7 +294,7 @@ mod tests {
         let mesh = cuboid(DVec3::splat(5.0));
         let faces: Vec<_> =
             (0..12).map(|i| if i < 6 { ElectrodeFace::LowWall } else { ElectrodeFace::Shank }).collect();
-        let mut samples = sample_electrode(&mesh, &faces, SampleSpacing::default());
+        let mut samples = sample_electrode(&mesh, &faces, SampleSpacing::default(), &Cancel::default()).unwrap();
         let group = |face| u8::from(face == ElectrodeFace::LowWall);
         let clusters = cluster(&mut samples, 12, group);
         let mut next = 0;

@@ -94,8 +94,7 @@ pub struct NodeTask {
 impl NodeTask {
     /// The motion from the node before to `pose`.
     pub fn motion_to(&self, pose: &Pose) -> StepMotion {
-        let (p, q) = (self.from.to_array(), pose.to_array());
-        StepMotion { increments: std::array::from_fn(|i| q[i] - p[i]), duration: self.duration }
+        StepMotion::between(&self.from, pose, self.duration)
     }
 }
 
@@ -171,8 +170,10 @@ impl SearchProblem<'_> {
     const NARROW: f64 = 0.3;
     /// Most times that it is halved from the start where the verifier asked for finer steps.
     const FINEST: usize = 3;
-    /// Parts of an interval between two nodes, at whose joints the motion is tested.
-    const BETWEEN: usize = 5;
+    /// Least and greatest number of parts of an interval between two nodes, at whose joints the motion is tested.
+    const PARTS: [f64; 2] = [5.0, 40.0];
+    /// How far the electrode's points may move from one such joint to the next (mm).
+    const STRIDE: f64 = 0.2;
     /// Nodes before the next one that the curve is drawn through: a spline forgets what is further away.
     const CURVE_NODES: usize = 6;
     /// Intervals that are tested, the last ones.
@@ -193,7 +194,8 @@ impl SearchProblem<'_> {
         self.keeps(pose, s, h, &self.demand, hint)
     }
 
-    fn keeps(&self, pose: &Pose, s: f64, h: f64, demand: &Demand, hint: &mut usize) -> bool {
+    /// The same with another demand.
+    pub(super) fn keeps(&self, pose: &Pose, s: f64, h: f64, demand: &Demand, hint: &mut usize) -> bool {
         if self.travel.beyond(pose).is_some() {
             return false;
         }
@@ -217,15 +219,26 @@ impl SearchProblem<'_> {
         // Knots rise by construction; were they not to, nothing could be said of the motion.
         let Ok(curves) = AxisCurves::through(&joined, self.ends) else { return false };
         let h = to.h.max(task.h_so_far);
-        // The allowance that nodes keep is there to be used up between them.
-        let between = Demand { guard: 0.0, ..self.demand };
+        let between = self.between();
         let mut hint = 0;
         joined.windows(2).rev().take(Self::CURVE_INTERVALS).all(|w| {
-            (1..Self::BETWEEN).all(|i| {
-                let s = w[0].s + (w[1].s - w[0].s) * i as f64 / Self::BETWEEN as f64;
+            self.joints(&w[0], &w[1]).all(|t| {
+                let s = w[0].s + (w[1].s - w[0].s) * t;
                 self.keeps(&curves.pose(s), s, h, &between, &mut hint)
             })
         })
+    }
+
+    /// Where the motion from one node to the next is tested, as shares of it.
+    pub(super) fn joints(&self, from: &Node, to: &Node) -> impl Iterator<Item = f64> + use<> {
+        let strides = self.model.motion_between(&from.pose, &to.pose) / Self::STRIDE;
+        let parts = strides.ceil().clamp(Self::PARTS[0], Self::PARTS[1]);
+        (1..parts as usize).map(move |i| i as f64 / parts)
+    }
+
+    /// What nodes are asked for where there is no room for all of the allowance.
+    pub(super) fn narrow(&self) -> Demand {
+        Demand { guard: Self::NARROW * self.demand.guard, ..self.demand }
     }
 
     /// How far the electrode is out of the blisk at `pose`: negative while some point is not beyond the metal (mm).
@@ -305,10 +318,7 @@ impl SearchProblem<'_> {
     fn task(&self, nodes: &[Node], duration: f64) -> NodeTask {
         let last = &nodes[nodes.len() - 1];
         let before = match nodes {
-            [.., a, b] => StepMotion {
-                increments: std::array::from_fn(|i| b.pose.to_array()[i] - a.pose.to_array()[i]),
-                duration: (b.s - a.s) / self.step,
-            },
+            [.., a, b] => StepMotion::between(&a.pose, &b.pose, (b.s - a.s) / self.step),
             // Nothing has moved yet but X, whose rate is the nominal one.
             _ => StepMotion { increments: [0.0; 6], duration: 1.0 },
         };
@@ -336,8 +346,7 @@ impl SearchProblem<'_> {
             return Ok(Some(coasting));
         }
         // Where the way is too narrow for the allowance, it is given up before the search is.
-        let narrow =
-            SearchProblem { demand: Demand { guard: Self::NARROW * self.demand.guard, ..self.demand }, ..*self };
+        let narrow = SearchProblem { demand: self.narrow(), ..*self };
         let first = self.first_halving(nodes);
         for (problem, first) in [(self, first), (&narrow, first.max(1))] {
             for halving in first..=Self::HALVINGS {

@@ -149,7 +149,7 @@ pub fn verify(
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<Certificate, VerifyError> {
-    Verifier::new(blisk, electrode, path.reference_point)?.verify(path, surface_of, options, progress, cancel)
+    Verifier::new(blisk, electrode, path.reference_point, cancel)?.verify(path, surface_of, options, progress, cancel)
 }
 
 /// The distance between the blisk and the electrode at `pose`. For more than one pose make a [`Verifier`].
@@ -159,12 +159,12 @@ pub fn mesh_distance(
     reference_point: DVec3,
     pose: &Pose,
 ) -> Result<Clearance, VerifyError> {
-    Ok(Verifier::new(blisk, electrode, reference_point)?.distance(pose))
+    Ok(Verifier::new(blisk, electrode, reference_point, &Cancel::default())?.distance(pose))
 }
 
 impl Verifier {
     /// Prepares a blisk and an electrode in its final pose, both in W, with the electrode's reference point O.
-    pub fn new(blisk: &Mesh, electrode: &Mesh, reference_point: DVec3) -> Result<Self, VerifyError> {
+    pub fn new(blisk: &Mesh, electrode: &Mesh, reference_point: DVec3, cancel: &Cancel) -> Result<Self, VerifyError> {
         for (name, mesh) in [("blisk", blisk), ("electrode", electrode)] {
             if mesh.triangles.is_empty() {
                 return Err(VerifyError::EmptyMesh(name));
@@ -182,17 +182,24 @@ impl Verifier {
             });
         }
         let about_reference = electrode.mapped(|p| p - reference_point);
-        let (blisk_tree, electrode_tree) = rayon::join(|| Bvh::new(blisk), || Bvh::new(&about_reference));
+        let (blisk_tree, electrode_tree) =
+            rayon::join(|| Bvh::new(blisk, cancel), || Bvh::new(&about_reference, cancel));
+        let (blisk_tree, electrode_tree) = (blisk_tree?, electrode_tree?);
         let corners = electrode_tree.triangles().iter().flatten();
+        let reach = corners.map(|u| u.length()).fold(0.0, f64::max);
+        cancel.check()?;
+        let parts = [inside::point_of_each_part(blisk), inside::point_of_each_part(&about_reference)];
+        cancel.check()?;
+        let [blisk_parts, electrode_parts] = parts;
         Ok(Self {
-            reach: corners.map(|u| u.length()).fold(0.0, f64::max),
             blisk: blisk_tree,
             electrode: electrode_tree,
-            blisk_parts: inside::point_of_each_part(blisk),
-            electrode_parts: inside::point_of_each_part(&about_reference),
+            blisk_parts,
+            electrode_parts,
             digests: [blisk.digest(), electrode.digest()],
             reference_point,
             travel: None,
+            reach,
             outside: Outside::new(blisk, electrode, reference_point),
         })
     }

@@ -10,6 +10,7 @@ use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, SymmetricEigen};
 
 use super::mesh::{Mesh, normal_times_two_areas};
+use crate::progress::{Cancel, Cancelled};
 
 /// Below this many triangles a subtree is built on the thread at hand.
 const PARALLEL_FROM: usize = 2048;
@@ -93,11 +94,14 @@ fn gap(between: DVec3, extent: DVec3) -> DVec3 {
 
 impl Bvh {
     /// Builds the hierarchy. An empty mesh gives a tree without nodes.
-    pub fn new(mesh: &Mesh) -> Self {
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn new(mesh: &Mesh, cancel: &Cancel) -> Result<Self, Cancelled> {
         let corners: Vec<_> = mesh.iter_corners().collect();
         let mut order: Vec<u32> = (0..corners.len() as u32).collect();
-        let nodes = if order.is_empty() { Vec::new() } else { subtree(&corners, &mut order) };
-        Self { nodes, corners }
+        let nodes = if order.is_empty() { Vec::new() } else { subtree(&corners, &mut order, cancel)? };
+        Ok(Self { nodes, corners })
     }
 
     /// Whether there is nothing in it.
@@ -129,10 +133,11 @@ impl Bvh {
 }
 
 /// The nodes of a tree over the triangles in `order`, which it sorts as it goes.
-fn subtree(corners: &[[DVec3; 3]], order: &mut [u32]) -> Vec<Node> {
+fn subtree(corners: &[[DVec3; 3]], order: &mut [u32], cancel: &Cancel) -> Result<Vec<Node>, Cancelled> {
+    cancel.check()?;
     let node = fitted(corners, order);
     if order.len() == 1 {
-        return vec![node];
+        return Ok(vec![node]);
     }
     let key = |t: u32| node.bounds.axes.x_axis.dot(corners[t as usize].iter().sum::<DVec3>());
     let middle = order.len() / 2;
@@ -141,15 +146,16 @@ fn subtree(corners: &[[DVec3; 3]], order: &mut [u32]) -> Vec<Node> {
     order.select_nth_unstable_by(middle, by_key);
     let (low, high) = order.split_at_mut(middle);
     let (first, second) = if low.len() >= PARALLEL_FROM {
-        rayon::join(|| subtree(corners, low), || subtree(corners, high))
+        rayon::join(|| subtree(corners, low, cancel), || subtree(corners, high, cancel))
     } else {
-        (subtree(corners, low), subtree(corners, high))
+        (subtree(corners, low, cancel), subtree(corners, high, cancel))
     };
+    let (first, second) = (first?, second?);
     let mut nodes = Vec::with_capacity(1 + first.len() + second.len());
     nodes.push(node);
     nodes.extend(first);
     nodes.extend(second);
-    nodes
+    Ok(nodes)
 }
 
 /// The node around the triangles in `order`: the first axis of its box is the longest, the last the thinnest.
@@ -203,6 +209,10 @@ mod tests {
         Mesh { vertices, triangles: (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect() }
     }
 
+    fn tree_of(triangles: &[[DVec3; 3]]) -> Bvh {
+        Bvh::new(&mesh_of(triangles), &Cancel::default()).unwrap()
+    }
+
     fn triangles() -> impl Strategy<Value = Vec<[DVec3; 3]>> {
         let point = || (-9.0..9.0, -9.0..9.0, -9.0..9.0).prop_map(|(x, y, z)| DVec3::new(x, y, z));
         prop::collection::vec([point(), point(), point()], 1..40)
@@ -219,7 +229,7 @@ mod tests {
     proptest! {
         #[test]
         fn every_node_holds_its_triangles_and_every_triangle_is_once_below_the_root(list in triangles()) {
-            let tree = Bvh::new(&mesh_of(&list));
+            let tree = tree_of(&list);
             let mut all = below(&tree, 0);
             all.sort_unstable();
             prop_assert_eq!(all, (0..list.len() as u32).collect::<Vec<_>>());
@@ -235,7 +245,7 @@ mod tests {
 
         #[test]
         fn a_separation_separates_whatever_the_boxes_hold(a in triangles(), b in triangles(), far in -30.0..30.0) {
-            let (first, second) = (Bvh::new(&mesh_of(&a)), Bvh::new(&mesh_of(&b)));
+            let (first, second) = (tree_of(&a), tree_of(&b));
             let shift = DVec3::new(far, 0.3 * far, -0.1 * far);
             let turn = DMat3::from_rotation_y(far) * DMat3::from_rotation_x(0.7);
             let vector = first.node(0).bounds.placed(&turn, shift).separation(&second.node(0).bounds);
@@ -254,7 +264,7 @@ mod tests {
         let list: Vec<_> = (0..20)
             .map(|i| [[0.0, 0.0], [1.0, 0.2], [0.1, 0.5]].map(|[x, y]| turn * DVec3::new(x + i as f64, y, 0.0)))
             .collect();
-        let root = *Bvh::new(&mesh_of(&list)).node(0);
+        let root = *tree_of(&list).node(0);
         assert!(root.bounds.half.z < 1e-9 && root.bounds.half.x > 9.9 && root.bounds.half.y < 0.4, "{root:?}");
     }
 

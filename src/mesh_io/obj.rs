@@ -1,122 +1,236 @@
 //! Wavefront OBJ: vertices and faces; materials, normals and texture coordinates are skipped.
+//!
+//! The `tobj` crate reads the file, but sees only what [`Lines`] lets through: it knows no limits, does not say where
+//! a file is wrong, and trusts numbers of vertices that are not there.
+
+use std::io::{self, BufRead, Read};
+use std::iter;
 
 use glam::DVec3;
+use tobj::{LoadError, LoadOptions, Model};
 
 use super::error::{ImportError, excerpt};
 use super::report::count;
 use super::source::{RawMesh, Source};
 use super::weld::weld_exact;
+use crate::geometry::mesh::Mesh;
 
 /// Reads an OBJ file. Polygons become fans, or are cut at their ears where a fan would fold over.
 pub(super) fn read(source: &Source) -> Result<RawMesh, ImportError> {
-    let mut reader = Reader { source, line: 0, raw: RawMesh::default(), skipped: 0 };
-    let mut offset = 0;
-    let text = source.text();
-    // Lines end with "\n", "\r\n" or, in very old files, "\r" alone.
-    let end = if text.contains(&b'\n') { b'\n' } else { b'\r' };
-    for line in text.split(|&b| b == end) {
-        reader.line += 1;
-        reader.read_line(line)?;
-        offset += line.len() + 1;
-        source.tick("reading lines", reader.line, reader.line * text.len() / offset.max(1))?;
+    let mut lines = Lines::new(source);
+    let no_materials = |_: &std::path::Path| Err(LoadError::OpenFileFailed);
+    let (models, _) = tobj::load_obj_buf(&mut lines, &LoadOptions::default(), no_materials)
+        .map_err(|error| lines.explained(error))?;
+    let mut raw = RawMesh { note: lines.note, ..RawMesh::default() };
+    if lines.skipped > 0 {
+        raw.warnings.push(format!("{} of fewer than three corners skipped.", count(lines.skipped, "face")));
     }
-    let Reader { mut raw, skipped, .. } = reader;
-    if skipped > 0 {
-        raw.warnings.push(format!("{} of fewer than three corners skipped.", count(skipped, "face")));
+    for model in &models {
+        source.cancel.check()?;
+        append(&mut raw.mesh, model);
     }
     raw.mesh = weld_exact(raw.mesh, source.progress, source.cancel)?;
     Ok(raw)
 }
 
-struct Reader<'a> {
-    source: &'a Source<'a>,
-    /// Number of the current line, from 1.
-    line: usize,
-    raw: RawMesh,
-    /// Faces that are points or lines.
-    skipped: usize,
+/// Adds the faces of `model` as triangles.
+fn append(mesh: &mut Mesh, model: &Model) {
+    let tobj::Mesh { positions, indices, face_arities, .. } = &model.mesh;
+    let base = mesh.vertices.len() as u32;
+    mesh.vertices.extend(positions.chunks_exact(3).map(DVec3::from_slice));
+    let mut rest = indices.as_slice();
+    // No numbers of corners are given where all faces have three.
+    let corners_of_each = face_arities.iter().copied().chain(iter::repeat(3)).map(|n| n as usize);
+    for n in corners_of_each {
+        let Some((face, others)) = rest.split_at_checked(n).filter(|(face, _)| !face.is_empty()) else { break };
+        let corners: Vec<u32> = face.iter().map(|v| base + v).collect();
+        match *corners.as_slice() {
+            [a, b, c] => mesh.triangles.push([a, b, c]),
+            _ => mesh.triangles.extend(triangulate(&corners, &mesh.vertices)),
+        }
+        rest = others;
+    }
 }
 
-impl Reader<'_> {
-    fn read_line(&mut self, line: &[u8]) -> Result<(), ImportError> {
-        let mut words = line.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty());
-        match words.next() {
-            Some(b"v") => self.read_vertex(words),
-            Some(b"f") => self.read_face(words),
-            Some(word) if word.starts_with(b"#") => {
-                self.keep_comment(line);
-                Ok(())
-            }
-            _ => Ok(()),
+/// The lines that describe vertices and faces, checked and put plainly: three words to a vertex, and to a face the
+/// numbers of its vertices, counted from 1.
+struct Lines<'a> {
+    source: &'a Source<'a>,
+    /// What follows the current line.
+    rest: &'a [u8],
+    /// What lines end with: "\n", also after "\r", or in very old files "\r" alone.
+    end: u8,
+    /// Number of the current line, from 1.
+    line: usize,
+    /// Its words after the first.
+    words: &'a [u8],
+    vertices: usize,
+    triangles: u64,
+    /// Faces that are points or lines.
+    skipped: usize,
+    /// The first comments: they may name the unit.
+    note: String,
+    /// What is read next, and how much of it has been.
+    plain: Vec<u8>,
+    read: usize,
+    /// Why nothing more is read.
+    refusal: Option<ImportError>,
+}
+
+impl<'a> Lines<'a> {
+    /// Triangles after which a new object is begun, so that none takes long to be put together.
+    const TO_AN_OBJECT: u64 = 1 << 15;
+
+    fn new(source: &'a Source<'a>) -> Self {
+        let rest = source.text();
+        Self {
+            source,
+            rest,
+            end: if rest.contains(&b'\n') { b'\n' } else { b'\r' },
+            line: 0,
+            words: &[],
+            vertices: 0,
+            triangles: 0,
+            skipped: 0,
+            note: String::new(),
+            plain: Vec::new(),
+            read: 0,
+            refusal: None,
         }
+    }
+
+    /// Puts the next line of interest into `plain`, which stays empty at the end.
+    fn advance(&mut self) -> Result<(), ImportError> {
+        self.plain.clear();
+        self.read = 0;
+        while self.plain.is_empty() && !self.rest.is_empty() {
+            let end = self.rest.iter().position(|&b| b == self.end);
+            let line = &self.rest[..end.unwrap_or(self.rest.len())];
+            self.rest = end.map_or(&[], |end| &self.rest[end + 1..]);
+            self.line += 1;
+            let total = self.source.bytes.len();
+            self.source.tick("reading lines", self.line, self.line * total / (total - self.rest.len()).max(1))?;
+            let trimmed = line.trim_ascii_start();
+            let first = trimmed.split(u8::is_ascii_whitespace).next().unwrap_or_default();
+            self.words = &trimmed[first.len()..];
+            match first {
+                b"v" => self.pass_vertex()?,
+                b"f" => self.pass_face()?,
+                _ if first.starts_with(b"#") => self.keep_comment(line),
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn keep_comment(&mut self, line: &[u8]) {
+        if self.note.len() < 1000 {
+            self.note.push_str(&String::from_utf8_lossy(&line[..line.len().min(200)]));
+            self.note.push('\n');
+        }
+    }
+
+    fn pass_vertex(&mut self) -> Result<(), ImportError> {
+        let mut p = [0.0; 3];
+        let mut words = words(self.words);
+        self.plain.push(b'v');
+        for x in &mut p {
+            let word = words.next().unwrap_or_default();
+            *x = number(word).ok_or_else(|| {
+                let problem = format!("a vertex needs three numbers, found {}", excerpt(word));
+                self.error(problem, "export the file again, with points as decimal marks")
+            })?;
+            self.plain.push(b' ');
+            self.plain.extend(word);
+        }
+        self.plain.push(b'\n');
+        self.source.finite(DVec3::from_array(p), || format!("line {}", self.line))?;
+        self.vertices += 1;
+        self.check_size()
+    }
+
+    fn pass_face(&mut self) -> Result<(), ImportError> {
+        let corners = words(self.words).map(|word| self.vertex(word)).collect::<Result<Vec<_>, _>>()?;
+        if corners.len() < 3 {
+            self.skipped += 1;
+            return Ok(());
+        }
+        let before = self.triangles / Self::TO_AN_OBJECT;
+        self.triangles += corners.len() as u64 - 2;
+        self.check_size()?;
+        if self.triangles / Self::TO_AN_OBJECT > before {
+            self.plain.extend(b"o next\n");
+        }
+        self.plain.push(b'f');
+        for corner in corners {
+            self.plain.extend(format!(" {corner}").bytes());
+        }
+        self.plain.push(b'\n');
+        Ok(())
+    }
+
+    /// The vertex, counted from 1, that the first number of `12/3/4` means: negative ones count backwards from the
+    /// last.
+    fn vertex(&self, word: &[u8]) -> Result<usize, ImportError> {
+        let first = word.split(|&b| b == b'/').next().unwrap_or_default();
+        let index: i64 = number(first).ok_or_else(|| {
+            let problem = format!("a face needs vertex numbers, found {}", excerpt(word));
+            self.error(problem, "export the file again")
+        })?;
+        let count = self.vertices as i64;
+        let from_one = if index < 0 { count.saturating_add(index) + 1 } else { index };
+        if (1..=count).contains(&from_one) {
+            return Ok(from_one as usize);
+        }
+        let problem = format!("a face refers to vertex {index}, but {count} are given up to here");
+        Err(self.error(problem, "export the file again; parts of it are missing"))
+    }
+
+    /// Refuses a mesh that has grown too large.
+    fn check_size(&self) -> Result<(), ImportError> {
+        self.source.check_mesh(self.triangles, self.vertices as u64)
     }
 
     fn error(&self, problem: String, remedy: &'static str) -> ImportError {
         self.source.malformed(format!("line {}", self.line), problem, remedy)
     }
 
-    /// Comments may name the unit; those at the head of a file are enough.
-    fn keep_comment(&mut self, line: &[u8]) {
-        if self.raw.note.len() < 1000 {
-            self.raw.note.push_str(&String::from_utf8_lossy(&line[..line.len().min(200)]));
-            self.raw.note.push('\n');
-        }
+    /// Why the crate stopped at the current line.
+    fn explained(&mut self, error: LoadError) -> ImportError {
+        self.refusal.take().unwrap_or_else(|| self.error(error.to_string(), "export the file again"))
     }
+}
 
-    fn read_vertex<'w>(&mut self, mut words: impl Iterator<Item = &'w [u8]>) -> Result<(), ImportError> {
-        let mut p = [0.0; 3];
-        for x in &mut p {
-            let word = words.next().unwrap_or_default();
-            *x = std::str::from_utf8(word).ok().and_then(|w| w.parse().ok()).ok_or_else(|| {
-                let problem = format!("a vertex needs three numbers, found {}", excerpt(word));
-                self.error(problem, "export the file again, with points as decimal marks")
+impl BufRead for Lines<'_> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        if self.read == self.plain.len() {
+            self.advance().map_err(|refusal| {
+                self.refusal = Some(refusal);
+                io::Error::from(io::ErrorKind::InvalidData)
             })?;
         }
-        let line = self.line;
-        let p = self.source.finite(DVec3::from_array(p), || format!("line {line}"))?;
-        self.raw.mesh.vertices.push(p);
-        self.check_size(0)
+        Ok(&self.plain[self.read..])
     }
 
-    fn read_face<'w>(&mut self, words: impl Iterator<Item = &'w [u8]>) -> Result<(), ImportError> {
-        let corners = words.map(|word| self.read_index(word)).collect::<Result<Vec<u32>, _>>()?;
-        match *corners.as_slice() {
-            [a, b, c] => self.raw.mesh.triangles.push([a, b, c]),
-            [] | [_] | [_, _] => self.skipped += 1,
-            _ => {
-                self.source.cancel.check()?;
-                self.check_size(corners.len() as u64)?;
-                let triangles = triangulate(&corners, &self.raw.mesh.vertices);
-                self.raw.mesh.triangles.extend(triangles);
-            }
-        }
-        self.check_size(0)
+    fn consume(&mut self, amount: usize) {
+        self.read = (self.read + amount).min(self.plain.len());
     }
+}
 
-    /// The vertex that the first number of `12/3/4` means: counted from 1, or backwards from the last if negative.
-    fn read_index(&self, word: &[u8]) -> Result<u32, ImportError> {
-        let first = word.split(|&b| b == b'/').next().unwrap_or_default();
-        let index: i64 = std::str::from_utf8(first).ok().and_then(|w| w.parse().ok()).ok_or_else(|| {
-            let problem = format!("a face needs vertex numbers, found {}", excerpt(word));
-            self.error(problem, "export the file again")
-        })?;
-        let count = self.raw.mesh.vertices.len() as i64;
-        let from_zero = if index < 0 { count.saturating_add(index) } else { index - 1 };
-        if (0..count).contains(&from_zero) {
-            return Ok(from_zero as u32);
-        }
-        let problem = format!("a face refers to vertex {index}, but {count} are given up to here");
-        Err(self.error(problem, "export the file again; parts of it are missing"))
+impl Read for Lines<'_> {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        let read = self.fill_buf()?.read(into)?;
+        self.consume(read);
+        Ok(read)
     }
+}
 
-    /// Refuses a mesh that has grown too large, with `more` triangles to come at once.
-    fn check_size(&self, more: u64) -> Result<(), ImportError> {
-        let mesh = &self.raw.mesh;
-        if more == 0 && !(mesh.triangles.len() + mesh.vertices.len()).is_multiple_of(1024) {
-            return Ok(());
-        }
-        self.source.check_mesh(mesh.triangles.len() as u64 + more, mesh.vertices.len() as u64)
-    }
+fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+}
+
+fn number<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
+    std::str::from_utf8(word).ok()?.parse().ok()
 }
 
 /// Ear cutting takes the cube of the number of corners at worst; beyond this many a fan has to do.

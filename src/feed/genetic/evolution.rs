@@ -117,7 +117,9 @@ impl<'a> GeneticStep<'a> {
     fn free_individual(&self, number: u64) -> Option<Individual> {
         let mut random = self.random(0, number);
         let mut hint = 0;
-        (0..Self::TRIES).find_map(|attempt| {
+        // The first individual starts from what is expected itself: another try differs in h alone.
+        let tries = if number == 0 && self.codings.len() == self.axes.len() { 1 } else { Self::TRIES };
+        (0..tries).find_map(|attempt| {
             let reach = if number == 0 { 0.0 } else { 0.5f64.powi(attempt as i32) };
             let mut values = self.expected(number);
             for (i, (value, coding)) in values.iter_mut().zip(&self.codings).enumerate() {

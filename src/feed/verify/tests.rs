@@ -281,7 +281,7 @@ fn a_path_beyond_the_travel_of_an_axis_is_not_verified() {
     let poses = [Pose { x: 8.0, z: 3.0, ..Pose::FINAL }, Pose { x: 6.0, c: -0.1, ..Pose::FINAL }, Pose::FINAL];
     let path = path(DVec3::ZERO, 0.1, &poses);
     let judged = |travel: Option<TravelLimits>| {
-        let verifier = Verifier::new(&block, &tool, DVec3::ZERO).unwrap();
+        let verifier = Verifier::new(&block, &tool, DVec3::ZERO, &Cancel::default()).unwrap();
         let verifier = match travel {
             Some(travel) => verifier.within(travel),
             None => verifier,
@@ -348,7 +348,7 @@ fn bad_input_is_refused_in_plain_words() {
     assert!(run(&mesh, &far, &options).contains("row 0"));
     assert!(run(&mesh, &path(DVec3::ZERO, -0.1, &[Pose::FINAL]), &options).contains("spark gap"));
     assert!(run(&mesh, &good, &VerifyOptions { resolution_mm: 0.0, ..options }).contains("resolution_mm is 0"));
-    let other = Verifier::new(&mesh, &mesh, DVec3::X).unwrap();
+    let other = Verifier::new(&mesh, &mesh, DVec3::X, &Cancel::default()).unwrap();
     assert!(other.verify(&good, &surface, &options, &Progress::silent(), &Cancel::default()).is_err());
 }
 
@@ -380,7 +380,7 @@ fn a_raised_flag_stops_the_work() {
 fn placements_used_inside_are_those_of_the_pose() {
     let pose = Pose::from_array([1.0, 2.0, 3.0, 0.1, 0.2, 0.3]);
     let tool = cuboid(DVec3::ONE).mapped(|p| p + CENTER);
-    let verifier = Verifier::new(&cuboid(DVec3::ONE), &tool, CENTER).unwrap();
+    let verifier = Verifier::new(&cuboid(DVec3::ONE), &tool, CENTER, &Cancel::default()).unwrap();
     let moved = |placement: DAffine3| tool.mapped(|p| placement.transform_point3(p));
     let clearance = verifier.distance(&pose);
     let expected = ExactMesh::new(&cuboid(DVec3::ONE))

@@ -1,0 +1,95 @@
+//! Mending: nodes are moved and put in until the curve through them is free.
+
+use std::sync::Arc;
+
+use sparkpath::feed::clearance::{Bodies, ClearanceModel};
+use sparkpath::feed::interpolation::AxisCurves;
+use sparkpath::feed::objective::Objective;
+use sparkpath::feed::outside::Outside;
+use sparkpath::feed::plan::PlanningSpace;
+use sparkpath::feed::pose::{Axis, Pose};
+use sparkpath::feed::probes::Demand;
+use sparkpath::feed::samples::{SampleSpacing, sample_electrode};
+use sparkpath::feed::search::{Node, SearchProblem};
+use sparkpath::feed::verify::Verifier;
+use sparkpath::geometry::distance_field::DistanceField;
+use sparkpath::geometry::exact::ExactMesh;
+use sparkpath::geometry::spline::EndCondition;
+use sparkpath::progress::{Cancel, Progress};
+
+use super::{easy_blisk, easy_job, easy_plan, mesh};
+
+/// Every second node of a plan, and one of these moved towards a wall.
+fn spoiled(nodes: &[Node]) -> Vec<Node> {
+    let mut nodes: Vec<Node> =
+        nodes.iter().enumerate().filter(|(i, _)| i % 2 == 0 || *i + 1 == nodes.len()).map(|(_, n)| *n).collect();
+    nodes[3].pose.y += 0.15;
+    nodes
+}
+
+#[test]
+fn a_spoiled_path_is_mended_without_another_search() {
+    let (outcome, job) = (easy_plan(), easy_job());
+    let (silent, cancel) = (Progress::silent(), Cancel::default());
+    let electrode = &outcome.electrodes[0].electrode;
+    let o = electrode.reference_point;
+    let blisk = Arc::new(mesh(&easy_blisk()).in_frame(&outcome.channel.frame));
+    let exact = ExactMesh::new(&blisk).unwrap();
+    let channel = outcome.channel.clone();
+    let space = PlanningSpace::new(blisk.clone(), &exact, channel, job.plan.field_cell_mm, &silent, &cancel).unwrap();
+    let (body, region) = (ExactMesh::new(&electrode.mesh).unwrap(), electrode.mesh.bounds().grown(1.1));
+    let own = DistanceField::build(&electrode.mesh, &body, region, 0.35, &silent, &cancel).unwrap();
+    let outside = Outside::new(&blisk, &electrode.mesh, o);
+    let bodies = Bodies {
+        blisk: &space.field,
+        electrode: &own,
+        faces_x: space.channel.faces_x,
+        outside: &outside,
+        reference_point: o,
+        side: electrode.enters_from,
+    };
+    let samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default(), &cancel).unwrap();
+    let model = ClearanceModel::new(bodies, samples, space.edges.clone());
+    let axes = job.machine.axes;
+    let weights = job.plan.weights.normalised(&axes.axes()[1..]);
+    let ranges = [0.0, 1.0, 1.0, 1.0, 1.0, 1.0];
+    let objective = Objective::new(weights, ranges, model.samples(), o, &space.channel, &space.walls);
+    let problem = |travel| SearchProblem {
+        model: &model,
+        angle: None,
+        objective: &objective,
+        axes,
+        travel,
+        ranges,
+        demand: Demand { spark_gap: 0.1, margin: 0.0, guard: 0.01 },
+        side: electrode.enters_from,
+        ends: EndCondition::NotAKnot,
+        step: job.plan.step_mm,
+        fine: &[],
+        exit_clearance: 5.0,
+        observe: &|_, _| (),
+    };
+
+    // Against exact distances, not against the fields that were climbed.
+    let verifier = Verifier::new(&blisk, &electrode.mesh, o, &cancel).unwrap();
+    let least = |nodes: &[Node]| {
+        let curves = AxisCurves::through(nodes, EndCondition::NotAKnot).unwrap();
+        let until = nodes[nodes.len() - 1].s;
+        let clearance = |i: u32| verifier.distance(&curves.pose(until * f64::from(i) / 300.0)).distance;
+        (0..=300).map(clearance).fold(f64::INFINITY, f64::min)
+    };
+    let nodes = spoiled(&outcome.electrodes[0].plan.nodes);
+    assert!(least(&nodes) < 0.08, "{} mm: nothing to mend", least(&nodes));
+    let mended = problem(job.machine.limits()).mended(&nodes, &cancel).unwrap().expect("a free curve");
+    assert!(least(&mended) > 0.1 - 0.004, "{} mm", least(&mended));
+    assert_eq!(mended[0].pose, Pose::FINAL);
+    assert!(mended.windows(2).all(|w| w[0].s < w[1].s));
+    assert!(nodes.iter().all(|n| mended.iter().any(|m| m.s == n.s)), "nodes are moved or put in, never left out");
+    assert!(mended.len() < 3 * nodes.len());
+
+    // What the axes cannot reach is not mended.
+    let narrow = job.machine.limits().with(Axis::X, [-1.0, 1.0]);
+    assert_eq!(problem(narrow).mended(&nodes, &cancel), Ok(None));
+    cancel.cancel();
+    assert!(problem(job.machine.limits()).mended(&nodes, &cancel).is_err());
+}
