@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::local_triangles::Nearest;
 use super::signs::{self, Passage};
 use super::{DistanceField, Handle, LocalTriangles, trilinear};
 use crate::geometry::exact::ExactMesh;
@@ -119,6 +120,31 @@ impl DistanceField {
     }
 }
 
+/// What is nearest to the points of a root cube's lattice of half cells, as far as it has been asked for: neighbouring
+/// cubes share the points between them.
+struct Lattice {
+    nearest: Vec<Option<Nearest>>,
+}
+
+impl Lattice {
+    /// Points along each side.
+    const SIDE: usize = 2 * (1 << LEVELS) + 1;
+
+    fn new() -> Self {
+        Self { nearest: vec![None; Self::SIDE.pow(3)] }
+    }
+
+    /// What is nearest to the point at `t` of the cube of `2^level` cells at `at`, from `find` if it is not known yet.
+    fn nearest(&mut self, at: [usize; 3], level: u32, t: DVec3, find: impl FnOnce() -> Nearest) -> Nearest {
+        let halves = t * f64::from(2 << level);
+        if halves != halves.floor() {
+            return find();
+        }
+        let [x, y, z] = [0, 1, 2].map(|k| 2 * at[k] + halves[k] as usize);
+        *self.nearest[(z * Self::SIDE + y) * Self::SIDE + x].get_or_insert_with(find)
+    }
+}
+
 struct Builder<'a> {
     triangles: &'a LocalTriangles,
     exact: &'a ExactMesh,
@@ -135,16 +161,29 @@ impl Builder<'_> {
         let reach = self.exact.nearest(center).signed_distance.abs() + 2.0 * self.half_diagonal(LEVELS);
         let candidates: Vec<(f64, u32)> =
             self.exact.triangles_within(center, reach).into_iter().map(|t| (0.0, t)).collect();
-        self.refine(&mut block, [0; 3], LEVELS, first, &candidates);
+        self.refine(&mut block, &mut Lattice::new(), ([0; 3], LEVELS), first, &candidates);
         block
     }
 
     /// Describes the cube of `2^level` cells at `at` within the block whose first cell is `first`.
-    fn refine(&self, block: &mut Block, at: [usize; 3], level: u32, first: [usize; 3], parents: &[(f64, u32)]) {
+    fn refine(
+        &self,
+        block: &mut Block,
+        lattice: &mut Lattice,
+        (at, level): ([usize; 3], u32),
+        first: [usize; 3],
+        parents: &[(f64, u32)],
+    ) {
         let corner = [0, 1, 2].map(|k| first[k] + at[k]);
         let candidates = self.nearest_candidates(self.center(corner, level), self.half_diagonal(level), parents);
         let clear = candidates.first().is_none_or(|&(d, _)| d > self.half_diagonal(level));
-        let (values, smooth) = self.smooth_leaf(corner, level, clear, &candidates);
+        let center = self.center(corner, level);
+        let exact = |lattice: &mut Lattice, t: DVec3| {
+            let p = self.point(corner, level, t);
+            let nearest = lattice.nearest(at, level, t, || self.triangles.nearest_in_order(p, center, &candidates));
+            if clear { nearest.distance() } else { self.triangles.signed(p, nearest).0 }
+        };
+        let (values, smooth) = smooth_leaf(level, |t| exact(lattice, t));
         if smooth {
             let handle = Handle::new(level, block.leaves.len());
             block.leaf_kinds.push(self.passage_of_smooth(&values, level, clear));
@@ -161,7 +200,7 @@ impl Builder<'_> {
             let half = 1usize << (level - 1);
             for child in 0..8 {
                 let offset = [0, 1, 2].map(|k| at[k] + (child >> k & 1) * half);
-                self.refine(block, offset, level - 1, first, &candidates);
+                self.refine(block, lattice, (offset, level - 1), first, &candidates);
             }
         }
     }
@@ -193,35 +232,21 @@ impl Builder<'_> {
     /// distances from there, nearest first: those no further than the nearest plus twice the radius, by the
     /// triangle inequality.
     fn nearest_candidates(&self, center: DVec3, radius: f64, parents: &[(f64, u32)]) -> Vec<(f64, u32)> {
-        let mut found: Vec<(f64, u32)> =
-            parents.iter().map(|&(_, t)| (self.triangles.distance(center, t), t)).collect();
-        let reach = found.iter().map(|&(d, _)| d).fold(f64::INFINITY, f64::min) + 2.0 * radius + 1e-9;
+        let spread = 2.0 * radius + 1e-9;
+        let mut least = f64::INFINITY;
+        let mut found = Vec::with_capacity(parents.len());
+        for &(_, t) in parents {
+            if self.triangles.is_beyond(center, t, least + spread) {
+                continue;
+            }
+            let d = self.triangles.distance(center, t);
+            least = least.min(d);
+            found.push((d, t));
+        }
+        let reach = least + spread;
         found.retain(|&(d, _)| d <= reach);
         found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         found
-    }
-
-    /// The corner distances of a cube, and whether interpolating them is accurate enough all over it. In a cube that
-    /// the surface does not cross they have no sign yet.
-    fn smooth_leaf(&self, corner: [usize; 3], level: u32, clear: bool, near: &[(f64, u32)]) -> ([f32; 8], bool) {
-        let center = self.center(corner, level);
-        let exact = |t: DVec3| {
-            let p = self.point(corner, level, t);
-            if clear {
-                self.triangles.distance_in_order(p, center, near)
-            } else {
-                self.triangles.signed_distance_in_order(p, center, near)
-            }
-        };
-        let values: [f32; 8] = std::array::from_fn(|i| exact(corner_of(i)) as f32);
-        let good = |t: DVec3| {
-            let d = exact(t);
-            let allowed = ACCEPTED + 0.05 * (d.abs() - DistanceField::NEAR - ACCEPTED).max(0.0);
-            (f64::from(trilinear(&values, t.as_vec3())) - d).abs() <= allowed
-        };
-        // The centre first: it rejects most cubes at once.
-        let accepted = good(DVec3::splat(0.5)) && probes(level).all(good);
-        (values, accepted)
     }
 
     /// How the surface passes a smooth leaf. It crosses none whose corners are further away than any point of the leaf
@@ -246,6 +271,20 @@ impl Builder<'_> {
             Passage::Crossed(inside_corners(values))
         }
     }
+}
+
+/// The corner distances of a cube by `exact`, and whether interpolating them is accurate enough all over it. In a cube
+/// that the surface does not cross they have no sign yet.
+fn smooth_leaf(level: u32, mut exact: impl FnMut(DVec3) -> f64) -> ([f32; 8], bool) {
+    let values: [f32; 8] = std::array::from_fn(|i| exact(corner_of(i)) as f32);
+    let mut good = |t: DVec3| {
+        let d = exact(t);
+        let allowed = ACCEPTED + 0.05 * (d.abs() - DistanceField::NEAR - ACCEPTED).max(0.0);
+        (f64::from(trilinear(&values, t.as_vec3())) - d).abs() <= allowed
+    };
+    // The centre first: it rejects most cubes at once.
+    let accepted = good(DVec3::splat(0.5)) && probes(level).all(good);
+    (values, accepted)
 }
 
 /// Bit `i` is set if corner `i` is inside.

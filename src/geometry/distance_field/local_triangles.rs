@@ -5,12 +5,30 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use crate::geometry::inside::crossing;
-use crate::geometry::mesh::{Mesh, unit_normal};
+use crate::geometry::mesh::{Bounds, Mesh, unit_normal};
 
 /// Triangles with the normals that decide the sign of a distance at each of their features (angle-weighted
 /// pseudo-normals, Baerentzen and Aanaes 2005).
 pub(super) struct LocalTriangles {
     triangles: Vec<Triangle>,
+    /// A ball around each, apart from the rest so that looking at many of them is cheap.
+    balls: Vec<Ball>,
+}
+
+/// Middle and radius.
+struct Ball {
+    center: DVec3,
+    radius: f64,
+}
+
+impl Ball {
+    /// Around the middle of the corners' box, which for most triangles is near the smallest ball.
+    fn around(corners: [DVec3; 3]) -> Self {
+        let center = Bounds::of(corners).center();
+        // A hair more, against rounding.
+        let radius = corners.map(|p| p.distance(center)).into_iter().fold(0.0, f64::max) * (1.0 + 1e-12);
+        Self { center, radius }
+    }
 }
 
 struct Triangle {
@@ -22,6 +40,22 @@ struct Triangle {
     corners: [DVec3; 3],
     /// Normals on the edges ab, bc, ca.
     edges: [DVec3; 3],
+}
+
+/// The triangle nearest to a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Nearest {
+    distance_squared: f64,
+    triangle: u32,
+}
+
+impl Nearest {
+    const NONE: Self = Self { distance_squared: f64::INFINITY, triangle: 0 };
+
+    /// Distance without a sign (mm).
+    pub(super) fn distance(self) -> f64 {
+        self.distance_squared.sqrt()
+    }
 }
 
 /// The part of a triangle that holds the nearest point.
@@ -56,16 +90,24 @@ impl LocalTriangles {
                 Triangle { a, ab: b - a, ac: c - a, face, corners, edges: [edge(0), edge(1), edge(2)] }
             })
             .collect();
-        Self { triangles }
+        Self { triangles, balls: mesh.iter_corners().map(Ball::around).collect() }
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.triangles.len() * size_of::<Triangle>()
+        self.triangles.len() * (size_of::<Triangle>() + size_of::<Ball>())
     }
 
     /// Distance from `p` to triangle `i`.
     pub(super) fn distance(&self, p: DVec3, i: u32) -> f64 {
         self.triangles[i as usize].distance_squared(p).sqrt()
+    }
+
+    /// Whether triangle `i` is, told at a glance, further than `reach` from `p`.
+    #[inline]
+    pub(super) fn is_beyond(&self, p: DVec3, i: u32, reach: f64) -> bool {
+        let Ball { center, radius } = self.balls[i as usize];
+        let reach = reach + radius;
+        p.distance_squared(center) > reach * reach
     }
 
     /// Signed distance from `p` to the nearest of `candidates`, the nearest point, and the normal there.
@@ -76,17 +118,16 @@ impl LocalTriangles {
 
     /// Distance from `p` to the nearest of `candidates`, without a sign.
     pub(super) fn least_distance(&self, p: DVec3, candidates: &[u32]) -> f64 {
-        self.nearest(p, candidates).0.sqrt()
+        self.nearest(p, candidates).distance()
     }
 
-    /// Square of the distance to the nearest of `candidates`, and which it is.
     #[inline]
-    fn nearest(&self, p: DVec3, candidates: &[u32]) -> (f64, u32) {
-        let mut best = (f64::INFINITY, 0);
+    fn nearest(&self, p: DVec3, candidates: &[u32]) -> Nearest {
+        let mut best = Nearest::NONE;
         for &i in candidates {
             let d = self.triangles[i as usize].distance_squared(p);
-            if d < best.0 {
-                best = (d, i);
+            if d < best.distance_squared {
+                best = Nearest { distance_squared: d, triangle: i };
             }
         }
         best
@@ -106,47 +147,43 @@ impl LocalTriangles {
         candidates.iter().enumerate().any(|(k, &i)| candidates[..k].iter().any(|&j| face(i).dot(face(j)) < OPPOSITE))
     }
 
-    /// The same over candidates in order of their distance from `center`, given with each: those that are too far
-    /// from the centre to be nearest to `p` need not be looked at.
-    pub(super) fn signed_distance_in_order(&self, p: DVec3, center: DVec3, candidates: &[(f64, u32)]) -> f64 {
-        self.signed(p, self.nearest_in_order(p, center, candidates)).0
-    }
-
-    /// The same without a sign.
-    pub(super) fn distance_in_order(&self, p: DVec3, center: DVec3, candidates: &[(f64, u32)]) -> f64 {
-        self.nearest_in_order(p, center, candidates).0.sqrt()
-    }
-
-    fn nearest_in_order(&self, p: DVec3, center: DVec3, candidates: &[(f64, u32)]) -> (f64, u32) {
+    /// The nearest of candidates in order of their distance from `center`, given with each: those that are too far from
+    /// the centre to be nearest to `p` need not be looked at.
+    pub(super) fn nearest_in_order(&self, p: DVec3, center: DVec3, candidates: &[(f64, u32)]) -> Nearest {
         let away = p.distance(center);
-        let mut best = (f64::INFINITY, 0);
+        let mut best = Nearest::NONE;
+        let mut least = f64::INFINITY;
         for &(from_center, i) in candidates {
-            let nearest_possible = from_center - away;
-            if nearest_possible > 0.0 && nearest_possible * nearest_possible > best.0 {
+            if from_center - away > least {
                 break;
+            }
+            if self.is_beyond(p, i, least) {
+                continue;
             }
             let d = self.triangles[i as usize].distance_squared(p);
             // Ties go to the smaller number, as in the unordered search, so that both agree to the last bit.
-            if d < best.0 || (d == best.0 && i < best.1) {
-                best = (d, i);
+            if d < best.distance_squared || (d == best.distance_squared && i < best.triangle) {
+                best = Nearest { distance_squared: d, triangle: i };
+                // A hair more: what is as near to the last bit must still be looked at.
+                least = d.sqrt() * (1.0 + 1e-12);
             }
         }
         best
     }
 
-    /// Sign, nearest point and normal for the square of the distance to triangle `best.1`.
-    fn signed(&self, p: DVec3, best: (f64, u32)) -> (f64, DVec3, DVec3) {
-        if best.0.is_infinite() {
+    /// Signed distance from `p` to its nearest triangle, the point there that is nearest, and the normal in it.
+    pub(super) fn signed(&self, p: DVec3, best: Nearest) -> (f64, DVec3, DVec3) {
+        if best.distance_squared.is_infinite() {
             return (f64::INFINITY, p, DVec3::ZERO);
         }
-        let triangle = &self.triangles[best.1 as usize];
+        let triangle = &self.triangles[best.triangle as usize];
         let (nearest, feature) = triangle.nearest(p);
         let normal = match feature {
             Feature::Corner(i) => triangle.corners[i],
             Feature::Edge(i) => triangle.edges[i],
             Feature::Face => triangle.face,
         };
-        let distance = best.0.sqrt();
+        let distance = best.distance();
         let inside = (p - nearest).dot(normal) < 0.0;
         (if inside { -distance } else { distance }, nearest, normal.normalize_or_zero())
     }
