@@ -56,7 +56,7 @@ struct Lessons {
 }
 
 impl Planner<'_> {
-    /// Searches after the first that the verifier's findings may cause, and mends.
+    /// Searches after the first that the verifier's findings may cause, and times that they are mended instead.
     const ROUNDS: usize = 8;
     /// Clearance that nodes keep beyond what is asked for, for the errors of the fields and for what the curve between
     /// them takes (mm).
@@ -122,7 +122,8 @@ impl Planner<'_> {
         let verifier = Verifier::new(&self.space.blisk, &electrode.mesh, electrode.reference_point, self.cancel)?
             .within(self.settings.machine.limits());
         let mut lessons = Lessons::default();
-        for checks in 1.. {
+        let mut mends_left = Self::ROUNDS;
+        loop {
             let (curves, path) = interpolated(&plan.nodes, electrode, self.settings, self.space.channel.frame)?;
             let started = Instant::now();
             let surface_of = |p: DVec3| self.space.finder.surface_of(p);
@@ -154,7 +155,8 @@ impl Planner<'_> {
             }
             let kept = plan.nodes.iter().filter(|n| n.s < nearest - self.settings.plan.step_mm).count().max(1);
             let model = model.with_probes(&lessons.on_electrode, &lessons.on_blisk);
-            if beyond.is_none() && checks <= Self::ROUNDS && self.mend(plan, &model, &lessons)? {
+            if beyond.is_none() && mends_left > 0 && self.mend(plan, &model, &lessons)? {
+                mends_left -= 1;
                 continue;
             }
             self.search_from(plan, &model, genetic, &lessons, kept)?;
@@ -162,7 +164,6 @@ impl Planner<'_> {
                 return Ok(());
             }
         }
-        Ok(())
     }
 
     fn learn(&self, lessons: &mut Lessons, model: &ClearanceModel, violations: &[Contact]) {
