@@ -4,6 +4,7 @@ use egui::{RichText, Ui};
 
 use super::commands::Command;
 use super::core::Core;
+use super::status::grouped;
 use super::stepper::{command_button, fact, notice};
 use super::theme::palette;
 use crate::blisk::electrode::EntrySide;
@@ -37,7 +38,7 @@ fn part(ui: &mut Ui, core: &mut Core) {
     let Some(part) = core.pipeline.part().cloned() else { return };
     let length = core.preferences.length;
     fact(ui, "File", &part.name);
-    fact(ui, "Triangles", part.mesh.triangles.len().to_string());
+    fact(ui, "Triangles", grouped(part.mesh.triangles.len()));
     let size = part.mesh.bounds().size();
     for (axis, extent) in ["Size along X", "Size along Y", "Size along Z"].into_iter().zip(size.to_array()) {
         fact(ui, axis, length.show(extent, 2));
@@ -103,7 +104,8 @@ fn plan(ui: &mut Ui, core: &mut Core) {
             command_button(ui, core, Command::Cancel, "Cancel", false);
         } else {
             let text = if core.pipeline.plan().is_some() { "Plan again" } else { "Plan feed path" };
-            command_button(ui, core, Command::Plan, text, true);
+            let is_next = core.pipeline.state(Stage::Plan) != StageState::Done;
+            command_button(ui, core, Command::Plan, text, is_next);
         }
     });
     ui.add_space(4.0);

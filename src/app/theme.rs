@@ -112,7 +112,7 @@ fn visuals(dark: bool) -> Visuals {
     v.menu_corner_radius = CornerRadius::same(6);
     v.widgets = widgets(dark, line, palette.accent);
     v.indent_has_left_vline = false;
-    v.handle_shape = egui::style::HandleShape::Circle;
+    v.handle_shape = egui::style::HandleShape::Rect { aspect_ratio: 0.5 };
     v.slider_trailing_fill = true;
     v
 }
