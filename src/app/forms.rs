@@ -99,6 +99,12 @@ pub fn show(ui: &mut Ui, core: &mut Core, stage: Stage) -> Option<Request> {
     request
 }
 
+/// Whether a field of `stage` says that its value cannot be taken.
+pub fn has_problem(core: &Core, stage: Stage) -> bool {
+    let job = job_as_json(core.document.job());
+    Field::of(stage).any(|f| f.problem(f.get(&job)).is_some())
+}
+
 fn request_of(field: &Field) -> Request {
     if field.stage == Stage::Export { Request::Post } else { Request::ElectrodeMesh }
 }

@@ -21,7 +21,10 @@ pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core, viewport: &mut Viewport) {
         section(ui, rect, core);
         section_handle(ui, rect, core, viewport);
     }
-    verdict(ui, rect, core);
+    // Where there is no room for both, the status bar still says it.
+    if core.section.is_none() || rect.height() > 300.0 {
+        verdict(ui, rect, core);
+    }
     measured(ui, rect, viewport, core);
     if core.colour_values().is_some() {
         legend(ui, rect, &core.colour_legend());

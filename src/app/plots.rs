@@ -160,6 +160,8 @@ fn over_distance<'a>(
         .set_margin_fraction(egui::vec2(0.012, 0.06))
         .x_grid_spacer(|input| round_steps(input, 10.0))
         .y_grid_spacer(|input| round_steps(input, 4.0))
+        .x_axis_formatter(|mark, _| round_text(mark))
+        .y_axis_formatter(|mark, _| round_text(mark))
         .y_axis_min_width(44.0);
     let response = plot.show(ui, move |plot| {
         build(plot);
@@ -174,6 +176,13 @@ fn over_distance<'a>(
         core.cursor.playing = false;
         core.cursor.s = point.x.clamp(0.0, core.track().length());
     }
+}
+
+/// The number of a line, with as many decimals as its step has.
+fn round_text(mark: GridMark) -> String {
+    let decimals = (-mark.step_size.log10()).ceil().clamp(0.0, 9.0) as usize;
+    // `+ 0.0` takes the sign from a zero.
+    format!("{:.decimals$}", (mark.value / mark.step_size).round() * mark.step_size + 0.0)
 }
 
 /// About `count` lines at round values, each with its number.
@@ -258,6 +267,7 @@ fn convergence(ui: &mut Ui, core: &mut Core) {
         .grid_color(colours.faint.gamma_multiply(0.35))
         .x_grid_spacer(|input| round_steps(input, 10.0))
         .y_grid_spacer(|input| round_steps(input, 4.0))
+        .y_axis_formatter(|mark, _| round_text(mark))
         .y_axis_min_width(44.0);
     let response = plot.show(ui, |plot| {
         for (name, values, colour) in lines {
@@ -278,4 +288,21 @@ fn nothing(ui: &mut Ui, core: &Core) -> bool {
 
 fn says(ui: &mut Ui, text: &str) {
     ui.centered_and_justified(|ui| ui.add(egui::Label::new(RichText::new(text).color(palette(ui).faint)).wrap()));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_stand_at_round_values_and_say_them_in_full() {
+        let texts = |low: f64, high: f64, count| {
+            let input = GridInput { bounds: (low, high), base_step_size: 1.0 };
+            round_steps(input, count).into_iter().map(round_text).collect::<Vec<_>>()
+        };
+        assert_eq!(texts(-0.1, 4.4, 10.0), ["0.0", "0.5", "1.0", "1.5", "2.0", "2.5", "3.0", "3.5", "4.0"]);
+        assert_eq!(texts(0.0, 29.0, 10.0), ["0", "5", "10", "15", "20", "25"]);
+        assert_eq!(texts(-0.02, 0.021, 4.0), ["-0.02", "0.00", "0.02"]);
+        assert!(texts(1.0, 1.0, 4.0).is_empty() && texts(f64::NAN, 1.0, 4.0).is_empty());
+    }
 }

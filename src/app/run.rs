@@ -213,17 +213,16 @@ impl SparkpathApp {
         let heights = if tall { 150.0..=520.0 } else { 70.0..=70.0 };
         Panel::bottom(name).default_size(250.0).size_range(heights).resizable(tall).show(ui, |ui| {
             let is_beside = tall && plots::table_beside(ui, &mut self.core);
-            if is_beside {
-                ui.set_max_width(ui.available_width() - ui.spacing().item_spacing.x);
-            }
-            ui.add_space(2.0);
-            timeline::show(ui, &mut self.core);
-            if tall {
-                ui.add_space(2.0);
-                plots::show(ui, &mut self.core, &mut self.tab, &mut self.curves, is_beside);
-            } else {
-                self.core.span = None;
-            }
+            let margin = egui::Margin { right: if is_beside { 8 } else { 0 }, top: 2, ..Default::default() };
+            egui::Frame::new().inner_margin(margin).show(ui, |ui| {
+                timeline::show(ui, &mut self.core);
+                if tall {
+                    ui.add_space(2.0);
+                    plots::show(ui, &mut self.core, &mut self.tab, &mut self.curves, is_beside);
+                } else {
+                    self.core.span = None;
+                }
+            });
         });
         egui::CentralPanel::no_frame().show(ui, |ui| self.viewport.show(ui, &mut self.core));
     }

@@ -69,7 +69,7 @@ fn channel(ui: &mut Ui, core: &mut Core) {
     fact(ui, if channel.shrouded { "Shroud radius, middle" } else { "Tip radius, middle" }, length.show(shroud, 2));
     fact(ui, "Blades along X", length.show(high - low, 2));
     for assumed in &channel.assumed {
-        notice(ui, palette(ui).warning, assumed);
+        notice(ui, palette(ui).faint, assumed);
     }
     if core.pipeline.state(Stage::Channel) == StageState::Done {
         next(ui, core, Stage::Electrode);
@@ -89,7 +89,7 @@ fn electrode(ui: &mut Ui, core: &mut Core) {
         fact(ui, "Volume", format!("{:.1} mm³", electrode.volume_mm3));
         fact(ui, "Burn area", format!("{:.1} mm²", electrode.burn_area_mm2));
         for assumed in &electrode.assumed {
-            notice(ui, palette(ui).warning, assumed);
+            notice(ui, palette(ui).faint, assumed);
         }
     }
     if core.pipeline.state(Stage::Electrode) == StageState::Done {

@@ -26,7 +26,10 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Request> {
     let mut request = None;
     egui::ScrollArea::vertical().id_salt("form").auto_shrink([false, false]).show(ui, |ui| {
         introduction(ui, core.step);
-        if let StageState::Failed(why) = core.pipeline.state(core.step) {
+        // What a field says of itself need not be said twice.
+        if let StageState::Failed(why) = core.pipeline.state(core.step)
+            && !forms::has_problem(core, core.step)
+        {
             notice(ui, palette(ui).bad, &why);
         }
         if core.pipeline.state(core.step) == StageState::Stale {
@@ -208,7 +211,7 @@ pub fn command_button(ui: &mut Ui, core: &mut Core, command: Command, text: &str
 /// A name on the left and its value on the right: words end at the edge, numbers stand below each other with their
 /// units in a column of their own. A long value takes from the name's room, but not all of it.
 pub fn fact(ui: &mut Ui, name: &str, value: impl Into<String>) {
-    const UNITS: f32 = 30.0;
+    const UNITS: f32 = 36.0;
     let width = ui.available_width();
     let (rect, _) = ui.allocate_exact_size(vec2(width, 18.0), Sense::hover());
     let value = value.into();
