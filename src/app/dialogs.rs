@@ -9,6 +9,7 @@ use super::export_dialog;
 use super::files::Purpose;
 use super::preferences::{LengthUnit, Navigation, Preferences, ThemeChoice};
 use super::status::colour_of;
+use super::stepper::sentence;
 use super::theme::palette;
 use crate::project::{MovedMesh, ProjectFile, Recovery};
 
@@ -263,7 +264,7 @@ pub fn log(ctx: &egui::Context, core: &Core, open: &mut bool) {
                 let ago = line.at.elapsed().map(|d| d.as_secs()).unwrap_or_default();
                 ui.horizontal_wrapped(|ui| {
                     ui.label(RichText::new(format!("{ago:>4} s ago")).monospace().color(palette(ui).faint));
-                    ui.label(RichText::new(&line.text).color(colour_of(ui, line.kind)));
+                    ui.label(RichText::new(sentence(&line.text)).color(colour_of(ui, line.kind)));
                     if let Some(took) = line.took {
                         ui.label(RichText::new(format!("{:.1} s", took.as_secs_f64())).color(palette(ui).faint));
                     }

@@ -1,12 +1,12 @@
 //! What is exported: files, the frame of the electrode meshes, the post, and pictures. Every choice is a parameter of the
 //! job like any other.
 
-use egui::{Checkbox, ComboBox, RichText, Ui};
+use egui::{ComboBox, RichText, Ui};
 
 use super::core::Core;
 use super::dialogs::{Answer, from_right};
 use super::forms::shown_choice;
-use super::theme::palette;
+use super::theme::{palette, tick};
 use crate::export::choice::{DrawnPictures, MeshFrame};
 use crate::project::{ExportSection, Field, Kind, Stage};
 
@@ -49,31 +49,31 @@ fn files(ui: &mut Ui, export: &mut ExportSection) -> Option<Answer> {
     let mut answer = None;
     egui::Grid::new("files").num_columns(2).min_col_width(NAMES).spacing([12.0, 6.0]).show(ui, |ui| {
         let files = &mut export.files;
-        tick(ui, &mut files.electrode, "electrode_K.stl");
+        tick(ui, &mut files.electrode, file("electrode_K.stl"));
         ui.add_enabled_ui(files.electrode, |ui| frame(ui, &mut export.frame));
         ui.end_row();
-        tick(ui, &mut files.path, "path_K.csv");
+        tick(ui, &mut files.path, file("path_K.csv"));
         says(ui, "rows of the verified motion, in W");
         ui.end_row();
-        tick(ui, &mut files.nc, "path_K.nc");
+        tick(ui, &mut files.nc, file("path_K.nc"));
         ui.add_enabled_ui(files.nc, |ui| {
             if post(ui, &mut export.post) {
                 answer = Some(Answer::OwnPost);
             }
         });
         ui.end_row();
-        tick(ui, &mut files.report, "report.html, .json");
+        tick(ui, &mut files.report, file("report.html, .json"));
         says(ui, "verdict, figures, curves, pictures");
         ui.end_row();
-        tick(ui, &mut files.pictures, "*.png");
+        tick(ui, &mut files.pictures, file("*.png"));
         says(ui, "the pictures as files of their own");
         ui.end_row();
     });
     answer
 }
 
-fn tick(ui: &mut Ui, on: &mut bool, file: &str) {
-    ui.add(Checkbox::new(on, RichText::new(file).monospace()));
+fn file(name: &str) -> RichText {
+    RichText::new(name).monospace()
 }
 
 fn says(ui: &mut Ui, text: &str) {
@@ -118,9 +118,9 @@ fn posts() -> &'static [(&'static str, &'static str)] {
 fn pictures(ui: &mut Ui, drawn: &mut DrawnPictures) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 16.0;
-        ui.checkbox(&mut drawn.whole, "Whole blisk");
-        ui.checkbox(&mut drawn.final_pose, "Final pose");
-        ui.checkbox(&mut drawn.sweep, "On its way");
-        ui.checkbox(&mut drawn.closest, "Closest place");
+        tick(ui, &mut drawn.whole, "Whole blisk");
+        tick(ui, &mut drawn.final_pose, "Final pose");
+        tick(ui, &mut drawn.sweep, "On its way");
+        tick(ui, &mut drawn.closest, "Closest place");
     });
 }

@@ -4,7 +4,7 @@ use egui::{DragValue, Response, RichText, Slider, SliderClamping, Ui, vec2};
 use serde_json::Value;
 
 use super::core::Core;
-use super::theme::palette;
+use super::theme::{palette, tick};
 use crate::project::{Field, Kind, PlanJob, Range, Stage, job_as_json, with_value};
 
 /// Width of a number (points).
@@ -287,7 +287,7 @@ fn widget(ui: &mut Ui, field: &Field, value: &Value, label: egui::Id, columns: C
         Kind::Flag => {
             no_slider(ui, columns);
             let mut on = value.as_bool().unwrap_or_default();
-            let box_ = ui.add(egui::Checkbox::without_text(&mut on)).labelled_by(label);
+            let box_ = tick(ui, &mut on, ()).labelled_by(label);
             box_.changed().then(|| Change::To(on.into()))
         }
         Kind::File => file(ui, value, columns.wide(ui)),
@@ -322,7 +322,7 @@ fn auto(
 ) -> Option<Change> {
     let mut is_auto = !value.is_number();
     // Without a column of its own the box gives way to the number; the name's menu resets it.
-    let mut toggle = |ui: &mut Ui| ui.checkbox(&mut is_auto, "auto").labelled_by(label).changed();
+    let mut toggle = |ui: &mut Ui| tick(ui, &mut is_auto, "auto").labelled_by(label).changed();
     let toggled = match columns.middle {
         middle if middle > 0.0 => cell(ui, middle, toggle),
         _ => value.is_string() && toggle(ui),

@@ -57,7 +57,8 @@ pub fn run_window(opening: Opening) -> Result<(), String> {
             .with_title("Sparkpath")
             .with_app_id("sparkpath")
             .with_inner_size([1440.0, 900.0])
-            .with_min_inner_size([960.0, 600.0])
+            // A screen of 1280 by 720 pixels at 200 %.
+            .with_min_inner_size([640.0, 340.0])
             .with_drag_and_drop(true),
         renderer: eframe::Renderer::Wgpu,
         ..Default::default()

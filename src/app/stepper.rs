@@ -103,13 +103,15 @@ fn introduction(ui: &mut Ui, stage: Stage) {
 /// A framed sentence with a coloured edge.
 pub fn notice(ui: &mut Ui, colour: Color32, text: &str) {
     let fill = colour.gamma_multiply(0.14);
-    egui::Frame::new().fill(fill).corner_radius(4).inner_margin(8).stroke(egui::Stroke::new(1.0, colour)).show(
-        ui,
-        |ui| {
+    egui::Frame::new()
+        .fill(fill)
+        .corner_radius(4)
+        .inner_margin(8)
+        .stroke(egui::Stroke::new(1.0, colour.gamma_multiply(0.6)))
+        .show(ui, |ui| {
             ui.set_width(ui.available_width());
             ui.add(egui::Label::new(sentence(text)).wrap());
-        },
-    );
+        });
     ui.add_space(4.0);
 }
 

@@ -57,6 +57,16 @@ pub fn palette(ui: &egui::Ui) -> &'static Palette {
     if ui.visuals().dark_mode { &DARK } else { &LIGHT }
 }
 
+/// A box to tick, with an edge, without which an empty one could hardly be seen.
+pub fn tick<'a>(ui: &mut egui::Ui, on: &'a mut bool, text: impl egui::IntoAtoms<'a>) -> egui::Response {
+    ui.scope(|ui| {
+        let edge = palette(ui).faint.gamma_multiply(0.7);
+        ui.visuals_mut().widgets.inactive.bg_stroke = Stroke::new(1.0, edge);
+        ui.add(egui::Checkbox::new(on, text))
+    })
+    .inner
+}
+
 /// Gives both themes of `ctx` their looks.
 pub fn install(ctx: &egui::Context) {
     ctx.set_style_of(egui::Theme::Dark, style(true));
