@@ -157,7 +157,7 @@ fn a_window_of_1920_by_1080() {
     let home = Home::new();
     let mut desk = planned_in(&home, [1920, 1080], 1.0);
     desk.press("Channel");
-    desk.open_step(Stage::Plan);
+    desk.open_step(Stage::Verify);
     let node = desk.app().core().track().nodes().nth(4).unwrap().s;
     desk.window.state_mut().core_mut().cursor.s = node;
     desk.window.state_mut().core_mut().selected = Some(Layer::Electrode);
