@@ -74,6 +74,26 @@ fn a_plan_writes_everything_and_answers_0() {
 }
 
 #[test]
+fn a_job_says_which_files_are_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let choices = "[export]\nframe = \"w\"\n[export.files]\nnc = false\npictures = false\n[export.pictures]\nwhole = false\n\
+                   final_pose = false\nsweep = false\nclosest = false\n";
+    let file = job(folder.path(), COMES_OUT);
+    std::fs::write(&file, std::fs::read_to_string(&file).unwrap() + choices).unwrap();
+    let out = folder.path().join("out");
+    let output = sparkpath(&["plan", &file, "--out", out.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let mut names: Vec<String> =
+        std::fs::read_dir(&out).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    assert_eq!(names, ["electrode_1.stl", "path_1.csv", "report.html", "report.json"]);
+    let report: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(out.join("report.json")).unwrap()).unwrap();
+    assert_eq!(report["written"]["electrode_frame"], "w");
+    assert_eq!(report["written"]["not_asked_for"], serde_json::json!(["nc", "pictures"]));
+}
+
+#[test]
 fn a_written_plan_passes_verify_and_a_tampered_one_does_not() {
     let (blisk, electrode, csv) = (path("part.stl"), path("out/electrode_1.stl"), path("out/path_1.csv"));
     let verify = |csv: &str, gap: &str| {

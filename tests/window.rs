@@ -6,6 +6,8 @@
 mod common;
 #[path = "window/desk.rs"]
 mod desk;
+#[path = "window/exporting.rs"]
+mod exporting;
 #[path = "window/failures.rs"]
 mod failures;
 #[path = "window/journey.rs"]

@@ -48,6 +48,8 @@ pub struct Core {
     pub ghosts: Vec<f64>,
     /// Whether clicks in the view measure.
     pub measuring: bool,
+    /// Where the plots have the first pose and the final one on the screen (points), for the timeline above them.
+    pub span: Option<[f32; 2]>,
     /// Everything that has been said.
     pub log: Vec<LogLine>,
     /// The track of the electrode that is looked at; made again when its source changes.
@@ -127,6 +129,7 @@ impl Core {
             colours: false,
             ghosts: Vec::new(),
             measuring: false,
+            span: None,
             log: Vec::new(),
             track: Arc::default(),
             track_of: TrackSource::default(),
@@ -236,7 +239,7 @@ impl Core {
             _ => Track::default(),
         };
         // While nodes are found the electrode goes along with the last of them.
-        if matches!(source, TrackSource::Partial(_)) {
+        if matches!(source, TrackSource::Partial(_)) || matches!(self.track_of, TrackSource::Partial(_)) {
             self.cursor.s = track.length();
         }
         self.cursor.s = self.cursor.s.min(track.length());
@@ -342,6 +345,21 @@ impl Core {
     pub fn contact_s(&self) -> Option<f64> {
         let plan = &self.outcome()?.plan;
         plan.jam.map(|j| j.s).or_else(|| Some(plan.path.as_ref()?.certificate.least().s))
+    }
+
+    /// The clearance that is required, and how much less of it still counts as kept (mm): of the path that is shown, or
+    /// of the present parameters.
+    pub fn required(&self) -> [f64; 2] {
+        let path = self.outcome().filter(|_| self.track.is_path).and_then(|o| o.plan.path.as_ref());
+        let job = self.document.job();
+        let of_job = [job.electrode.spark_gap_mm, job.verify.tolerance_mm];
+        path.map_or(of_job, |p| [p.certificate.required(), p.certificate.tolerance()])
+    }
+
+    /// The least clearance that counts as kept (mm).
+    pub fn least_wanted(&self) -> f64 {
+        let [required, tolerance] = self.required();
+        required - tolerance
     }
 
     /// Whether what is shown of the plan belongs to other parameters.

@@ -5,9 +5,11 @@ use std::path::PathBuf;
 use egui::{Align2, Id, Modal, RichText, Ui};
 
 use super::core::Core;
+use super::export_dialog;
 use super::files::Purpose;
 use super::preferences::{LengthUnit, Navigation, Preferences, ThemeChoice};
 use super::status::colour_of;
+use super::stepper::sentence;
 use super::theme::palette;
 use crate::project::{MovedMesh, ProjectFile, Recovery};
 
@@ -65,6 +67,8 @@ pub enum Answer {
     OpenAnyway,
     /// Choose the folder and export.
     ExportTo,
+    /// Choose an NC post of one's own, and go on with the export.
+    OwnPost,
     /// Take this path.
     Path(Purpose, PathBuf),
     /// Close the dialog.
@@ -87,23 +91,13 @@ pub fn show(ctx: &egui::Context, core: &mut Core, dialog: &mut Dialog, adapter: 
     .to_owned();
     let frame = egui::Frame::popup(&ctx.global_style()).inner_margin(16);
     let response = Modal::new(Id::unique("dialog")).frame(frame).show(ctx, |ui| {
-        ui.set_width(420.0);
+        // A small window, or one drawn large, shows as much as it can and scrolls.
+        let room = ctx.content_rect().size() - egui::vec2(64.0, 80.0);
+        ui.set_width(room.x.min(440.0));
         ui.heading(title);
         ui.add_space(6.0);
-        match dialog {
-            Dialog::None => None,
-            Dialog::Unsaved(intent) => unsaved(ui, core, intent),
-            Dialog::Recover(copies) => recover(ui, copies),
-            Dialog::Moved(_, moved, _) => moved_meshes(ui, moved),
-            Dialog::Preferences => preferences(ui, &mut core.preferences),
-            Dialog::Export => export(ui, core),
-            Dialog::Path(purpose, text) => path(ui, purpose, text),
-            Dialog::About => about(ui, adapter),
-            Dialog::Error(_, text) => {
-                ui.label(&*text);
-                buttons(ui, &[("Close", Answer::Close)])
-            }
-        }
+        let scroll = egui::ScrollArea::vertical().max_height(room.y.max(120.0));
+        scroll.show(ui, |ui| contents(ui, core, dialog, adapter)).inner
     });
     let closes = response.should_close();
     let answer = response.inner;
@@ -113,11 +107,33 @@ pub fn show(ctx: &egui::Context, core: &mut Core, dialog: &mut Dialog, adapter: 
     answer
 }
 
+fn contents(ui: &mut Ui, core: &mut Core, dialog: &mut Dialog, adapter: &str) -> Option<Answer> {
+    match dialog {
+        Dialog::None => None,
+        Dialog::Unsaved(intent) => unsaved(ui, core, intent),
+        Dialog::Recover(copies) => recover(ui, copies),
+        Dialog::Moved(_, moved, _) => moved_meshes(ui, moved),
+        Dialog::Preferences => preferences(ui, &mut core.preferences),
+        Dialog::Export => export_dialog::show(ui, core),
+        Dialog::Path(purpose, text) => path(ui, purpose, text),
+        Dialog::About => about(ui, adapter),
+        Dialog::Error(_, text) => {
+            ui.label(&*text);
+            buttons(ui, &[("Close", Answer::Close)])
+        }
+    }
+}
+
+/// A row from right to left, no higher than a button.
+pub fn from_right(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
+    ui.horizontal(|ui| ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), add));
+}
+
 /// Buttons from right to left, the first the one that goes on.
 fn buttons(ui: &mut Ui, all: &[(&str, Answer)]) -> Option<Answer> {
     ui.add_space(10.0);
     let mut answer = None;
-    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+    from_right(ui, |ui| {
         for (name, means) in all {
             if ui.button(*name).clicked() {
                 answer = Some(means.clone());
@@ -218,25 +234,6 @@ fn preferences(ui: &mut Ui, p: &mut Preferences) -> Option<Answer> {
     buttons(ui, &[("Close", Answer::Close)])
 }
 
-fn export(ui: &mut Ui, core: &Core) -> Option<Answer> {
-    let job = core.document.job();
-    ui.label("Written into the folder that you choose:");
-    for (name, what) in [
-        ("path_K.nc", format!("NC program, post {}", job.export.post)),
-        ("path_K.csv", "rows of the verified motion, in W".to_owned()),
-        ("electrode_K.stl", "electrode in its final pose, in the frame of the loaded mesh".to_owned()),
-        ("report.html, report.json", "pictures, curves, figures, verdict".to_owned()),
-    ] {
-        ui.horizontal(|ui| {
-            ui.label(RichText::new(name).monospace());
-            ui.label(RichText::new(what).color(palette(ui).faint));
-        });
-    }
-    ui.add_space(4.0);
-    ui.label(RichText::new("Results of an earlier plan in that folder are replaced.").color(palette(ui).warning));
-    buttons(ui, &[("Choose folder…", Answer::ExportTo), ("Cancel", Answer::Close)])
-}
-
 fn path(ui: &mut Ui, purpose: &Purpose, text: &mut String) -> Option<Answer> {
     let label = ui.label("This system has no file dialogs. Type or paste the path:");
     let field = ui.add(egui::TextEdit::singleline(text).desired_width(f32::INFINITY)).labelled_by(label.id);
@@ -267,7 +264,7 @@ pub fn log(ctx: &egui::Context, core: &Core, open: &mut bool) {
                 let ago = line.at.elapsed().map(|d| d.as_secs()).unwrap_or_default();
                 ui.horizontal_wrapped(|ui| {
                     ui.label(RichText::new(format!("{ago:>4} s ago")).monospace().color(palette(ui).faint));
-                    ui.label(RichText::new(&line.text).color(colour_of(ui, line.kind)));
+                    ui.label(RichText::new(sentence(&line.text)).color(colour_of(ui, line.kind)));
                     if let Some(took) = line.took {
                         ui.label(RichText::new(format!("{:.1} s", took.as_secs_f64())).color(palette(ui).faint));
                     }

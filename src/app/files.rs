@@ -17,6 +17,8 @@ pub enum Purpose {
     ExportFolder,
     /// An electrode mesh of one's own.
     ElectrodeMesh,
+    /// An NC post of one's own.
+    Post,
     /// Where the picture is saved.
     Picture,
     /// The mesh that was at this path.
@@ -50,6 +52,7 @@ impl Purpose {
             Self::SaveJob => "Save job file",
             Self::ExportFolder => "Folder for the exported files",
             Self::ElectrodeMesh => "Your own electrode",
+            Self::Post => "Your own NC post",
             Self::Picture => "Save picture",
             Self::MovedMesh(_) => "Find the mesh",
         }
@@ -93,6 +96,7 @@ impl FileDialogs {
                 Purpose::Picture => {
                     dialog.set_title(asked.title()).add_filter("PNG", &["png"]).set_file_name(name).save_file()
                 }
+                Purpose::Post => dialog.set_title(asked.title()).add_filter("Post", &["toml"]).pick_file(),
                 Purpose::ExportFolder => dialog.set_title(asked.title()).pick_folder(),
             };
             let _ = sender.send(path);

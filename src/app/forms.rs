@@ -4,13 +4,42 @@ use egui::{DragValue, Response, RichText, Slider, SliderClamping, Ui, vec2};
 use serde_json::Value;
 
 use super::core::Core;
-use super::theme::palette;
+use super::theme::{palette, tick};
 use crate::project::{Field, Kind, PlanJob, Range, Stage, job_as_json, with_value};
 
-/// Width of the names (points).
-const LABEL_WIDTH: f32 = 128.0;
 /// Width of a number (points).
 const VALUE_WIDTH: f32 = 74.0;
+/// Width of a slider, or of what else stands before a number.
+const MIDDLE_WIDTH: f32 = 90.0;
+/// Least width of a form that has room for sliders.
+const ROOM_FOR_SLIDERS: f32 = 300.0;
+/// Height of a row.
+const HEIGHT: f32 = 22.0;
+
+/// Where the columns of a form are: names, sliders, numbers, units. Numbers stand below each other, whatever stands
+/// before them.
+#[derive(Clone, Copy)]
+struct Columns {
+    label: f32,
+    /// Nothing where there is no room for sliders.
+    middle: f32,
+}
+
+impl Columns {
+    /// Those for `fields` in the room that `ui` has.
+    fn of(ui: &Ui, stage: Stage) -> Self {
+        let width = ui.available_width();
+        let unit = if Field::of(stage).any(|f| f.unit.len() > 3) { 54.0 } else { 28.0 };
+        let middle = if width < ROOM_FOR_SLIDERS { 0.0 } else { MIDDLE_WIDTH };
+        let gaps = ui.spacing().item_spacing.x * if middle > 0.0 { 3.0 } else { 2.0 };
+        Self { label: (width - middle - VALUE_WIDTH - unit - gaps).max(60.0), middle }
+    }
+
+    /// Width of what takes the columns of sliders and numbers together.
+    fn wide(self, ui: &Ui) -> f32 {
+        if self.middle > 0.0 { self.middle + ui.spacing().item_spacing.x + VALUE_WIDTH } else { VALUE_WIDTH }
+    }
+}
 
 /// What a change of a field is to be.
 enum Change {
@@ -27,12 +56,15 @@ enum Change {
 pub enum Request {
     /// An electrode mesh of one's own.
     ElectrodeMesh,
+    /// An NC post of one's own.
+    Post,
 }
 
 /// Draws the fields of `stage`. Changes go into the document at once.
 pub fn show(ui: &mut Ui, core: &mut Core, stage: Stage) -> Option<Request> {
     let job = job_as_json(core.document.job());
     let defaults = job_as_json(&defaults(core.document.job()));
+    let columns = Columns::of(ui, stage);
     let mut group = "";
     let mut request = None;
     let groups = groups(stage);
@@ -45,10 +77,10 @@ pub fn show(ui: &mut Ui, core: &mut Core, stage: Stage) -> Option<Request> {
         let changed = |f: &&Field| f.get(&job) != f.get(&defaults);
         let mut body = |ui: &mut Ui| {
             for field in &fields {
-                match row(ui, field, &job, &defaults) {
+                match row(ui, field, &job, &defaults, columns) {
                     Some(Change::To(value)) => change(core, field, &job, value, false),
                     Some(Change::Along(value)) => change(core, field, &job, value, true),
-                    Some(Change::Choose) => request = Some(Request::ElectrodeMesh),
+                    Some(Change::Choose) => request = Some(request_of(field)),
                     None => {}
                 }
             }
@@ -67,6 +99,16 @@ pub fn show(ui: &mut Ui, core: &mut Core, stage: Stage) -> Option<Request> {
     request
 }
 
+/// Whether a field of `stage` says that its value cannot be taken.
+pub fn has_problem(core: &Core, stage: Stage) -> bool {
+    let job = job_as_json(core.document.job());
+    Field::of(stage).any(|f| f.problem(f.get(&job)).is_some())
+}
+
+fn request_of(field: &Field) -> Request {
+    if field.stage == Stage::Export { Request::Post } else { Request::ElectrodeMesh }
+}
+
 /// The defaults that fields are compared with: those of the same part.
 fn defaults(job: &PlanJob) -> PlanJob {
     let mut defaults = PlanJob::demonstration();
@@ -79,8 +121,17 @@ fn defaults(job: &PlanJob) -> PlanJob {
 
 /// Headings of a step's form in order, and whether they start folded: what few need to touch.
 fn groups(stage: Stage) -> Vec<(&'static str, bool)> {
-    const FOLDED: [&str; 7] =
-        ["Radii", "Wall grid", "Body", "Own electrode", "Weights", "Fine points", "Genetic search"];
+    const FOLDED: [&str; 9] = [
+        "Radii",
+        "Wall grid",
+        "Body",
+        "Own electrode",
+        "Weights",
+        "Fine points",
+        "Genetic search",
+        "Files",
+        "Pictures",
+    ];
     let mut groups: Vec<(&str, bool)> = Vec::new();
     for field in Field::of(stage) {
         if groups.last().is_none_or(|(name, _)| *name != field.group) {
@@ -97,7 +148,7 @@ fn change(core: &mut Core, field: &Field, job: &Value, value: Value, dragging: b
     }
 }
 
-fn row(ui: &mut Ui, field: &Field, job: &Value, defaults: &Value) -> Option<Change> {
+fn row(ui: &mut Ui, field: &Field, job: &Value, defaults: &Value, columns: Columns) -> Option<Change> {
     let value = field.get(job);
     let mut change = None;
     ui.horizontal(|ui| {
@@ -107,12 +158,9 @@ fn row(ui: &mut Ui, field: &Field, job: &Value, defaults: &Value) -> Option<Chan
         } else {
             ui.visuals().text_color()
         });
-        let label = ui
-            .allocate_ui_with_layout(vec2(LABEL_WIDTH, 20.0), egui::Layout::left_to_right(egui::Align::Center), |ui| {
-                ui.set_min_width(LABEL_WIDTH);
-                ui.add(egui::Label::new(name).truncate().selectable(false).sense(egui::Sense::click()))
-            })
-            .inner;
+        let label = cell(ui, columns.label, |ui| {
+            ui.add(egui::Label::new(name).truncate().selectable(false).sense(egui::Sense::click()))
+        });
         let hint = |ui: &mut Ui| tooltip(ui, field, field.get(defaults));
         let label_id = label.id;
         label.clone().on_hover_ui(hint);
@@ -121,21 +169,45 @@ fn row(ui: &mut Ui, field: &Field, job: &Value, defaults: &Value) -> Option<Chan
                 change = Some(Change::To(field.get(defaults).clone()));
             }
         });
-        if let Some(wanted) = widget(ui, field, value, label_id) {
+        if let Some(wanted) = widget(ui, field, value, label_id, columns) {
             change = Some(wanted);
         }
-        if !field.unit.is_empty() && !matches!(field.kind, Kind::Flag) {
+        if !field.unit.is_empty() && shows_number(field.kind, value) {
             ui.label(RichText::new(field.unit).color(palette(ui).faint));
         }
     });
     if let Some(problem) = field.problem(value) {
-        ui.horizontal(|ui| {
-            ui.add_space(LABEL_WIDTH + 6.0);
+        ui.with_layout(egui::Layout::top_down(egui::Align::Max), |ui| {
             let text = RichText::new(format!("{} {problem}", field.label)).small().color(palette(ui).bad);
             ui.add(egui::Label::new(text).wrap());
         });
     }
     change
+}
+
+/// Whether a number stands in the row, which is to have its unit.
+fn shows_number(kind: Kind, value: &Value) -> bool {
+    match kind {
+        Kind::AutoNumber(..) | Kind::AutoInteger(..) => value.is_number(),
+        kind => matches!(kind, Kind::Number(..) | Kind::Slider(..) | Kind::Integer(_)),
+    }
+}
+
+/// A place of fixed width in a row.
+fn cell<R>(ui: &mut Ui, width: f32, add: impl FnOnce(&mut Ui) -> R) -> R {
+    let layout = egui::Layout::left_to_right(egui::Align::Center);
+    let made = ui.allocate_ui_with_layout(vec2(width, HEIGHT), layout, |ui| {
+        ui.set_min_width(width);
+        add(ui)
+    });
+    made.inner
+}
+
+/// Leaves the column of sliders empty.
+fn no_slider(ui: &mut Ui, columns: Columns) {
+    if columns.middle > 0.0 {
+        cell(ui, columns.middle, |_| ());
+    }
 }
 
 fn tooltip(ui: &mut Ui, field: &Field, default: &Value) {
@@ -167,7 +239,7 @@ fn shown(value: &Value) -> Option<String> {
     }
 }
 
-fn widget(ui: &mut Ui, field: &Field, value: &Value, label: egui::Id) -> Option<Change> {
+fn widget(ui: &mut Ui, field: &Field, value: &Value, label: egui::Id, columns: Columns) -> Option<Change> {
     if field.problem(value).is_some() {
         let bad = palette(ui).bad;
         let widgets = &mut ui.visuals_mut().widgets;
@@ -176,53 +248,60 @@ fn widget(ui: &mut Ui, field: &Field, value: &Value, label: egui::Id) -> Option<
     }
     match field.kind {
         Kind::Number(_, decimals) => {
+            no_slider(ui, columns);
             let mut number = value.as_f64().unwrap_or_default();
             let response = drag(ui, &mut number, decimals).labelled_by(label);
             along(&response, number.into())
         }
         Kind::Slider(_, Range(least, greatest), decimals) => {
             let mut number = value.as_f64().unwrap_or_default();
-            let slider = Slider::new(&mut number, least..=greatest)
-                .clamping(SliderClamping::Never)
-                .show_value(false)
-                .step_by(10f64.powi(-(decimals as i32)));
-            let slid = ui.add(slider).labelled_by(label);
+            let slid = (columns.middle > 0.0).then(|| {
+                let slider = Slider::new(&mut number, least..=greatest)
+                    .clamping(SliderClamping::Never)
+                    .show_value(false)
+                    .step_by(10f64.powi(-(decimals as i32)));
+                ui.spacing_mut().slider_width = columns.middle;
+                ui.add(slider).labelled_by(label)
+            });
             let typed = drag(ui, &mut number, decimals).labelled_by(label);
-            along(&slid, number.into()).or(along(&typed, number.into()))
+            slid.and_then(|slid| along(&slid, number.into())).or(along(&typed, number.into()))
         }
         Kind::Integer(_) => {
+            no_slider(ui, columns);
             let mut number = value.as_u64().unwrap_or_default();
             let response = whole(ui, &mut number).labelled_by(label);
             along(&response, number.into())
         }
-        Kind::AutoNumber(_, decimals, start) => auto(ui, value, start.into(), label, |ui, given| {
+        Kind::AutoNumber(_, decimals, start) => auto(ui, value, start.into(), label, columns, |ui, given| {
             let mut number = given.as_f64().unwrap_or_default();
             let response = drag(ui, &mut number, decimals).labelled_by(label);
             along(&response, number.into())
         }),
-        Kind::AutoInteger(_, start) => auto(ui, value, start.into(), label, |ui, given| {
+        Kind::AutoInteger(_, start) => auto(ui, value, start.into(), label, columns, |ui, given| {
             let mut number = given.as_u64().unwrap_or_default();
             let response = whole(ui, &mut number).labelled_by(label);
             along(&response, number.into())
         }),
-        Kind::Choice(words) => choice(ui, field, words, value, label),
+        Kind::Choice(words) => choice(ui, field, words, value, label, columns.wide(ui)),
+        Kind::ChoiceOrFile(words) => choice(ui, field, words, value, label, columns.wide(ui)),
         Kind::Flag => {
+            no_slider(ui, columns);
             let mut on = value.as_bool().unwrap_or_default();
-            let box_ = ui.add(egui::Checkbox::without_text(&mut on)).labelled_by(label);
+            let box_ = tick(ui, &mut on, ()).labelled_by(label);
             box_.changed().then(|| Change::To(on.into()))
         }
-        Kind::File => file(ui, value),
+        Kind::File => file(ui, value, columns.wide(ui)),
     }
 }
 
 fn drag(ui: &mut Ui, number: &mut f64, decimals: usize) -> Response {
     let speed = 10f64.powi(-(decimals as i32)) * 5.0;
     let value = DragValue::new(number).speed(speed).max_decimals(decimals.max(6)).min_decimals(decimals.min(3));
-    ui.add_sized(vec2(VALUE_WIDTH, 20.0), value)
+    ui.add_sized(vec2(VALUE_WIDTH, HEIGHT), value)
 }
 
 fn whole(ui: &mut Ui, number: &mut u64) -> Response {
-    ui.add_sized(vec2(VALUE_WIDTH, 20.0), DragValue::new(number).speed(0.2))
+    ui.add_sized(vec2(VALUE_WIDTH, HEIGHT), DragValue::new(number).speed(0.2))
 }
 
 fn along(response: &Response, value: Value) -> Option<Change> {
@@ -238,10 +317,16 @@ fn auto(
     value: &Value,
     start: Value,
     label: egui::Id,
+    columns: Columns,
     given: impl FnOnce(&mut Ui, &Value) -> Option<Change>,
 ) -> Option<Change> {
     let mut is_auto = !value.is_number();
-    let toggled = ui.checkbox(&mut is_auto, "auto").labelled_by(label).changed();
+    // Without a column of its own the box gives way to the number; the name's menu resets it.
+    let mut toggle = |ui: &mut Ui| tick(ui, &mut is_auto, "auto").labelled_by(label).changed();
+    let toggled = match columns.middle {
+        middle if middle > 0.0 => cell(ui, middle, toggle),
+        _ => value.is_string() && toggle(ui),
+    };
     if toggled {
         return Some(Change::To(if is_auto { "auto".into() } else { start }));
     }
@@ -254,30 +339,43 @@ fn choice(
     words: &'static [(&'static str, &'static str)],
     value: &Value,
     label: egui::Id,
+    width: f32,
 ) -> Option<Change> {
     let now = value.as_str();
-    let shown = words.iter().find(|(word, _)| Some(*word) == now).map(|(_, shown)| *shown);
     let mut change = None;
-    let combo = egui::ComboBox::from_id_salt(field.pointer)
-        .selected_text(shown.or(now).unwrap_or("as in the job file"))
-        .width(VALUE_WIDTH + 40.0);
+    let text = now.map_or("as in the job file".to_owned(), |now| shown_choice(words, now));
+    let combo = egui::ComboBox::from_id_salt(field.pointer).selected_text(text).truncate().width(width);
     let response = combo.show_ui(ui, |ui| {
         for (word, shown) in words {
             if ui.selectable_label(Some(*word) == now, *shown).clicked() {
                 change = Some(Change::To((*word).into()));
             }
         }
+        if matches!(field.kind, Kind::ChoiceOrFile(_)) && ui.selectable_label(false, "Own file…").clicked() {
+            change = Some(Change::Choose);
+        }
     });
     response.response.labelled_by(label);
     change
 }
 
-fn file(ui: &mut Ui, value: &Value) -> Option<Change> {
+/// How a choice is shown: by its name, or the name of the file that it is.
+pub fn shown_choice(words: &[(&str, &str)], now: &str) -> String {
+    let shown = words.iter().find(|(word, _)| *word == now).map(|(_, shown)| (*shown).to_owned());
+    shown.unwrap_or_else(|| file_name(now))
+}
+
+fn file_name(path: &str) -> String {
+    std::path::Path::new(path).file_name().map_or(path.to_owned(), |n| n.to_string_lossy().into_owned())
+}
+
+fn file(ui: &mut Ui, value: &Value, width: f32) -> Option<Change> {
     let mut change = None;
-    let name = value.as_str().map(|path| {
-        std::path::Path::new(path).file_name().map_or(path.to_owned(), |n| n.to_string_lossy().into_owned())
-    });
-    if ui.button(name.as_deref().unwrap_or("Choose…")).on_hover_text(value.as_str().unwrap_or("None")).clicked() {
+    let name = value.as_str().map(file_name);
+    // There must be room for the other button.
+    let button = egui::Button::new(name.as_deref().unwrap_or("Choose…")).truncate();
+    let chosen = cell(ui, (width - 50.0).max(VALUE_WIDTH), |ui| ui.add(button));
+    if chosen.on_hover_text(value.as_str().unwrap_or("None")).clicked() {
         change = Some(Change::Choose);
     }
     if value.is_string() && ui.button("None").on_hover_text("Derive the electrode from the channel").clicked() {

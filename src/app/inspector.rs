@@ -3,16 +3,19 @@
 use egui::{RichText, Ui};
 
 use super::core::Core;
+use super::status::grouped;
 use super::stepper::fact;
 use super::theme::palette;
 use super::viewport::{Probe, Viewport};
 use crate::feed::pose::Axis;
 use crate::geometry::frame::Cylindrical;
+use crate::views::Layer;
 
 /// Draws it.
 pub fn show(ui: &mut Ui, core: &mut Core, viewport: &mut Viewport) {
     egui::ScrollArea::vertical().id_salt("inspector").auto_shrink([false, false]).show(ui, |ui| {
         super::scene_tree::show(ui, core);
+        selected(ui, core);
         pose(ui, core);
         contact(ui, core);
         probe(ui, core, viewport);
@@ -23,6 +26,41 @@ fn heading(ui: &mut Ui, text: &str) {
     ui.add_space(6.0);
     ui.separator();
     ui.label(RichText::new(text).small().color(palette(ui).faint));
+}
+
+/// What is known of the body that is selected.
+fn selected(ui: &mut Ui, core: &Core) {
+    let Some(layer) = core.selected else { return };
+    let (length, size) = (core.preferences.length, |ui: &mut Ui, size: glam::DVec3, frame: &str| {
+        for (axis, extent) in [Axis::X, Axis::Y, Axis::Z].into_iter().zip(size.to_array()) {
+            fact(ui, &format!("Along {}{frame}", axis.letter()), core.preferences.length.show(extent, 3));
+        }
+    });
+    match layer {
+        Layer::Blisk => {
+            let Some(part) = core.pipeline.part() else { return };
+            heading(ui, layer.name());
+            fact(ui, "Triangles", grouped(part.mesh.triangles.len()));
+            size(ui, part.mesh.bounds().size(), "");
+        }
+        Layer::Electrode => {
+            let Some((electrode, _)) = core.shown_electrode() else { return };
+            heading(ui, layer.name());
+            size(ui, electrode.mesh.bounds().size(), " of W");
+            fact(ui, "Volume", format!("{:.1} mm³", electrode.volume_mm3));
+            fact(ui, "Burn area", format!("{:.1} mm²", electrode.burn_area_mm2));
+            fact(ui, "Least thickness", length.show(electrode.least_thickness_mm, 3));
+            fact(ui, "Triangles", grouped(electrode.mesh.triangles.len()));
+        }
+        Layer::LowWall | Layer::HighWall => {
+            use crate::blisk::channel::Surface;
+            let Some(found) = core.pipeline.channel() else { return };
+            let surface = if layer == Layer::LowWall { Surface::LowWall } else { Surface::HighWall };
+            heading(ui, layer.name());
+            fact(ui, "Is the", found.channel.surface_name(surface));
+        }
+        _ => {}
+    }
 }
 
 fn pose(ui: &mut Ui, core: &Core) {

@@ -4,6 +4,7 @@
 mod commands;
 mod core;
 mod dialogs;
+mod export_dialog;
 mod files;
 mod forms;
 mod inspector;

@@ -13,16 +13,21 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
     let track = core.shared_track();
     let nodes: Vec<_> = track.nodes().copied().collect();
     let current = track.nearest_node(core.cursor.s);
-    let gap = core.document.job().electrode.spark_gap_mm - core.document.job().verify.tolerance_mm;
+    let gap = core.least_wanted();
     let colours = palette(ui);
-    let heads = ["node", "s mm", "X mm", "Y mm", "Z mm", "A deg", "B deg", "C deg", "clearance mm"];
+    let axes = core.document.job().machine.axes.axes();
+    let head = |axis: &Axis| format!("{} {}", axis.letter(), if axis.is_rotary() { "deg" } else { "mm" });
+    let mut heads = vec!["node".to_owned(), "s mm".to_owned()];
+    heads.extend(axes.iter().map(head));
+    heads.push("clearance mm".to_owned());
     let mut table = TableBuilder::new(ui)
         .id_salt("nodes")
         .striped(true)
         .sense(egui::Sense::click())
         .cell_layout(Layout::right_to_left(Align::Center))
         .column(Column::exact(44.0))
-        .columns(Column::remainder().at_least(58.0), heads.len() - 1)
+        .columns(Column::remainder().at_least(62.0), heads.len() - 2)
+        .column(Column::remainder().at_least(84.0))
         .min_scrolled_height(0.0)
         .auto_shrink([false, false]);
     if let Some(row) = current {
@@ -31,7 +36,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
     let table = table.header(20.0, |mut header| {
         for head in heads {
             header.col(|ui| {
-                ui.label(RichText::new(head).small().color(colours.faint));
+                ui.add(egui::Label::new(RichText::new(head).small().color(colours.faint)).truncate());
             });
         }
     });
@@ -48,8 +53,8 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
             row.col(|ui| {
                 ui.label(number(node.s));
             });
-            for axis in Axis::ALL {
-                let value = node.pose.get(axis);
+            for axis in axes {
+                let value = node.pose.get(*axis);
                 row.col(|ui| {
                     ui.label(number(if axis.is_rotary() { value.to_degrees() } else { value }));
                 });

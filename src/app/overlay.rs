@@ -21,7 +21,10 @@ pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core, viewport: &mut Viewport) {
         section(ui, rect, core);
         section_handle(ui, rect, core, viewport);
     }
-    verdict(ui, rect, core);
+    // Where there is no room for both, the status bar still says it.
+    if core.section.is_none() || rect.height() > 300.0 {
+        verdict(ui, rect, core);
+    }
     measured(ui, rect, viewport, core);
     if core.colour_values().is_some() {
         legend(ui, rect, &core.colour_legend());
@@ -30,8 +33,8 @@ pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core, viewport: &mut Viewport) {
 
 /// The bar of colours with round values beside it and a mark at the value that counts.
 fn legend(ui: &Ui, rect: Rect, legend: &Legend) {
-    const SIZE: egui::Vec2 = vec2(14.0, 180.0);
-    let bar = Rect::from_min_size(pos2(rect.left() + 18.0, rect.top() + 78.0), SIZE);
+    let size = vec2(14.0, (rect.height() - 150.0).clamp(50.0, 180.0));
+    let bar = Rect::from_min_size(pos2(rect.left() + 18.0, rect.top() + 78.0), size);
     let colours = palette(ui);
     let painter = ui.painter();
     let back = Rect::from_min_max(bar.min - vec2(8.0, 28.0), bar.max + vec2(74.0, 12.0));
@@ -48,12 +51,12 @@ fn legend(ui: &Ui, rect: Rect, legend: &Legend) {
     for i in 0..steps {
         let t = f64::from(i) / f64::from(steps - 1);
         let c = legend.map.at(t);
-        let top = bar.bottom() - SIZE.y * (i + 1) as f32 / steps as f32;
-        let cell = Rect::from_min_size(pos2(bar.left(), top), vec2(SIZE.x, SIZE.y / steps as f32 + 0.5));
+        let top = bar.bottom() - size.y * (i + 1) as f32 / steps as f32;
+        let cell = Rect::from_min_size(pos2(bar.left(), top), vec2(size.x, size.y / steps as f32 + 0.5));
         painter.rect_filled(cell, 0.0, Color32::from_rgb(c.r, c.g, c.b));
     }
-    let y = |value: f64| bar.bottom() - SIZE.y * legend.place(value) as f32;
-    for value in legend.ticks(5) {
+    let y = |value: f64| bar.bottom() - size.y * legend.place(value) as f32;
+    for value in legend.ticks(if size.y < 100.0 { 2 } else { 5 }) {
         let at = pos2(bar.right() + 6.0, y(value));
         painter.text(
             at,
@@ -81,6 +84,7 @@ fn buttons(ui: &mut Ui, rect: Rect, core: &mut Core) {
     let mut child =
         ui.new_child(UiBuilder::new().max_rect(area).layout(egui::Layout::left_to_right(egui::Align::Center)));
     child.spacing_mut().item_spacing.x = 3.0;
+    child.set_clip_rect(rect.intersect(ui.clip_rect()));
     let views = [
         ("Fit", Command::Fit, false),
         ("Iso", Command::View(StandardView::Isometric), false),
@@ -93,16 +97,26 @@ fn buttons(ui: &mut Ui, rect: Rect, core: &mut Core) {
         ("Measure", Command::Measure, core.measuring),
         ("Clearance", Command::Colours, core.colours),
     ];
-    for (name, command, on) in views {
-        let enabled = command.is_enabled(core);
-        // What finds no room beside the axes is still in menu and palette.
-        if child.available_width() < 12.0 + 8.0 * name.len() as f32 {
-            break;
-        }
-        let button = egui::Button::new(RichText::new(name).size(12.0)).selected(on);
-        if child.add_enabled(enabled, button).on_hover_text(command.hint(ui.ctx())).clicked() {
-            core.push(command);
-        }
+    let mut left = views.into_iter().peekable();
+    // What finds no room beside the axes is in a menu behind the rest.
+    let needed = |name: &str, rest: f32| 12.0 + 8.0 * name.len() as f32 + rest;
+    while let Some((name, command, on)) =
+        left.next_if(|(name, ..)| child.available_width() > needed(name, if *name == "Clearance" { 0.0 } else { 30.0 }))
+    {
+        view_button(&mut child, core, name, command, on);
+    }
+    if left.peek().is_some() {
+        child.menu_button(RichText::new("…").size(12.0), |ui| {
+            left.for_each(|(name, command, on)| view_button(ui, core, name, command, on));
+        });
+    }
+}
+
+fn view_button(ui: &mut Ui, core: &mut Core, name: &str, command: Command, on: bool) {
+    let enabled = command.is_enabled(core);
+    let button = egui::Button::new(RichText::new(name).size(12.0)).selected(on);
+    if ui.add_enabled(enabled, button).on_hover_text(command.hint(ui.ctx())).clicked() {
+        core.push(command);
     }
 }
 
@@ -153,9 +167,12 @@ fn letter(axis: DVec3) -> char {
 
 /// Where the cut is and which way it looks.
 fn section(ui: &mut Ui, rect: Rect, core: &mut Core) {
-    let area = Rect::from_min_size(rect.left_bottom() + vec2(70.0, -40.0), vec2(430.0, 30.0));
+    const WIDTH: f32 = 400.0;
+    let width = (rect.width() - 16.0).min(WIDTH);
+    let area = Rect::from_min_size(rect.left_bottom() + vec2(8.0, -40.0), vec2(width, 30.0));
     let mut child =
         ui.new_child(UiBuilder::new().max_rect(area).layout(egui::Layout::left_to_right(egui::Align::Center)));
+    child.spacing_mut().slider_width = (100.0 - (WIDTH - width)).max(24.0);
     child.painter().rect_filled(area, 5.0, child.visuals().window_fill.gamma_multiply(0.92));
     child.add_space(8.0);
     let Some(part) = core.pipeline.part().cloned() else { return };
@@ -216,6 +233,7 @@ fn verdict(ui: &mut Ui, rect: Rect, core: &Core) {
         _ if outcome.plan.is_verified() => (colours.good, outcome.plan.verdict(&plan.channel)),
         _ => (colours.bad, outcome.plan.verdict(&plan.channel)),
     };
+    let text = super::stepper::sentence(&text);
     let width = (rect.width() - 140.0).max(120.0);
     let galley = ui.painter().layout(text.clone(), FontId::proportional(13.0), colour, width);
     let size = galley.size() + vec2(20.0, 10.0);

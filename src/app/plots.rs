@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use egui::{Color32, RichText, Ui, Vec2b};
-use egui_plot::{Corner, GridInput, GridMark, HLine, Legend, Line, LineStyle, Plot, PlotPoint, PlotPoints, VLine};
+use egui_plot::{GridInput, GridMark, HLine, Line, LineStyle, Plot, PlotPoint, PlotPoints, VLine};
 
 use super::core::Core;
 use super::theme::palette;
@@ -80,15 +80,32 @@ impl Curves {
     }
 }
 
-/// Draws tabs and the chosen plot.
-pub fn show(ui: &mut Ui, core: &mut Core, tab: &mut Tab, curves: &mut Curves) {
+/// Least width of the plots that have the table of nodes beside them (points).
+const BESIDE_TABLE: f32 = 600.0;
+
+/// Draws the table of nodes on the right where there is room for it and the plots, and tells whether there is.
+pub fn table_beside(ui: &mut Ui, core: &mut Core) -> bool {
+    let width = 170.0 + 70.0 * core.document.job().machine.axes.axes().len() as f32 + 70.0;
+    let is_beside = ui.available_width() > width + BESIDE_TABLE && !core.track().is_empty();
+    if is_beside {
+        let panel = egui::Panel::right("nodes").exact_size(width).resizable(false);
+        panel.show(ui, |ui| super::node_table::show(ui, core));
+    }
+    is_beside
+}
+
+/// Draws tabs and the chosen plot; `is_beside` tells that the table of nodes is shown already.
+pub fn show(ui: &mut Ui, core: &mut Core, tab: &mut Tab, curves: &mut Curves, is_beside: bool) {
     curves.follow(core);
+    if is_beside && *tab == Tab::Table {
+        *tab = Tab::Positions;
+    }
     ui.horizontal(|ui| {
-        for other in Tab::ALL {
+        for other in Tab::ALL.into_iter().filter(|tab| !is_beside || *tab != Tab::Table) {
             ui.selectable_value(tab, other, other.name());
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.label(RichText::new(unit_note(*tab)).small().color(palette(ui).faint));
+            ui.add(egui::Label::new(RichText::new(unit_note(*tab)).small().color(palette(ui).faint)).truncate());
         });
     });
     match *tab {
@@ -103,13 +120,24 @@ pub fn show(ui: &mut Ui, core: &mut Core, tab: &mut Tab, curves: &mut Curves) {
 
 fn unit_note(tab: Tab) -> &'static str {
     match tab {
-        Tab::Positions => "mm and deg over mm withdrawn",
-        Tab::Velocities => "mm/mm and deg/mm over mm withdrawn",
-        Tab::Accelerations => "mm/mm² and deg/mm² over mm withdrawn",
-        Tab::Clearance => "mm over mm withdrawn",
+        Tab::Positions | Tab::Velocities | Tab::Accelerations | Tab::Clearance => "over mm withdrawn",
         Tab::Convergence => "objective over generations",
         Tab::Table => "",
     }
+}
+
+/// What the lines of a plot are, above it: over it they would hide each other.
+fn legend<'a>(ui: &mut Ui, entries: impl IntoIterator<Item = (Color32, &'a str)>) {
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing = egui::vec2(4.0, 0.0);
+        ui.add_space(4.0);
+        for (colour, name) in entries {
+            let (rect, _) = ui.allocate_exact_size(egui::vec2(12.0, 14.0), egui::Sense::hover());
+            ui.painter().hline(rect.x_range(), rect.center().y, egui::Stroke::new(2.0, colour));
+            ui.label(RichText::new(name).small());
+            ui.add_space(10.0);
+        }
+    });
 }
 
 /// A plot over the withdrawn distance; outside is on the left, as in the timeline.
@@ -123,7 +151,6 @@ fn over_distance<'a>(
     let cursor = core.cursor.s;
     let plot = Plot::new(name)
         .invert_x(true)
-        .legend(Legend::default().position(Corner::LeftTop).text_style(egui::TextStyle::Small))
         .allow_drag(false)
         .allow_scroll(false)
         .allow_zoom(Vec2b::new(false, false))
@@ -131,7 +158,10 @@ fn over_distance<'a>(
         .show_background(false)
         .grid_color(grid)
         .set_margin_fraction(egui::vec2(0.012, 0.06))
-        .y_grid_spacer(round_steps)
+        .x_grid_spacer(|input| round_steps(input, 10.0))
+        .y_grid_spacer(|input| round_steps(input, 4.0))
+        .x_axis_formatter(|mark, _| round_text(mark))
+        .y_axis_formatter(|mark, _| round_text(mark))
         .y_axis_min_width(44.0);
     let response = plot.show(ui, move |plot| {
         build(plot);
@@ -139,6 +169,8 @@ fn over_distance<'a>(
         plot.pointer_coordinate()
     });
     response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Plot {name}")));
+    let place = |s: f64| response.transform.position_from_point_x(s);
+    core.span = Some([place(core.track().length()), place(0.0)]);
     let pressed = response.response.dragged() || response.response.clicked();
     if let (true, Some(point)) = (pressed || response.response.is_pointer_button_down_on(), response.inner) {
         core.cursor.playing = false;
@@ -146,10 +178,17 @@ fn over_distance<'a>(
     }
 }
 
-/// Four or so lines at round values, each with its number.
-fn round_steps(input: GridInput) -> Vec<GridMark> {
+/// The number of a line, with as many decimals as its step has.
+fn round_text(mark: GridMark) -> String {
+    let decimals = (-mark.step_size.log10()).ceil().clamp(0.0, 9.0) as usize;
+    // `+ 0.0` takes the sign from a zero.
+    format!("{:.decimals$}", (mark.value / mark.step_size).round() * mark.step_size + 0.0)
+}
+
+/// About `count` lines at round values, each with its number.
+fn round_steps(input: GridInput, count: f64) -> Vec<GridMark> {
     let (low, high) = input.bounds;
-    let rough = (high - low) / 4.0;
+    let rough = (high - low) / count;
     if !(rough > 0.0 && rough.is_finite()) {
         return Vec::new();
     }
@@ -165,32 +204,37 @@ fn axes(ui: &mut Ui, core: &mut Core, curves: &Curves, order: usize) {
     }
     let colours = palette(ui).axes;
     let name = ["axes", "speed", "acceleration"][order];
-    let moving = core.document.job().machine.axes.axes();
+    // X runs far beyond the others and says nothing that the abscissa does not.
+    let moving = || core.document.job().machine.axes.axes().iter().filter(|axis| **axis != Axis::X);
+    let names: Vec<(Axis, String)> = moving().map(|axis| (*axis, axis_name(*axis, order))).collect();
+    legend(ui, names.iter().map(|(axis, name)| (colours[*axis as usize], name.as_str())));
     over_distance(ui, core, name, |plot| {
-        for axis in moving {
-            let points = &curves.axes[order][*axis as usize];
-            let label = format!("{} {}", axis.letter(), if axis.is_rotary() { "deg" } else { "mm" });
-            // X runs far beyond the others and says nothing that the abscissa does not.
-            if *axis == Axis::X {
-                continue;
-            }
-            plot.line(Line::new(label, PlotPoints::Borrowed(points)).color(colours[*axis as usize]).width(1.6));
+        for (axis, name) in names {
+            let points = &curves.axes[order][axis as usize];
+            plot.line(Line::new(name, PlotPoints::Borrowed(points)).color(colours[axis as usize]).width(1.6));
         }
     });
+}
+
+/// Letter and unit of an axis, or of its derivatives by the withdrawn distance.
+fn axis_name(axis: Axis, order: usize) -> String {
+    let unit = if axis.is_rotary() { "deg" } else { "mm" };
+    format!("{} {unit}{}", axis.letter(), ["", "/mm", "/mm²"][order])
 }
 
 fn clearance(ui: &mut Ui, core: &mut Core, curves: &Curves) {
     if nothing(ui, core) {
         return;
     }
-    let job = core.document.job();
-    let (gap, least) = (job.electrode.spark_gap_mm, job.electrode.spark_gap_mm - job.verify.tolerance_mm);
+    let ([gap, _], least) = (core.required(), core.least_wanted());
     let (line, required) = (palette(ui).good, palette(ui).bad);
+    let wanted = format!("required {gap:.4} mm, dashed with tolerance");
+    legend(ui, [(line, "clearance mm"), (required, wanted.as_str())]);
     // Far out everything is free: what is looked for lies near the gap.
     let top = 6.0 * gap;
     over_distance(ui, core, "clearance", |plot| {
         plot.line(Line::new("clearance", PlotPoints::Borrowed(&curves.clearance)).color(line).width(1.6));
-        plot.hline(HLine::new(format!("required {gap} mm"), gap).color(required).width(1.0));
+        plot.hline(HLine::new("required", gap).color(required).width(1.0));
         plot.hline(HLine::new("with tolerance", least).color(required).style(LineStyle::dashed_loose()).width(1.0));
         plot.set_plot_bounds_y(0.0..=top);
     });
@@ -203,23 +247,31 @@ fn convergence(ui: &mut Ui, core: &mut Core) {
         return;
     };
     let nearest = |t: &&Convergence| (t.s - core.cursor.s).abs();
-    let Some(trace) = traces.iter().min_by(|a, b| nearest(a).total_cmp(&nearest(b))) else { return };
+    let Some(trace) = traces.iter().min_by(|a, b| nearest(a).total_cmp(&nearest(b))) else {
+        says(ui, "A plan that was opened was not searched: plan again to see how it converges.");
+        return;
+    };
     let colours = palette(ui);
     let points =
         |values: &[f64]| -> PlotPoints<'static> { values.iter().enumerate().map(|(i, v)| [i as f64, *v]).collect() };
     let lines: [(&str, &[f64], Color32); 2] =
         [("best", &trace.best, colours.accent), ("mean", &trace.mean, colours.faint)];
+    let names = lines.map(|(name, _, colour)| (colour, format!("{name}, node at {:.2} mm", trace.s)));
+    legend(ui, names.iter().map(|(colour, name)| (*colour, name.as_str())));
     let plot = Plot::new("convergence")
-        .legend(Legend::default().text_style(egui::TextStyle::Small))
         .allow_drag(false)
         .allow_scroll(false)
         .allow_zoom(Vec2b::new(false, false))
         .allow_boxed_zoom(false)
         .show_background(false)
+        .grid_color(colours.faint.gamma_multiply(0.35))
+        .x_grid_spacer(|input| round_steps(input, 10.0))
+        .y_grid_spacer(|input| round_steps(input, 4.0))
+        .y_axis_formatter(|mark, _| round_text(mark))
         .y_axis_min_width(44.0);
     let response = plot.show(ui, |plot| {
         for (name, values, colour) in lines {
-            plot.line(Line::new(format!("{name}, node at {:.2} mm", trace.s), points(values)).color(colour).width(1.6));
+            plot.line(Line::new(name, points(values)).color(colour).width(1.6));
         }
     });
     response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Plot convergence"));
@@ -229,9 +281,28 @@ fn convergence(ui: &mut Ui, core: &mut Core) {
 fn nothing(ui: &mut Ui, core: &Core) -> bool {
     let empty = core.track().is_empty();
     if empty {
-        ui.centered_and_justified(|ui| {
-            ui.label(RichText::new("Plan a feed path to see its curves.").color(palette(ui).faint));
-        });
+        says(ui, "Plan a feed path to see its curves.");
     }
     empty
+}
+
+fn says(ui: &mut Ui, text: &str) {
+    ui.centered_and_justified(|ui| ui.add(egui::Label::new(RichText::new(text).color(palette(ui).faint)).wrap()));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_stand_at_round_values_and_say_them_in_full() {
+        let texts = |low: f64, high: f64, count| {
+            let input = GridInput { bounds: (low, high), base_step_size: 1.0 };
+            round_steps(input, count).into_iter().map(round_text).collect::<Vec<_>>()
+        };
+        assert_eq!(texts(-0.1, 4.4, 10.0), ["0.0", "0.5", "1.0", "1.5", "2.0", "2.5", "3.0", "3.5", "4.0"]);
+        assert_eq!(texts(0.0, 29.0, 10.0), ["0", "5", "10", "15", "20", "25"]);
+        assert_eq!(texts(-0.02, 0.021, 4.0), ["-0.02", "0.00", "0.02"]);
+        assert!(texts(1.0, 1.0, 4.0).is_empty() && texts(f64::NAN, 1.0, 4.0).is_empty());
+    }
 }

@@ -1,5 +1,6 @@
 //! Opens the window, and says in plain words what stands in its way.
 
+use super::preferences::Preferences;
 use super::run::{Folders, Opening, SparkpathApp};
 
 /// What there is to open a window with.
@@ -33,6 +34,15 @@ pub fn preflight() -> Window {
     Window::Possible
 }
 
+/// Gives the computations as many threads as the user prefers, unless the command line has said how many.
+fn take_threads() {
+    let threads = Folders::of_user().map_or(0, |folders| Preferences::read(&folders.config).threads);
+    if threads > 0 {
+        // An error says that the threads are there already, with the number of the command line.
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+    }
+}
+
 /// Opens the window and stays until it is closed.
 ///
 /// # Errors
@@ -41,12 +51,14 @@ pub fn run_window(opening: Opening) -> Result<(), String> {
     if let Window::Impossible(why) = preflight() {
         return Err(why);
     }
+    take_threads();
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("Sparkpath")
             .with_app_id("sparkpath")
             .with_inner_size([1440.0, 900.0])
-            .with_min_inner_size([960.0, 600.0])
+            // A screen of 1280 by 720 pixels at 200 %.
+            .with_min_inner_size([640.0, 340.0])
             .with_drag_and_drop(true),
         renderer: eframe::Renderer::Wgpu,
         ..Default::default()

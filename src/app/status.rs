@@ -4,6 +4,7 @@ use egui::{ProgressBar, RichText, Ui, vec2};
 
 use super::commands::Command;
 use super::core::Core;
+use super::stepper::sentence;
 use super::theme::palette;
 use crate::jobs::pipeline::EventKind;
 
@@ -41,7 +42,8 @@ fn message(ui: &mut Ui, core: &mut Core) {
     };
     let colour = colour_of(ui, line.kind);
     let room = (ui.available_width() - 260.0).max(60.0);
-    let label = egui::Label::new(RichText::new(&line.text).color(colour)).truncate().sense(egui::Sense::click());
+    let label =
+        egui::Label::new(RichText::new(sentence(&line.text)).color(colour)).truncate().sense(egui::Sense::click());
     let clicked = ui.allocate_ui(vec2(room, 18.0), |ui| ui.add(label)).inner;
     if clicked.on_hover_text("Open the log").clicked() {
         core.push(Command::Log);

@@ -4,6 +4,7 @@ use egui::{RichText, Ui};
 
 use super::commands::Command;
 use super::core::Core;
+use super::status::grouped;
 use super::stepper::{command_button, fact, notice};
 use super::theme::palette;
 use crate::blisk::electrode::EntrySide;
@@ -37,7 +38,7 @@ fn part(ui: &mut Ui, core: &mut Core) {
     let Some(part) = core.pipeline.part().cloned() else { return };
     let length = core.preferences.length;
     fact(ui, "File", &part.name);
-    fact(ui, "Triangles", part.mesh.triangles.len().to_string());
+    fact(ui, "Triangles", grouped(part.mesh.triangles.len()));
     let size = part.mesh.bounds().size();
     for (axis, extent) in ["Size along X", "Size along Y", "Size along Z"].into_iter().zip(size.to_array()) {
         fact(ui, axis, length.show(extent, 2));
@@ -68,7 +69,7 @@ fn channel(ui: &mut Ui, core: &mut Core) {
     fact(ui, if channel.shrouded { "Shroud radius, middle" } else { "Tip radius, middle" }, length.show(shroud, 2));
     fact(ui, "Blades along X", length.show(high - low, 2));
     for assumed in &channel.assumed {
-        notice(ui, palette(ui).warning, assumed);
+        notice(ui, palette(ui).faint, assumed);
     }
     if core.pipeline.state(Stage::Channel) == StageState::Done {
         next(ui, core, Stage::Electrode);
@@ -88,7 +89,7 @@ fn electrode(ui: &mut Ui, core: &mut Core) {
         fact(ui, "Volume", format!("{:.1} mm³", electrode.volume_mm3));
         fact(ui, "Burn area", format!("{:.1} mm²", electrode.burn_area_mm2));
         for assumed in &electrode.assumed {
-            notice(ui, palette(ui).warning, assumed);
+            notice(ui, palette(ui).faint, assumed);
         }
     }
     if core.pipeline.state(Stage::Electrode) == StageState::Done {
@@ -103,7 +104,8 @@ fn plan(ui: &mut Ui, core: &mut Core) {
             command_button(ui, core, Command::Cancel, "Cancel", false);
         } else {
             let text = if core.pipeline.plan().is_some() { "Plan again" } else { "Plan feed path" };
-            command_button(ui, core, Command::Plan, text, true);
+            let is_next = core.pipeline.state(Stage::Plan) != StageState::Done;
+            command_button(ui, core, Command::Plan, text, is_next);
         }
     });
     ui.add_space(4.0);

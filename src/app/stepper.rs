@@ -10,23 +10,26 @@ use super::theme::palette;
 use crate::jobs::pipeline::StageState;
 use crate::project::Stage;
 
+/// Below this height (points) the steps stand side by side, so that their forms have room.
+const LOW: f32 = 420.0;
+
 /// Draws stepper and form.
 pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Request> {
     ui.add_space(2.0);
-    ui.scope(|ui| {
-        ui.spacing_mut().item_spacing.y = 2.0;
-        for stage in Stage::ALL {
-            if step(ui, stage, &core.pipeline.state(stage), core.step == stage).clicked() {
-                core.step = stage;
-            }
-        }
-    });
+    if ui.available_height() < LOW {
+        row_of_steps(ui, core)
+    } else {
+        list_of_steps(ui, core)
+    }
     ui.add_space(4.0);
     ui.separator();
     let mut request = None;
     egui::ScrollArea::vertical().id_salt("form").auto_shrink([false, false]).show(ui, |ui| {
         introduction(ui, core.step);
-        if let StageState::Failed(why) = core.pipeline.state(core.step) {
+        // What a field says of itself need not be said twice.
+        if let StageState::Failed(why) = core.pipeline.state(core.step)
+            && !forms::has_problem(core, core.step)
+        {
             notice(ui, palette(ui).bad, &why);
         }
         if core.pipeline.state(core.step) == StageState::Stale {
@@ -37,6 +40,40 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Request> {
         step_facts::show(ui, core, core.step);
     });
     request
+}
+
+fn list_of_steps(ui: &mut Ui, core: &mut Core) {
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.y = 2.0;
+        for stage in Stage::ALL {
+            if step(ui, stage, &core.pipeline.state(stage), core.step == stage).clicked() {
+                core.step = stage;
+            }
+        }
+    });
+}
+
+/// The steps side by side, and the name of the open one below.
+fn row_of_steps(ui: &mut Ui, core: &mut Core) {
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 2.0;
+        let width = (ui.available_width() - 10.0) / Stage::ALL.len() as f32;
+        for stage in Stage::ALL {
+            let (state, open) = (core.pipeline.state(stage), core.step == stage);
+            let (rect, response) = ui.allocate_exact_size(vec2(width, 26.0), Sense::click());
+            background(ui, rect, open, &response);
+            let (_, colour) = word(ui, &state);
+            badge(ui, rect.center(), stage, &state, colour);
+            if told(response, stage, &state, open).clicked() {
+                core.step = stage;
+            }
+        }
+    });
+    let (word, colour) = word(ui, &core.pipeline.state(core.step));
+    ui.horizontal(|ui| {
+        ui.strong(format!("{} {}", core.step.number(), core.step.name()));
+        ui.label(RichText::new(word).color(colour));
+    });
 }
 
 fn stale_text(stage: Stage) -> &'static str {
@@ -66,44 +103,73 @@ fn introduction(ui: &mut Ui, stage: Stage) {
 /// A framed sentence with a coloured edge.
 pub fn notice(ui: &mut Ui, colour: Color32, text: &str) {
     let fill = colour.gamma_multiply(0.14);
-    egui::Frame::new().fill(fill).corner_radius(4).inner_margin(8).stroke(egui::Stroke::new(1.0, colour)).show(
-        ui,
-        |ui| {
+    egui::Frame::new()
+        .fill(fill)
+        .corner_radius(4)
+        .inner_margin(8)
+        .stroke(egui::Stroke::new(1.0, colour.gamma_multiply(0.6)))
+        .show(ui, |ui| {
             ui.set_width(ui.available_width());
-            ui.add(egui::Label::new(text).wrap());
-        },
-    );
+            ui.add(egui::Label::new(sentence(text)).wrap());
+        });
     ui.add_space(4.0);
 }
 
 /// One line of the stepper.
 fn step(ui: &mut Ui, stage: Stage, state: &StageState, open: bool) -> egui::Response {
-    let colours = palette(ui);
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 26.0), Sense::click());
-    let (word, colour) = match state {
-        StageState::Missing => ("", colours.faint),
-        StageState::Running => ("working", colours.accent),
-        StageState::Done => ("done", colours.good),
-        StageState::Stale => ("stale", colours.warning),
-        StageState::Failed(_) => ("failed", colours.bad),
-    };
-    let name = format!("{} {}", stage.number(), stage.name());
-    response.widget_info(|| {
-        let said = if word.is_empty() { name.clone() } else { format!("{name}, {word}") };
-        WidgetInfo::selected(Role::Tab, true, open, said)
-    });
+    let (word, colour) = word(ui, state);
+    background(ui, rect, open, &response);
     let visuals = ui.visuals();
-    if open {
-        ui.painter().rect_filled(rect, 4.0, visuals.selection.bg_fill);
-    } else if response.hovered() {
-        ui.painter().rect_filled(rect, 4.0, visuals.widgets.hovered.weak_bg_fill);
-    }
     let ink = if open { visuals.selection.stroke.color } else { visuals.text_color() };
     badge(ui, pos2(rect.left() + 15.0, rect.center().y), stage, state, colour);
     let font = FontId::proportional(13.0);
     ui.painter().text(rect.left_center() + vec2(32.0, 0.0), Align2::LEFT_CENTER, stage.name(), font.clone(), ink);
     let right = rect.right_center() - vec2(8.0, 0.0);
     ui.painter().text(right, Align2::RIGHT_CENTER, word, FontId::proportional(11.5), colour);
+    told(response, stage, state, open)
+}
+
+/// How a step stands, in a word and a colour.
+fn word(ui: &Ui, state: &StageState) -> (&'static str, Color32) {
+    let colours = palette(ui);
+    let colour = match state {
+        StageState::Missing => colours.faint,
+        StageState::Running => colours.accent,
+        StageState::Done => colours.good,
+        StageState::Stale => colours.warning,
+        StageState::Failed(_) => colours.bad,
+    };
+    (word_of(state), colour)
+}
+
+fn word_of(state: &StageState) -> &'static str {
+    match state {
+        StageState::Missing => "",
+        StageState::Running => "working",
+        StageState::Done => "done",
+        StageState::Stale => "stale",
+        StageState::Failed(_) => "failed",
+    }
+}
+
+fn background(ui: &Ui, rect: Rect, open: bool, response: &egui::Response) {
+    let visuals = ui.visuals();
+    if open {
+        ui.painter().rect_filled(rect, 4.0, visuals.selection.bg_fill);
+    } else if response.hovered() {
+        ui.painter().rect_filled(rect, 4.0, visuals.widgets.hovered.weak_bg_fill);
+    }
+}
+
+/// Names a step for whoever hears the window or points at it.
+fn told(response: egui::Response, stage: Stage, state: &StageState, open: bool) -> egui::Response {
+    let name = format!("{} {}", stage.number(), stage.name());
+    let said = match word_of(state) {
+        "" => name,
+        word => format!("{name}, {word}"),
+    };
+    response.widget_info(|| WidgetInfo::selected(Role::Tab, true, open, &said));
     response.on_hover_text(Command::Step(stage).name())
 }
 
@@ -144,16 +210,20 @@ pub fn command_button(ui: &mut Ui, core: &mut Core, command: Command, text: &str
     }
 }
 
-/// A name on the left and its value on the right; a long value takes from the name's room, but not all of it.
+/// A name on the left and its value on the right: words end at the edge, numbers stand below each other with their
+/// units in a column of their own. A long value takes from the name's room, but not all of it.
 pub fn fact(ui: &mut Ui, name: &str, value: impl Into<String>) {
+    const UNITS: f32 = 36.0;
     let width = ui.available_width();
     let (rect, _) = ui.allocate_exact_size(vec2(width, 18.0), Sense::hover());
     let value = value.into();
+    let (value, unit) = number_and_unit(&value).map_or((value.as_str(), None), |(n, unit)| (n, Some(unit)));
+    let end = rect.right() - unit.map_or(0.0, |_| UNITS);
     let font = egui::TextStyle::Body.resolve(ui.style());
-    let needed = ui.painter().layout_no_wrap(value.clone(), font, Color32::WHITE).size().x;
-    let border = rect.right() - (needed + 8.0).clamp(0.0, 0.75 * width);
+    let needed = ui.painter().layout_no_wrap(value.to_owned(), font, Color32::WHITE).size().x;
+    let border = end - (needed + 8.0).clamp(0.0, 0.75 * width);
     let left = Rect::from_min_max(rect.min, pos2(border, rect.bottom()));
-    let right = Rect::from_min_max(pos2(border, rect.top()), rect.max);
+    let right = Rect::from_min_max(pos2(border, rect.top()), pos2(end, rect.bottom()));
     let faint = palette(ui).faint;
     let put = |ui: &mut Ui, at: Rect, text: RichText, layout: egui::Layout| {
         let mut child = ui.new_child(egui::UiBuilder::new().max_rect(at).layout(layout));
@@ -161,4 +231,51 @@ pub fn fact(ui: &mut Ui, name: &str, value: impl Into<String>) {
     };
     put(ui, left, RichText::new(name).color(faint), egui::Layout::left_to_right(egui::Align::Center));
     put(ui, right, RichText::new(value), egui::Layout::right_to_left(egui::Align::Center));
+    if let Some(unit) = unit.filter(|unit| !unit.is_empty()) {
+        let at = Rect::from_min_max(pos2(end + 4.0, rect.top()), rect.max);
+        put(ui, at, RichText::new(unit).color(faint), egui::Layout::left_to_right(egui::Align::Center));
+    }
+}
+
+/// The number that `value` is, and its unit, which may be empty; none if it is words.
+fn number_and_unit(value: &str) -> Option<(&str, &str)> {
+    let is_number = |text: &str| text.chars().all(|c| c.is_ascii_digit() || "+-. ".contains(c)) && !text.is_empty();
+    if is_number(value) {
+        return Some((value, ""));
+    }
+    let (number, unit) = value.rsplit_once(' ')?;
+    (is_number(number) && ["mm", "in", "deg", "s", "mm²", "mm³"].contains(&unit)).then_some((number, unit))
+}
+
+/// A sentence as it begins where it stands by itself; names of files and keys stay as they are.
+pub fn sentence(text: &str) -> String {
+    let first = text.split(' ').next().unwrap_or_default();
+    if !first.chars().all(|c| c.is_ascii_lowercase() || ",:".contains(c)) {
+        return text.to_owned();
+    }
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_is_told_from_its_unit_and_from_words() {
+        assert_eq!(number_and_unit("-1.4874 deg"), Some(("-1.4874", "deg")));
+        assert_eq!(number_and_unit("24 288"), Some(("24 288", "")));
+        assert_eq!(number_and_unit("10788.4 mm³"), Some(("10788.4", "mm³")));
+        for words in ["hub", "0 of 24", "node 7 from the final pose", "part.stl", ""] {
+            assert_eq!(number_and_unit(words), None, "{words}");
+        }
+    }
+
+    #[test]
+    fn a_sentence_begins_with_a_capital_and_a_name_stays_as_it_is() {
+        assert_eq!(sentence("jams at node 7"), "Jams at node 7");
+        for name in ["part.stl: not closed", "[plan] step_mm: too large", "x_1 is wrong", ""] {
+            assert_eq!(sentence(name), name);
+        }
+    }
 }

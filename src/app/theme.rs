@@ -57,6 +57,16 @@ pub fn palette(ui: &egui::Ui) -> &'static Palette {
     if ui.visuals().dark_mode { &DARK } else { &LIGHT }
 }
 
+/// A box to tick, with an edge, without which an empty one could hardly be seen.
+pub fn tick<'a>(ui: &mut egui::Ui, on: &'a mut bool, text: impl egui::IntoAtoms<'a>) -> egui::Response {
+    ui.scope(|ui| {
+        let edge = palette(ui).faint.gamma_multiply(0.7);
+        ui.visuals_mut().widgets.inactive.bg_stroke = Stroke::new(1.0, edge);
+        ui.add(egui::Checkbox::new(on, text))
+    })
+    .inner
+}
+
 /// Gives both themes of `ctx` their looks.
 pub fn install(ctx: &egui::Context) {
     ctx.set_style_of(egui::Theme::Dark, style(true));
@@ -112,7 +122,7 @@ fn visuals(dark: bool) -> Visuals {
     v.menu_corner_radius = CornerRadius::same(6);
     v.widgets = widgets(dark, line, palette.accent);
     v.indent_has_left_vline = false;
-    v.handle_shape = egui::style::HandleShape::Circle;
+    v.handle_shape = egui::style::HandleShape::Rect { aspect_ratio: 0.5 };
     v.slider_trailing_fill = true;
     v
 }

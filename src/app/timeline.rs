@@ -6,16 +6,16 @@ use super::commands::Command;
 use super::core::Core;
 use super::theme::palette;
 
-/// Least room for the figures beside the buttons (points).
-const READOUT_WIDTH: f32 = 330.0;
+/// Least room for the figures beside the buttons (points): the clearance, where it is, and what all of it is.
+const READOUT: [f32; 3] = [90.0, 200.0, 325.0];
+/// Least room for the controls of playing beside the buttons and the clearance.
+const PLAYING: f32 = 320.0;
 
 /// Draws it.
 pub fn show(ui: &mut Ui, core: &mut Core) {
     ui.horizontal(|ui| {
         controls(ui, core);
-        if ui.available_width() > READOUT_WIDTH {
-            readout(ui, core);
-        }
+        readout(ui, core);
     });
     strip(ui, core);
 }
@@ -37,14 +37,27 @@ fn controls(ui: &mut Ui, core: &mut Core) {
             core.push(command);
         }
     }
-    let label = ui.label(RichText::new("Speed").color(palette(ui).faint));
+    // Where there is little room, what is looked at comes before how it is played.
+    if ui.available_width() > PLAYING {
+        playing(ui, core);
+    }
+    which_electrode(ui, core);
+}
+
+/// How it is played.
+fn playing(ui: &mut Ui, core: &mut Core) {
     let speed =
         egui::DragValue::new(&mut core.cursor.speed).range(0.1..=200.0).speed(0.2).suffix(" mm/s").max_decimals(1);
-    ui.add_sized(vec2(78.0, 20.0), speed).labelled_by(label.id).on_hover_text("Speed of playing along the path");
+    let response = ui.add_sized(vec2(78.0, 22.0), speed).on_hover_text("Speed of playing along the path");
+    ui.ctx().accesskit_node_builder(response.id, |node| node.set_label("Speed of playing"));
     let ghost = ui.add_enabled(Command::Ghost.is_enabled(core), egui::Button::new("Ghost"));
     if ghost.on_hover_text(Command::Ghost.hint(ui.ctx())).clicked() {
         core.push(Command::Ghost);
     }
+}
+
+/// Which electrode is looked at, if there are several.
+fn which_electrode(ui: &mut Ui, core: &mut Core) {
     let count = core.electrode_count();
     if count > 1 {
         let label = ui.label(RichText::new("Electrode").color(palette(ui).faint));
@@ -67,15 +80,26 @@ fn readout(ui: &mut Ui, core: &Core) {
     let nodes: Vec<_> = core.track().nodes().map(|n| n.node.unwrap_or_default()).collect();
     let node = core.track().nearest_node(core.cursor.s).map_or(0, |i| nodes[i]);
     let last = nodes.iter().copied().max().unwrap_or_default();
+    let room = ui.available_width();
+    let [with_clearance, with_place, with_words] = READOUT.map(|least| room > least);
+    let faint = palette(ui).faint;
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-        let gap = core.document.job().electrode.spark_gap_mm - core.document.job().verify.tolerance_mm;
-        let colour = if station.clearance < gap { palette(ui).bad } else { palette(ui).good };
-        ui.label(RichText::new(length.show(station.clearance, 4)).color(colour).monospace());
-        ui.label(RichText::new("clearance").color(palette(ui).faint));
-        ui.label(RichText::new(length.show(station.s, 3)).monospace());
-        ui.label(RichText::new("at").color(palette(ui).faint));
-        ui.label(RichText::new(format!("{node:>3} / {last}")).monospace());
-        ui.label(RichText::new("node").color(palette(ui).faint));
+        if with_clearance {
+            let colour = if station.clearance < core.least_wanted() { palette(ui).bad } else { palette(ui).good };
+            let text = RichText::new(length.show(station.clearance, 4)).color(colour).monospace();
+            ui.label(text).on_hover_text("Clearance at the cursor");
+        }
+        if with_words {
+            ui.label(RichText::new("clearance").color(faint));
+        }
+        if with_place {
+            ui.label(RichText::new(length.show(station.s, 3)).monospace()).on_hover_text("Withdrawn");
+            ui.label(RichText::new("at").color(faint));
+            ui.label(RichText::new(format!("{node} / {last}")).monospace()).on_hover_text("Node, from the final pose");
+        }
+        if with_words {
+            ui.label(RichText::new("node").color(faint));
+        }
     });
 }
 
@@ -95,15 +119,22 @@ fn strip(ui: &mut Ui, core: &mut Core) {
         painter.text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(12.0), colours.faint);
         return;
     }
-    let inner = rect.shrink2(vec2(12.0, 0.0));
+    // The same place as in the plots below, where they can be seen.
+    let inner = match core.span {
+        Some([left, right]) if rect.left() <= left && left < right && right <= rect.right() => {
+            Rect::from_x_y_ranges(left..=right, rect.y_range())
+        }
+        _ => rect.shrink2(vec2(12.0, 0.0)),
+    };
     let x_of = |s: f64| inner.left() + inner.width() * (1.0 - (s / length) as f32);
-    let gap = core.document.job().electrode.spark_gap_mm - core.document.job().verify.tolerance_mm;
+    let gap = core.least_wanted();
     for node in core.track().nodes() {
         let colour = if node.clearance < gap { colours.bad } else { colours.faint };
         let x = x_of(node.s);
         painter.vline(x, rect.bottom() - 10.0..=rect.bottom() - 3.0, egui::Stroke::new(1.0, colour));
     }
-    scale(&painter, inner, rect, length, colours.faint);
+    let x = x_of(core.cursor.s.clamp(0.0, length));
+    scale(&painter, inner, rect, length, colours.faint, x);
     for s in &core.ghosts {
         painter.circle_stroke(pos2(x_of(*s), rect.bottom() - 7.0), 3.5, egui::Stroke::new(1.5, colours.accent));
     }
@@ -113,7 +144,6 @@ fn strip(ui: &mut Ui, core: &mut Core) {
         let colour = if core.outcome().is_some_and(|o| o.plan.is_verified()) { colours.warning } else { colours.bad };
         painter.add(egui::Shape::convex_polygon(triangle, colour, egui::Stroke::NONE));
     }
-    let x = x_of(core.cursor.s.clamp(0.0, length));
     painter.vline(x, rect.y_range(), egui::Stroke::new(2.0, colours.accent));
     painter.circle_filled(pos2(x, rect.top() + 5.0), 5.0, colours.accent);
     if let Some(pointer) = response.interact_pointer_pos() {
@@ -131,14 +161,19 @@ fn strip(ui: &mut Ui, core: &mut Core) {
     }
 }
 
-/// Round distances along the strip.
-fn scale(painter: &egui::Painter, inner: Rect, rect: Rect, length: f64, colour: egui::Color32) {
-    let step = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0].into_iter().find(|s| length / s <= 14.0).unwrap_or(200.0);
+/// Round distances along the strip, except where the cursor at `cursor` would hide them.
+fn scale(painter: &egui::Painter, inner: Rect, rect: Rect, length: f64, colour: egui::Color32, cursor: f32) {
+    let most = f64::from((inner.width() / 42.0).clamp(2.0, 14.0));
+    let step = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0].into_iter().find(|s| length / s <= most).unwrap_or(200.0);
     let mut s = 0.0;
     while s <= length + 1e-9 {
         let x = inner.left() + inner.width() * (1.0 - (s / length) as f32);
         let text = if s == 0.0 { "final".to_owned() } else { format!("{s}") };
-        painter.text(pos2(x, rect.top() + 8.0), Align2::CENTER_CENTER, text, FontId::proportional(10.0), colour);
+        // The last one may not stick out on the right.
+        let x = x.min(rect.right() - 14.0);
+        if (x - cursor).abs() > 16.0 {
+            painter.text(pos2(x, rect.top() + 8.0), Align2::CENTER_CENTER, text, FontId::proportional(10.0), colour);
+        }
         s += step;
     }
 }

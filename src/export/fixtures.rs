@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::approved::Approved;
+use super::choice::MeshFrame;
 use super::quantise::quantise_path;
 use super::report::*;
 use crate::blisk::channel::Surface;
@@ -118,6 +119,12 @@ pub(crate) fn report() -> Report {
         }),
         symbols: symbols(),
         electrodes: vec![verified(&path), jammed()],
+        written: Written {
+            electrode_frame: MeshFrame::W,
+            post: "beckhoff-edm".to_owned(),
+            files: ["electrode_1.stl", "path_1.csv", "report.json"].map(str::to_owned).to_vec(),
+            not_asked_for: vec!["nc", "pictures"],
+        },
         times: vec![
             stage("read and mend", 0.41),
             stage("channel", 1.62),

@@ -5,6 +5,7 @@
 //! decimals of the files ([`crate::feed::quantise`]) before it is verified.
 
 pub mod approved;
+pub mod choice;
 pub mod files;
 pub mod nc;
 pub mod nc_feed;

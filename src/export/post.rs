@@ -19,7 +19,7 @@ pub const BUILT_IN: [(&str, &str); 2] = [
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs)]
 pub enum PostError {
-    #[error("there is no post {name:?}; built in are {}, and others are read from NAME.toml in the posts folder",
+    #[error("there is no post {name:?}; built in are {}, and one of your own is given by the path of its .toml file",
             BUILT_IN.map(|(n, _)| n).join(", "))]
     Unknown { name: String },
     #[error("cannot read the post {path}: {source}")]

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use super::choice::MeshFrame;
 use super::files::{WriteError, write_atomically};
 use super::nc_feed::Slowed;
 use super::report_html;
@@ -49,6 +50,8 @@ pub struct Report {
     pub symbols: Vec<Symbol>,
     /// One per electrode.
     pub electrodes: Vec<ElectrodeReport>,
+    /// What was written.
+    pub written: Written,
     /// Time per stage.
     pub times: Vec<StageTime>,
     /// Pictures for the page.
@@ -364,6 +367,19 @@ pub struct Motion {
     pub rows: Vec<PathRow>,
     /// Exact clearance at every row (mm).
     pub clearance: Vec<f64>,
+}
+
+/// What was written beside the report, as it was chosen.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Written {
+    /// Frame of the electrode meshes: `mesh` or `w`.
+    pub electrode_frame: MeshFrame,
+    /// Name or file of the post.
+    pub post: String,
+    /// Every file, in the order of writing.
+    pub files: Vec<String>,
+    /// Keys of `[export.files]` that were false.
+    pub not_asked_for: Vec<&'static str>,
 }
 
 /// Time of a stage.

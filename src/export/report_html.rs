@@ -30,7 +30,8 @@ pub(super) fn page(report: &Report) -> String {
     out.push_str("</div></section><section><h2>Parameters</h2><div class=\"cols\">");
     tables::symbols(&mut out, &report.symbols);
     tables::parameters(&mut out, &report.parameters);
-    out.push_str("</div></section><section><h2>Time</h2>");
+    out.push_str("</div></section><section><h2>Files and time</h2>");
+    tables::written(&mut out, &report.written);
     tables::times(&mut out, &report.times);
     let version = escape(&report.program_version);
     let _ = write!(out, "</section><footer>Sparkpath {version}, report schema {}</footer>", report.schema);

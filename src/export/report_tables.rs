@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::report::{
-    BliskSummary, ElectrodeReport, Failure, InputFile, NodeReport, PoseReport, Smoothness, StageTime, Symbol,
+    BliskSummary, ElectrodeReport, Failure, InputFile, NodeReport, PoseReport, Smoothness, StageTime, Symbol, Written,
 };
 use super::report_html::file_name;
 use super::svg_plot::escape;
@@ -223,6 +223,20 @@ pub(super) fn files(out: &mut String, files: &[String]) {
         };
         table(out, "pairs", "Files", &[], files.iter().map(name));
     }
+}
+
+/// What was written, and in which frame.
+pub(super) fn written(out: &mut String, written: &Written) {
+    let mut rows = vec![
+        row("Electrode meshes", written.electrode_frame.name()),
+        row("Path rows", "workpiece frame W"),
+        row("NC programs", format!("post {}, all axes zero in the final pose", escape(&written.post))),
+        row("Files", written.files.iter().map(|f| escape(file_name(f))).collect::<Vec<_>>().join(", ")),
+    ];
+    if !written.not_asked_for.is_empty() {
+        rows.push(row("Not asked for", written.not_asked_for.join(", ")));
+    }
+    table(out, "pairs", "Written", &[], rows);
 }
 
 pub(super) fn nodes(out: &mut String, nodes: &[NodeReport]) {

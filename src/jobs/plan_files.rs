@@ -5,14 +5,15 @@ use std::path::{Path, PathBuf};
 use super::plan::{ElectrodeOutcome, PlanInputs, PlanOutcome};
 use crate::blisk::channel::Channel;
 use crate::export::approved::{Approved, NotApproved};
+use crate::export::choice::MeshFrame;
 use crate::export::files::{WriteError, write_atomically};
 use crate::export::nc::{NcError, NcJob, NcProgram};
 use crate::export::path_csv::{PathCsvError, write_path_csv};
 use crate::export::post::{Post, PostError};
-use crate::export::report::{FeedLowered, Report, ReportError};
+use crate::export::report::{FeedLowered, Report, ReportError, Written};
 use crate::geometry::mesh::Mesh;
 use crate::mesh_io::stl_bytes;
-use crate::project::PlanJob;
+use crate::project::{ExportSection, PlanJob};
 
 /// Why results cannot be written.
 #[derive(Debug, thiserror::Error)]
@@ -53,7 +54,8 @@ pub fn prepare(folder: &Path) -> Result<(), PlanFilesError> {
 /// error or an interruption leaves no program beside results that it does not belong to. Files of an earlier
 /// plan in the folder are removed. Returns the names of the files and enters them in `report`.
 ///
-/// A path that is not verified is written for study as `path_K.unverified.csv`, and never as NC.
+/// Only what the job asks for is written; what an earlier plan left behind of the rest is removed all the same. A path
+/// that is not verified is written for study as `path_K.unverified.csv`, and never as NC.
 pub fn write(
     folder: &Path,
     outcome: &PlanOutcome,
@@ -73,9 +75,10 @@ pub fn write(
         files.extend(own);
         programs.extend(program);
     }
-    files.extend(report.pictures.iter().map(|p| (p.file.clone(), p.png.clone())));
-    files.push(("report.json".to_owned(), report.json()?.into_bytes()));
-    files.push(("report.html".to_owned(), report.html().into_bytes()));
+    if inputs.job.export.files.pictures {
+        files.extend(report.pictures.iter().map(|p| (p.file.clone(), p.png.clone())));
+    }
+    files.extend(reports(report, &inputs.job.export, &files, &programs)?);
     files.extend(programs);
     let unusable = |source| PlanFilesError::Folder { path: folder.to_owned(), source };
     std::fs::create_dir_all(folder).map_err(unusable)?;
@@ -92,6 +95,29 @@ pub fn write(
 
 type NamedFile = (String, Vec<u8>);
 
+/// Enters in `report` what is written, and answers its own files if they are asked for.
+fn reports(
+    report: &mut Report,
+    export: &ExportSection,
+    files: &[NamedFile],
+    programs: &[NamedFile],
+) -> Result<Vec<NamedFile>, PlanFilesError> {
+    let own: &[&str] = if export.files.report { &["report.json", "report.html"] } else { &[] };
+    let names = |files: &[NamedFile]| files.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
+    let own: Vec<String> = own.iter().map(|name| (*name).to_owned()).collect();
+    report.written = Written {
+        electrode_frame: export.frame,
+        post: export.post.clone(),
+        files: [names(files), own, names(programs)].concat(),
+        not_asked_for: export.files.kinds().into_iter().filter(|(_, wanted)| !wanted).map(|(kind, _)| kind).collect(),
+    };
+    if !export.files.report {
+        return Ok(Vec::new());
+    }
+    let (json, html) = (report.json()?, report.html());
+    Ok(vec![("report.json".to_owned(), json.into_bytes()), ("report.html".to_owned(), html.into_bytes())])
+}
+
 /// What the files of all electrodes share.
 struct Context<'a> {
     channel: &'a Channel,
@@ -106,23 +132,44 @@ fn electrode_files(
     outcome: &ElectrodeOutcome,
     context: &Context,
 ) -> Result<(Vec<NamedFile>, Option<NcProgram>), PlanFilesError> {
-    let electrode_file = format!("electrode_{k}.stl");
-    let in_mesh_frame = outcome.electrode.mesh.in_parent_of(&context.channel.frame);
-    let mut files = vec![(electrode_file.clone(), stl_bytes(&in_mesh_frame).map_err(PlanFilesError::Electrode)?)];
+    let (wanted, mut files) = (&context.job.export.files, Vec::new());
+    let electrode = &outcome.electrode.mesh;
+    if wanted.electrode {
+        let mesh = match context.job.export.frame {
+            MeshFrame::Mesh => &electrode.in_parent_of(&context.channel.frame),
+            MeshFrame::W => electrode,
+        };
+        files.push((electrode_file(k), stl_bytes(mesh).map_err(PlanFilesError::Electrode)?));
+    }
     let Some(planned) = &outcome.plan.path else { return Ok((files, None)) };
-    let csv = write_path_csv(&planned.path, planned.certificate.row_clearance())?.into_bytes();
-    if !planned.certificate.holds() {
-        files.push((format!("path_{k}.unverified.csv"), csv));
+    let holds = planned.certificate.holds();
+    if wanted.path {
+        let csv = write_path_csv(&planned.path, planned.certificate.row_clearance())?.into_bytes();
+        files.push((format!("path_{k}{}.csv", if holds { "" } else { ".unverified" }), csv));
+    }
+    if !holds || !wanted.nc {
         return Ok((files, None));
     }
-    files.push((format!("path_{k}.csv"), csv));
-    let electrode = &outcome.electrode.mesh;
     let approved = Approved::new(planned.path.clone(), planned.certificate.clone(), context.blisk, electrode)
         .map_err(|source| PlanFilesError::NotApproved { electrode: k, source })?;
+    let electrode_file = electrode_in_program(k, &context.job.export);
     let nc_job =
         NcJob { program: &format!("path_{k}"), electrode_file: &electrode_file, machine: &context.job.machine };
     let program = NcProgram::new(&approved, context.post, &context.job.export.nc, &nc_job)?;
     Ok((files, Some(program)))
+}
+
+fn electrode_file(k: usize) -> String {
+    format!("electrode_{k}.stl")
+}
+
+/// What a program says of the file of its electrode.
+fn electrode_in_program(k: usize, export: &ExportSection) -> String {
+    match (export.files.electrode, export.frame) {
+        (false, _) => format!("none was written of electrode {k}"),
+        (true, MeshFrame::Mesh) => electrode_file(k),
+        (true, MeshFrame::W) => format!("{} in the workpiece frame W", electrode_file(k)),
+    }
 }
 
 /// Removes what an earlier plan may have written; of a link only the link.

@@ -21,6 +21,9 @@ pub fn add(
 ) -> Result<(), Cancelled> {
     let started = Instant::now();
     cancel.check()?;
+    if !inputs.job.export.draws_any() {
+        return Ok(());
+    }
     match draw(outcome, inputs, progress, cancel) {
         Ok(pictures) => report.pictures = pictures,
         Err(NotDrawn::Cancelled(cancelled)) => return Err(cancelled),
@@ -46,12 +49,13 @@ fn draw(
 ) -> Result<Vec<Picture>, NotDrawn> {
     progress.report("pictures", 0.0, "");
     let mut offscreen = Offscreen::new()?;
-    let pictures = plan_pictures(&PlanToShow {
+    let mut pictures = plan_pictures(&PlanToShow {
         blisk: &inputs.blisk,
         channel: &outcome.channel,
         electrodes: outcome.electrodes.iter().map(|e| (&e.electrode, &e.plan)).collect(),
         spark_gap: inputs.job.electrode.spark_gap_mm,
     });
+    pictures.retain(|picture| inputs.job.export.draws(&picture.file));
     let count = pictures.len();
     let mut drawn = Vec::with_capacity(count);
     for (i, picture) in pictures.into_iter().enumerate() {

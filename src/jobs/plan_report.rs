@@ -5,7 +5,7 @@ use crate::blisk::channel::Channel;
 use crate::blisk::electrode::EntrySide;
 use crate::export::report::{
     BliskSummary, ClearancePlace, Convergence, ElectrodeReport, Failure, InputFile, Motion, NodeReport,
-    ObjectiveReport, PoseReport, Report, SCHEMA, Smoothness, Symbol, Verdict, VerifiedDigests,
+    ObjectiveReport, PoseReport, Report, SCHEMA, Smoothness, Symbol, Verdict, VerifiedDigests, Written,
 };
 use crate::feed::certificate::TravelVerdict;
 use crate::feed::genetic::GeneticParams;
@@ -27,6 +27,7 @@ pub fn report(outcome: &PlanOutcome, job: &PlanJob, inputs: Vec<InputFile>) -> R
         parameters: serde_json::to_value(job).unwrap_or_default(),
         symbols: symbols(outcome, job),
         electrodes,
+        written: Written::default(),
         times: outcome.times.clone(),
         pictures: Vec::new(),
         no_pictures: None,

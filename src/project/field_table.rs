@@ -1,6 +1,6 @@
 //! The table of all parameters, in the order of the forms.
 
-use super::fields::Kind::{AutoInteger, AutoNumber, Choice, File, Flag, Integer, Number, Slider};
+use super::fields::Kind::{AutoInteger, AutoNumber, Choice, ChoiceOrFile, File, Flag, Integer, Number, Slider};
 use super::fields::{Field, Kind, Range};
 use super::stage::Stage;
 
@@ -26,6 +26,7 @@ const MACHINES: &[(&str, &str)] = &[("XYZC", "XYZ C"), ("XYZAC", "XYZ A C"), ("X
 const CONSTRAINTS: &[(&str, &str)] = &[("distance", "distance"), ("angle", "angle")];
 const H_MODES: &[(&str, &str)] = &[("given", "as given"), ("variable", "search")];
 const POSTS: &[(&str, &str)] = &[("iso", "ISO / RS-274"), ("beckhoff-edm", "Beckhoff EDM")];
+const FRAMES: &[(&str, &str)] = &[("mesh", "loaded mesh"), ("w", "workpiece W")];
 
 const REDUCTION: Kind = Slider(Range(0.0, 45.0), Range(0.0, 4.0), 3);
 const WEIGHT: Kind = Slider(Range(0.0, f64::INFINITY), Range(0.0, 1.0), 2);
@@ -90,8 +91,18 @@ pub(super) const FIELDS: &[Field] = &[
     field(Stage::Verify, "Certificate", "/verify/resolution_mm", "Resolution", "", "mm", Number(Range(1e-6, 1.0), 6), "How close the proven bound comes to the smallest clearance met."),
     field(Stage::Verify, "Certificate", "/verify/stop_at_violation", "Stop at violation", "", "", Flag, "Answers no as soon as one place is too near, without looking for the others."),
 
-    field(Stage::Export, "NC program", "/export/post", "Post-processor", "", "", Choice(POSTS), "The words that the control understands. Posts are TOML files: a job file may name one of its own."),
+    field(Stage::Export, "NC program", "/export/post", "Post-processor", "", "", ChoiceOrFile(POSTS), "The words that the control understands. A post is a TOML file; one of your own can be chosen."),
     field(Stage::Export, "NC program", "/export/nc/feed_mm_per_min", "Feed", "", "mm/min", Number(Range(0.001, 100000.0), 1), "Feed towards the final pose. While eroding, the generator's servo sets the pace; this is its limit."),
     field(Stage::Export, "NC program", "/export/nc/retract_mm_per_min", "Retraction", "", "mm/min", Number(Range(0.001, 100000.0), 1), "Feed of the approach and of the retraction."),
     field(Stage::Export, "NC program", "/export/nc/burn_dwell_s", "Dwell", "", "s", Number(Range(0.0, 1e6), 1), "Dwell in the final pose after the stop for the burn; 0 for none."),
+    field(Stage::Export, "Files", "/export/frame", "Electrode in", "", "", Choice(FRAMES), "The frame of electrode_K.stl: that of the loaded mesh, or the workpiece frame W, whose place in the loaded mesh stands in every result."),
+    field(Stage::Export, "Files", "/export/files/electrode", "Electrode", "", "", Flag, "electrode_K.stl: each electrode in its final pose."),
+    field(Stage::Export, "Files", "/export/files/path", "Path", "", "", Flag, "path_K.csv: the rows of the motion, in W."),
+    field(Stage::Export, "Files", "/export/files/nc", "NC program", "", "", Flag, "path_K.nc through the post. Only a certified path has one."),
+    field(Stage::Export, "Files", "/export/files/report", "Report", "", "", Flag, "report.html for people and report.json for programs."),
+    field(Stage::Export, "Files", "/export/files/pictures", "Pictures", "", "", Flag, "The pictures as PNG files. The page of the report holds them in any case."),
+    field(Stage::Export, "Pictures", "/export/pictures/whole", "Whole blisk", "", "", Flag, "The whole blisk with its electrodes before it."),
+    field(Stage::Export, "Pictures", "/export/pictures/final_pose", "Final pose", "", "", Flag, "Each electrode in its final pose in the channel."),
+    field(Stage::Export, "Pictures", "/export/pictures/sweep", "On its way", "", "", Flag, "Each electrode in many poses along its way."),
+    field(Stage::Export, "Pictures", "/export/pictures/closest", "Closest place", "", "", Flag, "A section where each electrode comes closest, or jams."),
 ];

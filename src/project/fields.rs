@@ -44,6 +44,8 @@ pub enum Kind {
     AutoInteger(Range, u64),
     /// One of some words, each with how it is shown.
     Choice(&'static [(&'static str, &'static str)]),
+    /// One of some words, each with how it is shown, or the path of a file.
+    ChoiceOrFile(&'static [(&'static str, &'static str)]),
     /// Yes or no.
     Flag,
     /// A file, or none.
@@ -163,7 +165,7 @@ mod tests {
     fn every_choice_is_a_word_that_is_understood() {
         let job = job_as_json(&base());
         for field in super::super::field_table::FIELDS {
-            if let Kind::Choice(words) = field.kind {
+            if let Kind::Choice(words) | Kind::ChoiceOrFile(words) = field.kind {
                 for (word, _) in words {
                     assert!(with_value(&job, field, (*word).into()).is_ok(), "{} = {word}", field.pointer);
                 }

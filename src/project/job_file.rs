@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::blisk::electrode::{ElectrodeParams, EnterSide, Sizing};
 use crate::blisk::options::BliskOptions;
+use crate::export::choice::{DrawnPictures, MeshFrame, WrittenFiles};
 use crate::export::nc::NcSettings;
 use crate::feed::genetic::{GeneticParams, ReductionMode};
 use crate::feed::machine::MachineParams;
@@ -51,13 +52,49 @@ pub struct BliskSection {
 pub struct ExportSection {
     /// Post-processor: `"iso"`, another built-in one, or the path of a TOML file.
     pub post: String,
+    /// Frame of the electrode meshes: `"mesh"` or `"w"`.
+    pub frame: MeshFrame,
+    /// Which files are written.
+    pub files: WrittenFiles,
+    /// Which pictures are drawn.
+    pub pictures: DrawnPictures,
     /// Speeds and times.
     pub nc: NcSettings,
 }
 
 impl Default for ExportSection {
     fn default() -> Self {
-        Self { post: "iso".to_owned(), nc: NcSettings::default() }
+        Self {
+            post: "iso".to_owned(),
+            frame: MeshFrame::default(),
+            files: WrittenFiles::default(),
+            pictures: DrawnPictures::default(),
+            nc: NcSettings::default(),
+        }
+    }
+}
+
+impl ExportSection {
+    /// Whether it can be done.
+    ///
+    /// # Errors
+    /// One line naming the key.
+    pub fn validate(&self) -> Result<(), String> {
+        self.nc.validate().map_err(|e| format!("[export.nc] {e}"))?;
+        if !self.files.any() {
+            return Err("[export.files] all are false, so that nothing would be written; set one to true".to_owned());
+        }
+        Ok(())
+    }
+
+    /// Whether the picture for this file is drawn, which is so only if a file shall hold it.
+    pub fn draws(&self, file: &str) -> bool {
+        (self.files.report || self.files.pictures) && self.pictures.draws(file)
+    }
+
+    /// Whether any picture is drawn.
+    pub fn draws_any(&self) -> bool {
+        (self.files.report || self.files.pictures) && self.pictures.any()
     }
 }
 
@@ -111,7 +148,7 @@ impl PlanJob {
         self.plan.validate().map_err(|e| text(&e))?;
         self.genetic.validate().map_err(|e| text(&e))?;
         self.verify.validate().map_err(|e| format!("[verify] {e}"))?;
-        self.export.nc.validate().map_err(|e| format!("[export.nc] {e}"))?;
+        self.export.validate()?;
         if self.electrode.mesh.is_some() && self.genetic.h == ReductionMode::Variable {
             return Err(
                 "[genetic] h = \"variable\": an electrode mesh of your own cannot be reduced; use h = \"given\""
@@ -316,6 +353,33 @@ mod tests {
         .unwrap();
         assert_eq!(job.electrode.circumferential_reduction_deg, [0.8, 0.9]);
         assert_eq!((job.genetic.seed, job.plan.weights.a3), (7, 0.5));
+    }
+
+    #[test]
+    fn what_is_exported_can_be_said_and_is_everything_by_default() {
+        let job = parse("[blisk]\nmesh = \"a.stl\"\n[export]\npost = \"beckhoff-edm\"").unwrap();
+        assert_eq!(job.export, ExportSection { post: "beckhoff-edm".to_owned(), ..Default::default() });
+        let text = "[blisk]\nmesh = \"a.stl\"\n[export]\nframe = \"w\"\n[export.files]\nnc = false\npictures = false\n\
+                    [export.pictures]\nsweep = false";
+        let export = parse(text).unwrap().export;
+        assert_eq!(export.frame, MeshFrame::W);
+        assert_eq!(export.files, WrittenFiles { nc: false, pictures: false, ..Default::default() });
+        assert!(export.draws("electrode_1_final.png") && !export.draws("electrode_1_sweep.png"));
+        // What is chosen in the window comes back from a job file of it.
+        let mut job = PlanJob::demonstration();
+        (job.blisk.mesh, job.export) = (Some("jobs/a.stl".into()), export);
+        let again = PlanJob::parse(&job.to_toml().unwrap(), Path::new("")).map_err(|p| p.message).unwrap();
+        assert_eq!(again, job);
+    }
+
+    #[test]
+    fn an_export_of_nothing_is_refused_and_draws_nothing() {
+        let mut job = PlanJob::demonstration();
+        job.export.files = WrittenFiles { electrode: false, path: false, nc: false, report: false, pictures: false };
+        assert!(job.validate().unwrap_err().contains("[export.files]"));
+        assert!(!job.export.draws_any() && !job.export.draws("view_1_whole.png"));
+        job.export.files.report = true;
+        assert!(job.validate().is_ok() && job.export.draws_any(), "a page of the report holds pictures of its own");
     }
 
     #[test]

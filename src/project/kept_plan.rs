@@ -33,14 +33,14 @@ pub struct KeptElectrode {
 impl KeptPlan {
     /// SHA-256 of everything that a plan depends on, in hexadecimal: the content of the meshes, not where they lie.
     pub fn inputs_of(job: &PlanJob, content: &str) -> String {
-        let mut job = job.clone();
-        job.export = Default::default();
-        for mesh in [&mut job.blisk.mesh, &mut job.electrode.mesh] {
+        let PlanJob { mut blisk, mut electrode, machine, plan, genetic, verify, export: _ } = job.clone();
+        for mesh in [&mut blisk.mesh, &mut electrode.mesh] {
             *mesh = mesh.take().map(|_| "mesh".into());
         }
         let mut hash = Sha256::new();
         hash.update(content);
-        hash.update(serde_json::to_vec(&job).unwrap_or_default());
+        let parameters = (blisk, electrode, machine, plan, genetic, verify);
+        hash.update(serde_json::to_vec(&parameters).unwrap_or_default());
         hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
     }
 }

@@ -44,11 +44,18 @@ impl Home {
         file
     }
 
-    /// Starts the program on `opening`.
+    /// Starts the program on `opening`, in a window of the usual size.
     pub fn start(&self, opening: Opening) -> Desk {
+        self.start_in(opening, [1280, 720], 1.0)
+    }
+
+    /// Starts the program on `opening` in a window of so many pixels, of which `scale` make a point.
+    pub fn start_in(&self, opening: Opening, pixels: [u16; 2], scale: f32) -> Desk {
         let folders = self.folders();
+        let [width, height] = pixels.map(f32::from);
         let window = Harness::builder()
-            .with_size(vec2(1280.0, 720.0))
+            .with_size(vec2(width, height) / scale)
+            .with_pixels_per_point(scale)
             .wgpu()
             .build_eframe(move |cc| SparkpathApp::new(cc, &opening, Some(folders)).unwrap());
         Desk { window }

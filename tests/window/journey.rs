@@ -147,7 +147,7 @@ fn verify_and_approve(desk: &mut Desk) {
 
 fn export(desk: &mut Desk, home: &Home) {
     desk.press("Export…");
-    desk.assert_shows("Written into the folder that you choose:");
+    desk.assert_shows("Results of an earlier plan in the folder are replaced.");
     desk.press_role(Role::Button, "Cancel");
     let folder = home.path("out");
     desk.window.state_mut().export(&folder);
@@ -170,7 +170,7 @@ fn an_edit_withdraws_the_approval(desk: &mut Desk) {
     assert!(!desk.app().core().pipeline.is_approved());
     assert!(desk.step_says(Stage::Plan, "stale") && desk.step_says(Stage::Export, "stale"));
     assert!(desk.log().iter().any(|line| line.contains("approval withdrawn: an input changed")));
-    desk.assert_shows("stale: comes out");
+    desk.assert_shows("Stale: comes out");
     desk.key_with(Modifiers::COMMAND, Key::Z);
     desk.until_idle();
     assert!(desk.step_says(Stage::Plan, "done"), "the plan is of these parameters again");

@@ -7,6 +7,7 @@ use egui_kittest::SnapshotOptions;
 use sparkpath::app::{Opening, ThemeChoice};
 use sparkpath::jobs::pipeline::StageState;
 use sparkpath::project::{PlanJob, Stage};
+use sparkpath::views::Layer;
 
 use crate::common::{curved_blisk, easy_blisk};
 use crate::desk::{Desk, Home, quick};
@@ -52,7 +53,11 @@ fn the_steps_before_the_plan() {
 
 /// A window with a plan of the easy blisk.
 fn planned(home: &Home) -> Desk {
-    let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
+    planned_in(home, [1280, 720], 1.0)
+}
+
+fn planned_in(home: &Home, pixels: [u16; 2], scale: f32) -> Desk {
+    let mut desk = home.start_in(Opening::File(home.part(&easy_blisk())), pixels, scale);
     desk.until_idle();
     let mut job = quick(desk.app().core().document.job().clone());
     job.electrode.circumferential_reduction_deg = [3.0, 3.0];
@@ -91,6 +96,74 @@ fn a_plan_until_it_is_stale() {
     desk.until_idle();
     desk.open_step(Stage::Verify);
     desk.pictures("stale");
+}
+
+/// A cut through the channel, and the electrode coloured by its clearance.
+fn cut_and_coloured(desk: &mut Desk) {
+    desk.key(Key::End);
+    desk.key(Key::X);
+    desk.window.state_mut().core_mut().colours = true;
+    desk.until("the colours are there", |d| d.app().core().colour_values().is_some());
+}
+
+#[test]
+fn a_section_with_clearance_colours() {
+    let home = Home::new();
+    let mut desk = planned(&home);
+    desk.press("Front");
+    cut_and_coloured(&mut desk);
+    desk.pictures("section");
+}
+
+/// Twice as many pixels show the same, only sharper.
+#[test]
+fn a_window_of_2560_by_1440_at_200_percent() {
+    let home = Home::new();
+    let mut desk = planned_in(&home, [2560, 1440], 2.0);
+    desk.press("Channel");
+    desk.open_step(Stage::Verify);
+    desk.picture("fine_dark");
+}
+
+/// As little room as there ever is: 640 by 360 points.
+#[test]
+fn a_window_of_1280_by_720_at_200_percent() {
+    let home = Home::new();
+    let mut desk = planned_in(&home, [1280, 720], 2.0);
+    desk.open_step(Stage::Part);
+    desk.picture("small_part_dark");
+    desk.open_step(Stage::Electrode);
+    desk.picture("small_electrode_dark");
+    cut_and_coloured(&mut desk);
+    desk.picture("small_section_dark");
+    desk.key(Key::X);
+    desk.window.state_mut().core_mut().colours = false;
+    desk.open_step(Stage::Verify);
+    desk.window.state_mut().core_mut().preferences.theme = ThemeChoice::Light;
+    desk.settle();
+    desk.picture("small_verify_light");
+    desk.open_step(Stage::Export);
+    desk.press("Approve");
+    desk.press("Export…");
+    desk.picture("small_export_light");
+    desk.press_role(Role::Button, "Cancel");
+    desk.key_with(egui::Modifiers::COMMAND, Key::Comma);
+    desk.picture("small_preferences_light");
+}
+
+/// Where there is room the table of nodes stands beside the plots.
+#[test]
+fn a_window_of_1920_by_1080() {
+    let home = Home::new();
+    let mut desk = planned_in(&home, [1920, 1080], 1.0);
+    desk.press("Channel");
+    desk.open_step(Stage::Verify);
+    let node = desk.app().core().track().nodes().nth(4).unwrap().s;
+    desk.window.state_mut().core_mut().cursor.s = node;
+    desk.window.state_mut().core_mut().selected = Some(Layer::Electrode);
+    desk.settle();
+    assert!(desk.shows("Axes") && desk.shows("clearance mm"), "plots and table at once");
+    desk.picture("wide_dark");
 }
 
 #[test]

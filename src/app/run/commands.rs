@@ -1,0 +1,127 @@
+//! Commands carried out.
+
+use super::SparkpathApp;
+use crate::app::commands::Command;
+use crate::app::dialogs::{Dialog, Intent};
+use crate::app::files::Purpose;
+use crate::app::plots::Tab;
+use crate::app::preferences::ThemeChoice;
+use crate::jobs::pipeline::EventKind;
+use crate::project::Stage;
+use crate::render::scene::SectionPlane;
+
+impl SparkpathApp {
+    pub(super) fn run(&mut self, command: Command, ctx: &egui::Context) {
+        if !command.is_enabled(&self.core) {
+            return;
+        }
+        let now = ctx.input(|i| i.time);
+        match command {
+            Command::NewDemonstration => self.intend(Intent::Demonstration, ctx),
+            Command::Open => self.intend(Intent::AskOpen, ctx),
+            Command::Quit => self.intend(Intent::Quit, ctx),
+            Command::Reload => self.core.pipeline.reload(),
+            Command::Save => self.save(ctx),
+            Command::SaveAs => self.ask_where_to_save(ctx),
+            Command::SaveJob => {
+                let name = format!("{}.toml", self.core.document.name());
+                self.files.ask(Purpose::SaveJob, &name, self.folder().as_deref(), ctx);
+            }
+            Command::Undo => drop(self.core.document.undo()),
+            Command::Redo => drop(self.core.document.redo()),
+            Command::Preferences => self.dialog = Dialog::Preferences,
+            Command::Plan => self.plan(),
+            Command::Cancel => self.core.pipeline.cancel(),
+            Command::Approve => self.approve(),
+            Command::Withdraw => self.core.pipeline.withdraw(),
+            Command::Export => self.dialog = Dialog::Export,
+            Command::Step(stage) => self.core.step = stage,
+            Command::Screenshot => {
+                let name = format!("{}.png", self.core.document.name());
+                self.files.ask(Purpose::Picture, &name, self.folder().as_deref(), ctx);
+            }
+            Command::Theme => {
+                let dark = ctx.theme() == egui::Theme::Dark;
+                self.core.preferences.theme = if dark { ThemeChoice::Light } else { ThemeChoice::Dark };
+            }
+            Command::Palette => self.palette.toggle(),
+            Command::Log => self.log_open = !self.log_open,
+            Command::About => self.dialog = Dialog::About,
+            Command::Ghost => self.core.toggle_ghost(),
+            Command::Fit => self.viewport.fit(false),
+            Command::View(view) => self.viewport.look(view, now),
+            Command::Projection => self.viewport.toggle_projection(),
+            Command::IntoChannel => {
+                self.core.layers.into_channel();
+                self.viewport.look_into_channel(&self.core, now);
+            }
+            Command::WholeBlisk => {
+                self.core.layers.whole_blisk();
+                self.viewport.look(crate::render::view::StandardView::Isometric, now);
+            }
+            Command::Section => self.toggle_section(),
+            Command::Measure => {
+                self.core.measuring = !self.core.measuring;
+                self.viewport.clear_probe();
+            }
+            Command::Colours => self.core.colours = !self.core.colours,
+            Command::Play | Command::NextNode | Command::PreviousNode | Command::FirstNode | Command::LastNode => {
+                self.step_along(command);
+            }
+        }
+    }
+
+    pub(super) fn plan(&mut self) {
+        match self.core.pipeline.start_plan() {
+            Ok(()) => {
+                self.core.step = self.core.step.max(Stage::Plan);
+                self.tab = if self.tab == Tab::Table { Tab::Table } else { Tab::Positions };
+            }
+            Err(why) => self.dialog = Dialog::Error("The plan cannot be started".to_owned(), why),
+        }
+    }
+
+    pub(super) fn approve(&mut self) {
+        match self.core.pipeline.approve() {
+            Ok(()) => self.core.say(EventKind::Done, "the plan is approved"),
+            Err(why) => self.dialog = Dialog::Error("Not approved".to_owned(), why),
+        }
+    }
+
+    pub(super) fn step_along(&mut self, command: Command) {
+        let track = self.core.shared_track();
+        let cursor = &mut self.core.cursor;
+        if command == Command::Play {
+            cursor.playing = !cursor.playing;
+            if cursor.playing && cursor.s <= 0.0 {
+                cursor.s = track.length();
+            }
+            return;
+        }
+        cursor.playing = false;
+        cursor.s = match command {
+            Command::NextNode => track.next_node(cursor.s),
+            Command::PreviousNode => track.previous_node(cursor.s),
+            Command::FirstNode => track.length(),
+            _ => 0.0,
+        };
+    }
+
+    pub(super) fn toggle_section(&mut self) {
+        self.core.section = match (self.core.section, self.core.pipeline.part()) {
+            (None, Some(part)) => {
+                // Across the channel's middle where one is known: that is what one wants to look into.
+                let plane = self.core.pipeline.channel().map(|found| {
+                    let frame = &found.channel.frame;
+                    let [low, high] = found.channel.span_x();
+                    let middle = 0.5 * (low + high);
+                    let (hub, shroud) = found.channel.radii_at(middle);
+                    let point = glam::DVec3::new(middle, 0.0, 0.5 * (hub + shroud));
+                    SectionPlane { point: frame.to_parent(point), normal: frame.x }
+                });
+                plane.or(Some(SectionPlane { point: part.mesh.bounds().center(), normal: glam::DVec3::X }))
+            }
+            _ => None,
+        };
+    }
+}

@@ -1,0 +1,188 @@
+//! The document's comings and goings: opening, saving, recovering, and what is asked before work is lost.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use super::SparkpathApp;
+use crate::app::dialogs::{Answer, Dialog, Intent};
+use crate::app::files::Purpose;
+use crate::jobs::pipeline::EventKind;
+use crate::project::{Document, OpenError, Recovery, Stage};
+
+impl SparkpathApp {
+    /// Opens a project or a mesh, in whose place there was no unsaved work.
+    pub fn open(&mut self, path: &Path) {
+        if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("sparkpath")) {
+            match Document::open(path) {
+                Ok(document) => self.replace(document),
+                Err(OpenError::Moved(project, moved)) => {
+                    self.dialog = Dialog::Moved(project, moved, path.to_owned());
+                    return;
+                }
+                Err(OpenError::File(error)) => {
+                    self.core.preferences.recent.remove(path);
+                    self.dialog = Dialog::Error("This project cannot be opened".to_owned(), error.to_string());
+                    return;
+                }
+            }
+        } else {
+            self.replace(Document::for_mesh(path));
+        }
+        self.core.preferences.recent.add(path);
+    }
+
+    pub(super) fn replace(&mut self, document: Document) {
+        if let Some(autosave) = &mut self.autosave {
+            autosave.discard();
+        }
+        self.core.document = document;
+        self.core.pipeline.reset();
+        self.core.step = Stage::Part;
+        self.core.cursor.s = 0.0;
+        self.core.section = None;
+        self.core.ghosts.clear();
+        self.core.layers = Default::default();
+        self.viewport.clear_probe();
+    }
+
+    /// Does `intent`, after asking about unsaved work.
+    pub(super) fn intend(&mut self, intent: Intent, ctx: &egui::Context) {
+        if self.core.document.is_unsaved() {
+            self.dialog = Dialog::Unsaved(intent);
+        } else {
+            self.carry_out(intent, ctx);
+        }
+    }
+
+    pub(super) fn carry_out(&mut self, intent: Intent, ctx: &egui::Context) {
+        match intent {
+            Intent::Quit => {
+                self.quitting = true;
+                if let Some(autosave) = &mut self.autosave {
+                    autosave.discard();
+                }
+                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+            }
+            Intent::Open(path) => self.open(&path),
+            Intent::AskOpen => self.files.ask(Purpose::Open, "", self.folder().as_deref(), ctx),
+            Intent::Demonstration => self.replace(Document::default()),
+        }
+    }
+
+    /// The folder that a file dialog starts in.
+    pub(super) fn folder(&self) -> Option<PathBuf> {
+        let path = self.core.document.file().or(self.core.document.job().blisk.mesh.as_deref());
+        path.and_then(Path::parent).map(Path::to_owned)
+    }
+
+    pub(super) fn save(&mut self, ctx: &egui::Context) {
+        match self.core.document.file().map(Path::to_owned) {
+            Some(file) => self.save_as(&file, ctx),
+            None => self.ask_where_to_save(ctx),
+        }
+    }
+
+    pub(super) fn ask_where_to_save(&mut self, ctx: &egui::Context) {
+        let name = format!("{}.sparkpath", self.core.document.name());
+        self.files.ask(Purpose::SaveProject, &name, self.folder().as_deref(), ctx);
+    }
+
+    pub(super) fn save_as(&mut self, file: &Path, ctx: &egui::Context) {
+        let file = if file.extension().is_some() { file.to_owned() } else { file.with_extension("sparkpath") };
+        match self.core.document.save_as(&file) {
+            Ok(()) => {
+                self.core.preferences.recent.add(&file);
+                self.core.say(EventKind::Done, format!("saved as {}", file.display()));
+                if let Some(intent) = self.after_save.take() {
+                    self.carry_out(intent, ctx);
+                }
+            }
+            Err(error) => self.dialog = Dialog::Error("The project was not saved".to_owned(), error.to_string()),
+        }
+    }
+
+    pub(super) fn chosen(&mut self, purpose: Purpose, path: PathBuf, ctx: &egui::Context) {
+        match purpose {
+            Purpose::Open => self.open(&path),
+            Purpose::SaveProject => self.save_as(&path, ctx),
+            Purpose::SaveJob => self.write_job(&path),
+            Purpose::ExportFolder => self.export(&path),
+            Purpose::Picture => self.write_picture(&path),
+            Purpose::ElectrodeMesh => {
+                let mut job = self.core.document.job().clone();
+                job.electrode.mesh = Some(path);
+                self.core.edit("Own electrode", job, false);
+            }
+            Purpose::Post => self.take_post(&path),
+            Purpose::MovedMesh(old) => {
+                if let Dialog::Moved(project, moved, _) = &mut self.dialog {
+                    project.replace_mesh(&old, &path);
+                    moved.retain(|m| m.path != old);
+                    if moved.is_empty() {
+                        self.open_anyway();
+                    }
+                }
+            }
+        }
+    }
+
+    pub(super) fn open_anyway(&mut self) {
+        if let Dialog::Moved(project, _, path) = std::mem::take(&mut self.dialog) {
+            self.replace(Document::opened(*project, &path));
+            self.core.preferences.recent.add(&path);
+        }
+    }
+
+    pub(super) fn answer(&mut self, answer: Answer, ctx: &egui::Context) {
+        let dialog = std::mem::take(&mut self.dialog);
+        match (answer, dialog) {
+            (Answer::SaveThen(intent), _) => {
+                self.after_save = Some(intent);
+                self.save(ctx);
+            }
+            (Answer::Discard(intent), _) => self.carry_out(intent, ctx),
+            (Answer::Recover(i), Dialog::Recover(mut copies)) => {
+                let copy = copies.remove(i);
+                match copy.document() {
+                    Ok(document) => {
+                        self.replace(document);
+                        self.autosave_now();
+                        copy.discard();
+                        self.core.say(EventKind::Done, "unsaved work was recovered");
+                    }
+                    Err(e) => self.dialog = Dialog::Error("The copy cannot be read".to_owned(), e.to_string()),
+                }
+            }
+            (Answer::ForgetCopies, Dialog::Recover(copies)) => copies.iter().for_each(Recovery::discard),
+            (Answer::Locate(old), dialog) => {
+                self.dialog = dialog;
+                let title = format!("Where is {}?", old.display());
+                self.files.ask(Purpose::MovedMesh(old), &title, self.folder().as_deref(), ctx);
+            }
+            (Answer::OpenAnyway, dialog) => {
+                self.dialog = dialog;
+                self.open_anyway();
+            }
+            (Answer::Path(purpose, path), _) => {
+                self.dialog = std::mem::take(&mut self.behind);
+                self.chosen(purpose, path, ctx);
+            }
+            (Answer::Close, Dialog::Path(..) | Dialog::Error(..)) => self.dialog = std::mem::take(&mut self.behind),
+            (Answer::OwnPost, dialog) => {
+                self.dialog = dialog;
+                self.files.ask(Purpose::Post, "", self.folder().as_deref(), ctx);
+            }
+            (Answer::ExportTo, _) => self.files.ask(Purpose::ExportFolder, "", self.folder().as_deref(), ctx),
+            _ => {}
+        }
+    }
+
+    pub(super) fn autosave_now(&mut self) {
+        self.autosaved = Instant::now();
+        let Some(autosave) = &mut self.autosave else { return };
+        if let Err(e) = autosave.update(&self.core.document) {
+            self.core.say(EventKind::Failed, format!("no copy of the unsaved work could be kept: {e}"));
+            self.autosave = None;
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! What the window writes beside projects: job files, exported plans, pictures.
+
+use std::path::Path;
+
+use super::SparkpathApp;
+use crate::app::dialogs::Dialog;
+use crate::export::post::Post;
+use crate::jobs::pipeline::{EventKind, ExportWork};
+use crate::jobs::{plan_files, plan_pictures, plan_report};
+use crate::render::scene::Scene;
+
+impl SparkpathApp {
+    pub(super) fn write_job(&mut self, path: &Path) {
+        let text = self.core.document.job().to_toml();
+        let written = text.and_then(|text| {
+            crate::mesh_io::atomic_write(path, |out| out.write_all(text.as_bytes())).map_err(|e| e.to_string())
+        });
+        match written {
+            Ok(()) => self.core.say(EventKind::Done, format!("job file written to {}", path.display())),
+            Err(e) => self.dialog = Dialog::Error("The job file was not written".to_owned(), e),
+        }
+    }
+
+    /// Takes the post in this file, if it is one.
+    pub fn take_post(&mut self, path: &Path) {
+        let name = path.to_string_lossy().into_owned();
+        match Post::named(&name) {
+            Ok(_) => {
+                let mut job = self.core.document.job().clone();
+                job.export.post = name;
+                self.core.edit("NC program Post-processor", job, false);
+            }
+            Err(error) => {
+                let before = std::mem::take(&mut self.dialog);
+                self.behind = before;
+                self.dialog = Dialog::Error("This is no post".to_owned(), error.to_string());
+            }
+        }
+    }
+
+    /// Writes the files of the approved plan into `folder`, as the export dialog does; says why not if it cannot.
+    pub fn export(&mut self, folder: &Path) {
+        let write: ExportWork = Box::new(|folder, plan, inputs, files, progress, cancel| {
+            let post = Post::named(&inputs.job.export.post).map_err(|e| e.to_string())?;
+            plan_files::prepare(folder).map_err(|e| e.to_string())?;
+            let mut report = plan_report::report(plan, &inputs.job, files);
+            plan_pictures::add(&mut report, plan, inputs, progress, cancel).map_err(|e| e.to_string())?;
+            cancel.check().map_err(|e| e.to_string())?;
+            plan_files::write(folder, plan, inputs, &post, &mut report).map_err(|e| e.to_string())
+        });
+        if let Err(why) = self.core.pipeline.start_export(folder, write) {
+            self.dialog = Dialog::Error("Nothing was exported".to_owned(), why);
+        }
+    }
+
+    pub(super) fn write_picture(&mut self, path: &Path) {
+        let (scene, camera) = self.viewport.picture();
+        // A picture has nothing else that tells the axes.
+        let scene = Scene { triad: true, ..(**scene).clone() };
+        let picture = crate::render::offscreen::Offscreen::new()
+            .and_then(|mut o| o.png(&scene, camera, [1920, 1200]))
+            .map_err(|e| e.to_string());
+        let written = picture.and_then(|bytes| {
+            crate::mesh_io::atomic_write(path, |out| out.write_all(&bytes)).map_err(|e| e.to_string())
+        });
+        match written {
+            Ok(()) => self.core.say(EventKind::Done, format!("picture written to {}", path.display())),
+            Err(e) => self.dialog = Dialog::Error("The picture was not written".to_owned(), e),
+        }
+    }
+}

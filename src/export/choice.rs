@@ -1,0 +1,131 @@
+//! What of a plan is written, and in which frame: the choices of `[export]` beside the post. By default all of it.
+
+use serde::{Deserialize, Serialize};
+
+/// The frame that electrode meshes are written in.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum MeshFrame {
+    /// That of the loaded mesh.
+    #[default]
+    Mesh,
+    /// The workpiece frame W, whose place in the coordinates of the loaded mesh stands in every result.
+    W,
+}
+
+impl MeshFrame {
+    /// Its name for a reader.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mesh => "frame of the loaded mesh",
+            Self::W => "workpiece frame W",
+        }
+    }
+}
+
+/// `[export.files]`: which files are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct WrittenFiles {
+    /// `electrode_K.stl`
+    pub electrode: bool,
+    /// `path_K.csv`, and `path_K.unverified.csv` of a path that is not verified.
+    pub path: bool,
+    /// The NC program of a verified path.
+    pub nc: bool,
+    /// `report.json` and `report.html`
+    pub report: bool,
+    /// The pictures as PNG files; the page of the report holds them in any case.
+    pub pictures: bool,
+}
+
+impl Default for WrittenFiles {
+    fn default() -> Self {
+        Self { electrode: true, path: true, nc: true, report: true, pictures: true }
+    }
+}
+
+impl WrittenFiles {
+    /// Every kind with its key, in the order of the fields.
+    pub fn kinds(&self) -> [(&'static str, bool); 5] {
+        [
+            ("electrode", self.electrode),
+            ("path", self.path),
+            ("nc", self.nc),
+            ("report", self.report),
+            ("pictures", self.pictures),
+        ]
+    }
+
+    /// Whether anything is written at all.
+    pub fn any(&self) -> bool {
+        self.kinds().iter().any(|(_, wanted)| *wanted)
+    }
+}
+
+/// `[export.pictures]`: which pictures are drawn, for the report and as files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct DrawnPictures {
+    /// The whole blisk with its electrodes.
+    pub whole: bool,
+    /// Each electrode in its final pose.
+    pub final_pose: bool,
+    /// Each electrode on its way.
+    pub sweep: bool,
+    /// A section where each electrode comes closest, or jams.
+    pub closest: bool,
+}
+
+impl Default for DrawnPictures {
+    fn default() -> Self {
+        Self { whole: true, final_pose: true, sweep: true, closest: true }
+    }
+}
+
+impl DrawnPictures {
+    /// Whether the picture for this file is drawn.
+    pub fn draws(&self, file: &str) -> bool {
+        let views =
+            [("_whole", self.whole), ("_final", self.final_pose), ("_sweep", self.sweep), ("_closest", self.closest)];
+        let stem = file.trim_end_matches(".png");
+        views.into_iter().any(|(end, wanted)| wanted && stem.ends_with(end))
+    }
+
+    /// Whether any picture is drawn.
+    pub fn any(&self) -> bool {
+        self.whole || self.final_pose || self.sweep || self.closest
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_picture_obeys_its_own_choice_only() {
+        let none = DrawnPictures { whole: false, final_pose: false, sweep: false, closest: false };
+        let files = ["view_1_whole.png", "electrode_2_final.png", "electrode_12_sweep.png", "electrode_1_closest.png"];
+        let each = [
+            DrawnPictures { whole: true, ..none },
+            DrawnPictures { final_pose: true, ..none },
+            DrawnPictures { sweep: true, ..none },
+            DrawnPictures { closest: true, ..none },
+        ];
+        for (i, file) in files.iter().enumerate() {
+            assert!(DrawnPictures::default().draws(file) && !none.draws(file));
+            for (k, choice) in each.iter().enumerate() {
+                assert_eq!(choice.draws(file), i == k, "{file}: {choice:?}");
+            }
+        }
+        assert!(!none.any() && each.iter().all(DrawnPictures::any));
+    }
+
+    #[test]
+    fn what_is_not_said_is_written_in_the_frame_of_the_loaded_mesh() {
+        let files: WrittenFiles = toml::from_str("nc = false").unwrap();
+        assert_eq!(files, WrittenFiles { nc: false, ..Default::default() });
+        assert!(toml::from_str::<WrittenFiles>("stl = false").is_err(), "a misspelt key is no choice");
+        assert_eq!(MeshFrame::default(), MeshFrame::Mesh);
+    }
+}

@@ -1,0 +1,144 @@
+//! What is exported is what was chosen, in the frame that was chosen.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use egui::Role;
+use sparkpath::app::Opening;
+use sparkpath::export::choice::MeshFrame;
+use sparkpath::export::post::BUILT_IN;
+use sparkpath::geometry::frame::Frame;
+use sparkpath::jobs::pipeline::StageState;
+use sparkpath::mesh_io::{ImportOptions, import_file};
+use sparkpath::progress::{Cancel, Progress};
+use sparkpath::project::Stage;
+
+use crate::common::easy_blisk;
+use crate::desk::{Desk, Home, quick};
+
+/// A window with an approved plan for a channel that stands askew to the axes of the mesh.
+fn approved(home: &Home) -> Desk {
+    let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
+    desk.until_idle();
+    let core = desk.window.state_mut().core_mut();
+    let mut job = quick(core.document.job().clone());
+    job.blisk.options.channel = 5;
+    job.electrode.circumferential_reduction_deg = [3.0, 3.0];
+    job.electrode.radial_reduction_mm = 1.0;
+    core.edit("Job", job, false);
+    desk.until_idle();
+    desk.key(egui::Key::F5);
+    desk.until("the plan is done", |d| d.state(Stage::Plan) == StageState::Done);
+    desk.open_step(Stage::Export);
+    desk.press("Approve");
+    desk
+}
+
+/// Exports into `folder` and answers the names of what is there.
+fn export(desk: &mut Desk, folder: &Path) -> BTreeSet<String> {
+    desk.window.state_mut().export(folder);
+    desk.until_idle();
+    assert_eq!(desk.state(Stage::Export), StageState::Done, "{:#?}", desk.log());
+    std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect()
+}
+
+fn names(names: &[&str]) -> BTreeSet<String> {
+    names.iter().map(|name| (*name).to_owned()).collect()
+}
+
+fn report(folder: &Path) -> serde_json::Value {
+    serde_json::from_str(&std::fs::read_to_string(folder.join("report.json")).unwrap()).unwrap()
+}
+
+fn triangles(file: &Path) -> Vec<[glam::DVec3; 3]> {
+    let imported = import_file(file, &ImportOptions::default(), &Progress::silent(), &Cancel::default()).unwrap();
+    let mesh = imported.mesh;
+    mesh.triangles.iter().map(|t| t.map(|i| mesh.vertices[i as usize])).collect()
+}
+
+#[test]
+fn what_is_written_is_what_was_ticked() {
+    let home = Home::new();
+    let mut desk = approved(&home);
+    let folder = home.path("out");
+    let everything = names(&[
+        "electrode_1.stl",
+        "path_1.csv",
+        "path_1.nc",
+        "report.html",
+        "report.json",
+        "view_1_whole.png",
+        "electrode_1_final.png",
+        "electrode_1_sweep.png",
+        "electrode_1_closest.png",
+    ]);
+    assert_eq!(export(&mut desk, &folder), everything);
+    let written = &report(&folder)["written"];
+    assert_eq!((&written["electrode_frame"], &written["post"]), (&"mesh".into(), &"iso".into()));
+    let listed = written["files"].as_array().unwrap().iter().map(|name| name.as_str().unwrap().to_owned());
+    assert_eq!(listed.collect::<BTreeSet<_>>(), everything);
+    assert_eq!(written["not_asked_for"], serde_json::json!([]));
+
+    desk.press("Export…");
+    for file in ["path_K.nc", "path_K.csv", "*.png", "On its way"] {
+        desk.press_role(Role::CheckBox, file);
+    }
+    desk.press_role(Role::Button, "Cancel");
+    assert!(desk.app().core().pipeline.is_approved(), "what is written has nothing to do with what was approved");
+    let left = names(&["electrode_1.stl", "report.html", "report.json"]);
+    assert_eq!(export(&mut desk, &folder), left, "what an earlier export wrote is not left beside");
+    let html = std::fs::read_to_string(folder.join("report.html")).unwrap();
+    assert_eq!(html.matches("<img ").count(), 3, "the page holds the pictures that are drawn");
+    assert_eq!(report(&folder)["written"]["not_asked_for"], serde_json::json!(["path", "nc", "pictures"]));
+
+    desk.press("Export…");
+    for file in ["electrode_K.stl", "report.html, .json"] {
+        desk.press_role(Role::CheckBox, file);
+    }
+    desk.assert_shows("Nothing is chosen, so that nothing would be written.");
+}
+
+#[test]
+fn an_electrode_in_w_is_that_of_the_mesh_seen_from_w() {
+    let home = Home::new();
+    let mut desk = approved(&home);
+    let [in_mesh, in_w] = [home.path("mesh"), home.path("w")];
+    export(&mut desk, &in_mesh);
+    let core = desk.window.state_mut().core_mut();
+    let mut job = core.document.job().clone();
+    job.export.frame = MeshFrame::W;
+    core.edit("Frame", job, false);
+    desk.until_idle();
+    export(&mut desk, &in_w);
+    let frame: Frame = serde_json::from_value(report(&in_w)["blisk"]["frame"].clone()).unwrap();
+    assert!((frame.z - glam::DVec3::Z).length() > 0.5, "the frames differ: {frame:?}");
+    let (of_mesh, of_w) = (triangles(&in_mesh.join("electrode_1.stl")), triangles(&in_w.join("electrode_1.stl")));
+    assert!(of_w.len() == of_mesh.len() && !of_w.is_empty());
+    for (there, here) in of_mesh.iter().flatten().zip(of_w.iter().flatten()) {
+        // An STL file has numbers of 24 bits: 4e-6 mm at 72 mm, in each of two files.
+        assert!((frame.from_parent(*there) - *here).length() < 4e-5, "{there} and {here}");
+    }
+    assert_eq!(report(&in_w)["written"]["electrode_frame"], "w");
+    let program = |folder: &Path| std::fs::read_to_string(folder.join("path_1.nc")).unwrap();
+    assert!(program(&in_w).contains("electrode_1.stl in the workpiece frame W"));
+    let motion = |folder: &Path| program(folder).lines().filter(|l| l.contains("G01")).collect::<Vec<_>>().join("\n");
+    assert_eq!(motion(&in_mesh), motion(&in_w), "the program moves in W in any case");
+}
+
+#[test]
+fn a_post_of_ones_own_is_taken_by_its_file() {
+    let home = Home::new();
+    let mut desk = approved(&home);
+    let post = home.path("mine.toml");
+    std::fs::write(&post, BUILT_IN[0].1.replace("extension = \"nc\"", "extension = \"ngc\"")).unwrap();
+    desk.window.state_mut().take_post(&post);
+    desk.settle();
+    assert_eq!(desk.app().core().document.job().export.post, post.to_string_lossy());
+    let files = export(&mut desk, &home.path("out"));
+    assert!(files.contains("path_1.ngc") && !files.contains("path_1.nc"), "{files:?}");
+    std::fs::write(home.path("broken.toml"), "title = 3").unwrap();
+    desk.window.state_mut().take_post(&home.path("broken.toml"));
+    desk.settle();
+    desk.assert_shows("This is no post");
+    assert_eq!(desk.app().core().document.job().export.post, post.to_string_lossy());
+}
