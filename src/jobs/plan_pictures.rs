@@ -46,12 +46,13 @@ fn draw(
 ) -> Result<Vec<Picture>, NotDrawn> {
     progress.report("pictures", 0.0, "");
     let mut offscreen = Offscreen::new()?;
-    let pictures = plan_pictures(&PlanToShow {
+    let plan = PlanToShow {
         blisk: &inputs.blisk,
         channel: &outcome.channel,
         electrodes: outcome.electrodes.iter().map(|e| (&e.electrode, &e.plan)).collect(),
         spark_gap: inputs.job.electrode.spark_gap_mm,
-    });
+    };
+    let pictures = plan_pictures(&plan, progress, cancel)?;
     let count = pictures.len();
     let mut drawn = Vec::with_capacity(count);
     for (i, picture) in pictures.into_iter().enumerate() {
