@@ -13,12 +13,21 @@ const FACES: [([usize; 4], [usize; 4]); 6] = faces();
 
 /// Vertices and quadrangles of a surface, before the vertices have their places.
 pub(super) struct Net {
-    /// The middle of the edges that each vertex stands for.
-    pub starts: Vec<DVec3>,
+    /// Where each vertex begins.
+    pub starts: Vec<Start>,
     /// How many vertices belong to each of the mixed blocks, in their order.
     pub counts: Vec<usize>,
     /// Vertices of the quadrangles, counter-clockwise seen from outside.
     pub quads: Vec<[u32; 4]>,
+}
+
+/// Where a vertex begins.
+#[derive(Clone, Copy)]
+pub(super) struct Start {
+    /// The middle of the edges that its sheet crosses, in its cell.
+    pub middle: DVec3,
+    /// The middle of their ends outside.
+    pub outside: DVec3,
 }
 
 /// A cell that the surface passes.
@@ -35,7 +44,7 @@ const NONE: u8 = u8::MAX;
 
 impl Net {
     pub(super) fn new(lattice: &Lattice, blocks: &Blocks) -> Self {
-        let parts: Vec<(Vec<Cell>, Vec<DVec3>)> =
+        let parts: Vec<(Vec<Cell>, Vec<Start>)> =
             blocks.mixed.par_iter().map(|(number, _)| cells_of(*number, lattice, blocks)).collect();
         let mut net = Self { starts: Vec::new(), counts: Vec::new(), quads: Vec::new() };
         let mut cells = Vec::new();
@@ -70,7 +79,7 @@ impl Net {
 }
 
 /// The cells of a block that the surface passes, and where their vertices begin.
-fn cells_of(block: usize, lattice: &Lattice, blocks: &Blocks) -> (Vec<Cell>, Vec<DVec3>) {
+fn cells_of(block: usize, lattice: &Lattice, blocks: &Blocks) -> (Vec<Cell>, Vec<Start>) {
     let (mut cells, mut starts) = (Vec::new(), Vec::new());
     let strides = [0, 1, 2].map(|axis| lattice.stride(axis));
     let offsets: [usize; 8] = std::array::from_fn(|c| (0..3).map(|k| (c >> k & 1) * strides[k]).sum());
@@ -87,9 +96,14 @@ fn cells_of(block: usize, lattice: &Lattice, blocks: &Blocks) -> (Vec<Cell>, Vec
         let (sheets, count) = sheets(&inside);
         let first = starts.len();
         for sheet in 0..count {
-            let crossed = (0..12).filter(|&e| sheets[e] == sheet);
-            let (sum, n) = crossed.fold((DVec3::ZERO, 0.0), |(sum, n), e| (sum + middle_of_edge(e), n + 1.0));
-            starts.push(lattice.place(point) + sum / n * lattice.cell);
+            let crossed: Vec<[usize; 2]> = (0..12).filter(|&e| sheets[e] == sheet).map(ends_of_edge).collect();
+            let mean = |of: &dyn Fn(&[usize; 2]) -> DVec3| {
+                lattice.place(point) + crossed.iter().map(of).sum::<DVec3>() / crossed.len() as f64 * lattice.cell
+            };
+            starts.push(Start {
+                middle: mean(&|[a, b]| 0.5 * (corner(*a) + corner(*b))),
+                outside: mean(&|[a, b]| corner(if inside[*a] { *b } else { *a })),
+            });
         }
         cells.push(Cell { index, sheets, first });
     }
@@ -148,11 +162,9 @@ const fn ends_of_edge(e: usize) -> [usize; 2] {
     [near, near | 1 << axis]
 }
 
-/// In cells from the first corner.
-fn middle_of_edge(e: usize) -> DVec3 {
-    let place = |c: usize| DVec3::new((c & 1) as f64, (c >> 1 & 1) as f64, (c >> 2 & 1) as f64);
-    let [a, b] = ends_of_edge(e);
-    0.5 * (place(a) + place(b))
+/// A corner, in cells from the first.
+fn corner(c: usize) -> DVec3 {
+    DVec3::new((c & 1) as f64, (c >> 1 & 1) as f64, (c >> 2 & 1) as f64)
 }
 
 /// For every face its corners around it, and its edges: edge `i` between corners `i` and `i + 1`.

@@ -4,16 +4,16 @@ use glam::DVec3;
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use rayon::prelude::*;
 
+use super::SweptSurface;
 use super::lattice::{Blocks, Lattice};
-use super::motion::{Motion, Near};
-use super::net::Net;
+use super::motion::{Motion, Near, Touch};
+use super::net::{Net, Start};
+use crate::geometry::distance_field::DistanceField;
 use crate::geometry::mesh::Mesh;
 use crate::progress::{Cancel, Cancelled};
 
-/// Most steps that bring a vertex onto the surface.
-const STEPS: usize = 5;
-/// Distance at which it has arrived (mm).
-const ARRIVED: f64 = 5e-4;
+/// From how far above the surface its vertices are led there at least (cells).
+const HEIGHT: f64 = 0.4;
 /// Share of the greatest spread of normals from which on another direction counts: faces that meet at more than
 /// about 35 degrees make an edge.
 const SPREAD: f64 = 0.1;
@@ -34,16 +34,16 @@ pub(super) fn placed(
     cancel: &Cancel,
 ) -> Result<Mesh, Cancelled> {
     let Net { starts, counts, quads } = net;
-    let smooth =
-        by_block(&starts, &counts, blocks, cancel, |&start, near| onto(start, 1.5 * lattice.cell, near, motion))?;
-    let targets = features(&smooth, &quads, |v, target| lattice.keeps(starts[v], target));
-    let both: Vec<_> = smooth.iter().copied().zip(targets.iter().copied()).collect();
-    let last = by_block(&both, &counts, blocks, cancel, |&(smooth, target), near| match target {
-        Some(target) => onto(target, 0.5 * lattice.cell, near, motion),
-        None => smooth,
+    let setter = Setter { motion, height: (HEIGHT * lattice.cell).min(0.8 * DistanceField::NEAR) };
+    let smooth = by_block(&starts, &counts, blocks, cancel, |&start, near| setter.smooth(start, near))?;
+    let fits = |v: usize, at: DVec3| lattice.keeps(starts[v].middle, at);
+    let features = features(&smooth, &quads, fits);
+    let sharp = by_block(&features, &counts, blocks, cancel, |feature, near| {
+        feature.as_ref().and_then(|f| setter.sharp(f, near))
     })?;
-    let vertices: Vec<DVec3> = last.iter().map(|p| p.at).collect();
-    let sharp = |v: u32| targets[v as usize].is_some();
+    let kept = |v: usize| sharp[v].filter(|at| fits(v, *at));
+    let vertices: Vec<DVec3> = (0..smooth.len()).map(|v| kept(v).unwrap_or(smooth[v].at)).collect();
+    let sharp = |v: u32| kept(v as usize).is_some();
     let triangles = quads.iter().flat_map(|quad| split(quad, &vertices, sharp)).collect();
     Ok(Mesh { vertices, triangles })
 }
@@ -73,49 +73,117 @@ fn by_block<T: Sync, R: Send>(
     Ok(parts.into_iter().flatten().collect())
 }
 
-/// Goes from `start` to the surface along the gradient, no further than `reach` away.
-fn onto(start: DVec3, reach: f64, near: &Near, motion: &Motion) -> Placed {
-    let mut placed = Placed { at: start, normal: DVec3::ZERO };
-    for step in 0..STEPS {
-        let touch = motion.nearest(near, placed.at);
-        placed.normal = touch.normal;
-        if touch.distance.abs() < ARRIVED || step + 1 == STEPS || !touch.distance.is_finite() {
-            break;
-        }
-        placed.at = start + (placed.at - touch.normal * touch.distance - start).clamp_length_max(reach);
-    }
-    placed
+/// Sets vertices onto the surface. They are led there from outside: there the least distance is that to the surface
+/// itself, also where an edge of the body traces it. Inside it is that to the body in its deepest placement, and on the
+/// surface its gradient may be that of a face which the surface does not follow.
+struct Setter<'a> {
+    motion: &'a Motion,
+    /// From how far above the surface vertices are led at least (mm).
+    height: f64,
 }
 
-/// Where vertices beside edges and corners belong: the place nearest to the tangent planes of all their neighbours, if
-/// it `fits` the vertex. None for the others.
-fn features(placed: &[Placed], quads: &[[u32; 4]], fits: impl Fn(usize, DVec3) -> bool + Sync) -> Vec<Option<DVec3>> {
-    let mut planes = vec![(Matrix3::<f64>::zeros(), Vector3::<f64>::zeros()); placed.len()];
+impl Setter<'_> {
+    /// The place on the surface that belongs to `start`.
+    fn smooth(&self, start: Start, near: &Near) -> Placed {
+        let mut best: Option<(DVec3, Touch)> = None;
+        for share in [0.0, 0.5, 1.0] {
+            let above = start.middle.lerp(start.outside, share);
+            let touch = self.motion.nearest(near, above);
+            if best.as_ref().is_none_or(|(_, before)| touch.distance > before.distance) {
+                best = Some((above, touch));
+            }
+            if best.as_ref().is_some_and(|(_, touch)| touch.distance > 0.5 * self.height) {
+                break;
+            }
+        }
+        let Some((above, touch)) = best else { return Placed { at: start.middle, normal: DVec3::ZERO } };
+        let placed = landed(above, &touch);
+        if touch.distance <= DistanceField::NEAR {
+            return placed;
+        }
+        // So far off the field is not exact.
+        let above = placed.at + placed.normal * self.height;
+        let touch = self.motion.nearest(near, above);
+        if touch.distance > 0.0 { landed(above, &touch) } else { placed }
+    }
+
+    /// The place on an edge or corner of the surface near `feature`, if there is one.
+    fn sharp(&self, feature: &Feature, near: &Near) -> Option<DVec3> {
+        let touch = self.motion.nearest(near, feature.at);
+        if touch.distance.abs() <= 0.5 * SweptSurface::ACCURACY {
+            return Some(feature.at);
+        }
+        if touch.distance > 0.0 {
+            return Some(landed(feature.at, &touch).at);
+        }
+        let above = feature.at + feature.normal * (self.height - touch.distance);
+        let touch = self.motion.nearest(near, above);
+        (touch.distance > 0.0).then(|| landed(above, &touch).at)
+    }
+}
+
+fn landed(above: DVec3, touch: &Touch) -> Placed {
+    let way = if touch.distance.is_finite() { touch.distance } else { 0.0 };
+    Placed { at: above - touch.normal * way, normal: touch.normal }
+}
+
+/// Where an edge or a corner of the surface is to be looked for.
+#[derive(Clone, Copy)]
+struct Feature {
+    at: DVec3,
+    /// Mean normal of the faces that meet there.
+    normal: DVec3,
+}
+
+/// The edges and corners that vertices belong to: the place nearest to the tangent planes of all their neighbours, if
+/// it `fits` the vertex. None where these face one way.
+fn features(placed: &[Placed], quads: &[[u32; 4]], fits: impl Fn(usize, DVec3) -> bool + Sync) -> Vec<Option<Feature>> {
+    let mut planes = vec![Planes::default(); placed.len()];
     for quad in quads {
         for &v in quad {
-            let (a, b) = &mut planes[v as usize];
             for &w in quad {
-                let Placed { at, normal } = placed[w as usize];
-                let n = Vector3::from(normal.to_array());
-                *a += n * n.transpose();
-                *b += n * normal.dot(at - placed[v as usize].at);
+                planes[v as usize].add(placed[w as usize], placed[v as usize].at);
             }
         }
     }
-    let target = |(v, (a, b)): (usize, &(Matrix3<f64>, Vector3<f64>))| {
-        let eigen = SymmetricEigen::new(*a);
-        let greatest = eigen.eigenvalues.max();
-        let counts = |i: &usize| eigen.eigenvalues[*i] > SPREAD * greatest;
-        if (0..3).filter(counts).count() < 2 {
-            return None;
-        }
-        let along =
-            |i: usize| eigen.eigenvectors.column(i) * (eigen.eigenvectors.column(i).dot(b) / eigen.eigenvalues[i]);
-        let shift: Vector3<f64> = (0..3).filter(counts).map(along).sum();
-        let target = placed[v].at + DVec3::new(shift.x, shift.y, shift.z);
-        fits(v, target).then_some(target)
+    let feature = |(v, planes): (usize, &Planes)| {
+        let at = placed[v].at + planes.common_point()?;
+        fits(v, at).then_some(Feature { at, normal: planes.sum.normalize_or_zero() })
     };
-    planes.par_iter().enumerate().map(target).collect()
+    planes.par_iter().enumerate().map(feature).collect()
+}
+
+/// Planes of which the nearest place to all is sought.
+#[derive(Clone, Default)]
+struct Planes {
+    normals: Matrix3<f64>,
+    offsets: Vector3<f64>,
+    sum: DVec3,
+}
+
+impl Planes {
+    /// Adds a tangent plane, seen from `origin`.
+    fn add(&mut self, Placed { at, normal }: Placed, origin: DVec3) {
+        let n = Vector3::from(normal.to_array());
+        self.normals += n * n.transpose();
+        self.offsets += n * normal.dot(at - origin);
+        self.sum += normal;
+    }
+
+    /// The place from the origin, by least squares and no further than needed; none if the planes are much the same.
+    fn common_point(&self) -> Option<DVec3> {
+        let eigen = SymmetricEigen::new(self.normals);
+        let greatest = eigen.eigenvalues.max();
+        let mut point = Vector3::zeros();
+        let mut count = 0;
+        for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+            if *value > SPREAD * greatest {
+                point += vector * (vector.dot(&self.offsets) / value);
+                count += 1;
+            }
+        }
+        (count > 1).then(|| DVec3::new(point.x, point.y, point.z))
+    }
 }
 
 /// Splits a quadrangle along an edge of the surface if one runs across it, and else along the shorter diagonal.
