@@ -294,7 +294,7 @@ impl SparkpathApp {
         // A picture has nothing else that tells the axes.
         let scene = Scene { triad: true, ..(**scene).clone() };
         let picture = crate::render::offscreen::Offscreen::new()
-            .and_then(|mut o| o.png(&scene, camera, [1920, 1200]))
+            .and_then(|mut o| o.png(&scene, camera, [1920, 1200], &crate::progress::Cancel::default()))
             .map_err(|e| e.to_string());
         let written = picture.and_then(|bytes| {
             crate::mesh_io::atomic_write(path, |out| out.write_all(&bytes)).map_err(|e| e.to_string())

@@ -62,7 +62,7 @@ pub(super) fn render(arguments: &RenderArguments, session: &Session) -> anyhow::
         (meshes, None) => of_meshes(meshes, arguments, session)?,
     };
     session.cancel.check()?;
-    let png = offscreen.png(&scene, &camera, arguments.size)?;
+    let png = offscreen.png(&scene, &camera, arguments.size, &session.cancel)?;
     session.cancel.check()?;
     write_atomically(&arguments.png, &png)?;
     super::terminal::finish();

@@ -26,7 +26,7 @@ pub const PICTURE_SIZE: [u32; 2] = [1400, 900];
 /// How solid the other poses of an electrode are.
 const GHOST_OPACITY: f32 = 0.13;
 /// How solid the room is that an electrode passes through.
-const ROOM_OPACITY: f32 = 0.3;
+const ROOM_OPACITY: f32 = 0.42;
 /// Height of the picture of a section as a multiple of the channel's throat, so that a spark gap is some pixels wide.
 const SECTION_THROATS: f64 = 1.5;
 
@@ -99,15 +99,13 @@ impl<'a> Drawn<'a> {
                 made => Ok(made.ok()),
             }
         };
-        Ok(Self {
-            swept: plan.electrodes.iter().zip(&tracks).map(room).collect::<Result<_, _>>()?,
-            plan,
-            blisk: Arc::new(RenderMesh::new(plan.blisk)),
-            shapes: channel_shapes(&plan.blisk.in_frame(&plan.channel.frame), plan.channel),
-            electrodes: plan.electrodes.iter().map(|(e, _)| Arc::new(RenderMesh::new(&e.mesh))).collect(),
-            tracks,
-            layers,
-        })
+        let swept = plan.electrodes.iter().zip(&tracks).map(room).collect::<Result<_, _>>()?;
+        let electrodes = plan.electrodes.iter().map(|(e, _)| Arc::new(RenderMesh::new(&e.mesh))).collect();
+        cancel.check()?;
+        let blisk = Arc::new(RenderMesh::new(plan.blisk));
+        cancel.check()?;
+        let shapes = channel_shapes(&plan.blisk.in_frame(&plan.channel.frame), plan.channel);
+        Ok(Self { plan, blisk, shapes, electrodes, tracks, swept, layers })
     }
 
     /// Electrode `i` withdrawn by `s` (mm), with whatever `layers` show.

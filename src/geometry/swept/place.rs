@@ -85,26 +85,25 @@ struct Setter<'a> {
 impl Setter<'_> {
     /// The place on the surface that belongs to `start`.
     fn smooth(&self, start: Start, near: &Near) -> Placed {
-        let mut best: Option<(DVec3, Touch)> = None;
-        for share in [0.0, 0.5, 1.0] {
-            let above = start.middle.lerp(start.outside, share);
-            let touch = self.motion.nearest(near, above);
-            if best.as_ref().is_none_or(|(_, before)| touch.distance > before.distance) {
-                best = Some((above, touch));
-            }
-            if best.as_ref().is_some_and(|(_, touch)| touch.distance > 0.5 * self.height) {
-                break;
+        let high = |touch: &Touch| touch.distance > 0.5 * self.height;
+        let mut above = start.middle;
+        let mut touch = self.motion.nearest(near, above);
+        let begins_well = high(&touch) && touch.distance <= DistanceField::NEAR;
+        for share in [0.5, 1.0] {
+            if !high(&touch) {
+                above = start.middle.lerp(start.outside, share);
+                touch = self.motion.nearest(near, above);
             }
         }
-        let Some((above, touch)) = best else { return Placed { at: start.middle, normal: DVec3::ZERO } };
         let placed = landed(above, &touch);
-        if touch.distance <= DistanceField::NEAR {
+        if begins_well {
             return placed;
         }
-        // So far off the field is not exact.
-        let above = placed.at + placed.normal * self.height;
+        // Once more from above the middle: so vertices keep their distance, and far off the field is not exact.
+        let aside = (placed.at - start.middle).dot(placed.normal);
+        let above = start.middle + placed.normal * (aside + self.height);
         let touch = self.motion.nearest(near, above);
-        if touch.distance > 0.0 { landed(above, &touch) } else { placed }
+        if high(&touch) { landed(above, &touch) } else { placed }
     }
 
     /// The place on an edge or corner of the surface near `feature`, if there is one.
