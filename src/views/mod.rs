@@ -2,6 +2,7 @@
 //! reports and for `sparkpath render`. Computes nothing that a result depends on.
 
 mod camera;
+mod caps;
 mod colours;
 mod pictures;
 mod scene;
