@@ -47,3 +47,53 @@ pub fn placements(electrode: &Electrode, track: &Track) -> Vec<DAffine3> {
     }
     placements
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::blisk::electrode::{ElectrodeParams, EntrySide, make_electrodes};
+    use crate::blisk::parametric::tests::exact_channel;
+    use crate::blisk::parametric::{MeshResolution, ParametricBlisk};
+    use crate::feed::objective::ObjectiveValue;
+    use crate::feed::pose::Pose;
+    use crate::feed::search::Node;
+    use crate::geometry::exact::ExactMesh;
+    use crate::geometry::inside::is_inside;
+
+    #[test]
+    fn the_room_holds_the_electrode_in_every_pose() {
+        let blisk = ParametricBlisk::demonstration();
+        let exact = ExactMesh::new(&blisk.mesh(&MeshResolution::default()).unwrap()).unwrap();
+        let (params, silent, cancel) = (ElectrodeParams::default(), Progress::silent(), Cancel::default());
+        let channel = exact_channel(&blisk);
+        let made = make_electrodes(&channel, &exact, &params, EntrySide::PlusX, &silent, &cancel).unwrap();
+        let electrode = &made[0];
+        let pose = |i: f64| Pose { x: 4.0 * i, z: 0.3 * i, y: 0.1 * i * i, a: 0.03 * i, c: -0.04 * i * i, b: 0.0 };
+        let node = |i: u32| {
+            let pose = pose(f64::from(i));
+            Node { s: pose.x, pose, h: 0.0, clearance: 0.1, objective: ObjectiveValue::default() }
+        };
+        let track = Track::of_nodes(&[0, 1, 2].map(node));
+        let placements = placements(electrode, &track);
+        let far = electrode.mesh.vertices.iter().copied();
+        let moved =
+            |p: DVec3| placements.windows(2).map(move |w| w[0].transform_point3(p).distance(w[1].transform_point3(p)));
+        let most = far.flat_map(|p| moved(p).collect::<Vec<_>>()).fold(0.0, f64::max);
+        assert!(most <= 1.05 * SweptSurface::STEP, "{most} mm from one placement to the next");
+
+        let room = SweptSurface::new(&electrode.mesh, &placements, 100_000, &silent, &cancel).unwrap();
+        assert!(RenderMesh::new(&room.mesh).is_closed());
+        let surface = ExactMesh::new(&room.mesh).unwrap();
+        let outside = |p: DVec3| if is_inside(&surface, p) { 0.0 } else { surface.signed_distance(p).abs() };
+        let points = placements
+            .iter()
+            .step_by(9)
+            .flat_map(|at| electrode.mesh.vertices.iter().step_by(41).map(|p| at.transform_point3(*p)));
+        let distances: Vec<f64> = points.map(outside).collect();
+        let most = distances.iter().copied().fold(0.0, f64::max);
+        let mean = distances.iter().sum::<f64>() / distances.len() as f64;
+        assert!(mean <= SweptSurface::ACCURACY, "{mean} mm outside on average");
+        // Edges that are thinner than a cell are cut off.
+        assert!(most <= 0.5 * room.cell, "{most} mm outside, cells of {} mm", room.cell);
+    }
+}
