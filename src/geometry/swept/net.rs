@@ -157,9 +157,9 @@ fn sheets(inside: &[bool; 8]) -> ([u8; 12], u8) {
 
 /// The corners at both ends of an edge; corner `c` is on the far side along axis `k` if bit `k` of `c` is set.
 const fn ends_of_edge(e: usize) -> [usize; 2] {
-    let (axis, i, j) = (e / 4, e % 4 & 1, e % 4 >> 1);
+    let (axis, i, j) = (e / 4, e % 2, e % 4 / 2);
     let near = (i << ((axis + 1) % 3)) | (j << ((axis + 2) % 3));
-    [near, near | 1 << axis]
+    [near, near + (1 << axis)]
 }
 
 /// A corner, in cells from the first.
@@ -175,7 +175,8 @@ const fn faces() -> [([usize; 4], [usize; 4]); 6] {
         let (axis, side) = (f % 3, f / 3);
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
         let base = side << axis;
-        let corners = [base, base | 1 << u, base | 1 << u | 1 << v, base | 1 << v];
+        let (along_u, along_v) = (1 << u, 1 << v);
+        let corners = [base, base + along_u, base + along_u + along_v, base + along_v];
         let mut edges = [0; 4];
         let mut i = 0;
         while i < 4 {
