@@ -11,6 +11,9 @@ use crate::progress::{Cancel, Cancelled};
 pub(super) const BLOCK: usize = 8;
 /// Most cells along the longest edge.
 const LONGEST: f64 = 600.0;
+/// How far beside its cell a vertex may be put to meet an edge of the surface (cells): an edge that runs along the face
+/// between two cells belongs to one of them at least.
+const BESIDE: f64 = 0.1;
 
 /// A cubic lattice whose outermost points are outside.
 pub(super) struct Lattice {
@@ -103,10 +106,10 @@ impl Lattice {
         self.min + DVec3::from_array(point.map(|i| i as f64)) * self.cell
     }
 
-    /// Whether `q` lies in the cell that `p` lies in.
+    /// Whether `q` lies in the cell that `p` lies in, or hardly beside it.
     pub(super) fn keeps(&self, p: DVec3, q: DVec3) -> bool {
         let center = ((p - self.min) / self.cell).floor() + 0.5;
-        ((q - self.min) / self.cell - center).abs().max_element() <= 0.5
+        ((q - self.min) / self.cell - center).abs().max_element() <= 0.5 + BESIDE
     }
 
     /// The number of a point.
