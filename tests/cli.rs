@@ -344,7 +344,13 @@ fn a_project_is_drawn_in_its_final_pose_and_at_a_node() {
     let withdrawn = drawn(&["--node", "5"]);
     let changed = withdrawn.pixels().zip(into_channel.pixels()).filter(|(a, b)| a[0].abs_diff(b[0]) > 20).count();
     assert!(changed > 500, "4 mm withdrawn the electrode stands elsewhere: {changed} pixels");
+    let room = drawn(&["--node", "5", "--swept", "--electrode", "1"]);
+    let coloured = room.pixels().zip(withdrawn.pixels()).filter(|(a, b)| a[0].abs_diff(b[0]) > 8).count();
+    assert!(coloured > 300, "the room that it passes through is shown: {coloured} pixels");
     std::fs::remove_file(&png).unwrap();
+    let second = draw(&["--electrode", "2"]);
+    assert_eq!(second.status.code(), Some(2));
+    assert!(text(&second.stderr).contains("1 electrode, counted from 1"), "{}", text(&second.stderr));
     let beyond = draw(&["--node", "100000"]);
     assert_eq!(beyond.status.code(), Some(2));
     assert!(text(&beyond.stderr).contains("nodes 0 to"), "{}", text(&beyond.stderr));
@@ -373,6 +379,9 @@ fn what_cannot_be_drawn_is_one_line_with_code_2() {
         (render(&[&cube, "--png", &png, "--size", "8192x8192"]), "million"),
         (render(&[&cube, "--png", &png, "--theme", "pink"]), "dark or light"),
         (render(&[&cube, "--png", &png, "--node", "3"]), ".sparkpath"),
+        (render(&[&cube, "--png", &png, "--swept"]), ".sparkpath"),
+        (render(&[&cube, "--png", &png, "--electrode", "2"]), ".sparkpath"),
+        (render(&[&cube, "--png", &png, "--electrode", "0"]), "1.."),
         (render(&[&cube, "--png", &nowhere]), "absent"),
         (render(&[&cube, "--png", folder.path().to_str().unwrap()]), "folder"),
         (render(&[&cube, &project, "--png", &png]), "alone"),

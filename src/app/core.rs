@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use super::commands::Command;
 use super::preferences::Preferences;
+use super::swept::Swept;
 use crate::blisk::electrode::Electrode;
 use crate::feed::pose::Pose;
 use crate::jobs::pipeline::{Event, EventKind, Pipeline, StageState};
@@ -44,6 +45,8 @@ pub struct Core {
     colouring: Worker<(), (ColourKey, Arc<Vec<f32>>)>,
     coloured: Option<(ColourKey, Arc<Vec<f32>>)>,
     colours_asked: Option<ColourKey>,
+    /// The room that the electrode passes through.
+    pub swept: Swept,
     /// Withdrawn distances at which ghosts of the electrode are pinned (mm).
     pub ghosts: Vec<f64>,
     /// Whether clicks in the view measure.
@@ -117,7 +120,8 @@ impl Core {
         Ok(Self {
             document,
             pipeline: Pipeline::start(wake.clone())?,
-            colouring: Worker::start(wake)?,
+            colouring: Worker::start(wake.clone())?,
+            swept: Swept::start(wake)?,
             coloured: None,
             colours_asked: None,
             preferences,
@@ -158,6 +162,7 @@ impl Core {
         }
         self.follow_track();
         self.follow_colours();
+        self.follow_swept();
         events
     }
 
@@ -270,6 +275,17 @@ impl Core {
             let values = clearance_at_vertices(&electrode, &exact, &pose, cancel).map_err(|e| e.to_string())?;
             Ok((key, Arc::new(values)))
         });
+    }
+
+    /// Has the room made that the electrode passes through, if it is to be seen and all its poses are known.
+    fn follow_swept(&mut self) {
+        let seen = self.layers.get(Layer::Sweep).visible && !self.is_tuning() && self.pipeline.partial_plan().is_none();
+        let track = self.track.clone();
+        let lacks = self.swept.lacks((seen && !track.is_empty()).then_some(&track));
+        if let (true, Some((electrode, _))) = (lacks, self.shown_electrode()) {
+            let electrode = electrode.clone();
+            self.swept.make(track, electrode);
+        }
     }
 
     /// The electrode's clearance as colours, as far as it is computed.

@@ -20,6 +20,7 @@ mod startup;
 mod status;
 mod step_facts;
 mod stepper;
+mod swept;
 mod theme;
 mod timeline;
 mod viewport;

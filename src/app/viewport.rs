@@ -65,7 +65,7 @@ pub struct Viewport {
 /// Everything that the scene depends on.
 #[derive(Debug, Clone, PartialEq)]
 struct SceneKey {
-    sources: [usize; 6],
+    sources: [usize; 7],
     s: f64,
     ghosts: Vec<f64>,
     layers: crate::views::Layers,
@@ -300,6 +300,7 @@ impl Viewport {
             address(p.plan()) ^ core.cursor.electrode,
             Arc::as_ptr(&core.shared_track()) as usize,
             core.colour_values().map_or(0, |v| Arc::as_ptr(&v.values) as usize),
+            address(core.swept.shape(&core.shared_track())),
         ];
         SceneKey {
             sources,
@@ -361,6 +362,7 @@ pub fn scene(core: &Core, theme: Theme) -> Scene {
         track: (!track.is_empty() && !fresh).then_some(&*track),
         s: core.cursor.s,
         ghosts: &core.ghosts,
+        swept: core.swept.shape(&track),
         contact: core.contact().filter(|_| !fresh),
         values: values.as_ref(),
         layers: &core.layers,

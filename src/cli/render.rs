@@ -4,32 +4,25 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::{Answer, RenderArguments, Session};
+use crate::blisk::electrode::Electrode;
 use crate::export::files::write_atomically;
-use crate::jobs::plan::{ElectrodeOutcome, PlanInputs, run};
+use crate::jobs::plan::{PlanInputs, run};
 use crate::jobs::stages::{self, FoundChannel, Part};
 use crate::project::{PlanJob, ProjectFile};
 use crate::render::camera::Camera;
-use crate::render::colour::{Colour, Theme};
+use crate::render::colour::Theme;
 use crate::render::mesh::RenderMesh;
 use crate::render::offscreen::Offscreen;
 use crate::render::scene::{Grid, Object, ObjectId, Scene};
 use crate::render::view::StandardView;
-use crate::views::{Layers, NamedView, SceneInputs, Station, Track, build, into_channel, standard};
+use crate::views::{
+    Layer, Layers, NamedView, SceneInputs, Track, build, into_channel, mesh_colour, standard, swept_shape,
+};
 
 /// Fewest and most pixels along a side.
 const SIDES: [u32; 2] = [16, 8192];
 /// Most pixels of a picture: what a driver needs for them stays below about 2 GB.
 const MOST_PIXELS: u64 = 34_000_000;
-/// Colours of meshes that are shown together, in their order, over and over.
-const COLOURS: [Colour; 6] = [
-    Colour::rgb(0x9d, 0xab, 0xba),
-    Colour::rgb(0xd0, 0x83, 0x4f),
-    Colour::rgb(0x6f, 0xa8, 0xa0),
-    Colour::rgb(0x8a, 0x96, 0xc8),
-    Colour::rgb(0xc9, 0xb4, 0x5a),
-    Colour::rgb(0xb5, 0x7f, 0xa8),
-];
-
 /// The argument `WxH`.
 pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let [least, most] = SIDES;
@@ -69,7 +62,7 @@ pub(super) fn render(arguments: &RenderArguments, session: &Session) -> anyhow::
         (meshes, None) => of_meshes(meshes, arguments, session)?,
     };
     session.cancel.check()?;
-    let png = offscreen.png(&scene, &camera, arguments.size)?;
+    let png = offscreen.png(&scene, &camera, arguments.size, &session.cancel)?;
     session.cancel.check()?;
     write_atomically(&arguments.png, &png)?;
     super::terminal::finish();
@@ -100,11 +93,14 @@ fn aspect(arguments: &RenderArguments) -> f64 {
 
 /// The meshes in their own coordinates, each in a colour of its own.
 fn of_meshes(meshes: &[PathBuf], arguments: &RenderArguments, session: &Session) -> anyhow::Result<(Scene, Camera)> {
-    anyhow::ensure!(
-        arguments.node.is_none(),
-        "--node {}: nodes belong to a project; give a .sparkpath file",
-        arguments.node.unwrap_or(0)
-    );
+    let of_a_plan = [
+        ("--node", arguments.node.is_some()),
+        ("--electrode", arguments.electrode.is_some()),
+        ("--swept", arguments.swept),
+    ];
+    if let Some((name, _)) = of_a_plan.iter().find(|(_, given)| *given) {
+        anyhow::bail!("{name}: only a project has electrodes and nodes; give a .sparkpath file");
+    }
     let view = match arguments.view {
         None => StandardView::Isometric,
         Some(NamedView::Standard(view)) => view,
@@ -116,14 +112,23 @@ fn of_meshes(meshes: &[PathBuf], arguments: &RenderArguments, session: &Session)
     for (i, path) in meshes.iter().enumerate() {
         let imported = session.import(path, arguments.units)?;
         let shape = Arc::new(RenderMesh::new(&imported.mesh));
-        scene.objects.push(Object::new(ObjectId(i as u32), shape, COLOURS[i % COLOURS.len()]));
+        scene.objects.push(Object::new(ObjectId(i as u32), shape, mesh_colour(i)));
     }
     scene.grid = Grid::below(&scene.bounds());
     let camera = standard(view, &scene, Camera::default(), aspect(arguments));
     Ok((scene, camera))
 }
 
-/// Part and electrode of a project in the electrode's final pose, or at a node of the plan.
+/// What is shown of a project.
+struct Shown {
+    electrode: Electrode,
+    /// Where it stands, if not in its final pose.
+    track: Option<Track>,
+    /// The room that it passes through.
+    swept: Option<Arc<RenderMesh>>,
+}
+
+/// Part and electrode of a project in the electrode's final pose, or as the plan has it.
 fn of_project(file: &Path, arguments: &RenderArguments, session: &Session) -> anyhow::Result<(Scene, Camera)> {
     let mut job = read_project(file)?;
     if let Some(seed) = session.seed {
@@ -134,50 +139,56 @@ fn of_project(file: &Path, arguments: &RenderArguments, session: &Session) -> an
     job.validate().map_err(message)?;
     let part = stages::load(&job, progress, cancel).map_err(anyhow::Error::msg)?;
     let found = stages::channel(&part, &job, progress, cancel).map_err(message)?;
-    let at_node = arguments.node.map(|node| at_node(node, &part, job.clone(), session)).transpose()?;
-    let (electrode, track) = match at_node {
-        Some((outcome, station)) => (outcome.electrode, Some(Track::standing(station))),
-        None => {
-            let made = stages::electrodes(&part, &found, &job, progress, cancel).map_err(message)?;
-            (made.electrodes.into_iter().next().ok_or_else(|| message("has no electrode".to_owned()))?, None)
-        }
+    let shown = if arguments.node.is_some() || arguments.swept {
+        planned(arguments, &part, job, session)?
+    } else {
+        let made = stages::electrodes(&part, &found, &job, progress, cancel).map_err(message)?;
+        let count = made.electrodes.len();
+        let electrode = made.electrodes.into_iter().nth(index(arguments)).ok_or_else(|| no_such(arguments, count))?;
+        Shown { electrode, track: None, swept: None }
     };
-    let shape = Arc::new(RenderMesh::new(&electrode.mesh));
-    let shown = (&electrode, &shape);
-    Ok(project_picture(&part, &found, shown, track.as_ref(), arguments))
+    Ok(project_picture(&part, &found, &shown, arguments))
 }
 
-fn project_picture(
-    part: &Part,
-    found: &FoundChannel,
-    electrode: (&crate::blisk::electrode::Electrode, &Arc<RenderMesh>),
-    track: Option<&Track>,
-    arguments: &RenderArguments,
-) -> (Scene, Camera) {
-    let usual = if track.is_some() { NamedView::Channel } else { NamedView::Standard(StandardView::Isometric) };
+/// The place of the electrode asked for among all.
+fn index(arguments: &RenderArguments) -> usize {
+    arguments.electrode.map_or(0, |k| k as usize - 1)
+}
+
+fn no_such(arguments: &RenderArguments, count: usize) -> anyhow::Error {
+    let plural = if count == 1 { "" } else { "s" };
+    anyhow::anyhow!("--electrode {}: the project has {count} electrode{plural}, counted from 1", index(arguments) + 1)
+}
+
+fn project_picture(part: &Part, found: &FoundChannel, shown: &Shown, arguments: &RenderArguments) -> (Scene, Camera) {
+    let is_planned = shown.track.is_some() || shown.swept.is_some();
+    let usual = if is_planned { NamedView::Channel } else { NamedView::Standard(StandardView::Isometric) };
     let view = arguments.view.unwrap_or(usual);
     let mut layers = Layers::default();
-    if track.is_some() || view == NamedView::Channel {
+    if is_planned || view == NamedView::Channel {
         layers.into_channel();
     }
+    layers.get_mut(Layer::Sweep).visible = shown.swept.is_some();
+    let shape = Arc::new(RenderMesh::new(&shown.electrode.mesh));
     let scene = build(&SceneInputs {
         blisk: Some(&part.shape),
         channel: Some((&found.channel, &found.shapes)),
-        electrode: Some(electrode),
-        track,
-        s: track.map_or(0.0, Track::length),
+        electrode: Some((&shown.electrode, &shape)),
+        track: shown.track.as_ref(),
+        s: shown.track.as_ref().map_or(0.0, Track::length),
         contact: None,
         values: None,
         layers: &layers,
         selected: None,
         ghosts: &[],
+        swept: shown.swept.as_ref(),
         triad: true,
         section: None,
         theme: arguments.theme,
     });
     let camera = match view {
         NamedView::Channel => {
-            into_channel(&found.channel, electrode.0.enters_from, Camera::default(), aspect(arguments))
+            into_channel(&found.channel, shown.electrode.enters_from, Camera::default(), aspect(arguments))
         }
         NamedView::Standard(view) => standard(view, &scene, Camera::default(), aspect(arguments)),
     };
@@ -193,18 +204,29 @@ fn read_project(file: &Path) -> anyhow::Result<PlanJob> {
     Ok(project.job)
 }
 
-/// Plans, and answers the first electrode and where it stands at `node`.
-fn at_node(node: usize, part: &Part, job: PlanJob, session: &Session) -> anyhow::Result<(ElectrodeOutcome, Station)> {
+/// Plans, and answers the electrode, where it stands at the node asked for, and the room it passes through if that is
+/// asked for.
+fn planned(arguments: &RenderArguments, part: &Part, job: PlanJob, session: &Session) -> anyhow::Result<Shown> {
     let inputs = PlanInputs { blisk: part.mesh.clone(), own_electrode: part.own_electrode.clone(), job };
     let outcome = run(&inputs, &session.progress, &session.cancel)?;
-    let verdict = |e: &ElectrodeOutcome| e.plan.verdict(&outcome.channel);
-    let Some(first) = outcome.electrodes.first() else { anyhow::bail!("--node {node}: the plan has no electrode") };
-    let station = Track::of_plan(&first.plan).nodes().find(|s| s.node == Some(node)).copied();
-    let Some(station) = station else {
-        let last = first.plan.nodes.len().saturating_sub(1);
-        anyhow::bail!("--node {node}: the electrode has nodes 0 to {last}; it {}", verdict(first));
+    let count = outcome.electrodes.len();
+    let chosen = outcome.electrodes.get(index(arguments)).ok_or_else(|| no_such(arguments, count))?;
+    let (electrode, plan) = (chosen.electrode.clone(), &chosen.plan);
+    let whole = Track::of_plan(plan);
+    let track = match arguments.node {
+        None => None,
+        Some(node) => {
+            let last = plan.nodes.len().saturating_sub(1);
+            let station = whole.nodes().find(|s| s.node == Some(node)).copied().ok_or_else(|| {
+                let verdict = plan.verdict(&outcome.channel);
+                anyhow::anyhow!("--node {node}: the electrode has nodes 0 to {last}; it {verdict}")
+            })?;
+            Some(Track::standing(station))
+        }
     };
-    Ok((first.clone(), station))
+    let swept =
+        arguments.swept.then(|| swept_shape(&electrode, &whole, &session.progress, &session.cancel)).transpose()?;
+    Ok(Shown { electrode, track, swept })
 }
 
 #[cfg(test)]

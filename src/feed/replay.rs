@@ -16,9 +16,9 @@ use crate::geometry::frame::Frame;
 use crate::geometry::mesh::Mesh;
 use crate::progress::{Cancel, Progress};
 
-/// What a replay takes place in.
+/// Where a replay takes place.
 #[derive(Clone, Copy)]
-pub struct Stage<'a> {
+pub struct Surroundings<'a> {
     /// The finished blisk in W.
     pub blisk: &'a Mesh,
     /// The surfaces of the channel.
@@ -33,7 +33,7 @@ pub struct Stage<'a> {
 /// # Errors
 /// If the nodes cannot be joined, or when told to stop. That the path does not hold is an answer, not an error.
 pub fn replay_feed(
-    stage: &Stage,
+    around: &Surroundings,
     electrode: &Electrode,
     nodes: &[Node],
     h: f64,
@@ -43,11 +43,11 @@ pub fn replay_feed(
 ) -> Result<FeedPlan, PlanError> {
     settings.plan.validate()?;
     settings.machine.validate()?;
-    let (curves, path) = interpolated(nodes, electrode, settings, stage.frame)?;
+    let (curves, path) = interpolated(nodes, electrode, settings, around.frame)?;
     let started = Instant::now();
-    let verifier = Verifier::new(stage.blisk, &electrode.mesh, electrode.reference_point, cancel)?
+    let verifier = Verifier::new(around.blisk, &electrode.mesh, electrode.reference_point, cancel)?
         .within(settings.machine.limits());
-    let surface_of = |p: DVec3| stage.finder.surface_of(p);
+    let surface_of = |p: DVec3| around.finder.surface_of(p);
     let certificate = verifier.verify(&path, &surface_of, settings.verify, progress, cancel)?;
     Ok(FeedPlan {
         nodes: nodes.to_vec(),

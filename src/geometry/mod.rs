@@ -8,4 +8,5 @@ pub mod inside;
 pub mod mesh;
 pub mod raycast;
 pub mod spline;
+pub mod swept;
 pub mod triangle_distance;

@@ -4,6 +4,8 @@
 //! itself, since they take well under a second; the plan is started by the user. A result is kept with the
 //! fingerprint of what it was made from and is current only as long as that is the document's.
 
+mod answers;
+mod follow;
 mod prepared;
 mod sentences;
 mod slot;
@@ -15,16 +17,16 @@ use std::time::{Duration, Instant};
 pub use slot::StageState;
 
 use prepared::Prepared;
-use sentences::{channel_sentence, electrode_sentence, export_sentence, part_sentence, plan_sentence};
+use sentences::plan_sentence;
 use slot::Slot;
 
 use super::plan::{PlanInputs, PlanJobError, PlanOutcome};
-use super::stages::{self, Electrodes, FoundChannel, Part};
-use super::worker::{Ended, Message, Reporter, TaskId, Worker};
+use super::stages::{Electrodes, FoundChannel, Part};
+use super::worker::{Reporter, Worker};
 use crate::export::report::InputFile;
 use crate::feed::search::{Convergence, Node};
 use crate::progress::{Cancel, Progress};
-use crate::project::{Document, Fingerprint, KeptPlan, PlanJob, Stage};
+use crate::project::{Fingerprint, KeptPlan, PlanJob, Stage};
 use crate::render::mesh::RenderMesh;
 
 /// What a step has found.
@@ -180,107 +182,6 @@ impl Pipeline {
         })
     }
 
-    /// Takes in what the worker has said, and starts what `document` needs. Answers what has happened.
-    pub fn follow(&mut self, document: &mut Document) -> Vec<Event> {
-        let messages = self.worker.messages();
-        let mut events: Vec<Event> = messages.into_iter().filter_map(|m| self.take(m)).collect();
-        if let Some(part) = self.part.value.as_ref().map(|(_, part)| part.clone())
-            && let [blisk, ..] = &part.files[..]
-            && !blisk.sha256.is_empty()
-        {
-            for file in &part.files {
-                document.note_mesh(file.path.as_ref(), &file.sha256);
-            }
-        }
-        let now = self.refresh(document.job());
-        if self.approved.is_some_and(|of| of != now.plan) {
-            self.approved = None;
-            let text = "approval withdrawn: an input changed".to_owned();
-            events.push(Event { stage: Stage::Export, kind: EventKind::Cancelled, text, took: None });
-        }
-        // A plan for other parameters is of no use to anybody.
-        if self.plan.running.is_some_and(|(_, made_from)| made_from != now.plan) {
-            self.worker.cancel_from(Stage::Plan as u32);
-        }
-        self.start_early_stages(document.job(), now);
-        self.replay_kept_plan(document, now);
-        if let Some(plan) = self.newly_planned.take() {
-            document.note_plan(plan);
-        }
-        events
-    }
-
-    fn refresh(&mut self, job: &PlanJob) -> Now {
-        let content = self.part.value.as_ref().map(|(_, p)| p.content()).unwrap_or_default();
-        let of = |stage, content: &str| Fingerprint::of(stage, job, content);
-        let later = format!("{content}/{}", self.reloads);
-        let now = Now {
-            part: of(Stage::Part, &self.reloads.to_string()),
-            channel: of(Stage::Channel, &later),
-            electrode: of(Stage::Electrode, &later),
-            plan: of(Stage::Plan, &later),
-            export: of(Stage::Export, &later),
-        };
-        self.now = Some((job.clone(), now));
-        now
-    }
-
-    fn start_early_stages(&mut self, job: &PlanJob, now: Now) {
-        let job = job.clone();
-        if self.part.wants_work(now.part) {
-            let work = move |_: &Reporter<_, _>, p: &Progress, c: &Cancel| {
-                stages::load(&job, p, c).map(|part| Found::Part(Box::new(part)))
-            };
-            let id = self.worker.submit(Stage::Part as u32, work);
-            self.part.running = Some((id, now.part));
-            return;
-        }
-        let Some(part) = self.part.current(now.part).cloned() else { return };
-        if self.channel.wants_work(now.channel) {
-            let work = move |_: &Reporter<_, _>, p: &Progress, c: &Cancel| {
-                stages::channel(&part, &job, p, c).map(|found| Found::Channel(Box::new(found)))
-            };
-            let id = self.worker.submit(Stage::Channel as u32, work);
-            self.channel.running = Some((id, now.channel));
-            return;
-        }
-        let Some(channel) = self.channel.current(now.channel).cloned() else { return };
-        if self.electrode.wants_work(now.electrode) {
-            let work = move |_: &Reporter<_, _>, p: &Progress, c: &Cancel| {
-                stages::electrodes(&part, &channel, &job, p, c).map(Found::Electrode)
-            };
-            let id = self.worker.submit(Stage::Electrode as u32, work);
-            self.electrode.running = Some((id, now.electrode));
-        }
-    }
-
-    /// Takes up the plan that the document came with, if it is for its present parameters.
-    fn replay_kept_plan(&mut self, document: &Document, now: Now) {
-        let (Some(kept), true) = (document.plan(), self.plan.value.is_none() && self.plan.running.is_none()) else {
-            return;
-        };
-        let (Some(part), Some(found)) = (self.part.current(now.part), self.channel.current(now.channel)) else {
-            return;
-        };
-        // A file may say anything: as many electrodes as there are parts, or none of it counts.
-        let parts = self.electrode.current(now.electrode).map(|made| made.electrodes.len());
-        if parts != Some(kept.electrodes.len())
-            || self.replayed.as_deref() == Some(&kept.inputs)
-            || kept.inputs != KeptPlan::inputs_of(document.job(), &part.content())
-        {
-            return;
-        }
-        self.replayed = Some(kept.inputs.clone());
-        let (part, found, kept, job) = (part.clone(), found.clone(), kept.clone(), document.job().clone());
-        let work = move |_: &Reporter<PartialPlan, Found>, p: &Progress, c: &Cancel| {
-            let inputs = PlanInputs { blisk: part.mesh.clone(), own_electrode: part.own_electrode.clone(), job };
-            let outcome = super::plan::replay(&inputs, &found.channel, &found.blisk, &found.exact, &kept, p, c);
-            outcome.map(|o| Found::Plan(Box::new(Planned::new(inputs, o)))).map_err(|e| e.to_string())
-        };
-        let id = self.worker.submit(Stage::Plan as u32, work);
-        self.plan.running = Some((id, now.plan));
-    }
-
     /// Starts the plan for the parameters of the last [`follow`](Self::follow).
     ///
     /// # Errors
@@ -332,82 +233,6 @@ impl Pipeline {
     /// Reads the files again.
     pub fn reload(&mut self) {
         self.reloads += 1;
-    }
-
-    fn take(&mut self, message: Message<PartialPlan, Found>) -> Option<Event> {
-        match message {
-            Message::Started(task) => {
-                let stage = self.stage_of(task)?;
-                let now = Instant::now();
-                self.running = Some(Running {
-                    stage,
-                    doing: stage.name().to_lowercase(),
-                    fraction: 0.0,
-                    message: String::new(),
-                    since: now,
-                    doing_since: now,
-                });
-                None
-            }
-            Message::Progress { task, stage: doing, fraction, message } => {
-                self.stage_of(task)?;
-                let running = self.running.as_mut()?;
-                if running.doing != doing {
-                    running.doing_since = Instant::now();
-                }
-                (running.doing, running.fraction, running.message) = (doing, fraction, message);
-                None
-            }
-            Message::Partial(task, partial) => {
-                self.stage_of(task)?;
-                self.partial = partial;
-                None
-            }
-            Message::Finished(task, ended) => {
-                let stage = self.stage_of(task)?;
-                let took = self.running.take_if(|r| r.stage == stage).map(|r| r.since.elapsed());
-                let (kind, text) = self.finish(stage, task, ended)?;
-                Some(Event { stage, kind, text, took })
-            }
-        }
-    }
-
-    fn stage_of(&self, task: TaskId) -> Option<Stage> {
-        let is = |running: Option<(TaskId, Fingerprint)>| running.is_some_and(|(id, _)| id == task);
-        if is(self.part.running) {
-            Some(Stage::Part)
-        } else if is(self.channel.running) {
-            Some(Stage::Channel)
-        } else if is(self.electrode.running) {
-            Some(Stage::Electrode)
-        } else if is(self.plan.running) {
-            Some(Stage::Plan)
-        } else {
-            is(self.export.running).then_some(Stage::Export)
-        }
-    }
-
-    fn finish(&mut self, stage: Stage, task: TaskId, ended: Ended<Found>) -> Option<(EventKind, String)> {
-        match stage {
-            Stage::Part => self.part.end(task, ended, Found::part, part_sentence),
-            Stage::Channel => self.channel.end(task, ended, Found::channel, channel_sentence),
-            Stage::Electrode => self.electrode.end(task, ended, Found::electrode, electrode_sentence),
-            Stage::Plan => {
-                let said = self.plan.end(task, ended, Found::plan, plan_sentence);
-                self.keep_plan();
-                said
-            }
-            Stage::Verify | Stage::Export => self.export.end(task, ended, Found::export, export_sentence),
-        }
-    }
-
-    fn keep_plan(&mut self) {
-        let Some((_, planned)) = &self.plan.value else { return };
-        let Some(electrodes) = super::plan::kept(&planned.outcome) else { return };
-        let content = self.part.value.as_ref().map(|(_, p)| p.content()).unwrap_or_default();
-        let inputs = KeptPlan::inputs_of(&planned.inputs.job, &content);
-        self.replayed = Some(inputs.clone());
-        self.newly_planned = Some(KeptPlan { inputs, electrodes });
     }
 
     /// How `stage` stands for the document of the last [`follow`](Self::follow).
@@ -541,27 +366,5 @@ impl Pipeline {
     /// What was exported last.
     pub fn exported(&self) -> Option<&Arc<Exported>> {
         self.export.value.as_ref().map(|(_, v)| v)
-    }
-}
-
-impl Found {
-    fn part(self) -> Option<Part> {
-        if let Self::Part(part) = self { Some(*part) } else { None }
-    }
-
-    fn channel(self) -> Option<FoundChannel> {
-        if let Self::Channel(channel) = self { Some(*channel) } else { None }
-    }
-
-    fn electrode(self) -> Option<Electrodes> {
-        if let Self::Electrode(electrodes) = self { Some(electrodes) } else { None }
-    }
-
-    fn plan(self) -> Option<Planned> {
-        if let Self::Plan(plan) = self { Some(*plan) } else { None }
-    }
-
-    fn export(self) -> Option<Exported> {
-        if let Self::Export(exported) = self { Some(exported) } else { None }
     }
 }

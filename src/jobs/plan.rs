@@ -13,7 +13,7 @@ use crate::blisk::surface_finder::SurfaceFinder;
 use crate::export::report::StageTime;
 use crate::feed::plan::{FeedPlan, Observe, PlanSettings, PlanningSpace, plan_feed};
 use crate::feed::plan_params::PlanError;
-use crate::feed::replay::{Stage, replay_feed};
+use crate::feed::replay::{Surroundings, replay_feed};
 use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::frame::Frame;
 use crate::geometry::mesh::Mesh;
@@ -332,12 +332,12 @@ pub fn replay(
     let mut clock = Clock::default();
     let finder = SurfaceFinder::new(channel.clone())?;
     let settings = settings_of(job, &|_, _| ());
-    let stage = Stage { blisk, finder: &finder, frame: channel.frame };
+    let around = Surroundings { blisk, finder: &finder, frame: channel.frame };
     let mut electrodes = Vec::new();
     for (part, KeptElectrode { side, h, nodes }) in kept.electrodes.iter().enumerate() {
         let make = || electrode_of(inputs, channel, exact, (part, *side, *h), progress, cancel);
         let electrode = clock.time("electrode", make)?;
-        let plan = replay_feed(&stage, &electrode, nodes, *h, &settings, progress, cancel)?;
+        let plan = replay_feed(&around, &electrode, nodes, *h, &settings, progress, cancel)?;
         clock.add("certificate", plan.verify_seconds);
         electrodes.push(ElectrodeOutcome { electrode, plan, tried: Vec::new() });
     }

@@ -178,8 +178,8 @@ fn remove_results(folder: &Path, extension: &str) -> std::io::Result<()> {
         let entry = entry?;
         let name = entry.file_name();
         let name = name.to_string_lossy();
-        let ours = name == "report.json"
-            || name == "report.html"
+        // A verdict on a path of an earlier plan would be taken for one on this plan's.
+        let ours = ["report.json", "report.html", "verify.json", "verify.html"].contains(&&*name)
             || numbered(&name, "view_").is_some_and(|rest| rest == "_whole.png")
             || numbered(&name, "electrode_")
                 .is_some_and(|rest| [".stl", "_final.png", "_sweep.png", "_closest.png"].contains(&rest))
@@ -213,6 +213,8 @@ mod tests {
             "path_1.unverified.csv",
             "path_2.nc",
             "report.json",
+            "verify.json",
+            "verify.html",
             "view_1_whole.png",
             "electrode_2_final.png",
             "electrode_2_sweep.png",

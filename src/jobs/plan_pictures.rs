@@ -11,7 +11,7 @@ use crate::views::{PICTURE_SIZE, PlanPicture, PlanToShow, plan_pictures};
 /// Puts the pictures of `outcome` into `report`, or the reason why there are none: a plan is good without them.
 ///
 /// # Errors
-/// [`Cancelled`], which is looked at between pictures.
+/// [`Cancelled`], which is looked at while pictures are drawn.
 pub fn add(
     report: &mut Report,
     outcome: &PlanOutcome,
@@ -26,19 +26,11 @@ pub fn add(
     }
     match draw(outcome, inputs, progress, cancel) {
         Ok(pictures) => report.pictures = pictures,
-        Err(NotDrawn::Cancelled(cancelled)) => return Err(cancelled),
-        Err(NotDrawn::Driver(error)) => report.no_pictures = Some(error.to_string()),
+        Err(RenderError::Cancelled(cancelled)) => return Err(cancelled),
+        Err(error) => report.no_pictures = Some(error.to_string()),
     }
     report.times.push(StageTime { stage: "pictures".to_owned(), seconds: started.elapsed().as_secs_f64() });
     Ok(())
-}
-
-#[derive(Debug, thiserror::Error)]
-enum NotDrawn {
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-    #[error(transparent)]
-    Driver(#[from] RenderError),
 }
 
 fn draw(
@@ -46,22 +38,23 @@ fn draw(
     inputs: &PlanInputs,
     progress: &Progress,
     cancel: &Cancel,
-) -> Result<Vec<Picture>, NotDrawn> {
+) -> Result<Vec<Picture>, RenderError> {
     progress.report("pictures", 0.0, "");
     let mut offscreen = Offscreen::new()?;
-    let mut pictures = plan_pictures(&PlanToShow {
+    let plan = PlanToShow {
         blisk: &inputs.blisk,
         channel: &outcome.channel,
         electrodes: outcome.electrodes.iter().map(|e| (&e.electrode, &e.plan)).collect(),
         spark_gap: inputs.job.electrode.spark_gap_mm,
-    });
+    };
+    let mut pictures = plan_pictures(&plan, progress, cancel)?;
     pictures.retain(|picture| inputs.job.export.draws(&picture.file));
     let count = pictures.len();
     let mut drawn = Vec::with_capacity(count);
     for (i, picture) in pictures.into_iter().enumerate() {
         cancel.check()?;
         progress.report("pictures", i as f64 / count as f64, &picture.title);
-        let png = offscreen.png(&picture.scene, &picture.camera, PICTURE_SIZE)?;
+        let png = offscreen.png(&picture.scene, &picture.camera, PICTURE_SIZE, cancel)?;
         drawn.push(finished(picture, png));
     }
     Ok(drawn)

@@ -1,18 +1,27 @@
 //! Pictures without a window.
 
-use std::io::Cursor;
+use std::io::Write;
 use std::sync::{Arc, Mutex, mpsc};
+use std::time::Duration;
 
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{DynamicImage, RgbaImage};
+use image::RgbaImage;
 
 use super::camera::Camera;
 use super::renderer::{Quality, Renderer};
 use super::scene::Scene;
+use crate::progress::{Cancel, Cancelled};
+
+/// How long is waited for the driver between two looks at the cancel flag.
+const PATIENCE: Duration = Duration::from_millis(30);
+/// Rows of a picture that are compressed between two looks.
+const ROWS: usize = 32;
 
 /// Why there is no picture.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum RenderError {
+    /// The work was told to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// Neither a graphics card nor a software stand-in.
     #[error(
         "no graphics driver was found. Install the driver of the graphics card, or a software one \
@@ -106,18 +115,36 @@ impl Offscreen {
 
     /// The picture in full quality.
     pub fn image(&mut self, scene: &Scene, camera: &Camera, size: [u32; 2]) -> Result<RgbaImage, RenderError> {
+        self.image_until(scene, camera, size, &Cancel::default())
+    }
+
+    fn image_until(
+        &mut self,
+        scene: &Scene,
+        camera: &Camera,
+        size: [u32; 2],
+        cancel: &Cancel,
+    ) -> Result<RgbaImage, RenderError> {
         let [width, height] = size;
         let most = self.device.limits().max_texture_dimension_2d;
         if width.min(height) == 0 || width.max(height) > most {
             return Err(RenderError::Size { width, height, most });
         }
-        self.draw(scene, camera, size, Quality::Full)?;
+        cancel.check()?;
+        self.renderer.render(&self.device, &self.queue, scene, camera, size, Quality::Full);
+        self.wait(cancel)?;
         self.read_back()
     }
 
     /// The picture in full quality as a PNG file.
-    pub fn png(&mut self, scene: &Scene, camera: &Camera, size: [u32; 2]) -> Result<Vec<u8>, RenderError> {
-        png_bytes(&self.image(scene, camera, size)?)
+    pub fn png(
+        &mut self,
+        scene: &Scene,
+        camera: &Camera,
+        size: [u32; 2],
+        cancel: &Cancel,
+    ) -> Result<Vec<u8>, RenderError> {
+        png_bytes(&self.image_until(scene, camera, size, cancel)?, cancel)
     }
 
     /// Draws and waits until it is done, without reading the picture back.
@@ -129,7 +156,7 @@ impl Offscreen {
         quality: Quality,
     ) -> Result<(), RenderError> {
         self.renderer.render(&self.device, &self.queue, scene, camera, size, quality);
-        self.wait()
+        self.wait(&Cancel::default())
     }
 
     /// The picture drawn last.
@@ -155,7 +182,7 @@ impl Offscreen {
         self.queue.submit([encoder.finish()]);
         let (sender, receiver) = mpsc::channel();
         buffer.slice(..).map_async(wgpu::MapMode::Read, move |answer| drop(sender.send(answer)));
-        self.wait()?;
+        self.wait(&Cancel::default())?;
         let answer = receiver.recv().map_err(|_| lost("no answer"))?;
         answer.map_err(|e| lost(&e.to_string()))?;
         let mapped = buffer.slice(..).get_mapped_range().map_err(|e| lost(&e.to_string()))?;
@@ -163,9 +190,16 @@ impl Offscreen {
         RgbaImage::from_raw(width, height, pixels).ok_or_else(|| lost("rows are missing"))
     }
 
-    fn wait(&self) -> Result<(), RenderError> {
-        let waited = self.device.poll(wgpu::PollType::wait_indefinitely());
-        waited.map_err(|e| RenderError::Lost(e.to_string()))?;
+    /// Waits until everything is drawn.
+    fn wait(&self, cancel: &Cancel) -> Result<(), RenderError> {
+        loop {
+            cancel.check()?;
+            match self.device.poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(PATIENCE) }) {
+                Ok(_) => break,
+                Err(wgpu::PollError::Timeout) => {}
+                Err(error) => return Err(RenderError::Lost(error.to_string())),
+            }
+        }
         match self.refused.lock().ok().and_then(|mut first| first.take()) {
             Some(reason) => Err(RenderError::Lost(reason)),
             None => Ok(()),
@@ -184,11 +218,23 @@ fn adapter(backends: wgpu::Backends) -> Option<wgpu::Adapter> {
 }
 
 /// `image` as a PNG file.
-pub fn png_bytes(image: &RgbaImage) -> Result<Vec<u8>, RenderError> {
+pub fn png_bytes(image: &RgbaImage, cancel: &Cancel) -> Result<Vec<u8>, RenderError> {
+    let failed = |e: png::EncodingError| RenderError::Png(e.to_string());
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, image.width(), image.height());
     // Pictures have no holes: without the fourth channel the file is a good deal smaller.
-    let opaque = DynamicImage::ImageRgba8(image.clone()).into_rgb8();
-    let mut bytes = Cursor::new(Vec::new());
-    let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::Adaptive);
-    opaque.write_with_encoder(encoder).map_err(|e| RenderError::Png(e.to_string()))?;
-    Ok(bytes.into_inner())
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::High);
+    encoder.set_filter(png::Filter::Adaptive);
+    let mut writer = encoder.write_header().map_err(failed)?;
+    let mut stream = writer.stream_writer().map_err(failed)?;
+    for rows in image.as_raw().chunks((4 * image.width() as usize * ROWS).max(1)) {
+        cancel.check()?;
+        let opaque: Vec<u8> = rows.chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied().collect();
+        stream.write_all(&opaque).map_err(|e| RenderError::Png(e.to_string()))?;
+    }
+    stream.finish().map_err(failed)?;
+    writer.finish().map_err(failed)?;
+    Ok(bytes)
 }

@@ -2,15 +2,20 @@
 //! reports and for `sparkpath render`. Computes nothing that a result depends on.
 
 mod camera;
+mod caps;
+mod colours;
 mod pictures;
 mod scene;
 mod shapes;
+mod sweep;
 mod track;
 mod values;
 
 pub use camera::{NamedView, bodies, into_channel, standard};
+pub use colours::mesh_colour;
 pub use pictures::{PICTURE_SIZE, PlanPicture, PlanToShow, plan_pictures};
 pub use scene::{Layer, Layers, Look, SceneInputs, build, layer_id, layer_of};
 pub use shapes::{ChannelShapes, channel_shapes};
+pub use sweep::{placements, swept_shape};
 pub use track::{Station, Track};
 pub use values::clearance_at_vertices;

@@ -8,11 +8,14 @@ use glam::DVec3;
 use super::camera::{bodies, electrode_in_channel, from_entry, onto_section};
 use super::scene::{Layer, Layers, SceneInputs, build, layer_id};
 use super::shapes::{ChannelShapes, channel_shapes};
+use super::sweep::swept_shape;
 use super::track::Track;
 use crate::blisk::channel::{Channel, Surface};
 use crate::blisk::electrode::{Electrode, EntrySide};
 use crate::feed::plan::FeedPlan;
 use crate::geometry::mesh::Mesh;
+use crate::geometry::swept::SweptError;
+use crate::progress::{Cancel, Cancelled, Progress};
 use crate::render::camera::Camera;
 use crate::render::colour::{Colour, Theme};
 use crate::render::mesh::RenderMesh;
@@ -22,6 +25,8 @@ use crate::render::scene::{Scene, SectionPlane};
 pub const PICTURE_SIZE: [u32; 2] = [1400, 900];
 /// How solid the other poses of an electrode are.
 const GHOST_OPACITY: f32 = 0.13;
+/// How solid the room is that an electrode passes through.
+const ROOM_OPACITY: f32 = 0.42;
 /// Height of the picture of a section as a multiple of the channel's throat, so that a spark gap is some pixels wide.
 const SECTION_THROATS: f64 = 1.5;
 
@@ -53,11 +58,14 @@ pub struct PlanPicture {
     pub camera: Camera,
 }
 
-/// The pictures of a plan in the order in which they explain it.
-pub fn plan_pictures(plan: &PlanToShow) -> Vec<PlanPicture> {
-    let drawn = Drawn::new(plan);
+/// The pictures of a plan in the order in which they explain it. Takes seconds for every electrode.
+///
+/// # Errors
+/// When told to stop.
+pub fn plan_pictures(plan: &PlanToShow, progress: &Progress, cancel: &Cancel) -> Result<Vec<PlanPicture>, Cancelled> {
+    let drawn = Drawn::new(plan, progress, cancel)?;
     let of_electrode = |i| [Some(drawn.final_pose(i)), Some(drawn.sweep(i)), drawn.closest(i)].into_iter().flatten();
-    std::iter::once(drawn.whole()).chain((0..plan.electrodes.len()).flat_map(of_electrode)).collect()
+    Ok(std::iter::once(drawn.whole()).chain((0..plan.electrodes.len()).flat_map(of_electrode)).collect())
 }
 
 /// What the pictures of a plan share.
@@ -67,11 +75,13 @@ struct Drawn<'a> {
     shapes: ChannelShapes,
     electrodes: Vec<Arc<RenderMesh>>,
     tracks: Vec<Track>,
+    /// The room that each passes through, where it could be made.
+    swept: Vec<Option<Arc<RenderMesh>>>,
     layers: Layers,
 }
 
 impl<'a> Drawn<'a> {
-    fn new(plan: &'a PlanToShow<'a>) -> Self {
+    fn new(plan: &'a PlanToShow<'a>, progress: &Progress, cancel: &Cancel) -> Result<Self, Cancelled> {
         let track = |plan: &FeedPlan| {
             let track = Track::of_plan(plan);
             plan.jam.as_ref().map_or(track.clone(), |jam| track.with_jam(jam))
@@ -81,14 +91,21 @@ impl<'a> Drawn<'a> {
         for layer in [Layer::Grid, Layer::Contact, Layer::Paths] {
             layers.get_mut(layer).visible = false;
         }
-        Self {
-            plan,
-            blisk: Arc::new(RenderMesh::new(plan.blisk)),
-            shapes: channel_shapes(&plan.blisk.in_frame(&plan.channel.frame), plan.channel),
-            electrodes: plan.electrodes.iter().map(|(e, _)| Arc::new(RenderMesh::new(&e.mesh))).collect(),
-            tracks: plan.electrodes.iter().map(|(_, p)| track(p)).collect(),
-            layers,
-        }
+        let tracks: Vec<Track> = plan.electrodes.iter().map(|(_, p)| track(p)).collect();
+        let room = |((electrode, _), track): (&(&Electrode, _), &Track)| {
+            match swept_shape(electrode, track, progress, cancel) {
+                Err(SweptError::Cancelled(cancelled)) => Err(cancelled),
+                // A picture of poses tells as much.
+                made => Ok(made.ok()),
+            }
+        };
+        let swept = plan.electrodes.iter().zip(&tracks).map(room).collect::<Result<_, _>>()?;
+        let electrodes = plan.electrodes.iter().map(|(e, _)| Arc::new(RenderMesh::new(&e.mesh))).collect();
+        cancel.check()?;
+        let blisk = Arc::new(RenderMesh::new(plan.blisk));
+        cancel.check()?;
+        let shapes = channel_shapes(&plan.blisk.in_frame(&plan.channel.frame), plan.channel);
+        Ok(Self { plan, blisk, shapes, electrodes, tracks, swept, layers })
     }
 
     /// Electrode `i` withdrawn by `s` (mm), with whatever `layers` show.
@@ -105,6 +122,7 @@ impl<'a> Drawn<'a> {
             layers,
             selected: None,
             ghosts: &[],
+            swept: self.room(i),
             triad: true,
             section: None,
             theme: Theme::LIGHT,
@@ -159,16 +177,16 @@ impl<'a> Drawn<'a> {
     fn sweep(&self, i: usize) -> PlanPicture {
         let mut layers = self.layers.clone();
         layers.into_channel();
-        for layer in [Layer::Ghosts, Layer::Contact] {
+        let (others, name, opacity) = match self.room(i) {
+            Some(_) => (Layer::Sweep, "room that it passes through", ROOM_OPACITY),
+            None => (Layer::Ghosts, "other poses", GHOST_OPACITY),
+        };
+        for layer in [others, Layer::Contact] {
             layers.get_mut(layer).visible = true;
         }
-        layers.get_mut(Layer::Ghosts).opacity = GHOST_OPACITY;
+        layers.get_mut(others).opacity = opacity;
         let place = self.place(i);
-        let mut legend = vec![
-            (Layer::Unshrouded, "finished blisk"),
-            (Layer::Electrode, "electrode"),
-            (Layer::Ghosts, "other poses"),
-        ];
+        let mut legend = vec![(Layer::Unshrouded, "finished blisk"), (Layer::Electrode, "electrode"), (others, name)];
         legend.extend(place.as_ref().map(|p| (Layer::Contact, p.name)));
         let scene = self.scene(i, place.as_ref().map_or(0.0, |p| p.s), &layers);
         PlanPicture {
@@ -264,6 +282,10 @@ impl<'a> Drawn<'a> {
         Some(Place { s: least.s, points, surface: least.surface, name: "where it comes closest" })
     }
 
+    fn room(&self, i: usize) -> Option<&Arc<RenderMesh>> {
+        self.swept.get(i)?.as_ref()
+    }
+
     fn length(&self, i: usize) -> f64 {
         self.tracks.get(i).map_or(0.0, Track::length)
     }
@@ -274,7 +296,7 @@ impl<'a> Drawn<'a> {
 
     /// Into the channel, with every pose of electrode `i` that `scene` shows.
     fn camera(&self, i: usize, scene: &Scene) -> Camera {
-        let moved = [Layer::Electrode, Layer::Ghosts].map(layer_id);
+        let moved = [Layer::Electrode, Layer::Ghosts, Layer::Sweep].map(layer_id);
         let objects = scene.objects.iter().filter(|o| moved.contains(&o.id)).cloned().collect();
         let electrode = bodies(&Scene { objects, ..Scene::default() });
         electrode_in_channel(self.plan.channel, self.side(i), &electrode, aspect())

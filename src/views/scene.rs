@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 
+use super::colours::{BAD, COPPER, GHOST, HIGH, LOW, STEEL};
 use super::shapes::ChannelShapes;
 use super::track::{Station, Track};
 use crate::blisk::channel::Channel;
@@ -90,13 +91,6 @@ pub struct Look {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layers([Look; Layer::ALL.len()]);
 
-const STEEL: Colour = Colour::rgb(0x9d, 0xab, 0xba);
-const LOW: Colour = Colour::rgb(0x6f, 0xa8, 0xa0);
-const HIGH: Colour = Colour::rgb(0x8a, 0x96, 0xc8);
-const COPPER: Colour = Colour::rgb(0xd0, 0x83, 0x4f);
-const GHOST: Colour = Colour::rgb(0xe0, 0xb0, 0x8a);
-const BAD: Colour = Colour::rgb(0xe5, 0x48, 0x4d);
-
 impl Default for Layers {
     fn default() -> Self {
         let look = |visible, opacity, colour| Look { visible, opacity, colour };
@@ -162,6 +156,8 @@ pub struct SceneInputs<'a> {
     pub s: f64,
     /// Withdrawn distances at which ghosts are shown (mm); if there are none, at some evenly along the way.
     pub ghosts: &'a [f64],
+    /// The room that it passes through, in W; without it many poses stand in for it.
+    pub swept: Option<&'a Arc<RenderMesh>>,
     /// Where it comes closest or jams: a point of the electrode in its final pose and one of the blisk, in W.
     pub contact: Option<[DVec3; 2]>,
     /// A quantity on the electrode.
@@ -197,7 +193,7 @@ pub fn build(inputs: &SceneInputs) -> Scene {
         if look.visible {
             let object = Object::new(layer_id(layer), mesh.clone(), look.colour).at(at).with_opacity(look.opacity);
             // Edges of so many copies would hide the room that they fill.
-            let object = Object { edges: layer != Layer::Sweep, ..object };
+            let object = Object { edges: layer != Layer::Sweep || inputs.swept.is_some(), ..object };
             scene.objects.push(Object { selected: inputs.selected == Some(layer), ..object });
         }
     };
@@ -222,8 +218,13 @@ pub fn build(inputs: &SceneInputs) -> Scene {
             let chosen: Vec<Station> = inputs.ghosts.iter().filter_map(|s| track.at(*s)).collect();
             let ghosts = if chosen.is_empty() { spaced(track, 12) } else { chosen };
             ghosts.iter().for_each(|station| add(&mut scene, Layer::Ghosts, mesh, placed(station)));
-            let sweep = spaced(track, 60);
-            sweep.iter().for_each(|station| add(&mut scene, Layer::Sweep, mesh, placed(station)));
+            match inputs.swept {
+                Some(swept) => add(&mut scene, Layer::Sweep, swept, to_mesh),
+                None => {
+                    let poses = spaced(track, 60);
+                    poses.iter().for_each(|station| add(&mut scene, Layer::Sweep, mesh, placed(station)));
+                }
+            }
             lines(&mut scene, inputs, electrode, track, to_mesh);
         }
         contact(&mut scene, inputs, electrode, station, to_mesh);

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::caps::close_holes;
 use crate::blisk::channel::{Channel, ChannelWall};
 use crate::geometry::frame::Cylindrical;
 use crate::geometry::mesh::Mesh;
@@ -38,7 +39,7 @@ fn wall_mesh(wall: &ChannelWall, is_low: bool) -> Mesh {
     Mesh { triangles: triangles.collect(), vertices: wall.points.clone() }
 }
 
-/// The triangles of the blisk without those of the shroud.
+/// The blisk without its shroud, its blades with flat tips.
 fn unshrouded(blisk: &Mesh, channel: &Channel) -> Mesh {
     let at_shroud = |p: DVec3| {
         let place = Cylindrical::from_point(p);
@@ -49,7 +50,11 @@ fn unshrouded(blisk: &Mesh, channel: &Channel) -> Mesh {
     let kept = |corners: [DVec3; 3]| !channel.shrouded || !is_shroud(corners);
     let triangles: Vec<[u32; 3]> =
         blisk.triangles.iter().zip(blisk.iter_corners()).filter(|(_, c)| kept(*c)).map(|(t, _)| *t).collect();
-    compacted(&Mesh { vertices: blisk.vertices.clone(), triangles })
+    let mut bare = compacted(&Mesh { vertices: blisk.vertices.clone(), triangles });
+    if channel.shrouded {
+        close_holes(&mut bare);
+    }
+    bare
 }
 
 /// The mesh without the vertices that no triangle uses.
@@ -88,6 +93,7 @@ mod tests {
         // The blades end at the shroud, which grows along X; the ring around it is 5 mm thick.
         let tips = part.shroud_radius_mm + 0.5 * part.chord_mm * part.shroud_slope.abs();
         assert!((part.shroud_radius_mm..tips + 0.01).contains(&most), "{most}");
+        assert!(bare.is_watertight(), "no blade is hollow");
         // The hub between the blades, the bore and the two faces of the disc are a good part of what is left.
         let disc = 2.0 * std::f64::consts::PI * (part.hub_radius_mm.powi(2) - part.bore_radius_mm.powi(2));
         assert!(bare.area() > disc && bare.area() < mesh.area());

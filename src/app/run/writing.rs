@@ -7,6 +7,7 @@ use crate::app::dialogs::Dialog;
 use crate::export::post::Post;
 use crate::jobs::pipeline::{EventKind, ExportWork};
 use crate::jobs::{plan_files, plan_pictures, plan_report};
+use crate::progress::Cancel;
 use crate::render::scene::Scene;
 
 impl SparkpathApp {
@@ -58,7 +59,7 @@ impl SparkpathApp {
         // A picture has nothing else that tells the axes.
         let scene = Scene { triad: true, ..(**scene).clone() };
         let picture = crate::render::offscreen::Offscreen::new()
-            .and_then(|mut o| o.png(&scene, camera, [1920, 1200]))
+            .and_then(|mut o| o.png(&scene, camera, [1920, 1200], &Cancel::default()))
             .map_err(|e| e.to_string());
         let written = picture.and_then(|bytes| {
             crate::mesh_io::atomic_write(path, |out| out.write_all(&bytes)).map_err(|e| e.to_string())

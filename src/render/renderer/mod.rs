@@ -104,18 +104,17 @@ impl Renderer {
         camera: &Camera,
         size: [u32; 2],
         quality: Quality,
-    ) -> &wgpu::TextureView {
+    ) -> wgpu::TextureView {
         let plan = self.plan(device, size, quality);
         let (nothing, default) = (Scene { theme: scene.theme, ..Scene::default() }, Camera::default());
         let (scene, camera) = if camera.is_valid() { (scene, camera) } else { (&nothing, &default) };
         let prepared = prepare(scene, camera, plan.size, plan.scale, &mut self.cuts);
         self.write(device, queue, &prepared, plan.size);
-        self.targets.select(device, plan.size, plan.samples);
+        let picture = self.targets.select(device, plan.size, plan.samples).picture.clone();
         let commands = self.draw(device, scene, &prepared, &plan);
         queue.submit([commands]);
         self.meshes.finish_picture();
-        // `select` has just made it the current one.
-        &self.targets.current().expect("a target was selected").picture
+        picture
     }
 
     /// Width and height of the last picture (pixels); zero before the first.

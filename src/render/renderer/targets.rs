@@ -3,9 +3,6 @@
 use super::FORMAT;
 use super::pipelines::DEPTH_FORMAT;
 
-/// Sizes that are kept: one at rest and one while the view moves.
-const KEPT: usize = 2;
-
 /// Textures of one size.
 pub struct Target {
     pub size: [u32; 2],
@@ -23,40 +20,52 @@ pub struct Buffers {
     pub colour: Option<wgpu::TextureView>,
 }
 
-/// The targets of the last sizes.
+/// The target of the last picture and that of another size before it: the view at rest and in motion.
 #[derive(Default)]
 pub struct Targets {
-    kept: Vec<Target>,
+    current: Option<Target>,
+    other: Option<Target>,
 }
 
 impl Targets {
     /// The target of this size, made if there is none; it is then the [`current`](Self::current) one.
-    pub fn select(&mut self, device: &wgpu::Device, size: [u32; 2], samples: u32) {
-        match self.kept.iter().position(|t| t.size == size) {
-            Some(at) => self.kept[..=at].rotate_right(1),
+    pub fn select(&mut self, device: &wgpu::Device, size: [u32; 2], samples: u32) -> &Target {
+        let fits = |t: &mut Target| t.size == size;
+        let target = match self.current.take_if(fits) {
+            Some(current) => current,
             None => {
-                let usages = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
-                let picture = texture(device, size, 1, FORMAT, usages);
-                self.kept.insert(0, Target { size, picture, buffers: Vec::new() });
-                self.kept.truncate(KEPT);
+                let known = self.other.take_if(fits);
+                self.other = self.current.take();
+                known.unwrap_or_else(|| Target::new(device, size))
             }
-        }
-        let buffers = &mut self.kept[0].buffers;
-        if !buffers.iter().any(|b| b.samples == samples) {
-            let none = wgpu::TextureUsages::empty();
-            let depth = texture(device, size, samples, DEPTH_FORMAT, none);
-            let colour = (samples > 1).then(|| texture(device, size, samples, FORMAT, none));
-            buffers.push(Buffers { samples, depth, colour });
-        }
+        };
+        let target = self.current.insert(target);
+        target.add_buffers(device, samples);
+        target
     }
 
     /// The target selected last.
     pub fn current(&self) -> Option<&Target> {
-        self.kept.first()
+        self.current.as_ref()
     }
 }
 
 impl Target {
+    fn new(device: &wgpu::Device, size: [u32; 2]) -> Self {
+        let usages = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
+        Self { size, picture: texture(device, size, 1, FORMAT, usages), buffers: Vec::new() }
+    }
+
+    /// Makes the buffers for a number of samples if there are none.
+    fn add_buffers(&mut self, device: &wgpu::Device, samples: u32) {
+        if self.buffers(samples).is_none() {
+            let none = wgpu::TextureUsages::empty();
+            let depth = texture(device, self.size, samples, DEPTH_FORMAT, none);
+            let colour = (samples > 1).then(|| texture(device, self.size, samples, FORMAT, none));
+            self.buffers.push(Buffers { samples, depth, colour });
+        }
+    }
+
     /// Its buffers for a number of samples.
     pub fn buffers(&self, samples: u32) -> Option<&Buffers> {
         self.buffers.iter().find(|b| b.samples == samples)

@@ -5,6 +5,7 @@ use image::RgbaImage;
 
 use super::Quality;
 use crate::geometry::mesh::tests::cuboid;
+use crate::progress::{Cancel, Cancelled};
 use crate::render::camera::Camera;
 use crate::render::colour::{Colour, Theme};
 use crate::render::colour_map::ColourMap;
@@ -102,7 +103,14 @@ fn the_same_scene_gives_the_same_bytes_also_from_another_device() {
     let mut first = offscreen();
     let images = [first.image(&scene, &camera, SIZE).unwrap(), first.image(&scene, &camera, SIZE).unwrap()];
     assert!(images[0] == images[1] && images[0] == drawn(&scene, &camera));
-    assert_eq!(image::load_from_memory(&png_bytes(&images[0]).unwrap()).unwrap().into_rgba8(), images[0]);
+    assert_eq!(
+        image::load_from_memory(&png_bytes(&images[0], &Cancel::default()).unwrap()).unwrap().into_rgba8(),
+        images[0]
+    );
+    let cancel = Cancel::default();
+    cancel.cancel();
+    assert_eq!(png_bytes(&images[0], &cancel), Err(RenderError::Cancelled(Cancelled)));
+    assert_eq!(first.png(&scene, &camera, SIZE, &cancel), Err(RenderError::Cancelled(Cancelled)));
 }
 
 #[test]

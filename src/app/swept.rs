@@ -1,0 +1,57 @@
+//! The room that the electrode passes through, made when it is to be seen on a thread of its own.
+
+use std::sync::Arc;
+
+use crate::blisk::electrode::Electrode;
+use crate::jobs::worker::{Ended, Message, Worker};
+use crate::render::mesh::RenderMesh;
+use crate::views::{Track, swept_shape};
+
+/// The room that belongs to one track.
+pub struct Swept {
+    worker: Worker<(), (Arc<Track>, Arc<RenderMesh>)>,
+    asked: Option<Arc<Track>>,
+    made: Option<(Arc<Track>, Arc<RenderMesh>)>,
+}
+
+impl Swept {
+    /// Nothing yet; `wake` is called whenever there is something new.
+    ///
+    /// # Errors
+    /// If the system gives no thread.
+    pub fn start(wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
+        Ok(Self { worker: Worker::start(wake)?, asked: None, made: None })
+    }
+
+    /// Takes in what was made. Tells whether `track` is wanted and nobody was asked for its room yet; if nothing is
+    /// wanted, what there is is let go.
+    pub fn lacks(&mut self, wanted: Option<&Arc<Track>>) -> bool {
+        for message in self.worker.messages() {
+            if let Message::Finished(_, Ended::Done(made)) = message {
+                self.made = Some(made);
+            }
+        }
+        let Some(track) = wanted else {
+            if self.asked.take().is_some() {
+                self.worker.cancel_from(0);
+            }
+            self.made = None;
+            return false;
+        };
+        !self.asked.as_ref().is_some_and(|asked| Arc::ptr_eq(asked, track))
+    }
+
+    /// Has the room made that `electrode` passes through along `track`, in place of any other.
+    pub fn make(&mut self, track: Arc<Track>, electrode: Electrode) {
+        self.asked = Some(track.clone());
+        self.worker.submit(0, move |_, progress, cancel| {
+            let shape = swept_shape(&electrode, &track, progress, cancel).map_err(|e| e.to_string())?;
+            Ok((track, shape))
+        });
+    }
+
+    /// The room that belongs to `track`, in W, once it is made.
+    pub fn shape(&self, track: &Arc<Track>) -> Option<&Arc<RenderMesh>> {
+        self.made.as_ref().filter(|(of, _)| Arc::ptr_eq(of, track)).map(|(_, shape)| shape)
+    }
+}

@@ -1,0 +1,111 @@
+//! Keeps up with the document: what changed, what has to be made anew, what is taken up again.
+
+use super::{Event, EventKind, Found, Now, PartialPlan, Pipeline, Planned};
+use crate::jobs::plan::PlanInputs;
+use crate::jobs::stages;
+use crate::jobs::worker::Reporter;
+use crate::progress::{Cancel, Progress};
+use crate::project::{Document, Fingerprint, KeptPlan, PlanJob, Stage};
+
+impl Pipeline {
+    /// Takes in what the worker has said, and starts what `document` needs. Answers what has happened.
+    pub fn follow(&mut self, document: &mut Document) -> Vec<Event> {
+        let messages = self.worker.messages();
+        let mut events: Vec<Event> = messages.into_iter().filter_map(|m| self.take(m)).collect();
+        if let Some(part) = self.part.value.as_ref().map(|(_, part)| part.clone())
+            && let [blisk, ..] = &part.files[..]
+            && !blisk.sha256.is_empty()
+        {
+            for file in &part.files {
+                document.note_mesh(file.path.as_ref(), &file.sha256);
+            }
+        }
+        let now = self.refresh(document.job());
+        if self.approved.is_some_and(|of| of != now.plan) {
+            self.approved = None;
+            let text = "approval withdrawn: an input changed".to_owned();
+            events.push(Event { stage: Stage::Export, kind: EventKind::Cancelled, text, took: None });
+        }
+        // A plan for other parameters is of no use to anybody.
+        if self.plan.running.is_some_and(|(_, made_from)| made_from != now.plan) {
+            self.worker.cancel_from(Stage::Plan as u32);
+        }
+        self.start_early_stages(document.job(), now);
+        self.replay_kept_plan(document, now);
+        if let Some(plan) = self.newly_planned.take() {
+            document.note_plan(plan);
+        }
+        events
+    }
+
+    fn refresh(&mut self, job: &PlanJob) -> Now {
+        let content = self.part.value.as_ref().map(|(_, p)| p.content()).unwrap_or_default();
+        let of = |stage, content: &str| Fingerprint::of(stage, job, content);
+        let later = format!("{content}/{}", self.reloads);
+        let now = Now {
+            part: of(Stage::Part, &self.reloads.to_string()),
+            channel: of(Stage::Channel, &later),
+            electrode: of(Stage::Electrode, &later),
+            plan: of(Stage::Plan, &later),
+            export: of(Stage::Export, &later),
+        };
+        self.now = Some((job.clone(), now));
+        now
+    }
+
+    fn start_early_stages(&mut self, job: &PlanJob, now: Now) {
+        let job = job.clone();
+        if self.part.wants_work(now.part) {
+            let work = move |_: &Reporter<_, _>, p: &Progress, c: &Cancel| {
+                stages::load(&job, p, c).map(|part| Found::Part(Box::new(part)))
+            };
+            let id = self.worker.submit(Stage::Part as u32, work);
+            self.part.running = Some((id, now.part));
+            return;
+        }
+        let Some(part) = self.part.current(now.part).cloned() else { return };
+        if self.channel.wants_work(now.channel) {
+            let work = move |_: &Reporter<_, _>, p: &Progress, c: &Cancel| {
+                stages::channel(&part, &job, p, c).map(|found| Found::Channel(Box::new(found)))
+            };
+            let id = self.worker.submit(Stage::Channel as u32, work);
+            self.channel.running = Some((id, now.channel));
+            return;
+        }
+        let Some(channel) = self.channel.current(now.channel).cloned() else { return };
+        if self.electrode.wants_work(now.electrode) {
+            let work = move |_: &Reporter<_, _>, p: &Progress, c: &Cancel| {
+                stages::electrodes(&part, &channel, &job, p, c).map(Found::Electrode)
+            };
+            let id = self.worker.submit(Stage::Electrode as u32, work);
+            self.electrode.running = Some((id, now.electrode));
+        }
+    }
+
+    /// Takes up the plan that the document came with, if it is for its present parameters.
+    fn replay_kept_plan(&mut self, document: &Document, now: Now) {
+        let (Some(kept), true) = (document.plan(), self.plan.value.is_none() && self.plan.running.is_none()) else {
+            return;
+        };
+        let (Some(part), Some(found)) = (self.part.current(now.part), self.channel.current(now.channel)) else {
+            return;
+        };
+        // A file may say anything: as many electrodes as there are parts, or none of it counts.
+        let parts = self.electrode.current(now.electrode).map(|made| made.electrodes.len());
+        if parts != Some(kept.electrodes.len())
+            || self.replayed.as_deref() == Some(&kept.inputs)
+            || kept.inputs != KeptPlan::inputs_of(document.job(), &part.content())
+        {
+            return;
+        }
+        self.replayed = Some(kept.inputs.clone());
+        let (part, found, kept, job) = (part.clone(), found.clone(), kept.clone(), document.job().clone());
+        let work = move |_: &Reporter<PartialPlan, Found>, p: &Progress, c: &Cancel| {
+            let inputs = PlanInputs { blisk: part.mesh.clone(), own_electrode: part.own_electrode.clone(), job };
+            let outcome = crate::jobs::plan::replay(&inputs, &found.channel, &found.blisk, &found.exact, &kept, p, c);
+            outcome.map(|o| Found::Plan(Box::new(Planned::new(inputs, o)))).map_err(|e| e.to_string())
+        };
+        let id = self.worker.submit(Stage::Plan as u32, work);
+        self.plan.running = Some((id, now.plan));
+    }
+}
