@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::blisk::electrode::Electrode;
 use crate::jobs::worker::{Ended, Message, Worker};
 use crate::render::mesh::RenderMesh;
-use crate::views::{Track, swept_shape};
+use crate::views::{FINE, Track, swept_shape};
 
 /// The room that belongs to one track.
 pub struct Swept {
@@ -45,7 +45,7 @@ impl Swept {
     pub fn make(&mut self, track: Arc<Track>, electrode: Electrode) {
         self.asked = Some(track.clone());
         self.worker.submit(0, move |_, progress, cancel| {
-            let shape = swept_shape(&electrode, &track, progress, cancel).map_err(|e| e.to_string())?;
+            let shape = swept_shape(&electrode, &track, FINE, progress, cancel).map_err(|e| e.to_string())?;
             Ok((track, shape))
         });
     }

@@ -16,7 +16,7 @@ use crate::render::offscreen::Offscreen;
 use crate::render::scene::{Grid, Object, ObjectId, Scene};
 use crate::render::view::StandardView;
 use crate::views::{
-    Layer, Layers, NamedView, SceneInputs, Track, build, into_channel, mesh_colour, standard, swept_shape,
+    FINE, Layer, Layers, NamedView, SceneInputs, Track, build, into_channel, mesh_colour, standard, swept_shape,
 };
 
 /// Fewest and most pixels along a side.
@@ -224,8 +224,10 @@ fn planned(arguments: &RenderArguments, part: &Part, job: PlanJob, session: &Ses
             Some(Track::standing(station))
         }
     };
-    let swept =
-        arguments.swept.then(|| swept_shape(&electrode, &whole, &session.progress, &session.cancel)).transpose()?;
+    let swept = arguments
+        .swept
+        .then(|| swept_shape(&electrode, &whole, FINE, &session.progress, &session.cancel))
+        .transpose()?;
     Ok(Shown { electrode, track, swept })
 }
 

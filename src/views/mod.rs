@@ -16,6 +16,6 @@ pub use colours::mesh_colour;
 pub use pictures::{PICTURE_SIZE, PlanPicture, PlanToShow, plan_pictures};
 pub use scene::{Layer, Layers, Look, SceneInputs, build, layer_id, layer_of};
 pub use shapes::{ChannelShapes, channel_shapes};
-pub use sweep::{placements, swept_shape};
+pub use sweep::{COARSE, FINE, placements, swept_shape};
 pub use track::{Station, Track};
 pub use values::clearance_at_vertices;

@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::camera::{bodies, electrode_in_channel, from_entry, onto_section};
 use super::scene::{Layer, Layers, SceneInputs, build, layer_id};
 use super::shapes::{ChannelShapes, channel_shapes};
-use super::sweep::swept_shape;
+use super::sweep::{COARSE, swept_shape};
 use super::track::Track;
 use crate::blisk::channel::{Channel, Surface};
 use crate::blisk::electrode::{Electrode, EntrySide};
@@ -93,7 +93,7 @@ impl<'a> Drawn<'a> {
         }
         let tracks: Vec<Track> = plan.electrodes.iter().map(|(_, p)| track(p)).collect();
         let room = |((electrode, _), track): (&(&Electrode, _), &Track)| {
-            match swept_shape(electrode, track, progress, cancel) {
+            match swept_shape(electrode, track, COARSE, progress, cancel) {
                 Err(SweptError::Cancelled(cancelled)) => Err(cancelled),
                 // A picture of poses tells as much.
                 made => Ok(made.ok()),

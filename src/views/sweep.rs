@@ -11,21 +11,24 @@ use crate::geometry::swept::{SweptError, SweptSurface};
 use crate::progress::{Cancel, Progress};
 use crate::render::mesh::RenderMesh;
 
-/// Cells of the lattice that the surface is made on: cells of some tenths of a millimetre.
-const CELLS: usize = 1_000_000;
+/// Cells of the lattice of a surface to be looked at closely: cells of some tenths of a millimetre. Takes seconds.
+pub const FINE: usize = 1_000_000;
+/// Cells of the lattice of one that is seen as a whole.
+pub const COARSE: usize = 200_000;
 
-/// The surface that `electrode` sweeps along `track`, in W. Takes seconds.
+/// The surface that `electrode` sweeps along `track`, in W, made on a lattice of about so many `cells`.
 ///
 /// # Errors
 /// If there is no way, or when told to stop.
 pub fn swept_shape(
     electrode: &Electrode,
     track: &Track,
+    cells: usize,
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<Arc<RenderMesh>, SweptError> {
     let placements = placements(electrode, track);
-    let swept = SweptSurface::new(&electrode.mesh, &placements, CELLS, progress, cancel)?;
+    let swept = SweptSurface::new(&electrode.mesh, &placements, cells, progress, cancel)?;
     cancel.check()?;
     Ok(Arc::new(RenderMesh::new(&swept.mesh)))
 }
