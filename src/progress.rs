@@ -59,6 +59,12 @@ impl Progress {
         Self::new(|_| {})
     }
 
+    /// The same for a part of the work, whose stages are all called `stage`.
+    pub fn as_stage(&self, stage: &'static str) -> Self {
+        let sink = self.0.clone();
+        Self::new(move |update| sink(&Update { stage, ..update.clone() }))
+    }
+
     /// Reports that `fraction` of `stage` is done.
     pub fn report(&self, stage: &str, fraction: f64, message: &str) {
         (self.0)(&Update { stage, fraction: fraction.clamp(0.0, 1.0), message });

@@ -206,7 +206,7 @@ impl Command {
 
     /// The commands whose keys were pressed.
     pub fn pressed(ctx: &egui::Context) -> Vec<Self> {
-        let typing = ctx.egui_wants_keyboard_input();
+        let typing = ctx.egui_wants_keyboard_input() || egui::Popup::is_any_open(ctx);
         // More modifiers first: Ctrl+Shift+S must not be taken for Ctrl+S.
         let mut commands = Self::all();
         commands.retain(|c| c.shortcut().is_some() && !(typing && c.yields_to_focus()));

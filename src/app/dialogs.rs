@@ -90,13 +90,15 @@ pub fn show(ctx: &egui::Context, core: &mut Core, dialog: &mut Dialog, adapter: 
     }
     .to_owned();
     let frame = egui::Frame::popup(&ctx.global_style()).inner_margin(16);
-    let response = Modal::new(Id::unique("dialog")).frame(frame).show(ctx, |ui| {
+    // Each dialog has a size of its own.
+    let response = Modal::new(Id::unique("dialog").with(&title)).frame(frame).show(ctx, |ui| {
         // A small window, or one drawn large, shows as much as it can and scrolls.
         let room = ctx.content_rect().size() - egui::vec2(64.0, 80.0);
         ui.set_width(room.x.min(440.0));
         ui.heading(title);
         ui.add_space(6.0);
-        let scroll = egui::ScrollArea::vertical().max_height(room.y.max(120.0));
+        let height = room.y.max(120.0);
+        let scroll = egui::ScrollArea::vertical().max_height(height).min_scrolled_height(height);
         scroll.show(ui, |ui| contents(ui, core, dialog, adapter)).inner
     });
     let closes = response.should_close();
@@ -236,9 +238,15 @@ fn preferences(ui: &mut Ui, p: &mut Preferences) -> Option<Answer> {
 
 fn path(ui: &mut Ui, purpose: &Purpose, text: &mut String) -> Option<Answer> {
     let label = ui.label("This system has no file dialogs. Type or paste the path:");
-    let field = ui.add(egui::TextEdit::singleline(text).desired_width(f32::INFINITY)).labelled_by(label.id);
+    let mut edited = egui::TextEdit::singleline(text).desired_width(f32::INFINITY).show(ui);
+    let field = edited.response.response.clone().labelled_by(label.id);
     if !field.has_focus() && !field.lost_focus() {
         field.request_focus();
+        // What is proposed is replaced by what is typed.
+        let all =
+            egui::text::CCursorRange::two(egui::text::CCursor::new(0), egui::text::CCursor::new(text.chars().count()));
+        edited.state.cursor.set_char_range(Some(all));
+        edited.state.store(ui.ctx(), field.id);
     }
     let entered = field.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
     let chosen = Answer::Path(purpose.clone(), PathBuf::from(text.trim()));

@@ -296,8 +296,29 @@ fn widget(ui: &mut Ui, field: &Field, value: &Value, label: egui::Id, columns: C
 
 fn drag(ui: &mut Ui, number: &mut f64, decimals: usize) -> Response {
     let speed = 10f64.powi(-(decimals as i32)) * 5.0;
-    let value = DragValue::new(number).speed(speed).max_decimals(decimals.max(6)).min_decimals(decimals.min(3));
+    let value = DragValue::new(number)
+        .speed(speed)
+        .max_decimals(decimals.max(6))
+        .min_decimals(decimals.min(3))
+        .custom_formatter(short)
+        .custom_parser(parsed);
     ui.add_sized(vec2(VALUE_WIDTH, HEIGHT), value)
+}
+
+/// A number in the room that a field has: one that is far out of every range is written with an exponent.
+fn short(number: f64, decimals: std::ops::RangeInclusive<usize>) -> String {
+    const LARGE: f64 = 1e6;
+    if number.abs() < LARGE {
+        egui::emath::format_with_decimals_in_range(number, decimals)
+    } else {
+        format!("{number:.2e}")
+    }
+}
+
+/// A typed number; its decimals may stand behind a comma.
+fn parsed(text: &str) -> Option<f64> {
+    let plain: String = text.chars().filter(|c| !c.is_whitespace()).collect();
+    plain.replace(',', ".").replace('\u{2212}', "-").parse().ok().filter(|n: &f64| n.is_finite())
 }
 
 fn whole(ui: &mut Ui, number: &mut u64) -> Response {
@@ -382,4 +403,28 @@ fn file(ui: &mut Ui, value: &Value, width: f32) -> Option<Change> {
         change = Some(Change::To(Value::Null));
     }
     change
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_comma_is_a_point_and_words_are_no_number() {
+        for (text, number) in
+            [("1,3", Some(1.3)), (" 0.25 ", Some(0.25)), ("\u{2212}2", Some(-2.0)), ("1e-3", Some(0.001))]
+        {
+            assert_eq!(parsed(text), number, "{text}");
+        }
+        for text in ["abc", "", "1,234.5", "inf", "1e999"] {
+            assert_eq!(parsed(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn no_number_is_too_long_for_its_field() {
+        for number in [1e9, -1e300, 123456.0, 0.000123] {
+            assert!(short(number, 3..=6).len() <= 11, "{}", short(number, 3..=6));
+        }
+    }
 }

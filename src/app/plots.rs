@@ -251,6 +251,10 @@ fn convergence(ui: &mut Ui, core: &mut Core) {
         says(ui, "A plan that was opened was not searched: plan again to see how it converges.");
         return;
     };
+    if trace.best.is_empty() {
+        says(ui, "This node was not searched: it mends the curve, or the axes run down to rest there.");
+        return;
+    }
     let colours = palette(ui);
     let points =
         |values: &[f64]| -> PlotPoints<'static> { values.iter().enumerate().map(|(i, v)| [i as f64, *v]).collect() };

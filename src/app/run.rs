@@ -222,6 +222,8 @@ impl SparkpathApp {
                 } else {
                     self.core.span = None;
                 }
+                // The panel keeps its height whatever it shows.
+                ui.take_available_space();
             });
         });
         egui::CentralPanel::no_frame().show(ui, |ui| self.viewport.show(ui, &mut self.core));

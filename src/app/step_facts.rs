@@ -58,6 +58,9 @@ fn part(ui: &mut Ui, core: &mut Core) {
 
 fn channel(ui: &mut Ui, core: &mut Core) {
     let Some(found) = core.pipeline.channel().cloned() else { return };
+    if matches!(core.pipeline.state(Stage::Channel), StageState::Failed(_)) {
+        return;
+    }
     let (channel, length) = (&found.channel, core.preferences.length);
     let [low, high] = channel.span_x();
     let (hub, shroud) = channel.radii_at(0.5 * (low + high));
@@ -78,6 +81,10 @@ fn channel(ui: &mut Ui, core: &mut Core) {
 
 fn electrode(ui: &mut Ui, core: &mut Core) {
     let Some(made) = core.pipeline.electrodes().cloned() else { return };
+    // Figures of what was made before would pass for those of what could not be made.
+    if matches!(core.pipeline.state(Stage::Electrode), StageState::Failed(_)) {
+        return;
+    }
     let length = core.preferences.length;
     for (i, electrode) in made.electrodes.iter().enumerate() {
         if made.electrodes.len() > 1 {
@@ -180,9 +187,7 @@ fn verify(ui: &mut Ui, core: &mut Core) {
 
 fn export(ui: &mut Ui, core: &mut Core) {
     let approved = core.pipeline.is_approved();
-    if approved {
-        notice(ui, palette(ui).good, "Approved. The approval is withdrawn as soon as an input changes.");
-    } else if !core.pipeline.can_approve() {
+    if !approved && !core.pipeline.can_approve() {
         notice(
             ui,
             palette(ui).warning,
@@ -196,6 +201,10 @@ fn export(ui: &mut Ui, core: &mut Core) {
             command_button(ui, core, Command::Withdraw, "Withdraw", false);
         }
     });
+    if approved {
+        ui.add_space(4.0);
+        notice(ui, palette(ui).good, "Approved. The approval is withdrawn as soon as an input changes.");
+    }
     let Some(exported) = core.pipeline.exported().cloned() else { return };
     ui.add_space(6.0);
     ui.strong("Written");

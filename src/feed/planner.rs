@@ -302,7 +302,8 @@ impl Planner<'_> {
         let exact = ExactMesh::new(&electrode.mesh)?;
         let wanted = self.settings.spark_gap + self.settings.plan.margin_mm;
         let region = electrode.mesh.bounds().grown(wanted + Bodies::AROUND);
-        let distance = DistanceField::build(&electrode.mesh, &exact, region, CELL, self.progress, self.cancel)?;
+        let progress = self.progress.as_stage("electrode's distance field");
+        let distance = DistanceField::build(&electrode.mesh, &exact, region, CELL, &progress, self.cancel)?;
         let outside = Outside::new(&self.space.blisk, &electrode.mesh, electrode.reference_point);
         Ok(ElectrodeFields { distance, outside })
     }

@@ -117,7 +117,7 @@ pub fn choose(given: Option<Unit>, declared: Option<(Unit, &str)>, size: f64) ->
     };
     let makes = |unit: &Unit| format!("{} would make {} mm", unit.name(), significant(in_mm(*unit)));
     let mut reason = format!(
-        "{} because a size of {} makes a part {} mm across",
+        "{} because {} of them are an ordinary size of a part, {} mm",
         unit.name(),
         significant(size),
         significant(in_mm(unit))

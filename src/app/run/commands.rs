@@ -75,6 +75,7 @@ impl SparkpathApp {
         match self.core.pipeline.start_plan() {
             Ok(()) => {
                 self.core.step = self.core.step.max(Stage::Plan);
+                self.core.say(EventKind::Done, "planning");
                 self.tab = if self.tab == Tab::Table { Tab::Table } else { Tab::Positions };
             }
             Err(why) => self.dialog = Dialog::Error("The plan cannot be started".to_owned(), why),

@@ -43,6 +43,8 @@ impl SparkpathApp {
         self.core.ghosts.clear();
         self.core.layers = Default::default();
         self.viewport.clear_probe();
+        // What was said last is of another part.
+        self.core.say(EventKind::Done, format!("{} opened", self.core.document.name()));
     }
 
     /// Does `intent`, after asking about unsaved work.
