@@ -11,7 +11,8 @@ use super::preferences::Preferences;
 use super::swept::Swept;
 use crate::blisk::electrode::Electrode;
 use crate::feed::pose::Pose;
-use crate::jobs::pipeline::{Event, EventKind, Pipeline, StageState};
+use crate::geometry::distance_field::DistanceField;
+use crate::jobs::pipeline::{Event, EventKind, PartialPlan, Pipeline, StageState};
 use crate::jobs::plan::ElectrodeOutcome;
 use crate::jobs::worker::{Ended, Message, Worker};
 use crate::project::{Document, PlanJob, Stage};
@@ -44,6 +45,7 @@ pub struct Core {
     /// plan, which may take long.
     colouring: Worker<(), (ColourKey, Arc<Vec<f32>>)>,
     coloured: Option<(ColourKey, Arc<Vec<f32>>)>,
+    /// What they are being computed for.
     colours_asked: Option<ColourKey>,
     /// The room that the electrode passes through.
     pub swept: Swept,
@@ -76,11 +78,17 @@ pub struct Cursor {
 }
 
 /// What colours were computed for.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Clone)]
 struct ColourKey {
-    /// The address of the electrode, which stays where it is as long as it is shown.
-    electrode: usize,
+    /// The electrode's shape.
+    shape: Arc<RenderMesh>,
     pose: Pose,
+}
+
+impl ColourKey {
+    fn is_of(&self, shape: &Arc<RenderMesh>) -> bool {
+        Arc::ptr_eq(&self.shape, shape)
+    }
 }
 
 /// A line of the log.
@@ -98,13 +106,13 @@ pub struct LogLine {
     pub took: Option<Duration>,
 }
 
-/// What a track was made from: the plan's address or the number of nodes found so far.
+/// What a track was made from: the plan's address, or the number of a partial plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 enum TrackSource {
     #[default]
     Nothing,
     Plan(usize, usize),
-    Partial(usize),
+    Partial(u64),
 }
 
 impl Core {
@@ -231,7 +239,7 @@ impl Core {
         self.cursor.electrode = self.cursor.electrode.min(self.electrode_count().saturating_sub(1));
         let partial = self.pipeline.partial_plan().filter(|p| !p.nodes.is_empty());
         let source = match (partial, self.pipeline.plan()) {
-            (Some(partial), _) => TrackSource::Partial(partial.nodes.len()),
+            (Some(partial), _) => TrackSource::Partial(partial.number),
             (None, Some(plan)) => TrackSource::Plan(Arc::as_ptr(plan) as usize, self.cursor.electrode),
             (None, None) => TrackSource::Nothing,
         };
@@ -254,23 +262,28 @@ impl Core {
     /// Has the electrode's clearance computed at the pose of the cursor, if it is to be seen.
     fn follow_colours(&mut self) {
         for message in self.colouring.messages() {
-            if let Message::Finished(_, Ended::Done(found)) = message {
-                self.coloured = Some(found);
+            if let Message::Finished(_, ended) = message {
+                self.colours_asked = None;
+                if let Ended::Done(found) = ended {
+                    self.coloured = Some(found);
+                }
             }
         }
         if !self.colours {
             (self.coloured, self.colours_asked) = (None, None);
             return;
         }
-        let Some((electrode, _)) = self.shown_electrode() else { return };
+        let Some((electrode, shape)) = self.shown_electrode() else { return };
         let Some(found) = self.pipeline.channel() else { return };
-        let pose = self.track.at(self.cursor.s).filter(|_| !self.is_tuning()).map(|s| s.pose).unwrap_or_default();
-        let key = ColourKey { electrode: std::ptr::from_ref(electrode) as usize, pose };
-        if self.colours_asked == Some(key) {
+        let pose = self.shown_pose();
+        let is_known = self.coloured.as_ref().is_some_and(|(key, _)| key.is_of(shape) && key.pose == pose);
+        // What is under way for this electrode may end: while the cursor moves nothing would ever end otherwise.
+        if is_known || self.colours_asked.as_ref().is_some_and(|key| key.is_of(shape)) {
             return;
         }
         let (electrode, exact) = (electrode.clone(), found.exact.clone());
-        self.colours_asked = Some(key);
+        let key = ColourKey { shape: shape.clone(), pose };
+        self.colours_asked = Some(key.clone());
         self.colouring.submit(0, move |_, _, cancel| {
             let values = clearance_at_vertices(&electrode, &exact, &pose, cancel).map_err(|e| e.to_string())?;
             Ok((key, Arc::new(values)))
@@ -282,15 +295,24 @@ impl Core {
         let seen = self.layers.get(Layer::Sweep).visible && !self.is_tuning() && self.pipeline.partial_plan().is_none();
         let track = self.track.clone();
         let lacks = self.swept.lacks((seen && !track.is_empty()).then_some(&track));
+        if let Some(why) = self.swept.take_failure() {
+            self.say(EventKind::Failed, format!("the swept volume is shown as poses: {why}"));
+        }
         if let (true, Some((electrode, _))) = (lacks, self.shown_electrode()) {
             let electrode = electrode.clone();
             self.swept.make(track, electrode);
         }
     }
 
+    /// The pose that the electrode is shown in.
+    fn shown_pose(&self) -> Pose {
+        self.track.at(self.cursor.s).filter(|_| !self.is_tuning()).map(|s| s.pose).unwrap_or_default()
+    }
+
     /// The electrode's clearance as colours, as far as it is computed.
     pub fn colour_values(&self) -> Option<SurfaceValues> {
-        let (_, values) = self.coloured.as_ref().filter(|_| self.colours)?;
+        let (_, shape) = self.shown_electrode()?;
+        let (_, values) = self.coloured.as_ref().filter(|(key, _)| self.colours && key.is_of(shape))?;
         let legend = self.colour_legend();
         let range = [legend.min as f32, legend.max as f32];
         Some(SurfaceValues { values: values.clone(), map: legend.map, range })
@@ -299,8 +321,10 @@ impl Core {
     /// What the colours mean.
     pub fn colour_legend(&self) -> Legend {
         let gap = self.document.job().electrode.spark_gap_mm;
+        // While the electrode moves its colours come after it.
+        let is_current = self.coloured.as_ref().is_some_and(|(key, _)| key.pose == self.shown_pose());
         Legend {
-            title: "Clearance".to_owned(),
+            title: if is_current { "Clearance" } else { "Clearance a moment ago" }.to_owned(),
             unit: "mm".to_owned(),
             map: ColourMap::Threshold,
             min: 0.0,
@@ -317,9 +341,18 @@ impl Core {
     /// The electrode that is shown and its shape: while parameters are tuned as it would be, not as it was planned.
     pub fn shown_electrode(&self) -> Option<(&Electrode, &Arc<RenderMesh>)> {
         let (p, i) = (&self.pipeline, self.cursor.electrode);
+        if let Some((electrode, shape)) = self.searched().and_then(|partial| partial.electrode.as_ref()) {
+            return Some((electrode, shape));
+        }
         let planned = self.outcome().map(|o| &o.electrode).zip(p.plan_shapes().and_then(|s| s.get(i)));
         let tuned = p.electrodes().and_then(|e| e.electrodes.get(i).zip(e.shapes.get(i)));
         if self.is_tuning() { tuned.or(planned) } else { planned.or(tuned) }
+    }
+
+    /// The plan that is being made, if its nodes are those of the track.
+    fn searched(&self) -> Option<&PartialPlan> {
+        let is_shown = matches!(self.track_of, TrackSource::Partial(_));
+        self.pipeline.partial_plan().filter(|partial| is_shown && !partial.nodes.is_empty())
     }
 
     /// Pins a ghost of the electrode where the cursor stands, or takes the one there away.
@@ -349,7 +382,7 @@ impl Core {
     /// Where the electrode comes closest or jams, in one point of the electrode in its final pose and one of the
     /// blisk, both in W.
     pub fn contact(&self) -> Option<[DVec3; 2]> {
-        let plan = &self.outcome()?.plan;
+        let plan = &self.outcome().filter(|_| self.searched().is_none())?.plan;
         if let Some(jam) = &plan.jam {
             return jam.contact().map(|c| [c.on_electrode, c.on_blisk]);
         }
@@ -359,7 +392,7 @@ impl Core {
 
     /// Withdrawn distance at which that is (mm).
     pub fn contact_s(&self) -> Option<f64> {
-        let plan = &self.outcome()?.plan;
+        let plan = &self.outcome().filter(|_| self.searched().is_none())?.plan;
         plan.jam.map(|j| j.s).or_else(|| Some(plan.path.as_ref()?.certificate.least().s))
     }
 
@@ -372,10 +405,10 @@ impl Core {
         path.map_or(of_job, |p| [p.certificate.required(), p.certificate.tolerance()])
     }
 
-    /// The least clearance that counts as kept (mm).
+    /// The least clearance that counts as kept (mm). That of nodes is as exact as the field that they were searched in.
     pub fn least_wanted(&self) -> f64 {
         let [required, tolerance] = self.required();
-        required - tolerance
+        required - tolerance - if self.track.is_path { 0.0 } else { DistanceField::ACCURACY }
     }
 
     /// Whether what is shown of the plan belongs to other parameters.

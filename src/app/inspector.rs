@@ -41,7 +41,7 @@ fn selected(ui: &mut Ui, core: &Core) {
             let Some(part) = core.pipeline.part() else { return };
             heading(ui, layer.name());
             fact(ui, "Triangles", grouped(part.mesh.triangles.len()));
-            size(ui, part.mesh.bounds().size(), "");
+            size(ui, part.shape.bounds().size(), "");
         }
         Layer::Electrode => {
             let Some((electrode, _)) = core.shown_electrode() else { return };

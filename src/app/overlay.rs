@@ -176,7 +176,7 @@ fn section(ui: &mut Ui, rect: Rect, core: &mut Core) {
     child.painter().rect_filled(area, 5.0, child.visuals().window_fill.gamma_multiply(0.92));
     child.add_space(8.0);
     let Some(part) = core.pipeline.part().cloned() else { return };
-    let bounds = part.mesh.bounds();
+    let bounds = part.shape.bounds();
     let Some(plane) = &mut core.section else { return };
     for (name, axis) in [("X", DVec3::X), ("Y", DVec3::Y), ("Z", DVec3::Z)] {
         let on = plane.normal.dot(axis).abs() > 0.9;

@@ -39,7 +39,7 @@ fn part(ui: &mut Ui, core: &mut Core) {
     let length = core.preferences.length;
     fact(ui, "File", &part.name);
     fact(ui, "Triangles", grouped(part.mesh.triangles.len()));
-    let size = part.mesh.bounds().size();
+    let size = part.shape.bounds().size();
     for (axis, extent) in ["Size along X", "Size along Y", "Size along Z"].into_iter().zip(size.to_array()) {
         fact(ui, axis, length.show(extent, 2));
     }
@@ -134,6 +134,9 @@ fn plan(ui: &mut Ui, core: &mut Core) {
         }
         fact(ui, "Nodes", outcome.plan.nodes.len().to_string());
         fact(ui, "Searches", outcome.plan.rounds.to_string());
+        if outcome.plan.mends > 0 {
+            fact(ui, "Mended", format!("{} times", outcome.plan.mends));
+        }
         fact(ui, "Points tested", outcome.plan.probes.to_string());
         fact(ui, "Search", format!("{:.1} s", outcome.plan.search_seconds));
         for (side, why) in &outcome.tried {

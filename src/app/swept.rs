@@ -12,6 +12,7 @@ pub struct Swept {
     worker: Worker<(), (Arc<Track>, Arc<RenderMesh>)>,
     asked: Option<Arc<Track>>,
     made: Option<(Arc<Track>, Arc<RenderMesh>)>,
+    failure: Option<String>,
 }
 
 impl Swept {
@@ -20,15 +21,17 @@ impl Swept {
     /// # Errors
     /// If the system gives no thread.
     pub fn start(wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
-        Ok(Self { worker: Worker::start(wake)?, asked: None, made: None })
+        Ok(Self { worker: Worker::start(wake)?, asked: None, made: None, failure: None })
     }
 
     /// Takes in what was made. Tells whether `track` is wanted and nobody was asked for its room yet; if nothing is
     /// wanted, what there is is let go.
     pub fn lacks(&mut self, wanted: Option<&Arc<Track>>) -> bool {
         for message in self.worker.messages() {
-            if let Message::Finished(_, Ended::Done(made)) = message {
-                self.made = Some(made);
+            match message {
+                Message::Finished(_, Ended::Done(made)) => self.made = Some(made),
+                Message::Finished(_, Ended::Failed(why) | Ended::Panicked(why)) => self.failure = Some(why),
+                _ => {}
             }
         }
         let Some(track) = wanted else {
@@ -48,6 +51,11 @@ impl Swept {
             let shape = swept_shape(&electrode, &track, FINE, progress, cancel).map_err(|e| e.to_string())?;
             Ok((track, shape))
         });
+    }
+
+    /// Why a room could not be made, once.
+    pub fn take_failure(&mut self) -> Option<String> {
+        self.failure.take()
     }
 
     /// The room that belongs to `track`, in W, once it is made.

@@ -94,7 +94,8 @@ fn print_summary(report: &Report, outcome: &PlanOutcome, written: &[String], out
             o.electrode.least_thickness_mm,
             o.electrode.burn_area_mm2
         );
-        say!("           {} nodes, {} searches, {} points tested", e.nodes.len(), o.plan.rounds, o.plan.probes);
+        let [nodes, searches, mends, points] = [e.nodes.len(), o.plan.rounds, o.plan.mends, o.plan.probes];
+        say!("           {nodes} nodes, {searches} searches, mended {mends} times, {points} points tested");
     }
     for symbol in &report.symbols {
         say!("           {:10} {:>22} {:4} {}", symbol.symbol, symbol.value, symbol.unit, symbol.meaning);

@@ -84,14 +84,6 @@ impl Default for DrawnPictures {
 }
 
 impl DrawnPictures {
-    /// Whether the picture for this file is drawn.
-    pub fn draws(&self, file: &str) -> bool {
-        let views =
-            [("_whole", self.whole), ("_final", self.final_pose), ("_sweep", self.sweep), ("_closest", self.closest)];
-        let stem = file.trim_end_matches(".png");
-        views.into_iter().any(|(end, wanted)| wanted && stem.ends_with(end))
-    }
-
     /// Whether any picture is drawn.
     pub fn any(&self) -> bool {
         self.whole || self.final_pose || self.sweep || self.closest
@@ -101,25 +93,6 @@ impl DrawnPictures {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn each_picture_obeys_its_own_choice_only() {
-        let none = DrawnPictures { whole: false, final_pose: false, sweep: false, closest: false };
-        let files = ["view_1_whole.png", "electrode_2_final.png", "electrode_12_sweep.png", "electrode_1_closest.png"];
-        let each = [
-            DrawnPictures { whole: true, ..none },
-            DrawnPictures { final_pose: true, ..none },
-            DrawnPictures { sweep: true, ..none },
-            DrawnPictures { closest: true, ..none },
-        ];
-        for (i, file) in files.iter().enumerate() {
-            assert!(DrawnPictures::default().draws(file) && !none.draws(file));
-            for (k, choice) in each.iter().enumerate() {
-                assert_eq!(choice.draws(file), i == k, "{file}: {choice:?}");
-            }
-        }
-        assert!(!none.any() && each.iter().all(DrawnPictures::any));
-    }
 
     #[test]
     fn what_is_not_said_is_written_in_the_frame_of_the_loaded_mesh() {

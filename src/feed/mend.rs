@@ -93,8 +93,10 @@ impl SearchProblem<'_> {
         [self.demand, self.narrow()].iter().find_map(|demand| {
             let (pose, lacking) = self.model.climb(start, s, h, demand, self.free_axes());
             let free = lacking.is_none() && self.keeps(&pose, s, h, &self.between(), &mut 0);
-            let clearance = self.model.least_clearance(&pose);
-            free.then(|| Node { s, pose, h, clearance, objective: Default::default() })
+            free.then(|| {
+                let clearance = self.model.least_clearance(&pose);
+                Node { s, pose, h, clearance, objective: Default::default() }
+            })
         })
     }
 

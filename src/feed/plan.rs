@@ -97,8 +97,10 @@ pub struct FeedPlan {
     pub ranges: [f64; 6],
     /// Points tested for clearance in the last search.
     pub probes: usize,
-    /// Searches made: one, and one more for each time that the verifier found something.
+    /// Searches made: one, and one more for each time that the verifier found something that could not be mended.
     pub rounds: usize,
+    /// Times that the path was mended after the verifier found something.
+    pub mends: usize,
     /// Time spent on the electrode's distance field (s).
     pub field_seconds: f64,
     /// Time in the search (s).

@@ -79,6 +79,7 @@ impl Planner<'_> {
             ranges: self.ranges(electrode),
             probes: model.probes(),
             rounds: 0,
+            mends: 0,
             field_seconds,
             search_seconds: 0.0,
             verify_seconds: 0.0,
@@ -122,7 +123,6 @@ impl Planner<'_> {
         let verifier = Verifier::new(&self.space.blisk, &electrode.mesh, electrode.reference_point, self.cancel)?
             .within(self.settings.machine.limits());
         let mut lessons = Lessons::default();
-        let mut mends_left = Self::ROUNDS;
         loop {
             let (curves, path) = interpolated(&plan.nodes, electrode, self.settings, self.space.channel.frame)?;
             let started = Instant::now();
@@ -155,8 +155,8 @@ impl Planner<'_> {
             }
             let kept = plan.nodes.iter().filter(|n| n.s < nearest - self.settings.plan.step_mm).count().max(1);
             let model = model.with_probes(&lessons.on_electrode, &lessons.on_blisk);
-            if beyond.is_none() && mends_left > 0 && self.mend(plan, &model, &lessons)? {
-                mends_left -= 1;
+            if beyond.is_none() && plan.mends < Self::ROUNDS && self.mend(plan, &model, &lessons)? {
+                plan.mends += 1;
                 continue;
             }
             self.search_from(plan, &model, genetic, &lessons, kept)?;

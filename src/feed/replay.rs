@@ -59,6 +59,7 @@ pub fn replay_feed(
         ranges: [0.0; 6],
         probes: 0,
         rounds: 0,
+        mends: 0,
         field_seconds: 0.0,
         search_seconds: 0.0,
         verify_seconds: started.elapsed().as_secs_f64(),

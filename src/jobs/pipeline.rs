@@ -6,6 +6,7 @@
 
 mod answers;
 mod follow;
+mod partial;
 mod prepared;
 mod sentences;
 mod slot;
@@ -14,8 +15,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+pub use partial::PartialPlan;
 pub use slot::StageState;
 
+use partial::Shapes;
 use prepared::Prepared;
 use sentences::plan_sentence;
 use slot::Slot;
@@ -23,6 +26,7 @@ use slot::Slot;
 use super::plan::{PlanInputs, PlanJobError, PlanOutcome};
 use super::stages::{Electrodes, FoundChannel, Part};
 use super::worker::{Reporter, Worker};
+use crate::blisk::electrode::Electrode;
 use crate::export::report::InputFile;
 use crate::feed::search::{Convergence, Node};
 use crate::progress::{Cancel, Progress};
@@ -66,15 +70,6 @@ pub type ExportWork = Box<
     dyn FnOnce(&Path, &PlanOutcome, &PlanInputs, Vec<InputFile>, &Progress, &Cancel) -> Result<Vec<String>, String>
         + Send,
 >;
-
-/// What a plan has found so far.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct PartialPlan {
-    /// Nodes from the final pose outwards.
-    pub nodes: Vec<Node>,
-    /// How each node's search converged.
-    pub convergence: Vec<Convergence>,
-}
 
 /// A line for the log.
 #[derive(Debug, Clone, PartialEq)]
@@ -153,6 +148,8 @@ pub struct Pipeline {
     /// A plan to be noted in the document.
     newly_planned: Option<KeptPlan>,
     partial: PartialPlan,
+    /// Partial plans so far.
+    partials: u64,
     running: Option<Running>,
     now: Option<(PlanJob, Now)>,
     reloads: u64,
@@ -176,6 +173,7 @@ impl Pipeline {
             replayed: None,
             newly_planned: None,
             partial: PartialPlan::default(),
+            partials: 0,
             running: None,
             now: None,
             reloads: 0,
@@ -200,8 +198,11 @@ impl Pipeline {
             let inputs = PlanInputs { blisk: part.mesh.clone(), own_electrode: part.own_electrode.clone(), job };
             let text = |e: PlanJobError| e.to_string();
             let ready = prepared.get(&channel, inputs.job.plan.field_cell_mm, p, c).map_err(text)?;
-            let observe = |nodes: &[Node], convergence: &[Convergence]| {
-                reporter.partial(PartialPlan { nodes: nodes.to_vec(), convergence: convergence.to_vec() });
+            let shapes = Shapes::default();
+            let observe = |electrode: &Arc<Electrode>, nodes: &[Node], convergence: &[Convergence]| {
+                let electrode = Some((electrode.clone(), shapes.of(electrode)));
+                let (nodes, convergence) = (nodes.to_vec(), convergence.to_vec());
+                reporter.partial(PartialPlan { number: 0, electrode, nodes, convergence });
             };
             let outcome = super::plan::run_prepared(&ready, &inputs, &observe, p, c).map_err(text)?;
             Ok(Found::Plan(Box::new(Planned::new(inputs, outcome))))

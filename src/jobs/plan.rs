@@ -14,6 +14,7 @@ use crate::export::report::StageTime;
 use crate::feed::plan::{FeedPlan, Observe, PlanSettings, PlanningSpace, plan_feed};
 use crate::feed::plan_params::PlanError;
 use crate::feed::replay::{Surroundings, replay_feed};
+use crate::feed::search::{Convergence, Node};
 use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::frame::Frame;
 use crate::geometry::mesh::Mesh;
@@ -155,8 +156,11 @@ pub fn run(inputs: &PlanInputs, progress: &Progress, cancel: &Cancel) -> Result<
     let mut prepared = PreparedBlisk::new(blisk.into(), exact.into(), channel.into(), cell, progress, cancel)?;
     clock.0.append(&mut prepared.clock.0);
     prepared.clock = clock;
-    run_prepared(&prepared, inputs, &|_, _| (), progress, cancel)
+    run_prepared(&prepared, inputs, &|_, _, _| (), progress, cancel)
 }
+
+/// Looks at a plan while it is made: at the electrode that a way is searched for, and at what was found; see [`Observe`].
+pub type ObservePlan<'a> = dyn Fn(&Arc<Electrode>, &[Node], &[Convergence]) + Sync + 'a;
 
 /// Plans every electrode of the job on a blisk that was made ready before; `observe` is shown the nodes as they are
 /// found. The answer is that of [`run`].
@@ -166,7 +170,7 @@ pub fn run(inputs: &PlanInputs, progress: &Progress, cancel: &Cancel) -> Result<
 pub fn run_prepared(
     prepared: &PreparedBlisk,
     inputs: &PlanInputs,
-    observe: &Observe,
+    observe: &ObservePlan,
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<PlanOutcome, PlanJobError> {
@@ -201,7 +205,7 @@ struct JobPlanner<'a> {
     inputs: &'a PlanInputs,
     space: &'a PlanningSpace,
     exact: &'a ExactMesh,
-    observe: &'a Observe<'a>,
+    observe: &'a ObservePlan<'a>,
     progress: &'a Progress,
     cancel: &'a Cancel,
     clock: Clock,
@@ -260,15 +264,16 @@ impl JobPlanner<'_> {
 
     fn on_side(&mut self, part: usize, side: EntrySide) -> Result<ElectrodeOutcome, PlanJobError> {
         let started = Instant::now();
-        let electrode = self.electrode(part, side, 0.0)?;
+        let electrode = Arc::new(self.electrode(part, side, 0.0)?);
         self.clock.add("electrode", started.elapsed().as_secs_f64());
-        let settings = settings_of(&self.inputs.job, self.observe);
+        let observe = |nodes: &[Node], traces: &[Convergence]| (self.observe)(&electrode, nodes, traces);
+        let settings = settings_of(&self.inputs.job, &observe);
         let remake = |h: f64| self.electrode(part, side, h);
         let mut plan = plan_feed(self.space, &electrode, &settings, &remake, self.progress, self.cancel)?;
         self.clock.add("electrode field", plan.field_seconds);
         self.clock.add("search", plan.search_seconds);
         self.clock.add("certificate", plan.verify_seconds);
-        let electrode = plan.remade.take().map_or(electrode, |remade| *remade);
+        let electrode = plan.remade.take().map_or_else(|| Arc::unwrap_or_clone(electrode), |remade| *remade);
         Ok(ElectrodeOutcome { electrode, plan, tried: Vec::new() })
     }
 

@@ -47,8 +47,7 @@ fn draw(
         electrodes: outcome.electrodes.iter().map(|e| (&e.electrode, &e.plan)).collect(),
         spark_gap: inputs.job.electrode.spark_gap_mm,
     };
-    let mut pictures = plan_pictures(&plan, progress, cancel)?;
-    pictures.retain(|picture| inputs.job.export.draws(&picture.file));
+    let pictures = plan_pictures(&plan, &inputs.job.export.pictures, progress, cancel)?;
     let count = pictures.len();
     let mut drawn = Vec::with_capacity(count);
     for (i, picture) in pictures.into_iter().enumerate() {

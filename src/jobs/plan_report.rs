@@ -112,7 +112,7 @@ fn nodes(plan: &FeedPlan) -> Vec<NodeReport> {
 }
 
 fn convergence(plan: &FeedPlan) -> Vec<Convergence> {
-    // The search of node i + 1 is trace i; nodes that were coasted to have none.
+    // The search of node i + 1 is trace i; nodes that were coasted to or put in have none.
     let searched = plan.convergence.iter().enumerate().filter(|(_, c)| !c.best.is_empty());
     searched.map(|(i, c)| Convergence { node: i + 1, best: c.best.clone(), mean: c.mean.clone() }).collect()
 }
@@ -283,6 +283,7 @@ mod tests {
             ranges: [0.0; 6],
             probes: 0,
             rounds: 1,
+            mends: 0,
             field_seconds: 0.0,
             search_seconds: 0.0,
             verify_seconds: 0.0,

@@ -87,12 +87,7 @@ impl ExportSection {
         Ok(())
     }
 
-    /// Whether the picture for this file is drawn, which is so only if a file shall hold it.
-    pub fn draws(&self, file: &str) -> bool {
-        (self.files.report || self.files.pictures) && self.pictures.draws(file)
-    }
-
-    /// Whether any picture is drawn.
+    /// Whether any picture is drawn, which is so only if a file shall hold it.
     pub fn draws_any(&self) -> bool {
         (self.files.report || self.files.pictures) && self.pictures.any()
     }

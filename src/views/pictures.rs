@@ -12,6 +12,7 @@ use super::sweep::{COARSE, swept_shape};
 use super::track::Track;
 use crate::blisk::channel::{Channel, Surface};
 use crate::blisk::electrode::{Electrode, EntrySide};
+use crate::export::choice::DrawnPictures;
 use crate::feed::plan::FeedPlan;
 use crate::geometry::mesh::Mesh;
 use crate::geometry::swept::SweptError;
@@ -62,10 +63,20 @@ pub struct PlanPicture {
 ///
 /// # Errors
 /// When told to stop.
-pub fn plan_pictures(plan: &PlanToShow, progress: &Progress, cancel: &Cancel) -> Result<Vec<PlanPicture>, Cancelled> {
-    let drawn = Drawn::new(plan, progress, cancel)?;
-    let of_electrode = |i| [Some(drawn.final_pose(i)), Some(drawn.sweep(i)), drawn.closest(i)].into_iter().flatten();
-    Ok(std::iter::once(drawn.whole()).chain((0..plan.electrodes.len()).flat_map(of_electrode)).collect())
+pub fn plan_pictures(
+    plan: &PlanToShow,
+    wanted: &DrawnPictures,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Vec<PlanPicture>, Cancelled> {
+    let drawn = Drawn::new(plan, wanted, progress, cancel)?;
+    let mut pictures = Vec::from_iter(wanted.whole.then(|| drawn.whole()));
+    for i in 0..plan.electrodes.len() {
+        pictures.extend(wanted.final_pose.then(|| drawn.final_pose(i)));
+        pictures.extend(wanted.sweep.then(|| drawn.sweep(i)));
+        pictures.extend(wanted.closest.then(|| drawn.closest(i)).flatten());
+    }
+    Ok(pictures)
 }
 
 /// What the pictures of a plan share.
@@ -81,17 +92,18 @@ struct Drawn<'a> {
 }
 
 impl<'a> Drawn<'a> {
-    fn new(plan: &'a PlanToShow<'a>, progress: &Progress, cancel: &Cancel) -> Result<Self, Cancelled> {
-        let track = |plan: &FeedPlan| {
-            let track = Track::of_plan(plan);
-            plan.jam.as_ref().map_or(track.clone(), |jam| track.with_jam(jam))
-        };
+    fn new(
+        plan: &'a PlanToShow<'a>,
+        wanted: &DrawnPictures,
+        progress: &Progress,
+        cancel: &Cancel,
+    ) -> Result<Self, Cancelled> {
         let mut layers = Layers::default();
         // The ground of a drawing; on paper it says nothing, and the blisk's axes may stand askew to it.
         for layer in [Layer::Grid, Layer::Contact, Layer::Paths] {
             layers.get_mut(layer).visible = false;
         }
-        let tracks: Vec<Track> = plan.electrodes.iter().map(|(_, p)| track(p)).collect();
+        let tracks: Vec<Track> = plan.electrodes.iter().map(|(_, p)| Track::of_plan(p)).collect();
         let room = |((electrode, _), track): (&(&Electrode, _), &Track)| {
             match swept_shape(electrode, track, COARSE, progress, cancel) {
                 Err(SweptError::Cancelled(cancelled)) => Err(cancelled),
@@ -99,7 +111,9 @@ impl<'a> Drawn<'a> {
                 made => Ok(made.ok()),
             }
         };
-        let swept = plan.electrodes.iter().zip(&tracks).map(room).collect::<Result<_, _>>()?;
+        // Seconds for each: only for those that are looked at.
+        let looked_at = if wanted.sweep { &plan.electrodes[..] } else { &[] };
+        let swept = looked_at.iter().zip(&tracks).map(room).collect::<Result<_, _>>()?;
         let electrodes = plan.electrodes.iter().map(|(e, _)| Arc::new(RenderMesh::new(&e.mesh))).collect();
         cancel.check()?;
         let blisk = Arc::new(RenderMesh::new(plan.blisk));

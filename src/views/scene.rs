@@ -192,8 +192,7 @@ pub fn build(inputs: &SceneInputs) -> Scene {
         let look = layers.get(layer);
         if look.visible {
             let object = Object::new(layer_id(layer), mesh.clone(), look.colour).at(at).with_opacity(look.opacity);
-            // Edges of so many copies would hide the room that they fill.
-            // A room's edges are seldom sharp, and those of poses would be a thicket.
+            // The edges of a swept room are seldom sharp, and those of many poses would be a thicket.
             let object = Object { edges: layer != Layer::Sweep, ..object };
             scene.objects.push(Object { selected: inputs.selected == Some(layer), ..object });
         }

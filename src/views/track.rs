@@ -28,9 +28,15 @@ pub struct Track {
 }
 
 impl Track {
-    /// The rows of the plan's path, or its nodes if it has none.
+    /// The rows of the plan's path, or its nodes and where it jams if it has none.
     pub fn of_plan(plan: &FeedPlan) -> Self {
-        let Some(planned) = &plan.path else { return Self::of_nodes(&plan.nodes) };
+        let Some(planned) = &plan.path else {
+            let nodes = Self::of_nodes(&plan.nodes);
+            return match &plan.jam {
+                Some(jam) => nodes.with_jam(jam),
+                None => nodes,
+            };
+        };
         let rows = &planned.path.rows;
         let clearances = planned.certificate.row_clearance().iter().copied();
         let stations = rows.iter().zip(clearances).enumerate().map(|(i, (row, clearance))| {

@@ -35,7 +35,8 @@ impl Pipeline {
             }
             Message::Partial(task, partial) => {
                 self.stage_of(task)?;
-                self.partial = partial;
+                self.partials += 1;
+                self.partial = PartialPlan { number: self.partials, ..partial };
                 None
             }
             Message::Finished(task, ended) => {
