@@ -64,7 +64,6 @@ pub enum Request {
 pub fn show(ui: &mut Ui, core: &mut Core, stage: Stage) -> Option<Request> {
     let job = job_as_json(core.document.job());
     let defaults = job_as_json(&defaults(core.document.job()));
-    let columns = Columns::of(ui, stage);
     let mut group = "";
     let mut request = None;
     let groups = groups(stage);
@@ -76,6 +75,7 @@ pub fn show(ui: &mut Ui, core: &mut Core, stage: Stage) -> Option<Request> {
         let fields: Vec<&Field> = Field::of(stage).filter(|f| f.group == name).collect();
         let changed = |f: &&Field| f.get(&job) != f.get(&defaults);
         let mut body = |ui: &mut Ui| {
+            let columns = Columns::of(ui, stage);
             for field in &fields {
                 match row(ui, field, &job, &defaults, columns) {
                     Some(Change::To(value)) => change(core, field, &job, value, false),
@@ -85,8 +85,10 @@ pub fn show(ui: &mut Ui, core: &mut Core, stage: Stage) -> Option<Request> {
                 }
             }
         };
-        if folded && !fields.iter().any(changed) {
-            egui::CollapsingHeader::new(name).id_salt((stage, name)).show(ui, body);
+        if folded {
+            // Only at first: a group that unfolded while one of its sliders is dragged would take it from the hand.
+            let open = fields.iter().any(changed);
+            egui::CollapsingHeader::new(name).id_salt((stage, name)).default_open(open).show(ui, body);
         } else {
             ui.add_space(4.0);
             ui.label(RichText::new(name).small().color(palette(ui).faint));
@@ -301,7 +303,8 @@ fn drag(ui: &mut Ui, number: &mut f64, decimals: usize) -> Response {
         .max_decimals(decimals.max(6))
         .min_decimals(decimals.min(3))
         .custom_formatter(short)
-        .custom_parser(parsed);
+        .custom_parser(parsed)
+        .update_while_editing(false);
     ui.add_sized(vec2(VALUE_WIDTH, HEIGHT), value)
 }
 
@@ -322,7 +325,7 @@ fn parsed(text: &str) -> Option<f64> {
 }
 
 fn whole(ui: &mut Ui, number: &mut u64) -> Response {
-    ui.add_sized(vec2(VALUE_WIDTH, HEIGHT), DragValue::new(number).speed(0.2))
+    ui.add_sized(vec2(VALUE_WIDTH, HEIGHT), DragValue::new(number).speed(0.2).update_while_editing(false))
 }
 
 fn along(response: &Response, value: Value) -> Option<Change> {

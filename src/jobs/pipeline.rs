@@ -145,6 +145,8 @@ pub struct Pipeline {
     approved: Option<Fingerprint>,
     /// The kept plan that was taken up already.
     replayed: Option<String>,
+    /// The inputs of the kept plan that was found to be of other parameters.
+    passed_over: Option<String>,
     /// A plan to be noted in the document.
     newly_planned: Option<KeptPlan>,
     partial: PartialPlan,
@@ -171,6 +173,7 @@ impl Pipeline {
             prepared: Prepared::default(),
             approved: None,
             replayed: None,
+            passed_over: None,
             newly_planned: None,
             partial: PartialPlan::default(),
             partials: 0,
@@ -227,7 +230,7 @@ impl Pipeline {
         (self.part, self.channel, self.electrode) = Default::default();
         (self.plan, self.export) = Default::default();
         (self.approved, self.replayed, self.newly_planned) = Default::default();
-        (self.running, self.now) = (None, None);
+        (self.running, self.now, self.passed_over) = (None, None, None);
         self.partial = PartialPlan::default();
     }
 

@@ -359,7 +359,7 @@ mod tests {
         let export = parse(text).unwrap().export;
         assert_eq!(export.frame, MeshFrame::W);
         assert_eq!(export.files, WrittenFiles { nc: false, pictures: false, ..Default::default() });
-        assert!(export.draws("electrode_1_final.png") && !export.draws("electrode_1_sweep.png"));
+        assert!(export.pictures.final_pose && !export.pictures.sweep);
         // What is chosen in the window comes back from a job file of it.
         let mut job = PlanJob::demonstration();
         (job.blisk.mesh, job.export) = (Some("jobs/a.stl".into()), export);
@@ -372,7 +372,7 @@ mod tests {
         let mut job = PlanJob::demonstration();
         job.export.files = WrittenFiles { electrode: false, path: false, nc: false, report: false, pictures: false };
         assert!(job.validate().unwrap_err().contains("[export.files]"));
-        assert!(!job.export.draws_any() && !job.export.draws("view_1_whole.png"));
+        assert!(!job.export.draws_any());
         job.export.files.report = true;
         assert!(job.validate().is_ok() && job.export.draws_any(), "a page of the report holds pictures of its own");
     }

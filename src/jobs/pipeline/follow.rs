@@ -29,9 +29,11 @@ impl Pipeline {
         // A plan for other parameters is of no use to anybody.
         if self.plan.running.is_some_and(|(_, made_from)| made_from != now.plan) {
             self.worker.cancel_from(Stage::Plan as u32);
+            // A kept plan is taken up again once its parameters are there again.
+            self.replayed = None;
         }
         self.start_early_stages(document.job(), now);
-        self.replay_kept_plan(document, now);
+        events.extend(self.replay_kept_plan(document, now));
         if let Some(plan) = self.newly_planned.take() {
             document.note_plan(plan);
         }
@@ -82,21 +84,22 @@ impl Pipeline {
         }
     }
 
-    /// Takes up the plan that the document came with, if it is for its present parameters.
-    fn replay_kept_plan(&mut self, document: &Document, now: Now) {
-        let (Some(kept), true) = (document.plan(), self.plan.value.is_none() && self.plan.running.is_none()) else {
-            return;
-        };
-        let (Some(part), Some(found)) = (self.part.current(now.part), self.channel.current(now.channel)) else {
-            return;
-        };
+    /// Takes up the plan that the document came with, if it is for its present parameters; says so once if it is not.
+    fn replay_kept_plan(&mut self, document: &Document, now: Now) -> Option<Event> {
+        if self.plan.value.is_some() || self.plan.running.is_some() {
+            return None;
+        }
+        let kept = document.plan()?;
+        let (part, found) = (self.part.current(now.part)?, self.channel.current(now.channel)?);
         // A file may say anything: as many electrodes as there are parts, or none of it counts.
         let parts = self.electrode.current(now.electrode).map(|made| made.electrodes.len());
-        if parts != Some(kept.electrodes.len())
-            || self.replayed.as_deref() == Some(&kept.inputs)
-            || kept.inputs != KeptPlan::inputs_of(document.job(), &part.content())
-        {
-            return;
+        if parts.is_none() || self.replayed.as_deref() == Some(&kept.inputs) {
+            return None;
+        }
+        if parts != Some(kept.electrodes.len()) || kept.inputs != KeptPlan::inputs_of(document.job(), &part.content()) {
+            let is_news = self.passed_over.replace(kept.inputs.clone()).as_ref() != Some(&kept.inputs);
+            let text = "the plan kept in this project is of other parameters; plan again".to_owned();
+            return is_news.then_some(Event { stage: Stage::Plan, kind: EventKind::Cancelled, text, took: None });
         }
         self.replayed = Some(kept.inputs.clone());
         let (part, found, kept, job) = (part.clone(), found.clone(), kept.clone(), document.job().clone());
@@ -107,5 +110,6 @@ impl Pipeline {
         };
         let id = self.worker.submit(Stage::Plan as u32, work);
         self.plan.running = Some((id, now.plan));
+        None
     }
 }
