@@ -65,7 +65,7 @@ fn channel(ui: &mut Ui, core: &mut Core) {
     let [low, high] = channel.span_x();
     let (hub, shroud) = channel.radii_at(0.5 * (low + high));
     fact(ui, "Blades", channel.blades.to_string());
-    fact(ui, "Channel", format!("{} of {}", channel.index, channel.blades));
+    fact(ui, "Channel", format!("{} (0 to {})", channel.index, channel.blades - 1));
     fact(ui, "Throat", length.show(channel.throat.width_mm, 3));
     fact(ui, "Turning", format!("{:.1} deg", channel.turning.to_degrees()));
     fact(ui, "Hub radius, middle", length.show(hub, 2));
@@ -126,13 +126,23 @@ fn plan(ui: &mut Ui, core: &mut Core) {
     }
     let Some(plan) = core.pipeline.plan().cloned() else { return };
     for (i, outcome) in plan.electrodes.iter().enumerate() {
-        let colour = if outcome.plan.is_verified() { palette(ui).good } else { palette(ui).bad };
+        let colour = if core.plan_is_stale() {
+            palette(ui).warning
+        } else if outcome.plan.is_verified() {
+            palette(ui).good
+        } else {
+            palette(ui).bad
+        };
         let name = if plan.electrodes.len() > 1 { format!("Electrode {}: ", i + 1) } else { String::new() };
         // A plan that failed says so above the form.
         if outcome.plan.path.is_some() {
             notice(ui, colour, &(name + &outcome.plan.verdict(&plan.channel)));
         }
         fact(ui, "Nodes", outcome.plan.nodes.len().to_string());
+        if outcome.plan.rounds == 0 {
+            fact(ui, "Found", "before; verified anew");
+            continue;
+        }
         fact(ui, "Searches", outcome.plan.rounds.to_string());
         if outcome.plan.mends > 0 {
             fact(ui, "Mended", format!("{} times", outcome.plan.mends));
@@ -167,7 +177,7 @@ fn verify(ui: &mut Ui, core: &mut Core) {
         let (colour, text) = if core.plan_is_stale() {
             (palette(ui).warning, "This certificate is of other parameters.".to_owned())
         } else if c.holds() {
-            (palette(ui).good, "Certified: the whole motion keeps the spark gap.".to_owned())
+            (palette(ui).good, "Certified: the whole motion keeps the spark gap, within the tolerance.".to_owned())
         } else {
             (palette(ui).bad, outcome.plan.verdict(&plan.channel))
         };
@@ -206,7 +216,7 @@ fn export(ui: &mut Ui, core: &mut Core) {
     });
     if approved {
         ui.add_space(4.0);
-        notice(ui, palette(ui).good, "Approved. The approval is withdrawn as soon as an input changes.");
+        notice(ui, palette(ui).good, "Approved: this path. What changes the path withdraws it; feed and post do not.");
     }
     let Some(exported) = core.pipeline.exported().cloned() else { return };
     ui.add_space(6.0);

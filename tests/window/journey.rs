@@ -124,7 +124,7 @@ fn everything_follows_the_cursor(desk: &mut Desk) {
 
 fn verify_and_approve(desk: &mut Desk) {
     desk.open_step(Stage::Verify);
-    desk.assert_shows("Certified: the whole motion keeps the spark gap.");
+    desk.assert_shows("Certified: the whole motion keeps the spark gap, within the tolerance.");
     let least = {
         let outcome = desk.app().core().outcome().unwrap();
         let certificate = &outcome.plan.path.as_ref().unwrap().certificate;
@@ -142,7 +142,7 @@ fn verify_and_approve(desk: &mut Desk) {
     assert!(!folder.path().join("early").exists());
     desk.press("Approve");
     assert!(desk.app().core().pipeline.is_approved());
-    desk.assert_shows("Approved. The approval is withdrawn as soon as an input changes.");
+    desk.assert_shows("Approved: this path. What changes the path withdraws it; feed and post do not.");
 }
 
 fn export(desk: &mut Desk, home: &Home) {

@@ -4,6 +4,7 @@ use super::SparkpathApp;
 use crate::app::commands::Command;
 use crate::app::dialogs::{Dialog, Intent};
 use crate::app::files::Purpose;
+use crate::app::forms;
 use crate::app::plots::Tab;
 use crate::app::preferences::ThemeChoice;
 use crate::jobs::pipeline::EventKind;
@@ -72,6 +73,13 @@ impl SparkpathApp {
     }
 
     pub(super) fn plan(&mut self) {
+        // Its form marks the value and says what it may be.
+        if let Some(stage) = Stage::ALL.into_iter().find(|stage| forms::has_problem(&self.core, *stage)) {
+            self.core.step = stage;
+            let text = format!("The step {} holds a value that cannot be used; it is marked there.", stage.name());
+            self.dialog = Dialog::Error("The plan cannot be started".to_owned(), text);
+            return;
+        }
         match self.core.pipeline.start_plan() {
             Ok(()) => {
                 self.core.step = self.core.step.max(Stage::Plan);
