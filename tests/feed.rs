@@ -3,6 +3,8 @@
 mod common;
 #[path = "feed/mend.rs"]
 mod mend;
+#[path = "feed/replay.rs"]
+mod replay;
 
 use std::sync::{Arc, OnceLock};
 
