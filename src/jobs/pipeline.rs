@@ -147,7 +147,8 @@ pub struct Pipeline {
     plan: Slot<Planned>,
     export: Slot<Exported>,
     prepared: Prepared,
-    approved: Option<Fingerprint>,
+    /// The very plan that was approved, not its inputs: another search of the same may end elsewhere.
+    approved: Option<Arc<PlanOutcome>>,
     /// The kept plan that was taken up already.
     replayed: Option<String>,
     /// A plan to be noted in the document.
@@ -306,11 +307,12 @@ impl Pipeline {
         self.worker.is_busy()
     }
 
-    /// The plan if it is that of the present parameters and every path of it is certified.
-    fn certified(&self) -> Option<(&Arc<PlanOutcome>, Fingerprint)> {
+    /// The plan if it is that of the present parameters and every path of it is certified; none while another one is
+    /// being made, which would take its place unseen.
+    fn certified(&self) -> Option<&Arc<PlanOutcome>> {
         let (_, now) = self.now.as_ref()?;
         let plan = &self.plan.current(now.plan)?.outcome;
-        plan.is_verified().then_some((plan, now.plan))
+        (self.plan.running.is_none() && plan.is_verified()).then_some(plan)
     }
 
     /// Whether the plan can be approved.
@@ -318,13 +320,13 @@ impl Pipeline {
         self.certified().is_some()
     }
 
-    /// Approves the plan. It can be exported from then on, until an input changes.
+    /// Approves the plan. It can be exported from then on, until an input changes or it is planned anew.
     ///
     /// # Errors
-    /// One line if there is no certified plan for the present parameters.
+    /// One line if there is no certified plan for the present parameters, or another one is being made.
     pub fn approve(&mut self) -> Result<(), String> {
-        let (_, fingerprint) = self.certified().ok_or("only a plan with a certificate that holds can be approved")?;
-        self.approved = Some(fingerprint);
+        let plan = self.certified().ok_or("only a plan with a certificate that holds can be approved")?;
+        self.approved = Some(plan.clone());
         Ok(())
     }
 
@@ -335,7 +337,7 @@ impl Pipeline {
 
     /// Whether the present plan is approved.
     pub fn is_approved(&self) -> bool {
-        self.approved.is_some() && self.certified().map(|(_, of)| of) == self.approved
+        self.approved.as_ref().zip(self.certified()).is_some_and(|(approved, plan)| Arc::ptr_eq(approved, plan))
     }
 
     /// Writes the approved plan into `folder`.
