@@ -1,5 +1,6 @@
 //! Writes the results of a plan into a folder.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use super::plan::{ElectrodeOutcome, PlanInputs, PlanOutcome};
@@ -23,6 +24,8 @@ pub enum PlanFilesError {
     Write(#[from] WriteError),
     #[error("{path}: the folder cannot be made or cleared ({source}); give another with --out")]
     Folder { path: PathBuf, source: std::io::Error },
+    #[error("two files would be called {name}; nothing was written")]
+    TwoOfOneName { name: String },
     #[error("the electrode cannot be written as STL: {0}")]
     Electrode(std::io::Error),
     #[error(transparent)]
@@ -80,6 +83,7 @@ pub fn write(
     }
     files.extend(reports(report, &inputs.job.export, &files, &programs)?);
     files.extend(programs);
+    require_distinct(&files)?;
     let unusable = |source| PlanFilesError::Folder { path: folder.to_owned(), source };
     std::fs::create_dir_all(folder).map_err(unusable)?;
     let staging = tempfile::Builder::new().prefix(".sparkpath-").tempdir_in(folder).map_err(unusable)?;
@@ -94,6 +98,15 @@ pub fn write(
 }
 
 type NamedFile = (String, Vec<u8>);
+
+/// Makes sure that no file takes another's place, where capitals do not count either.
+fn require_distinct(files: &[NamedFile]) -> Result<(), PlanFilesError> {
+    let mut seen = HashSet::new();
+    match files.iter().find(|(name, _)| !seen.insert(name.to_ascii_lowercase())) {
+        Some((name, _)) => Err(PlanFilesError::TwoOfOneName { name: name.clone() }),
+        None => Ok(()),
+    }
+}
 
 /// Enters in `report` what is written, and answers its own files if they are asked for.
 fn reports(
@@ -203,6 +216,14 @@ fn numbered<'a>(name: &'a str, prefix: &str) -> Option<&'a str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn two_files_of_one_name_are_refused_whatever_their_capitals() {
+        let files = |names: [&str; 3]| names.map(|name| (name.to_owned(), Vec::new()));
+        assert!(require_distinct(&files(["path_1.csv", "path_2.csv", "path_1.nc"])).is_ok());
+        let twice = require_distinct(&files(["path_1.csv", "report.json", "path_1.CSV"]));
+        assert!(matches!(twice, Err(PlanFilesError::TwoOfOneName { name }) if name == "path_1.CSV"));
+    }
 
     #[test]
     fn only_results_of_a_plan_are_removed() {
