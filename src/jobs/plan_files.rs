@@ -1,6 +1,7 @@
 //! Writes the results of a plan into a folder.
 
 use std::collections::HashSet;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use super::plan::{ElectrodeOutcome, PlanInputs, PlanOutcome};
@@ -187,23 +188,64 @@ fn electrode_in_program(k: usize, export: &ExportSection) -> String {
 
 /// Removes what an earlier plan may have written; of a link only the link.
 fn remove_results(folder: &Path, extension: &str) -> std::io::Result<()> {
+    let listed = listed_files(folder);
     for entry in std::fs::read_dir(folder)? {
         let entry = entry?;
         let name = entry.file_name();
         let name = name.to_string_lossy();
-        // A verdict on a path of an earlier plan would be taken for one on this plan's.
-        let ours = ["report.json", "report.html", "verify.json", "verify.html"].contains(&&*name)
-            || numbered(&name, "view_").is_some_and(|rest| rest == "_whole.png")
-            || numbered(&name, "electrode_")
-                .is_some_and(|rest| [".stl", "_final.png", "_sweep.png", "_closest.png"].contains(&rest))
-            || numbered(&name, "path_").is_some_and(|rest| {
-                [".csv", ".unverified.csv", ".nc"].contains(&rest) || rest.strip_prefix('.') == Some(extension)
-            });
-        if ours && !entry.file_type()?.is_dir() {
+        let is_program = || {
+            program_extension(&name)
+                .is_some_and(|e| e == extension || listed.iter().any(|l| *l == *name) || is_our_program(&entry.path()))
+        };
+        if !entry.file_type()?.is_dir() && (is_result(&name) || is_program()) {
             std::fs::remove_file(entry.path())?;
         }
     }
     Ok(())
+}
+
+/// Whether a result of any plan is called `name`, programs of one's own posts apart.
+fn is_result(name: &str) -> bool {
+    // A verdict on a path of an earlier plan would be taken for one on this plan's.
+    ["report.json", "report.html", "verify.json", "verify.html"].contains(&name)
+        || numbered(name, "view_").is_some_and(|rest| rest == "_whole.png")
+        || numbered(name, "electrode_")
+            .is_some_and(|rest| [".stl", "_final.png", "_sweep.png", "_closest.png"].contains(&rest))
+        || numbered(name, "path_").is_some_and(|rest| [".csv", ".unverified.csv", ".nc"].contains(&rest))
+}
+
+/// The extension in `name` if a post of one's own may have called a program so.
+fn program_extension(name: &str) -> Option<&str> {
+    let extension = numbered(name, "path_")?.strip_prefix('.')?;
+    (!extension.is_empty() && extension.chars().all(|c| c.is_ascii_alphanumeric())).then_some(extension)
+}
+
+/// The files that the report in `folder` says were written; none if there is no report that can be read.
+fn listed_files(folder: &Path) -> Vec<String> {
+    let report: serde_json::Value = head(&folder.join("report.json"), 64 << 20)
+        .and_then(|text| serde_json::from_slice(&text).ok())
+        .unwrap_or_default();
+    let files = report["written"]["files"].as_array();
+    files.into_iter().flatten().filter_map(|name| name.as_str().map(str::to_owned)).collect()
+}
+
+/// Whether the first comment of a program in this file says that we wrote it.
+fn is_our_program(path: &Path) -> bool {
+    let start = head(path, 64 << 10).unwrap_or_default();
+    String::from_utf8_lossy(&start)
+        .lines()
+        .any(|line| line.contains("Sparkpath ") && line.contains(": feed path path_"))
+}
+
+/// The first bytes of a file, at most `most` of them.
+fn head(path: &Path, most: u64) -> Option<Vec<u8>> {
+    // Pipes and devices may never answer.
+    if !std::fs::metadata(path).ok()?.is_file() {
+        return None;
+    }
+    let mut bytes = Vec::new();
+    std::fs::File::open(path).ok()?.take(most).read_to_end(&mut bytes).ok()?;
+    Some(bytes)
 }
 
 /// What follows `prefix` and a number in `name`.
@@ -257,5 +299,23 @@ mod tests {
         remove_results(folder.path(), "nc").unwrap();
         assert!(names.iter().all(|n| !folder.path().join(n).exists()));
         assert!(others.iter().all(|n| folder.path().join(n).exists()));
+    }
+
+    #[test]
+    fn programs_of_every_earlier_post_are_removed_and_files_of_others_stay() {
+        let folder = tempfile::tempdir().unwrap();
+        let put = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+        put("report.json", r#"{"written": {"files": ["path_1.ngc", "../path_9.ngc", "part.stl", "notes.txt"]}}"#);
+        put("path_1.ngc", "listed in the report");
+        put("path_2.H", "%\r\n(Sparkpath 0.1.0: feed path path_2)\r\nG71\r\n");
+        let others = ["path_3.ngc", "part.stl", "notes.txt", "path_2.H.bak"];
+        others.iter().for_each(|name| put(name, "(Sparkpath is a program)"));
+        remove_results(folder.path(), "tap").unwrap();
+        let mut left: Vec<_> =
+            std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        left.sort();
+        let mut expected = others.to_vec();
+        expected.sort_unstable();
+        assert_eq!(left, expected);
     }
 }
