@@ -330,9 +330,10 @@ impl Pipeline {
         Ok(())
     }
 
-    /// Takes the approval back.
+    /// Takes the approval back, and stops an export that has not yet replaced any file.
     pub fn withdraw(&mut self) {
         self.approved = None;
+        self.worker.cancel_from(Stage::Export as u32);
     }
 
     /// Whether the present plan is approved.

@@ -15,12 +15,15 @@ use crate::export::post::{Post, PostError};
 use crate::export::report::{FeedLowered, Report, ReportError, Written};
 use crate::geometry::mesh::Mesh;
 use crate::mesh_io::stl_bytes;
+use crate::progress::{Cancel, Cancelled};
 use crate::project::{ExportSection, PlanJob};
 
 /// Why results cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs)]
 pub enum PlanFilesError {
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     #[error(transparent)]
     Write(#[from] WriteError),
     #[error("{path}: the folder cannot be made or cleared ({source}); give another with --out")]
@@ -66,7 +69,9 @@ pub fn write(
     inputs: &PlanInputs,
     post: &Post,
     report: &mut Report,
+    cancel: &Cancel,
 ) -> Result<Vec<String>, PlanFilesError> {
+    cancel.check()?;
     // Frames are exact data of the outcome: the blisk comes out with the very bits that it was verified with.
     let blisk = inputs.blisk.in_frame(&outcome.channel.frame);
     let context = Context { channel: &outcome.channel, blisk: &blisk, job: &inputs.job, post };
@@ -91,6 +96,8 @@ pub fn write(
     for (name, bytes) in &files {
         write_atomically(&staging.path().join(name), bytes)?;
     }
+    // From here on it is done as a whole: whoever takes an approval back until now finds nothing changed.
+    cancel.check()?;
     remove_results(folder, &post.extension).map_err(unusable)?;
     for (name, _) in &files {
         std::fs::rename(staging.path().join(name), folder.join(name)).map_err(unusable)?;

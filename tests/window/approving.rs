@@ -1,9 +1,10 @@
 //! What is approved is one plan that was seen, and only that is written.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use egui::Key;
-use sparkpath::jobs::pipeline::StageState;
+use sparkpath::jobs::pipeline::{ExportWork, StageState};
 use sparkpath::project::Stage;
 
 use crate::desk::Home;
@@ -26,4 +27,33 @@ fn a_plan_that_is_being_made_again_cannot_be_approved_and_its_successor_is_not()
     desk.until_idle();
     desk.window.state_mut().core_mut().pipeline.approve().unwrap();
     assert!(desk.app().core().pipeline.is_approved());
+}
+
+#[test]
+fn an_export_stops_when_its_approval_is_taken_back() {
+    let home = Home::new();
+    let mut desk = approved(&home);
+    let until_told = || -> ExportWork {
+        Box::new(|_, _, _, _, _, cancel| {
+            for _ in 0..3000 {
+                cancel.check().map_err(|e| e.to_string())?;
+                std::thread::sleep(Duration::from_millis(10));
+            }
+            Ok(vec!["written without approval".to_owned()])
+        })
+    };
+    let pipeline = &mut desk.window.state_mut().core_mut().pipeline;
+    pipeline.start_export(&home.path("out"), until_told()).unwrap();
+    pipeline.withdraw();
+    desk.until_idle();
+    assert_eq!(desk.state(Stage::Export), StageState::Missing, "{:#?}", desk.log());
+    let core = desk.window.state_mut().core_mut();
+    core.pipeline.approve().unwrap();
+    core.pipeline.start_export(&home.path("out"), until_told()).unwrap();
+    let mut job = core.document.job().clone();
+    job.plan.margin_mm += 0.01;
+    core.edit("Margin", job, false);
+    desk.until_idle();
+    assert_eq!(desk.state(Stage::Export), StageState::Missing, "{:#?}", desk.log());
+    assert!(desk.log().iter().any(|line| line.contains("approval withdrawn")));
 }

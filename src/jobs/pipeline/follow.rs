@@ -22,7 +22,7 @@ impl Pipeline {
         }
         let now = self.refresh(document.job());
         if self.approved.is_some() && !self.is_approved() {
-            self.approved = None;
+            self.withdraw();
             let text = "approval withdrawn: an input changed".to_owned();
             events.push(Event { stage: Stage::Export, kind: EventKind::Cancelled, text, took: None });
         }
