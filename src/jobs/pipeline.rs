@@ -41,14 +41,16 @@ enum Found {
 /// A plan with its electrodes for the screen.
 struct Planned {
     inputs: PlanInputs,
+    /// What the meshes held that it was made from: [`Part::content`].
+    content: String,
     outcome: Arc<PlanOutcome>,
     shapes: Vec<Arc<RenderMesh>>,
 }
 
 impl Planned {
-    fn new(inputs: PlanInputs, outcome: PlanOutcome) -> Self {
+    fn new(inputs: PlanInputs, content: String, outcome: PlanOutcome) -> Self {
         let shapes = outcome.electrodes.iter().map(|e| Arc::new(RenderMesh::new(&e.electrode.mesh))).collect();
-        Self { inputs, outcome: Arc::new(outcome), shapes }
+        Self { inputs, content, outcome: Arc::new(outcome), shapes }
     }
 }
 
@@ -205,7 +207,7 @@ impl Pipeline {
                 reporter.partial(PartialPlan { nodes: nodes.to_vec(), convergence: convergence.to_vec() });
             };
             let outcome = super::plan::run_prepared(&ready, &inputs, &observe, p, c).map_err(text)?;
-            Ok(Found::Plan(Box::new(Planned::new(inputs, outcome))))
+            Ok(Found::Plan(Box::new(Planned::new(inputs, part.content(), outcome))))
         };
         let id = self.worker.submit(Stage::Plan as u32, work);
         self.plan.running = Some((id, now.plan));

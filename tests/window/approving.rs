@@ -4,9 +4,11 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use egui::Key;
+use sparkpath::blisk::parametric::ParametricBlisk;
 use sparkpath::jobs::pipeline::{ExportWork, StageState};
 use sparkpath::project::Stage;
 
+use crate::common::easy_blisk;
 use crate::desk::Home;
 use crate::exporting::approved;
 
@@ -56,4 +58,21 @@ fn an_export_stops_when_its_approval_is_taken_back() {
     desk.until_idle();
     assert_eq!(desk.state(Stage::Export), StageState::Missing, "{:#?}", desk.log());
     assert!(desk.log().iter().any(|line| line.contains("approval withdrawn")));
+}
+
+#[test]
+fn a_plan_is_kept_for_the_mesh_that_it_was_made_from() {
+    let home = Home::new();
+    let mut desk = approved(&home);
+    let kept = desk.app().core().document.plan().unwrap().clone();
+    home.part(&ParametricBlisk { width_mm: 20.5, ..easy_blisk() });
+    desk.window.state_mut().core_mut().pipeline.reload();
+    desk.until_idle();
+    assert_eq!(desk.state(Stage::Plan), StageState::Stale, "the mesh is another one");
+    let pipeline = &mut desk.window.state_mut().core_mut().pipeline;
+    pipeline.start_plan().unwrap();
+    pipeline.cancel();
+    desk.until_idle();
+    assert_eq!(desk.state(Stage::Plan), StageState::Stale, "{:#?}", desk.log());
+    assert_eq!(desk.app().core().document.plan(), Some(&kept));
 }
