@@ -26,8 +26,10 @@ pub enum PlanFilesError {
     Cancelled(#[from] Cancelled),
     #[error(transparent)]
     Write(#[from] WriteError),
-    #[error("{path}: the folder cannot be made or cleared ({source}); give another with --out")]
+    #[error("{path}: nothing can be written into this folder ({source}); choose another")]
     Folder { path: PathBuf, source: std::io::Error },
+    #[error("{file}: cannot be removed or replaced ({source}); the folder now holds only some of the results")]
+    Replace { file: PathBuf, source: std::io::Error },
     #[error("two files would be called {name}; nothing was written")]
     TwoOfOneName { name: String },
     #[error("the electrode cannot be written as STL: {0}")]
@@ -98,9 +100,10 @@ pub fn write(
     }
     // From here on it is done as a whole: whoever takes an approval back until now finds nothing changed.
     cancel.check()?;
-    remove_results(folder, &post.extension).map_err(unusable)?;
+    remove_results(folder, &post.extension)?;
     for (name, _) in &files {
-        std::fs::rename(staging.path().join(name), folder.join(name)).map_err(unusable)?;
+        let file = folder.join(name);
+        std::fs::rename(staging.path().join(name), &file).map_err(|source| PlanFilesError::Replace { file, source })?;
     }
     Ok(files.into_iter().map(|(name, _)| name).collect())
 }
@@ -194,18 +197,21 @@ fn electrode_in_program(k: usize, export: &ExportSection) -> String {
 }
 
 /// Removes what an earlier plan may have written; of a link only the link.
-fn remove_results(folder: &Path, extension: &str) -> std::io::Result<()> {
+fn remove_results(folder: &Path, extension: &str) -> Result<(), PlanFilesError> {
+    let unusable = |source| PlanFilesError::Folder { path: folder.to_owned(), source };
     let listed = listed_files(folder);
-    for entry in std::fs::read_dir(folder)? {
-        let entry = entry?;
+    for entry in std::fs::read_dir(folder).map_err(unusable)? {
+        let entry = entry.map_err(unusable)?;
         let name = entry.file_name();
         let name = name.to_string_lossy();
         let is_program = || {
             program_extension(&name)
                 .is_some_and(|e| e == extension || listed.iter().any(|l| *l == *name) || is_our_program(&entry.path()))
         };
-        if !entry.file_type()?.is_dir() && (is_result(&name) || is_program()) {
-            std::fs::remove_file(entry.path())?;
+        let is_folder = entry.file_type().map_err(unusable)?.is_dir();
+        if !is_folder && (is_result(&name) || is_program()) {
+            let replace = |source| PlanFilesError::Replace { file: entry.path(), source };
+            std::fs::remove_file(entry.path()).map_err(replace)?;
         }
     }
     Ok(())

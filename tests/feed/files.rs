@@ -42,3 +42,14 @@ fn a_folder_holds_the_programs_of_the_last_plan_only() {
     assert_eq!(names(folder), before);
     assert_eq!(std::fs::metadata(folder.join("path_1.h")).unwrap().modified().unwrap(), program);
 }
+
+#[test]
+fn what_cannot_be_replaced_is_named_and_no_program_lies_beside_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let in_the_way = folder.path().join("path_1.csv");
+    std::fs::create_dir(&in_the_way).unwrap();
+    let error = write(folder.path(), "nc", &Cancel::default()).unwrap_err();
+    assert!(matches!(&error, plan_files::PlanFilesError::Replace { file, .. } if *file == in_the_way), "{error}");
+    assert!(!error.to_string().contains("--out"), "{error}");
+    assert!(!names(folder.path()).contains("path_1.nc"));
+}
