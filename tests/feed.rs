@@ -1,8 +1,12 @@
 //! Whole plans on parametric blisks: what must hold for every plan, and what must not depend on how it was made.
 
 mod common;
+#[path = "feed/files.rs"]
+mod files;
 #[path = "feed/mend.rs"]
 mod mend;
+#[path = "feed/replay.rs"]
+mod replay;
 
 use std::sync::{Arc, OnceLock};
 

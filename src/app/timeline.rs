@@ -164,9 +164,7 @@ fn strip(ui: &mut Ui, core: &mut Core) {
 /// Round distances along the strip, except where the cursor at `cursor` would hide them.
 fn scale(painter: &egui::Painter, inner: Rect, rect: Rect, length: f64, colour: egui::Color32, cursor: f32) {
     let most = f64::from((inner.width() / 42.0).clamp(2.0, 14.0));
-    let step = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0].into_iter().find(|s| length / s <= most).unwrap_or(200.0);
-    let mut s = 0.0;
-    while s <= length + 1e-9 {
+    for s in marks(length, most) {
         let x = inner.left() + inner.width() * (1.0 - (s / length) as f32);
         let text = if s == 0.0 { "final".to_owned() } else { format!("{s}") };
         // The last one may not stick out on the right.
@@ -174,6 +172,28 @@ fn scale(painter: &egui::Painter, inner: Rect, rect: Rect, length: f64, colour: 
         if (x - cursor).abs() > 16.0 {
             painter.text(pos2(x, rect.top() + 8.0), Align2::CENTER_CENTER, text, FontId::proportional(10.0), colour);
         }
-        s += step;
+    }
+}
+
+/// Round distances from 0 to `length` (mm), at most `most` steps of them up to any length that a path can have.
+fn marks(length: f64, most: f64) -> impl Iterator<Item = f64> {
+    let steps = (0..4).flat_map(|power| [1.0, 2.0, 5.0].map(|s| s * 10f64.powi(power)));
+    let step = steps.into_iter().find(|s| length / s <= most).unwrap_or(1e4);
+    let count = (length / step + 1e-9).min(most) as u32;
+    (0..=count).map(move |i| step * f64::from(i))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_are_round_distances_and_never_more_than_there_is_room_for() {
+        assert_eq!(marks(4.4, 5.0).collect::<Vec<_>>(), [0.0, 1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(marks(30.0, 4.0).collect::<Vec<_>>(), [0.0, 10.0, 20.0, 30.0]);
+        for length in [1e-3, 250.0, 9999.0, 1e19, f64::MAX] {
+            let all: Vec<f64> = marks(length, 14.0).collect();
+            assert!(all.len() <= 15 && all[0] == 0.0 && all.iter().all(|s| *s <= length), "{length}: {all:?}");
+        }
     }
 }

@@ -62,8 +62,7 @@ fn finish(inputs: &PlanInputs, files: Vec<InputFile>, out: &Path, session: &Sess
     let outcome = run(inputs, &session.progress, &session.cancel)?;
     let mut report = plan_report::report(&outcome, &inputs.job, files);
     plan_pictures::add(&mut report, &outcome, inputs, &session.progress, &session.cancel)?;
-    session.cancel.check()?;
-    let written = plan_files::write(out, &outcome, inputs, &post, &mut report)?;
+    let written = plan_files::write(out, &outcome, inputs, &post, &mut report, &session.cancel)?;
     super::terminal::finish();
     if session.json {
         say!("{}", report.json()?);

@@ -15,6 +15,10 @@ pub const BUILT_IN: [(&str, &str); 2] = [
     ("beckhoff-edm", include_str!("../../assets/posts/beckhoff-edm.toml")),
 ];
 
+/// Extensions of the other files that are written and read: a program may not be taken for one of them, nor take its
+/// place.
+const OTHER_RESULTS: [&str; 8] = ["csv", "stl", "obj", "png", "json", "html", "toml", "sparkpath"];
+
 /// Why a post cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs)]
@@ -228,6 +232,10 @@ impl Post {
         if self.extension.is_empty() || !self.extension.chars().all(|c| c.is_ascii_alphanumeric()) {
             return bad("extension", format!("{:?}", self.extension), "give letters and digits only");
         }
+        if OTHER_RESULTS.iter().any(|taken| self.extension.eq_ignore_ascii_case(taken)) {
+            let remedy = "it is the extension of another file of ours; give the one that the control expects";
+            return bad("extension", format!("{:?}", self.extension), remedy);
+        }
         self.validate_axes(origin)?;
         self.validate_lines(origin)
     }
@@ -311,6 +319,15 @@ mod tests {
         assert!(iso_with("word = \"Y\"", "word = \"X\"").is_err());
         assert!(iso_with("program_start", "programme_start").is_err());
         assert!(iso_with("{seconds}", "{minutes}").is_err());
+    }
+
+    #[test]
+    fn a_program_may_not_be_called_like_another_result() {
+        for taken in ["csv", "CSV", "Stl", "png", "json", "html", "toml", "sparkpath"] {
+            let error = iso_with("extension = \"nc\"", &format!("extension = \"{taken}\"")).unwrap_err().to_string();
+            assert!(error.contains("extension") && error.contains(taken), "{error}");
+        }
+        assert!(iso_with("extension = \"nc\"", "extension = \"tap\"").is_ok());
     }
 
     #[test]

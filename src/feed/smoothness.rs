@@ -18,11 +18,14 @@ pub struct AxisSmoothness {
     pub sign_changes: usize,
 }
 
-/// The smoothness of `axis`, sampled every `step` mm of withdrawn distance.
+/// Most steps that a path is sampled in, however long it is.
+const MOST_STEPS: f64 = 1e5;
+
+/// The smoothness of `axis`, sampled every `step` mm of withdrawn distance, in longer steps where these would be too many.
 pub fn axis_smoothness(curves: &AxisCurves, axis: Axis, step: f64) -> AxisSmoothness {
     let curve = curves.axis(axis);
     let way = curve.knots()[curve.knots().len() - 1];
-    let steps = (way / step).round().max(1.0) as usize;
+    let steps = (way / step).round().clamp(1.0, MOST_STEPS) as usize;
     let values: Vec<f64> = (0..=steps)
         .map(|i| curve.at(way * i as f64 / steps as f64)[0])
         .map(|v| if axis.is_rotary() { v.to_degrees() } else { v })
@@ -51,6 +54,23 @@ impl AxisSmoothness {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::feed::objective::ObjectiveValue;
+    use crate::feed::pose::Pose;
+    use crate::feed::search::Node;
+    use crate::geometry::spline::EndCondition;
+
+    #[test]
+    fn a_path_of_any_length_is_sampled_in_bounded_steps() {
+        let node = |s: f64| {
+            let pose = Pose { x: -s, ..Pose::FINAL };
+            Node { s, pose, h: 0.0, clearance: 0.1, objective: ObjectiveValue::default() }
+        };
+        let nodes = [0.0, 0.25e15, 0.5e15, 0.75e15, 1e15].map(node);
+        let curves = AxisCurves::through(&nodes, EndCondition::NotAKnot).unwrap();
+        let smooth = axis_smoothness(&curves, Axis::X, 0.5);
+        // A straight way has no reversals and is as long as it is, however it is sampled.
+        assert!((smooth.total_variation / 1e15 - 1.0).abs() < 1e-9 && smooth.sign_changes == 0, "{smooth:?}");
+    }
 
     #[test]
     fn figures_of_a_short_zigzag() {

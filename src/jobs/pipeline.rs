@@ -45,14 +45,16 @@ enum Found {
 /// A plan with its electrodes for the screen.
 struct Planned {
     inputs: PlanInputs,
+    /// What the meshes held that it was made from: [`Part::content`].
+    content: String,
     outcome: Arc<PlanOutcome>,
     shapes: Vec<Arc<RenderMesh>>,
 }
 
 impl Planned {
-    fn new(inputs: PlanInputs, outcome: PlanOutcome) -> Self {
+    fn new(inputs: PlanInputs, content: String, outcome: PlanOutcome) -> Self {
         let shapes = outcome.electrodes.iter().map(|e| Arc::new(RenderMesh::new(&e.electrode.mesh))).collect();
-        Self { inputs, outcome: Arc::new(outcome), shapes }
+        Self { inputs, content, outcome: Arc::new(outcome), shapes }
     }
 }
 
@@ -142,7 +144,8 @@ pub struct Pipeline {
     plan: Slot<Planned>,
     export: Slot<Exported>,
     prepared: Prepared,
-    approved: Option<Fingerprint>,
+    /// The very plan that was approved, not its inputs: another search of the same may end elsewhere.
+    approved: Option<Arc<PlanOutcome>>,
     /// The kept plan that was taken up already.
     replayed: Option<String>,
     /// The inputs of the kept plan that was found to be of other parameters.
@@ -208,7 +211,7 @@ impl Pipeline {
                 reporter.partial(PartialPlan { number: 0, electrode, nodes, convergence });
             };
             let outcome = super::plan::run_prepared(&ready, &inputs, &observe, p, c).map_err(text)?;
-            Ok(Found::Plan(Box::new(Planned::new(inputs, outcome))))
+            Ok(Found::Plan(Box::new(Planned::new(inputs, part.content(), outcome))))
         };
         let id = self.worker.submit(Stage::Plan as u32, work);
         self.plan.running = Some((id, now.plan));
@@ -310,11 +313,12 @@ impl Pipeline {
         self.worker.is_busy()
     }
 
-    /// The plan if it is that of the present parameters and every path of it is certified.
-    fn certified(&self) -> Option<(&Arc<PlanOutcome>, Fingerprint)> {
+    /// The plan if it is that of the present parameters and every path of it is certified; none while another one is
+    /// being made, which would take its place unseen.
+    fn certified(&self) -> Option<&Arc<PlanOutcome>> {
         let (_, now) = self.now.as_ref()?;
         let plan = &self.plan.current(now.plan)?.outcome;
-        plan.is_verified().then_some((plan, now.plan))
+        (self.plan.running.is_none() && plan.is_verified()).then_some(plan)
     }
 
     /// Whether the plan can be approved.
@@ -322,24 +326,25 @@ impl Pipeline {
         self.certified().is_some()
     }
 
-    /// Approves the plan. It can be exported from then on, until an input changes.
+    /// Approves the plan. It can be exported from then on, until an input changes or it is planned anew.
     ///
     /// # Errors
-    /// One line if there is no certified plan for the present parameters.
+    /// One line if there is no certified plan for the present parameters, or another one is being made.
     pub fn approve(&mut self) -> Result<(), String> {
-        let (_, fingerprint) = self.certified().ok_or("only a plan with a certificate that holds can be approved")?;
-        self.approved = Some(fingerprint);
+        let plan = self.certified().ok_or("only a plan with a certificate that holds can be approved")?;
+        self.approved = Some(plan.clone());
         Ok(())
     }
 
-    /// Takes the approval back.
+    /// Takes the approval back, and stops an export that has not yet replaced any file.
     pub fn withdraw(&mut self) {
         self.approved = None;
+        self.worker.cancel_from(Stage::Export as u32);
     }
 
     /// Whether the present plan is approved.
     pub fn is_approved(&self) -> bool {
-        self.approved.is_some() && self.certified().map(|(_, of)| of) == self.approved
+        self.approved.as_ref().zip(self.certified()).is_some_and(|(approved, plan)| Arc::ptr_eq(approved, plan))
     }
 
     /// Writes the approved plan into `folder`.

@@ -19,7 +19,7 @@ use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::frame::Frame;
 use crate::geometry::mesh::Mesh;
 use crate::progress::{Cancel, Cancelled, Progress};
-use crate::project::{KeptElectrode, KeptPlan, PlanJob};
+use crate::project::{KeptElectrode, KeptPlan, KeptPlanError, PlanJob};
 
 /// What a plan is made from.
 #[derive(Debug, Clone)]
@@ -67,6 +67,10 @@ impl PlanOutcome {
 pub enum PlanJobError {
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+    #[error("{0}")]
+    Job(String),
+    #[error(transparent)]
+    Kept(#[from] KeptPlanError),
     #[error(transparent)]
     Blisk(BliskError),
     #[error(transparent)]
@@ -147,7 +151,7 @@ impl PreparedBlisk {
 /// [`PlanJobError`]; that there is no path is not one of them.
 pub fn run(inputs: &PlanInputs, progress: &Progress, cancel: &Cancel) -> Result<PlanOutcome, PlanJobError> {
     let job = &inputs.job;
-    job.plan.validate()?;
+    job.validate().map_err(PlanJobError::Job)?;
     let mut clock = Clock::default();
     let channel = clock.time("channel", || find_channel(&inputs.blisk, &job.blisk.options, progress, cancel))?;
     let blisk = inputs.blisk.in_frame(&channel.frame);
@@ -174,7 +178,7 @@ pub fn run_prepared(
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<PlanOutcome, PlanJobError> {
-    inputs.job.plan.validate()?;
+    inputs.job.validate().map_err(PlanJobError::Job)?;
     let PreparedBlisk { space, exact, clock, .. } = prepared;
     let mut planner = JobPlanner { inputs, space, exact, observe, progress, cancel, clock: clock.clone() };
     let electrodes = planner.electrodes()?;
@@ -323,7 +327,7 @@ fn settings_of<'a>(job: &'a PlanJob, observe: &'a Observe<'a>) -> PlanSettings<'
 /// The plan whose nodes were kept in a project: joined and verified anew, in a fraction of the time of a search.
 ///
 /// # Errors
-/// As [`run`], and if the nodes do not fit the job.
+/// As [`run`], and if `kept` is none that the job can have had.
 pub fn replay(
     inputs: &PlanInputs,
     channel: &Arc<Channel>,
@@ -334,6 +338,8 @@ pub fn replay(
     cancel: &Cancel,
 ) -> Result<PlanOutcome, PlanJobError> {
     let job = &inputs.job;
+    job.validate().map_err(PlanJobError::Job)?;
+    kept.check(job)?;
     let mut clock = Clock::default();
     let finder = SurfaceFinder::new(channel.clone())?;
     let settings = settings_of(job, &|_, _| ());

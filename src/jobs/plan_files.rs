@@ -1,5 +1,7 @@
 //! Writes the results of a plan into a folder.
 
+use std::collections::HashSet;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use super::plan::{ElectrodeOutcome, PlanInputs, PlanOutcome};
@@ -13,6 +15,7 @@ use crate::export::post::{Post, PostError};
 use crate::export::report::{FeedLowered, Report, ReportError, Written};
 use crate::geometry::mesh::Mesh;
 use crate::mesh_io::stl_bytes;
+use crate::progress::{Cancel, Cancelled};
 use crate::project::{ExportSection, PlanJob};
 
 /// Why results cannot be written.
@@ -20,9 +23,15 @@ use crate::project::{ExportSection, PlanJob};
 #[allow(missing_docs)]
 pub enum PlanFilesError {
     #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    #[error(transparent)]
     Write(#[from] WriteError),
-    #[error("{path}: the folder cannot be made or cleared ({source}); give another with --out")]
+    #[error("{path}: nothing can be written into this folder ({source}); choose another")]
     Folder { path: PathBuf, source: std::io::Error },
+    #[error("{file}: cannot be removed or replaced ({source}); the folder now holds only some of the results")]
+    Replace { file: PathBuf, source: std::io::Error },
+    #[error("two files would be called {name}; nothing was written")]
+    TwoOfOneName { name: String },
     #[error("the electrode cannot be written as STL: {0}")]
     Electrode(std::io::Error),
     #[error(transparent)]
@@ -62,7 +71,9 @@ pub fn write(
     inputs: &PlanInputs,
     post: &Post,
     report: &mut Report,
+    cancel: &Cancel,
 ) -> Result<Vec<String>, PlanFilesError> {
+    cancel.check()?;
     // Frames are exact data of the outcome: the blisk comes out with the very bits that it was verified with.
     let blisk = inputs.blisk.in_frame(&outcome.channel.frame);
     let context = Context { channel: &outcome.channel, blisk: &blisk, job: &inputs.job, post };
@@ -80,20 +91,33 @@ pub fn write(
     }
     files.extend(reports(report, &inputs.job.export, &files, &programs)?);
     files.extend(programs);
+    require_distinct(&files)?;
     let unusable = |source| PlanFilesError::Folder { path: folder.to_owned(), source };
     std::fs::create_dir_all(folder).map_err(unusable)?;
     let staging = tempfile::Builder::new().prefix(".sparkpath-").tempdir_in(folder).map_err(unusable)?;
     for (name, bytes) in &files {
         write_atomically(&staging.path().join(name), bytes)?;
     }
-    remove_results(folder, &post.extension).map_err(unusable)?;
+    // From here on it is done as a whole: whoever takes an approval back until now finds nothing changed.
+    cancel.check()?;
+    remove_results(folder, &post.extension)?;
     for (name, _) in &files {
-        std::fs::rename(staging.path().join(name), folder.join(name)).map_err(unusable)?;
+        let file = folder.join(name);
+        std::fs::rename(staging.path().join(name), &file).map_err(|source| PlanFilesError::Replace { file, source })?;
     }
     Ok(files.into_iter().map(|(name, _)| name).collect())
 }
 
 type NamedFile = (String, Vec<u8>);
+
+/// Makes sure that no file takes another's place, where capitals do not count either.
+fn require_distinct(files: &[NamedFile]) -> Result<(), PlanFilesError> {
+    let mut seen = HashSet::new();
+    match files.iter().find(|(name, _)| !seen.insert(name.to_ascii_lowercase())) {
+        Some((name, _)) => Err(PlanFilesError::TwoOfOneName { name: name.clone() }),
+        None => Ok(()),
+    }
+}
 
 /// Enters in `report` what is written, and answers its own files if they are asked for.
 fn reports(
@@ -173,24 +197,68 @@ fn electrode_in_program(k: usize, export: &ExportSection) -> String {
 }
 
 /// Removes what an earlier plan may have written; of a link only the link.
-fn remove_results(folder: &Path, extension: &str) -> std::io::Result<()> {
-    for entry in std::fs::read_dir(folder)? {
-        let entry = entry?;
+fn remove_results(folder: &Path, extension: &str) -> Result<(), PlanFilesError> {
+    let unusable = |source| PlanFilesError::Folder { path: folder.to_owned(), source };
+    let listed = listed_files(folder);
+    for entry in std::fs::read_dir(folder).map_err(unusable)? {
+        let entry = entry.map_err(unusable)?;
         let name = entry.file_name();
         let name = name.to_string_lossy();
-        // A verdict on a path of an earlier plan would be taken for one on this plan's.
-        let ours = ["report.json", "report.html", "verify.json", "verify.html"].contains(&&*name)
-            || numbered(&name, "view_").is_some_and(|rest| rest == "_whole.png")
-            || numbered(&name, "electrode_")
-                .is_some_and(|rest| [".stl", "_final.png", "_sweep.png", "_closest.png"].contains(&rest))
-            || numbered(&name, "path_").is_some_and(|rest| {
-                [".csv", ".unverified.csv", ".nc"].contains(&rest) || rest.strip_prefix('.') == Some(extension)
-            });
-        if ours && !entry.file_type()?.is_dir() {
-            std::fs::remove_file(entry.path())?;
+        let is_program = || {
+            program_extension(&name)
+                .is_some_and(|e| e == extension || listed.iter().any(|l| *l == *name) || is_our_program(&entry.path()))
+        };
+        let is_folder = entry.file_type().map_err(unusable)?.is_dir();
+        if !is_folder && (is_result(&name) || is_program()) {
+            let replace = |source| PlanFilesError::Replace { file: entry.path(), source };
+            std::fs::remove_file(entry.path()).map_err(replace)?;
         }
     }
     Ok(())
+}
+
+/// Whether a result of any plan is called `name`, programs of one's own posts apart.
+fn is_result(name: &str) -> bool {
+    // A verdict on a path of an earlier plan would be taken for one on this plan's.
+    ["report.json", "report.html", "verify.json", "verify.html"].contains(&name)
+        || numbered(name, "view_").is_some_and(|rest| rest == "_whole.png")
+        || numbered(name, "electrode_")
+            .is_some_and(|rest| [".stl", "_final.png", "_sweep.png", "_closest.png"].contains(&rest))
+        || numbered(name, "path_").is_some_and(|rest| [".csv", ".unverified.csv", ".nc"].contains(&rest))
+}
+
+/// The extension in `name` if a post of one's own may have called a program so.
+fn program_extension(name: &str) -> Option<&str> {
+    let extension = numbered(name, "path_")?.strip_prefix('.')?;
+    (!extension.is_empty() && extension.chars().all(|c| c.is_ascii_alphanumeric())).then_some(extension)
+}
+
+/// The files that the report in `folder` says were written; none if there is no report that can be read.
+fn listed_files(folder: &Path) -> Vec<String> {
+    let report: serde_json::Value = head(&folder.join("report.json"), 64 << 20)
+        .and_then(|text| serde_json::from_slice(&text).ok())
+        .unwrap_or_default();
+    let files = report["written"]["files"].as_array();
+    files.into_iter().flatten().filter_map(|name| name.as_str().map(str::to_owned)).collect()
+}
+
+/// Whether the first comment of a program in this file says that we wrote it.
+fn is_our_program(path: &Path) -> bool {
+    let start = head(path, 64 << 10).unwrap_or_default();
+    String::from_utf8_lossy(&start)
+        .lines()
+        .any(|line| line.contains("Sparkpath ") && line.contains(": feed path path_"))
+}
+
+/// The first bytes of a file, at most `most` of them.
+fn head(path: &Path, most: u64) -> Option<Vec<u8>> {
+    // Pipes and devices may never answer.
+    if !std::fs::metadata(path).ok()?.is_file() {
+        return None;
+    }
+    let mut bytes = Vec::new();
+    std::fs::File::open(path).ok()?.take(most).read_to_end(&mut bytes).ok()?;
+    Some(bytes)
 }
 
 /// What follows `prefix` and a number in `name`.
@@ -203,6 +271,14 @@ fn numbered<'a>(name: &'a str, prefix: &str) -> Option<&'a str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn two_files_of_one_name_are_refused_whatever_their_capitals() {
+        let files = |names: [&str; 3]| names.map(|name| (name.to_owned(), Vec::new()));
+        assert!(require_distinct(&files(["path_1.csv", "path_2.csv", "path_1.nc"])).is_ok());
+        let twice = require_distinct(&files(["path_1.csv", "report.json", "path_1.CSV"]));
+        assert!(matches!(twice, Err(PlanFilesError::TwoOfOneName { name }) if name == "path_1.CSV"));
+    }
 
     #[test]
     fn only_results_of_a_plan_are_removed() {
@@ -236,5 +312,23 @@ mod tests {
         remove_results(folder.path(), "nc").unwrap();
         assert!(names.iter().all(|n| !folder.path().join(n).exists()));
         assert!(others.iter().all(|n| folder.path().join(n).exists()));
+    }
+
+    #[test]
+    fn programs_of_every_earlier_post_are_removed_and_files_of_others_stay() {
+        let folder = tempfile::tempdir().unwrap();
+        let put = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+        put("report.json", r#"{"written": {"files": ["path_1.ngc", "../path_9.ngc", "part.stl", "notes.txt"]}}"#);
+        put("path_1.ngc", "listed in the report");
+        put("path_2.H", "%\r\n(Sparkpath 0.1.0: feed path path_2)\r\nG71\r\n");
+        let others = ["path_3.ngc", "part.stl", "notes.txt", "path_2.H.bak"];
+        others.iter().for_each(|name| put(name, "(Sparkpath is a program)"));
+        remove_results(folder.path(), "tap").unwrap();
+        let mut left: Vec<_> =
+            std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        left.sort();
+        let mut expected = others.to_vec();
+        expected.sort_unstable();
+        assert_eq!(left, expected);
     }
 }

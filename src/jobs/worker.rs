@@ -41,7 +41,7 @@ pub enum Message<P, T> {
 pub enum Ended<T> {
     /// With this result.
     Done(T),
-    /// It was told to stop, by the user or because a later task took its place.
+    /// It stopped when told to, by the user or because a later task took its place.
     Cancelled,
     /// It could not be done: one line for the user.
     Failed(String),
@@ -227,9 +227,10 @@ fn run<P: Send + 'static, T: Send + 'static>(task: Task<P, T>, reporter: &Report
         }
     });
     match std::panic::catch_unwind(AssertUnwindSafe(|| work(reporter, &progress, &cancel))) {
-        // What a computation answers once it was told to stop is that it stopped.
-        Ok(_) if cancel.is_cancelled() => Ended::Cancelled,
+        // Told to stop too late: what is done is done, and files may have been written.
         Ok(Ok(result)) => Ended::Done(result),
+        // What else a computation answers once it was told to stop is that it stopped.
+        Ok(Err(_)) if cancel.is_cancelled() => Ended::Cancelled,
         Ok(Err(message)) => Ended::Failed(message),
         Err(panic) => Ended::Panicked(panic_text(&*panic)),
     }
@@ -302,6 +303,19 @@ mod tests {
         assert!(matches!(ending(&said, lower), Some(Ended::Done(5))), "a later slot leaves earlier ones alone");
         assert!(matches!(ending(&said, second), Some(Ended::Cancelled)));
         assert!(matches!(ending(&said, third), Some(Ended::Done(7))));
+    }
+
+    #[test]
+    fn a_result_that_was_finished_all_the_same_is_not_thrown_away() {
+        let mut worker = Tested::start(|| ()).unwrap();
+        let late = worker.submit(0, |reporter, _, cancel| {
+            reporter.partial(1);
+            wait_for_cancel(cancel).or(Ok(3))
+        });
+        // It has to have begun, or it has no result.
+        while !matches!(worker.messages.recv_timeout(Duration::from_secs(30)).unwrap(), Message::Partial(_, 1)) {}
+        worker.cancel_from(0);
+        assert!(matches!(ending(&until(&worker, late), late), Some(Ended::Done(3))));
     }
 
     #[test]

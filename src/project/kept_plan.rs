@@ -6,6 +6,8 @@ use sha2::{Digest, Sha256};
 
 use super::job_file::PlanJob;
 use crate::blisk::electrode::EntrySide;
+use crate::feed::genetic::ReductionMode;
+use crate::feed::pose::Pose;
 use crate::feed::search::Node;
 
 /// The nodes of a plan and what they belong to.
@@ -30,7 +32,46 @@ pub struct KeptElectrode {
     pub nodes: Vec<Node>,
 }
 
+/// Why a kept plan is not taken up: it is none that this program makes of the job.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("the plan kept in the project is not used, because {what}; plan anew")]
+pub struct KeptPlanError {
+    /// What is wrong with it.
+    what: &'static str,
+}
+
+/// Longest way that is taken up (mm): the largest coordinate that the verifier takes.
+const LONGEST: f64 = 1e4;
+/// Rounding of a distance (mm) or an angle (rad) that was written to a file and read again.
+const ROUNDING: f64 = 1e-9;
+
 impl KeptPlan {
+    /// Checks what a search always keeps to, since a file may say anything.
+    ///
+    /// # Errors
+    /// [`KeptPlanError`] unless there is an electrode for every part of `job`, each from a side and with a reduction
+    /// that the job allows, and its nodes withdraw it step by step from the final pose.
+    pub fn check(&self, job: &PlanJob) -> Result<(), KeptPlanError> {
+        let require = |holds: bool, what| if holds { Ok(()) } else { Err(KeptPlanError { what }) };
+        let own = job.electrode.mesh.is_some();
+        let parts = if own { 1 } else { job.electrode.parts };
+        require(self.electrodes.len() == parts, "it has another number of electrodes than the job")?;
+        let h_max = match job.genetic.h {
+            ReductionMode::Variable if !own => job.genetic.h_max_deg.to_radians() + ROUNDING,
+            _ => 0.0,
+        };
+        let sides = job.electrode.enter.candidates();
+        for KeptElectrode { side, h, nodes } in &self.electrodes {
+            require(sides.contains(side), "an electrode enters from a side that the job does not allow")?;
+            require((0.0..=h_max).contains(h), "an electrode has another reduction than the job allows")?;
+            let starts = nodes.first().is_some_and(|n| n.s == 0.0 && n.pose == Pose::FINAL);
+            require(starts, "its nodes do not begin in the final pose")?;
+            require(nodes.iter().all(is_possible), "a node stands where no search puts one")?;
+            require(nodes.windows(2).all(|w| w[0].s < w[1].s), "its nodes do not lead steadily outwards")?;
+        }
+        Ok(())
+    }
+
     /// SHA-256 of everything that a plan depends on, in hexadecimal: the content of the meshes, not where they lie.
     pub fn inputs_of(job: &PlanJob, content: &str) -> String {
         let PlanJob { mut blisk, mut electrode, machine, plan, genetic, verify, export: _ } = job.clone();
@@ -43,4 +84,11 @@ impl KeptPlan {
         hash.update(serde_json::to_vec(&parameters).unwrap_or_default());
         hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
     }
+}
+
+/// Whether every number of `node` is one that a search may have found.
+fn is_possible(node: &Node) -> bool {
+    let finite = node.pose.to_array().iter().chain([&node.h, &node.clearance]).all(|v| v.is_finite());
+    // A withdrawal is a motion of the X axis.
+    finite && (0.0..=LONGEST).contains(&node.s) && (node.pose.x.abs() - node.s).abs() <= ROUNDING
 }

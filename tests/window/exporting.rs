@@ -17,7 +17,7 @@ use crate::common::easy_blisk;
 use crate::desk::{Desk, Home, quick};
 
 /// A window with an approved plan for a channel that stands askew to the axes of the mesh.
-fn approved(home: &Home) -> Desk {
+pub fn approved(home: &Home) -> Desk {
     let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
     desk.until_idle();
     let core = desk.window.state_mut().core_mut();
@@ -35,7 +35,7 @@ fn approved(home: &Home) -> Desk {
 }
 
 /// Exports into `folder` and answers the names of what is there.
-fn export(desk: &mut Desk, folder: &Path) -> BTreeSet<String> {
+pub fn export(desk: &mut Desk, folder: &Path) -> BTreeSet<String> {
     desk.window.state_mut().export(folder);
     desk.until_idle();
     assert_eq!(desk.state(Stage::Export), StageState::Done, "{:#?}", desk.log());

@@ -46,8 +46,7 @@ impl SparkpathApp {
             plan_files::prepare(folder).map_err(|e| e.to_string())?;
             let mut report = plan_report::report(plan, &inputs.job, files);
             plan_pictures::add(&mut report, plan, inputs, progress, cancel).map_err(|e| e.to_string())?;
-            cancel.check().map_err(|e| e.to_string())?;
-            plan_files::write(folder, plan, inputs, &post, &mut report).map_err(|e| e.to_string())
+            plan_files::write(folder, plan, inputs, &post, &mut report, cancel).map_err(|e| e.to_string())
         });
         if let Err(why) = self.core.pipeline.start_export(folder, write) {
             self.dialog = Dialog::Error("Nothing was exported".to_owned(), why);

@@ -1,5 +1,6 @@
 //! Takes in what the worker answers.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::sentences::{channel_sentence, electrode_sentence, export_sentence, part_sentence, plan_sentence};
@@ -69,8 +70,12 @@ impl Pipeline {
             Stage::Channel => self.channel.end(task, ended, Found::channel, channel_sentence),
             Stage::Electrode => self.electrode.end(task, ended, Found::electrode, electrode_sentence),
             Stage::Plan => {
+                let before = self.plan().map(Arc::as_ptr);
                 let said = self.plan.end(task, ended, Found::plan, plan_sentence);
-                self.keep_plan();
+                // An earlier plan was noted when it was made, and may be of what the files held then.
+                if self.plan().map(Arc::as_ptr) != before {
+                    self.keep_plan();
+                }
                 said
             }
             Stage::Verify | Stage::Export => self.export.end(task, ended, Found::export, export_sentence),
@@ -80,8 +85,7 @@ impl Pipeline {
     fn keep_plan(&mut self) {
         let Some((_, planned)) = &self.plan.value else { return };
         let Some(electrodes) = crate::jobs::plan::kept(&planned.outcome) else { return };
-        let content = self.part.value.as_ref().map(|(_, p)| p.content()).unwrap_or_default();
-        let inputs = KeptPlan::inputs_of(&planned.inputs.job, &content);
+        let inputs = KeptPlan::inputs_of(&planned.inputs.job, &planned.content);
         self.replayed = Some(inputs.clone());
         self.newly_planned = Some(KeptPlan { inputs, electrodes });
     }

@@ -21,8 +21,8 @@ impl Pipeline {
             }
         }
         let now = self.refresh(document.job());
-        if self.approved.is_some_and(|of| of != now.plan) {
-            self.approved = None;
+        if self.approved.is_some() && !self.is_approved() {
+            self.withdraw();
             let text = "approval withdrawn: an input changed".to_owned();
             events.push(Event { stage: Stage::Export, kind: EventKind::Cancelled, text, took: None });
         }
@@ -106,7 +106,7 @@ impl Pipeline {
         let work = move |_: &Reporter<PartialPlan, Found>, p: &Progress, c: &Cancel| {
             let inputs = PlanInputs { blisk: part.mesh.clone(), own_electrode: part.own_electrode.clone(), job };
             let outcome = crate::jobs::plan::replay(&inputs, &found.channel, &found.blisk, &found.exact, &kept, p, c);
-            outcome.map(|o| Found::Plan(Box::new(Planned::new(inputs, o)))).map_err(|e| e.to_string())
+            outcome.map(|o| Found::Plan(Box::new(Planned::new(inputs, part.content(), o)))).map_err(|e| e.to_string())
         };
         let id = self.worker.submit(Stage::Plan as u32, work);
         self.plan.running = Some((id, now.plan));

@@ -1,0 +1,55 @@
+//! A folder holds the results of one plan, or still those of the one before.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use sparkpath::export::post::{BUILT_IN, Post};
+use sparkpath::jobs::plan::PlanInputs;
+use sparkpath::jobs::{plan_files, plan_report};
+use sparkpath::progress::Cancel;
+
+use super::{easy_blisk, easy_job, easy_plan, mesh};
+
+/// Writes the easy plan with programs of this extension.
+fn write(folder: &Path, extension: &str, cancel: &Cancel) -> Result<Vec<String>, plan_files::PlanFilesError> {
+    let text = BUILT_IN[0].1.replace("extension = \"nc\"", &format!("extension = \"{extension}\""));
+    let post = Post::from_toml(&text, extension).unwrap();
+    let inputs = PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrode: None, job: easy_job() };
+    let mut report = plan_report::report(easy_plan(), &inputs.job, Vec::new());
+    plan_files::write(folder, easy_plan(), &inputs, &post, &mut report, cancel)
+}
+
+fn names(folder: &Path) -> BTreeSet<String> {
+    std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect()
+}
+
+#[test]
+fn a_folder_holds_the_programs_of_the_last_plan_only() {
+    let (folder, cancel) = (tempfile::tempdir().unwrap(), Cancel::default());
+    let folder = folder.path();
+    let written = |extension| write(folder, extension, &cancel).unwrap().into_iter().collect::<BTreeSet<_>>();
+    assert!(written("ngc").contains("path_1.ngc"));
+    // Known by the report, and without one by its own first comment.
+    assert_eq!((written("tap"), names(folder).contains("path_1.ngc")), (names(folder), false));
+    std::fs::remove_file(folder.join("report.json")).unwrap();
+    assert_eq!((written("h"), names(folder).contains("path_1.tap")), (names(folder), false));
+
+    // Told to stop at the last moment, nothing is touched.
+    let before = names(folder);
+    let program = std::fs::metadata(folder.join("path_1.h")).unwrap().modified().unwrap();
+    cancel.cancel();
+    assert!(matches!(write(folder, "nc", &cancel), Err(plan_files::PlanFilesError::Cancelled(_))));
+    assert_eq!(names(folder), before);
+    assert_eq!(std::fs::metadata(folder.join("path_1.h")).unwrap().modified().unwrap(), program);
+}
+
+#[test]
+fn what_cannot_be_replaced_is_named_and_no_program_lies_beside_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let in_the_way = folder.path().join("path_1.csv");
+    std::fs::create_dir(&in_the_way).unwrap();
+    let error = write(folder.path(), "nc", &Cancel::default()).unwrap_err();
+    assert!(matches!(&error, plan_files::PlanFilesError::Replace { file, .. } if *file == in_the_way), "{error}");
+    assert!(!error.to_string().contains("--out"), "{error}");
+    assert!(!names(folder.path()).contains("path_1.nc"));
+}

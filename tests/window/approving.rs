@@ -1,0 +1,78 @@
+//! What is approved is one plan that was seen, and only that is written.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use egui::Key;
+use sparkpath::blisk::parametric::ParametricBlisk;
+use sparkpath::jobs::pipeline::{ExportWork, StageState};
+use sparkpath::project::Stage;
+
+use crate::common::easy_blisk;
+use crate::desk::Home;
+use crate::exporting::approved;
+
+#[test]
+fn a_plan_that_is_being_made_again_cannot_be_approved_and_its_successor_is_not() {
+    let home = Home::new();
+    let mut desk = approved(&home);
+    let before = desk.app().core().pipeline.plan().unwrap().clone();
+    let pipeline = &mut desk.window.state_mut().core_mut().pipeline;
+    pipeline.start_plan().unwrap();
+    assert!(!pipeline.can_approve() && pipeline.approve().is_err(), "nobody has seen what will come out");
+    desk.until("the plan is done", |d| d.state(Stage::Plan) == StageState::Done);
+    let pipeline = &desk.app().core().pipeline;
+    assert!(!Arc::ptr_eq(&before, pipeline.plan().unwrap()) && pipeline.can_approve() && !pipeline.is_approved());
+    // A plan that was given up leaves the one that was seen, which may be approved.
+    desk.key(Key::F5);
+    desk.window.state_mut().core_mut().pipeline.cancel();
+    desk.until_idle();
+    desk.window.state_mut().core_mut().pipeline.approve().unwrap();
+    assert!(desk.app().core().pipeline.is_approved());
+}
+
+#[test]
+fn an_export_stops_when_its_approval_is_taken_back() {
+    let home = Home::new();
+    let mut desk = approved(&home);
+    let until_told = || -> ExportWork {
+        Box::new(|_, _, _, _, _, cancel| {
+            for _ in 0..3000 {
+                cancel.check().map_err(|e| e.to_string())?;
+                std::thread::sleep(Duration::from_millis(10));
+            }
+            Ok(vec!["written without approval".to_owned()])
+        })
+    };
+    let pipeline = &mut desk.window.state_mut().core_mut().pipeline;
+    pipeline.start_export(&home.path("out"), until_told()).unwrap();
+    pipeline.withdraw();
+    desk.until_idle();
+    assert_eq!(desk.state(Stage::Export), StageState::Missing, "{:#?}", desk.log());
+    let core = desk.window.state_mut().core_mut();
+    core.pipeline.approve().unwrap();
+    core.pipeline.start_export(&home.path("out"), until_told()).unwrap();
+    let mut job = core.document.job().clone();
+    job.plan.margin_mm += 0.01;
+    core.edit("Margin", job, false);
+    desk.until_idle();
+    assert_eq!(desk.state(Stage::Export), StageState::Missing, "{:#?}", desk.log());
+    assert!(desk.log().iter().any(|line| line.contains("approval withdrawn")));
+}
+
+#[test]
+fn a_plan_is_kept_for_the_mesh_that_it_was_made_from() {
+    let home = Home::new();
+    let mut desk = approved(&home);
+    let kept = desk.app().core().document.plan().unwrap().clone();
+    home.part(&ParametricBlisk { width_mm: 20.5, ..easy_blisk() });
+    desk.window.state_mut().core_mut().pipeline.reload();
+    desk.until_idle();
+    assert_eq!(desk.state(Stage::Plan), StageState::Stale, "the mesh is another one");
+    let pipeline = &mut desk.window.state_mut().core_mut().pipeline;
+    pipeline.start_plan().unwrap();
+    pipeline.cancel();
+    desk.until_idle();
+    assert_eq!(desk.state(Stage::Plan), StageState::Stale, "{:#?}", desk.log());
+    assert_eq!(desk.app().core().document.plan(), Some(&kept));
+}
