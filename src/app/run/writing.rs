@@ -12,7 +12,7 @@ use crate::render::scene::Scene;
 
 impl SparkpathApp {
     pub(super) fn write_job(&mut self, path: &Path) {
-        let text = self.core.document.job().to_toml();
+        let text = self.core.document.job().to_toml(path.parent().unwrap_or(Path::new("")));
         let written = text.and_then(|text| {
             crate::mesh_io::atomic_write(path, |out| out.write_all(text.as_bytes())).map_err(|e| e.to_string())
         });
