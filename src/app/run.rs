@@ -14,6 +14,7 @@ use super::core::Core;
 use super::dialogs::{self, Dialog, Intent};
 use super::files::{Chosen, FileDialogs, Purpose};
 use super::palette::CommandPalette;
+use super::pictures::Pictures;
 use super::plots::{self, Curves, Tab};
 use super::preferences::Preferences;
 use super::viewport::Viewport;
@@ -63,6 +64,7 @@ pub struct SparkpathApp {
     /// What was asked when a path had to be typed for it.
     behind: Dialog,
     files: FileDialogs,
+    pictures: Pictures,
     log_open: bool,
     folders: Option<Folders>,
     autosave: Option<Autosave>,
@@ -88,8 +90,10 @@ impl SparkpathApp {
         let preferences = folders.as_ref().map(|f| Preferences::read(&f.config)).unwrap_or_default();
         theme::install(&cc.egui_ctx);
         let ctx = cc.egui_ctx.clone();
-        let core = Core::new(Document::default(), preferences.clone(), move || ctx.request_repaint())
-            .map_err(|e| format!("no thread could be started to work on: {e}"))?;
+        let wake = move || ctx.request_repaint();
+        let no_thread = |e| format!("no thread could be started to work on: {e}");
+        let pictures = Pictures::start(wake.clone()).map_err(no_thread)?;
+        let core = Core::new(Document::default(), preferences.clone(), wake).map_err(no_thread)?;
         let copies = folders.as_ref().map(|f| Recovery::find(&f.autosave)).unwrap_or_default();
         let autosave = folders.as_ref().and_then(|f| Autosave::start(&f.autosave).ok());
         let mut app = Self {
@@ -101,6 +105,7 @@ impl SparkpathApp {
             dialog: if copies.is_empty() { Dialog::None } else { Dialog::Recover(copies) },
             behind: Dialog::None,
             files: FileDialogs::default(),
+            pictures,
             log_open: false,
             folders,
             autosave,
@@ -252,6 +257,7 @@ impl eframe::App for SparkpathApp {
         let started = Instant::now();
         let ctx = ui.ctx().clone();
         self.core.follow();
+        self.follow_pictures();
         let elapsed = Duration::from_secs_f32(ctx.input(|i| i.stable_dt).clamp(0.0, 0.1));
         if self.core.advance(elapsed) {
             ctx.request_repaint();
