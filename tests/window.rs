@@ -14,3 +14,5 @@ mod failures;
 mod journey;
 #[path = "window/looks.rs"]
 mod looks;
+#[path = "window/saving.rs"]
+mod saving;

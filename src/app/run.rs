@@ -7,6 +7,7 @@ mod writing;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+use documents::Named;
 use egui::{Panel, Ui};
 
 use super::commands::Command;
@@ -20,7 +21,7 @@ use super::preferences::Preferences;
 use super::viewport::Viewport;
 use super::{forms::Request, inspector, menu, status, stepper, theme, timeline};
 use crate::jobs::pipeline::EventKind;
-use crate::project::{Autosave, Document, Recovery};
+use crate::project::{Autosave, Document, PlanJob, Recovery};
 use crate::render::scene::Scene;
 
 /// Where the program keeps what is its own.
@@ -70,7 +71,10 @@ pub struct SparkpathApp {
     autosave: Option<Autosave>,
     autosaved: Instant,
     saved_preferences: Preferences,
+    /// What the user wants done once the project is saved.
     after_save: Option<Intent>,
+    /// Parameters that the user would not save before choosing what to open.
+    given_up: Option<PlanJob>,
     adapter: String,
     quitting: bool,
     title: String,
@@ -112,6 +116,7 @@ impl SparkpathApp {
             autosaved: Instant::now(),
             saved_preferences: preferences,
             after_save: None,
+            given_up: None,
             adapter: format!("Drawn by {} ({:?}, {:?})", info.name, info.device_type, info.backend),
             quitting: false,
             title: String::new(),
@@ -136,6 +141,11 @@ impl SparkpathApp {
     /// The same, to be changed: for tests and pictures.
     pub fn core_mut(&mut self) -> &mut Core {
         &mut self.core
+    }
+
+    /// Has paths typed even where the system has file dialogs: for tests.
+    pub fn type_paths(&mut self) {
+        self.files.typed = true;
     }
 
     /// What the 3-D view shows.
@@ -169,16 +179,18 @@ impl SparkpathApp {
             self.intend(Intent::Open(path), ctx);
         }
         match self.files.chosen() {
-            Some(Chosen::Path(purpose, path)) => self.chosen(purpose, path, ctx),
-            Some(Chosen::NoDialogs(purpose)) => {
-                let start = self.folder().map(|f| f.join("").display().to_string()).unwrap_or_default();
+            Some(Chosen::Path(purpose, path)) => self.named(purpose, path, Named::Chosen, ctx),
+            Some(Chosen::Cancelled(purpose)) => self.cancelled(&purpose),
+            Some(Chosen::NoDialogs(purpose, name)) => {
+                let name = if purpose.ending().is_some() { &*name } else { "" };
+                let start = self.folder().unwrap_or_default().join(name).display().to_string();
                 self.behind = std::mem::replace(&mut self.dialog, Dialog::Path(purpose, start));
             }
             None => {}
         }
         if ctx.input(|i| i.viewport().close_requested()) && !self.quitting && self.core.document.is_unsaved() {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
-            self.dialog = Dialog::Unsaved(Intent::Quit);
+            self.intend(Intent::Quit, ctx);
         }
         if matches!(self.dialog, Dialog::None) {
             Command::pressed(ctx).into_iter().for_each(|c| self.core.push(c));
@@ -206,7 +218,7 @@ impl SparkpathApp {
                 Request::Post => Purpose::Post,
             };
             let ctx = ui.ctx().clone();
-            self.files.ask(purpose, "", self.folder().as_deref(), &ctx);
+            self.ask(purpose, "", &ctx);
         }
         if wide {
             Panel::right("inspector")
