@@ -283,7 +283,8 @@ impl eframe::App for SparkpathApp {
         }
         self.apply_preferences(&ctx);
         self.retitle(&ctx);
-        if self.autosaved.elapsed() > AUTOSAVE {
+        // What was given up on purpose is not kept again while the window closes.
+        if !self.quitting && self.autosaved.elapsed() > AUTOSAVE {
             self.autosave_now();
         }
         if self.core.document.is_unsaved() {
@@ -297,7 +298,8 @@ impl eframe::App for SparkpathApp {
     }
 
     fn on_exit(&mut self) {
-        if self.core.document.is_unsaved() && !self.quitting {
+        // Of saved work this removes the copy.
+        if !self.quitting {
             self.autosave_now();
         }
     }

@@ -1,12 +1,14 @@
 //! No work is lost: what is asked before, and what is kept.
 
 use std::path::Path;
+use std::time::Duration;
 
+use eframe::App as _;
 use egui::{Key, Modifiers};
 use sparkpath::app::Opening;
-use sparkpath::project::{Document, ProjectFile};
+use sparkpath::project::{Document, ProjectFile, Recovery};
 
-use crate::desk::{Desk, Home};
+use crate::desk::{Desk, Home, holds};
 
 const UNSAVED: &str = "has changes that no file holds";
 const OPEN: &str = "Open a project or a mesh";
@@ -124,6 +126,70 @@ fn a_project_is_saved_under_a_name_that_opens_and_over_nothing_unasked() {
     desk.key_with(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
     desk.type_path(&home.path(""));
     desk.assert_shows("is a folder");
+}
+
+/// Whether a program that ended left a copy.
+fn is_left(home: &Home) -> bool {
+    !Recovery::find(&home.folders().autosave).is_empty()
+}
+
+fn until_kept(desk: &mut Desk, home: &Home) {
+    desk.until("a copy is kept", |_| holds(&home.folders().autosave, ".sparkpath"));
+}
+
+#[test]
+fn neither_saved_nor_given_up_work_is_recovered() {
+    let home = Home::new();
+    let mut desk = home.start(Opening::Demonstration);
+    work(&mut desk, 71);
+    until_kept(&mut desk, &home);
+    control(&mut desk, Key::S);
+    desk.type_path(&home.path("a.sparkpath"));
+    assert!(!holds(&home.folders().autosave, ".sparkpath"), "what is saved needs no copy");
+    work(&mut desk, 72);
+    until_kept(&mut desk, &home);
+    control(&mut desk, Key::Z);
+    desk.window.state_mut().on_exit();
+    drop(desk);
+    assert!(!is_left(&home), "everything was undone");
+    let mut desk = home.start(Opening::Demonstration);
+    work(&mut desk, 73);
+    until_kept(&mut desk, &home);
+    control(&mut desk, Key::Q);
+    // When the copy is brought up to date the next time, the window is closing.
+    std::thread::sleep(Duration::from_millis(2100));
+    desk.press("Don't save");
+    desk.window.state_mut().on_exit();
+    drop(desk);
+    assert!(!is_left(&home), "it was given up on purpose");
+    let mut desk = home.start(Opening::Demonstration);
+    work(&mut desk, 74);
+    desk.window.state_mut().on_exit();
+    drop(desk);
+    assert!(is_left(&home), "nobody was asked");
+}
+
+#[test]
+fn recovered_work_keeps_its_copy_until_there_is_another() {
+    let home = Home::new();
+    let mut desk = home.start(Opening::Demonstration);
+    work(&mut desk, 81);
+    until_kept(&mut desk, &home);
+    drop(desk);
+    let mut desk = home.start(Opening::Demonstration);
+    // The program's own copy cannot be written: a folder is in its place.
+    for entry in std::fs::read_dir(home.folders().autosave).unwrap() {
+        let copy = entry.unwrap().path().with_extension("sparkpath");
+        if !copy.exists() {
+            std::fs::create_dir_all(copy.join("in the way")).unwrap();
+        }
+    }
+    desk.press("Recover");
+    assert_eq!(seed(&desk), 81);
+    drop(desk);
+    let kept = Recovery::find(&home.folders().autosave);
+    let seeds: Vec<u64> = kept.iter().filter_map(|r| r.document().ok()).map(|d| d.job().genetic.seed).collect();
+    assert_eq!(seeds, [81]);
 }
 
 #[test]

@@ -120,6 +120,9 @@ impl SparkpathApp {
     pub(super) fn save_as(&mut self, file: &Path, ctx: &egui::Context) {
         match self.core.document.save_as(file) {
             Ok(()) => {
+                if let Some(autosave) = &mut self.autosave {
+                    autosave.discard();
+                }
                 self.core.preferences.recent.add(file);
                 self.core.say(EventKind::Done, format!("saved as {}", file.display()));
                 if let Some(intent) = self.after_save.take() {
@@ -206,8 +209,9 @@ impl SparkpathApp {
                 match copy.document() {
                     Ok(document) => {
                         self.replace(document);
-                        self.autosave_now();
-                        copy.discard();
+                        if self.autosave_now() {
+                            copy.discard();
+                        }
                         self.core.say(EventKind::Done, "unsaved work was recovered");
                     }
                     Err(e) => self.dialog = Dialog::Error("The copy cannot be read".to_owned(), e.to_string()),
@@ -243,12 +247,15 @@ impl SparkpathApp {
         }
     }
 
-    pub(super) fn autosave_now(&mut self) {
+    /// Brings the copy of unsaved work up to date. Tells whether there is one as far as one is needed.
+    pub(super) fn autosave_now(&mut self) -> bool {
         self.autosaved = Instant::now();
-        let Some(autosave) = &mut self.autosave else { return };
-        if let Err(e) = autosave.update(&self.core.document) {
+        let Some(autosave) = &mut self.autosave else { return false };
+        let updated = autosave.update(&self.core.document);
+        if let Err(e) = &updated {
             self.core.say(EventKind::Failed, format!("no copy of the unsaved work could be kept: {e}"));
             self.autosave = None;
         }
+        updated.is_ok()
     }
 }
