@@ -206,6 +206,11 @@ impl Command {
         }
     }
 
+    /// Why it is disabled, where that is not plain to see.
+    pub fn needs(self) -> Option<&'static str> {
+        (self == Self::SaveJob).then_some("A job names a mesh file, which the demonstration blisk has not")
+    }
+
     /// The commands whose keys were pressed.
     pub fn pressed(ctx: &egui::Context) -> Vec<Self> {
         let typing = ctx.egui_wants_keyboard_input() || egui::Popup::is_any_open(ctx);
