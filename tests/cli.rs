@@ -9,6 +9,7 @@ use std::sync::OnceLock;
 use common::{curved_blisk, easy_blisk, mesh};
 use sparkpath::blisk::parametric::ParametricBlisk;
 use sparkpath::mesh_io::write_stl;
+use sparkpath::progress::Progress;
 use tempfile::TempDir;
 
 fn sparkpath(arguments: &[&str]) -> Output {
@@ -197,6 +198,27 @@ fn a_verification_judges_travel_if_limits_are_given_and_leaves_the_plans_report_
 }
 
 #[test]
+fn an_electrode_in_w_is_told_from_a_collision() {
+    let folder = tempfile::tempdir().unwrap();
+    let (blisk, csv, right) = (path("part.stl"), path("out/path_1.csv"), path("out/electrode_1.stl"));
+    let path = sparkpath::export::path_csv::read_path_csv(&std::fs::read_to_string(&csv).unwrap()).unwrap();
+    let options = sparkpath::mesh_io::ImportOptions { units: sparkpath::mesh_io::Units::Mm, ..Default::default() };
+    let electrode =
+        sparkpath::mesh_io::import_file(Path::new(&right), &options, &Progress::silent(), &Default::default());
+    let in_w = folder.path().join("w.stl");
+    write_stl(&in_w, &electrode.unwrap().mesh.in_frame(&path.frame)).unwrap();
+    let verify = |electrode: &str, gap: &str| {
+        let files = ["verify", "--blisk", &blisk, "--electrode", electrode, "--path", &csv];
+        let output = sparkpath(&[&files, &["--units", "mm", "--gap", gap][..]].concat());
+        (output.status.code(), text(&output.stdout))
+    };
+    let (code, said) = verify(in_w.to_str().unwrap(), "0.1");
+    assert!(code == Some(3) && said.contains("is in W"), "{said}");
+    let (code, said) = verify(&right, "0.3");
+    assert!(code == Some(3) && !said.contains("is in W"), "{said}");
+}
+
+#[test]
 fn every_mistake_is_one_line_with_code_2() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str, content: &str| {
@@ -347,6 +369,10 @@ fn a_project_is_drawn_in_its_final_pose_and_at_a_node() {
     let room = drawn(&["--node", "5", "--swept", "--electrode", "1"]);
     let coloured = room.pixels().zip(withdrawn.pixels()).filter(|(a, b)| a[0].abs_diff(b[0]) > 8).count();
     assert!(coloured > 300, "the room that it passes through is shown: {coloured} pixels");
+    // In its final pose, if no node is named.
+    let [from_final, final_pose] = [&["--swept"][..], &["--node", "0"]].map(drawn);
+    let coloured = from_final.pixels().zip(final_pose.pixels()).filter(|(a, b)| a[0].abs_diff(b[0]) > 8).count();
+    assert!(coloured > 300, "the room is shown without a node as well: {coloured} pixels");
     std::fs::remove_file(&png).unwrap();
     let second = draw(&["--electrode", "2"]);
     assert_eq!(second.status.code(), Some(2));
@@ -383,6 +409,7 @@ fn what_cannot_be_drawn_is_one_line_with_code_2() {
         (render(&[&cube, "--png", &png, "--electrode", "2"]), ".sparkpath"),
         (render(&[&cube, "--png", &png, "--electrode", "0"]), "1.."),
         (render(&[&cube, "--png", &nowhere]), "absent"),
+        (render(&[&cube, "--png", "picture.jpg"]), ".png"),
         (render(&[&cube, "--png", folder.path().to_str().unwrap()]), "folder"),
         (render(&[&cube, &project, "--png", &png]), "alone"),
         (render(&[&project, "--png", &png]), "no Sparkpath project"),

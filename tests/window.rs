@@ -16,3 +16,5 @@ mod failures;
 mod journey;
 #[path = "window/looks.rs"]
 mod looks;
+#[path = "window/saving.rs"]
+mod saving;

@@ -192,6 +192,8 @@ impl Command {
         match self {
             Self::Undo => core.document.undo_label().is_some(),
             Self::Redo => core.document.redo_label().is_some(),
+            // A job file names a mesh file.
+            Self::SaveJob => core.document.job().blisk.mesh.is_some(),
             Self::Plan => core.can_plan(),
             Self::Cancel => core.pipeline.is_busy(),
             Self::Approve => core.pipeline.can_approve() && !core.pipeline.is_approved(),
@@ -202,6 +204,11 @@ impl Command {
             Self::Colours => core.pipeline.state(Stage::Electrode) != StageState::Missing,
             _ => true,
         }
+    }
+
+    /// Why it is disabled, where that is not plain to see.
+    pub fn needs(self) -> Option<&'static str> {
+        (self == Self::SaveJob).then_some("A job names a mesh file, which the demonstration blisk has not")
     }
 
     /// The commands whose keys were pressed.

@@ -31,6 +31,8 @@ pub enum Dialog {
     Export,
     /// A path, typed because the system has no file dialogs.
     Path(Purpose, String),
+    /// This file is there already.
+    Overwrite(Purpose, PathBuf),
     /// About the program.
     About,
     /// Something went wrong: title and text.
@@ -71,6 +73,8 @@ pub enum Answer {
     OwnPost,
     /// Take this path.
     Path(Purpose, PathBuf),
+    /// Overwrite the file.
+    Overwrite,
     /// Close the dialog.
     Close,
 }
@@ -85,6 +89,7 @@ pub fn show(ctx: &egui::Context, core: &mut Core, dialog: &mut Dialog, adapter: 
         Dialog::Preferences => "Preferences",
         Dialog::Export => "Export",
         Dialog::Path(purpose, _) => purpose.title(),
+        Dialog::Overwrite(..) => "Replace this file?",
         Dialog::About => "About Sparkpath",
         Dialog::Error(title, _) => title,
     }
@@ -118,6 +123,10 @@ fn contents(ui: &mut Ui, core: &mut Core, dialog: &mut Dialog, adapter: &str) ->
         Dialog::Preferences => preferences(ui, &mut core.preferences),
         Dialog::Export => export_dialog::show(ui, core),
         Dialog::Path(purpose, text) => path(ui, purpose, text),
+        Dialog::Overwrite(_, path) => {
+            ui.label(format!("{} is there already. What it holds would be lost.", path.display()));
+            buttons(ui, &[("Replace", Answer::Overwrite), ("Cancel", Answer::Close)])
+        }
         Dialog::About => about(ui, adapter),
         Dialog::Error(_, text) => {
             ui.label(&*text);

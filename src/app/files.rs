@@ -1,7 +1,7 @@
 //! Native file dialogs, each on a thread of its own so that no frame waits for it.
 
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
 /// What a chosen path is for.
@@ -31,7 +31,17 @@ const NEVER_SEEN: Duration = Duration::from_millis(500);
 /// The dialog that is open, if one is.
 #[derive(Default)]
 pub struct FileDialogs {
-    open: Option<(Purpose, Receiver<Option<PathBuf>>, Instant)>,
+    open: Option<Asked>,
+    /// Whether paths are typed even where the system has dialogs.
+    pub typed: bool,
+}
+
+/// What was asked, and where the answer comes from.
+struct Asked {
+    purpose: Purpose,
+    name: String,
+    answer: Receiver<Option<PathBuf>>,
+    since: Instant,
 }
 
 /// What became of a dialog.
@@ -39,8 +49,10 @@ pub struct FileDialogs {
 pub enum Chosen {
     /// This was chosen.
     Path(Purpose, PathBuf),
-    /// The system has no file dialogs: the path has to be typed.
-    NoDialogs(Purpose),
+    /// The user chose nothing.
+    Cancelled(Purpose),
+    /// The system has no file dialogs: the path has to be typed. With the name that was proposed.
+    NoDialogs(Purpose, String),
 }
 
 impl Purpose {
@@ -57,73 +69,116 @@ impl Purpose {
             Self::MovedMesh(_) => "Find the mesh",
         }
     }
+
+    /// How the name of a file ends that is written for this; none if no file is written.
+    pub fn ending(&self) -> Option<&'static str> {
+        match self {
+            Self::SaveProject => Some(".sparkpath"),
+            Self::SaveJob => Some(".toml"),
+            Self::Picture => Some(".png"),
+            Self::Open | Self::ExportFolder | Self::ElectrodeMesh | Self::Post | Self::MovedMesh(_) => None,
+        }
+    }
+
+    /// `path` with the ending that belongs to this, after whatever dots the name has.
+    pub fn with_ending(&self, path: PathBuf) -> PathBuf {
+        let name = path.as_os_str().to_string_lossy().to_lowercase();
+        match self.ending() {
+            Some(ending) if !name.ends_with(ending) => {
+                let mut whole = path.into_os_string();
+                whole.push(ending);
+                whole.into()
+            }
+            _ => path,
+        }
+    }
 }
 
 const MESHES: [&str; 8] = ["stl", "STL", "obj", "OBJ", "gltf", "glb", "GLTF", "GLB"];
 
 impl FileDialogs {
-    /// Opens a dialog, unless one is open.
-    pub fn ask(&mut self, purpose: Purpose, name: &str, folder: Option<&Path>, ctx: &egui::Context) {
+    /// Opens a dialog, unless one is open. Tells whether it did.
+    pub fn ask(&mut self, purpose: Purpose, name: &str, folder: Option<&Path>, ctx: &egui::Context) -> bool {
         if self.open.is_some() {
-            return;
+            return false;
+        }
+        let (sender, answer) = channel();
+        let asked = Asked { purpose: purpose.clone(), name: name.to_owned(), answer, since: Instant::now() };
+        if self.typed {
+            let _ = sender.send(None);
+            self.open = Some(asked);
+            return true;
         }
         let mut dialog = rfd::FileDialog::new();
         if let Some(folder) = folder.filter(|f| f.is_dir()) {
             dialog = dialog.set_directory(folder);
         }
-        let (asked, name, ctx) = (purpose.clone(), name.to_owned(), ctx.clone());
-        let (sender, receiver) = channel();
+        let (name, ctx) = (name.to_owned(), ctx.clone());
         let spawned = std::thread::Builder::new().name("file dialog".to_owned()).spawn(move || {
-            let path = match &asked {
+            let path = match &purpose {
                 Purpose::Open => dialog
-                    .set_title(asked.title())
+                    .set_title(purpose.title())
                     .add_filter("Projects and meshes", &[&MESHES[..], &["sparkpath"]].concat())
                     .add_filter("All files", &["*"])
                     .pick_file(),
                 Purpose::MovedMesh(_) | Purpose::ElectrodeMesh => dialog
-                    .set_title(asked.title())
+                    .set_title(purpose.title())
                     .add_filter("Meshes", &MESHES)
                     .add_filter("All files", &["*"])
                     .pick_file(),
                 Purpose::SaveProject => dialog
-                    .set_title(asked.title())
+                    .set_title(purpose.title())
                     .add_filter("Project", &["sparkpath"])
                     .set_file_name(name)
                     .save_file(),
                 Purpose::SaveJob => {
-                    dialog.set_title(asked.title()).add_filter("Job", &["toml"]).set_file_name(name).save_file()
+                    dialog.set_title(purpose.title()).add_filter("Job", &["toml"]).set_file_name(name).save_file()
                 }
                 Purpose::Picture => {
-                    dialog.set_title(asked.title()).add_filter("PNG", &["png"]).set_file_name(name).save_file()
+                    dialog.set_title(purpose.title()).add_filter("PNG", &["png"]).set_file_name(name).save_file()
                 }
-                Purpose::Post => dialog.set_title(asked.title()).add_filter("Post", &["toml"]).pick_file(),
-                Purpose::ExportFolder => dialog.set_title(asked.title()).pick_folder(),
+                Purpose::Post => dialog.set_title(purpose.title()).add_filter("Post", &["toml"]).pick_file(),
+                Purpose::ExportFolder => dialog.set_title(purpose.title()).pick_folder(),
             };
             let _ = sender.send(path);
             ctx.request_repaint();
         });
-        if spawned.is_ok() {
-            self.open = Some((purpose, receiver, Instant::now()));
-        }
+        self.open = spawned.is_ok().then_some(asked);
+        self.open.is_some()
     }
 
     /// What became of the dialog since the last call.
     pub fn chosen(&mut self) -> Option<Chosen> {
-        let (purpose, receiver, since) = self.open.as_ref()?;
-        let (purpose, never_seen) = (purpose.clone(), since.elapsed() < NEVER_SEEN);
-        match receiver.try_recv() {
-            Ok(path) => {
-                self.open = None;
-                match path {
-                    Some(path) => Some(Chosen::Path(purpose, path)),
-                    None => never_seen.then_some(Chosen::NoDialogs(purpose)),
-                }
-            }
-            Err(std::sync::mpsc::TryRecvError::Disconnected) => {
-                self.open = None;
-                None
-            }
-            Err(std::sync::mpsc::TryRecvError::Empty) => None,
+        let asked = self.open.as_ref()?;
+        let path = match asked.answer.try_recv() {
+            Ok(path) => path,
+            Err(TryRecvError::Disconnected) => None,
+            Err(TryRecvError::Empty) => return None,
+        };
+        let Asked { purpose, name, since, .. } = self.open.take()?;
+        Some(match path {
+            Some(path) => Chosen::Path(purpose, path),
+            None if self.typed || since.elapsed() < NEVER_SEEN => Chosen::NoDialogs(purpose, name),
+            None => Chosen::Cancelled(purpose),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_gets_its_ending_once_and_loses_nothing() {
+        for (name, whole) in [
+            ("a/blisk", "a/blisk.sparkpath"),
+            ("blisk v1.5", "blisk v1.5.sparkpath"),
+            ("b.sparkpath", "b.sparkpath"),
+            ("B.SPARKPATH", "B.SPARKPATH"),
+        ] {
+            assert_eq!(Purpose::SaveProject.with_ending(name.into()), Path::new(whole));
         }
+        assert_eq!(Purpose::Picture.with_ending("a.jpg".into()), Path::new("a.jpg.png"));
+        assert_eq!(Purpose::ExportFolder.with_ending("out".into()), Path::new("out"));
     }
 }

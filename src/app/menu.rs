@@ -98,7 +98,11 @@ fn named(ui: &mut Ui, core: &mut Core, command: Command, name: Option<String>) {
     if let Some(keys) = command.shortcut() {
         button = button.shortcut_text(ui.ctx().format_shortcut(&keys));
     }
-    if ui.add_enabled(command.is_enabled(core), button).clicked() {
+    let mut response = ui.add_enabled(command.is_enabled(core), button);
+    if let Some(why) = command.needs() {
+        response = response.on_disabled_hover_text(why);
+    }
+    if response.clicked() {
         core.push(command);
         ui.close();
     }

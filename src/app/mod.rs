@@ -12,6 +12,7 @@ mod menu;
 mod node_table;
 mod overlay;
 mod palette;
+mod pictures;
 mod plots;
 mod preferences;
 mod run;

@@ -7,6 +7,7 @@ mod writing;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+use documents::Named;
 use egui::{Panel, Ui};
 
 use super::commands::Command;
@@ -14,12 +15,13 @@ use super::core::Core;
 use super::dialogs::{self, Dialog, Intent};
 use super::files::{Chosen, FileDialogs, Purpose};
 use super::palette::CommandPalette;
+use super::pictures::Pictures;
 use super::plots::{self, Curves, Tab};
 use super::preferences::Preferences;
 use super::viewport::Viewport;
 use super::{forms::Request, inspector, menu, status, stepper, theme, timeline};
 use crate::jobs::pipeline::EventKind;
-use crate::project::{Autosave, Document, Recovery};
+use crate::project::{Autosave, Document, PlanJob, Recovery};
 use crate::render::scene::Scene;
 
 /// Where the program keeps what is its own.
@@ -63,12 +65,16 @@ pub struct SparkpathApp {
     /// What was asked when a path had to be typed for it.
     behind: Dialog,
     files: FileDialogs,
+    pictures: Pictures,
     log_open: bool,
     folders: Option<Folders>,
     autosave: Option<Autosave>,
     autosaved: Instant,
     saved_preferences: Preferences,
+    /// What the user wants done once the project is saved.
     after_save: Option<Intent>,
+    /// Parameters that the user would not save before choosing what to open.
+    given_up: Option<PlanJob>,
     adapter: String,
     quitting: bool,
     title: String,
@@ -88,8 +94,10 @@ impl SparkpathApp {
         let preferences = folders.as_ref().map(|f| Preferences::read(&f.config)).unwrap_or_default();
         theme::install(&cc.egui_ctx);
         let ctx = cc.egui_ctx.clone();
-        let core = Core::new(Document::default(), preferences.clone(), move || ctx.request_repaint())
-            .map_err(|e| format!("no thread could be started to work on: {e}"))?;
+        let wake = move || ctx.request_repaint();
+        let no_thread = |e| format!("no thread could be started to work on: {e}");
+        let pictures = Pictures::start(wake.clone()).map_err(no_thread)?;
+        let core = Core::new(Document::default(), preferences.clone(), wake).map_err(no_thread)?;
         let copies = folders.as_ref().map(|f| Recovery::find(&f.autosave)).unwrap_or_default();
         let autosave = folders.as_ref().and_then(|f| Autosave::start(&f.autosave).ok());
         let mut app = Self {
@@ -101,12 +109,14 @@ impl SparkpathApp {
             dialog: if copies.is_empty() { Dialog::None } else { Dialog::Recover(copies) },
             behind: Dialog::None,
             files: FileDialogs::default(),
+            pictures,
             log_open: false,
             folders,
             autosave,
             autosaved: Instant::now(),
             saved_preferences: preferences,
             after_save: None,
+            given_up: None,
             adapter: format!("Drawn by {} ({:?}, {:?})", info.name, info.device_type, info.backend),
             quitting: false,
             title: String::new(),
@@ -131,6 +141,11 @@ impl SparkpathApp {
     /// The same, to be changed: for tests and pictures.
     pub fn core_mut(&mut self) -> &mut Core {
         &mut self.core
+    }
+
+    /// Has paths typed even where the system has file dialogs: for tests.
+    pub fn type_paths(&mut self) {
+        self.files.typed = true;
     }
 
     /// What the 3-D view shows.
@@ -164,16 +179,18 @@ impl SparkpathApp {
             self.intend(Intent::Open(path), ctx);
         }
         match self.files.chosen() {
-            Some(Chosen::Path(purpose, path)) => self.chosen(purpose, path, ctx),
-            Some(Chosen::NoDialogs(purpose)) => {
-                let start = self.folder().map(|f| f.join("").display().to_string()).unwrap_or_default();
+            Some(Chosen::Path(purpose, path)) => self.named(purpose, path, Named::Chosen, ctx),
+            Some(Chosen::Cancelled(purpose)) => self.cancelled(&purpose),
+            Some(Chosen::NoDialogs(purpose, name)) => {
+                let name = if purpose.ending().is_some() { &*name } else { "" };
+                let start = self.folder().unwrap_or_default().join(name).display().to_string();
                 self.behind = std::mem::replace(&mut self.dialog, Dialog::Path(purpose, start));
             }
             None => {}
         }
         if ctx.input(|i| i.viewport().close_requested()) && !self.quitting && self.core.document.is_unsaved() {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
-            self.dialog = Dialog::Unsaved(Intent::Quit);
+            self.intend(Intent::Quit, ctx);
         }
         if matches!(self.dialog, Dialog::None) {
             Command::pressed(ctx).into_iter().for_each(|c| self.core.push(c));
@@ -201,7 +218,7 @@ impl SparkpathApp {
                 Request::Post => Purpose::Post,
             };
             let ctx = ui.ctx().clone();
-            self.files.ask(purpose, "", self.folder().as_deref(), &ctx);
+            self.ask(purpose, "", &ctx);
         }
         if wide {
             Panel::right("inspector")
@@ -252,6 +269,7 @@ impl eframe::App for SparkpathApp {
         let started = Instant::now();
         let ctx = ui.ctx().clone();
         self.core.follow();
+        self.follow_pictures();
         let elapsed = Duration::from_secs_f32(ctx.input(|i| i.stable_dt).clamp(0.0, 0.1));
         if self.core.advance(elapsed) {
             ctx.request_repaint();
@@ -265,7 +283,8 @@ impl eframe::App for SparkpathApp {
         }
         self.apply_preferences(&ctx);
         self.retitle(&ctx);
-        if self.autosaved.elapsed() > AUTOSAVE {
+        // What was given up on purpose is not kept again while the window closes.
+        if !self.quitting && self.autosaved.elapsed() > AUTOSAVE {
             self.autosave_now();
         }
         if self.core.document.is_unsaved() {
@@ -279,7 +298,8 @@ impl eframe::App for SparkpathApp {
     }
 
     fn on_exit(&mut self) {
-        if self.core.document.is_unsaved() && !self.quitting {
+        // Of saved work this removes the copy.
+        if !self.quitting {
             self.autosave_now();
         }
     }

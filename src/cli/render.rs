@@ -80,6 +80,8 @@ pub(super) fn render(arguments: &RenderArguments, session: &Session) -> anyhow::
 
 fn require_writable(png: &Path) -> anyhow::Result<()> {
     anyhow::ensure!(!png.is_dir(), "{}: is a folder; give the name of a file with --png", png.display());
+    let is_png = png.extension().is_none_or(|e| e.eq_ignore_ascii_case("png"));
+    anyhow::ensure!(is_png, "--png {}: pictures are written as PNG; give a name that ends with .png", png.display());
     let folder = png.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let tried = tempfile::tempfile_in(folder);
     tried
@@ -122,7 +124,7 @@ fn of_meshes(meshes: &[PathBuf], arguments: &RenderArguments, session: &Session)
 /// What is shown of a project.
 struct Shown {
     electrode: Electrode,
-    /// Where it stands, if not in its final pose.
+    /// Where it stands, if it was planned; else in its final pose.
     track: Option<Track>,
     /// The room that it passes through.
     swept: Option<Arc<RenderMesh>>,
@@ -161,7 +163,7 @@ fn no_such(arguments: &RenderArguments, count: usize) -> anyhow::Error {
 }
 
 fn project_picture(part: &Part, found: &FoundChannel, shown: &Shown, arguments: &RenderArguments) -> (Scene, Camera) {
-    let is_planned = shown.track.is_some() || shown.swept.is_some();
+    let is_planned = shown.track.is_some();
     let usual = if is_planned { NamedView::Channel } else { NamedView::Standard(StandardView::Isometric) };
     let view = arguments.view.unwrap_or(usual);
     let mut layers = Layers::default();
@@ -213,22 +215,18 @@ fn planned(arguments: &RenderArguments, part: &Part, job: PlanJob, session: &Ses
     let chosen = outcome.electrodes.get(index(arguments)).ok_or_else(|| no_such(arguments, count))?;
     let (electrode, plan) = (chosen.electrode.clone(), &chosen.plan);
     let whole = Track::of_plan(plan);
-    let track = match arguments.node {
-        None => None,
-        Some(node) => {
-            let last = plan.nodes.len().saturating_sub(1);
-            let station = whole.nodes().find(|s| s.node == Some(node)).copied().ok_or_else(|| {
-                let verdict = plan.verdict(&outcome.channel);
-                anyhow::anyhow!("--node {node}: the electrode has nodes 0 to {last}; it {verdict}")
-            })?;
-            Some(Track::standing(station))
-        }
-    };
+    // Where nothing else is said the electrode stands in its final pose, which is node 0.
+    let node = arguments.node.unwrap_or(0);
+    let last = plan.nodes.len().saturating_sub(1);
+    let station = whole.nodes().find(|s| s.node == Some(node)).copied().ok_or_else(|| {
+        let verdict = plan.verdict(&outcome.channel);
+        anyhow::anyhow!("--node {node}: the electrode has nodes 0 to {last}; it {verdict}")
+    })?;
     let swept = arguments
         .swept
         .then(|| swept_shape(&electrode, &whole, FINE, &session.progress, &session.cancel))
         .transpose()?;
-    Ok(Shown { electrode, track, swept })
+    Ok(Shown { electrode, track: Some(Track::standing(station)), swept })
 }
 
 #[cfg(test)]

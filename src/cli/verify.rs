@@ -20,6 +20,10 @@ use crate::feed::verify::{Verifier, VerifyOptions};
 use crate::geometry::mesh::Mesh;
 use crate::mesh_io::Units;
 
+/// Said where a path does not hold for the electrode as it is given, but does for one that stands in the path's frame.
+const IN_W: &str = " The electrode's file is in W, the frame of the path, but has to be in the coordinates of the \
+    blisk's mesh: export it with [export] frame = \"mesh\".";
+
 /// What is verified.
 struct Inputs {
     blisk: Mesh,
@@ -39,9 +43,16 @@ pub(super) fn verify(arguments: &VerifyArguments, session: &Session) -> anyhow::
             let _ = std::fs::remove_file(folder.join(name));
         }
     }
-    let certificate = certify(&inputs, travel(arguments), channel.as_ref(), &options, session)?;
+    let in_w = inputs.electrode.in_frame(&inputs.path.frame);
+    let certified =
+        |electrode: &Mesh| certify(&inputs, electrode, travel(arguments), channel.as_ref(), &options, session);
+    let certificate = certified(&in_w)?;
     let surface = channel.as_ref().map_or("blisk", |channel| channel.surface_name(certificate.least().surface));
-    let report = VerifyReport::new(&inputs.path, &certificate, surface, inputs.files);
+    let mut report = VerifyReport::new(&inputs.path, &certificate, surface, inputs.files.clone());
+    // A file that is already in W is a mistake easily made, and looks like a collision.
+    if !report.verified && certified(&inputs.electrode)?.holds() {
+        report.sentence += IN_W;
+    }
     let json = report.json()?;
     if let Some(folder) = &arguments.out {
         write(folder, &report, &json)?;
@@ -101,14 +112,14 @@ fn travel(arguments: &VerifyArguments) -> Option<TravelLimits> {
 
 fn certify(
     inputs: &Inputs,
+    electrode_in_w: &Mesh,
     travel: Option<TravelLimits>,
     channel: Option<&Channel>,
     options: &VerifyOptions,
     session: &Session,
 ) -> anyhow::Result<Certificate> {
-    let Inputs { blisk, electrode, path, .. } = inputs;
-    let in_w = |mesh: &Mesh| mesh.in_frame(&path.frame);
-    let verifier = Verifier::new(&in_w(blisk), &in_w(electrode), path.reference_point, &session.cancel)?;
+    let Inputs { blisk, path, .. } = inputs;
+    let verifier = Verifier::new(&blisk.in_frame(&path.frame), electrode_in_w, path.reference_point, &session.cancel)?;
     let verifier = match travel {
         Some(travel) => verifier.within(travel),
         None => verifier,

@@ -13,7 +13,8 @@ pub struct Document {
     job: PlanJob,
     history: History,
     file: Option<PathBuf>,
-    saved: PlanJob,
+    /// What its file holds, or what a new document starts with; none if no file holds anything of it.
+    saved: Option<PlanJob>,
     /// Meshes as they were when they were last read, for the project file.
     meshes: Vec<MeshReference>,
     /// The plan that was made last.
@@ -41,7 +42,7 @@ impl Default for Document {
 impl Document {
     /// A new document, not yet saved and without unsaved work.
     pub fn new(job: PlanJob) -> Self {
-        Self { saved: job.clone(), job, history: History::default(), file: None, meshes: Vec::new(), plan: None }
+        Self { saved: Some(job.clone()), job, history: History::default(), file: None, meshes: Vec::new(), plan: None }
     }
 
     /// A new document for the blisk in the mesh file `mesh`, all else by default.
@@ -59,22 +60,25 @@ impl Document {
     pub fn open(path: &Path) -> Result<Self, OpenError> {
         let project = ProjectFile::read(path)?;
         let moved = project.moved_meshes();
-        if moved.is_empty() { Ok(Self::opened(project, path)) } else { Err(OpenError::Moved(Box::new(project), moved)) }
+        if !moved.is_empty() {
+            return Err(OpenError::Moved(Box::new(project), moved));
+        }
+        let ProjectFile { job, meshes, plan } = project;
+        Ok(Self { file: Some(path.to_owned()), meshes, plan, ..Self::new(job) })
     }
 
-    /// The document of a project file, whatever has become of its meshes.
+    /// The document of a project file whose user has said what shall stand for its meshes: where that is not what
+    /// the file says, there is unsaved work.
     pub fn opened(project: ProjectFile, path: &Path) -> Self {
         let ProjectFile { job, meshes, plan } = project;
-        Self { file: Some(path.to_owned()), meshes, plan, ..Self::new(job) }
+        let saved = ProjectFile::read(path).ok().map(|held| held.job);
+        Self { file: Some(path.to_owned()), meshes, plan, saved, ..Self::new(job) }
     }
 
     /// A document from an autosaved copy: unsaved work, to be saved as `file`.
     pub fn recovered(project: ProjectFile, file: Option<PathBuf>) -> Self {
         let ProjectFile { job, meshes, plan } = project;
-        // Nothing on disk holds these parameters, so that any comparison must find them unsaved.
-        let mut saved = job.clone();
-        saved.genetic.seed = saved.genetic.seed.wrapping_add(1);
-        Self { file, meshes, plan, saved, ..Self::new(job) }
+        Self { file, meshes, plan, saved: None, ..Self::new(job) }
     }
 
     /// The parameters.
@@ -96,7 +100,7 @@ impl Document {
 
     /// Whether there are changes that no file holds.
     pub fn is_unsaved(&self) -> bool {
-        self.job != self.saved
+        self.saved.as_ref() != Some(&self.job)
     }
 
     /// Makes `job` the parameters, as one step named `label`; those of one `gesture` (a drag, a number being typed)
@@ -167,7 +171,7 @@ impl Document {
     pub fn save_as(&mut self, path: &Path) -> Result<(), ProjectFileError> {
         self.project_file().write(path)?;
         self.file = Some(path.to_owned());
-        self.saved = self.job.clone();
+        self.saved = Some(self.job.clone());
         Ok(())
     }
 }
@@ -212,9 +216,33 @@ mod tests {
     }
 
     #[test]
-    fn recovered_work_counts_as_unsaved() {
-        let project = Document::default().project_file();
-        assert!(Document::recovered(project, None).is_unsaved());
+    fn recovered_work_counts_as_unsaved_whatever_is_done_to_it() {
+        let mut document = Document::recovered(Document::default().project_file(), None);
+        assert!(document.is_unsaved());
+        let mut job = document.job().clone();
+        for seed in 0..5 {
+            job.genetic.seed = seed;
+            document.edit("Seed", job.clone(), None);
+            assert!(document.is_unsaved(), "seed {seed}");
+        }
+        let folder = tempfile::tempdir().unwrap();
+        document.save_as(&folder.path().join("a.sparkpath")).unwrap();
+        assert!(!document.is_unsaved());
+    }
+
+    #[test]
+    fn a_mesh_that_was_found_elsewhere_is_unsaved_work() {
+        let folder = tempfile::tempdir().unwrap();
+        let [old, found, file] = ["old.stl", "found.stl", "a.sparkpath"].map(|name| folder.path().join(name));
+        std::fs::write(&found, "solid").unwrap();
+        Document::for_mesh(&old).save_as(&file).unwrap();
+        let Err(OpenError::Moved(mut project, _)) = Document::open(&file) else { panic!("the mesh is not there") };
+        assert!(!Document::opened((*project).clone(), &file).is_unsaved());
+        project.replace_mesh(&old, &found);
+        let mut document = Document::opened(*project, &file);
+        assert!(document.is_unsaved(), "the file names another mesh");
+        document.save_as(&file).unwrap();
+        assert_eq!(Document::open(&file).unwrap().job().blisk.mesh.as_ref(), Some(&found));
     }
 
     proptest! {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::paths::{absolute, relative};
 use crate::blisk::electrode::{ElectrodeParams, EnterSide, Sizing};
 use crate::blisk::options::BliskOptions;
 use crate::export::choice::{DrawnPictures, MeshFrame, WrittenFiles};
@@ -177,14 +178,29 @@ impl PlanJob {
         Self::from_table(table, folder).map_err(|Problem { place, message }| place + &message)
     }
 
-    /// The job as a job file for the command line. Its paths are as they stand here, so it belongs in the working
-    /// folder unless they are absolute.
+    /// The job as a job file for the command line, to lie in `folder`.
     ///
     /// # Errors
-    /// If a number has no form in TOML.
-    pub fn to_toml(&self) -> Result<String, String> {
-        let value = serde_json::to_value(self).map_err(|e| e.to_string())?;
+    /// If there is no mesh, without which a job file is refused, or a number has no form in TOML.
+    pub fn to_toml(&self, folder: &Path) -> Result<String, String> {
+        if self.blisk.mesh.is_none() {
+            return Err("the demonstration blisk has no mesh file that a job could name; open a mesh".to_owned());
+        }
+        let job = self.seen_from(&absolute(folder));
+        let value = serde_json::to_value(job).map_err(|e| e.to_string())?;
         toml::to_string_pretty(&without_nulls(value)).map_err(|e| one_line(&e.to_string()))
+    }
+
+    /// The job with its paths as seen from the absolute `folder`.
+    pub(super) fn seen_from(&self, folder: &Path) -> Self {
+        let mut job = self.clone();
+        for mesh in [&mut job.blisk.mesh, &mut job.electrode.mesh] {
+            *mesh = mesh.take().map(|p| relative(&p, folder));
+        }
+        if job.export.post.ends_with(".toml") {
+            job.export.post = relative(Path::new(&job.export.post), folder).to_string_lossy().into_owned();
+        }
+        job
     }
 
     fn parse(text: &str, folder: &Path) -> Result<Self, Problem> {
@@ -363,8 +379,35 @@ mod tests {
         // What is chosen in the window comes back from a job file of it.
         let mut job = PlanJob::demonstration();
         (job.blisk.mesh, job.export) = (Some("jobs/a.stl".into()), export);
-        let again = PlanJob::parse(&job.to_toml().unwrap(), Path::new("")).map_err(|p| p.message).unwrap();
+        let again = PlanJob::parse(&job.to_toml(Path::new("")).unwrap(), Path::new("")).map_err(|p| p.message).unwrap();
         assert_eq!(again, job);
+    }
+
+    #[test]
+    fn a_job_file_finds_its_meshes_wherever_it_lies() {
+        let folder = tempfile::tempdir().unwrap();
+        let [parts, jobs] = ["parts", "jobs"].map(|name| folder.path().join(name));
+        for folder in [&parts, &jobs] {
+            std::fs::create_dir(folder).unwrap();
+        }
+        let [mesh, own, post] = ["part.stl", "own.stl", "mine.toml"].map(|name| parts.join(name));
+        for file in [&mesh, &own, &post] {
+            std::fs::write(file, "").unwrap();
+        }
+        let mut job = PlanJob::demonstration();
+        (job.blisk.mesh, job.electrode.mesh) = (Some(mesh.clone()), Some(own.clone()));
+        job.export.post = post.to_str().unwrap().to_owned();
+        let file = jobs.join("job.toml");
+        std::fs::write(&file, job.to_toml(&jobs).unwrap()).unwrap();
+        let read = PlanJob::read(&file).unwrap();
+        let same = |read: &Path, meant: &Path| read.canonicalize().unwrap() == meant.canonicalize().unwrap();
+        assert!(same(&read.blisk.mesh.unwrap(), &mesh) && same(&read.electrode.mesh.unwrap(), &own));
+        assert!(same(Path::new(&read.export.post), &post));
+        assert!(PlanJob::demonstration().to_toml(&jobs).is_err(), "it would be a job that is refused");
+        // A path as the command line gave it is seen from the working folder.
+        job.blisk.mesh = Some("Cargo.toml".into());
+        std::fs::write(&file, job.to_toml(&jobs).unwrap()).unwrap();
+        assert!(same(&PlanJob::read(&file).unwrap().blisk.mesh.unwrap(), Path::new("Cargo.toml")));
     }
 
     #[test]

@@ -8,6 +8,7 @@ mod fields;
 mod history;
 mod job_file;
 mod kept_plan;
+mod paths;
 mod project_file;
 mod recent;
 mod stage;

@@ -13,6 +13,7 @@ use sha2::{Digest, Sha256};
 
 use super::job_file::PlanJob;
 use super::kept_plan::KeptPlan;
+use super::paths::{absolute, relative, without_detours};
 use crate::mesh_io::atomic_write;
 
 /// What a project file holds. Paths are as seen from the working folder, not from the file.
@@ -155,19 +156,12 @@ impl ProjectFile {
 
     fn text(&self, path: &Path) -> Result<String, serde_json::Error> {
         let folder = absolute(path.parent().unwrap_or(Path::new("")));
-        let mut job = self.job.clone();
-        for mesh in [&mut job.blisk.mesh, &mut job.electrode.mesh] {
-            *mesh = mesh.take().map(|p| relative(&p, &folder));
-        }
-        if job.export.post.ends_with(".toml") {
-            job.export.post = relative(Path::new(&job.export.post), &folder).to_string_lossy().into_owned();
-        }
         let meshes = self
             .meshes
             .iter()
             .map(|m| MeshReference { path: relative(&m.path, &folder), sha256: m.sha256.clone() })
             .collect();
-        let (job, plan) = (serde_json::to_value(&job)?, self.plan.clone());
+        let (job, plan) = (serde_json::to_value(self.job.seen_from(&folder))?, self.plan.clone());
         let content = Content { format: FORMAT.to_owned(), version: VERSION, job, meshes, plan };
         serde_json::to_string_pretty(&content).map(|text| text + "\n")
     }
@@ -215,37 +209,6 @@ fn sha256_of(path: &Path) -> std::io::Result<String> {
         }
         hash.update(&block[..n]);
     }
-}
-
-fn absolute(path: &Path) -> PathBuf {
-    std::path::absolute(if path.as_os_str().is_empty() { Path::new(".") } else { path })
-        .unwrap_or_else(|_| path.to_owned())
-}
-
-/// `path` without the `folder/..` that [`relative`] makes necessary, so that a mesh keeps its name through saving and
-/// opening.
-fn without_detours(path: &Path) -> PathBuf {
-    use std::path::Component;
-    let mut short = PathBuf::new();
-    for part in path.components() {
-        if part == Component::ParentDir && matches!(short.components().next_back(), Some(Component::Normal(_))) {
-            short.pop();
-        } else {
-            short.push(part);
-        }
-    }
-    short
-}
-
-/// `path` as seen from `folder`, with `..` where it lies beside it; absolute where they share no root.
-fn relative(path: &Path, folder: &Path) -> PathBuf {
-    let path = absolute(path);
-    let common = path.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
-    if common == 0 {
-        return path;
-    }
-    let up = folder.components().skip(common).map(|_| std::path::Component::ParentDir);
-    up.chain(path.components().skip(common)).collect()
 }
 
 #[cfg(test)]
@@ -326,14 +289,5 @@ mod tests {
         assert_eq!(job, PlanJob::demonstration());
         let plan = plan.expect("open the demonstration, plan, and save it as assets/demonstration.sparkpath");
         assert_eq!(plan.inputs, KeptPlan::inputs_of(&job, ""), "plan it again, and save it");
-    }
-
-    #[test]
-    fn paths_are_written_as_seen_from_the_file() {
-        let seen = relative(Path::new("/a/b/part.stl"), Path::new("/a/c"));
-        assert_eq!(without_detours(&Path::new("/a/c").join(&seen)).as_os_str(), "/a/b/part.stl");
-        assert_eq!(without_detours(Path::new("../../part.stl")).as_os_str(), "../../part.stl");
-        assert_eq!(seen, Path::new("../b/part.stl"));
-        assert_eq!(relative(Path::new("/a/part.stl"), Path::new("/a")), Path::new("part.stl"));
     }
 }

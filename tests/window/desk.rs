@@ -58,7 +58,10 @@ impl Home {
             .with_pixels_per_point(scale)
             .wgpu()
             .build_eframe(move |cc| SparkpathApp::new(cc, &opening, Some(folders)).unwrap());
-        Desk { window }
+        let mut desk = Desk { window };
+        // No dialog of the system may open, which nobody would answer.
+        desk.window.state_mut().type_paths();
+        desk
     }
 }
 
@@ -160,6 +163,15 @@ impl Desk {
     pub fn enter(&mut self, name: &str, text: &str) {
         self.press_role(Role::SpinButton, name);
         self.window.event(egui::Event::Text(text.to_owned()));
+        self.settle();
+        self.key(Key::Enter);
+    }
+
+    /// Types a path that is asked for.
+    #[track_caller]
+    pub fn type_path(&mut self, path: &Path) {
+        self.assert_shows("Type or paste the path");
+        self.window.event(egui::Event::Text(path.to_str().unwrap().to_owned()));
         self.settle();
         self.key(Key::Enter);
     }

@@ -26,7 +26,7 @@ impl SparkpathApp {
             Command::SaveAs => self.ask_where_to_save(ctx),
             Command::SaveJob => {
                 let name = format!("{}.toml", self.core.document.name());
-                self.files.ask(Purpose::SaveJob, &name, self.folder().as_deref(), ctx);
+                self.ask(Purpose::SaveJob, &name, ctx);
             }
             Command::Undo => drop(self.core.document.undo()),
             Command::Redo => drop(self.core.document.redo()),
@@ -39,7 +39,7 @@ impl SparkpathApp {
             Command::Step(stage) => self.core.step = stage,
             Command::Screenshot => {
                 let name = format!("{}.png", self.core.document.name());
-                self.files.ask(Purpose::Picture, &name, self.folder().as_deref(), ctx);
+                self.ask(Purpose::Picture, &name, ctx);
             }
             Command::Theme => {
                 let dark = ctx.theme() == egui::Theme::Dark;

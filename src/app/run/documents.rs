@@ -9,6 +9,15 @@ use crate::app::files::Purpose;
 use crate::jobs::pipeline::EventKind;
 use crate::project::{Document, OpenError, Recovery, Stage};
 
+/// How a path was named.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Named {
+    /// In a dialog of the system, which asks before a file is overwritten.
+    Chosen,
+    /// Typed.
+    Typed,
+}
+
 impl SparkpathApp {
     /// Opens a project or a mesh, in whose place there was no unsaved work.
     pub fn open(&mut self, path: &Path) {
@@ -36,6 +45,7 @@ impl SparkpathApp {
             autosave.discard();
         }
         self.core.document = document;
+        self.given_up = None;
         self.core.pipeline.reset();
         self.core.step = Stage::Part;
         self.core.cursor.s = 0.0;
@@ -49,6 +59,8 @@ impl SparkpathApp {
 
     /// Does `intent`, after asking about unsaved work.
     pub(super) fn intend(&mut self, intent: Intent, ctx: &egui::Context) {
+        // What was to be done before is not wanted any more.
+        (self.after_save, self.given_up) = (None, None);
         if self.core.document.is_unsaved() {
             self.dialog = Dialog::Unsaved(intent);
         } else {
@@ -66,7 +78,7 @@ impl SparkpathApp {
                 ctx.send_viewport_cmd(egui::ViewportCommand::Close);
             }
             Intent::Open(path) => self.open(&path),
-            Intent::AskOpen => self.files.ask(Purpose::Open, "", self.folder().as_deref(), ctx),
+            Intent::AskOpen => self.ask(Purpose::Open, "", ctx),
             Intent::Demonstration => self.replace(Document::default()),
         }
     }
@@ -86,26 +98,72 @@ impl SparkpathApp {
 
     pub(super) fn ask_where_to_save(&mut self, ctx: &egui::Context) {
         let name = format!("{}.sparkpath", self.core.document.name());
-        self.files.ask(Purpose::SaveProject, &name, self.folder().as_deref(), ctx);
+        self.ask(Purpose::SaveProject, &name, ctx);
+    }
+
+    /// Asks for a path, unless one is being asked for.
+    pub(super) fn ask(&mut self, purpose: Purpose, name: &str, ctx: &egui::Context) {
+        if !self.files.ask(purpose.clone(), name, self.folder().as_deref(), ctx) {
+            self.cancelled(&purpose);
+        }
+    }
+
+    /// No path was given for `purpose`: what would have followed is off.
+    pub(super) fn cancelled(&mut self, purpose: &Purpose) {
+        match purpose {
+            Purpose::SaveProject => self.after_save = None,
+            Purpose::Open => self.given_up = None,
+            _ => {}
+        }
     }
 
     pub(super) fn save_as(&mut self, file: &Path, ctx: &egui::Context) {
-        let file = if file.extension().is_some() { file.to_owned() } else { file.with_extension("sparkpath") };
-        match self.core.document.save_as(&file) {
+        match self.core.document.save_as(file) {
             Ok(()) => {
-                self.core.preferences.recent.add(&file);
+                if let Some(autosave) = &mut self.autosave {
+                    autosave.discard();
+                }
+                self.core.preferences.recent.add(file);
                 self.core.say(EventKind::Done, format!("saved as {}", file.display()));
                 if let Some(intent) = self.after_save.take() {
                     self.carry_out(intent, ctx);
                 }
             }
-            Err(error) => self.dialog = Dialog::Error("The project was not saved".to_owned(), error.to_string()),
+            Err(error) => {
+                self.after_save = None;
+                self.dialog = Dialog::Error("The project was not saved".to_owned(), error.to_string());
+            }
         }
     }
 
-    pub(super) fn chosen(&mut self, purpose: Purpose, path: PathBuf, ctx: &egui::Context) {
+    /// Goes on with a path that was named for `purpose`, unless that would overwrite a file which nobody was asked
+    /// about.
+    pub(super) fn named(&mut self, purpose: Purpose, path: PathBuf, how: Named, ctx: &egui::Context) {
+        if purpose.ending().is_some() && path.is_dir() {
+            self.cancelled(&purpose);
+            let text = format!("{} is a folder. Add the name of a file to it.", path.display());
+            self.dialog = Dialog::Error(purpose.title().to_owned(), text);
+            return;
+        }
+        let whole = purpose.with_ending(path.clone());
+        let is_asked_about = how == Named::Chosen && whole == path;
+        if purpose.ending().is_some() && !is_asked_about && whole.exists() {
+            self.dialog = Dialog::Overwrite(purpose, whole);
+        } else {
+            self.chosen(purpose, whole, ctx);
+        }
+    }
+
+    fn chosen(&mut self, purpose: Purpose, path: PathBuf, ctx: &egui::Context) {
         match purpose {
-            Purpose::Open => self.open(&path),
+            Purpose::Open => {
+                // The window went on while the dialog was open.
+                if self.given_up.take().as_ref() == Some(self.core.document.job()) {
+                    self.open(&path);
+                } else {
+                    self.intend(Intent::Open(path), ctx);
+                }
+            }
             Purpose::SaveProject => self.save_as(&path, ctx),
             Purpose::SaveJob => self.write_job(&path),
             Purpose::ExportFolder => self.export(&path),
@@ -142,14 +200,18 @@ impl SparkpathApp {
                 self.after_save = Some(intent);
                 self.save(ctx);
             }
-            (Answer::Discard(intent), _) => self.carry_out(intent, ctx),
+            (Answer::Discard(intent), _) => {
+                self.given_up = Some(self.core.document.job().clone());
+                self.carry_out(intent, ctx);
+            }
             (Answer::Recover(i), Dialog::Recover(mut copies)) => {
                 let copy = copies.remove(i);
                 match copy.document() {
                     Ok(document) => {
                         self.replace(document);
-                        self.autosave_now();
-                        copy.discard();
+                        if self.autosave_now() {
+                            copy.discard();
+                        }
                         self.core.say(EventKind::Done, "unsaved work was recovered");
                     }
                     Err(e) => self.dialog = Dialog::Error("The copy cannot be read".to_owned(), e.to_string()),
@@ -159,7 +221,7 @@ impl SparkpathApp {
             (Answer::Locate(old), dialog) => {
                 self.dialog = dialog;
                 let title = format!("Where is {}?", old.display());
-                self.files.ask(Purpose::MovedMesh(old), &title, self.folder().as_deref(), ctx);
+                self.ask(Purpose::MovedMesh(old), &title, ctx);
             }
             (Answer::OpenAnyway, dialog) => {
                 self.dialog = dialog;
@@ -167,24 +229,33 @@ impl SparkpathApp {
             }
             (Answer::Path(purpose, path), _) => {
                 self.dialog = std::mem::take(&mut self.behind);
-                self.chosen(purpose, path, ctx);
+                self.named(purpose, path, Named::Typed, ctx);
             }
-            (Answer::Close, Dialog::Path(..) | Dialog::Error(..)) => self.dialog = std::mem::take(&mut self.behind),
+            (Answer::Overwrite, Dialog::Overwrite(purpose, path)) => self.chosen(purpose, path, ctx),
+            (Answer::Close, Dialog::Overwrite(purpose, _)) => self.cancelled(&purpose),
+            (Answer::Close, Dialog::Path(purpose, _)) => {
+                self.cancelled(&purpose);
+                self.dialog = std::mem::take(&mut self.behind);
+            }
+            (Answer::Close, Dialog::Error(..)) => self.dialog = std::mem::take(&mut self.behind),
             (Answer::OwnPost, dialog) => {
                 self.dialog = dialog;
-                self.files.ask(Purpose::Post, "", self.folder().as_deref(), ctx);
+                self.ask(Purpose::Post, "", ctx);
             }
-            (Answer::ExportTo, _) => self.files.ask(Purpose::ExportFolder, "", self.folder().as_deref(), ctx),
+            (Answer::ExportTo, _) => self.ask(Purpose::ExportFolder, "", ctx),
             _ => {}
         }
     }
 
-    pub(super) fn autosave_now(&mut self) {
+    /// Brings the copy of unsaved work up to date. Tells whether there is one as far as one is needed.
+    pub(super) fn autosave_now(&mut self) -> bool {
         self.autosaved = Instant::now();
-        let Some(autosave) = &mut self.autosave else { return };
-        if let Err(e) = autosave.update(&self.core.document) {
+        let Some(autosave) = &mut self.autosave else { return false };
+        let updated = autosave.update(&self.core.document);
+        if let Err(e) = &updated {
             self.core.say(EventKind::Failed, format!("no copy of the unsaved work could be kept: {e}"));
             self.autosave = None;
         }
+        updated.is_ok()
     }
 }

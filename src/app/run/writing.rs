@@ -7,12 +7,11 @@ use crate::app::dialogs::Dialog;
 use crate::export::post::Post;
 use crate::jobs::pipeline::{EventKind, ExportWork};
 use crate::jobs::{plan_files, plan_pictures, plan_report};
-use crate::progress::Cancel;
 use crate::render::scene::Scene;
 
 impl SparkpathApp {
     pub(super) fn write_job(&mut self, path: &Path) {
-        let text = self.core.document.job().to_toml();
+        let text = self.core.document.job().to_toml(path.parent().unwrap_or(Path::new("")));
         let written = text.and_then(|text| {
             crate::mesh_io::atomic_write(path, |out| out.write_all(text.as_bytes())).map_err(|e| e.to_string())
         });
@@ -57,15 +56,16 @@ impl SparkpathApp {
         let (scene, camera) = self.viewport.picture();
         // A picture has nothing else that tells the axes.
         let scene = Scene { triad: true, ..(**scene).clone() };
-        let picture = crate::render::offscreen::Offscreen::new()
-            .and_then(|mut o| o.png(&scene, camera, [1920, 1200], &Cancel::default()))
-            .map_err(|e| e.to_string());
-        let written = picture.and_then(|bytes| {
-            crate::mesh_io::atomic_write(path, |out| out.write_all(&bytes)).map_err(|e| e.to_string())
-        });
-        match written {
-            Ok(()) => self.core.say(EventKind::Done, format!("picture written to {}", path.display())),
-            Err(e) => self.dialog = Dialog::Error("The picture was not written".to_owned(), e),
+        self.pictures.write(path, scene, *camera);
+    }
+
+    /// Says what became of the pictures that were asked for.
+    pub(super) fn follow_pictures(&mut self) {
+        for written in self.pictures.written() {
+            match written {
+                Ok(path) => self.core.say(EventKind::Done, format!("picture written to {}", path.display())),
+                Err(why) => self.core.say(EventKind::Failed, format!("the picture was not written: {why}")),
+            }
         }
     }
 }
