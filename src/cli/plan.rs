@@ -8,8 +8,6 @@ use crate::export::post::Post;
 use crate::export::report::{InputFile, Report};
 use crate::jobs::plan::{PlanInputs, PlanOutcome, run};
 use crate::jobs::plan_files;
-use crate::jobs::plan_pictures;
-use crate::jobs::plan_report;
 use crate::jobs::stages::input_file;
 use crate::mesh_io::Units;
 use crate::project::PlanJob;
@@ -57,12 +55,10 @@ pub(super) fn demo(out: &Path, session: &Session) -> anyhow::Result<Answer> {
 
 fn finish(inputs: &PlanInputs, files: Vec<InputFile>, out: &Path, session: &Session) -> anyhow::Result<Answer> {
     // What would stop the results should be found out before the work.
-    let post = Post::named(&inputs.job.export.post)?;
+    Post::named(&inputs.job.export.post)?;
     plan_files::prepare(out)?;
     let outcome = run(inputs, &session.progress, &session.cancel)?;
-    let mut report = plan_report::report(&outcome, &inputs.job, files);
-    plan_pictures::add(&mut report, &outcome, inputs, &session.progress, &session.cancel)?;
-    let written = plan_files::write(out, &outcome, inputs, &post, &mut report, &session.cancel)?;
+    let (report, written) = plan_files::export(out, &outcome, inputs, files, &session.progress, &session.cancel)?;
     super::terminal::finish();
     if session.json {
         say!("{}", report.json()?);

@@ -42,6 +42,8 @@ impl InterpolationParams {
 
 /// Most rows from one node to the next.
 const MOST_PIECES: f64 = 1e4;
+/// Most rows of a path.
+const MOST_ROWS: usize = 1_000_000;
 
 /// Why no rows can be made that keep to the curve.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -68,6 +70,11 @@ pub enum InterpolationError {
         /// Rows needed.
         pieces: f64,
     },
+    /// No stretch of the curve takes too many rows, but all of them together do.
+    #[error(
+        "the curve takes more than {MOST_ROWS} rows in all; raise [plan.interpolation] chord_error_mm or [plan] step_mm"
+    )]
+    TooLong,
 }
 
 /// The curve of every axis over the withdrawn distance s.
@@ -163,6 +170,9 @@ pub fn feed_path(
     let mut rows = vec![PathRow { node: 0, s: 0.0, pose: Pose::FINAL }];
     for i in 0..knots.len() - 1 {
         let pieces = curves.pieces(i, chord_error - rounding, lever)?;
+        if rows.len() + pieces > MOST_ROWS {
+            return Err(InterpolationError::TooLong);
+        }
         for k in 1..=pieces {
             let s = knots[i] + (knots[i + 1] - knots[i]) * k as f64 / pieces as f64;
             let node = if k == pieces { i + 1 } else { i };
@@ -228,6 +238,14 @@ mod tests {
         let curves = AxisCurves::through(&jump, EndCondition::NotAKnot).unwrap();
         let error = feed_path(&curves, 0.001, Lever { radius: 1.0, reach: 1.0 }, given_in).unwrap_err();
         assert!(matches!(error, InterpolationError::TooManyRows { .. }), "{error}");
+        let zigzag = |i: u32| {
+            let y = if i % 2 == 0 { 1e4 } else { -1e4 };
+            Node { s: 0.5 * f64::from(i), pose: Pose { y, ..Pose::FINAL }, ..nodes()[0] }
+        };
+        let many: Vec<Node> = (0..400).map(zigzag).collect();
+        let curves = AxisCurves::through(&many, EndCondition::NotAKnot).unwrap();
+        let error = feed_path(&curves, 0.001, Lever { radius: 1.0, reach: 1.0 }, given_in).unwrap_err();
+        assert_eq!(error, InterpolationError::TooLong);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use super::plan::{ElectrodeOutcome, PlanInputs, PlanOutcome};
+use super::{plan_pictures, plan_report};
 use crate::blisk::channel::Channel;
 use crate::export::approved::{Approved, NotApproved};
 use crate::export::choice::MeshFrame;
@@ -12,10 +13,10 @@ use crate::export::files::{WriteError, write_atomically};
 use crate::export::nc::{NcError, NcJob, NcProgram};
 use crate::export::path_csv::{PathCsvError, write_path_csv};
 use crate::export::post::{Post, PostError};
-use crate::export::report::{FeedLowered, Report, ReportError, Written};
+use crate::export::report::{FeedLowered, InputFile, Report, ReportError, Written};
 use crate::geometry::mesh::Mesh;
 use crate::mesh_io::stl_bytes;
-use crate::progress::{Cancel, Cancelled};
+use crate::progress::{Cancel, Cancelled, Progress};
 use crate::project::{ExportSection, PlanJob};
 
 /// Why results cannot be written.
@@ -57,6 +58,27 @@ pub fn prepare(folder: &Path) -> Result<(), PlanFilesError> {
     tempfile::tempfile_in(if parent.as_os_str().is_empty() { Path::new(".") } else { parent })
         .map(drop)
         .map_err(unusable)
+}
+
+/// Reports on a plan, draws its pictures and writes its files into `folder`; see [`write`]. `files` are those that the
+/// inputs were read from. Answers the report and the names of the files.
+///
+/// # Errors
+/// [`PlanFilesError`]; if the post cannot be used or nothing can be written there, before anything is drawn.
+pub fn export(
+    folder: &Path,
+    outcome: &PlanOutcome,
+    inputs: &PlanInputs,
+    files: Vec<InputFile>,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<(Report, Vec<String>), PlanFilesError> {
+    let post = Post::named(&inputs.job.export.post)?;
+    prepare(folder)?;
+    let mut report = plan_report::report(outcome, &inputs.job, files);
+    plan_pictures::add(&mut report, outcome, inputs, progress, cancel)?;
+    let written = write(folder, outcome, inputs, &post, &mut report, cancel)?;
+    Ok((report, written))
 }
 
 /// Makes everything first, writes it under temporary names and renames it at the end, NC programs last, so that an

@@ -6,7 +6,7 @@ use super::SparkpathApp;
 use crate::app::dialogs::Dialog;
 use crate::export::post::Post;
 use crate::jobs::pipeline::{EventKind, ExportWork};
-use crate::jobs::{plan_files, plan_pictures, plan_report};
+use crate::jobs::plan_files;
 use crate::render::scene::Scene;
 
 impl SparkpathApp {
@@ -41,11 +41,8 @@ impl SparkpathApp {
     /// Writes the files of the approved plan into `folder`, as the export dialog does; says why not if it cannot.
     pub fn export(&mut self, folder: &Path) {
         let write: ExportWork = Box::new(|folder, plan, inputs, files, progress, cancel| {
-            let post = Post::named(&inputs.job.export.post).map_err(|e| e.to_string())?;
-            plan_files::prepare(folder).map_err(|e| e.to_string())?;
-            let mut report = plan_report::report(plan, &inputs.job, files);
-            plan_pictures::add(&mut report, plan, inputs, progress, cancel).map_err(|e| e.to_string())?;
-            plan_files::write(folder, plan, inputs, &post, &mut report, cancel).map_err(|e| e.to_string())
+            let exported = plan_files::export(folder, plan, inputs, files, progress, cancel);
+            exported.map(|(_, written)| written).map_err(|e| e.to_string())
         });
         if let Err(why) = self.core.pipeline.start_export(folder, write) {
             self.dialog = Dialog::Error("Nothing was exported".to_owned(), why);
