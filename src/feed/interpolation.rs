@@ -239,7 +239,7 @@ mod tests {
         let error = feed_path(&curves, 0.001, Lever { radius: 1.0, reach: 1.0 }, given_in).unwrap_err();
         assert!(matches!(error, InterpolationError::TooManyRows { .. }), "{error}");
         let zigzag = |i: u32| {
-            let y = if i % 2 == 0 { 1e4 } else { -1e4 };
+            let y = if i.is_multiple_of(2) { 1e4 } else { -1e4 };
             Node { s: 0.5 * f64::from(i), pose: Pose { y, ..Pose::FINAL }, ..nodes()[0] }
         };
         let many: Vec<Node> = (0..400).map(zigzag).collect();
