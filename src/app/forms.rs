@@ -45,7 +45,7 @@ impl Columns {
 enum Change {
     /// A value of its own.
     To(Value),
-    /// One of many that come while the button is down or a number is typed.
+    /// One of many that come while the button is down or keys step a slider.
     Along(Value),
     /// A file is to be chosen.
     Choose,

@@ -39,6 +39,12 @@ impl Bounds {
         self.max - self.min
     }
 
+    /// The eight corners: number `i` lies on the far side along x, y, z where bits 0, 1, 2 of `i` are set.
+    pub fn corners(&self) -> [DVec3; 8] {
+        let ends = [self.min, self.max];
+        std::array::from_fn(|i| DVec3::new(ends[i & 1].x, ends[i >> 1 & 1].y, ends[i >> 2 & 1].z))
+    }
+
     /// Middle point.
     pub fn center(&self) -> DVec3 {
         (self.min + self.max) * 0.5

@@ -202,7 +202,7 @@ impl Camera {
         let tan_y = (0.5 * self.field_of_view).tan();
         let tan = DVec2::new(tan_y * aspect, tan_y) / FIT_MARGIN;
         let rotation = self.view_rotation();
-        let needed = corners(bounds).map(|c| {
+        let needed = bounds.corners().map(|c| {
             let v = rotation * (c - self.target);
             let towards_viewer = if self.projection == Projection::Perspective { v.z } else { 0.0 };
             towards_viewer + (v.truncate().abs() / tan).max_element()
@@ -232,7 +232,7 @@ impl Camera {
 
     /// Depths (mm) of the nearest and the furthest corner of `bounds`.
     pub fn depth_extent(&self, bounds: &Bounds) -> [f64; 2] {
-        let depths = corners(bounds).map(|c| -self.to_view(c).z);
+        let depths = bounds.corners().map(|c| -self.to_view(c).z);
         depths.into_iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], d| [a.min(d), b.max(d)])
     }
 
@@ -308,17 +308,6 @@ impl Camera {
         let quarter = std::f64::consts::FRAC_PI_2;
         -((pitch - angle).clamp(-quarter, quarter) - pitch)
     }
-}
-
-fn corners(bounds: &Bounds) -> [DVec3; 8] {
-    let Bounds { min, max } = *bounds;
-    std::array::from_fn(|i| {
-        DVec3::new(
-            if i & 1 == 0 { min.x } else { max.x },
-            if i & 2 == 0 { min.y } else { max.y },
-            if i & 4 == 0 { min.z } else { max.z },
-        )
-    })
 }
 
 #[cfg(test)]

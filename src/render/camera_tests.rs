@@ -70,12 +70,12 @@ proptest! {
         let bounds = Bounds { min: DVec3::new(7.0, -9.0, 3e3), max: DVec3::new(7.0, -9.0, 3e3) + size };
         let mut fitted = camera;
         fitted.fit(&bounds, 640.0 / 360.0);
-        let seen = corners(&bounds).map(|p| fitted.project(p, SIZE).unwrap().pixel);
+        let seen = bounds.corners().map(|p| fitted.project(p, SIZE).unwrap().pixel);
         let off = seen.map(|p| ((p.x - 320.0).abs() / 320.0).max((p.y - 180.0).abs() / 180.0));
         let furthest = off.into_iter().fold(0.0, f64::max);
         prop_assert!(furthest <= 1.0 && furthest > 0.9, "{furthest}");
         let [near, far] = fitted.depth_range(&bounds);
-        for p in corners(&bounds) {
+        for p in bounds.corners() {
             let depth = fitted.project(p, SIZE).unwrap().depth;
             prop_assert!(near < depth && depth < far);
         }

@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 
 use super::track::Track;
 use crate::blisk::electrode::Electrode;
-use crate::geometry::mesh::Bounds;
 use crate::geometry::swept::{SweptError, SweptSurface};
 use crate::progress::{Cancel, Progress};
 use crate::render::mesh::RenderMesh;
@@ -36,9 +35,7 @@ pub fn swept_shape(
 /// Where the electrode is along `track`, in W, so often that no point of it goes much further than
 /// [`SweptSurface::STEP`] from one to the next.
 pub fn placements(electrode: &Electrode, track: &Track) -> Vec<DAffine3> {
-    let Bounds { min, max } = electrode.mesh.bounds();
-    let corners: [DVec3; 8] =
-        std::array::from_fn(|i| DVec3::select(glam::BVec3::new(i & 1 > 0, i & 2 > 0, i & 4 > 0), max, min));
+    let corners = electrode.mesh.bounds().corners();
     let o = electrode.reference_point;
     let mut placements: Vec<DAffine3> = track.stations().iter().take(1).map(|s| s.pose.placement(o)).collect();
     for pair in track.stations().windows(2) {
@@ -53,6 +50,8 @@ pub fn placements(electrode: &Electrode, track: &Track) -> Vec<DAffine3> {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
     use crate::blisk::electrode::{ElectrodeParams, EntrySide, make_electrodes};
     use crate::blisk::parametric::tests::exact_channel;

@@ -183,7 +183,7 @@ fn an_electrode_that_cannot_come_out_jams_at_a_node() {
     desk.open_step(Stage::Plan);
     desk.press("Go there");
     let core = desk.app().core();
-    assert_eq!(core.cursor.s, jam.s.min(core.track().length()), "the cursor goes as far as there are poses");
+    assert_eq!(core.cursor.s, jam.s, "the cursor stands where it jams");
     desk.pictures("jam");
     desk.open_step(Stage::Export);
     desk.assert_shows("Only a plan with a certificate that holds");

@@ -17,7 +17,7 @@ mod motion;
 mod net;
 mod place;
 
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 
 use super::distance_field::{DistanceField, FieldError};
 use super::exact::{ExactMesh, ExactMeshError};
@@ -101,7 +101,7 @@ impl SweptSurface {
 
 /// The box around the box of `body` in all placements.
 fn extent(body: &Mesh, placements: &[DAffine3]) -> Result<Bounds, SweptError> {
-    let corners = corners(&body.bounds());
+    let corners = body.bounds().corners();
     let points = placements.iter().flat_map(|at| corners.map(|c| at.transform_point3(c)));
     // A comparison with NaN leaves no trace in a box.
     let mut finite = true;
@@ -111,11 +111,6 @@ fn extent(body: &Mesh, placements: &[DAffine3]) -> Result<Bounds, SweptError> {
     } else {
         Err(SweptError::NoWay)
     }
-}
-
-fn corners(bounds: &Bounds) -> [DVec3; 8] {
-    let ends = [bounds.min, bounds.max];
-    std::array::from_fn(|i| DVec3::new(ends[i & 1].x, ends[i >> 1 & 1].y, ends[i >> 2 & 1].z))
 }
 
 #[cfg(test)]

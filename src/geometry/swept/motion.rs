@@ -6,7 +6,6 @@
 
 use glam::{DAffine3, DVec3};
 
-use super::corners;
 use crate::geometry::distance_field::DistanceField;
 use crate::geometry::mesh::{Bounds, Mesh};
 
@@ -63,7 +62,7 @@ struct Known {
 impl Motion {
     pub(super) fn new(body: &Mesh, field: DistanceField, placements: &[DAffine3]) -> Self {
         let bounds = body.bounds();
-        let corners = corners(&bounds);
+        let corners = bounds.corners();
         let mut way = vec![0.0];
         way.extend(placements.windows(2).scan(0.0, |sum, pair| {
             // The way is a convex function of the point: greatest at a corner of the box.
