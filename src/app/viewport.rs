@@ -218,8 +218,13 @@ impl Viewport {
         }
     }
 
-    /// Draws with less care while something moves, and once more with all care when it rests.
-    fn quality(&self, ui: &Ui, core: &Core) -> Quality {
+    /// Draws with less care while something moves, and once more with all care when it rests. A search moves the
+    /// electrode from node to node: drawn with all care in software, it would keep the window from its keys and
+    /// from saying that they were heard.
+    fn quality(&mut self, ui: &Ui, core: &Core) -> Quality {
+        if core.pipeline.partial_plan().is_some() {
+            self.moved = Some(Instant::now());
+        }
         if self.flight.is_some() || core.cursor.playing {
             return Quality::Moving;
         }

@@ -225,6 +225,9 @@ impl Pipeline {
         self.channel.rest(self.channel.running.map(|(_, of)| of));
         self.electrode.rest(self.electrode.running.map(|(_, of)| of));
         self.worker.cancel_from(0);
+        if let Some(running) = &mut self.running {
+            running.message = "stopping".to_owned();
+        }
     }
 
     /// Forgets everything: another document is there.
