@@ -9,6 +9,7 @@ use sparkpath::blisk::parametric::{MeshResolution, ParametricBlisk};
 use sparkpath::feed::clearance::{Bodies, ClearanceModel};
 use sparkpath::feed::outside::Outside;
 use sparkpath::feed::pose::Pose;
+use sparkpath::feed::probes::Turns;
 use sparkpath::feed::samples::{SampleSpacing, sample_electrode};
 use sparkpath::feed::verify::Verifier;
 use sparkpath::geometry::distance_field::DistanceField;
@@ -56,7 +57,7 @@ fn planning(criterion: &mut Criterion) {
     };
     let model = ClearanceModel::new(bodies, samples, Vec::new());
     let pose = Pose { x: 0.2, z: 0.1, ..Pose::FINAL };
-    group.bench_function("clearance of 1500 samples", |b| b.iter(|| model.least_clearance(&pose)));
+    group.bench_function("clearance of 1500 samples", |b| b.iter(|| model.least_clearance(&pose, Turns::NONE)));
     let placement = pose.placement(electrode.reference_point);
     group.bench_function("library mesh distance", |b| b.iter(|| exact.distance_to(&body, &placement)));
     let verifier =

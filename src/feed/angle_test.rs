@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::clearance::ClearanceModel;
 use super::pose::Pose;
+use super::probes::Turns;
 use crate::blisk::channel::{Channel, ChannelWall};
 
 /// Safety factors of the angle constraint.
@@ -75,13 +76,13 @@ impl<'a> AngleTest<'a> {
         }
     }
 
-    /// Whether every sample of the electrode passes at `pose`, with walls drawn in by `h` (rad).
-    pub fn is_free(&self, model: &ClearanceModel, pose: &Pose, h: f64) -> bool {
+    /// Whether every sample of the electrode passes at `pose`, with walls drawn in by `turns`.
+    pub fn is_free(&self, model: &ClearanceModel, pose: &Pose, turns: Turns) -> bool {
         // Neighbouring samples have neighbouring nearest wall points: each walk starts where the last one ended.
         let mut nearest = [0; 2];
         // In the final pose the end walls are just the spark gap away; rounding must not refuse it.
         const ROUNDING: f64 = 1e-4;
-        model.placed_samples(pose, h).all(|p| {
+        model.placed_samples(pose, turns).all(|p| {
             if p.x < self.channel.faces_x[0] || p.x > self.channel.faces_x[1] {
                 return true;
             }

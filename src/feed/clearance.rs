@@ -5,9 +5,9 @@
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::outside::Outside;
-use super::pose::{Axis, Pose};
-use super::probes::{Demand, Instant, Probes, group};
-use super::samples::Sample;
+use super::pose::Pose;
+use super::probes::{Demand, Instant, Probes, Turns, group};
+use super::samples::{Sample, thinned};
 use crate::blisk::electrode::{ElectrodeFace, EntrySide};
 use crate::geometry::distance_field::DistanceField;
 
@@ -38,22 +38,30 @@ pub struct Bodies<'a> {
     pub side: EntrySide,
 }
 
-/// A pose made ready for testing, with the walls turned away from their blades by h.
-struct Placed {
+/// A pose made ready for testing, with the walls turned away from their blades.
+pub(super) struct Placed {
     /// For points of the electrode of each group.
     to_blisk: [DAffine3; 3],
-    /// For points of the blisk: where they are seen from the electrode, and from its two walls if h is not 0.
+    /// For points of the blisk: where they are seen from the electrode, and from its two walls if they are turned.
     to_electrode: [DAffine3; 3],
-    h: f64,
+    turns: Turns,
 }
 
 impl Placed {
-    fn new(pose: &Pose, h: f64, reference_point: DVec3) -> Self {
+    fn new(pose: &Pose, turns: Turns, reference_point: DVec3) -> Self {
         let place = pose.placement(reference_point);
         let turned = |angle| place * DAffine3::from_mat3(DMat3::from_rotation_x(angle));
-        let to_blisk = [place, turned(h), turned(-h)];
-        Self { to_blisk, to_electrode: to_blisk.map(|t| t.inverse()), h }
+        let Turns([low, high]) = turns;
+        let to_blisk = [place, turned(low), turned(-high)];
+        Self { to_blisk, to_electrode: to_blisk.map(|t| t.inverse()), turns }
     }
+}
+
+/// The number of a probe and the clearance it lacks (mm).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lacking {
+    pub(super) probe: usize,
+    pub(super) lack: f64,
 }
 
 /// A probe that lacks clearance.
@@ -112,12 +120,12 @@ impl Bodies<'_> {
         self.clearance_at(placed.to_blisk[group].transform_point3(p))
     }
 
-    /// Clearance of the point `p` of the blisk. With h the electrode is what is left of it when both walls are
-    /// drawn in, the intersection of three: no nearer than any of them.
+    /// Clearance of the point `p` of the blisk. With walls drawn in the electrode is what is left of it then, the
+    /// intersection of three: no nearer than any of them.
     #[inline]
     fn blisk_clearance(&self, placed: &Placed, p: DVec3) -> f64 {
         let seen = |i: usize| self.distance_to_electrode(placed.to_electrode[i].transform_point3(p));
-        if placed.h == 0.0 { seen(0) } else { seen(0).max(seen(1)).max(seen(2)) }
+        if placed.turns.is_none() { seen(0) } else { seen(0).max(seen(1)).max(seen(2)) }
     }
 }
 
@@ -173,16 +181,22 @@ impl<'a> ClearanceModel<'a> {
         nearest.map_or(ElectrodeFace::Holder, |s| s.face)
     }
 
+    /// The same model with probes no nearer to each other than `spacing` (mm), and all those of which more is asked.
+    pub fn thinned(&self, spacing: f64) -> Self {
+        let [electrode, blisk] = [&self.electrode, &self.blisk].map(|probes| thinned(probes.samples(), spacing));
+        Self::new(self.bodies, electrode, blisk)
+    }
+
     /// The same model with further probes, or more demanding ones where it had them already.
     pub fn with_probes(&self, electrode_samples: &[Sample], blisk_points: &[Sample]) -> Self {
         Self::new(self.bodies, self.electrode.joined(electrode_samples), self.blisk.joined(blisk_points))
     }
 
     /// Whether every probe has the clearance demanded of it at `pose`, withdrawn by `s`, with the walls drawn in
-    /// by a further `h` (rad). Tests cluster `hint` first and leaves there the one that failed.
-    pub fn is_free(&self, pose: &Pose, s: f64, h: f64, demand: &Demand, hint: &mut usize) -> bool {
-        let placed = Placed::new(pose, h, self.bodies.reference_point);
-        let at = Instant { s, h };
+    /// by `turns`. Tests cluster `hint` first and leaves there the one that failed.
+    pub fn is_free(&self, pose: &Pose, s: f64, turns: Turns, demand: &Demand, hint: &mut usize) -> bool {
+        let placed = Placed::new(pose, turns, self.bodies.reference_point);
+        let at = Instant { s, turns };
         let clusters = self.electrode.clusters() + self.blisk.clusters();
         if *hint < clusters && !self.cluster_is_free(*hint, &placed, &at, demand) {
             return false;
@@ -212,20 +226,32 @@ impl<'a> ClearanceModel<'a> {
         }
     }
 
-    /// The probes that lack clearance, in order.
-    pub fn shortfalls(&self, pose: &Pose, s: f64, h: f64, demand: &Demand) -> Vec<Shortfall> {
-        let placed = Placed::new(pose, h, self.bodies.reference_point);
-        let at = Instant { s, h };
+    /// The probes that lack clearance, in order; of each cluster only the one that lacks most, if `one_each`.
+    pub(super) fn lacking(&self, placed: &Placed, at: &Instant, demand: &Demand, one_each: bool) -> Vec<Lacking> {
         let mut found = Vec::new();
-        let clearance = |p: DVec3, group| self.bodies.electrode_clearance(&placed, p, group);
-        self.electrode.lacking(&at, demand, &clearance, doubt, |k, lack| {
-            found.push(self.electrode_shortfall(k, lack, &placed));
+        let clearance = |p: DVec3, group| self.bodies.electrode_clearance(placed, p, group);
+        self.electrode.lacking(at, demand, &clearance, doubt, one_each, |probe, lack| {
+            found.push(Lacking { probe, lack });
         });
-        let clearance = |p: DVec3, _| self.bodies.blisk_clearance(&placed, p);
-        self.blisk.lacking(&at, demand, &clearance, doubt, |k, lack| {
-            found.push(self.blisk_shortfall(k, lack, &placed));
+        let first = self.samples().len();
+        let clearance = |p: DVec3, _| self.bodies.blisk_clearance(placed, p);
+        self.blisk.lacking(at, demand, &clearance, doubt, one_each, |k, lack| {
+            found.push(Lacking { probe: first + k, lack });
         });
         found
+    }
+
+    /// Where a probe lacks clearance.
+    pub(super) fn shortfall(&self, lacking: Lacking, placed: &Placed) -> Shortfall {
+        match lacking.probe.checked_sub(self.samples().len()) {
+            None => self.electrode_shortfall(lacking.probe, lacking.lack, placed),
+            Some(k) => self.blisk_shortfall(k, lacking.lack, placed),
+        }
+    }
+
+    /// A pose made ready for testing.
+    pub(super) fn placed(&self, pose: &Pose, turns: Turns) -> Placed {
+        Placed::new(pose, turns, self.bodies.reference_point)
     }
 
     fn electrode_shortfall(&self, k: usize, lack: f64, placed: &Placed) -> Shortfall {
@@ -238,112 +264,41 @@ impl<'a> ClearanceModel<'a> {
 
     fn blisk_shortfall(&self, k: usize, lack: f64, placed: &Placed) -> Shortfall {
         let on_blisk = self.blisk.samples()[k].point;
-        let seen = placed.to_electrode[0].transform_point3(on_blisk);
-        let (clearance, outward) = self.bodies.electrode.value_and_gradient(seen).unwrap_or((Bodies::AROUND, DVec3::X));
-        let on_electrode = seen - outward * clearance;
-        let at = placed.to_blisk[0].transform_point3(on_electrode);
-        let away = -placed.to_blisk[0].transform_vector3(outward);
+        // Of the electrode as it is and with each wall turned, the one that is furthest away bounds what is left.
+        let seen = |i: usize| placed.to_electrode[i].transform_point3(on_blisk);
+        let all = if placed.turns.is_none() { 0..1 } else { 0..3 };
+        let distance = |i: &usize| self.bodies.distance_to_electrode(seen(*i));
+        let group = all.max_by(|i, j| distance(i).total_cmp(&distance(j)).then(j.cmp(i))).unwrap_or(0);
+        let nearest = self.bodies.electrode.value_and_gradient(seen(group));
+        let (clearance, outward) = nearest.unwrap_or((Bodies::AROUND, DVec3::X));
+        let on_electrode = seen(group) - outward * clearance;
+        let at = placed.to_blisk[group].transform_point3(on_electrode);
+        let away = -placed.to_blisk[group].transform_vector3(outward);
         Shortfall { probe: self.electrode.samples().len() + k, lack, at, away, on_electrode, on_blisk }
     }
 
-    /// The samples where they are at `pose`, with the walls drawn in by `h` (rad).
-    pub fn placed_samples(&self, pose: &Pose, h: f64) -> impl Iterator<Item = DVec3> {
-        let placed = Placed::new(pose, h, self.bodies.reference_point);
+    /// The samples where they are at `pose`, with the walls drawn in by `turns`.
+    pub fn placed_samples(&self, pose: &Pose, turns: Turns) -> impl Iterator<Item = DVec3> {
+        let placed = Placed::new(pose, turns, self.bodies.reference_point);
         self.samples().iter().map(move |s| placed.to_blisk[group(s.face)].transform_point3(s.point))
     }
 
-    /// The least clearance of any probe at `pose` (mm).
-    pub fn least_clearance(&self, pose: &Pose) -> f64 {
-        let placed = Placed::new(pose, 0.0, self.bodies.reference_point);
-        let electrode = self.samples().iter().map(|s| self.bodies.electrode_clearance(&placed, s.point, 0));
-        let blisk = self.blisk.samples().iter().map(|s| self.bodies.blisk_clearance(&placed, s.point));
+    /// The least clearance of any probe at `pose` with the walls drawn in by `turns` (mm).
+    pub fn least_clearance(&self, pose: &Pose, turns: Turns) -> f64 {
+        let placed = self.placed(pose, turns);
+        let electrode = |s: &Sample| self.bodies.electrode_clearance(&placed, s.point, group(s.face));
+        let electrode = self.electrode.held(turns).map(|(_, s)| electrode(s));
+        let blisk = self.blisk.held(turns).map(|(_, s)| self.bodies.blisk_clearance(&placed, s.point));
         electrode.chain(blisk).fold(f64::INFINITY, f64::min)
     }
 
     /// The probe with the least clearance at `pose`, as if it lacked what is missing of `wanted` mm.
-    pub fn tightest(&self, pose: &Pose, wanted: f64) -> Option<Shortfall> {
-        let placed = Placed::new(pose, 0.0, self.bodies.reference_point);
-        let electrode = (0..self.samples().len()).map(|k| self.electrode_shortfall(k, 0.0, &placed));
-        let blisk = (0..self.blisk.samples().len()).map(|k| self.blisk_shortfall(k, 0.0, &placed));
+    pub fn tightest(&self, pose: &Pose, turns: Turns, wanted: f64) -> Option<Shortfall> {
+        let placed = self.placed(pose, turns);
+        let electrode = self.electrode.held(turns).map(|(k, _)| self.electrode_shortfall(k, 0.0, &placed));
+        let blisk = self.blisk.held(turns).map(|(k, _)| self.blisk_shortfall(k, 0.0, &placed));
         let clearance = |f: &Shortfall| (f.at - f.on_blisk).dot(f.away);
         let tightest = electrode.chain(blisk).min_by(|a, b| clearance(a).total_cmp(&clearance(b)))?;
         Some(Shortfall { lack: (wanted - clearance(&tightest)).max(0.0), ..tightest })
-    }
-
-    /// Moves `start` along `axes` towards freedom by following the distance fields: in each round every probe that
-    /// lacks clearance shifts the pose by the smallest motion that would mend it. Answers the best pose met
-    /// and the probe that still lacks most there, none if the pose is free.
-    pub fn climb(&self, start: Pose, s: f64, h: f64, demand: &Demand, axes: &[Axis]) -> (Pose, Option<Shortfall>) {
-        const ROUNDS: usize = 16;
-        /// Rounds without getting nearer to freedom after which it is given up.
-        const PATIENCE: usize = 3;
-        let mut pose = start;
-        let mut best: Option<(Pose, Shortfall)> = None;
-        let mut since_best = 0;
-        for _ in 0..ROUNDS {
-            let mut lacking = self.shortfalls(&pose, s, h, demand);
-            lacking.sort_by(|a, b| b.lack.total_cmp(&a.lack).then(a.probe.cmp(&b.probe)));
-            let Some(&worst) = lacking.first() else { return (pose, None) };
-            if best.is_none_or(|(_, known)| worst.lack < known.lack) {
-                best = Some((pose, worst));
-                since_best = 0;
-            } else if since_best == PATIENCE {
-                break;
-            } else {
-                since_best += 1;
-            }
-            pose = self.shifted(&pose, &lacking, axes);
-        }
-        best.map_or((start, None), |(pose, worst)| (pose, Some(worst)))
-    }
-
-    /// One round of climbing: projects the pose onto the half-space in which each of the worst probes has room,
-    /// one after the other (Kaczmarz), to first order.
-    fn shifted(&self, pose: &Pose, lacking: &[Shortfall], axes: &[Axis]) -> Pose {
-        const WORST: usize = 24;
-        /// Beyond the demand, so that rounding does not undo the shift (mm).
-        const BEYOND: f64 = 2e-4;
-        let start = pose.to_array();
-        let mut q = start;
-        for short in lacking.iter().take(WORST) {
-            let slopes = self.slopes(pose, short.at, short.away);
-            let slope = |a: Axis| slopes[a as usize];
-            let weight = |a: Axis| Self::mobility(a).powi(2);
-            let gained: f64 = axes.iter().map(|&a| slope(a) * (q[a as usize] - start[a as usize])).sum();
-            let lack = short.lack + BEYOND - gained;
-            let norm: f64 = axes.iter().map(|&a| weight(a) * slope(a).powi(2)).sum();
-            if lack > 0.0 && norm > 1e-9 {
-                for &a in axes {
-                    q[a as usize] += weight(a) * slope(a) * lack / norm;
-                }
-            }
-        }
-        Pose::from_array(q)
-    }
-
-    /// Size of a step along an axis that moves the electrode's points by about 1 mm.
-    fn mobility(axis: Axis) -> f64 {
-        match axis {
-            Axis::X | Axis::Y | Axis::Z => 1.0,
-            Axis::A => 1.0 / 100.0,
-            Axis::B | Axis::C => 1.0 / 10.0,
-        }
-    }
-
-    /// How fast the point of the electrode now at `p` (in W) moves along `direction` with each axis at `pose`.
-    fn slopes(&self, pose: &Pose, p: DVec3, direction: DVec3) -> [f64; 6] {
-        let table = DMat3::from_rotation_x(pose.a);
-        let slid = self.bodies.reference_point + DVec3::new(pose.x, pose.y, pose.z);
-        let arm = table.transpose() * p - slid;
-        let local = table.transpose() * direction;
-        let tilt_axis = DMat3::from_rotation_z(pose.c) * DVec3::Y;
-        [
-            local.x,
-            local.y,
-            local.z,
-            direction.dot(DVec3::X.cross(p)),
-            local.dot(tilt_axis.cross(arm)),
-            local.dot(DVec3::Z.cross(arm)),
-        ]
     }
 }

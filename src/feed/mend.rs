@@ -91,17 +91,17 @@ impl SearchProblem<'_> {
     fn node_near(&self, pose: &Pose, s: f64, h: f64) -> Option<Node> {
         let start = Pose { x: self.direction() * s, ..*pose };
         [self.demand, self.narrow()].iter().find_map(|demand| {
-            let (pose, lacking) = self.model.climb(start, s, h, demand, self.free_axes());
+            let (pose, lacking) = self.model.climb(start, s, self.turned(h), demand, self.free_axes());
             let free = lacking.is_none() && self.keeps(&pose, s, h, &self.between(), &mut 0);
             free.then(|| {
-                let clearance = self.model.least_clearance(&pose);
+                let clearance = self.model.least_clearance(&pose, self.turned(h));
                 Node { s, pose, h, clearance, objective: Default::default() }
             })
         })
     }
 
     /// The nodes with their objective as the steps between them are now.
-    fn valued(&self, mut nodes: Vec<Node>) -> Vec<Node> {
+    pub(super) fn valued(&self, mut nodes: Vec<Node>) -> Vec<Node> {
         let mut before = StepMotion { increments: [0.0; 6], duration: 1.0 };
         for k in 1..nodes.len() {
             let (from, to) = (nodes[k - 1], nodes[k]);

@@ -4,7 +4,9 @@
 pub mod angle_test;
 pub mod certificate;
 pub mod clearance;
+pub mod climb;
 pub mod genetic;
+pub mod global;
 pub mod interpolation;
 pub mod jam;
 pub mod machine;

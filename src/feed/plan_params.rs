@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::angle_test::{AngleParams, AngleParamsError};
 use super::genetic::GeneticParamsError;
+use super::global::{GlobalParams, GlobalParamsError};
 use super::interpolation::{InterpolationError, InterpolationParams, InterpolationParamsError};
 use super::machine::MachineError;
 use super::objective::{Weights, WeightsError};
@@ -37,6 +38,8 @@ pub struct PlanParams {
     pub angle: AngleParams,
     /// How nodes are joined.
     pub interpolation: InterpolationParams,
+    /// The global strategy.
+    pub global: GlobalParams,
 }
 
 impl Default for PlanParams {
@@ -51,6 +54,7 @@ impl Default for PlanParams {
             weights: Weights::default(),
             angle: AngleParams::default(),
             interpolation: InterpolationParams::default(),
+            global: GlobalParams::default(),
         }
     }
 }
@@ -69,6 +73,8 @@ pub enum PlanError {
     Angle(#[from] AngleParamsError),
     #[error(transparent)]
     Interpolation(#[from] InterpolationParamsError),
+    #[error(transparent)]
+    Global(#[from] GlobalParamsError),
     #[error(transparent)]
     Rows(#[from] InterpolationError),
     #[error(transparent)]
@@ -127,6 +133,7 @@ impl PlanParams {
         within("field_cell_mm", self.field_cell_mm, 0.05, 2.0, "0.05 to 2 mm")?;
         self.weights.validate()?;
         self.angle.validate()?;
+        self.global.validate()?;
         Ok(self.interpolation.validate()?)
     }
 }

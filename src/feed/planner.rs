@@ -17,7 +17,7 @@ use super::path::FeedPath;
 use super::plan::{FeedPlan, PlanSettings, PlannedPath, PlanningSpace, Remake};
 use super::plan_params::PlanError;
 use super::pose::{Axis, Pose};
-use super::probes::Demand;
+use super::probes::{Demand, Turns};
 use super::samples::{Sample, SampleSpacing, limit_to_reduced, sample_electrode};
 use super::search::{Constraint, Convergence, Node, SearchProblem, Strategy, StrategyParams};
 use super::smoothness::axis_smoothness;
@@ -172,9 +172,9 @@ impl Planner<'_> {
             let lack = (self.settings.spark_gap - contact.distance).max(0.0);
             let face = model.face_at(contact.on_electrode);
             let extra = lack + Self::BEYOND;
-            lessons.on_electrode.push(Sample { point: contact.on_electrode, face, extra, stays_to: f64::INFINITY });
+            lessons.on_electrode.push(Sample { point: contact.on_electrode, face, extra, stays_to: Sample::ALWAYS });
             let face = ElectrodeFace::FarEnd;
-            lessons.on_blisk.push(Sample { point: contact.on_blisk, face, extra, stays_to: f64::INFINITY });
+            lessons.on_blisk.push(Sample { point: contact.on_blisk, face, extra, stays_to: Sample::ALWAYS });
             lessons.fine.push([contact.s - step, contact.s + step]);
         }
     }
@@ -224,6 +224,7 @@ impl Planner<'_> {
         let started = Instant::now();
         let strategy = match self.settings.plan.strategy {
             Strategy::Genetic => StrategyParams::Genetic(*genetic),
+            Strategy::Global => StrategyParams::Global(self.settings.plan.global),
         };
         let surface_of = |p: DVec3| self.space.finder.surface_of(p);
         let outcome = self.with_problem(plan, model, lessons, |problem| {
@@ -286,7 +287,8 @@ impl Planner<'_> {
             axes: machine.axes,
             travel: lessons.travel.unwrap_or_else(|| machine.limits()),
             ranges: plan.ranges,
-            demand: Demand { spark_gap, margin: params.margin_mm, guard: Self::GUARD },
+            demand: Demand { spark_gap, margin: params.margin_mm, guard: Self::GUARD, room: 0.0 },
+            turns: Turns::NONE,
             side: model.side(),
             ends: params.interpolation.ends,
             step: params.step_mm,

@@ -16,12 +16,38 @@ pub struct Demand {
     pub margin: f64,
     /// Allowance for the error of the fields (mm).
     pub guard: f64,
+    /// Room wanted beyond all that, also near the final pose (mm).
+    pub room: f64,
 }
 
 impl Demand {
     /// Clearance wanted wherever the final pose does not stand in the way (mm).
     pub fn wanted(&self) -> f64 {
+        self.needed() + self.room
+    }
+
+    /// The same without the room beyond it (mm).
+    fn needed(&self) -> f64 {
         self.spark_gap + self.margin + self.guard
+    }
+}
+
+/// Angles by which the low and the high wall are drawn in further than those of the electrode at hand, P0's h (rad).
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Turns(pub [f64; 2]);
+
+impl Turns {
+    /// The electrode as it is.
+    pub const NONE: Self = Self([0.0; 2]);
+
+    /// Both walls drawn in by the same angle (rad).
+    pub fn both(h: f64) -> Self {
+        Self([h; 2])
+    }
+
+    /// Whether no wall is drawn in.
+    pub fn is_none(self) -> bool {
+        self == Self::NONE
     }
 }
 
@@ -30,8 +56,17 @@ impl Demand {
 pub struct Instant {
     /// Withdrawn distance (mm).
     pub s: f64,
-    /// Additional circumferential reduction h (rad).
-    pub h: f64,
+    /// How far the walls are drawn in.
+    pub turns: Turns,
+}
+
+impl Instant {
+    /// Whether a point is still part of the electrode.
+    #[inline]
+    fn holds(&self, sample: &Sample) -> bool {
+        let Turns([low, high]) = self.turns;
+        sample.stays_to[0] >= low && sample.stays_to[1] >= high
+    }
 }
 
 /// Which way a point follows the additional circumferential reduction h of P0: 0 not at all, 1 with the low
@@ -63,6 +98,8 @@ impl Probes {
     /// How much more than in the final pose a point must have for every mm withdrawn, until it has what is
     /// wanted. In the final pose itself only the spark gap is open.
     const OPENING: f64 = 0.05;
+    /// Distance withdrawn from which on all that was learned of a point is asked for (mm).
+    const LEARNED: f64 = 0.25;
     /// Points in a cluster, a balance between tests saved and balls that are too wide to decide.
     const CLUSTER: usize = 12;
 
@@ -80,6 +117,12 @@ impl Probes {
     /// The points, in the order of their numbers.
     pub fn samples(&self) -> &[Sample] {
         &self.samples
+    }
+
+    /// The points that are part of the electrode with walls drawn in by `turns`, with their numbers.
+    pub fn held(&self, turns: Turns) -> impl Iterator<Item = (usize, &Sample)> {
+        let at = Instant { s: 0.0, turns };
+        self.samples.iter().enumerate().filter(move |(_, sample)| at.holds(sample))
     }
 
     /// The first cluster that lacks clearance at an instant. `clearance` tells the clearance of a point of a
@@ -110,18 +153,28 @@ impl Probes {
         })
     }
 
-    /// Calls `found` with every point that lacks clearance and how much it lacks (mm), in order.
+    /// Calls `found` with every point that lacks clearance and how much it lacks (mm), in order; of each cluster only with
+    /// the one that lacks most, if `one_each`.
     pub fn lacking(
         &self,
         at: &Instant,
         demand: &Demand,
         clearance: &impl Fn(DVec3, usize) -> f64,
         doubt: impl Fn(f64) -> f64 + Copy,
+        one_each: bool,
         mut found: impl FnMut(usize, f64),
     ) {
         let crowded = self.crowded_blocks(demand, clearance, doubt).flat_map(|block| block.start..block.end);
         for i in crowded.filter(|&i| !self.cluster_is_free(i, at, demand, clearance, doubt)) {
-            self.lacking_in(i, at, demand, clearance).for_each(|(k, lack)| found(k, lack));
+            let lacking = self.lacking_in(i, at, demand, clearance);
+            if one_each {
+                lacking
+                    .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))
+                    .into_iter()
+                    .for_each(|(k, lack)| found(k, lack));
+            } else {
+                lacking.for_each(|(k, lack)| found(k, lack));
+            }
         }
     }
 
@@ -157,8 +210,7 @@ impl Probes {
         let enough = demand.wanted() + self.cluster_extra[i] + c.radius;
         clearance(c.center, group) >= enough + doubt(enough)
             || (c.start..c.end).all(|k| {
-                self.samples[k].stays_to < at.h
-                    || clearance(self.samples[k].point, group) >= self.demanded(k, at.s, demand)
+                !at.holds(&self.samples[k]) || clearance(self.samples[k].point, group) >= self.demanded(k, at.s, demand)
             })
     }
 
@@ -174,14 +226,16 @@ impl Probes {
         (c.start..c.end).filter_map(move |k| {
             let sample = &self.samples[k];
             let lack = self.demanded(k, at.s, demand) - clearance(sample.point, group(sample.face));
-            (lack > 0.0 && sample.stays_to >= at.h).then_some((k, lack))
+            (lack > 0.0 && at.holds(sample)).then_some((k, lack))
         })
     }
 
     /// Clearance demanded of point `k` when withdrawn by `s`.
     #[inline]
     fn demanded(&self, k: usize, s: f64, demand: &Demand) -> f64 {
-        (demand.wanted() + self.samples[k].extra).min(self.at_final[k] + Self::OPENING * s)
+        let extra = self.samples[k].extra;
+        let opened = self.at_final[k] + Self::OPENING * s + extra * (s / Self::LEARNED).min(1.0);
+        (demand.needed() + extra).min(opened) + demand.room
     }
 }
 

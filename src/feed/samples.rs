@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use glam::{DMat3, DVec3};
+use rayon::prelude::*;
 
 use crate::blisk::electrode::ElectrodeFace;
 use crate::geometry::distance_field::DistanceField;
@@ -19,8 +20,13 @@ pub struct Sample {
     /// Clearance demanded here beyond what all samples must have (mm): raised where the verifier found the
     /// search too trusting.
     pub extra: f64,
-    /// Greatest additional circumferential reduction h with which the point is still part of the electrode (rad).
-    pub stays_to: f64,
+    /// Greatest angles by which the low and the high wall can be drawn in with the point still part of the electrode (rad).
+    pub stays_to: [f64; 2],
+}
+
+impl Sample {
+    /// [`stays_to`](Self::stays_to) of a point that no reduction takes away.
+    pub const ALWAYS: [f64; 2] = [f64::INFINITY; 2];
 }
 
 /// How densely an electrode is sampled.
@@ -100,24 +106,23 @@ pub fn sample_electrode(
     Ok(sieve.kept)
 }
 
-/// Finds up to which h, at most `h_max` (rad), each sample stays part of the electrode when both walls are drawn in by
-/// h: as long as it is inside the electrode turned about X by h either way. `field` is that of the electrode. The
-/// walls themselves follow h and the holder does not change.
+/// Finds how far, at most by `h_max` (rad), each wall can be drawn in with each sample still part of the electrode: as
+/// long as it is inside the electrode turned about X as that wall is. `field` is that of the electrode. The walls
+/// themselves follow h and the holder does not change.
 pub fn limit_to_reduced(samples: &mut [Sample], field: &DistanceField, h_max: f64) {
     const STEPS: u32 = 64;
     /// Off the surface by no more than rounding and the field's error (mm).
     const INSIDE: f64 = 3.0 * DistanceField::ACCURACY;
     let follows = |face| matches!(face, ElectrodeFace::LowWall | ElectrodeFace::HighWall | ElectrodeFace::Holder);
-    for sample in samples.iter_mut().filter(|s| !follows(s.face)) {
-        let inside = |h: f64| {
-            [h, -h]
-                .into_iter()
-                .all(|turn| field.value(DMat3::from_rotation_x(turn) * sample.point).is_some_and(|d| d <= INSIDE))
-        };
-        let step = h_max / f64::from(STEPS);
-        let steps = (1..=STEPS).take_while(|&i| inside(f64::from(i) * step)).count();
-        sample.stays_to = if steps == STEPS as usize { f64::INFINITY } else { steps as f64 * step };
-    }
+    let step = h_max / f64::from(STEPS);
+    samples.par_iter_mut().filter(|s| !follows(s.face)).for_each(|sample| {
+        sample.stays_to = [-step, step].map(|turn| {
+            let seen = |i: u32| DMat3::from_rotation_x(f64::from(i) * turn) * sample.point;
+            let inside = |i: &u32| field.value(seen(*i)).is_some_and(|d| d <= INSIDE);
+            let steps = (1..=STEPS).take_while(inside).count();
+            if steps == STEPS as usize { f64::INFINITY } else { steps as f64 * step }
+        });
+    });
 }
 
 /// Points along the edges of `mesh` inside `region` where the surface bends outwards by more than 4 degrees: rims
@@ -189,6 +194,11 @@ struct Sieve {
 
 impl Sieve {
     fn offer(&mut self, point: DVec3, face: ElectrodeFace, distance: f64) {
+        self.offer_sample(Sample { point, face, extra: 0.0, stays_to: Sample::ALWAYS }, distance);
+    }
+
+    fn offer_sample(&mut self, sample: Sample, distance: f64) {
+        let point = sample.point;
         let cell = (point / self.size).floor().to_array().map(|v| v as i64);
         let crowded = (0..27i64).any(|i| {
             let neighbour = [cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1, cell[2] + i / 9 - 1];
@@ -198,9 +208,19 @@ impl Sieve {
         });
         if !crowded {
             self.grid.entry(cell).or_default().push(self.kept.len() as u32);
-            self.kept.push(Sample { point, face, extra: 0.0, stays_to: f64::INFINITY });
+            self.kept.push(sample);
         }
     }
+}
+
+/// Those of `samples` that are no nearer than `spacing` (mm) to each other, and all of which more is asked.
+pub fn thinned(samples: &[Sample], spacing: f64) -> Vec<Sample> {
+    let mut sieve = Sieve { kept: Vec::new(), grid: HashMap::new(), size: spacing };
+    for sample in samples {
+        let distance = if sample.extra > 0.0 { 0.0 } else { spacing };
+        sieve.offer_sample(*sample, distance);
+    }
+    sieve.kept
 }
 
 /// Neighbouring samples that are tested together: if the centre has room enough, all have.

@@ -7,13 +7,14 @@ use serde::{Deserialize, Serialize};
 use super::angle_test::AngleTest;
 use super::clearance::{ClearanceModel, Shortfall};
 use super::genetic::{GeneticParams, GeneticStep};
+use super::global::GlobalParams;
 use super::interpolation::AxisCurves;
 use super::jam::{Jam, JamCause, JamContact};
 use super::machine::{AxisSet, TravelLimits};
 use super::objective::{Objective, ObjectiveValue, StepMotion};
 use super::plan::Observe;
 use super::pose::{Axis, Pose};
-use super::probes::Demand;
+use super::probes::{Demand, Turns};
 use crate::blisk::channel::Surface;
 use crate::blisk::electrode::EntrySide;
 use crate::geometry::spline::EndCondition;
@@ -26,6 +27,8 @@ pub enum Strategy {
     /// The adaptive genetic algorithm of P0.
     #[default]
     Genetic,
+    /// The widest way over many poses for each node, then polished as a whole.
+    Global,
 }
 
 /// What a pose must meet to count as free during the search. The verifier has the last word either way.
@@ -56,6 +59,8 @@ pub struct SearchProblem<'a> {
     pub ranges: [f64; 6],
     /// Clearance wanted.
     pub demand: Demand,
+    /// How far the walls are drawn in from those of the model's electrode, before any h that is searched for.
+    pub turns: Turns,
     /// The side that the electrode is withdrawn to.
     pub side: EntrySide,
     /// How the curve through the nodes ends.
@@ -200,14 +205,19 @@ impl SearchProblem<'_> {
             return false;
         }
         match self.angle {
-            None => self.model.is_free(pose, s, h, demand, hint),
-            Some(test) => test.is_free(self.model, pose, h),
+            None => self.model.is_free(pose, s, self.turned(h), demand, hint),
+            Some(test) => test.is_free(self.model, pose, self.turned(h)),
         }
     }
 
     /// See [`ClearanceModel::climb`].
     pub fn climb(&self, pose: Pose, s: f64, h: f64) -> (Pose, Option<Shortfall>) {
-        self.model.climb(pose, s, h, &self.demand, self.free_axes())
+        self.model.climb(pose, s, self.turned(h), &self.demand, self.free_axes())
+    }
+
+    /// How far the walls are drawn in with an additional reduction h (rad).
+    pub(super) fn turned(&self, h: f64) -> Turns {
+        Turns(self.turns.0.map(|turn| turn + h))
     }
 
     /// Whether the motion from `nodes` to the next one is free along the curve that will join them: the spline through
@@ -255,6 +265,10 @@ impl SearchProblem<'_> {
     ) -> Result<(Vec<Candidate>, Convergence), Cancelled> {
         match strategy {
             StrategyParams::Genetic(params) => GeneticStep::new(params, self, task).run(cancel),
+            // It does not search node by node.
+            StrategyParams::Global(_) => {
+                Ok((Vec::new(), Convergence { s: task.s, best: Vec::new(), mean: Vec::new() }))
+            }
         }
     }
 
@@ -267,6 +281,9 @@ impl SearchProblem<'_> {
         progress: &Progress,
         cancel: &Cancel,
     ) -> Result<SearchOutcome, Cancelled> {
+        if let StrategyParams::Global(params) = strategy {
+            return self.widest_way(params, surface_of, progress, cancel);
+        }
         let mut nodes = kept.to_vec();
         if nodes.is_empty() {
             nodes.push(self.final_node());
@@ -310,8 +327,8 @@ impl SearchProblem<'_> {
         }
     }
 
-    fn final_node(&self) -> Node {
-        let clearance = self.model.least_clearance(&Pose::FINAL);
+    pub(super) fn final_node(&self) -> Node {
+        let clearance = self.model.least_clearance(&Pose::FINAL, self.turns);
         Node { s: 0.0, pose: Pose::FINAL, h: 0.0, clearance, objective: ObjectiveValue::default() }
     }
 
@@ -397,7 +414,7 @@ impl SearchProblem<'_> {
     }
 
     fn node(&self, task: &NodeTask, chosen: &Candidate) -> Node {
-        let clearance = self.model.least_clearance(&chosen.pose);
+        let clearance = self.model.least_clearance(&chosen.pose, self.turned(chosen.h));
         Node { s: task.s, pose: chosen.pose, h: chosen.h, clearance, objective: chosen.objective }
     }
 
@@ -422,9 +439,9 @@ impl SearchProblem<'_> {
             let (pose, short) = self.climb(start, task.s, task.h_so_far);
             short.map(|short| (pose, short))
         });
-        let nearest = climbed
-            .min_by(|a, b| a.1.lack.total_cmp(&b.1.lack))
-            .or_else(|| Some((starts[1], self.model.tightest(&starts[1], self.demand.wanted())?)));
+        let nearest = climbed.min_by(|a, b| a.1.lack.total_cmp(&b.1.lack)).or_else(|| {
+            Some((starts[1], self.model.tightest(&starts[1], self.turned(task.h_so_far), self.demand.wanted())?))
+        });
         let Some((pose, Shortfall { on_electrode, on_blisk, lack, .. })) = nearest else {
             return jam(starts[1], JamCause::Unknown);
         };
@@ -438,4 +455,6 @@ impl SearchProblem<'_> {
 pub enum StrategyParams {
     /// See [`Strategy::Genetic`].
     Genetic(GeneticParams),
+    /// See [`Strategy::Global`].
+    Global(GlobalParams),
 }

@@ -7,6 +7,7 @@ pub mod frame;
 pub mod inside;
 pub mod mesh;
 pub mod raycast;
+pub mod smoothing;
 pub mod spline;
 pub mod swept;
 pub mod triangle_distance;

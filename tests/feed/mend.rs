@@ -8,7 +8,7 @@ use sparkpath::feed::objective::Objective;
 use sparkpath::feed::outside::Outside;
 use sparkpath::feed::plan::PlanningSpace;
 use sparkpath::feed::pose::{Axis, Pose};
-use sparkpath::feed::probes::Demand;
+use sparkpath::feed::probes::{Demand, Turns};
 use sparkpath::feed::samples::{SampleSpacing, sample_electrode};
 use sparkpath::feed::search::{Node, SearchProblem};
 use sparkpath::feed::verify::Verifier;
@@ -61,7 +61,8 @@ fn a_spoiled_path_is_mended_without_another_search() {
         axes,
         travel,
         ranges,
-        demand: Demand { spark_gap: 0.1, margin: 0.0, guard: 0.01 },
+        turns: Turns::NONE,
+        demand: Demand { spark_gap: 0.1, margin: 0.0, guard: 0.01, room: 0.0 },
         side: electrode.enters_from,
         ends: EndCondition::NotAKnot,
         step: job.plan.step_mm,

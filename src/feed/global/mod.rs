@@ -1,0 +1,157 @@
+//! The global strategy: no greedy step can walk into a dead end.
+//!
+//! A diverse set of poses is kept for every node, each moved to where there is most room about it, and joined to the
+//! poses of the node before by motions that are free. The way out is the widest one through them all: the one whose
+//! narrowest place has most clearance. The whole path is then polished at once, for smoothness and clearance. Where no
+//! pose of a node can be reached, the node is the bottleneck of the channel at this resolution.
+//!
+//! A fixed lattice of poses would miss the way: near the final pose free space is only the spark gap wide.
+
+mod corridor;
+mod halfspaces;
+mod polish;
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use super::jam::{Jam, JamCause, JamContact};
+use super::search::{Convergence, Node, SearchOutcome, SearchProblem};
+use crate::blisk::channel::Surface;
+use crate::progress::{Cancel, Cancelled, Progress};
+use corridor::{Corridor, DeadEnd, Effort, Way};
+
+/// Parameters of the global strategy (`[plan.global]` of a job).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct GlobalParams {
+    /// Poses kept for each node.
+    pub poses: usize,
+    /// Clearance beyond what is asked for, up to which a wider way counts as better (mm).
+    pub room_mm: f64,
+    /// Share of the room about the way that polishing keeps: 0 gives the smoothest path, 1 the roomiest.
+    pub room_kept: f64,
+}
+
+impl Default for GlobalParams {
+    fn default() -> Self {
+        Self { poses: 24, room_mm: 0.2, room_kept: 0.5 }
+    }
+}
+
+/// A parameter of the global strategy that cannot be used.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("[plan.global] {key} = {value}: must be {range}")]
+pub struct GlobalParamsError {
+    key: &'static str,
+    value: f64,
+    range: &'static str,
+}
+
+impl GlobalParams {
+    /// Whether every parameter is within its range.
+    pub fn validate(&self) -> Result<(), GlobalParamsError> {
+        let within = |key, value: f64, least: f64, greatest: f64, range| {
+            if (least..=greatest).contains(&value) { Ok(()) } else { Err(GlobalParamsError { key, value, range }) }
+        };
+        within("poses", self.poses as f64, 2.0, 1000.0, "2 to 1000")?;
+        within("room_mm", self.room_mm, 0.0, 5.0, "0 to 5 mm")?;
+        within("room_kept", self.room_kept, 0.0, 1.0, "0 to 1")
+    }
+}
+
+impl SearchProblem<'_> {
+    /// Shares of the poses asked for that are tried, one after the other, until a way is found.
+    const WIDENINGS: [f64; 3] = [0.35, 1.0, 3.0];
+    /// Poses tried for each that is kept.
+    const SEEDS: usize = 2;
+    /// Distance between the nodes of the search over that between those of the path.
+    const STRIDE_RATIO: f64 = 2.0;
+    /// Distance between the points that lead the search (mm); all of them have the last word.
+    const COARSE: f64 = 0.6;
+
+    /// The widest way out, polished.
+    pub(super) fn widest_way(
+        &self,
+        params: &GlobalParams,
+        surface_of: &dyn Fn(DVec3) -> Surface,
+        progress: &Progress,
+        cancel: &Cancel,
+    ) -> Result<SearchOutcome, Cancelled> {
+        let t0 = std::time::Instant::now();
+        match self.way_out_of(params, progress, cancel)? {
+            Ok(way) => {
+                eprintln!(
+                    "way {:.3} s width {:.4} layers {}",
+                    t0.elapsed().as_secs_f64(),
+                    way.last().unwrap().width,
+                    way.len()
+                );
+                let nodes = self.polished(self.nodes_along(&way), params, cancel)?;
+                eprintln!("polished {:.3} s", t0.elapsed().as_secs_f64());
+                let plain = |n: &Node| Convergence { s: n.s, best: Vec::new(), mean: Vec::new() };
+                let convergence = nodes[1..].iter().map(plain).collect();
+                Ok(SearchOutcome { nodes, convergence, jam: None })
+            }
+            Err(end) => {
+                eprintln!(
+                    "dead end {:.3} s at {:.3} lack {:.4} way {}",
+                    t0.elapsed().as_secs_f64(),
+                    end.s,
+                    end.lack,
+                    end.way.len()
+                );
+                let nodes = self.nodes_along(&end.way);
+                let convergence =
+                    nodes[1..].iter().map(|n| Convergence { s: n.s, best: Vec::new(), mean: Vec::new() }).collect();
+                let jam = self.dead_end(&end, nodes.len(), surface_of);
+                Ok(SearchOutcome { nodes, convergence, jam: Some(jam) })
+            }
+        }
+    }
+
+    /// A wide way out, or where all ways end.
+    fn way_out_of(
+        &self,
+        params: &GlobalParams,
+        progress: &Progress,
+        cancel: &Cancel,
+    ) -> Result<Result<Way, DeadEnd>, Cancelled> {
+        let coarse = self.model.thinned(Self::COARSE);
+        let mut furthest: Option<DeadEnd> = None;
+        for share in Self::WIDENINGS {
+            let poses = (share * params.poses as f64).round().max(2.0) as usize;
+            let effort = Effort { poses, seeds: Self::SEEDS * poses, step: Self::STRIDE_RATIO * self.step };
+            match Corridor::new(self, &coarse, params.room_mm, effort).explore(progress, cancel)? {
+                Ok(way) => return Ok(Ok(way)),
+                Err(end) if furthest.as_ref().is_none_or(|f| f.s < end.s) => furthest = Some(end),
+                Err(_) => {}
+            }
+        }
+        furthest.map(Err).ok_or(Cancelled)
+    }
+
+    /// The way as nodes a step apart.
+    fn nodes_along(&self, way: &Way) -> Vec<Node> {
+        let mut nodes = vec![self.final_node()];
+        for w in way.windows(2) {
+            let pieces = ((w[1].s - w[0].s) / self.step - 1e-9).ceil().max(1.0) as usize;
+            for i in 1..=pieces {
+                let t = i as f64 / pieces as f64;
+                let (s, pose) = (w[0].s + (w[1].s - w[0].s) * t, w[0].pose.lerp(&w[1].pose, t));
+                let clearance = self.model.least_clearance(&pose, self.turns);
+                nodes.push(Node { s, pose, h: 0.0, clearance, objective: Default::default() });
+            }
+        }
+        self.valued(nodes)
+    }
+
+    fn dead_end(&self, end: &DeadEnd, node: usize, surface_of: &dyn Fn(DVec3) -> Surface) -> Jam {
+        let wanted = self.demand.wanted();
+        let place = end.worst.or_else(|| self.model.tightest(&end.pose, self.turns, wanted));
+        let cause = place.map_or(JamCause::Unknown, |short| {
+            let (on_electrode, on_blisk) = (short.on_electrode, short.on_blisk);
+            JamCause::Contact(JamContact { on_electrode, on_blisk, surface: surface_of(on_blisk), lack: end.lack })
+        });
+        Jam { node, s: end.s, pose: end.pose, cause }
+    }
+}
