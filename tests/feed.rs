@@ -202,7 +202,7 @@ fn a_searched_reduction_that_leaves_no_metal_is_an_answer_and_not_bad_input() {
         observe: &|_, _| (),
     };
     let nothing = |_: f64| Err(ElectrodeError::NoMetal { x: 0.0, r: 60.0, available: 1.0, taken: 1.1 });
-    let plan = plan_feed(&space, &electrodes[0], &settings, &nothing, &silent, &cancel).unwrap();
+    let plan = plan_feed(&space, &electrodes[0].clone().into(), &settings, &nothing, &silent, &cancel).unwrap();
     let jam = plan.jam.unwrap();
     assert!(matches!(jam.cause, JamCause::NothingLeft { h } if h > 0.0 && h == plan.h), "{jam:?}");
     assert!(!plan.is_verified() && plan.verdict(&channel).contains("leaves nothing"));

@@ -174,11 +174,14 @@ impl<'a> ClearanceModel<'a> {
         DVec3::new(x, y, z).length() + self.levers[0] * a + self.levers[1] * (b + c)
     }
 
-    /// The face of the sample nearest to the point `p` of the electrode.
-    pub fn face_at(&self, p: DVec3) -> ElectrodeFace {
-        let distance = |s: &Sample| s.point.distance_squared(p);
-        let nearest = self.samples().iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        nearest.map_or(ElectrodeFace::Holder, |s| s.face)
+    /// For a point of the electrode with its walls drawn in by `turns`: where it was before, and on which face.
+    pub fn before_turning(&self, p: DVec3, turns: Turns) -> (DVec3, ElectrodeFace) {
+        let placed = self.placed(&Pose::FINAL, turns);
+        let distance = |s: &Sample| placed.to_blisk[group(s.face)].transform_point3(s.point).distance_squared(p);
+        let held = self.electrode.held(turns).map(|(_, s)| (distance(s), s.face));
+        let nearest = held.min_by(|a, b| a.0.total_cmp(&b.0));
+        let face = nearest.map_or(ElectrodeFace::Holder, |(_, face)| face);
+        (placed.to_electrode[group(face)].transform_point3(p), face)
     }
 
     /// The same model with probes no nearer to each other than `spacing` (mm), and all those of which more is asked.

@@ -14,6 +14,8 @@ use super::objective::WallDistances;
 use super::path::FeedPath;
 use super::plan_params::{PlanError, PlanParams};
 use super::planner::Planner;
+use super::prepared::PreparedElectrode;
+use super::probes::Turns;
 use super::samples::{Sample, sample_convex_edges};
 use super::search::{Convergence, Node};
 use super::smoothness::AxisSmoothness;
@@ -92,7 +94,7 @@ pub struct FeedPlan {
     /// Additional circumferential reduction that the electrode was made with in the end (rad).
     pub h: f64,
     /// The electrode, if h made it another than the given one.
-    pub remade: Option<Box<Electrode>>,
+    pub remade: Option<Arc<Electrode>>,
     /// Full ranges of motion by (7), in the order of [`Axis`] (mm, rad).
     pub ranges: [f64; 6],
     /// Points tested for clearance in the last search.
@@ -171,6 +173,14 @@ pub struct PlanSettings<'a> {
     pub observe: &'a Observe<'a>,
 }
 
+impl PlanSettings<'_> {
+    fn validate(&self) -> Result<(), PlanError> {
+        self.plan.validate()?;
+        self.genetic.validate()?;
+        Ok(self.machine.validate()?)
+    }
+}
+
 /// Looks at a search while it goes on: nodes from the final pose outwards, and how each of them converged.
 pub type Observe<'a> = dyn Fn(&[Node], &[Convergence]) + Sync + 'a;
 
@@ -180,14 +190,26 @@ pub type Remake<'a> = dyn Fn(f64) -> Result<Electrode, ElectrodeError> + 'a;
 /// Plans the feed path of `electrode` in `space`. `remake` is called where the strategy searches h too.
 pub fn plan_feed(
     space: &PlanningSpace,
-    electrode: &Electrode,
+    electrode: &Arc<Electrode>,
     settings: &PlanSettings,
     remake: &Remake,
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<FeedPlan, PlanError> {
-    settings.plan.validate()?;
-    settings.genetic.validate()?;
-    settings.machine.validate()?;
-    Planner { space, settings, progress, cancel }.plan(electrode, remake)
+    settings.validate()?;
+    Planner { space, settings, turns: Turns::NONE, progress, cancel }.plan(electrode, remake)
+}
+
+/// Plans the feed path of `electrode`, which is `prepared` with its walls drawn in by `turns`.
+pub fn plan_drawn_in(
+    space: &PlanningSpace,
+    prepared: &PreparedElectrode,
+    turns: Turns,
+    electrode: &Electrode,
+    settings: &PlanSettings,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<FeedPlan, PlanError> {
+    settings.validate()?;
+    Planner { space, settings, turns, progress, cancel }.plan_drawn_in(electrode, &prepared.model(space))
 }

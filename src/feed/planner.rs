@@ -1,30 +1,30 @@
 //! The loop of search, interpolation and verification for one electrode.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use glam::DVec3;
 
 use super::angle_test::AngleTest;
 use super::certificate::{Certificate, Contact, TravelVerdict};
-use super::clearance::{Bodies, ClearanceModel};
+use super::clearance::ClearanceModel;
 use super::genetic::{GeneticParams, ReductionMode};
 use super::interpolation::{AxisCurves, InterpolationParams, Lever, PathFrame, feed_path};
 use super::jam::{Jam, JamCause};
 use super::machine::{BeyondTravel, TravelLimits};
 use super::objective::Objective;
-use super::outside::Outside;
 use super::path::FeedPath;
 use super::plan::{FeedPlan, PlanSettings, PlannedPath, PlanningSpace, Remake};
 use super::plan_params::PlanError;
 use super::pose::{Axis, Pose};
+use super::prepared::PreparedElectrode;
 use super::probes::{Demand, Turns};
-use super::samples::{Sample, SampleSpacing, limit_to_reduced, sample_electrode};
+use super::samples::Sample;
 use super::search::{Constraint, Convergence, Node, SearchProblem, Strategy, StrategyParams};
 use super::smoothness::axis_smoothness;
 use super::verify::Verifier;
 use crate::blisk::electrode::{Electrode, ElectrodeError, ElectrodeFace};
 use crate::geometry::distance_field::DistanceField;
-use crate::geometry::exact::ExactMesh;
 use crate::geometry::frame::Frame;
 use crate::progress::{Cancel, Progress};
 
@@ -32,19 +32,15 @@ use crate::progress::{Cancel, Progress};
 pub(super) struct Planner<'a> {
     pub(super) space: &'a PlanningSpace,
     pub(super) settings: &'a PlanSettings<'a>,
+    /// How far the walls are drawn in from those of the electrode that was prepared.
+    pub(super) turns: Turns,
     pub(super) progress: &'a Progress,
     pub(super) cancel: &'a Cancel,
 }
 
-/// What is prepared for one electrode.
-struct ElectrodeFields {
-    distance: DistanceField,
-    outside: Outside,
-}
-
 /// What the verifier has taught the search so far.
 #[derive(Default)]
-struct Lessons {
+pub(super) struct Lessons {
     /// Points of the electrode that came too near.
     on_electrode: Vec<Sample>,
     /// Points of the blisk that it came too near to.
@@ -64,26 +60,13 @@ impl Planner<'_> {
     /// Beyond what the verifier found missing, so that the next search does not end just where this one did (mm).
     const BEYOND: f64 = 0.003;
 
-    pub(super) fn plan(&self, electrode: &Electrode, remake: &Remake) -> Result<FeedPlan, PlanError> {
+    /// Plans `electrode`; where h is searched for too, the one that `remake` makes in the end.
+    pub(super) fn plan(&self, electrode: &Arc<Electrode>, remake: &Remake) -> Result<FeedPlan, PlanError> {
         let started = Instant::now();
-        let fields = self.electrode_fields(electrode)?;
-        let model = self.model(electrode, &fields)?;
-        let field_seconds = started.elapsed().as_secs_f64();
-        let mut plan = FeedPlan {
-            nodes: Vec::new(),
-            convergence: Vec::new(),
-            jam: None,
-            path: None,
-            h: 0.0,
-            remade: None,
-            ranges: self.ranges(electrode),
-            probes: model.probes(),
-            rounds: 0,
-            mends: 0,
-            field_seconds,
-            search_seconds: 0.0,
-            verify_seconds: 0.0,
-        };
+        let prepared = self.prepared(electrode.clone())?;
+        let model = prepared.model(self.space);
+        let mut plan = self.nothing_yet(electrode, &model);
+        plan.field_seconds = started.elapsed().as_secs_f64();
         let mut genetic = *self.settings.genetic;
         self.search(&mut plan, &model, &genetic, &Lessons::default(), 0)?;
         plan.h = plan.nodes.iter().map(|n| n.h).fold(0.0, f64::max);
@@ -94,21 +77,50 @@ impl Planner<'_> {
         if plan.h > 0.0 {
             // An electrode with more reduction lies inside one with less, so its path stays free.
             let remade = match remake(plan.h) {
-                Ok(remade) => remade,
+                Ok(remade) => Arc::new(remade),
                 Err(error) if leaves_nothing(&error) => {
                     plan.jam = plan.nodes.last().map(|node| nothing_left(plan.nodes.len(), node, plan.h));
                     return Ok(plan);
                 }
                 Err(error) => return Err(error.into()),
             };
-            let fields = self.electrode_fields(&remade)?;
+            let prepared = self.prepared(remade.clone())?;
             plan.nodes.iter_mut().for_each(|node| node.h = 0.0);
-            self.verify_and_mend(&mut plan, &remade, &self.model(&remade, &fields)?, &genetic)?;
-            plan.remade = Some(Box::new(remade));
+            self.verify_and_mend(&mut plan, &remade, &prepared.model(self.space), &genetic)?;
+            plan.remade = Some(remade);
         } else {
             self.verify_and_mend(&mut plan, electrode, &model, &genetic)?;
         }
         Ok(plan)
+    }
+
+    /// Plans `electrode`, which is that of `model` with its walls drawn in by [`turns`](Self::turns).
+    pub(super) fn plan_drawn_in(&self, electrode: &Electrode, model: &ClearanceModel) -> Result<FeedPlan, PlanError> {
+        let mut plan = self.nothing_yet(electrode, model);
+        let genetic = GeneticParams { h: ReductionMode::Given, ..*self.settings.genetic };
+        self.search(&mut plan, model, &genetic, &Lessons::default(), 0)?;
+        if plan.jam.is_none() {
+            self.verify_and_mend(&mut plan, electrode, model, &genetic)?;
+        }
+        Ok(plan)
+    }
+
+    pub(super) fn nothing_yet(&self, electrode: &Electrode, model: &ClearanceModel) -> FeedPlan {
+        FeedPlan {
+            nodes: Vec::new(),
+            convergence: Vec::new(),
+            jam: None,
+            path: None,
+            h: 0.0,
+            remade: None,
+            ranges: self.ranges(electrode),
+            probes: model.probes(),
+            rounds: 0,
+            mends: 0,
+            field_seconds: 0.0,
+            search_seconds: 0.0,
+            verify_seconds: 0.0,
+        }
     }
 
     /// Verifies the path; where it comes too near, adds the contacts to the samples and mends it, or searches anew from
@@ -170,9 +182,9 @@ impl Planner<'_> {
         let step = self.settings.plan.step_mm;
         for contact in violations {
             let lack = (self.settings.spark_gap - contact.distance).max(0.0);
-            let face = model.face_at(contact.on_electrode);
+            let (point, face) = model.before_turning(contact.on_electrode, self.turns);
             let extra = lack + Self::BEYOND;
-            lessons.on_electrode.push(Sample { point: contact.on_electrode, face, extra, stays_to: Sample::ALWAYS });
+            lessons.on_electrode.push(Sample { point, face, extra, stays_to: Sample::ALWAYS });
             let face = ElectrodeFace::FarEnd;
             lessons.on_blisk.push(Sample { point: contact.on_blisk, face, extra, stays_to: Sample::ALWAYS });
             lessons.fine.push([contact.s - step, contact.s + step]);
@@ -261,7 +273,7 @@ impl Planner<'_> {
     }
 
     /// Calls `work` with the search problem for `model`.
-    fn with_problem<T>(
+    pub(super) fn with_problem<T>(
         &self,
         plan: &FeedPlan,
         model: &ClearanceModel,
@@ -288,7 +300,7 @@ impl Planner<'_> {
             travel: lessons.travel.unwrap_or_else(|| machine.limits()),
             ranges: plan.ranges,
             demand: Demand { spark_gap, margin: params.margin_mm, guard: Self::GUARD, room: 0.0 },
-            turns: Turns::NONE,
+            turns: self.turns,
             side: model.side(),
             ends: params.interpolation.ends,
             step: params.step_mm,
@@ -298,36 +310,10 @@ impl Planner<'_> {
         })
     }
 
-    /// The electrode's own distance field, for the edges of the blisk, and where it is out of the blisk.
-    fn electrode_fields(&self, electrode: &Electrode) -> Result<ElectrodeFields, PlanError> {
-        const CELL: f64 = 0.35;
-        let exact = ExactMesh::new(&electrode.mesh)?;
-        let wanted = self.settings.spark_gap + self.settings.plan.margin_mm;
-        let region = electrode.mesh.bounds().grown(wanted + Bodies::AROUND);
-        let progress = self.progress.as_stage("electrode's distance field");
-        let distance = DistanceField::build(&electrode.mesh, &exact, region, CELL, &progress, self.cancel)?;
-        let outside = Outside::new(&self.space.blisk, &electrode.mesh, electrode.reference_point);
-        Ok(ElectrodeFields { distance, outside })
-    }
-
-    fn model<'f>(
-        &'f self,
-        electrode: &Electrode,
-        fields: &'f ElectrodeFields,
-    ) -> Result<ClearanceModel<'f>, PlanError> {
-        let bodies = Bodies {
-            blisk: &self.space.field,
-            electrode: &fields.distance,
-            faces_x: self.space.channel.faces_x,
-            outside: &fields.outside,
-            reference_point: electrode.reference_point,
-            side: electrode.enters_from,
-        };
-        let mut samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default(), self.cancel)?;
-        if self.settings.genetic.h == ReductionMode::Variable {
-            limit_to_reduced(&mut samples, &fields.distance, self.settings.genetic.h_max_deg.to_radians());
-        }
-        Ok(ClearanceModel::new(bodies, samples, self.space.edges.clone()))
+    fn prepared(&self, electrode: Arc<Electrode>) -> Result<PreparedElectrode, PlanError> {
+        let PlanSettings { plan, genetic, spark_gap, .. } = *self.settings;
+        let most = if genetic.h == ReductionMode::Variable { genetic.h_max_deg.to_radians() } else { 0.0 };
+        PreparedElectrode::new(self.space, electrode, spark_gap + plan.margin_mm, most, self.progress, self.cancel)
     }
 
     /// Full ranges of motion in one step by (7): Z within the passage's height, Y within half a pitch, C within

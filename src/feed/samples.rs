@@ -77,16 +77,16 @@ pub fn sample_electrode(
     // Corners first, so that no neighbour crowds them out.
     for edge in &edges {
         for v in edge.ends.into_iter().filter(|v| ends[v] != 2) {
-            sieve.offer(mesh.vertices[v as usize], faces[edge.triangle], 1e-6);
+            sieve.offer(mesh.vertices[v as usize], edge.face(faces), 1e-6);
         }
     }
     for edge in &edges {
         cancel.check()?;
         let [p, q] = edge.ends.map(|v| mesh.vertices[v as usize]);
-        let spacing = spacing.on(faces[edge.triangle]).edge;
+        let spacing = spacing.on(edge.face(faces)).edge;
         let pieces = (p.distance(q) / spacing).ceil().clamp(1.0, 1e4) as usize;
         for i in 0..=pieces {
-            sieve.offer(p.lerp(q, i as f64 / pieces as f64), faces[edge.triangle], 0.7 * spacing);
+            sieve.offer(p.lerp(q, i as f64 / pieces as f64), edge.face(faces), 0.7 * spacing);
         }
     }
     for (corners, &face) in mesh.iter_corners().zip(faces) {
@@ -106,21 +106,30 @@ pub fn sample_electrode(
     Ok(sieve.kept)
 }
 
-/// Finds how far, at most by `h_max` (rad), each wall can be drawn in with each sample still part of the electrode: as
+/// Finds how far, at most by `most` (rad), each wall can be drawn in with each sample still part of the electrode: as
 /// long as it is inside the electrode turned about X as that wall is. `field` is that of the electrode. The walls
-/// themselves follow h and the holder does not change.
-pub fn limit_to_reduced(samples: &mut [Sample], field: &DistanceField, h_max: f64) {
+/// themselves follow and the holder does not change.
+pub fn limit_to_reduced(samples: &mut [Sample], field: &DistanceField, most: f64) {
     const STEPS: u32 = 64;
+    const HALVINGS: u32 = 5;
     /// Off the surface by no more than rounding and the field's error (mm).
     const INSIDE: f64 = 3.0 * DistanceField::ACCURACY;
     let follows = |face| matches!(face, ElectrodeFace::LowWall | ElectrodeFace::HighWall | ElectrodeFace::Holder);
-    let step = h_max / f64::from(STEPS);
+    let step = most / f64::from(STEPS);
     samples.par_iter_mut().filter(|s| !follows(s.face)).for_each(|sample| {
-        sample.stays_to = [-step, step].map(|turn| {
-            let seen = |i: u32| DMat3::from_rotation_x(f64::from(i) * turn) * sample.point;
-            let inside = |i: &u32| field.value(seen(*i)).is_some_and(|d| d <= INSIDE);
-            let steps = (1..=STEPS).take_while(inside).count();
-            if steps == STEPS as usize { f64::INFINITY } else { steps as f64 * step }
+        sample.stays_to = [-1.0, 1.0].map(|sense| {
+            let seen = |turn: f64| DMat3::from_rotation_x(sense * turn) * sample.point;
+            let inside = |turn: f64| field.value(seen(turn)).is_some_and(|d| d <= INSIDE);
+            let steps = (1..=STEPS).take_while(|&i| inside(f64::from(i) * step)).count();
+            if steps == STEPS as usize {
+                return f64::INFINITY;
+            }
+            let (mut stays, mut gone) = (steps as f64 * step, (steps + 1) as f64 * step);
+            for _ in 0..HALVINGS {
+                let middle = 0.5 * (stays + gone);
+                if inside(middle) { stays = middle } else { gone = middle }
+            }
+            stays
         });
     });
 }
@@ -157,10 +166,18 @@ pub fn sample_convex_edges(
 /// An edge where the surface bends.
 struct BentEdge {
     ends: [u32; 2],
-    /// One of its triangles.
-    triangle: usize,
+    /// Its triangles.
+    triangles: [usize; 2],
     /// Whether the solid is on the inside of the bend.
     convex: bool,
+}
+
+impl BentEdge {
+    /// The face it counts as part of: a wall's edge follows the wall when that is drawn in.
+    fn face(&self, faces: &[ElectrodeFace]) -> ElectrodeFace {
+        let [first, second] = self.triangles.map(|t| faces[t]);
+        if matches!(second, ElectrodeFace::LowWall | ElectrodeFace::HighWall) { second } else { first }
+    }
 }
 
 /// Edges where the surface bends by more than `angle` (rad), in order of first occurrence.
@@ -178,7 +195,7 @@ fn bent_edges(mesh: &Mesh, angle: f64) -> Vec<BentEdge> {
             };
             if normals[i].dot(normals[j]) < angle.cos() {
                 let arm = mesh.vertices[opposite as usize] - mesh.vertices[here as usize];
-                bent.push(BentEdge { ends, triangle: j, convex: arm.dot(normals[j]) < 0.0 });
+                bent.push(BentEdge { ends, triangles: [j, i], convex: arm.dot(normals[j]) < 0.0 });
             }
         }
     }

@@ -6,5 +6,6 @@ pub mod plan;
 pub mod plan_files;
 pub mod plan_pictures;
 pub mod plan_report;
+pub mod prepared_blisk;
 pub mod stages;
 pub mod worker;

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::prepared_blisk::PreparedBlisk;
 use crate::blisk::channel::Channel;
 use crate::blisk::electrode::{
     Electrode, ElectrodeError, ElectrodeParams, EnterSide, EntrySide, from_user_mesh, make_electrodes,
@@ -11,10 +12,10 @@ use crate::blisk::error::BliskError;
 use crate::blisk::find_channel::find_channel;
 use crate::blisk::surface_finder::SurfaceFinder;
 use crate::export::report::StageTime;
-use crate::feed::plan::{FeedPlan, Observe, PlanSettings, PlanningSpace, plan_feed};
+use crate::feed::plan::{FeedPlan, Observe, PlanSettings, plan_drawn_in, plan_feed};
 use crate::feed::plan_params::PlanError;
 use crate::feed::replay::{Surroundings, replay_feed};
-use crate::feed::search::{Convergence, Node};
+use crate::feed::search::{Convergence, Node, Strategy};
 use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::frame::Frame;
 use crate::geometry::mesh::Mesh;
@@ -108,43 +109,6 @@ impl From<PlanError> for PlanJobError {
     }
 }
 
-/// A blisk made ready for planning: everything that does not change while electrodes and searches are tuned.
-pub struct PreparedBlisk {
-    /// For exact distances, in W.
-    exact: Arc<ExactMesh>,
-    /// The channel with its distance field.
-    space: PlanningSpace,
-    /// Size of a cell of the field (mm).
-    cell: f64,
-    /// Times of the stages.
-    clock: Clock,
-}
-
-impl PreparedBlisk {
-    /// Builds the distance field about `channel`; `blisk` and `exact` are in W.
-    ///
-    /// # Errors
-    /// If the field gets too large, or when told to stop.
-    pub fn new(
-        blisk: Arc<Mesh>,
-        exact: Arc<ExactMesh>,
-        channel: Arc<Channel>,
-        cell: f64,
-        progress: &Progress,
-        cancel: &Cancel,
-    ) -> Result<Self, PlanJobError> {
-        let mut clock = Clock::default();
-        let build = || PlanningSpace::new(blisk, &exact, channel, cell, progress, cancel);
-        let space = clock.time("distance field", build)?;
-        Ok(Self { exact, space, cell, clock })
-    }
-
-    /// Whether it was made with this cell size (mm).
-    pub fn has_cell(&self, cell: f64) -> bool {
-        self.cell == cell
-    }
-}
-
 /// Plans every electrode of the job.
 ///
 /// # Errors
@@ -179,18 +143,17 @@ pub fn run_prepared(
     cancel: &Cancel,
 ) -> Result<PlanOutcome, PlanJobError> {
     inputs.job.validate().map_err(PlanJobError::Job)?;
-    let PreparedBlisk { space, exact, clock, .. } = prepared;
-    let mut planner = JobPlanner { inputs, space, exact, observe, progress, cancel, clock: clock.clone() };
+    let mut planner = JobPlanner { inputs, prepared, observe, progress, cancel, clock: prepared.clock.clone() };
     let electrodes = planner.electrodes()?;
-    Ok(PlanOutcome { channel: space.channel.clone(), electrodes, times: planner.clock.0 })
+    Ok(PlanOutcome { channel: prepared.space.channel.clone(), electrodes, times: planner.clock.0 })
 }
 
 /// Adds up the times of stages by name.
 #[derive(Clone, Default)]
-struct Clock(Vec<StageTime>);
+pub(super) struct Clock(pub(super) Vec<StageTime>);
 
 impl Clock {
-    fn time<T>(&mut self, stage: &str, work: impl FnOnce() -> T) -> T {
+    pub(super) fn time<T>(&mut self, stage: &str, work: impl FnOnce() -> T) -> T {
         let started = Instant::now();
         let result = work();
         self.add(stage, started.elapsed().as_secs_f64());
@@ -207,8 +170,7 @@ impl Clock {
 
 struct JobPlanner<'a> {
     inputs: &'a PlanInputs,
-    space: &'a PlanningSpace,
-    exact: &'a ExactMesh,
+    prepared: &'a PreparedBlisk,
     observe: &'a ObservePlan<'a>,
     progress: &'a Progress,
     cancel: &'a Cancel,
@@ -254,7 +216,7 @@ impl JobPlanner<'_> {
                     before
                 }
             };
-            tried.extend(worse.map(|o| (o.electrode.enters_from, o.plan.verdict(&self.space.channel))));
+            tried.extend(worse.map(|o| (o.electrode.enters_from, o.plan.verdict(&self.prepared.space.channel))));
             if best.as_ref().is_some_and(|b| b.plan.is_verified()) {
                 break;
             }
@@ -272,23 +234,40 @@ impl JobPlanner<'_> {
         self.clock.add("electrode", started.elapsed().as_secs_f64());
         let observe = |nodes: &[Node], traces: &[Convergence]| (self.observe)(&electrode, nodes, traces);
         let settings = settings_of(&self.inputs.job, &observe);
-        let remake = |h: f64| self.electrode(part, side, h);
-        let mut plan = plan_feed(self.space, &electrode, &settings, &remake, self.progress, self.cancel)?;
+        let mut plan = match self.inputs.job.plan.strategy {
+            Strategy::Global => self.drawn_in(part, &electrode, &settings)?,
+            Strategy::Genetic => {
+                let remake = |h: f64| self.electrode(part, side, h);
+                plan_feed(&self.prepared.space, &electrode, &settings, &remake, self.progress, self.cancel)?
+            }
+        };
         self.clock.add("electrode field", plan.field_seconds);
         self.clock.add("search", plan.search_seconds);
         self.clock.add("certificate", plan.verify_seconds);
-        let electrode = plan.remade.take().map_or_else(|| Arc::unwrap_or_clone(electrode), |remade| *remade);
+        let electrode = plan.remade.take().map_or_else(|| Arc::unwrap_or_clone(electrode), Arc::unwrap_or_clone);
         Ok(ElectrodeOutcome { electrode, plan, tried: Vec::new() })
     }
 
+    /// The plan of `electrode` on the fullest one of its kind, which later plans with other reductions share.
+    fn drawn_in(&self, part: usize, electrode: &Electrode, settings: &PlanSettings) -> Result<FeedPlan, PlanJobError> {
+        let started = Instant::now();
+        let which = (part, electrode.enters_from);
+        let (full, turns) = self.prepared.fullest(self.inputs, which, self.progress, self.cancel)?;
+        let field_seconds = started.elapsed().as_secs_f64();
+        let space = &self.prepared.space;
+        let plan = plan_drawn_in(space, &full, turns, electrode, settings, self.progress, self.cancel)?;
+        Ok(FeedPlan { field_seconds, ..plan })
+    }
+
     fn electrode(&self, part: usize, side: EntrySide, h: f64) -> Result<Electrode, ElectrodeError> {
-        electrode_of(self.inputs, &self.space.channel, self.exact, (part, side, h), self.progress, self.cancel)
+        let PreparedBlisk { space, exact, .. } = self.prepared;
+        electrode_of(self.inputs, &space.channel, exact, (part, side, h), self.progress, self.cancel)
     }
 }
 
 /// The electrode number `part` along X for a side, with its walls drawn in by a further `h` (rad), its vertices as a file
 /// will hold them.
-fn electrode_of(
+pub(super) fn electrode_of(
     inputs: &PlanInputs,
     channel: &Channel,
     exact: &ExactMesh,

@@ -77,48 +77,41 @@ impl SearchProblem<'_> {
         progress: &Progress,
         cancel: &Cancel,
     ) -> Result<SearchOutcome, Cancelled> {
-        let t0 = std::time::Instant::now();
-        match self.way_out_of(params, progress, cancel)? {
+        match self.way_out_of(params, &Self::WIDENINGS, progress, cancel)? {
             Ok(way) => {
-                eprintln!(
-                    "way {:.3} s width {:.4} layers {}",
-                    t0.elapsed().as_secs_f64(),
-                    way.last().unwrap().width,
-                    way.len()
-                );
                 let nodes = self.polished(self.nodes_along(&way), params, cancel)?;
-                eprintln!("polished {:.3} s", t0.elapsed().as_secs_f64());
-                let plain = |n: &Node| Convergence { s: n.s, best: Vec::new(), mean: Vec::new() };
-                let convergence = nodes[1..].iter().map(plain).collect();
-                Ok(SearchOutcome { nodes, convergence, jam: None })
+                Ok(SearchOutcome { convergence: unsearched(&nodes), nodes, jam: None })
             }
             Err(end) => {
-                eprintln!(
-                    "dead end {:.3} s at {:.3} lack {:.4} way {}",
-                    t0.elapsed().as_secs_f64(),
-                    end.s,
-                    end.lack,
-                    end.way.len()
-                );
                 let nodes = self.nodes_along(&end.way);
-                let convergence =
-                    nodes[1..].iter().map(|n| Convergence { s: n.s, best: Vec::new(), mean: Vec::new() }).collect();
                 let jam = self.dead_end(&end, nodes.len(), surface_of);
-                Ok(SearchOutcome { nodes, convergence, jam: Some(jam) })
+                Ok(SearchOutcome { convergence: unsearched(&nodes), nodes, jam: Some(jam) })
             }
         }
+    }
+
+    /// Width of a wide way out (mm); none if none is found with the poses asked for.
+    pub(super) fn width_of_way(
+        &self,
+        params: &GlobalParams,
+        progress: &Progress,
+        cancel: &Cancel,
+    ) -> Result<Option<f64>, Cancelled> {
+        let found = self.way_out_of(params, &Self::WIDENINGS[..2], progress, cancel)?;
+        Ok(found.ok().and_then(|way| way.last().map(|w| w.width)))
     }
 
     /// A wide way out, or where all ways end.
     fn way_out_of(
         &self,
         params: &GlobalParams,
+        widenings: &[f64],
         progress: &Progress,
         cancel: &Cancel,
     ) -> Result<Result<Way, DeadEnd>, Cancelled> {
         let coarse = self.model.thinned(Self::COARSE);
         let mut furthest: Option<DeadEnd> = None;
-        for share in Self::WIDENINGS {
+        for share in widenings {
             let poses = (share * params.poses as f64).round().max(2.0) as usize;
             let effort = Effort { poses, seeds: Self::SEEDS * poses, step: Self::STRIDE_RATIO * self.step };
             match Corridor::new(self, &coarse, params.room_mm, effort).explore(progress, cancel)? {
@@ -154,4 +147,9 @@ impl SearchProblem<'_> {
         });
         Jam { node, s: end.s, pose: end.pose, cause }
     }
+}
+
+/// No node was searched by itself: nothing converged.
+fn unsearched(nodes: &[Node]) -> Vec<Convergence> {
+    nodes[1..].iter().map(|n| Convergence { s: n.s, best: Vec::new(), mean: Vec::new() }).collect()
 }

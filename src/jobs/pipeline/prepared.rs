@@ -2,7 +2,8 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::jobs::plan::{PlanJobError, PreparedBlisk};
+use crate::jobs::plan::PlanJobError;
+use crate::jobs::prepared_blisk::PreparedBlisk;
 use crate::jobs::stages::FoundChannel;
 use crate::progress::{Cancel, Progress};
 
