@@ -17,6 +17,7 @@ macro_rules! say {
 mod inspect;
 mod plan;
 mod render;
+mod size;
 mod terminal;
 mod verify;
 
@@ -66,6 +67,14 @@ enum Command {
         /// Folder for the results, made if it is not there.
         #[arg(long, value_name = "DIR")]
         out: PathBuf,
+    },
+    /// The thickest electrodes that come out: least reductions for one part and more, on either side, each certified.
+    Size {
+        /// The job file (TOML); its reductions do not matter.
+        job: PathBuf,
+        /// Up to how many parts.
+        #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=20))]
+        parts: u8,
     },
     /// Certifies a feed path file, whoever made it.
     Verify(VerifyArguments),
@@ -273,6 +282,7 @@ fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> 
     match command {
         Command::Demo { out } => plan::demo(out, session),
         Command::Plan { job, out } => plan::plan(job, out, session),
+        Command::Size { job, parts } => size::size(job, usize::from(*parts), session),
         Command::Verify(arguments) => verify::verify(arguments, session),
         Command::Render(arguments) => render::render(arguments, session),
         Command::Inspect(arguments) => inspect::inspect(arguments, session),

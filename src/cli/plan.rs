@@ -14,6 +14,12 @@ use crate::project::PlanJob;
 
 /// Plans the job in the file `job_file` and writes its results into `out`.
 pub(super) fn plan(job_file: &Path, out: &Path, session: &Session) -> anyhow::Result<Answer> {
+    let (inputs, files) = load(job_file, session)?;
+    finish(&inputs, files, out, session)
+}
+
+/// Reads a job file and its meshes, and what a report says of these.
+pub(super) fn load(job_file: &Path, session: &Session) -> anyhow::Result<(PlanInputs, Vec<InputFile>)> {
     let mut job = PlanJob::read(job_file)?;
     let Some(mesh) = job.blisk.mesh.clone() else { anyhow::bail!("{}: [blisk] mesh is missing", job_file.display()) };
     if let Some(seed) = session.seed {
@@ -32,7 +38,7 @@ pub(super) fn plan(job_file: &Path, out: &Path, session: &Session) -> anyhow::Re
         }
         None => None,
     };
-    finish(&PlanInputs { blisk: blisk.mesh.into(), own_electrode: own, job }, files, out, session)
+    Ok((PlanInputs { blisk: blisk.mesh.into(), own_electrode: own, job }, files))
 }
 
 /// The whole journey on the built-in blisk.

@@ -94,7 +94,13 @@ impl Bodies<'_> {
     /// the distance from the blisk's faces, or -1 beside the field, where nothing is known.
     #[inline]
     pub fn clearance_at(&self, p: DVec3) -> f64 {
-        self.blisk.value(p).unwrap_or_else(|| self.clearance_outside(p))
+        self.clearance_or_enough(p, f64::INFINITY)
+    }
+
+    /// The same, or any value that is no less than `enough` (mm) if that is less.
+    #[inline]
+    fn clearance_or_enough(&self, p: DVec3, enough: f64) -> f64 {
+        self.blisk.value_or_enough(p, enough).unwrap_or_else(|| self.clearance_outside(p))
     }
 
     fn clearance_outside(&self, p: DVec3) -> f64 {
@@ -111,21 +117,28 @@ impl Bodies<'_> {
 
     /// Clearance of a point of the blisk from the electrode in its final pose.
     #[inline]
-    fn distance_to_electrode(&self, p: DVec3) -> f64 {
-        self.electrode.value(p).unwrap_or(f64::INFINITY)
+    fn distance_to_electrode(&self, p: DVec3, enough: f64) -> f64 {
+        self.electrode.value_or_enough(p, enough).unwrap_or(f64::INFINITY)
     }
 
     #[inline]
-    fn electrode_clearance(&self, placed: &Placed, p: DVec3, group: usize) -> f64 {
-        self.clearance_at(placed.to_blisk[group].transform_point3(p))
+    fn electrode_clearance(&self, placed: &Placed, p: DVec3, group: usize, enough: f64) -> f64 {
+        self.clearance_or_enough(placed.to_blisk[group].transform_point3(p), enough)
     }
 
     /// Clearance of the point `p` of the blisk. With walls drawn in the electrode is what is left of it then, the
     /// intersection of three: no nearer than any of them.
     #[inline]
-    fn blisk_clearance(&self, placed: &Placed, p: DVec3) -> f64 {
-        let seen = |i: usize| self.distance_to_electrode(placed.to_electrode[i].transform_point3(p));
-        if placed.turns.is_none() { seen(0) } else { seen(0).max(seen(1)).max(seen(2)) }
+    fn blisk_clearance(&self, placed: &Placed, p: DVec3, enough: f64) -> f64 {
+        let seen = |i: usize| self.distance_to_electrode(placed.to_electrode[i].transform_point3(p), enough);
+        let mut clearance = seen(0);
+        for i in 1..3 {
+            if placed.turns.is_none() || clearance >= enough {
+                break;
+            }
+            clearance = clearance.max(seen(i));
+        }
+        clearance
     }
 }
 
@@ -138,7 +151,7 @@ impl<'a> ClearanceModel<'a> {
             levers: [greatest(&|p| p.y.hypot(p.z)), greatest(&|p| p.distance(bodies.reference_point))],
             bodies,
             electrode: Probes::new(electrode_samples, |p| bodies.clearance_at(p)),
-            blisk: Probes::new(blisk_points, |p| bodies.distance_to_electrode(p)),
+            blisk: Probes::new(blisk_points, |p| bodies.distance_to_electrode(p, f64::INFINITY)),
         }
     }
 
@@ -204,8 +217,8 @@ impl<'a> ClearanceModel<'a> {
         if *hint < clusters && !self.cluster_is_free(*hint, &placed, &at, demand) {
             return false;
         }
-        let of_electrode = |p: DVec3, group| self.bodies.electrode_clearance(&placed, p, group);
-        let of_blisk = |p: DVec3, _| self.bodies.blisk_clearance(&placed, p);
+        let of_electrode = |p: DVec3, group, enough: f64| self.bodies.electrode_clearance(&placed, p, group, enough);
+        let of_blisk = |p: DVec3, _, enough: f64| self.bodies.blisk_clearance(&placed, p, enough);
         let blocked = self.electrode.first_blocked(&at, demand, &of_electrode, doubt).or_else(|| {
             let blocked = self.blisk.first_blocked(&at, demand, &of_blisk, doubt)?;
             Some(self.electrode.clusters() + blocked)
@@ -219,11 +232,12 @@ impl<'a> ClearanceModel<'a> {
     fn cluster_is_free(&self, i: usize, placed: &Placed, at: &Instant, demand: &Demand) -> bool {
         match i.checked_sub(self.electrode.clusters()) {
             None => {
-                let clearance = |p: DVec3, group| self.bodies.electrode_clearance(placed, p, group);
+                let clearance =
+                    |p: DVec3, group, enough: f64| self.bodies.electrode_clearance(placed, p, group, enough);
                 self.electrode.cluster_is_free(i, at, demand, &clearance, doubt)
             }
             Some(j) => {
-                let clearance = |p: DVec3, _| self.bodies.blisk_clearance(placed, p);
+                let clearance = |p: DVec3, _, enough: f64| self.bodies.blisk_clearance(placed, p, enough);
                 self.blisk.cluster_is_free(j, at, demand, &clearance, doubt)
             }
         }
@@ -232,12 +246,12 @@ impl<'a> ClearanceModel<'a> {
     /// The probes that lack clearance, in order; of each cluster only the one that lacks most, if `one_each`.
     pub(super) fn lacking(&self, placed: &Placed, at: &Instant, demand: &Demand, one_each: bool) -> Vec<Lacking> {
         let mut found = Vec::new();
-        let clearance = |p: DVec3, group| self.bodies.electrode_clearance(placed, p, group);
+        let clearance = |p: DVec3, group, enough: f64| self.bodies.electrode_clearance(placed, p, group, enough);
         self.electrode.lacking(at, demand, &clearance, doubt, one_each, |probe, lack| {
             found.push(Lacking { probe, lack });
         });
         let first = self.samples().len();
-        let clearance = |p: DVec3, _| self.bodies.blisk_clearance(placed, p);
+        let clearance = |p: DVec3, _, enough: f64| self.bodies.blisk_clearance(placed, p, enough);
         self.blisk.lacking(at, demand, &clearance, doubt, one_each, |k, lack| {
             found.push(Lacking { probe: first + k, lack });
         });
@@ -270,7 +284,7 @@ impl<'a> ClearanceModel<'a> {
         // Of the electrode as it is and with each wall turned, the one that is furthest away bounds what is left.
         let seen = |i: usize| placed.to_electrode[i].transform_point3(on_blisk);
         let all = if placed.turns.is_none() { 0..1 } else { 0..3 };
-        let distance = |i: &usize| self.bodies.distance_to_electrode(seen(*i));
+        let distance = |i: &usize| self.bodies.distance_to_electrode(seen(*i), f64::INFINITY);
         let group = all.max_by(|i, j| distance(i).total_cmp(&distance(j)).then(j.cmp(i))).unwrap_or(0);
         let nearest = self.bodies.electrode.value_and_gradient(seen(group));
         let (clearance, outward) = nearest.unwrap_or((Bodies::AROUND, DVec3::X));
@@ -289,9 +303,9 @@ impl<'a> ClearanceModel<'a> {
     /// The least clearance of any probe at `pose` with the walls drawn in by `turns` (mm).
     pub fn least_clearance(&self, pose: &Pose, turns: Turns) -> f64 {
         let placed = self.placed(pose, turns);
-        let electrode = |s: &Sample| self.bodies.electrode_clearance(&placed, s.point, group(s.face));
+        let electrode = |s: &Sample| self.bodies.electrode_clearance(&placed, s.point, group(s.face), f64::INFINITY);
         let electrode = self.electrode.held(turns).map(|(_, s)| electrode(s));
-        let blisk = self.blisk.held(turns).map(|(_, s)| self.bodies.blisk_clearance(&placed, s.point));
+        let blisk = self.blisk.held(turns).map(|(_, s)| self.bodies.blisk_clearance(&placed, s.point, f64::INFINITY));
         electrode.chain(blisk).fold(f64::INFINITY, f64::min)
     }
 

@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::machine::BeyondTravel;
 use super::pose::{Axis, Pose};
+use super::sizing::Opening;
 use crate::blisk::channel::{Channel, Surface};
 use crate::geometry::frame::Cylindrical;
 
@@ -19,6 +20,8 @@ pub struct Jam {
     pub pose: Pose,
     /// What stops the electrode there.
     pub cause: JamCause,
+    /// How much more reduction would open a way, where that was looked for.
+    pub opening: Option<Opening>,
 }
 
 /// What stops an electrode.
@@ -73,8 +76,13 @@ impl Jam {
         }
     }
 
-    /// Where and why the search ended, in one sentence.
+    /// Where and why the search ended, and what would help, in one sentence.
     pub fn sentence(&self, channel: &Channel) -> String {
+        let help = self.opening.map(|opening| opening_sentence(&opening, channel)).unwrap_or_default();
+        format!("{}{help}", self.where_and_why(channel))
+    }
+
+    fn where_and_why(&self, channel: &Channel) -> String {
         let place = format!("jams at node {} ({:.2} mm withdrawn)", self.node, self.s);
         match self.cause {
             JamCause::Contact(JamContact { on_blisk: at, surface, lack, .. }) => {
@@ -101,5 +109,21 @@ impl Jam {
             ),
             JamCause::Unknown => format!("{place}: no free pose was found"),
         }
+    }
+}
+
+/// What would open a way, to follow a verdict.
+fn opening_sentence(opening: &Opening, channel: &Channel) -> String {
+    let deg = |angle: f64| format!("{:.2} deg", angle.to_degrees());
+    let wall = |surface, angle: Option<f64>| {
+        angle.map(|a| format!("{} on the side of the {} alone", deg(a), channel.surface_name(surface)))
+    };
+    let both = opening.both.map(|a| format!("{} on both walls", deg(a)));
+    let ways = [both, wall(Surface::LowWall, opening.low), wall(Surface::HighWall, opening.high)];
+    let ways: Vec<String> = ways.into_iter().flatten().collect();
+    if ways.is_empty() {
+        "; no reduction that was tried opens a way".to_owned()
+    } else {
+        format!("; more reduction opens a way: {}", ways.join(", or "))
     }
 }

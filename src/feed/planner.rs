@@ -21,6 +21,7 @@ use super::prepared::PreparedElectrode;
 use super::probes::{Demand, Turns};
 use super::samples::Sample;
 use super::search::{Constraint, Convergence, Node, SearchProblem, Strategy, StrategyParams};
+use super::sizing::{Opening, Sizer};
 use super::smoothness::axis_smoothness;
 use super::verify::Verifier;
 use crate::blisk::electrode::{Electrode, ElectrodeError, ElectrodeFace};
@@ -99,10 +100,23 @@ impl Planner<'_> {
         let mut plan = self.nothing_yet(electrode, model);
         let genetic = GeneticParams { h: ReductionMode::Given, ..*self.settings.genetic };
         self.search(&mut plan, model, &genetic, &Lessons::default(), 0)?;
-        if plan.jam.is_none() {
-            self.verify_and_mend(&mut plan, electrode, model, &genetic)?;
+        match &mut plan.jam {
+            None => self.verify_and_mend(&mut plan, electrode, model, &genetic)?,
+            Some(jam) if jam.contact().is_some() => jam.opening = Some(self.opening(electrode, model)?),
+            Some(_) => {}
         }
         Ok(plan)
+    }
+
+    /// How much more reduction would open a way.
+    fn opening(&self, electrode: &Electrode, model: &ClearanceModel) -> Result<Opening, PlanError> {
+        /// To what angle that is found, and up to which it is looked for (rad).
+        const TOLERANCE: f64 = 0.001;
+        const MOST: f64 = 0.05;
+        let Self { space, settings, progress, cancel, .. } = *self;
+        let progress = &progress.as_stage("what would open a way");
+        let sizer = Sizer { space, electrode, model, settings, tolerance: TOLERANCE, most: MOST, progress, cancel };
+        sizer.opening(self.turns)
     }
 
     pub(super) fn nothing_yet(&self, electrode: &Electrode, model: &ClearanceModel) -> FeedPlan {
@@ -380,7 +394,7 @@ fn leaves_nothing(error: &ElectrodeError) -> bool {
 
 /// The end of a search whose way out, `nodes` nodes long to `last`, takes more reduction than the electrode has metal.
 fn nothing_left(nodes: usize, last: &Node, h: f64) -> Jam {
-    Jam { node: nodes - 1, s: last.s, pose: last.pose, cause: JamCause::NothingLeft { h } }
+    Jam { node: nodes - 1, s: last.s, pose: last.pose, cause: JamCause::NothingLeft { h }, opening: None }
 }
 
 /// How far the electrode's points move when axes turn, over all of `nodes`.

@@ -126,12 +126,12 @@ impl Probes {
     }
 
     /// The first cluster that lacks clearance at an instant. `clearance` tells the clearance of a point of a
-    /// group; `doubt` how much too great it may be for what is so far away.
+    /// group, or any that is no less than its last argument if that is less; `doubt` how much too great it may be for what is so far away.
     pub fn first_blocked(
         &self,
         at: &Instant,
         demand: &Demand,
-        clearance: &impl Fn(DVec3, usize) -> f64,
+        clearance: &impl Fn(DVec3, usize, f64) -> f64,
         doubt: impl Fn(f64) -> f64 + Copy,
     ) -> Option<usize> {
         self.crowded_blocks(demand, clearance, doubt).find_map(|block| {
@@ -143,13 +143,14 @@ impl Probes {
     fn crowded_blocks(
         &self,
         demand: &Demand,
-        clearance: &impl Fn(DVec3, usize) -> f64,
+        clearance: &impl Fn(DVec3, usize, f64) -> f64,
         doubt: impl Fn(f64) -> f64,
     ) -> impl Iterator<Item = &Cluster> {
         self.blocks.iter().filter(move |block| {
             let group = group(self.samples[self.clusters[block.start].start].face);
             let enough = demand.wanted() + self.greatest_extra + block.radius;
-            clearance(block.center, group) < enough + doubt(enough)
+            let enough = enough + doubt(enough);
+            clearance(block.center, group, enough) < enough
         })
     }
 
@@ -159,7 +160,7 @@ impl Probes {
         &self,
         at: &Instant,
         demand: &Demand,
-        clearance: &impl Fn(DVec3, usize) -> f64,
+        clearance: &impl Fn(DVec3, usize, f64) -> f64,
         doubt: impl Fn(f64) -> f64 + Copy,
         one_each: bool,
         mut found: impl FnMut(usize, f64),
@@ -202,15 +203,17 @@ impl Probes {
         i: usize,
         at: &Instant,
         demand: &Demand,
-        clearance: &impl Fn(DVec3, usize) -> f64,
+        clearance: &impl Fn(DVec3, usize, f64) -> f64,
         doubt: impl Fn(f64) -> f64,
     ) -> bool {
         let c = &self.clusters[i];
         let group = group(self.samples[c.start].face);
         let enough = demand.wanted() + self.cluster_extra[i] + c.radius;
-        clearance(c.center, group) >= enough + doubt(enough)
+        let enough = enough + doubt(enough);
+        clearance(c.center, group, enough) >= enough
             || (c.start..c.end).all(|k| {
-                !at.holds(&self.samples[k]) || clearance(self.samples[k].point, group) >= self.demanded(k, at.s, demand)
+                let demanded = self.demanded(k, at.s, demand);
+                !at.holds(&self.samples[k]) || clearance(self.samples[k].point, group, demanded) >= demanded
             })
     }
 
@@ -220,12 +223,13 @@ impl Probes {
         i: usize,
         at: &Instant,
         demand: &Demand,
-        clearance: &impl Fn(DVec3, usize) -> f64,
+        clearance: &impl Fn(DVec3, usize, f64) -> f64,
     ) -> impl Iterator<Item = (usize, f64)> {
         let c = self.clusters[i];
         (c.start..c.end).filter_map(move |k| {
             let sample = &self.samples[k];
-            let lack = self.demanded(k, at.s, demand) - clearance(sample.point, group(sample.face));
+            let demanded = self.demanded(k, at.s, demand);
+            let lack = demanded - clearance(sample.point, group(sample.face), demanded);
             (lack > 0.0 && at.holds(sample)).then_some((k, lack))
         })
     }

@@ -430,7 +430,7 @@ impl SearchProblem<'_> {
         }
         expected[0] = task.x;
         let starts = [Pose::from_array(expected), Pose { x: task.x, ..task.from }];
-        let jam = |pose, cause| Jam { node: nodes.len(), s: task.s, pose, cause };
+        let jam = |pose, cause| Jam { node: nodes.len(), s: task.s, pose, cause, opening: None };
         // The other axes are free to stay where they are; X has to go on.
         if let Some((axis, limit)) = self.travel.beyond(&Pose { x: task.x, ..Pose::FINAL }) {
             return jam(starts[1], JamCause::Travel { axis, value: task.x, limit });

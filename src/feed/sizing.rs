@@ -1,20 +1,24 @@
 //! How little an electrode has to be reduced: the thickest one that comes out.
 
+use serde::Serialize;
+
+use super::clearance::ClearanceModel;
 use super::genetic::{GeneticParams, ReductionMode};
 use super::plan::{PlanSettings, PlanningSpace};
 use super::plan_params::PlanError;
-use super::planner::Planner;
-use super::prepared::PreparedElectrode;
+use super::planner::{Lessons, Planner};
 use super::probes::Turns;
 use crate::blisk::electrode::Electrode;
 use crate::progress::{Cancel, Progress};
 
-/// Looks for the least reductions of one electrode, given without any, on one side.
+/// Looks for the least reductions of one electrode on one side.
 pub struct Sizer<'a> {
     /// The channel.
     pub space: &'a PlanningSpace,
-    /// The electrode without circumferential reductions.
-    pub prepared: &'a PreparedElectrode,
+    /// The electrode as it was prepared.
+    pub electrode: &'a Electrode,
+    /// The model of its clearance.
+    pub model: &'a ClearanceModel<'a>,
     /// All that a plan needs; its strategy does not matter.
     pub settings: &'a PlanSettings<'a>,
     /// Angle to which the least reduction is found (rad).
@@ -36,21 +40,38 @@ pub struct Least {
     pub width: f64,
 }
 
+/// How much more an electrode that does not come out would have to be reduced (rad), by what is drawn in; none where
+/// even the most that is tried is not enough.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Opening {
+    /// Both walls by as much.
+    pub both: Option<f64>,
+    /// The low wall alone.
+    pub low: Option<f64>,
+    /// The high wall alone.
+    pub high: Option<f64>,
+}
+
 impl Sizer<'_> {
     /// How much wider a way gets with more reduction, as far as that is not known yet (mm / rad).
     const WIDENS: f64 = 5.0;
     /// Trials after which the search for the least ends in any case.
-    const TRIALS: usize = 14;
+    const TRIALS: usize = 12;
 
     /// Width of the way out with the walls drawn in by `turns` (mm); none if there is none at this resolution.
     ///
     /// # Errors
     /// [`PlanError::Cancelled`].
     pub fn width(&self, turns: Turns) -> Result<Option<f64>, PlanError> {
-        let settings = PlanSettings { genetic: &plain(self.settings.genetic), ..*self.settings };
+        let genetic = GeneticParams { h: ReductionMode::Given, ..*self.settings.genetic };
+        let settings = PlanSettings { genetic: &genetic, ..*self.settings };
         let silent = Progress::silent();
         let planner = Planner { space: self.space, settings: &settings, turns, progress: &silent, cancel: self.cancel };
-        planner.width_of_way(self.prepared.electrode(), &self.prepared.model(self.space))
+        let plan = planner.nothing_yet(self.electrode, self.model);
+        let width = planner.with_problem(&plan, self.model, &Lessons::default(), |problem| {
+            problem.width_of_way(&settings.plan.global, &silent, self.cancel)
+        });
+        Ok(width?)
     }
 
     /// The least angle, from 0 to [`most`](Self::most), with which a way out is found, looking about `first` first; `turns`
@@ -65,11 +86,8 @@ impl Sizer<'_> {
         let mut widens = Self::WIDENS;
         let mut angle = first.clamp(0.0, self.most);
         for trial in 0..Self::TRIALS {
-            self.progress.report(
-                "sizing",
-                trial as f64 / Self::TRIALS as f64,
-                &format!("{:.3} deg", angle.to_degrees()),
-            );
+            let done = trial as f64 / Self::TRIALS as f64;
+            self.progress.report("sizing", done, &format!("{:.2} deg", angle.to_degrees()));
             match self.width(turns(angle))? {
                 Some(width) => {
                     if let Some(wider) = open.filter(|o| o.angle > angle && o.width > width) {
@@ -92,29 +110,23 @@ impl Sizer<'_> {
             }
             // Where the width would be gone, but not beside what is known.
             let expected = least.angle - least.width / widens;
-            let kept = 0.2 * between;
-            angle = expected.clamp(blocked + kept, least.angle - kept.max(0.5 * self.tolerance)).max(0.0);
+            let kept = 0.25 * between;
+            angle = expected.clamp(blocked + kept, least.angle - kept).max(0.0);
         }
         Ok(open)
     }
-}
 
-/// The genetic parameters with nothing searched beyond what is given.
-fn plain(genetic: &GeneticParams) -> GeneticParams {
-    GeneticParams { h: ReductionMode::Given, ..*genetic }
-}
-
-impl Planner<'_> {
-    /// Width of the way out (mm) of the model's electrode, drawn in; none if there is none.
-    fn width_of_way(
-        &self,
-        electrode: &Electrode,
-        model: &super::clearance::ClearanceModel,
-    ) -> Result<Option<f64>, PlanError> {
-        let plan = self.nothing_yet(electrode, model);
-        let width = self.with_problem(&plan, model, &Default::default(), |problem| {
-            problem.width_of_way(&self.settings.plan.global, self.progress, self.cancel)
-        })?;
-        Ok(width)
+    /// How much more reduction would open a way from `turns` on, where there is none.
+    ///
+    /// # Errors
+    /// [`PlanError::Cancelled`].
+    pub fn opening(&self, turns: Turns) -> Result<Opening, PlanError> {
+        const FIRST: f64 = 0.005;
+        let Turns([low, high]) = turns;
+        let least = |walls: [f64; 2]| {
+            let drawn_in = |more: f64| Turns([low + walls[0] * more, high + walls[1] * more]);
+            Ok::<_, PlanError>(self.least(FIRST, &drawn_in)?.map(|least| least.angle))
+        };
+        Ok(Opening { both: least([1.0, 1.0])?, low: least([1.0, 0.0])?, high: least([0.0, 1.0])? })
     }
 }

@@ -114,6 +114,14 @@ impl From<PlanError> for PlanJobError {
 /// # Errors
 /// [`PlanJobError`]; that there is no path is not one of them.
 pub fn run(inputs: &PlanInputs, progress: &Progress, cancel: &Cancel) -> Result<PlanOutcome, PlanJobError> {
+    run_prepared(&prepare(inputs, progress, cancel)?, inputs, &|_, _, _| (), progress, cancel)
+}
+
+/// Makes the blisk of a job ready for planning.
+///
+/// # Errors
+/// If it has no channel, or one that is too large, or when told to stop.
+pub fn prepare(inputs: &PlanInputs, progress: &Progress, cancel: &Cancel) -> Result<PreparedBlisk, PlanJobError> {
     let job = &inputs.job;
     job.validate().map_err(PlanJobError::Job)?;
     let mut clock = Clock::default();
@@ -124,7 +132,7 @@ pub fn run(inputs: &PlanInputs, progress: &Progress, cancel: &Cancel) -> Result<
     let mut prepared = PreparedBlisk::new(blisk.into(), exact.into(), channel.into(), cell, progress, cancel)?;
     clock.0.append(&mut prepared.clock.0);
     prepared.clock = clock;
-    run_prepared(&prepared, inputs, &|_, _, _| (), progress, cancel)
+    Ok(prepared)
 }
 
 /// Looks at a plan while it is made: at the electrode that a way is searched for, and at what was found; see [`Observe`].
@@ -292,7 +300,7 @@ pub(super) fn electrode_of(
 }
 
 /// What concerns the feed in a job.
-fn settings_of<'a>(job: &'a PlanJob, observe: &'a Observe<'a>) -> PlanSettings<'a> {
+pub(super) fn settings_of<'a>(job: &'a PlanJob, observe: &'a Observe<'a>) -> PlanSettings<'a> {
     PlanSettings {
         plan: &job.plan,
         genetic: &job.genetic,
@@ -351,7 +359,7 @@ fn rank(outcome: &ElectrodeOutcome) -> (bool, bool, f64) {
 }
 
 /// The sides to try for the part that is number `part` of `parts` along X, the nearer one first.
-fn sides(enter: EnterSide, part: usize, parts: usize) -> Vec<EntrySide> {
+pub(super) fn sides(enter: EnterSide, part: usize, parts: usize) -> Vec<EntrySide> {
     let mut sides = enter.candidates().to_vec();
     if 2 * part >= parts && part > 0 {
         sides.reverse();

@@ -155,7 +155,7 @@ mod tests {
     #[test]
     fn a_jam_lies_beyond_the_last_node_that_was_reached() {
         let pose = Pose { x: -2.0, ..Pose::FINAL };
-        let jam = Jam { node: 4, s: 2.0, pose, cause: JamCause::Unknown };
+        let jam = Jam { node: 4, s: 2.0, pose, cause: JamCause::Unknown, opening: None };
         let jammed = track().with_jam(&jam);
         assert_eq!((jammed.length(), jammed.at(2.0).unwrap().pose), (2.0, pose));
         assert_eq!(jammed.at(1.5), track().at(1.5), "what was reached stays as it was");

@@ -75,6 +75,15 @@ pub enum EnterSide {
 }
 
 impl EnterSide {
+    /// As job files have it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::PlusX => "+x",
+            Self::MinusX => "-x",
+            Self::Auto => "auto",
+        }
+    }
+
     /// The sides to try, in order.
     pub fn candidates(self) -> &'static [EntrySide] {
         match self {

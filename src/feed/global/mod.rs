@@ -90,14 +90,14 @@ impl SearchProblem<'_> {
         }
     }
 
-    /// Width of a wide way out (mm); none if none is found with the poses asked for.
+    /// Width of a wide way out (mm); none if none is found with few poses.
     pub(super) fn width_of_way(
         &self,
         params: &GlobalParams,
         progress: &Progress,
         cancel: &Cancel,
     ) -> Result<Option<f64>, Cancelled> {
-        let found = self.way_out_of(params, &Self::WIDENINGS[..2], progress, cancel)?;
+        let found = self.way_out_of(params, &Self::WIDENINGS[..1], progress, cancel)?;
         Ok(found.ok().and_then(|way| way.last().map(|w| w.width)))
     }
 
@@ -145,7 +145,7 @@ impl SearchProblem<'_> {
             let (on_electrode, on_blisk) = (short.on_electrode, short.on_blisk);
             JamCause::Contact(JamContact { on_electrode, on_blisk, surface: surface_of(on_blisk), lack: end.lack })
         });
-        Jam { node, s: end.s, pose: end.pose, cause }
+        Jam { node, s: end.s, pose: end.pose, cause, opening: None }
     }
 }
 

@@ -86,11 +86,31 @@ impl DistanceField {
             list_ends: Vec::new(),
             list: Vec::new(),
             windings: HashMap::new(),
+            centres: Vec::new(),
             triangles,
         };
         let (leaves, lists) = field.assemble(roots, rows);
         signs::settle(&mut field, exact, leaves, lists, cancel)?;
+        field.centres = field.distances_at_centres(cancel)?;
         Ok(field)
+    }
+
+    /// Distance at the centre of every exact cell, in the order of their numbers.
+    fn distances_at_centres(&self, cancel: &Cancel) -> Result<Vec<f32>, Cancelled> {
+        let exact = |i: &usize| self.handles[*i].kind() >= Handle::OUTSIDE;
+        let numbers: Result<Vec<(usize, f32)>, Cancelled> = (0..self.handles.len())
+            .into_par_iter()
+            .filter(exact)
+            .map(|i| {
+                cancel.check()?;
+                let [nx, ny, _] = self.cells;
+                let center = self.center([i % nx, i / nx % ny, i / nx / ny]);
+                Ok((self.handles[i].number(), self.value(center).unwrap_or(0.0) as f32))
+            })
+            .collect();
+        let mut centres = vec![f32::NEG_INFINITY; self.list_ends.len()];
+        numbers?.into_iter().for_each(|(number, distance)| centres[number] = distance);
+        Ok(centres)
     }
 
     /// Puts the blocks together; answers how the surface passes each leaf and each exact cell.

@@ -45,6 +45,8 @@ pub struct DistanceField {
     list: Vec<u32>,
     /// Winding number at the reference point of each folded cell, by the number of its list.
     windings: HashMap<u32, i32>,
+    /// Distance at the centre of each exact cell (mm).
+    centres: Vec<f32>,
     triangles: LocalTriangles,
 }
 
@@ -114,6 +116,23 @@ impl DistanceField {
         })
     }
 
+    /// Signed distance at `p`, or any value from `enough` to it if it is known to be greater (mm): where it is enough to
+    /// know that, a cell's triangles need not be looked at. `None` outside the field's bounds.
+    #[inline]
+    pub fn value_or_enough(&self, p: DVec3, enough: f64) -> Option<f64> {
+        /// For rounding to single precision (mm).
+        const ROUNDING: f64 = 1e-5;
+        let (handle, cell) = self.locate(p)?;
+        if handle.kind() >= Handle::OUTSIDE {
+            // The distance changes by no more than one moves.
+            let least = f64::from(self.centres[handle.number()]) - p.distance(self.center(cell)) - ROUNDING;
+            if least >= enough {
+                return Some(least);
+            }
+        }
+        self.value(p)
+    }
+
     /// Signed distance at `p` and its gradient; `None` outside the field's bounds.
     pub fn value_and_gradient(&self, p: DVec3) -> Option<(f64, DVec3)> {
         let (handle, cell) = self.locate(p)?;
@@ -142,7 +161,7 @@ impl DistanceField {
             exact_cells: self.list_ends.len(),
             bytes: self.handles.len() * 4
                 + self.leaves.len() * 32
-                + (self.list_ends.len() + self.list.len()) * 4
+                + (self.list_ends.len() + self.list.len() + self.centres.len()) * 4
                 + self.triangles.bytes(),
         }
     }
@@ -162,6 +181,10 @@ impl DistanceField {
 
     fn index(&self, cell: [usize; 3]) -> usize {
         (cell[2] * self.cells[1] + cell[1]) * self.cells[0] + cell[0]
+    }
+
+    fn center(&self, cell: [usize; 3]) -> DVec3 {
+        self.bounds.min + (DVec3::from_array(cell.map(|i| i as f64)) + 0.5) * self.cell
     }
 
     #[inline]

@@ -1,0 +1,41 @@
+//! `sparkpath size`: the least reductions with which electrodes come out.
+
+use std::path::Path;
+
+use super::{Answer, Session};
+use crate::jobs::plan::prepare;
+use crate::jobs::sizing::{SizeRow, SizingRange, size as size_job};
+
+/// Sizes the electrodes of the job in the file `job_file` for up to `parts` parts and prints the table.
+pub(super) fn size(job_file: &Path, parts: usize, session: &Session) -> anyhow::Result<Answer> {
+    let (inputs, _) = super::plan::load(job_file, session)?;
+    let prepared = prepare(&inputs, &session.progress, &session.cancel)?;
+    let range = SizingRange { from: 1, to: parts };
+    let show = |row: &SizeRow| {
+        if !session.json {
+            super::terminal::finish();
+            say!("{}", line(row));
+        }
+    };
+    if !session.json {
+        super::terminal::finish();
+        say!("parts  enter  low deg  high deg  thickness mm  volume mm3  certified mm");
+    }
+    let rows = size_job(&prepared, &inputs, range, &show, &session.progress, &session.cancel)?;
+    super::terminal::finish();
+    if session.json {
+        say!("{}", serde_json::to_string_pretty(&rows)?);
+    } else if rows.is_empty() {
+        say!("No reduction that was tried lets an electrode out.");
+    }
+    Ok(if rows.is_empty() { Answer::No } else { Answer::Yes })
+}
+
+fn line(row: &SizeRow) -> String {
+    let [low, high] = row.reduction_deg;
+    let enter = row.enter.name();
+    let SizeRow { parts, least_thickness_mm, volume_mm3, certified_mm, .. } = row;
+    format!(
+        "{parts:>5}  {enter:>5}  {low:>7.3}  {high:>8.3}  {least_thickness_mm:>12.3}  {volume_mm3:>10.1}  {certified_mm:>12.4}"
+    )
+}

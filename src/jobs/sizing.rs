@@ -1,0 +1,215 @@
+//! Automatic sizing: the thickest electrodes that come out, for one part and more, on either side.
+
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use super::plan::{PlanInputs, PlanJobError, PlanOutcome, run_prepared, settings_of};
+use super::prepared_blisk::PreparedBlisk;
+use crate::blisk::electrode::{EnterSide, EntrySide};
+use crate::feed::genetic::ReductionMode;
+use crate::feed::prepared::PreparedElectrode;
+use crate::feed::probes::Turns;
+use crate::feed::search::Strategy;
+use crate::feed::sizing::{Least, Sizer};
+use crate::progress::{Cancel, Progress};
+
+/// What is sized.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SizingRange {
+    /// Least number of parts.
+    pub from: usize,
+    /// Greatest number of parts.
+    pub to: usize,
+}
+
+/// One way to make the electrodes, certified.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SizeRow {
+    /// Number of parts.
+    pub parts: usize,
+    /// The side they enter from.
+    pub enter: EnterSide,
+    /// Circumferential reductions of the low and the high wall (deg).
+    pub reduction_deg: [f64; 2],
+    /// The thinnest metal of any of the parts between its walls (mm).
+    pub least_thickness_mm: f64,
+    /// Volume of all parts with shank and holder (mm^3).
+    pub volume_mm3: f64,
+    /// Certified clearance of the least of them (mm).
+    pub certified_mm: f64,
+}
+
+/// Reductions are found to this angle (deg).
+const TOLERANCE_DEG: f64 = 0.03;
+/// Greatest reduction that is tried (deg).
+const MOST_DEG: f64 = 10.0;
+/// Where the search begins (deg).
+const FIRST_DEG: f64 = 1.0;
+/// Times that a little more reduction is taken where the certificate does not hold.
+const RAISES: usize = 4;
+
+/// Sizes the electrodes of the job for every number of parts in `range`, and shows `found` each row as it is certified.
+/// For one part both reductions are equal first, on each side of entry that the job allows, and then as unequal as
+/// brings most on the better side; for more parts they are equal, the greatest that any of them needs.
+///
+/// # Errors
+/// As a plan has them; that no reduction opens a way is not an error, but a row less.
+pub fn size(
+    prepared: &PreparedBlisk,
+    inputs: &PlanInputs,
+    range: SizingRange,
+    found: &(dyn Fn(&SizeRow) + Sync),
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Vec<SizeRow>, PlanJobError> {
+    if inputs.own_electrode.is_some() {
+        return Err(PlanJobError::Job(
+            "an electrode mesh of your own has the size it has; remove it to size".to_owned(),
+        ));
+    }
+    let mut base = inputs.clone();
+    base.job.plan.strategy = Strategy::Global;
+    base.job.genetic.h = ReductionMode::Given;
+    base.job.electrode.circumferential_reduction_deg = [0.0; 2];
+    base.job.validate().map_err(PlanJobError::Job)?;
+    let sizing = Sizing { prepared, base, found, progress, cancel };
+    let mut rows = Vec::new();
+    for parts in range.from..=range.to {
+        if parts == 1 { sizing.one_part(&mut rows)? } else { sizing.many_parts(parts, &mut rows)? }
+    }
+    Ok(rows)
+}
+
+struct Sizing<'a> {
+    prepared: &'a PreparedBlisk,
+    base: PlanInputs,
+    found: &'a (dyn Fn(&SizeRow) + Sync),
+    progress: &'a Progress,
+    cancel: &'a Cancel,
+}
+
+impl Sizing<'_> {
+    fn one_part(&self, rows: &mut Vec<SizeRow>) -> Result<(), PlanJobError> {
+        let mut best: Option<(EntrySide, f64)> = None;
+        for &side in self.base.job.electrode.enter.candidates() {
+            let full = self.full(1, 0, side)?;
+            let Some(least) = self.least(&full, FIRST_DEG.to_radians(), &|h| Turns([h, h]))? else { continue };
+            let Some(row) = self.certified(1, only(side), [least.angle; 2])? else { continue };
+            let angle = row.reduction_deg[0].to_radians();
+            rows.push(row);
+            if best.is_none_or(|(_, known)| angle < known) {
+                best = Some((side, angle));
+            }
+        }
+        if let Some((side, angle)) = best {
+            let equal = rows.iter().filter(|r| r.enter == only(side)).map(|r| r.least_thickness_mm).fold(0.0, f64::max);
+            rows.extend(self.unequal(side, angle)?.filter(|row| row.least_thickness_mm >= equal));
+        }
+        Ok(())
+    }
+
+    /// With one wall as far drawn in as both need, the other is drawn in as little as it can be; the better of the two
+    /// ways round.
+    fn unequal(&self, side: EntrySide, angle: f64) -> Result<Option<SizeRow>, PlanJobError> {
+        let full = self.full(1, 0, side)?;
+        let low = self.least(&full, 0.8 * angle, &|h| Turns([h.min(angle), angle]))?;
+        let high = self.least(&full, 0.8 * angle, &|h| Turns([angle, h.min(angle)]))?;
+        let turns = match (low, high) {
+            (Some(low), Some(high)) if high.angle < low.angle => [angle, high.angle],
+            (Some(low), _) => [low.angle, angle],
+            (None, Some(high)) => [angle, high.angle],
+            (None, None) => return Ok(None),
+        };
+        self.certified(1, only(side), turns.map(|t| t.min(angle)))
+    }
+
+    fn many_parts(&self, parts: usize, rows: &mut Vec<SizeRow>) -> Result<(), PlanJobError> {
+        let mut most = 0.0f64;
+        for part in 0..parts {
+            let mut least: Option<Least> = None;
+            for side in super::plan::sides(self.base.job.electrode.enter, part, parts) {
+                let full = self.full(parts, part, side)?;
+                // What another part needs already costs nothing more.
+                least = self.least(&full, most.max(0.5 * FIRST_DEG.to_radians()), &|h| Turns([h.max(most); 2]))?;
+                if least.is_some() {
+                    break;
+                }
+            }
+            let Some(least) = least else { return Ok(()) };
+            most = most.max(least.angle);
+        }
+        rows.extend(self.certified(parts, self.base.job.electrode.enter, [most; 2])?);
+        Ok(())
+    }
+
+    fn full(&self, parts: usize, part: usize, side: EntrySide) -> Result<Arc<PreparedElectrode>, PlanJobError> {
+        let mut inputs = self.base.clone();
+        inputs.job.electrode.parts = parts;
+        Ok(self.prepared.fullest(&inputs, (part, side), self.progress, self.cancel)?.0)
+    }
+
+    fn least(
+        &self,
+        full: &PreparedElectrode,
+        first: f64,
+        turns: &dyn Fn(f64) -> Turns,
+    ) -> Result<Option<Least>, PlanJobError> {
+        let space = &self.prepared.space;
+        let settings = settings_of(&self.base.job, &|_, _| ());
+        let sizer = Sizer {
+            space,
+            electrode: full.electrode(),
+            model: &full.model(space),
+            settings: &settings,
+            tolerance: TOLERANCE_DEG.to_radians(),
+            most: MOST_DEG.to_radians(),
+            progress: self.progress,
+            cancel: self.cancel,
+        };
+        Ok(sizer.least(first, turns)?)
+    }
+
+    /// The row for reductions (rad), with a little more where the certificate asks for it.
+    fn certified(&self, parts: usize, enter: EnterSide, turns: [f64; 2]) -> Result<Option<SizeRow>, PlanJobError> {
+        let mut inputs = self.base.clone();
+        inputs.job.electrode.parts = parts;
+        inputs.job.electrode.enter = enter;
+        for raise in 0..=RAISES {
+            let more = raise as f64 * TOLERANCE_DEG;
+            // To a thousandth, upwards: what is shown is what was planned.
+            let reduction = turns.map(|t| ((t.to_degrees() + more) * 1e3).ceil() / 1e3);
+            inputs.job.electrode.circumferential_reduction_deg = reduction;
+            let outcome = run_prepared(self.prepared, &inputs, &|_, _, _| (), self.progress, self.cancel)?;
+            if let Some(row) = row_of(&outcome, parts, enter, reduction) {
+                (self.found)(&row);
+                return Ok(Some(row));
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// The row of a plan, if it is certified.
+fn row_of(outcome: &PlanOutcome, parts: usize, enter: EnterSide, reduction_deg: [f64; 2]) -> Option<SizeRow> {
+    if !outcome.is_verified() {
+        return None;
+    }
+    let electrodes = || outcome.electrodes.iter();
+    let certified = electrodes().filter_map(|e| e.plan.path.as_ref()).map(|p| p.certificate.certified());
+    Some(SizeRow {
+        parts,
+        enter,
+        reduction_deg,
+        least_thickness_mm: electrodes().map(|e| e.electrode.least_thickness_mm).fold(f64::INFINITY, f64::min),
+        volume_mm3: electrodes().map(|e| e.electrode.volume_mm3).sum(),
+        certified_mm: certified.fold(f64::INFINITY, f64::min),
+    })
+}
+
+fn only(side: EntrySide) -> EnterSide {
+    match side {
+        EntrySide::MinusX => EnterSide::MinusX,
+        EntrySide::PlusX => EnterSide::PlusX,
+    }
+}
