@@ -2,9 +2,11 @@
 //! interpolation and the verification certificate.
 
 pub mod angle_test;
+mod baselines;
 pub mod certificate;
 pub mod clearance;
 pub mod climb;
+mod even;
 pub mod genetic;
 pub mod global;
 pub mod interpolation;

@@ -251,6 +251,8 @@ impl Planner<'_> {
         let strategy = match self.settings.plan.strategy {
             Strategy::Genetic => StrategyParams::Genetic(*genetic),
             Strategy::Global => StrategyParams::Global(self.settings.plan.global),
+            Strategy::FreeTravel => StrategyParams::FreeTravel,
+            Strategy::MaxMinDistance => StrategyParams::MaxMinDistance,
         };
         let surface_of = |p: DVec3| self.space.finder.surface_of(p);
         let outcome = self.with_problem(plan, model, lessons, |problem| {
@@ -278,9 +280,8 @@ impl Planner<'_> {
         plan.search_seconds += started.elapsed().as_secs_f64();
         let Some(nodes) = mended else { return Ok(false) };
         let mut searched = std::mem::take(&mut plan.convergence).into_iter().peekable();
-        let put_in = |s: f64| Convergence { s, best: Vec::new(), mean: Vec::new() };
         for node in &nodes[1..] {
-            plan.convergence.push(searched.next_if(|c| c.s == node.s).unwrap_or_else(|| put_in(node.s)));
+            plan.convergence.push(searched.next_if(|c| c.s == node.s).unwrap_or_else(|| Convergence::none(node.s)));
         }
         plan.nodes = nodes;
         Ok(true)

@@ -29,6 +29,10 @@ pub enum Strategy {
     Genetic,
     /// The widest way over many poses for each node, then polished as a whole.
     Global,
+    /// Straight on along the main direction as far as it goes (Kang et al. 2018); to compare with.
+    FreeTravel,
+    /// The greatest least distance at every node (Ayesta et al. 2016); to compare with.
+    MaxMinDistance,
 }
 
 /// What a pose must meet to count as free during the search. The verifier has the last word either way.
@@ -142,6 +146,11 @@ pub struct Convergence {
 }
 
 impl Convergence {
+    /// That of a node, withdrawn by `s` (mm), that was not searched over generations.
+    pub fn none(s: f64) -> Self {
+        Self { s, best: Vec::new(), mean: Vec::new() }
+    }
+
     /// Adds a generation.
     pub fn record(&mut self, objectives: impl ExactSizeIterator<Item = f64>) {
         let n = objectives.len() as f64;
@@ -265,10 +274,10 @@ impl SearchProblem<'_> {
     ) -> Result<(Vec<Candidate>, Convergence), Cancelled> {
         match strategy {
             StrategyParams::Genetic(params) => GeneticStep::new(params, self, task).run(cancel),
+            StrategyParams::FreeTravel => Ok((self.furthest_travelling(task, cancel)?, Convergence::none(task.s))),
+            StrategyParams::MaxMinDistance => Ok((self.roomiest(task, cancel)?, Convergence::none(task.s))),
             // It does not search node by node.
-            StrategyParams::Global(_) => {
-                Ok((Vec::new(), Convergence { s: task.s, best: Vec::new(), mean: Vec::new() }))
-            }
+            StrategyParams::Global(_) => Ok((Vec::new(), Convergence::none(task.s))),
         }
     }
 
@@ -410,7 +419,7 @@ impl SearchProblem<'_> {
         let free = roomy
             && self.is_free(&pose, task.s, task.h_so_far, &mut 0)
             && self.motion_is_free(nodes, &task, &candidate);
-        free.then(|| (node, Convergence { s: task.s, best: Vec::new(), mean: Vec::new() }))
+        free.then(|| (node, Convergence::none(task.s)))
     }
 
     fn node(&self, task: &NodeTask, chosen: &Candidate) -> Node {
@@ -457,4 +466,8 @@ pub enum StrategyParams {
     Genetic(GeneticParams),
     /// See [`Strategy::Global`].
     Global(GlobalParams),
+    /// See [`Strategy::FreeTravel`].
+    FreeTravel,
+    /// See [`Strategy::MaxMinDistance`].
+    MaxMinDistance,
 }

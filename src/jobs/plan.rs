@@ -244,7 +244,7 @@ impl JobPlanner<'_> {
         let settings = settings_of(&self.inputs.job, &observe);
         let mut plan = match self.inputs.job.plan.strategy {
             Strategy::Global => self.drawn_in(part, &electrode, &settings)?,
-            Strategy::Genetic => {
+            _ => {
                 let remake = |h: f64| self.electrode(part, side, h);
                 plan_feed(&self.prepared.space, &electrode, &settings, &remake, self.progress, self.cancel)?
             }

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use crate::feed::clearance::{ClearanceModel, Shortfall};
 use crate::feed::climb::{Ascent, mobility};
+use crate::feed::even::even;
 use crate::feed::pose::{Axis, Pose};
 use crate::feed::probes::Demand;
 use crate::feed::search::SearchProblem;
@@ -255,12 +256,4 @@ impl<'a> Corridor<'a> {
         let (pose, lack, worst) = nearest.map_or((Pose::FINAL, 0.0, None), |t| (t.waypoint.pose, t.lack, t.worst));
         DeadEnd { way, s, pose, lack, worst }
     }
-}
-
-/// Number `n` of a sequence that fills a cube of five dimensions evenly, along dimension `k`, from 0 to 1: additive
-/// recurrence by powers of the generalised golden ratio.
-fn even(n: f64, k: usize) -> f64 {
-    // The root of x^6 = x + 1.
-    const RATIO: f64 = 1.134_724_138_401_519_4;
-    (0.5 + n * RATIO.powi(-(k as i32 + 1))).fract()
 }

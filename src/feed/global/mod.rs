@@ -151,5 +151,5 @@ impl SearchProblem<'_> {
 
 /// No node was searched by itself: nothing converged.
 fn unsearched(nodes: &[Node]) -> Vec<Convergence> {
-    nodes[1..].iter().map(|n| Convergence { s: n.s, best: Vec::new(), mean: Vec::new() }).collect()
+    nodes[1..].iter().map(|n| Convergence::none(n.s)).collect()
 }

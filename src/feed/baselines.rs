@@ -1,0 +1,101 @@
+//! The two methods that the papers measure themselves against, as strategies of their own: what they optimise is taken
+//! from their descriptions, how they search is ours.
+//!
+//! - Free travel (Kang et al. 2018, P0's reference 11): the electrode goes straight on along the main direction as long
+//!   as it is free; where it is stopped, the other axes are set so that it can go straight on furthest.
+//! - Greatest least distance (Ayesta et al. 2016, P0's reference 10): at every node the electrode stands where the least
+//!   distance to the blisk is greatest.
+//!
+//! Neither looks at smoothness.
+
+use rayon::prelude::*;
+
+use super::climb::mobility;
+use super::even::even;
+use super::pose::{Axis, Pose};
+use super::probes::Demand;
+use super::search::{Candidate, NodeTask, SearchProblem};
+use crate::progress::{Cancel, Cancelled};
+
+/// Poses that are tried for a node.
+const SEEDS: usize = 24;
+/// How far they are strewn about the pose before (mm), by turns.
+const SPREADS: [f64; 3] = [0.3, 1.0, 3.0];
+/// Steps of ascent for each.
+const ASCENT: usize = 16;
+
+impl SearchProblem<'_> {
+    /// The pose before if it is free at the node; else free poses, first those that can go straight on furthest.
+    pub(super) fn furthest_travelling(&self, task: &NodeTask, cancel: &Cancel) -> Result<Vec<Candidate>, Cancelled> {
+        let straight = Pose { x: task.x, ..task.from };
+        if self.is_free(&straight, task.s, task.h_so_far, &mut 0) {
+            return Ok(vec![self.valued_candidate(straight, task)]);
+        }
+        let one = |i: usize| {
+            cancel.check()?;
+            let (pose, lacking) = self.climb(strewn(self, task, i), task.s, task.h_so_far);
+            let free = lacking.is_none() && self.is_free(&pose, task.s, task.h_so_far, &mut 0);
+            Ok(free.then(|| (self.free_travel(&pose, task), self.valued_candidate(pose, task))))
+        };
+        sorted((0..SEEDS).into_par_iter().map(one).collect())
+    }
+
+    /// Free poses, those with the greatest least distance first.
+    pub(super) fn roomiest(&self, task: &NodeTask, cancel: &Cancel) -> Result<Vec<Candidate>, Cancelled> {
+        /// Room beyond which more is not looked for (mm).
+        const ROOM: f64 = 3.0;
+        let wide = Demand { room: ROOM, ..self.demand };
+        let one = |i: usize| {
+            cancel.check()?;
+            let at = (task.s, self.turned(task.h_so_far));
+            let pose = self.model.ascend(strewn(self, task, i), at, &wide, self.free_axes(), ASCENT).pose;
+            let free = self.is_free(&pose, task.s, task.h_so_far, &mut 0);
+            let distance = || self.model.least_clearance(&pose, self.turned(task.h_so_far));
+            Ok(free.then(|| (distance(), self.valued_candidate(pose, task))))
+        };
+        sorted((0..SEEDS).into_par_iter().map(one).collect())
+    }
+
+    /// How far the electrode can go on from `pose` along the main direction alone (mm), as far as that matters.
+    fn free_travel(&self, pose: &Pose, task: &NodeTask) -> f64 {
+        const STRIDE: f64 = 0.25;
+        const MOST: usize = 200;
+        let mut hint = 0;
+        let ahead = |i: &usize| {
+            let way = *i as f64 * STRIDE;
+            let further = Pose { x: pose.x + self.direction() * way, ..*pose };
+            self.is_free(&further, task.s + way, task.h_so_far, &mut hint)
+        };
+        (1..=MOST).take_while(ahead).count() as f64 * STRIDE
+    }
+
+    fn valued_candidate(&self, pose: Pose, task: &NodeTask) -> Candidate {
+        let objective = self.objective.value(&pose, task.h_so_far, &task.motion_to(&pose), &task.before);
+        Candidate { pose, h: task.h_so_far, objective }
+    }
+}
+
+/// The best first; of those equally good the one that was tried first.
+fn sorted(found: Result<Vec<Option<(f64, Candidate)>>, Cancelled>) -> Result<Vec<Candidate>, Cancelled> {
+    let mut found: Vec<(f64, Candidate)> = found?.into_iter().flatten().collect();
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    Ok(found.into_iter().map(|(_, candidate)| candidate).collect())
+}
+
+/// Start number `i` of a node: the pose before, going on as before, and strewn about the former.
+fn strewn(problem: &SearchProblem, task: &NodeTask, i: usize) -> Pose {
+    let mut q = task.from.to_array();
+    if i == 1 {
+        let ratio = task.duration / task.before.duration;
+        q.iter_mut().zip(task.before.increments).for_each(|(value, rate)| *value += rate * ratio);
+    }
+    if i > 1 {
+        let spread = SPREADS[i % SPREADS.len()];
+        for (k, &axis) in problem.free_axes().iter().enumerate() {
+            let shift = 2.0 * even(i as f64 + task.s, k) - 1.0;
+            q[axis as usize] += spread * mobility(axis) * shift;
+        }
+    }
+    q[Axis::X as usize] = task.x;
+    Pose::from_array(q)
+}
