@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use super::certificate::{Certificate, TravelVerdict};
 use super::genetic::GeneticParams;
+use super::global::CoarseWay;
 use super::interpolation::AxisCurves;
 use super::jam::Jam;
 use super::machine::MachineParams;
@@ -212,4 +213,19 @@ pub fn plan_drawn_in(
 ) -> Result<FeedPlan, PlanError> {
     settings.validate()?;
     Planner { space, settings, turns, progress, cancel }.plan_drawn_in(electrode, &prepared.model(space))
+}
+
+/// A way out of `electrode`, which is `prepared` with its walls drawn in by `turns`, as far as a quick look tells: neither
+/// polished nor verified.
+pub fn coarse_way(
+    space: &PlanningSpace,
+    prepared: &PreparedElectrode,
+    turns: Turns,
+    electrode: &Electrode,
+    settings: &PlanSettings,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<CoarseWay, PlanError> {
+    settings.validate()?;
+    Planner { space, settings, turns, progress, cancel }.coarse_way(electrode, &prepared.model(space))
 }

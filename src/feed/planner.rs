@@ -9,6 +9,7 @@ use super::angle_test::AngleTest;
 use super::certificate::{Certificate, Contact, TravelVerdict};
 use super::clearance::ClearanceModel;
 use super::genetic::{GeneticParams, ReductionMode};
+use super::global::CoarseWay;
 use super::interpolation::{AxisCurves, InterpolationParams, Lever, PathFrame, feed_path};
 use super::jam::{Jam, JamCause};
 use super::machine::{BeyondTravel, TravelLimits};
@@ -106,6 +107,16 @@ impl Planner<'_> {
             Some(_) => {}
         }
         Ok(plan)
+    }
+
+    /// A quick look for a way out.
+    pub(super) fn coarse_way(&self, electrode: &Electrode, model: &ClearanceModel) -> Result<CoarseWay, PlanError> {
+        let surface_of = |p: DVec3| self.space.finder.surface_of(p);
+        let plan = self.nothing_yet(electrode, model);
+        let way = self.with_problem(&plan, model, &Lessons::default(), |problem| {
+            problem.coarse_way(&self.settings.plan.global, &surface_of, self.progress, self.cancel)
+        });
+        Ok(way?)
     }
 
     /// How much more reduction would open a way.

@@ -18,7 +18,7 @@ use super::jam::{Jam, JamCause, JamContact};
 use super::search::{Convergence, Node, SearchOutcome, SearchProblem};
 use crate::blisk::channel::Surface;
 use crate::progress::{Cancel, Cancelled, Progress};
-use corridor::{Corridor, DeadEnd, Effort, Way};
+use corridor::{Corridor, DeadEnd, Effort, Way, Waypoint};
 
 /// Parameters of the global strategy (`[plan.global]` of a job).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -36,6 +36,17 @@ impl Default for GlobalParams {
     fn default() -> Self {
         Self { poses: 24, room_mm: 0.2, room_kept: 0.5 }
     }
+}
+
+/// What a coarse search found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CoarseWay {
+    /// Nodes from the final pose outwards, as far as it got.
+    pub nodes: Vec<Node>,
+    /// Room beyond what is asked for at the narrowest place of the way (mm), if it leads out.
+    pub width: Option<f64>,
+    /// Where it ends, if it does not.
+    pub jam: Option<Jam>,
 }
 
 /// A parameter of the global strategy that cannot be used.
@@ -88,6 +99,34 @@ impl SearchProblem<'_> {
                 Ok(SearchOutcome { convergence: unsearched(&nodes), nodes, jam: Some(jam) })
             }
         }
+    }
+
+    /// A way out found with few poses and far between, in a fraction of a second; or how far it gets.
+    pub(super) fn coarse_way(
+        &self,
+        params: &GlobalParams,
+        surface_of: &dyn Fn(DVec3) -> Surface,
+        progress: &Progress,
+        cancel: &Cancel,
+    ) -> Result<CoarseWay, Cancelled> {
+        const EFFORT: Effort = Effort { poses: 6, seeds: 12, step: 1.5 };
+        let coarse = self.model.thinned(Self::COARSE);
+        let found = Corridor::new(self, &coarse, params.room_mm, EFFORT).explore(progress, cancel)?;
+        let nodes = |way: &Way| way.iter().map(|w| self.plain_node(w)).collect::<Vec<_>>();
+        Ok(match found {
+            Ok(way) => CoarseWay { width: way.last().map(|w| w.width), nodes: nodes(&way), jam: None },
+            Err(end) => {
+                let nodes = nodes(&end.way);
+                let jam = self.dead_end(&end, nodes.len(), surface_of);
+                CoarseWay { width: None, nodes, jam: Some(jam) }
+            }
+        })
+    }
+
+    /// A node whose clearance is only known to be at least that of the way.
+    fn plain_node(&self, waypoint: &Waypoint) -> Node {
+        let clearance = self.demand.wanted() + waypoint.width;
+        Node { s: waypoint.s, pose: waypoint.pose, h: 0.0, clearance, objective: Default::default() }
     }
 
     /// Width of a wide way out (mm); none if none is found with few poses.

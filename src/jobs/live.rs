@@ -1,0 +1,60 @@
+//! The quick look that follows while parameters are tuned.
+
+use super::plan::{PlanInputs, PlanJobError, settings_of, sides};
+use super::prepared_blisk::PreparedBlisk;
+use crate::blisk::channel::Channel;
+use crate::blisk::electrode::EntrySide;
+use crate::feed::global::CoarseWay;
+use crate::feed::plan::coarse_way;
+use crate::progress::{Cancel, Progress};
+
+/// What a quick look found for one electrode.
+#[derive(Debug, Clone)]
+pub struct LiveWay {
+    /// The side that it is withdrawn to.
+    pub side: EntrySide,
+    /// The way.
+    pub way: CoarseWay,
+}
+
+impl LiveWay {
+    /// What it found, in one sentence.
+    pub fn sentence(&self, channel: &Channel) -> String {
+        let side = if self.side == EntrySide::MinusX { "-X" } else { "+X" };
+        match (&self.way.width, &self.way.jam) {
+            (Some(width), _) => format!("seems to come out towards {side}, {width:.3} mm wider than needed"),
+            (None, Some(jam)) => format!("towards {side}: {}", jam.sentence(channel)),
+            (None, None) => String::new(),
+        }
+    }
+}
+
+/// Looks for a way of the electrode number `part` along X with the parameters of the job: on the side that is tried first,
+/// and where that fails on the other; of two that fail the one that gets further.
+///
+/// # Errors
+/// If the electrode cannot be made, or when told to stop.
+pub fn live_way(
+    prepared: &PreparedBlisk,
+    inputs: &PlanInputs,
+    part: usize,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<LiveWay, PlanJobError> {
+    let job = &inputs.job;
+    job.validate().map_err(PlanJobError::Job)?;
+    let settings = settings_of(job, &|_, _| ());
+    let mut best: Option<LiveWay> = None;
+    for side in sides(job.electrode.enter, part, job.electrode.parts) {
+        let (full, turns) = prepared.fullest(inputs, (part, side), progress, cancel)?;
+        let way = coarse_way(&prepared.space, &full, turns, full.electrode(), &settings, progress, cancel)?;
+        let reach = |w: &CoarseWay| (w.width.is_some(), w.nodes.last().map_or(0.0, |n| n.s));
+        if best.as_ref().is_none_or(|b| reach(&b.way) < reach(&way)) {
+            best = Some(LiveWay { side, way });
+        }
+        if best.as_ref().is_some_and(|b| b.way.width.is_some()) {
+            break;
+        }
+    }
+    best.ok_or_else(|| PlanJobError::Job("there is no side to withdraw the electrode to".to_owned()))
+}
