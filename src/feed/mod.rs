@@ -2,6 +2,8 @@
 //! interpolation and the verification certificate.
 
 pub mod angle_test;
+pub mod axis_curve;
+pub mod centreline;
 pub mod certificate;
 pub mod clearance;
 pub mod genetic;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::centreline::Guide;
 use super::certificate::{Certificate, TravelVerdict};
 use super::genetic::GeneticParams;
 use super::interpolation::AxisCurves;
@@ -15,9 +16,10 @@ use super::path::FeedPath;
 use super::plan_params::{PlanError, PlanParams};
 use super::planner::Planner;
 use super::samples::{Sample, sample_convex_edges};
-use super::search::{Convergence, Node};
+use super::search::{Convergence, Node, Strategy};
 use super::smoothness::AxisSmoothness;
 use super::verify::VerifyOptions;
+use crate::blisk::centreline::Centreline;
 use crate::blisk::channel::Channel;
 use crate::blisk::electrode::{Electrode, ElectrodeError};
 use crate::blisk::surface_finder::SurfaceFinder;
@@ -189,5 +191,9 @@ pub fn plan_feed(
     settings.plan.validate()?;
     settings.genetic.validate()?;
     settings.machine.validate()?;
-    Planner { space, settings, progress, cancel }.plan(electrode, remake)
+    let guide = match settings.plan.strategy {
+        Strategy::Centreline => Some(Guide::new(Centreline::of_channel(&space.channel, cancel)?, electrode)?),
+        Strategy::Genetic => None,
+    };
+    Planner { space, settings, progress, cancel, guide }.plan(electrode, remake)
 }

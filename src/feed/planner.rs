@@ -5,10 +5,11 @@ use std::time::Instant;
 use glam::DVec3;
 
 use super::angle_test::AngleTest;
+use super::centreline::Guide;
 use super::certificate::{Certificate, Contact, TravelVerdict};
 use super::clearance::{Bodies, ClearanceModel};
 use super::genetic::{GeneticParams, ReductionMode};
-use super::interpolation::{AxisCurves, InterpolationParams, Lever, PathFrame, feed_path};
+use super::interpolation::{AxisCurves, Lever, PathFrame, feed_path};
 use super::jam::{Jam, JamCause};
 use super::machine::{BeyondTravel, TravelLimits};
 use super::objective::Objective;
@@ -34,6 +35,8 @@ pub(super) struct Planner<'a> {
     pub(super) settings: &'a PlanSettings<'a>,
     pub(super) progress: &'a Progress,
     pub(super) cancel: &'a Cancel,
+    /// The way of the electrode, where the strategy follows a line.
+    pub(super) guide: Option<Guide>,
 }
 
 /// What is prepared for one electrode.
@@ -224,6 +227,7 @@ impl Planner<'_> {
         let started = Instant::now();
         let strategy = match self.settings.plan.strategy {
             Strategy::Genetic => StrategyParams::Genetic(*genetic),
+            Strategy::Centreline => StrategyParams::Centreline(self.settings.plan.centreline),
         };
         let surface_of = |p: DVec3| self.space.finder.surface_of(p);
         let outcome = self.with_problem(plan, model, lessons, |problem| {
@@ -288,10 +292,11 @@ impl Planner<'_> {
             ranges: plan.ranges,
             demand: Demand { spark_gap, margin: params.margin_mm, guard: Self::GUARD },
             side: model.side(),
-            ends: params.interpolation.ends,
+            joining: params.interpolation.joining(),
             step: params.step_mm,
             fine: &lessons.fine,
             exit_clearance: params.exit_clearance_mm,
+            guide: self.guide.as_ref(),
             observe: self.settings.observe,
         })
     }
@@ -365,11 +370,11 @@ pub(super) fn interpolated(
     settings: &PlanSettings,
     frame: Frame,
 ) -> Result<(AxisCurves, FeedPath), PlanError> {
-    let InterpolationParams { ends, chord_error_mm } = settings.plan.interpolation;
-    let curves = AxisCurves::through(nodes, ends)?;
+    let params = settings.plan.interpolation;
+    let curves = AxisCurves::through(nodes, params.joining())?;
     let reference_point = electrode.reference_point;
     let frame = PathFrame { frame, reference_point, spark_gap: settings.spark_gap };
-    let path = feed_path(&curves, chord_error_mm, lever(electrode, nodes), frame)?;
+    let path = feed_path(&curves, params.chord_error_mm, lever(electrode, nodes), frame)?;
     Ok((curves, path))
 }
 

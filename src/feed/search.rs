@@ -5,6 +5,8 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::angle_test::AngleTest;
+use super::axis_curve::Joining;
+use super::centreline::{CentrelineParams, CentrelineStep, Guide};
 use super::clearance::{ClearanceModel, Shortfall};
 use super::genetic::{GeneticParams, GeneticStep};
 use super::interpolation::AxisCurves;
@@ -16,7 +18,6 @@ use super::pose::{Axis, Pose};
 use super::probes::Demand;
 use crate::blisk::channel::Surface;
 use crate::blisk::electrode::EntrySide;
-use crate::geometry::spline::EndCondition;
 use crate::progress::{Cancel, Cancelled, Progress};
 
 /// How a path is searched for.
@@ -26,6 +27,8 @@ pub enum Strategy {
     /// The adaptive genetic algorithm of P0.
     #[default]
     Genetic,
+    /// Along the centreline of the channel, P1.
+    Centreline,
 }
 
 /// What a pose must meet to count as free during the search. The verifier has the last word either way.
@@ -58,14 +61,16 @@ pub struct SearchProblem<'a> {
     pub demand: Demand,
     /// The side that the electrode is withdrawn to.
     pub side: EntrySide,
-    /// How the curve through the nodes ends.
-    pub ends: EndCondition,
+    /// How the nodes will be joined.
+    pub joining: Joining,
     /// Distance between nodes (mm).
     pub step: f64,
     /// Stretches of withdrawn distance that are searched in finer steps, half for each stretch that holds it (mm).
     pub fine: &'a [[f64; 2]],
     /// How far out of the blisk the electrode is withdrawn (mm).
     pub exit_clearance: f64,
+    /// The line that nodes follow in steps of arc length; without one they follow X.
+    pub guide: Option<&'a Guide>,
     /// Is shown the nodes found so far after each of them.
     pub observe: &'a Observe<'a>,
 }
@@ -217,7 +222,7 @@ impl SearchProblem<'_> {
         let next = Node { s: task.s, pose: to.pose, ..nodes[nodes.len() - 1] };
         let joined = [known, &[next]].concat();
         // Knots rise by construction; were they not to, nothing could be said of the motion.
-        let Ok(curves) = AxisCurves::through(&joined, self.ends) else { return false };
+        let Ok(curves) = AxisCurves::through(&joined, self.joining) else { return false };
         let h = to.h.max(task.h_so_far);
         let between = self.between();
         let mut hint = 0;
@@ -255,6 +260,10 @@ impl SearchProblem<'_> {
     ) -> Result<(Vec<Candidate>, Convergence), Cancelled> {
         match strategy {
             StrategyParams::Genetic(params) => GeneticStep::new(params, self, task).run(cancel),
+            StrategyParams::Centreline(params) => match self.guide {
+                Some(guide) => CentrelineStep::new(params, self, guide, task).run(cancel),
+                None => Ok((Vec::new(), Convergence { s: task.s, best: Vec::new(), mean: Vec::new() })),
+            },
         }
     }
 
@@ -322,7 +331,9 @@ impl SearchProblem<'_> {
             // Nothing has moved yet but X, whose rate is the nominal one.
             _ => StepMotion { increments: [0.0; 6], duration: 1.0 },
         };
-        let s = last.s + self.step * duration;
+        let step = self.step * duration;
+        let s = self.guide.map_or(last.s + step, |guide| guide.next_s(last.s, step));
+        let duration = (s - last.s) / self.step;
         NodeTask {
             from: last.pose,
             from_s: last.s,
@@ -365,7 +376,8 @@ impl SearchProblem<'_> {
     fn first_halving(&self, nodes: &[Node]) -> i32 {
         let [.., before, last] = nodes else { return 0 };
         let fine = self.fine.iter().filter(|[from, to]| (*from..*to).contains(&last.s)).count();
-        let narrow = (self.step / (2.0 * (last.s - before.s))).log2().ceil().max(0.0) as i32;
+        let whole = self.task(nodes, 1.0).s - last.s;
+        let narrow = (whole / (2.0 * (last.s - before.s))).log2().ceil().max(0.0) as i32;
         narrow.max(fine.min(Self::FINEST) as i32).min(Self::HALVINGS)
     }
 
@@ -438,4 +450,6 @@ impl SearchProblem<'_> {
 pub enum StrategyParams {
     /// See [`Strategy::Genetic`].
     Genetic(GeneticParams),
+    /// See [`Strategy::Centreline`].
+    Centreline(CentrelineParams),
 }

@@ -63,10 +63,11 @@ fn a_spoiled_path_is_mended_without_another_search() {
         ranges,
         demand: Demand { spark_gap: 0.1, margin: 0.0, guard: 0.01 },
         side: electrode.enters_from,
-        ends: EndCondition::NotAKnot,
+        joining: EndCondition::NotAKnot.into(),
         step: job.plan.step_mm,
         fine: &[],
         exit_clearance: 5.0,
+        guide: None,
         observe: &|_, _| (),
     };
 
