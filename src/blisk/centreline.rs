@@ -95,12 +95,16 @@ impl Centreline {
             cancel.check()?;
             let share = (k as f64 + 0.5) / Self::SECTIONS as f64;
             let section = Section::new(low, high, share)?;
-            sections.extend(section.circles()?);
+            sections.extend(section.circles()?.map(|circles| (circles, section.span())));
         }
         if 2 * sections.len() <= Self::SECTIONS {
             return Err(CentrelineError::NoPassage { found: sections.len(), sections: Self::SECTIONS });
         }
         let middles = middles(&sections)?;
+        for (circles, [from, to]) in &mut sections {
+            circles.retain(|c| (*from..=*to).contains(&c.center.x));
+        }
+        let sections = sections.into_iter().map(|(circles, _)| circles).collect();
         let through: Vec<DVec3> = middles.iter().copied().step_by(2).collect();
         let curve = NurbsCurve::cubic(&through, None)?;
         let fit = FitError::of(middles.iter().map(|p| curve.nearest(*p).distance));
@@ -226,6 +230,11 @@ impl<'a> Section<'a> {
         Ok(Self { walls, v, meridian, mean_radius })
     }
 
+    /// Least and greatest x of both walls (mm).
+    fn span(&self) -> [f64; 2] {
+        [self.meridian[0][0], self.meridian[Self::PIECES][0]]
+    }
+
     /// The piece of the meridian at `x`: its start, and rates of radius and meridional length by x.
     fn piece(&self, x: f64) -> ([f64; 3], [f64; 2]) {
         let i = self.meridian.partition_point(|m| m[0] <= x).clamp(1, self.meridian.len() - 1);
@@ -297,18 +306,34 @@ fn at_share(v: &[f64], share: f64) -> f64 {
     v[i] + (v[i + 1] - v[i]) * (place - i as f64)
 }
 
-/// The means of all sections at equal shares of their lengths.
-fn middles(sections: &[Vec<ChannelCircle>]) -> Result<Vec<DVec3>, NurbsError> {
+/// The means of all sections at equal shares of their lengths between the ends of the walls. Beyond them circles touch
+/// the blades' edges alone.
+fn middles(sections: &[(Vec<ChannelCircle>, [f64; 2])]) -> Result<Vec<DVec3>, NurbsError> {
     let steps = Centreline::MIDDLES - 1;
     let mut sums = vec![DVec3::ZERO; Centreline::MIDDLES];
-    for circles in sections {
+    for (circles, span) in sections {
         let centers: Vec<DVec3> = circles.iter().map(|c| c.center).collect();
         let line = NurbsCurve::through(&centers, 3)?;
+        let [from, to] = span.map(|x| parameter_at_x(&line, x));
         for (i, sum) in sums.iter_mut().enumerate() {
-            *sum += line.point(i as f64 / steps as f64);
+            *sum += line.point(from + (to - from) * i as f64 / steps as f64);
         }
     }
     Ok(sums.into_iter().map(|sum| sum / sections.len() as f64).collect())
+}
+
+/// The parameter where `line`, which runs along +X, passes through the plane at `x`, or that of the end nearer to it.
+fn parameter_at_x(line: &NurbsCurve, x: f64) -> f64 {
+    let [mut low, mut high] = line.domain();
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if line.point(middle).x < x {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
 }
 
 /// The figures of a wall.

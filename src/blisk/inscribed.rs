@@ -54,8 +54,8 @@ impl Passage {
         Self { low: Looked::new(low), high: Looked::new(high) }
     }
 
-    /// `count` circles in order along the covered part of the passage: where a circle has a point of contact on both
-    /// curves. None where there is no such part.
+    /// Up to `count` circles in order along the covered part of the passage, where a circle has a point of contact on both
+    /// curves: as many as fit, at least half of them. None where there is no such part.
     pub fn circles(&self, count: usize) -> Option<Vec<InscribedCircle>> {
         let [start, end] = self.low.curve.domain();
         let at = |i: usize| start + (end - start) * i as f64 / Self::LOOKS as f64;
@@ -66,7 +66,8 @@ impl Passage {
         let to = if last == Self::LOOKS { end } else { self.edge(at(last), at(last + 1)) };
         let steps = count.max(2) - 1;
         let place = |i: usize| if i == steps { to } else { from + (to - from) * i as f64 / steps as f64 };
-        (0..=steps).map(|i| self.circle(place(i))).collect()
+        let circles: Vec<InscribedCircle> = (0..=steps).filter_map(|i| self.circle(place(i))).collect();
+        (2 * circles.len() >= count).then_some(circles)
     }
 
     /// The last parameter from `good` towards `bad` with a circle.
@@ -83,35 +84,58 @@ impl Passage {
         good
     }
 
-    /// The circle that touches the low curve at `u` and the high curve anywhere but beyond its ends: its radius by
-    /// Newton's method on the difference of the centre's distances to both.
+    /// The circle that touches the low curve at `u` and the high curve anywhere but beyond its ends.
     fn circle(&self, u: f64) -> Option<InscribedCircle> {
-        const ROUNDS: usize = 60;
         /// Cosine of the angle between spoke and curve up to which the contact counts as a tangent's.
         const SQUARE: f64 = 1e-6;
+        /// How much nearer the low curve may be elsewhere, as a share of the radius: walls measured on a mesh have
+        /// its facets in them.
+        const ROUGH: f64 = 0.02;
         let [p, along, _] = self.low.curve.at(u);
         let across = DVec3::new(-along.y, along.x, 0.0).normalize_or_zero();
-        let mut foot = self.high.nearest(p);
-        let inward = if across.dot(foot.point - p) < 0.0 { -across } else { across };
-        let mut radius = 0.5 * foot.distance;
-        for _ in 0..ROUNDS {
-            let center = p + inward * radius;
-            foot = self.high.nearest(center);
-            let spoke = (center - foot.point) / foot.distance.max(1e-300);
-            let step = (foot.distance - radius) / (1.0 - inward.dot(spoke)).max(0.05);
-            radius += step;
-            if step.abs() <= 1e-13 * (1.0 + radius) {
-                break;
-            }
-        }
+        let inward = if across.dot(self.high.nearest(p).point - p) < 0.0 { -across } else { across };
+        let radius = self.radius(p, inward);
         let center = p + inward * radius;
-        foot = self.high.nearest(center);
+        let foot = self.high.nearest(center);
         let tangent = self.high.curve.tangent(foot.u);
         let touches = (foot.distance - radius).abs() < 1e-9 * (1.0 + radius)
             && (center - foot.point).dot(tangent).abs() <= SQUARE * radius;
         // Where the low curve bends into the circle it is nearer elsewhere.
-        let clear = self.low.nearest(center).distance >= radius * (1.0 - 1e-9);
+        let clear = self.low.nearest(center).distance >= radius * (1.0 - ROUGH);
         (touches && clear && radius > 0.0).then_some(InscribedCircle { center, radius, contacts: [u, foot.u] })
+    }
+
+    /// How far to go from `p` along `inward` to be as far from the high curve as from `p`: by Newton's method on the
+    /// difference, which only falls on the way, within a bracket that is halved where that fails.
+    fn radius(&self, p: DVec3, inward: DVec3) -> f64 {
+        const ROUNDS: usize = 80;
+        let difference = |radius: f64| {
+            let center = p + inward * radius;
+            let foot = self.high.nearest(center);
+            let spoke = (center - foot.point) / foot.distance.max(1e-300);
+            (foot.distance - radius, inward.dot(spoke) - 1.0)
+        };
+        // The distance to p itself grows as fast as the radius, that to the high curve at most as fast.
+        let (mut low, mut high) = (0.0, self.high.nearest(p).distance);
+        while difference(high).0 > 0.0 && high < 1e6 {
+            (low, high) = (high, 2.0 * high);
+        }
+        let mut radius = 0.5 * (low + high);
+        for _ in 0..ROUNDS {
+            let (value, slope) = difference(radius);
+            if value > 0.0 {
+                low = radius;
+            } else {
+                high = radius;
+            }
+            let newton = radius - value / slope;
+            let next = if (low..=high).contains(&newton) { newton } else { 0.5 * (low + high) };
+            if (next - radius).abs() <= 1e-14 * (1.0 + radius) {
+                return next;
+            }
+            radius = next;
+        }
+        radius
     }
 }
 
