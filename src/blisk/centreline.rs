@@ -368,8 +368,21 @@ impl CentrelineSummary {
     /// # Errors
     /// [`CentrelineError`].
     pub fn new(channel: &Channel, mesh: &ExactMesh, cancel: &Cancel) -> Result<Self, CentrelineError> {
-        let [low, high] = [NurbsWall::of_grid(&channel.low)?, NurbsWall::of_grid(&channel.high)?];
-        let line = Centreline::between(&low, &high, cancel)?;
+        let walls = [NurbsWall::of_grid(&channel.low)?, NurbsWall::of_grid(&channel.high)?];
+        Self::of_walls(&walls, [channel.low.side, channel.high.side], mesh, cancel)
+    }
+
+    /// The figures of a low and a high wall, which are these sides of their blades; the blisk `mesh` is in the same frame.
+    ///
+    /// # Errors
+    /// [`CentrelineError`].
+    pub fn of_walls(
+        [low, high]: &[NurbsWall; 2],
+        sides: [BladeSide; 2],
+        mesh: &ExactMesh,
+        cancel: &Cancel,
+    ) -> Result<Self, CentrelineError> {
+        let line = Centreline::between(low, high, cancel)?;
         let fit = |wall: &NurbsWall, side| {
             cancel.check()?;
             Ok::<_, CentrelineError>(WallFit { side, points: wall.off_points, mesh: wall.off_mesh(mesh) })
@@ -379,7 +392,7 @@ impl CentrelineSummary {
             sections: line.sections.len(),
             diameters_mm: line.diameters(),
             fit: line.fit,
-            walls: [fit(&low, channel.low.side)?, fit(&high, channel.high.side)?],
+            walls: [fit(low, sides[0])?, fit(high, sides[1])?],
         })
     }
 }

@@ -13,6 +13,9 @@
 //! The points of a side stand in order from edge to edge, in either direction. Empty lines and lines that begin with `#`
 //! are passed over.
 
+use std::io::Read;
+use std::path::Path;
+
 use glam::DVec3;
 
 use crate::geometry::frame::Cylindrical;
@@ -34,6 +37,9 @@ pub enum SectionsError {
     /// The table is larger than any measurement.
     #[error("the table is too large: more than {0}")]
     TooLarge(String),
+    /// The file cannot be read.
+    #[error("cannot be read ({0}); check the path")]
+    Unreadable(String),
     /// There is no heading.
     #[error("the table is empty; it needs a heading line such as section,side,x,y,z")]
     Empty,
@@ -106,6 +112,19 @@ const MOST_SECTIONS: usize = 1000;
 const LEAST_POINTS: usize = 4;
 /// Greatest coordinate (mm).
 const FURTHEST: f64 = 1e5;
+
+/// The sections in the file at `path`; see [`read_sections`].
+///
+/// # Errors
+/// [`SectionsError`], also if the file cannot be read or is no text.
+pub fn read_sections_file(path: &Path) -> Result<Vec<MeasuredSection>, SectionsError> {
+    let unreadable = |e: std::io::Error| SectionsError::Unreadable(e.to_string());
+    let file = std::fs::File::open(path).map_err(unreadable)?;
+    let mut text = String::new();
+    // One byte more than is allowed tells that it is too large, whatever the file system says of its size.
+    file.take(MOST_BYTES as u64 + 1).read_to_string(&mut text).map_err(unreadable)?;
+    read_sections(&text)
+}
 
 /// The sections in the table `text`, from the hub outwards.
 ///

@@ -6,6 +6,7 @@ pub mod axis_curve;
 pub mod centreline;
 pub mod certificate;
 pub mod clearance;
+pub mod four_distances;
 pub mod genetic;
 pub mod interpolation;
 pub mod jam;

@@ -33,6 +33,8 @@ pub enum Layer {
     Sweep,
     /// The ways of some points of the electrode.
     Paths,
+    /// The centreline of the channel.
+    Centreline,
     /// Where the electrode comes closest, or jams.
     Contact,
     /// The grid below.
@@ -41,7 +43,7 @@ pub enum Layer {
 
 impl Layer {
     /// Every layer, in the order of the scene tree.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Blisk,
         Self::Unshrouded,
         Self::LowWall,
@@ -50,6 +52,7 @@ impl Layer {
         Self::Ghosts,
         Self::Sweep,
         Self::Paths,
+        Self::Centreline,
         Self::Contact,
         Self::Grid,
     ];
@@ -65,6 +68,7 @@ impl Layer {
             Self::Ghosts => "Ghosts at nodes",
             Self::Sweep => "Swept volume",
             Self::Paths => "Point paths",
+            Self::Centreline => "Centreline",
             Self::Contact => "Contact",
             Self::Grid => "Grid",
         }
@@ -72,7 +76,7 @@ impl Layer {
 
     /// Whether it consists of bodies, which have a colour and an opacity.
     pub fn is_body(self) -> bool {
-        !matches!(self, Self::Paths | Self::Contact | Self::Grid)
+        !matches!(self, Self::Paths | Self::Centreline | Self::Contact | Self::Grid)
     }
 }
 
@@ -103,6 +107,7 @@ impl Default for Layers {
             look(false, 0.18, GHOST),
             look(false, 0.5, GHOST),
             look(true, 1.0, COPPER),
+            look(false, 1.0, GHOST),
             look(true, 1.0, BAD),
             look(true, 1.0, STEEL),
         ])
@@ -205,6 +210,11 @@ pub fn build(inputs: &SceneInputs) -> Scene {
         add(&mut scene, Layer::Unshrouded, &shapes.unshrouded, to_mesh);
         add(&mut scene, Layer::LowWall, &shapes.low, to_mesh);
         add(&mut scene, Layer::HighWall, &shapes.high, to_mesh);
+        let look = layers.get(Layer::Centreline);
+        if look.visible && shapes.centreline.len() > 1 {
+            let line = shapes.centreline.iter().map(|p| to_mesh.transform_point3(*p)).collect();
+            scene.lines.push(LineSet { on_top: true, width_px: 2.0, ..LineSet::new(vec![line], look.colour) });
+        }
     }
     if let Some((electrode, mesh)) = inputs.electrode {
         let station = inputs.track.and_then(|t| t.at(inputs.s));
