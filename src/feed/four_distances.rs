@@ -17,9 +17,9 @@ use crate::progress::{Cancel, Cancelled};
 pub struct FourDistances {
     /// To the low and to the high wall; which of them is the suction wall the channel tells.
     pub walls: [f64; 2],
-    /// To the hub, along the radius; none once the electrode is out of the ring.
+    /// To the radius of the hub, which facets of its mesh dip below; none once the electrode is out of the ring.
     pub hub: Option<f64>,
-    /// To the shroud, along the radius; none too where there is none.
+    /// To the radius of the shroud; none too where there is no shroud.
     pub shroud: Option<f64>,
 }
 

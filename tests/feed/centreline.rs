@@ -76,9 +76,10 @@ fn a_report_gives_the_four_distances_at_every_node() {
     let four = |i: usize| nodes[i].distances_mm.unwrap();
     for node in nodes {
         let d = node.distances_mm.unwrap();
-        // The least clearance is to any surface, of more points, and from a field that is interpolated.
+        // The least clearance is to any surface and of more points. That of the hub is to its radius, which the
+        // facets of the mesh dip below.
         let least = [Some(d.low_wall), Some(d.high_wall), d.hub, d.shroud].into_iter().flatten();
-        assert!(least.fold(f64::INFINITY, f64::min) > node.clearance_mm - 0.05, "node {}", node.node);
+        assert!(least.fold(f64::INFINITY, f64::min) > node.clearance_mm - 0.08, "{node:?}");
     }
     let first = four(0);
     assert!((first.hub.unwrap() - 0.1).abs() < 0.03 && (first.shroud.unwrap() - 0.1).abs() < 0.05, "{first:?}");

@@ -89,10 +89,10 @@ mod tests {
         }
         let right: Vec<Vec<f64>> = (0..n).map(|r| vec![r as f64, (r * r) as f64 - 4.0]).collect();
         let x = matrix.clone().solve(right.clone()).unwrap();
-        for r in 0..n {
-            for k in 0..2 {
+        for (r, wanted) in right.iter().enumerate() {
+            for (k, wanted) in wanted.iter().enumerate() {
                 let sum: f64 = (r.saturating_sub(reach)..(r + reach + 1).min(n)).map(|c| entry(r, c) * x[c][k]).sum();
-                assert!((sum - right[r][k]).abs() < 1e-11, "{sum}");
+                assert!((sum - wanted).abs() < 1e-11, "{sum}");
             }
         }
         assert_eq!(matrix.set(0, 3, 1.0), Err(NurbsError::Singular));

@@ -116,10 +116,10 @@ impl KnotVector {
         values[0] = 1.0;
         for d in 1..=degree {
             let mut carried = 0.0;
-            for r in 0..d {
+            for (r, value) in values.iter_mut().enumerate().take(d) {
                 let (left, right) = (self.knots[span + 1 + r - d], self.knots[span + 1 + r]);
-                let share = values[r] / (right - left);
-                values[r] = carried + (right - u) * share;
+                let share = *value / (right - left);
+                *value = carried + (right - u) * share;
                 carried = (u - left) * share;
             }
             values[d] = carried;
