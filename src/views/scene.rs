@@ -324,7 +324,7 @@ mod tests {
                 layers,
                 selected: None,
                 section: None,
-                theme: Theme::Dark,
+                theme: Theme::DARK,
                 triad: false,
             };
             build(&inputs).lines
