@@ -1,5 +1,7 @@
 //! Whole plans on parametric blisks: what must hold for every plan, and what must not depend on how it was made.
 
+#[path = "feed/centreline.rs"]
+mod centreline;
 mod common;
 #[path = "feed/files.rs"]
 mod files;

@@ -123,13 +123,14 @@ fn defaults(job: &PlanJob) -> PlanJob {
 
 /// Headings of a step's form in order, and whether they start folded: what few need to touch.
 fn groups(stage: Stage) -> Vec<(&'static str, bool)> {
-    const FOLDED: [&str; 9] = [
+    const FOLDED: [&str; 10] = [
         "Radii",
         "Wall grid",
         "Body",
         "Own electrode",
         "Weights",
         "Fine points",
+        "Centreline search",
         "Genetic search",
         "Files",
         "Pictures",

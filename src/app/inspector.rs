@@ -59,6 +59,14 @@ fn selected(ui: &mut Ui, core: &Core) {
             heading(ui, layer.name());
             fact(ui, "Is the", found.channel.surface_name(surface));
         }
+        Layer::Centreline => {
+            let Some(line) = core.pipeline.channel().and_then(|found| found.centreline.as_ref()) else { return };
+            heading(ui, layer.name());
+            let [least, greatest] = line.diameters();
+            fact(ui, "Length", length.show(line.length(), 3));
+            fact(ui, "Least circle", length.show(least, 3));
+            fact(ui, "Greatest circle", length.show(greatest, 3));
+        }
         _ => {}
     }
 }

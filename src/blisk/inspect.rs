@@ -5,13 +5,16 @@ use std::fmt;
 use glam::DVec3;
 use serde::Serialize;
 
+use super::centreline::{CentrelineError, CentrelineSummary};
 use super::channel::{BladeSide, Channel, MeridianSample, Throat};
 use super::error::BliskError;
 use super::find_channel::{channel_of, prepared};
 use super::frame::{Axis, Repetition, find_frame};
 use super::options::BliskOptions;
+use crate::geometry::exact::ExactMesh;
 use crate::geometry::frame::Frame;
 use crate::geometry::mesh::Mesh;
+use crate::geometry::nurbs::FitError;
 use crate::progress::{Cancel, Cancelled, Progress};
 
 /// Everything found in a mesh. What comes after the first thing not found is absent.
@@ -31,6 +34,8 @@ pub struct Inspection {
     pub repetition: Option<Repetition>,
     /// The chosen channel.
     pub channel: Option<ChannelSummary>,
+    /// Its centreline, and its walls as NURBS.
+    pub centreline: Option<CentrelineSummary>,
     /// What was assumed, in plain sentences.
     pub assumed: Vec<String>,
     /// What was not found, why, and what to do about it.
@@ -102,6 +107,7 @@ pub fn inspect(
         axis: None,
         repetition: None,
         channel: None,
+        centreline: None,
         assumed: Vec::new(),
         not_found: Vec::new(),
     };
@@ -133,7 +139,15 @@ fn fill(
     found.assumed.extend(blisk.assumed.iter().cloned());
     let channel = channel_of(&mesh, &blisk, options, found.assumed.clone(), progress, cancel)?;
     found.channel = Some(ChannelSummary::new(&channel));
-    found.assumed = channel.assumed;
+    found.assumed = channel.assumed.clone();
+    progress.report("channel", 1.0, "centreline");
+    let exact = ExactMesh::new(&mesh.in_frame(&channel.frame)).map_err(|e| BliskError::Mesh(e.to_string()))?;
+    match CentrelineSummary::new(&channel, &exact, cancel) {
+        Ok(line) => found.centreline = Some(line),
+        Err(CentrelineError::Cancelled(cancelled)) => return Err(cancelled.into()),
+        // Only one of the strategies needs it.
+        Err(error) => found.assumed.push(format!("No centreline: {error}.")),
+    }
     Ok(())
 }
 
@@ -166,6 +180,9 @@ impl fmt::Display for Inspection {
         if let Some(channel) = &self.channel {
             write!(f, "{channel}")?;
         }
+        if let Some(line) = &self.centreline {
+            write!(f, "{line}")?;
+        }
         list(f, "Assumed", &self.assumed)?;
         list(f, "Not found", &self.not_found)
     }
@@ -195,6 +212,22 @@ impl fmt::Display for ChannelSummary {
         row("Radii", format!("{:>10}{:>10}{outer:>10}   mm", "x", "hub"))?;
         for s in &self.meridian {
             row("", format!("{:>10.3}{:>10.3}{:>10.3}", s.x, s.hub, s.shroud))?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for CentrelineSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut row = |name: &str, value: String| writeln!(f, "{name:<18}{value}");
+        let [least, greatest] = self.diameters_mm;
+        let error = |e: &FitError| format!("greatest {:.6} mm, RMS {:.6} mm", e.greatest_mm, e.rms_mm);
+        let circles = format!("circles of {least:.3} to {greatest:.3} mm in {} sections", self.sections);
+        row("Centreline", format!("{:.3} mm long, {circles}", self.length_mm))?;
+        row("", format!("off the sections' middles: {}", error(&self.fit)))?;
+        for (name, wall) in ["low", "high"].iter().zip(&self.walls) {
+            row("NURBS walls", format!("{name}, {}: off its points {}", side_name(wall.side), error(&wall.points)))?;
+            row("", format!("off the mesh {}", error(&wall.mesh)))?;
         }
         Ok(())
     }

@@ -46,17 +46,17 @@ impl EdgeCircle {
     }
 
     /// The point where a tangent of slope `tan(angle)` touches, above (`sign = 1`) or below (`-1`) the centre.
-    fn tangent_point(&self, angle: f64, sign: f64) -> DVec2 {
+    pub(super) fn tangent_point(&self, angle: f64, sign: f64) -> DVec2 {
         self.center + DVec2::new(-angle.sin(), angle.cos()) * (sign * self.radius)
     }
 }
 
 /// Position, slope and second derivative of a curve `y(x)` at one end.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct EndCondition {
-    at: DVec2,
-    slope: f64,
-    bend: f64,
+pub(super) struct EndCondition {
+    pub at: DVec2,
+    pub slope: f64,
+    pub bend: f64,
 }
 
 /// A fifth-order polynomial between two abscissae.
@@ -71,7 +71,7 @@ pub struct Quintic {
 
 impl Quintic {
     /// The polynomial that meets both conditions (P1, equations 4 and 5), written in `(x - start) / (end - start)`.
-    fn through(a: EndCondition, b: EndCondition) -> Self {
+    pub(super) fn through(a: EndCondition, b: EndCondition) -> Self {
         let l = b.at.x - a.at.x;
         let (c0, c1, c2) = (a.at.y, a.slope * l, 0.5 * a.bend * l * l);
         let value = b.at.y - c0 - c1 - c2;

@@ -1,8 +1,16 @@
 //! `sparkpath inspect`: what the importer and the channel finder make of a mesh.
 
+use std::path::Path;
+
 use super::{Answer, InspectArguments, Session};
+use crate::blisk::centreline::CentrelineSummary;
+use crate::blisk::channel::BladeSide;
 use crate::blisk::inspect::inspect as inspect_blisk;
+use crate::blisk::nurbs_wall::NurbsWall;
 use crate::blisk::options::{Auto, AxisChoice, BliskOptions};
+use crate::blisk::sections::read_sections_file;
+use crate::geometry::exact::ExactMesh;
+use crate::geometry::mesh::Mesh;
 use crate::mesh_io::Imported;
 
 /// Prints what was found in the mesh of `arguments`.
@@ -13,18 +21,39 @@ pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow
     let found = inspect_blisk(&imported.mesh, &options, &session.progress, &session.cancel);
     let mut inspection = found.map_err(|e| anyhow::anyhow!(as_arguments(&e.to_string())))?;
     inspection.not_found.iter_mut().for_each(|problem| *problem = as_arguments(problem));
+    let measured = match (&arguments.sections, &inspection.channel) {
+        (Some(file), Some(channel)) => {
+            Some(measured(file, &imported.mesh.in_frame(&channel.frame), channel.sides, session)?)
+        }
+        _ => None,
+    };
     super::terminal::finish();
     if session.json {
-        let all = serde_json::json!({ "sha256": imported.sha256, "import": imported.report, "blisk": inspection });
+        let mut all = serde_json::json!({ "sha256": imported.sha256, "import": imported.report, "blisk": inspection });
+        if let Some(measured) = measured {
+            all["measured"] = serde_json::to_value(measured)?;
+        }
         say!("{}", serde_json::to_string_pretty(&all)?);
     } else {
         print_import(&imported);
         say!("{inspection}");
+        if let Some(measured) = measured {
+            say!("From the measured sections:\n{measured}");
+        }
     }
     match inspection.not_found.first() {
         None => Ok(Answer::Yes),
         Some(problem) => anyhow::bail!("{}: {problem}", arguments.mesh.display()),
     }
+}
+
+/// The walls through the measured sections in `file`, against `mesh`, both in W.
+fn measured(file: &Path, mesh: &Mesh, sides: [BladeSide; 2], session: &Session) -> anyhow::Result<CentrelineSummary> {
+    let name = file.display();
+    let sections = read_sections_file(file).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
+    let walls = NurbsWall::of_measured(&sections).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
+    let exact = ExactMesh::new(mesh)?;
+    CentrelineSummary::of_walls(&walls, sides, &exact, &session.cancel).map_err(|e| anyhow::anyhow!("{name}: {e}"))
 }
 
 /// `message` with the arguments of this command in place of the keys of a job file, which is not at hand here.

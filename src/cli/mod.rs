@@ -167,6 +167,10 @@ struct InspectArguments {
     /// Shroud or tip radius [default: found].
     #[arg(long, value_name = "MM")]
     shroud_radius: Option<f64>,
+    /// Measured sections of the channel's walls in W: a CSV file with the columns section, side (low or high), x, and y, z
+    /// or r, theta_deg. Their surfaces are compared with the mesh.
+    #[arg(long, value_name = "CSV")]
+    sections: Option<PathBuf>,
 }
 
 fn unit(text: &str) -> Result<Units, String> {

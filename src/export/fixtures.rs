@@ -173,6 +173,7 @@ fn verified(path: &FeedPath) -> ElectrodeReport {
         s_mm: r.s,
         pose: PoseReport::from(&r.pose),
         clearance_mm: certificate.row_clearance()[i],
+        distances_mm: None,
         objective: Some(ObjectiveReport {
             smoothness: 0.02 + 0.001 * r.s,
             centring: 0.11,

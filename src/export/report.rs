@@ -219,6 +219,22 @@ pub struct NodeReport {
     pub pose: PoseReport,
     pub clearance_mm: f64,
     pub objective: Option<ObjectiveReport>,
+    /// Least distances to the surfaces of the channel, each by itself, where the strategy is P1's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub distances_mm: Option<DistancesReport>,
+}
+
+/// P1's four distances at a node (mm); what is missing is out of reach.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct DistancesReport {
+    /// To the wall on the side of smaller theta.
+    pub low_wall: f64,
+    /// To the wall on the side of greater theta.
+    pub high_wall: f64,
+    /// To the hub.
+    pub hub: Option<f64>,
+    /// To the shroud.
+    pub shroud: Option<f64>,
 }
 
 /// How even the motion of an axis is, over equal steps of withdrawn distance; mm or degrees.

@@ -244,6 +244,7 @@ pub(super) fn nodes(out: &mut String, nodes: &[NodeReport]) {
         return;
     }
     let objective = nodes.iter().any(|n| n.objective.is_some());
+    let distances = nodes.iter().any(|n| n.distances_mm.is_some());
     let rows = nodes.iter().map(|n| {
         let mut cells = vec![n.node.to_string(), number(n.s_mm, 2)];
         cells.extend(pose_cells(&n.pose));
@@ -252,12 +253,20 @@ pub(super) fn nodes(out: &mut String, nodes: &[NodeReport]) {
             let values = n.objective.map(|o| [o.smoothness, o.centring, o.total]);
             cells.extend((0..3).map(|i| values.map_or("\u{2013}".to_owned(), |v| small(v[i]))));
         }
+        if distances {
+            let four = n.distances_mm.map(|d| [Some(d.low_wall), Some(d.high_wall), d.hub, d.shroud]);
+            let cell = |d: Option<f64>| d.map_or("\u{2013}".to_owned(), |d| number(d, 3));
+            cells.extend(four.unwrap_or_default().map(cell));
+        }
         cells
     });
     let mut head =
         vec!["#node", "#s mm", "#X mm", "#Y mm", "#Z mm", "#A \u{b0}", "#B \u{b0}", "#C \u{b0}", "#clearance mm"];
     if objective {
         head.extend(["#Obj1", "#Obj2", "#objective"]);
+    }
+    if distances {
+        head.extend(["#low wall mm", "#high wall mm", "#hub mm", "#shroud mm"]);
     }
     table(out, "nodes", "Nodes, final pose first", &head, rows);
 }

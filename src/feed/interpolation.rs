@@ -1,42 +1,64 @@
-//! From nodes to rows: a spline through the nodes of each axis, then rows so dense that linear motion between them
-//! stays close to the spline.
+//! From nodes to rows: a curve through the nodes of each axis, then rows so dense that linear motion between them
+//! stays close to the curve.
 
 use serde::{Deserialize, Serialize};
 
+use super::axis_curve::{AxisCurve, CurveError, CurveKind, Joining};
 use super::path::{FeedPath, PathRow};
 use super::pose::{Axis, Pose};
 use super::quantise::{DEG_DECIMALS, MM_DECIMALS, quantise_path};
 use super::search::Node;
 use crate::geometry::frame::Frame;
-use crate::geometry::spline::{CubicSpline, EndCondition, SplineError};
+use crate::geometry::spline::EndCondition;
 use glam::DVec3;
 
 /// How nodes are joined.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct InterpolationParams {
-    /// What the cubic splines do at the two ends of the path.
+    /// What kind of curve joins them.
+    pub kind: CurveKind,
+    /// What cubic splines do at the two ends of the path.
     pub ends: EndCondition,
-    /// How far linear motion between rows may be from the spline, at any point of the electrode (mm).
+    /// Degree of NURBS.
+    pub degree: usize,
+    /// How far linear motion between rows may be from the curve, at any point of the electrode (mm).
     pub chord_error_mm: f64,
 }
 
 impl Default for InterpolationParams {
     fn default() -> Self {
-        Self { ends: EndCondition::NotAKnot, chord_error_mm: 0.001 }
+        Self { kind: CurveKind::Spline, ends: EndCondition::NotAKnot, degree: 3, chord_error_mm: 0.001 }
     }
 }
 
 /// Interpolation parameters that cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("[plan.interpolation] chord_error_mm = {0}: must be 0.00005 to 0.1 mm")]
-pub struct InterpolationParamsError(f64);
+pub enum InterpolationParamsError {
+    /// A chord error that rows cannot be rounded to.
+    #[error("[plan.interpolation] chord_error_mm = {0}: must be 0.00005 to 0.1 mm")]
+    ChordError(f64),
+    /// A degree whose curves bend abruptly or swing.
+    #[error("[plan.interpolation] degree = {0}: must be 3 to 5")]
+    Degree(usize),
+}
 
 impl InterpolationParams {
-    /// Whether the chord error is one that rows can be rounded to.
+    /// Whether the chord error is one that rows can be rounded to, and the degree one of a smooth curve.
     pub fn validate(&self) -> Result<(), InterpolationParamsError> {
-        let ok = (5e-5..=0.1).contains(&self.chord_error_mm);
-        if ok { Ok(()) } else { Err(InterpolationParamsError(self.chord_error_mm)) }
+        if !(5e-5..=0.1).contains(&self.chord_error_mm) {
+            return Err(InterpolationParamsError::ChordError(self.chord_error_mm));
+        }
+        let smooth = (3..=5).contains(&self.degree);
+        if smooth { Ok(()) } else { Err(InterpolationParamsError::Degree(self.degree)) }
+    }
+
+    /// How nodes are joined.
+    pub fn joining(&self) -> Joining {
+        match self.kind {
+            CurveKind::Spline => Joining::Spline(self.ends),
+            CurveKind::Nurbs => Joining::Nurbs(self.degree),
+        }
     }
 }
 
@@ -80,43 +102,47 @@ pub enum InterpolationError {
 /// The curve of every axis over the withdrawn distance s.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AxisCurves {
-    splines: [CubicSpline; 6],
+    curves: [AxisCurve; 6],
 }
 
 impl AxisCurves {
-    /// Cubic splines through `nodes`, at least two of them, s rising.
-    pub fn through(nodes: &[Node], ends: EndCondition) -> Result<Self, SplineError> {
+    /// Curves through `nodes`, at least two of them, s rising.
+    ///
+    /// # Errors
+    /// [`CurveError`] if they are fewer or s does not rise.
+    pub fn through(nodes: &[Node], joining: impl Into<Joining>) -> Result<Self, CurveError> {
+        let joining = joining.into();
         let s: Vec<f64> = nodes.iter().map(|n| n.s).collect();
-        let spline = |axis: Axis| {
+        let curve = |axis: Axis| {
             let values: Vec<f64> = nodes.iter().map(|n| n.pose.get(axis)).collect();
-            CubicSpline::new(&s, &values, ends)
+            AxisCurve::through(&s, &values, joining)
         };
-        let [x, y, z, a, b, c] = Axis::ALL.map(spline);
-        Ok(Self { splines: [x?, y?, z?, a?, b?, c?] })
+        let [x, y, z, a, b, c] = Axis::ALL.map(curve);
+        Ok(Self { curves: [x?, y?, z?, a?, b?, c?] })
     }
 
     /// The curve of one axis.
-    pub fn axis(&self, axis: Axis) -> &CubicSpline {
-        &self.splines[axis as usize]
+    pub fn axis(&self, axis: Axis) -> &AxisCurve {
+        &self.curves[axis as usize]
     }
 
     /// The pose when withdrawn by `s`.
     pub fn pose(&self, s: f64) -> Pose {
-        Pose::from_array(std::array::from_fn(|i| self.splines[i].at(s)[0]))
+        Pose::from_array(std::array::from_fn(|i| self.curves[i].at(s)[0]))
     }
 
     /// Rows between knots `i` and `i + 1` needed to keep `chord_error`. Linear interpolation of f over a length h
     /// is off by at most h^2/8 max|f''|; an error in A moves a point by at most `radius` times it, one in B or
     /// C by `reach` times it.
     fn pieces(&self, i: usize, chord_error: f64, Lever { radius, reach }: Lever) -> Result<usize, InterpolationError> {
-        let h = self.splines[0].knots()[i + 1] - self.splines[0].knots()[i];
-        let [x, y, z, a, b, c] = std::array::from_fn(|k| self.splines[k].greatest_second(i));
+        let h = self.curves[0].knots()[i + 1] - self.curves[0].knots()[i];
+        let [x, y, z, a, b, c] = std::array::from_fn(|k| self.curves[k].greatest_second(i));
         let bend = DVec3::new(x, y, z).length() + radius * a + reach * (b + c);
         let pieces = (h * (bend / (8.0 * chord_error)).sqrt()).ceil().max(1.0);
         if pieces <= MOST_PIECES {
             Ok(pieces as usize)
         } else {
-            Err(InterpolationError::TooManyRows { s: self.splines[0].knots()[i], pieces })
+            Err(InterpolationError::TooManyRows { s: self.curves[0].knots()[i], pieces })
         }
     }
 }
@@ -166,7 +192,7 @@ pub fn feed_path(
     if rounding.is_nan() || rounding >= chord_error {
         return Err(InterpolationError::Rounding { chord_error, rounding });
     }
-    let knots = curves.splines[0].knots();
+    let knots = curves.curves[0].knots();
     let mut rows = vec![PathRow { node: 0, s: 0.0, pose: Pose::FINAL }];
     for i in 0..knots.len() - 1 {
         let pieces = curves.pieces(i, chord_error - rounding, lever)?;
@@ -201,7 +227,12 @@ mod tests {
 
     #[test]
     fn linear_motion_between_rows_stays_within_the_chord_error() {
-        let curves = AxisCurves::through(&nodes(), EndCondition::NotAKnot).unwrap();
+        let kinds = [Joining::Spline(EndCondition::NotAKnot), Joining::Nurbs(3), Joining::Nurbs(5)];
+        kinds.into_iter().for_each(stays_within_the_chord_error);
+    }
+
+    fn stays_within_the_chord_error(joining: Joining) {
+        let curves = AxisCurves::through(&nodes(), joining).unwrap();
         let o = DVec3::new(10.0, 0.0, 117.0);
         let points = [DVec3::new(-15.0, 5.0, 126.0), DVec3::new(22.0, -6.0, 110.0), o];
         let radius = 130.0;
@@ -223,6 +254,23 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn nurbs_leave_x_linear_and_reproduce_a_cubic_motion() {
+        let nodes: Vec<Node> = [0.0, 0.5, 0.75, 0.8, 1.3, 2.3, 2.8]
+            .map(|s: f64| Node { s, pose: Pose { x: -s, c: 0.01 * s.powi(3) - 0.02 * s, ..Pose::FINAL }, ..nodes()[0] })
+            .to_vec();
+        let curves = AxisCurves::through(&nodes, Joining::Nurbs(3)).unwrap();
+        for i in 0..=280 {
+            let s = 0.01 * f64::from(i);
+            let pose = curves.pose(s);
+            assert!((pose.x + s).abs() < 1e-12 && (pose.c - (0.01 * s.powi(3) - 0.02 * s)).abs() < 1e-12, "{s}");
+        }
+        let params = InterpolationParams { kind: CurveKind::Nurbs, degree: 4, ..Default::default() };
+        assert_eq!((params.validate(), params.joining()), (Ok(()), Joining::Nurbs(4)));
+        let error = InterpolationParams { degree: 2, ..params }.validate().unwrap_err();
+        assert!(error.to_string().contains("degree = 2"));
     }
 
     #[test]
@@ -250,8 +298,13 @@ mod tests {
 
     #[test]
     fn a_path_runs_from_outside_to_the_final_pose_through_every_node() {
+        let kinds = [Joining::Spline(EndCondition::NotAKnot), Joining::Nurbs(3)];
+        kinds.into_iter().for_each(runs_through_every_node);
+    }
+
+    fn runs_through_every_node(joining: Joining) {
         let nodes = nodes();
-        let curves = AxisCurves::through(&nodes, EndCondition::NotAKnot).unwrap();
+        let curves = AxisCurves::through(&nodes, joining).unwrap();
         let given_in = PathFrame { frame: Frame::IDENTITY, reference_point: DVec3::ZERO, spark_gap: 0.1 };
         let path = feed_path(&curves, 0.001, Lever { radius: 1.0, reach: 1.0 }, given_in).unwrap();
         assert_eq!(path.rows.last().map(|r| (r.node, r.s, r.pose)), Some((0, 0.0, Pose::FINAL)));

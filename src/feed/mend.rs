@@ -31,7 +31,7 @@ impl SearchProblem<'_> {
         }
         let Some(mut nodes) = self.with_free_nodes(nodes, cancel)? else { return Ok(None) };
         for _ in 0..Self::PASSES {
-            let Ok(curves) = AxisCurves::through(&nodes, self.ends) else { return Ok(None) };
+            let Ok(curves) = AxisCurves::through(&nodes, self.joining) else { return Ok(None) };
             let Some(dips) = self.dips(&nodes, &curves, cancel)? else { return Ok(None) };
             if dips.is_empty() {
                 return Ok(Some(self.valued(nodes)));

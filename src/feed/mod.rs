@@ -2,11 +2,14 @@
 //! interpolation and the verification certificate.
 
 pub mod angle_test;
+pub mod axis_curve;
 mod baselines;
+pub mod centreline;
 pub mod certificate;
 pub mod clearance;
 pub mod climb;
 mod even;
+pub mod four_distances;
 pub mod genetic;
 pub mod global;
 pub mod interpolation;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::centreline::Guide;
 use super::certificate::{Certificate, TravelVerdict};
 use super::genetic::GeneticParams;
 use super::global::CoarseWay;
@@ -18,9 +19,10 @@ use super::planner::Planner;
 use super::prepared::PreparedElectrode;
 use super::probes::Turns;
 use super::samples::{Sample, sample_convex_edges};
-use super::search::{Convergence, Node};
+use super::search::{Convergence, Node, Strategy};
 use super::smoothness::AxisSmoothness;
 use super::verify::VerifyOptions;
+use crate::blisk::centreline::Centreline;
 use crate::blisk::channel::Channel;
 use crate::blisk::electrode::{Electrode, ElectrodeError};
 use crate::blisk::surface_finder::SurfaceFinder;
@@ -198,7 +200,11 @@ pub fn plan_feed(
     cancel: &Cancel,
 ) -> Result<FeedPlan, PlanError> {
     settings.validate()?;
-    Planner { space, settings, turns: Turns::NONE, progress, cancel }.plan(electrode, remake)
+    let guide = match settings.plan.strategy {
+        Strategy::Centreline => Some(Guide::new(Centreline::of_channel(&space.channel, cancel)?, electrode)?),
+        _ => None,
+    };
+    Planner { space, settings, turns: Turns::NONE, progress, cancel, guide }.plan(electrode, remake)
 }
 
 /// Plans the feed path of `electrode`, which is `prepared` with its walls drawn in by `turns`.
@@ -212,7 +218,7 @@ pub fn plan_drawn_in(
     cancel: &Cancel,
 ) -> Result<FeedPlan, PlanError> {
     settings.validate()?;
-    Planner { space, settings, turns, progress, cancel }.plan_drawn_in(electrode, &prepared.model(space))
+    Planner { space, settings, turns, progress, cancel, guide: None }.plan_drawn_in(electrode, &prepared.model(space))
 }
 
 /// A way out of `electrode`, which is `prepared` with its walls drawn in by `turns`, as far as a quick look tells: neither
@@ -227,5 +233,5 @@ pub fn coarse_way(
     cancel: &Cancel,
 ) -> Result<CoarseWay, PlanError> {
     settings.validate()?;
-    Planner { space, settings, turns, progress, cancel }.coarse_way(electrode, &prepared.model(space))
+    Planner { space, settings, turns, progress, cancel, guide: None }.coarse_way(electrode, &prepared.model(space))
 }

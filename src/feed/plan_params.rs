@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::angle_test::{AngleParams, AngleParamsError};
+use super::axis_curve::CurveError;
+use super::centreline::CentrelineParams;
 use super::genetic::GeneticParamsError;
 use super::global::{GlobalParams, GlobalParamsError};
 use super::interpolation::{InterpolationError, InterpolationParams, InterpolationParamsError};
@@ -10,10 +12,10 @@ use super::machine::MachineError;
 use super::objective::{Weights, WeightsError};
 use super::search::{Constraint, Strategy};
 use super::verify::VerifyError;
+use crate::blisk::centreline::CentrelineError;
 use crate::blisk::electrode::ElectrodeError;
 use crate::geometry::distance_field::FieldError;
 use crate::geometry::exact::ExactMeshError;
-use crate::geometry::spline::SplineError;
 use crate::progress::Cancelled;
 
 /// Parameters of a plan beyond those of its strategy.
@@ -36,6 +38,8 @@ pub struct PlanParams {
     pub weights: Weights,
     /// Safety factors of the angle constraint.
     pub angle: AngleParams,
+    /// The centreline strategy.
+    pub centreline: CentrelineParams,
     /// How nodes are joined.
     pub interpolation: InterpolationParams,
     /// The global strategy.
@@ -53,6 +57,7 @@ impl Default for PlanParams {
             field_cell_mm: 0.25,
             weights: Weights::default(),
             angle: AngleParams::default(),
+            centreline: CentrelineParams::default(),
             interpolation: InterpolationParams::default(),
             global: GlobalParams::default(),
         }
@@ -88,7 +93,9 @@ pub enum PlanError {
     #[error(transparent)]
     Electrode(ElectrodeError),
     #[error(transparent)]
-    Spline(#[from] SplineError),
+    Curve(#[from] CurveError),
+    #[error(transparent)]
+    Centreline(CentrelineError),
     #[error(transparent)]
     Verify(VerifyError),
 }
@@ -98,6 +105,15 @@ impl From<FieldError> for PlanError {
         match error {
             FieldError::Cancelled(cancelled) => cancelled.into(),
             other => Self::Field(other),
+        }
+    }
+}
+
+impl From<CentrelineError> for PlanError {
+    fn from(error: CentrelineError) -> Self {
+        match error {
+            CentrelineError::Cancelled(cancelled) => cancelled.into(),
+            other => Self::Centreline(other),
         }
     }
 }
@@ -131,6 +147,8 @@ impl PlanParams {
         within("exit_clearance_mm", self.exit_clearance_mm, 0.1, 200.0, "0.1 to 200 mm")?;
         within("margin_mm", self.margin_mm, 0.0, 5.0, "0 to 5 mm")?;
         within("field_cell_mm", self.field_cell_mm, 0.05, 2.0, "0.05 to 2 mm")?;
+        let safety = self.centreline.safety_increase_mm;
+        within("centreline.safety_increase_mm", safety, 0.0, 5.0, "0 to 5 mm")?;
         self.weights.validate()?;
         self.angle.validate()?;
         self.global.validate()?;

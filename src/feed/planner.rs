@@ -6,11 +6,12 @@ use std::time::Instant;
 use glam::DVec3;
 
 use super::angle_test::AngleTest;
+use super::centreline::Guide;
 use super::certificate::{Certificate, Contact, TravelVerdict};
 use super::clearance::ClearanceModel;
 use super::genetic::{GeneticParams, ReductionMode};
 use super::global::CoarseWay;
-use super::interpolation::{AxisCurves, InterpolationParams, Lever, PathFrame, feed_path};
+use super::interpolation::{AxisCurves, Lever, PathFrame, feed_path};
 use super::jam::{Jam, JamCause};
 use super::machine::{BeyondTravel, TravelLimits};
 use super::objective::Objective;
@@ -38,6 +39,8 @@ pub(super) struct Planner<'a> {
     pub(super) turns: Turns,
     pub(super) progress: &'a Progress,
     pub(super) cancel: &'a Cancel,
+    /// The way of the electrode, where the strategy follows a line.
+    pub(super) guide: Option<Guide>,
 }
 
 /// What the verifier has taught the search so far.
@@ -264,6 +267,7 @@ impl Planner<'_> {
             Strategy::Global => StrategyParams::Global(self.settings.plan.global),
             Strategy::FreeTravel => StrategyParams::FreeTravel,
             Strategy::MaxMinDistance => StrategyParams::MaxMinDistance,
+            Strategy::Centreline => StrategyParams::Centreline(self.settings.plan.centreline),
         };
         let surface_of = |p: DVec3| self.space.finder.surface_of(p);
         let outcome = self.with_problem(plan, model, lessons, |problem| {
@@ -328,10 +332,11 @@ impl Planner<'_> {
             demand: Demand { spark_gap, margin: params.margin_mm, guard: Self::GUARD, room: 0.0 },
             turns: self.turns,
             side: model.side(),
-            ends: params.interpolation.ends,
+            joining: params.interpolation.joining(),
             step: params.step_mm,
             fine: &lessons.fine,
             exit_clearance: params.exit_clearance_mm,
+            guide: self.guide.as_ref(),
             observe: self.settings.observe,
         })
     }
@@ -379,11 +384,11 @@ pub(super) fn interpolated(
     settings: &PlanSettings,
     frame: Frame,
 ) -> Result<(AxisCurves, FeedPath), PlanError> {
-    let InterpolationParams { ends, chord_error_mm } = settings.plan.interpolation;
-    let curves = AxisCurves::through(nodes, ends)?;
+    let params = settings.plan.interpolation;
+    let curves = AxisCurves::through(nodes, params.joining())?;
     let reference_point = electrode.reference_point;
     let frame = PathFrame { frame, reference_point, spark_gap: settings.spark_gap };
-    let path = feed_path(&curves, chord_error_mm, lever(electrode, nodes), frame)?;
+    let path = feed_path(&curves, params.chord_error_mm, lever(electrode, nodes), frame)?;
     Ok((curves, path))
 }
 

@@ -5,6 +5,8 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::angle_test::AngleTest;
+use super::axis_curve::Joining;
+use super::centreline::{CentrelineParams, CentrelineStep, Guide};
 use super::clearance::{ClearanceModel, Shortfall};
 use super::genetic::{GeneticParams, GeneticStep};
 use super::global::GlobalParams;
@@ -17,7 +19,6 @@ use super::pose::{Axis, Pose};
 use super::probes::{Demand, Turns};
 use crate::blisk::channel::Surface;
 use crate::blisk::electrode::EntrySide;
-use crate::geometry::spline::EndCondition;
 use crate::progress::{Cancel, Cancelled, Progress};
 
 /// How a path is searched for.
@@ -33,6 +34,8 @@ pub enum Strategy {
     FreeTravel,
     /// The greatest least distance at every node (Ayesta et al. 2016); to compare with.
     MaxMinDistance,
+    /// Along the centreline of the channel, P1.
+    Centreline,
 }
 
 /// What a pose must meet to count as free during the search. The verifier has the last word either way.
@@ -67,14 +70,16 @@ pub struct SearchProblem<'a> {
     pub turns: Turns,
     /// The side that the electrode is withdrawn to.
     pub side: EntrySide,
-    /// How the curve through the nodes ends.
-    pub ends: EndCondition,
+    /// How the nodes will be joined.
+    pub joining: Joining,
     /// Distance between nodes (mm).
     pub step: f64,
     /// Stretches of withdrawn distance that are searched in finer steps, half for each stretch that holds it (mm).
     pub fine: &'a [[f64; 2]],
     /// How far out of the blisk the electrode is withdrawn (mm).
     pub exit_clearance: f64,
+    /// The line that nodes follow in steps of arc length; without one they follow X.
+    pub guide: Option<&'a Guide>,
     /// Is shown the nodes found so far after each of them.
     pub observe: &'a Observe<'a>,
 }
@@ -236,7 +241,7 @@ impl SearchProblem<'_> {
         let next = Node { s: task.s, pose: to.pose, ..nodes[nodes.len() - 1] };
         let joined = [known, &[next]].concat();
         // Knots rise by construction; were they not to, nothing could be said of the motion.
-        let Ok(curves) = AxisCurves::through(&joined, self.ends) else { return false };
+        let Ok(curves) = AxisCurves::through(&joined, self.joining) else { return false };
         let h = to.h.max(task.h_so_far);
         let between = self.between();
         let mut hint = 0;
@@ -278,6 +283,10 @@ impl SearchProblem<'_> {
             StrategyParams::MaxMinDistance => Ok((self.roomiest(task, cancel)?, Convergence::none(task.s))),
             // It does not search node by node.
             StrategyParams::Global(_) => Ok((Vec::new(), Convergence::none(task.s))),
+            StrategyParams::Centreline(params) => match self.guide {
+                Some(guide) => CentrelineStep::new(params, self, guide, task).run(cancel),
+                None => Ok((Vec::new(), Convergence::none(task.s))),
+            },
         }
     }
 
@@ -348,7 +357,9 @@ impl SearchProblem<'_> {
             // Nothing has moved yet but X, whose rate is the nominal one.
             _ => StepMotion { increments: [0.0; 6], duration: 1.0 },
         };
-        let s = last.s + self.step * duration;
+        let step = self.step * duration;
+        let s = self.guide.map_or(last.s + step, |guide| guide.next_s(last.s, step));
+        let duration = (s - last.s) / self.step;
         NodeTask {
             from: last.pose,
             from_s: last.s,
@@ -391,7 +402,8 @@ impl SearchProblem<'_> {
     fn first_halving(&self, nodes: &[Node]) -> i32 {
         let [.., before, last] = nodes else { return 0 };
         let fine = self.fine.iter().filter(|[from, to]| (*from..*to).contains(&last.s)).count();
-        let narrow = (self.step / (2.0 * (last.s - before.s))).log2().ceil().max(0.0) as i32;
+        let whole = self.task(nodes, 1.0).s - last.s;
+        let narrow = (whole / (2.0 * (last.s - before.s))).log2().ceil().max(0.0) as i32;
         narrow.max(fine.min(Self::FINEST) as i32).min(Self::HALVINGS)
     }
 
@@ -470,4 +482,6 @@ pub enum StrategyParams {
     FreeTravel,
     /// See [`Strategy::MaxMinDistance`].
     MaxMinDistance,
+    /// See [`Strategy::Centreline`].
+    Centreline(CentrelineParams),
 }

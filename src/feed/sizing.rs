@@ -66,7 +66,14 @@ impl Sizer<'_> {
         let genetic = GeneticParams { h: ReductionMode::Given, ..*self.settings.genetic };
         let settings = PlanSettings { genetic: &genetic, ..*self.settings };
         let silent = Progress::silent();
-        let planner = Planner { space: self.space, settings: &settings, turns, progress: &silent, cancel: self.cancel };
+        let planner = Planner {
+            space: self.space,
+            settings: &settings,
+            turns,
+            progress: &silent,
+            cancel: self.cancel,
+            guide: None,
+        };
         let plan = planner.nothing_yet(self.electrode, self.model);
         let width = planner.with_problem(&plan, self.model, &Lessons::default(), |problem| {
             problem.width_of_way(&settings.plan.global, &silent, self.cancel)

@@ -3,16 +3,20 @@
 use super::plan::{ElectrodeOutcome, PlanOutcome};
 use crate::blisk::channel::Channel;
 use crate::blisk::electrode::EntrySide;
+use crate::blisk::surface_finder::SurfaceFinder;
 use crate::export::report::{
-    BliskSummary, ClearancePlace, Convergence, ElectrodeReport, Failure, InputFile, Motion, NodeReport,
-    ObjectiveReport, PoseReport, Report, SCHEMA, Smoothness, Symbol, Verdict, VerifiedDigests, Written,
+    BliskSummary, ClearancePlace, Convergence, DistancesReport, ElectrodeReport, Failure, InputFile, Motion,
+    NodeReport, ObjectiveReport, PoseReport, Report, SCHEMA, Smoothness, Symbol, Verdict, VerifiedDigests, Written,
 };
 use crate::feed::certificate::TravelVerdict;
+use crate::feed::four_distances::{DistanceGauge, FourDistances};
 use crate::feed::genetic::GeneticParams;
 use crate::feed::genetic::coding::Coding;
 use crate::feed::jam::JamCause;
 use crate::feed::plan::{FeedPlan, PlannedPath};
-use crate::feed::pose::Axis;
+use crate::feed::pose::{Axis, Pose};
+use crate::feed::search::Strategy;
+use crate::progress::Cancel;
 use crate::project::PlanJob;
 
 /// The report on `outcome`, without pictures. `inputs` tells which files it was made from.
@@ -75,7 +79,7 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
         certified_clearance_mm: certificate.map(|c| c.certified()),
         least_clearance_mm: certificate.map(|c| c.least().distance),
         least_clearance_at: certificate.map(place),
-        nodes: nodes(plan),
+        nodes: nodes(plan, &distances(outcome, whole, job)),
         smoothness: plan.path.as_ref().map_or(Vec::new(), |p| Smoothness::of(&p.smoothness)),
         volume_mm3: electrode.volume_mm3,
         least_thickness_mm: Some(electrode.least_thickness_mm),
@@ -92,7 +96,26 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
     }
 }
 
-fn nodes(plan: &FeedPlan) -> Vec<NodeReport> {
+/// P1's four distances at every node, where its strategy was followed; empty otherwise.
+fn distances(outcome: &ElectrodeOutcome, whole: &PlanOutcome, job: &PlanJob) -> Vec<DistancesReport> {
+    if job.plan.strategy != Strategy::Centreline {
+        return Vec::new();
+    }
+    // A report is not stopped half way; its electrode was sampled before and its walls searched.
+    let never = Cancel::default();
+    let poses: Vec<Pose> = outcome.plan.nodes.iter().map(|n| n.pose).collect();
+    let measured = SurfaceFinder::new(whole.channel.clone()).ok().and_then(|finder| {
+        let gauge = DistanceGauge::new(&outcome.electrode, &whole.channel, &finder, &never).ok()?;
+        gauge.at_all(&poses, &never).ok()
+    });
+    let report = |d: FourDistances| {
+        let [low_wall, high_wall] = d.walls;
+        DistancesReport { low_wall, high_wall, hub: d.hub, shroud: d.shroud }
+    };
+    measured.unwrap_or_default().into_iter().map(report).collect()
+}
+
+fn nodes(plan: &FeedPlan, distances: &[DistancesReport]) -> Vec<NodeReport> {
     let objective = |n: &crate::feed::search::Node| ObjectiveReport {
         smoothness: n.objective.smoothness,
         centring: n.objective.centring,
@@ -107,6 +130,7 @@ fn nodes(plan: &FeedPlan) -> Vec<NodeReport> {
             pose: PoseReport::from(&n.pose),
             clearance_mm: n.clearance,
             objective: Some(objective(n)),
+            distances_mm: distances.get(node).copied(),
         })
         .collect()
 }

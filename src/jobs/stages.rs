@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::blisk::centreline::{Centreline, CentrelineError};
 use crate::blisk::channel::Channel;
 use crate::blisk::electrode::{Electrode, EntrySide, from_user_mesh, make_electrodes};
 use crate::blisk::error::BliskError;
@@ -51,6 +52,8 @@ pub struct FoundChannel {
     pub exact: Arc<ExactMesh>,
     /// What is shown of it.
     pub shapes: ChannelShapes,
+    /// Its centreline, where there is one.
+    pub centreline: Option<Arc<Centreline>>,
 }
 
 /// The electrodes of a channel in their final pose, in the order of their parts.
@@ -120,6 +123,9 @@ pub fn input_file(role: &str, path: &Path, imported: &Imported) -> InputFile {
     }
 }
 
+/// Points of the centreline as it is drawn.
+const LINE_POINTS: usize = 200;
+
 /// Finds the channel.
 ///
 /// # Errors
@@ -137,8 +143,16 @@ pub fn channel(part: &Part, job: &PlanJob, progress: &Progress, cancel: &Cancel)
     let channel = find_channel(&part.mesh, &job.blisk.options, progress, cancel).map_err(text)?;
     let blisk = part.mesh.in_frame(&channel.frame);
     let exact = ExactMesh::new(&blisk).map_err(|e| e.to_string())?;
-    let shapes = channel_shapes(&blisk, &channel);
-    Ok(FoundChannel { channel: channel.into(), blisk: blisk.into(), exact: exact.into(), shapes })
+    let mut shapes = channel_shapes(&blisk, &channel);
+    let centreline = match Centreline::of_channel(&channel, cancel) {
+        Ok(line) => Some(line),
+        Err(CentrelineError::Cancelled(cancelled)) => return Err(cancelled.to_string()),
+        // Only one of the strategies needs it, and says so.
+        Err(_) => None,
+    };
+    shapes.centreline = centreline.as_ref().map_or(Vec::new(), |line| line.polyline(LINE_POINTS));
+    let centreline = centreline.map(Arc::new);
+    Ok(FoundChannel { channel: channel.into(), blisk: blisk.into(), exact: exact.into(), shapes, centreline })
 }
 
 /// Makes the electrodes for the first side on which they can be made.

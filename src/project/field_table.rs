@@ -24,6 +24,8 @@ const AXES: &[(&str, &str)] = &[("auto", "find it"), ("x", "X"), ("y", "Y"), ("z
 const SIDES: &[(&str, &str)] = &[("auto", "better one"), ("-x", "-X"), ("+x", "+X")];
 const MACHINES: &[(&str, &str)] = &[("XYZC", "XYZ C"), ("XYZAC", "XYZ A C"), ("XYZABC", "XYZ A B C")];
 const CONSTRAINTS: &[(&str, &str)] = &[("distance", "distance"), ("angle", "angle")];
+const STRATEGIES: &[(&str, &str)] = &[("genetic", "genetic"), ("centreline", "centreline")];
+const CURVES: &[(&str, &str)] = &[("spline", "cubic spline"), ("nurbs", "NURBS")];
 const H_MODES: &[(&str, &str)] = &[("given", "as given"), ("variable", "search")];
 const POSTS: &[(&str, &str)] = &[("iso", "ISO / RS-274"), ("beckhoff-edm", "Beckhoff EDM")];
 const FRAMES: &[(&str, &str)] = &[("mesh", "loaded mesh"), ("w", "workpiece W")];
@@ -60,10 +62,12 @@ pub(super) const FIELDS: &[Field] = &[
     field(Stage::Electrode, "Body", "/electrode/holder_mm/2", "Holder along radius", "", "mm", Number(Range(0.5, 500.0), 1), "Height of the holder block; it grows where the shank is larger."),
     field(Stage::Electrode, "Own electrode", "/electrode/mesh", "Mesh", "", "", File, "An electrode of your own instead of a derived one, in its final pose in the coordinates of the blisk's mesh (mm)."),
 
-    field(Stage::Plan, "Path", "/plan/step_mm", "Step", "k", "mm", Number(Range(0.01, 10.0), 2), "Distance between nodes along X; halved where no free pose is found."),
+    field(Stage::Plan, "Path", "/plan/strategy", "Strategy", "", "", Choice(STRATEGIES), "How the way out is searched for: by the genetic algorithm, or along the centreline of the channel."),
+    field(Stage::Plan, "Path", "/plan/step_mm", "Step", "k", "mm", Number(Range(0.01, 10.0), 2), "Distance between nodes along X, or along the centreline if that is followed; halved where no free pose is found."),
     field(Stage::Plan, "Path", "/plan/exit_clearance_mm", "Exit clearance", "", "mm", Number(Range(0.1, 200.0), 1), "How far out of the blisk the electrode is withdrawn."),
     field(Stage::Plan, "Path", "/plan/margin_mm", "Margin", "", "mm", Slider(Range(0.0, 5.0), Range(0.0, 0.5), 3), "Clearance wanted beyond the spark gap as soon as the electrode has left its final pose."),
     field(Stage::Plan, "Path", "/plan/constraint", "Constraint", "", "", Choice(CONSTRAINTS), "What a pose must meet during the search: the distance to the surface, or the paper's comparison of angles. The verifier has the last word either way."),
+    field(Stage::Plan, "Centreline search", "/plan/centreline/safety_increase_mm", "Gap increase", "", "mm", Slider(Range(0.0, 5.0), Range(0.0, 0.5), 3), "By how much more than the gap a posture is moved away from the walls where the plain gap leads to no free motion."),
     field(Stage::Plan, "Genetic search", "/genetic/population", "Population", "", "", Integer(Range(4.0, 10000.0)), "Individuals in a generation."),
     field(Stage::Plan, "Genetic search", "/genetic/generations", "Generations", "", "", Integer(Range(1.0, 10000.0)), "Generations for each node."),
     field(Stage::Plan, "Genetic search", "/genetic/crossover", "Crossover", "k1, k3", "", Slider(Range(0.0, 1.0), Range(0.0, 1.0), 2), "Probability of crossover of parents worse than average; it falls to 0 for the best."),
@@ -85,7 +89,9 @@ pub(super) const FIELDS: &[Field] = &[
     field(Stage::Plan, "Weights", "/plan/weights/c2", "Even along high wall", "c2", "", WEIGHT, "Weight of even distances along the high wall (the paper's right)."),
     field(Stage::Plan, "Machine", "/machine/axes", "Axes", "", "", Choice(MACHINES), "Axes that the machine moves together."),
     field(Stage::Plan, "Fine points", "/plan/field_cell_mm", "Field cell", "", "mm", Number(Range(0.05, 2.0), 2), "Size of a cell of the distance field that the search works on."),
-    field(Stage::Plan, "Fine points", "/plan/interpolation/chord_error_mm", "Chord error", "", "mm", Number(Range(5e-5, 0.1), 5), "How far linear motion between rows may be from the splines through the nodes, anywhere on the electrode."),
+    field(Stage::Plan, "Fine points", "/plan/interpolation/kind", "Curve", "", "", Choice(CURVES), "What joins the nodes of each axis: cubic splines whose knots are the nodes, or NURBS with averaged knots."),
+    field(Stage::Plan, "Fine points", "/plan/interpolation/degree", "Degree of NURBS", "p", "", Integer(Range(3.0, 5.0)), "The degree of the NURBS through the nodes; splines are cubic."),
+    field(Stage::Plan, "Fine points", "/plan/interpolation/chord_error_mm", "Chord error", "", "mm", Number(Range(5e-5, 0.1), 5), "How far linear motion between rows may be from the curves through the nodes, anywhere on the electrode."),
 
     field(Stage::Verify, "Certificate", "/verify/tolerance_mm", "Tolerance", "", "mm", Number(Range(0.0, 0.05), 4), "How far below the spark gap the clearance may fall and still count as kept."),
     field(Stage::Verify, "Certificate", "/verify/resolution_mm", "Resolution", "", "mm", Number(Range(1e-6, 1.0), 6), "How close the proven bound comes to the smallest clearance met."),

@@ -33,6 +33,8 @@ pub enum Layer {
     Sweep,
     /// The ways of some points of the electrode.
     Paths,
+    /// The centreline of the channel.
+    Centreline,
     /// Where the electrode comes closest, or jams.
     Contact,
     /// The grid below.
@@ -41,7 +43,7 @@ pub enum Layer {
 
 impl Layer {
     /// Every layer, in the order of the scene tree.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Blisk,
         Self::Unshrouded,
         Self::LowWall,
@@ -50,6 +52,7 @@ impl Layer {
         Self::Ghosts,
         Self::Sweep,
         Self::Paths,
+        Self::Centreline,
         Self::Contact,
         Self::Grid,
     ];
@@ -65,6 +68,7 @@ impl Layer {
             Self::Ghosts => "Ghosts at nodes",
             Self::Sweep => "Swept volume",
             Self::Paths => "Point paths",
+            Self::Centreline => "Centreline",
             Self::Contact => "Contact",
             Self::Grid => "Grid",
         }
@@ -72,7 +76,7 @@ impl Layer {
 
     /// Whether it consists of bodies, which have a colour and an opacity.
     pub fn is_body(self) -> bool {
-        !matches!(self, Self::Paths | Self::Contact | Self::Grid)
+        !matches!(self, Self::Paths | Self::Centreline | Self::Contact | Self::Grid)
     }
 }
 
@@ -103,6 +107,7 @@ impl Default for Layers {
             look(false, 0.18, GHOST),
             look(false, 0.5, GHOST),
             look(true, 1.0, COPPER),
+            look(false, 1.0, GHOST),
             look(true, 1.0, BAD),
             look(true, 1.0, STEEL),
         ])
@@ -205,6 +210,11 @@ pub fn build(inputs: &SceneInputs) -> Scene {
         add(&mut scene, Layer::Unshrouded, &shapes.unshrouded, to_mesh);
         add(&mut scene, Layer::LowWall, &shapes.low, to_mesh);
         add(&mut scene, Layer::HighWall, &shapes.high, to_mesh);
+        let look = layers.get(Layer::Centreline);
+        if look.visible && shapes.centreline.len() > 1 {
+            let line = shapes.centreline.iter().map(|p| to_mesh.transform_point3(*p)).collect();
+            scene.lines.push(LineSet { on_top: true, width_px: 2.0, ..LineSet::new(vec![line], look.colour) });
+        }
     }
     if let Some((electrode, mesh)) = inputs.electrode {
         let station = inputs.track.and_then(|t| t.at(inputs.s));
@@ -283,5 +293,48 @@ fn contact(
     if a.distance(b) < 2.0 {
         scene.lines.push(LineSet { on_top: true, width_px: 1.5, ..LineSet::new(vec![vec![a, b]], look.colour) });
         scene.markers.push(Marker { at: a, colour: COPPER, radius_px: 3.5 });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::blisk::parametric::ParametricBlisk;
+    use crate::blisk::parametric::tests::exact_channel;
+    use crate::geometry::mesh::Mesh;
+
+    #[test]
+    fn the_centreline_is_a_line_where_its_layer_is_shown() {
+        let channel = exact_channel(&ParametricBlisk::demonstration());
+        let empty = || Arc::new(RenderMesh::new(&Mesh { vertices: Vec::new(), triangles: Vec::new() }));
+        let points = vec![DVec3::new(1.0, 2.0, 100.0), DVec3::new(9.0, 0.0, 101.0)];
+        let shapes = ChannelShapes { low: empty(), high: empty(), unshrouded: empty(), centreline: points.clone() };
+        let mut layers = Layers::default();
+        let lines = |layers: &Layers| {
+            let inputs = SceneInputs {
+                blisk: None,
+                channel: Some((&channel, &shapes)),
+                electrode: None,
+                track: None,
+                s: 0.0,
+                ghosts: &[],
+                swept: None,
+                contact: None,
+                values: None,
+                layers,
+                selected: None,
+                section: None,
+                theme: Theme::DARK,
+                triad: false,
+            };
+            build(&inputs).lines
+        };
+        assert!(lines(&layers).is_empty(), "hidden at first");
+        layers.get_mut(Layer::Centreline).visible = true;
+        let shown = lines(&layers);
+        assert_eq!(shown.len(), 1);
+        for (p, q) in shown[0].polylines[0].iter().zip(&points) {
+            assert!((channel.frame.from_parent(*p) - *q).length() < 1e-9, "in the coordinates of the mesh");
+        }
     }
 }

@@ -19,14 +19,17 @@ pub struct ChannelShapes {
     pub high: Arc<RenderMesh>,
     /// The blisk with its shroud taken off, so that one sees into the channels, in W.
     pub unshrouded: Arc<RenderMesh>,
+    /// Points along the channel's centreline, in W; none where it was not looked for or not found.
+    pub centreline: Vec<DVec3>,
 }
 
-/// The shapes of `channel` in `blisk`, which is in W.
+/// The shapes of `channel` in `blisk`, which is in W, without its centreline.
 pub fn channel_shapes(blisk: &Mesh, channel: &Channel) -> ChannelShapes {
     ChannelShapes {
         low: Arc::new(RenderMesh::new(&wall_mesh(&channel.low, true))),
         high: Arc::new(RenderMesh::new(&wall_mesh(&channel.high, false))),
         unshrouded: Arc::new(RenderMesh::new(&unshrouded(blisk, channel))),
+        centreline: Vec::new(),
     }
 }
 

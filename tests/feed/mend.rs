@@ -64,10 +64,11 @@ fn a_spoiled_path_is_mended_without_another_search() {
         turns: Turns::NONE,
         demand: Demand { spark_gap: 0.1, margin: 0.0, guard: 0.01, room: 0.0 },
         side: electrode.enters_from,
-        ends: EndCondition::NotAKnot,
+        joining: EndCondition::NotAKnot.into(),
         step: job.plan.step_mm,
         fine: &[],
         exit_clearance: 5.0,
+        guide: None,
         observe: &|_, _| (),
     };
 

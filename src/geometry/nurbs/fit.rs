@@ -1,0 +1,222 @@
+//! Curves and surfaces through given points, and how far they are off.
+
+use glam::DVec3;
+use serde::Serialize;
+
+use super::NurbsError;
+use super::banded::Banded;
+use super::curve::NurbsCurve;
+use super::knots::{KnotVector, MAX_DEGREE};
+use super::surface::NurbsSurface;
+
+/// How far a fit is from what it was made from.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct FitError {
+    /// Greatest distance (mm).
+    pub greatest_mm: f64,
+    /// Root mean square of the distances (mm).
+    pub rms_mm: f64,
+    /// Places compared.
+    pub points: usize,
+}
+
+impl FitError {
+    /// The figures of some distances (mm).
+    pub fn of(distances: impl IntoIterator<Item = f64>) -> Self {
+        let (mut greatest_mm, mut squares, mut points) = (0.0f64, 0.0, 0);
+        for distance in distances {
+            greatest_mm = greatest_mm.max(distance.abs());
+            squares += distance * distance;
+            points += 1;
+        }
+        Self { greatest_mm, rms_mm: (squares / points.max(1) as f64).sqrt(), points }
+    }
+}
+
+/// Parameters from 0 to 1 that grow with the distance from point to point, P1 (13) and (14).
+///
+/// # Errors
+/// If there are fewer than 2 points or two neighbouring ones coincide.
+pub fn chord_parameters(points: &[DVec3]) -> Result<Vec<f64>, NurbsError> {
+    if points.len() < 2 {
+        return Err(NurbsError::Counts);
+    }
+    let mut sums = vec![0.0];
+    for (i, pair) in points.windows(2).enumerate() {
+        let chord = pair[0].distance(pair[1]);
+        if chord.is_nan() || chord <= 0.0 {
+            return Err(NurbsError::Coincident(i + 1));
+        }
+        sums.push(sums[i] + chord);
+    }
+    let length = sums[sums.len() - 1];
+    let mut parameters: Vec<f64> = sums.iter().map(|s| s / length).collect();
+    parameters[points.len() - 1] = 1.0;
+    Ok(parameters)
+}
+
+/// The system that control points of an interpolation solve.
+pub(super) struct Interpolation {
+    pub knots: KnotVector,
+    pub matrix: Banded,
+    /// Whether the second row and the last but one are derivatives at the ends.
+    tangents: bool,
+}
+
+impl Interpolation {
+    /// The system for points at `parameters`, of `degree` or of as much as the points allow.
+    pub fn new(parameters: &[f64], degree: usize, tangents: bool) -> Result<Self, NurbsError> {
+        let n = parameters.len();
+        if !(1..=MAX_DEGREE).contains(&degree) {
+            return Err(NurbsError::Degree(degree));
+        }
+        if n < 2 {
+            return Err(NurbsError::Counts);
+        }
+        let rises = |i: &usize| parameters[*i].is_finite() && parameters[*i] > parameters[*i - 1];
+        if let Some(i) = (1..n).find(|i| !rises(i)) {
+            return Err(NurbsError::Coincident(i));
+        }
+        // Two tangents count as two points; without room between the ends they say nothing.
+        let tangents = tangents && degree >= 2;
+        let degree = degree.min(if tangents { n + 1 } else { n - 1 });
+        let knots = KnotVector::averaged(degree, parameters, tangents)?;
+        let size = knots.count();
+        let mut matrix = Banded::new(size, degree);
+        let mut row = 0;
+        let mut add = |u: f64, order: usize| {
+            let basis = knots.basis(u);
+            let result = (0..=degree).try_for_each(|k| matrix.set(row, basis.first + k, basis.orders[order][k]));
+            row += 1;
+            result
+        };
+        for (i, &u) in parameters.iter().enumerate() {
+            if tangents && i == n - 1 {
+                add(u, 1)?;
+            }
+            add(u, 0)?;
+            if tangents && i == 0 {
+                add(u, 1)?;
+            }
+        }
+        Ok(Self { knots, matrix, tangents })
+    }
+
+    /// The control points of many curves at once: `points[i]` holds the points of all curves at parameter `i`.
+    fn control_points(
+        &self,
+        points: &[Vec<DVec3>],
+        ends: Option<[Vec<DVec3>; 2]>,
+    ) -> Result<Vec<Vec<DVec3>>, NurbsError> {
+        let mut rows: Vec<Vec<DVec3>> = points.to_vec();
+        if let (true, Some([first, last])) = (self.tangents, ends) {
+            rows.insert(1, first);
+            rows.insert(rows.len() - 1, last);
+        }
+        let flat = rows.iter().map(|row| row.iter().flat_map(|p| p.to_array()).collect()).collect();
+        let solved = self.matrix.clone().solve(flat)?;
+        let point = |c: &[f64]| DVec3::new(c[0], c[1], c[2]);
+        Ok(solved.iter().map(|row| row.chunks_exact(3).map(point).collect()).collect())
+    }
+}
+
+/// The derivative by the parameter at the first of `points`, of the parabola through the first three.
+fn end_tangent(u: [f64; 3], [p, q, r]: [DVec3; 3]) -> DVec3 {
+    let (first, second) = ((q - p) / (u[1] - u[0]), (r - q) / (u[2] - u[1]));
+    first + (first - second) * ((u[1] - u[0]) / (u[2] - u[0]))
+}
+
+/// The derivatives at both ends, of parabolas through three points; of the chord where there are but two.
+fn end_tangents(u: &[f64], points: &[DVec3]) -> [DVec3; 2] {
+    let n = points.len();
+    if n < 3 {
+        return [(points[n - 1] - points[0]) / (u[n - 1] - u[0]); 2];
+    }
+    let last = end_tangent([u[n - 1], u[n - 2], u[n - 3]], [points[n - 1], points[n - 2], points[n - 3]]);
+    [end_tangent([u[0], u[1], u[2]], [points[0], points[1], points[2]]), last]
+}
+
+impl NurbsCurve {
+    /// The curve of `degree`, or of as much as the points allow, through `points`: parameters by chord length,
+    /// averaged knots.
+    ///
+    /// # Errors
+    /// [`NurbsError`] if neighbouring points coincide or there are fewer than two.
+    pub fn through(points: &[DVec3], degree: usize) -> Result<Self, NurbsError> {
+        Self::through_at(&chord_parameters(points)?, points, degree, None)
+    }
+
+    /// The cubic through `points` with the derivatives by the chord-length parameter (0 to 1) at its ends as given, or
+    /// those of parabolas through the three points there (P1, equations 15 to 18).
+    ///
+    /// # Errors
+    /// As [`through`](Self::through).
+    pub fn cubic(points: &[DVec3], ends: Option<[DVec3; 2]>) -> Result<Self, NurbsError> {
+        let parameters = chord_parameters(points)?;
+        let ends = ends.unwrap_or_else(|| end_tangents(&parameters, points));
+        Self::through_at(&parameters, points, 3, Some(ends))
+    }
+
+    /// The curve of `degree` with `points[i]` at `parameters[i]`, and the derivatives at its ends if they are given.
+    ///
+    /// # Errors
+    /// [`NurbsError`] if the parameters do not rise or are too few.
+    pub fn through_at(
+        parameters: &[f64],
+        points: &[DVec3],
+        degree: usize,
+        ends: Option<[DVec3; 2]>,
+    ) -> Result<Self, NurbsError> {
+        if parameters.len() != points.len() {
+            return Err(NurbsError::Counts);
+        }
+        let interpolation = Interpolation::new(parameters, degree, ends.is_some())?;
+        let rows: Vec<Vec<DVec3>> = points.iter().map(|p| vec![*p]).collect();
+        let control = interpolation.control_points(&rows, ends.map(|e| e.map(|t| vec![t])))?.concat();
+        Self::new(interpolation.knots, &control, &vec![1.0; control.len()])
+    }
+}
+
+impl NurbsSurface {
+    /// The bicubic surface skinned over `sections`, each with the same number of points: cubics along the sections with
+    /// shared parameters, then cubics from section to section through their control points. Parameters are means of
+    /// the chord lengths over all sections and over all points; end tangents are those of parabolas. Answers the
+    /// surface and the parameters of the points in u, along the sections, and in v, across them.
+    ///
+    /// # Errors
+    /// [`NurbsError`] if there are fewer than two sections or points, or neighbouring ones coincide.
+    pub fn skinned(sections: &[Vec<DVec3>]) -> Result<(Self, [Vec<f64>; 2]), NurbsError> {
+        let n = sections.first().map_or(0, Vec::len);
+        if sections.len() < 2 || n < 2 || sections.iter().any(|s| s.len() != n) {
+            return Err(NurbsError::Counts);
+        }
+        let along: Vec<Vec<DVec3>> = (0..n).map(|i| sections.iter().map(|s| s[i]).collect()).collect();
+        let (u, v) = (mean_parameters(sections)?, mean_parameters(&along)?);
+        let (in_u, control) = cubics(&u, &along)?;
+        let across: Vec<Vec<DVec3>> = (0..v.len()).map(|j| control.iter().map(|row| row[j]).collect()).collect();
+        let (in_v, control) = cubics(&v, &across)?;
+        let (nu, nv) = (in_u.count(), in_v.count());
+        let points: Vec<DVec3> = (0..nu).flat_map(|i| control.iter().map(move |row| row[i])).collect();
+        Ok((Self::new(in_u, in_v, &points, &vec![1.0; nu * nv])?, [u, v]))
+    }
+}
+
+/// Chord-length parameters, the mean over all of `lines`.
+fn mean_parameters(lines: &[Vec<DVec3>]) -> Result<Vec<f64>, NurbsError> {
+    let mut sums = vec![0.0; lines[0].len()];
+    for line in lines {
+        sums.iter_mut().zip(chord_parameters(line)?).for_each(|(sum, u)| *sum += u);
+    }
+    Ok(sums.iter().map(|sum| sum / lines.len() as f64).collect())
+}
+
+/// Cubics through many lines of points at once: `rows[i]` holds the points of all of them at parameter `i`.
+fn cubics(parameters: &[f64], rows: &[Vec<DVec3>]) -> Result<(KnotVector, Vec<Vec<DVec3>>), NurbsError> {
+    let interpolation = Interpolation::new(parameters, 3, true)?;
+    let lines = 0..rows[0].len();
+    let ends: Vec<[DVec3; 2]> =
+        lines.map(|j| end_tangents(parameters, &rows.iter().map(|row| row[j]).collect::<Vec<_>>())).collect();
+    let ends = [0, 1].map(|end| ends.iter().map(|e| e[end]).collect());
+    let control = interpolation.control_points(rows, Some(ends))?;
+    Ok((interpolation.knots, control))
+}

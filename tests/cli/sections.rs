@@ -1,0 +1,52 @@
+//! Measured sections given to `inspect`.
+
+use std::fmt::Write;
+
+use sparkpath::blisk::find_channel::find_channel;
+use sparkpath::blisk::options::BliskOptions;
+use sparkpath::progress::{Cancel, Progress};
+
+use super::{easy_blisk, mesh, path, sparkpath, text};
+
+/// The walls of the easy blisk as a probe would have measured them, each point `off` mm along the radius.
+fn table(off: f64) -> String {
+    let mesh = mesh(&easy_blisk());
+    let channel = find_channel(&mesh, &BliskOptions::default(), &Progress::silent(), &Cancel::default()).unwrap();
+    let mut table = "section,side,x,y,z\n".to_owned();
+    for v in (0..channel.low.nv).step_by(4) {
+        for (side, wall) in [("low", &channel.low), ("high", &channel.high)] {
+            for u in 0..wall.nu {
+                let p = wall.point(u, v);
+                let moved = p + off * p.with_x(0.0).normalize();
+                writeln!(table, "{v},{side},{},{},{}", moved.x, moved.y, moved.z).unwrap();
+            }
+        }
+    }
+    table
+}
+
+#[test]
+fn measured_walls_are_compared_with_the_mesh() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("sections.csv");
+    let inspected = |table: &str| {
+        std::fs::write(&file, table).unwrap();
+        sparkpath(&["inspect", &path("part.stl"), "--sections", file.to_str().unwrap(), "--json"])
+    };
+    let output = inspected(&table(0.0));
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let [grid, measured] = [&answer["blisk"]["centreline"], &answer["measured"]];
+    let length = |of: &serde_json::Value| of["length_mm"].as_f64().unwrap();
+    assert!((length(grid) - length(measured)).abs() < 0.05 && length(grid) > 10.0, "{grid} {measured}");
+    for wall in 0..2 {
+        let figure = |of: &str| measured["walls"][wall][of]["greatest_mm"].as_f64().unwrap();
+        assert!(figure("points") < 1e-9, "the surface passes through its points");
+        assert!(figure("mesh") < 0.05, "{measured}");
+    }
+    for (table, named) in [("section,side,x,y,z\na,low,1,2,drei\n", "line 2: z is"), ("", "heading line")] {
+        let output = inspected(table);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(text(&output.stderr).contains(named), "{}", text(&output.stderr));
+    }
+}

@@ -1,0 +1,98 @@
+//! Plans along the centreline, and paths joined by NURBS.
+
+use std::sync::OnceLock;
+
+use sparkpath::feed::axis_curve::CurveKind;
+use sparkpath::feed::jam::JamCause;
+use sparkpath::feed::pose::Pose;
+use sparkpath::feed::search::Strategy;
+use sparkpath::geometry::exact::ExactMesh;
+use sparkpath::jobs::plan::{PlanInputs, PlanOutcome, kept, replay};
+use sparkpath::jobs::plan_report::report;
+use sparkpath::progress::{Cancel, Progress};
+use sparkpath::project::{KeptPlan, PlanJob};
+
+use super::{curved_blisk, easy_blisk, easy_job, mesh, plan};
+
+fn job() -> PlanJob {
+    let mut job = easy_job();
+    job.plan.strategy = Strategy::Centreline;
+    job.plan.interpolation.kind = CurveKind::Nurbs;
+    job
+}
+
+fn centreline_plan() -> &'static PlanOutcome {
+    static PLAN: OnceLock<PlanOutcome> = OnceLock::new();
+    PLAN.get_or_init(|| plan(mesh(&easy_blisk()), job()))
+}
+
+#[test]
+fn the_electrode_comes_out_along_the_centreline_in_steps_of_arc_length() {
+    let outcome = centreline_plan();
+    let plan = &outcome.electrodes[0].plan;
+    assert!(outcome.is_verified(), "{}", plan.verdict(&outcome.channel));
+    assert!(plan.path.as_ref().unwrap().certificate.certified() >= 0.1 - 0.002);
+    let step = job().plan.step_mm;
+    assert!(plan.nodes.windows(2).all(|w| w[0].s < w[1].s && w[1].s - w[0].s <= step + 1e-9));
+    // The line leans against X, so that a step along it is a shorter one along X: the first is by its cosine.
+    let first = plan.nodes[1].s - plan.nodes[0].s;
+    assert!(first < step && first > 0.8 * step, "{first}");
+    assert!(plan.nodes.iter().all(|n| (n.pose.x + n.s).abs() < 1e-9), "s is told along X");
+    assert_eq!(plan.nodes[0].pose, Pose::FINAL);
+}
+
+#[test]
+fn a_path_of_nurbs_is_taken_up_again_with_the_same_path() {
+    let kept = KeptPlan { inputs: String::new(), electrodes: kept(centreline_plan()).unwrap() };
+    let channel = &centreline_plan().channel;
+    let again = |job| {
+        let inputs = PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrode: None, job };
+        let blisk = inputs.blisk.in_frame(&channel.frame);
+        let exact = ExactMesh::new(&blisk).unwrap();
+        replay(&inputs, channel, &blisk, &exact, &kept, &Progress::silent(), &Cancel::default()).unwrap()
+    };
+    let path = |o: &PlanOutcome| o.electrodes[0].plan.path.as_ref().unwrap().path.digest();
+    let same = again(job());
+    assert!(same.is_verified());
+    assert_eq!(path(&same), path(centreline_plan()));
+    // Joined by splines the same nodes make another curve.
+    let mut splines = job();
+    splines.plan.interpolation.kind = CurveKind::Spline;
+    assert_ne!(path(&again(splines)), path(centreline_plan()));
+}
+
+#[test]
+fn the_same_job_gives_the_same_path_on_one_thread() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let alone = pool.install(|| plan(mesh(&easy_blisk()), job()));
+    let digest = |o: &PlanOutcome| o.electrodes[0].plan.path.as_ref().map(|p| p.path.digest());
+    assert_eq!(digest(&alone), digest(centreline_plan()));
+}
+
+#[test]
+fn a_report_gives_the_four_distances_at_every_node() {
+    let told = report(centreline_plan(), &job(), Vec::new());
+    let nodes = &told.electrodes[0].nodes;
+    let four = |i: usize| nodes[i].distances_mm.unwrap();
+    for node in nodes {
+        let d = node.distances_mm.unwrap();
+        // The least clearance is to any surface and of more points. That of the hub is to its radius, which the
+        // facets of the mesh dip below.
+        let least = [Some(d.low_wall), Some(d.high_wall), d.hub, d.shroud].into_iter().flatten();
+        assert!(least.fold(f64::INFINITY, f64::min) > node.clearance_mm - 0.08, "{node:?}");
+    }
+    let first = four(0);
+    assert!((first.hub.unwrap() - 0.1).abs() < 0.03 && (first.shroud.unwrap() - 0.1).abs() < 0.05, "{first:?}");
+    assert!(first.low_wall > 0.1 && first.high_wall > 0.1 && four(nodes.len() - 1).hub.is_none());
+    assert!(report(super::easy_plan(), &easy_job(), Vec::new()).electrodes[0].nodes[0].distances_mm.is_none());
+}
+
+#[test]
+fn an_electrode_that_fills_a_curved_channel_jams_with_a_reason() {
+    let mut job = job();
+    job.electrode.circumferential_reduction_deg = [0.1, 0.1];
+    let outcome = plan(mesh(&curved_blisk()), job);
+    let jam = outcome.electrodes[0].plan.jam.expect("it cannot come out");
+    assert!(matches!(jam.cause, JamCause::Contact(_)), "{:?}", jam.cause);
+    assert!(jam.sentence(&outcome.channel).contains("missing"));
+}
