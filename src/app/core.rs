@@ -9,8 +9,10 @@ use glam::DVec3;
 use super::commands::Command;
 use super::preferences::Preferences;
 use super::swept::Swept;
+use super::tuning::Tuning;
 use crate::blisk::electrode::Electrode;
 use crate::feed::pose::Pose;
+use crate::feed::search::Strategy;
 use crate::geometry::distance_field::DistanceField;
 use crate::jobs::pipeline::{Event, EventKind, PartialPlan, Pipeline, StageState};
 use crate::jobs::plan::ElectrodeOutcome;
@@ -49,6 +51,8 @@ pub struct Core {
     colours_asked: Option<ColourKey>,
     /// The room that the electrode passes through.
     pub swept: Swept,
+    /// The quick look, and sizing.
+    pub tuning: Tuning,
     /// Withdrawn distances at which ghosts of the electrode are pinned (mm).
     pub ghosts: Vec<f64>,
     /// Whether clicks in the view measure.
@@ -113,6 +117,7 @@ enum TrackSource {
     Nothing,
     Plan(usize, usize),
     Partial(u64),
+    Live(u64),
 }
 
 impl Core {
@@ -129,7 +134,8 @@ impl Core {
             document,
             pipeline: Pipeline::start(wake.clone())?,
             colouring: Worker::start(wake.clone())?,
-            swept: Swept::start(wake)?,
+            swept: Swept::start(wake.clone())?,
+            tuning: Tuning::start(wake)?,
             coloured: None,
             colours_asked: None,
             preferences,
@@ -168,6 +174,7 @@ impl Core {
             let (kind, stage, took) = (event.kind, Some(event.stage), event.took);
             self.log.push(LogLine { at: SystemTime::now(), kind, stage, text, took });
         }
+        self.follow_tuning();
         self.follow_track();
         self.follow_colours();
         self.follow_swept();
@@ -235,13 +242,30 @@ impl Core {
         self.track.clone()
     }
 
+    /// Keeps the quick look up with the parameters, as long as there is no plan of theirs.
+    fn follow_tuning(&mut self) {
+        let wanted = self.preferences.live
+            && self.document.job().plan.strategy == Strategy::Global
+            && matches!(self.pipeline.state(Stage::Plan), StageState::Missing | StageState::Stale);
+        let inputs = wanted.then(|| self.pipeline.tuning_inputs()).flatten();
+        self.tuning.follow(inputs, self.cursor.electrode);
+    }
+
+    /// Begins to look for the thickest electrodes.
+    pub fn find_sizes(&mut self) {
+        if let Some(inputs) = self.pipeline.tuning_inputs() {
+            self.tuning.size(inputs);
+        }
+    }
+
     fn follow_track(&mut self) {
         self.cursor.electrode = self.cursor.electrode.min(self.electrode_count().saturating_sub(1));
         let partial = self.pipeline.partial_plan().filter(|p| !p.nodes.is_empty());
-        let source = match (partial, self.pipeline.plan()) {
-            (Some(partial), _) => TrackSource::Partial(partial.number),
-            (None, Some(plan)) => TrackSource::Plan(Arc::as_ptr(plan) as usize, self.cursor.electrode),
-            (None, None) => TrackSource::Nothing,
+        let source = match (partial, self.tuning.way(), self.pipeline.plan()) {
+            (Some(partial), ..) => TrackSource::Partial(partial.number),
+            (None, Some((number, _)), _) => TrackSource::Live(number),
+            (None, None, Some(plan)) => TrackSource::Plan(Arc::as_ptr(plan) as usize, self.cursor.electrode),
+            (None, None, None) => TrackSource::Nothing,
         };
         if source == self.track_of {
             return;
@@ -249,6 +273,9 @@ impl Core {
         let track = match (source, partial, self.outcome()) {
             (TrackSource::Partial(_), Some(partial), _) => Track::of_nodes(&partial.nodes),
             (TrackSource::Plan(..), _, Some(outcome)) => Track::of_plan(&outcome.plan),
+            (TrackSource::Live(_), ..) => {
+                self.tuning.way().map(|(_, live)| Track::of_nodes(&live.way.nodes)).unwrap_or_default()
+            }
             _ => Track::default(),
         };
         // While nodes are found the electrode goes along with the last of them.
@@ -306,7 +333,7 @@ impl Core {
 
     /// The pose that the electrode is shown in.
     fn shown_pose(&self) -> Pose {
-        self.track.at(self.cursor.s).filter(|_| !self.is_tuning()).map(|s| s.pose).unwrap_or_default()
+        self.track.at(self.cursor.s).filter(|_| self.is_live() || !self.is_tuning()).map(|s| s.pose).unwrap_or_default()
     }
 
     /// The electrode's clearance as colours, as far as it is computed.
@@ -335,7 +362,13 @@ impl Core {
 
     /// Whether the electrode is being tuned, so that the plan there may be is not its own.
     pub fn is_tuning(&self) -> bool {
-        self.pipeline.state(Stage::Plan) != StageState::Done && self.step <= Stage::Electrode
+        let changed = self.pipeline.state(Stage::Plan) != StageState::Done;
+        self.is_live() || (changed && self.step <= Stage::Electrode)
+    }
+
+    /// Whether the poses are those of a quick look.
+    pub fn is_live(&self) -> bool {
+        matches!(self.track_of, TrackSource::Live(_))
     }
 
     /// The electrode that is shown and its shape: while parameters are tuned as it would be, not as it was planned.

@@ -235,6 +235,12 @@ fn preferences(ui: &mut Ui, p: &mut Preferences) -> Option<Answer> {
         ui.label("");
         ui.label(RichText::new(p.navigation.describe()).small().color(faint));
         ui.end_row();
+        ui.label(RichText::new("While tuning").color(faint));
+        let live = ui.checkbox(&mut p.live, "look for a way out at once");
+        live.on_hover_text(
+            "With the global strategy: a quick look at every change, a plan with its certificate at rest",
+        );
+        ui.end_row();
         let label = ui.label(RichText::new("Threads").color(faint));
         ui.horizontal(|ui| {
             ui.add(egui::DragValue::new(&mut p.threads).range(0..=1024)).labelled_by(label.id);

@@ -17,6 +17,7 @@ mod plots;
 mod preferences;
 mod run;
 mod scene_tree;
+mod sizes;
 mod startup;
 mod status;
 mod step_facts;
@@ -24,6 +25,7 @@ mod stepper;
 mod swept;
 mod theme;
 mod timeline;
+mod tuning;
 mod viewport;
 mod viewport_gpu;
 

@@ -19,6 +19,8 @@ pub struct Preferences {
     pub length: LengthUnit,
     /// Which mouse button does what in the 3-D view.
     pub navigation: Navigation,
+    /// Whether a quick look follows while an electrode is tuned, and a plan when it rests, with the global strategy.
+    pub live: bool,
     /// Threads to compute on; 0 for one a core. Takes effect at the next start.
     pub threads: usize,
     /// Files opened last.
@@ -32,6 +34,7 @@ impl Default for Preferences {
             scale: 1.0,
             length: LengthUnit::Millimetre,
             navigation: Navigation::Cad,
+            live: true,
             threads: 0,
             recent: RecentFiles::default(),
         }

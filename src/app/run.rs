@@ -254,6 +254,21 @@ impl SparkpathApp {
         }
     }
 
+    /// Plans and verifies what was looked at quickly, once nothing moves any more.
+    fn plan_at_rest(&mut self, ctx: &egui::Context) {
+        if ctx.input(|i| i.pointer.any_down()) || !self.core.can_plan() {
+            return;
+        }
+        match self.core.tuning.is_at_rest() {
+            Ok(()) => match self.core.pipeline.start_plan() {
+                Ok(()) => self.core.say(EventKind::Done, "planning what came out at a glance"),
+                Err(why) => self.core.say(EventKind::Failed, why),
+            },
+            Err(Some(wait)) => ctx.request_repaint_after(wait),
+            Err(None) => {}
+        }
+    }
+
     fn retitle(&mut self, ctx: &egui::Context) {
         let mark = if self.core.document.is_unsaved() { "*" } else { "" };
         let title = format!("{}{mark} - Sparkpath", self.core.document.name());
@@ -269,6 +284,7 @@ impl eframe::App for SparkpathApp {
         let started = Instant::now();
         let ctx = ui.ctx().clone();
         self.core.follow();
+        self.plan_at_rest(&ctx);
         self.follow_pictures();
         let elapsed = Duration::from_secs_f32(ctx.input(|i| i.stable_dt).clamp(0.0, 0.1));
         if self.core.advance(elapsed) {

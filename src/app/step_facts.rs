@@ -80,6 +80,7 @@ fn channel(ui: &mut Ui, core: &mut Core) {
 }
 
 fn electrode(ui: &mut Ui, core: &mut Core) {
+    super::sizes::live(ui, core);
     let Some(made) = core.pipeline.electrodes().cloned() else { return };
     // Figures of what was made before would pass for those of what could not be made.
     if matches!(core.pipeline.state(Stage::Electrode), StageState::Failed(_)) {
@@ -102,6 +103,7 @@ fn electrode(ui: &mut Ui, core: &mut Core) {
     if core.pipeline.state(Stage::Electrode) == StageState::Done {
         next(ui, core, Stage::Plan);
     }
+    super::sizes::show(ui, core);
 }
 
 fn plan(ui: &mut Ui, core: &mut Core) {
@@ -124,6 +126,7 @@ fn plan(ui: &mut Ui, core: &mut Core) {
         }
         return;
     }
+    super::sizes::live(ui, core);
     let Some(plan) = core.pipeline.plan().cloned() else { return };
     for (i, outcome) in plan.electrodes.iter().enumerate() {
         let colour = if core.plan_is_stale() {

@@ -364,7 +364,7 @@ pub fn scene(core: &Core, theme: Theme) -> Scene {
         blisk: p.part().map(|part| &part.shape),
         channel: p.channel().map(|f| (&*f.channel, &f.shapes)),
         electrode: core.shown_electrode(),
-        track: (!track.is_empty() && !fresh).then_some(&*track),
+        track: (!track.is_empty() && (core.is_live() || !fresh)).then_some(&*track),
         s: core.cursor.s,
         ghosts: &core.ghosts,
         swept: core.swept.shape(&track),

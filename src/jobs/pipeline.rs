@@ -10,6 +10,7 @@ mod partial;
 mod prepared;
 mod sentences;
 mod slot;
+mod tuning;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -17,6 +18,7 @@ use std::time::{Duration, Instant};
 
 pub use partial::PartialPlan;
 pub use slot::StageState;
+pub use tuning::TuningInputs;
 
 use partial::Shapes;
 use prepared::Prepared;

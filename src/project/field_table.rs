@@ -24,7 +24,13 @@ const AXES: &[(&str, &str)] = &[("auto", "find it"), ("x", "X"), ("y", "Y"), ("z
 const SIDES: &[(&str, &str)] = &[("auto", "better one"), ("-x", "-X"), ("+x", "+X")];
 const MACHINES: &[(&str, &str)] = &[("XYZC", "XYZ C"), ("XYZAC", "XYZ A C"), ("XYZABC", "XYZ A B C")];
 const CONSTRAINTS: &[(&str, &str)] = &[("distance", "distance"), ("angle", "angle")];
-const STRATEGIES: &[(&str, &str)] = &[("genetic", "genetic"), ("centreline", "centreline")];
+const STRATEGIES: &[(&str, &str)] = &[
+    ("global", "global"),
+    ("genetic", "genetic"),
+    ("centreline", "centreline"),
+    ("free-travel", "free travel"),
+    ("max-min-distance", "max. min. distance"),
+];
 const CURVES: &[(&str, &str)] = &[("spline", "cubic spline"), ("nurbs", "NURBS")];
 const H_MODES: &[(&str, &str)] = &[("given", "as given"), ("variable", "search")];
 const POSTS: &[(&str, &str)] = &[("iso", "ISO / RS-274"), ("beckhoff-edm", "Beckhoff EDM")];
@@ -62,11 +68,14 @@ pub(super) const FIELDS: &[Field] = &[
     field(Stage::Electrode, "Body", "/electrode/holder_mm/2", "Holder along radius", "", "mm", Number(Range(0.5, 500.0), 1), "Height of the holder block; it grows where the shank is larger."),
     field(Stage::Electrode, "Own electrode", "/electrode/mesh", "Mesh", "", "", File, "An electrode of your own instead of a derived one, in its final pose in the coordinates of the blisk's mesh (mm)."),
 
-    field(Stage::Plan, "Path", "/plan/strategy", "Strategy", "", "", Choice(STRATEGIES), "How the way out is searched for: by the genetic algorithm, or along the centreline of the channel."),
+    field(Stage::Plan, "Path", "/plan/strategy", "Strategy", "", "", Choice(STRATEGIES), "How the way out is searched for: globally, which finds the widest way and says what is missing where there is none; by the papers' genetic algorithm; along the centreline of the channel; or by one of the two methods that the papers compare with."),
     field(Stage::Plan, "Path", "/plan/step_mm", "Step", "k", "mm", Number(Range(0.01, 10.0), 2), "Distance between nodes along X, or along the centreline if that is followed; halved where no free pose is found."),
     field(Stage::Plan, "Path", "/plan/exit_clearance_mm", "Exit clearance", "", "mm", Number(Range(0.1, 200.0), 1), "How far out of the blisk the electrode is withdrawn."),
     field(Stage::Plan, "Path", "/plan/margin_mm", "Margin", "", "mm", Slider(Range(0.0, 5.0), Range(0.0, 0.5), 3), "Clearance wanted beyond the spark gap as soon as the electrode has left its final pose."),
     field(Stage::Plan, "Path", "/plan/constraint", "Constraint", "", "", Choice(CONSTRAINTS), "What a pose must meet during the search: the distance to the surface, or the paper's comparison of angles. The verifier has the last word either way."),
+    field(Stage::Plan, "Global search", "/plan/global/poses", "Poses", "", "", Integer(Range(2.0, 1000.0)), "Poses kept for each node; three times as many are tried before it is given up."),
+    field(Stage::Plan, "Global search", "/plan/global/room_mm", "Room", "", "mm", Number(Range(0.0, 5.0), 2), "Clearance beyond what is asked for, up to which a wider way counts as better."),
+    field(Stage::Plan, "Global search", "/plan/global/room_kept", "Room kept", "", "", Slider(Range(0.0, 1.0), Range(0.0, 1.0), 2), "Share of the room about the way that polishing keeps: 0 gives the smoothest path, 1 the roomiest."),
     field(Stage::Plan, "Centreline search", "/plan/centreline/safety_increase_mm", "Gap increase", "", "mm", Slider(Range(0.0, 5.0), Range(0.0, 0.5), 3), "By how much more than the gap a posture is moved away from the walls where the plain gap leads to no free motion."),
     field(Stage::Plan, "Genetic search", "/genetic/population", "Population", "", "", Integer(Range(4.0, 10000.0)), "Individuals in a generation."),
     field(Stage::Plan, "Genetic search", "/genetic/generations", "Generations", "", "", Integer(Range(1.0, 10000.0)), "Generations for each node."),
