@@ -6,7 +6,7 @@ use sparkpath::blisk::electrode::{EntrySide, make_electrodes};
 use sparkpath::blisk::find_channel::find_channel;
 use sparkpath::blisk::options::BliskOptions;
 use sparkpath::blisk::parametric::{MeshResolution, ParametricBlisk};
-use sparkpath::feed::clearance::{Bodies, ClearanceModel};
+use sparkpath::feed::clearance::{Bodies, ClearanceModel, SamplesOf};
 use sparkpath::feed::outside::Outside;
 use sparkpath::feed::pose::Pose;
 use sparkpath::feed::probes::Turns;
@@ -54,6 +54,7 @@ fn planning(criterion: &mut Criterion) {
         outside: &outside,
         reference_point: electrode.reference_point,
         side: electrode.enters_from,
+        samples: SamplesOf::Prepared,
     };
     let model = ClearanceModel::new(bodies, samples, Vec::new());
     let pose = Pose { x: 0.2, z: 0.1, ..Pose::FINAL };

@@ -201,6 +201,7 @@ fn a_searched_reduction_that_leaves_no_metal_is_an_answer_and_not_bad_input() {
         machine: &job.machine,
         verify: &job.verify,
         spark_gap: job.electrode.spark_gap_mm,
+        explain: false,
         observe: &|_, _| (),
     };
     let nothing = |_: f64| Err(ElectrodeError::NoMetal { x: 0.0, r: 60.0, available: 1.0, taken: 1.1 });

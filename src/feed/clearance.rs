@@ -36,6 +36,17 @@ pub struct Bodies<'a> {
     pub reference_point: DVec3,
     /// The side that the electrode is withdrawn to.
     pub side: EntrySide,
+    /// Which electrode the samples lie on.
+    pub samples: SamplesOf,
+}
+
+/// Which electrode samples lie on, where walls are drawn in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SamplesOf {
+    /// The one whose field it is: samples on its walls are turned with them.
+    Prepared,
+    /// The one with its walls drawn in.
+    DrawnIn,
 }
 
 /// A pose made ready for testing, with the walls turned away from their blades.
@@ -48,12 +59,13 @@ pub(super) struct Placed {
 }
 
 impl Placed {
-    fn new(pose: &Pose, turns: Turns, reference_point: DVec3) -> Self {
+    fn new(pose: &Pose, turns: Turns, reference_point: DVec3, samples: SamplesOf) -> Self {
         let place = pose.placement(reference_point);
         let turned = |angle| place * DAffine3::from_mat3(DMat3::from_rotation_x(angle));
         let Turns([low, high]) = turns;
-        let to_blisk = [place, turned(low), turned(-high)];
-        Self { to_blisk, to_electrode: to_blisk.map(|t| t.inverse()), turns }
+        let walls = [place, turned(low), turned(-high)];
+        let to_blisk = if samples == SamplesOf::Prepared { walls } else { [place; 3] };
+        Self { to_blisk, to_electrode: walls.map(|t| t.inverse()), turns }
     }
 }
 
@@ -194,7 +206,7 @@ impl<'a> ClearanceModel<'a> {
         let held = self.electrode.held(turns).map(|(_, s)| (distance(s), s.face));
         let nearest = held.min_by(|a, b| a.0.total_cmp(&b.0));
         let face = nearest.map_or(ElectrodeFace::Holder, |(_, face)| face);
-        (placed.to_electrode[group(face)].transform_point3(p), face)
+        (placed.to_blisk[group(face)].inverse().transform_point3(p), face)
     }
 
     /// The same model with probes no nearer to each other than `spacing` (mm), and all those of which more is asked.
@@ -211,7 +223,7 @@ impl<'a> ClearanceModel<'a> {
     /// Whether every probe has the clearance demanded of it at `pose`, withdrawn by `s`, with the walls drawn in
     /// by `turns`. Tests cluster `hint` first and leaves there the one that failed.
     pub fn is_free(&self, pose: &Pose, s: f64, turns: Turns, demand: &Demand, hint: &mut usize) -> bool {
-        let placed = Placed::new(pose, turns, self.bodies.reference_point);
+        let placed = Placed::new(pose, turns, self.bodies.reference_point, self.bodies.samples);
         let at = Instant { s, turns };
         let clusters = self.electrode.clusters() + self.blisk.clusters();
         if *hint < clusters && !self.cluster_is_free(*hint, &placed, &at, demand) {
@@ -268,7 +280,7 @@ impl<'a> ClearanceModel<'a> {
 
     /// A pose made ready for testing.
     pub(super) fn placed(&self, pose: &Pose, turns: Turns) -> Placed {
-        Placed::new(pose, turns, self.bodies.reference_point)
+        Placed::new(pose, turns, self.bodies.reference_point, self.bodies.samples)
     }
 
     fn electrode_shortfall(&self, k: usize, lack: f64, placed: &Placed) -> Shortfall {
@@ -289,14 +301,15 @@ impl<'a> ClearanceModel<'a> {
         let nearest = self.bodies.electrode.value_and_gradient(seen(group));
         let (clearance, outward) = nearest.unwrap_or((Bodies::AROUND, DVec3::X));
         let on_electrode = seen(group) - outward * clearance;
-        let at = placed.to_blisk[group].transform_point3(on_electrode);
-        let away = -placed.to_blisk[group].transform_vector3(outward);
+        let back = placed.to_electrode[group].inverse();
+        let at = back.transform_point3(on_electrode);
+        let away = -back.transform_vector3(outward);
         Shortfall { probe: self.electrode.samples().len() + k, lack, at, away, on_electrode, on_blisk }
     }
 
     /// The samples where they are at `pose`, with the walls drawn in by `turns`.
     pub fn placed_samples(&self, pose: &Pose, turns: Turns) -> impl Iterator<Item = DVec3> {
-        let placed = Placed::new(pose, turns, self.bodies.reference_point);
+        let placed = Placed::new(pose, turns, self.bodies.reference_point, self.bodies.samples);
         self.samples().iter().map(move |s| placed.to_blisk[group(s.face)].transform_point3(s.point))
     }
 

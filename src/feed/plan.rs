@@ -172,6 +172,8 @@ pub struct PlanSettings<'a> {
     pub verify: &'a VerifyOptions,
     /// Spark gap (mm).
     pub spark_gap: f64,
+    /// Whether it is found out what would open a way where there is none, if the strategy can tell.
+    pub explain: bool,
     /// Is shown the nodes found so far after each of them.
     pub observe: &'a Observe<'a>,
 }
@@ -218,7 +220,8 @@ pub fn plan_drawn_in(
     cancel: &Cancel,
 ) -> Result<FeedPlan, PlanError> {
     settings.validate()?;
-    Planner { space, settings, turns, progress, cancel, guide: None }.plan_drawn_in(electrode, &prepared.model(space))
+    Planner { space, settings, turns, progress, cancel, guide: None }
+        .plan_drawn_in(electrode, &prepared.model_of(electrode, space, cancel)?)
 }
 
 /// A way out of `electrode`, which is `prepared` with its walls drawn in by `turns`, as far as a quick look tells: neither

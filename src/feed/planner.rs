@@ -56,6 +56,12 @@ pub(super) struct Lessons {
     travel: Option<TravelLimits>,
 }
 
+impl Lessons {
+    fn is_empty(&self) -> bool {
+        self.on_electrode.is_empty() && self.on_blisk.is_empty() && self.travel.is_none()
+    }
+}
+
 impl Planner<'_> {
     /// Searches after the first that the verifier's findings may cause, and times that they are mended instead.
     const ROUNDS: usize = 8;
@@ -106,7 +112,9 @@ impl Planner<'_> {
         self.search(&mut plan, model, &genetic, &Lessons::default(), 0)?;
         match &mut plan.jam {
             None => self.verify_and_mend(&mut plan, electrode, model, &genetic)?,
-            Some(jam) if jam.contact().is_some() => jam.opening = Some(self.opening(electrode, model)?),
+            Some(jam) if self.settings.explain && jam.contact().is_some() => {
+                jam.opening = Some(self.opening(electrode, model)?)
+            }
             Some(_) => {}
         }
         Ok(plan)
@@ -291,7 +299,14 @@ impl Planner<'_> {
     /// as far as the probes tell. If not, the plan stays as it is.
     fn mend(&self, plan: &mut FeedPlan, model: &ClearanceModel, lessons: &Lessons) -> Result<bool, PlanError> {
         let started = Instant::now();
-        let mended = self.with_problem(plan, model, lessons, |problem| problem.mended(&plan.nodes, self.cancel))?;
+        let mended = self.with_problem(plan, model, lessons, |problem| match self.settings.plan.strategy {
+            // What was learned may ask for more than a dent: the whole path gives way a little.
+            Strategy::Global if plan.rounds > 0 && !lessons.is_empty() => {
+                let nodes = problem.polished(plan.nodes.clone(), &self.settings.plan.global, self.cancel)?;
+                problem.mended(&nodes, self.cancel)
+            }
+            _ => problem.mended(&plan.nodes, self.cancel),
+        })?;
         plan.search_seconds += started.elapsed().as_secs_f64();
         let Some(nodes) = mended else { return Ok(false) };
         let mut searched = std::mem::take(&mut plan.convergence).into_iter().peekable();

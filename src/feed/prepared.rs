@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use super::clearance::{Bodies, ClearanceModel};
+use super::clearance::{Bodies, ClearanceModel, SamplesOf};
 use super::outside::Outside;
 use super::plan::PlanningSpace;
 use super::plan_params::PlanError;
@@ -13,7 +13,7 @@ use super::samples::{Sample, SampleSpacing, limit_to_reduced, sample_electrode};
 use crate::blisk::electrode::Electrode;
 use crate::geometry::distance_field::DistanceField;
 use crate::geometry::exact::ExactMesh;
-use crate::progress::{Cancel, Progress};
+use crate::progress::{Cancel, Cancelled, Progress};
 
 /// See the module's text.
 pub struct PreparedElectrode {
@@ -56,16 +56,37 @@ impl PreparedElectrode {
         &self.electrode
     }
 
-    /// The model of its clearance in `space`, for which it was prepared.
+    /// The model of its clearance in `space`, for which it was prepared. With walls drawn in it is as true as the turned
+    /// walls are those of an electrode made with such reductions: to some thousandths of a mm at corners.
     pub fn model<'a>(&'a self, space: &'a PlanningSpace) -> ClearanceModel<'a> {
-        let bodies = Bodies {
+        ClearanceModel::new(self.bodies(space), self.samples.clone(), space.edges.clone())
+    }
+
+    /// The same for `drawn_in`, an electrode made with its walls drawn in: its own points are tested, and only for the
+    /// blisk's edges its walls are taken from the prepared one.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn model_of<'a>(
+        &'a self,
+        drawn_in: &Electrode,
+        space: &'a PlanningSpace,
+        cancel: &Cancel,
+    ) -> Result<ClearanceModel<'a>, Cancelled> {
+        let samples = sample_electrode(&drawn_in.mesh, &drawn_in.faces, SampleSpacing::default(), cancel)?;
+        let bodies = Bodies { samples: SamplesOf::DrawnIn, ..self.bodies(space) };
+        Ok(ClearanceModel::new(bodies, samples, space.edges.clone()))
+    }
+
+    fn bodies<'a>(&'a self, space: &'a PlanningSpace) -> Bodies<'a> {
+        Bodies {
+            samples: SamplesOf::Prepared,
             blisk: &space.field,
             electrode: &self.distance,
             faces_x: space.channel.faces_x,
             outside: &self.outside,
             reference_point: self.electrode.reference_point,
             side: self.electrode.enters_from,
-        };
-        ClearanceModel::new(bodies, self.samples.clone(), space.edges.clone())
+        }
     }
 }

@@ -55,6 +55,8 @@ pub struct Opening {
 impl Sizer<'_> {
     /// How much wider a way gets with more reduction, as far as that is not known yet (mm / rad).
     const WIDENS: f64 = 5.0;
+    /// Least width of a way that counts (mm): about what the fields are wrong by.
+    const SPARE: f64 = 0.003;
     /// Trials after which the search for the least ends in any case.
     const TRIALS: usize = 12;
 
@@ -95,7 +97,7 @@ impl Sizer<'_> {
         for trial in 0..Self::TRIALS {
             let done = trial as f64 / Self::TRIALS as f64;
             self.progress.report("sizing", done, &format!("{:.2} deg", angle.to_degrees()));
-            match self.width(turns(angle))? {
+            match self.width(turns(angle))?.filter(|width| *width >= Self::SPARE) {
                 Some(width) => {
                     if let Some(wider) = open.filter(|o| o.angle > angle && o.width > width) {
                         widens = (wider.width - width) / (wider.angle - angle);
@@ -116,7 +118,7 @@ impl Sizer<'_> {
                 break;
             }
             // Where the width would be gone, but not beside what is known.
-            let expected = least.angle - least.width / widens;
+            let expected = least.angle - (least.width - Self::SPARE) / widens;
             let kept = 0.25 * between;
             angle = expected.clamp(blocked + kept, least.angle - kept).max(0.0);
         }

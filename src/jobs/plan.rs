@@ -150,10 +150,19 @@ pub fn run_prepared(
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<PlanOutcome, PlanJobError> {
-    inputs.job.validate().map_err(PlanJobError::Job)?;
-    let mut planner = JobPlanner { inputs, prepared, observe, progress, cancel, clock: prepared.clock.clone() };
-    let electrodes = planner.electrodes()?;
-    Ok(PlanOutcome { channel: prepared.space.channel.clone(), electrodes, times: planner.clock.0 })
+    let clock = prepared.clock.clone();
+    JobPlanner { inputs, prepared, observe, explain: true, progress, cancel, clock }.outcome()
+}
+
+/// The same without finding out what would open a way where there is none.
+pub(super) fn run_unexplained(
+    prepared: &PreparedBlisk,
+    inputs: &PlanInputs,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<PlanOutcome, PlanJobError> {
+    let clock = prepared.clock.clone();
+    JobPlanner { inputs, prepared, observe: &|_, _, _| (), explain: false, progress, cancel, clock }.outcome()
 }
 
 /// Adds up the times of stages by name.
@@ -180,12 +189,19 @@ struct JobPlanner<'a> {
     inputs: &'a PlanInputs,
     prepared: &'a PreparedBlisk,
     observe: &'a ObservePlan<'a>,
+    explain: bool,
     progress: &'a Progress,
     cancel: &'a Cancel,
     clock: Clock,
 }
 
 impl JobPlanner<'_> {
+    fn outcome(mut self) -> Result<PlanOutcome, PlanJobError> {
+        self.inputs.job.validate().map_err(PlanJobError::Job)?;
+        let electrodes = self.electrodes()?;
+        Ok(PlanOutcome { channel: self.prepared.space.channel.clone(), electrodes, times: self.clock.0 })
+    }
+
     fn electrodes(&mut self) -> Result<Vec<ElectrodeOutcome>, PlanJobError> {
         (0..self.parts()).map(|part| self.part(part)).collect()
     }
@@ -241,7 +257,7 @@ impl JobPlanner<'_> {
         let electrode = Arc::new(self.electrode(part, side, 0.0)?);
         self.clock.add("electrode", started.elapsed().as_secs_f64());
         let observe = |nodes: &[Node], traces: &[Convergence]| (self.observe)(&electrode, nodes, traces);
-        let settings = settings_of(&self.inputs.job, &observe);
+        let settings = PlanSettings { explain: self.explain, ..settings_of(&self.inputs.job, &observe) };
         let mut plan = match self.inputs.job.plan.strategy {
             Strategy::Global => self.drawn_in(part, &electrode, &settings)?,
             _ => {
@@ -307,6 +323,7 @@ pub(super) fn settings_of<'a>(job: &'a PlanJob, observe: &'a Observe<'a>) -> Pla
         machine: &job.machine,
         verify: &job.verify,
         spark_gap: job.electrode.spark_gap_mm,
+        explain: true,
         observe,
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use sparkpath::feed::clearance::{Bodies, ClearanceModel};
+use sparkpath::feed::clearance::{Bodies, ClearanceModel, SamplesOf};
 use sparkpath::feed::interpolation::AxisCurves;
 use sparkpath::feed::objective::Objective;
 use sparkpath::feed::outside::Outside;
@@ -47,6 +47,7 @@ fn a_spoiled_path_is_mended_without_another_search() {
         outside: &outside,
         reference_point: o,
         side: electrode.enters_from,
+        samples: SamplesOf::Prepared,
     };
     let samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default(), &cancel).unwrap();
     let model = ClearanceModel::new(bodies, samples, space.edges.clone());

@@ -37,7 +37,7 @@ struct Polished {
 
 impl SearchProblem<'_> {
     /// The least bent path near `nodes` on which each of them keeps its share of the room about it.
-    pub(super) fn polished(
+    pub(in crate::feed) fn polished(
         &self,
         nodes: Vec<Node>,
         params: &GlobalParams,
