@@ -13,6 +13,7 @@ use crate::export::nc::NcSettings;
 use crate::feed::genetic::{GeneticParams, ReductionMode};
 use crate::feed::machine::MachineParams;
 use crate::feed::plan_params::PlanParams;
+use crate::feed::search::Strategy;
 use crate::feed::verify::VerifyOptions;
 use crate::mesh_io::Units;
 
@@ -149,6 +150,11 @@ impl PlanJob {
             return Err(
                 "[genetic] h = \"variable\": an electrode mesh of your own cannot be reduced; use h = \"given\""
                     .to_owned(),
+            );
+        }
+        if self.plan.strategy != Strategy::Genetic && self.genetic.h == ReductionMode::Variable {
+            return Err(
+                "[genetic] h = \"variable\": only the strategy \"genetic\" searches h; use h = \"given\"".to_owned()
             );
         }
         if self.verify.tolerance_mm >= 0.5 * self.electrode.spark_gap_mm {
@@ -305,6 +311,7 @@ fn section<T: for<'a> Deserialize<'a>>(table: toml::Table, name: &str) -> Result
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::feed::axis_curve::Joining;
 
     fn parse(text: &str) -> Result<PlanJob, String> {
         PlanJob::parse(text, Path::new("jobs")).map_err(|p| p.place + &p.message)
@@ -364,6 +371,18 @@ mod tests {
         .unwrap();
         assert_eq!(job.electrode.circumferential_reduction_deg, [0.8, 0.9]);
         assert_eq!((job.genetic.seed, job.plan.weights.a3), (7, 0.5));
+    }
+
+    #[test]
+    fn a_job_may_follow_the_centreline_and_join_by_nurbs() {
+        let text = "[blisk]\nmesh = \"a.stl\"\n[plan]\nstrategy = \"centreline\"\n[plan.centreline]\n\
+                    safety_increase_mm = 0.2\n[plan.interpolation]\nkind = \"nurbs\"\ndegree = 4";
+        let mut job = parse(text).unwrap();
+        assert_eq!((job.plan.strategy, job.plan.centreline.safety_increase_mm), (Strategy::Centreline, 0.2));
+        assert_eq!(job.plan.interpolation.joining(), Joining::Nurbs(4));
+        assert_eq!(job.validate(), Ok(()));
+        job.genetic.h = ReductionMode::Variable;
+        assert!(job.validate().unwrap_err().contains("[genetic] h"));
     }
 
     #[test]

@@ -295,3 +295,46 @@ fn contact(
         scene.markers.push(Marker { at: a, colour: COPPER, radius_px: 3.5 });
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::blisk::parametric::ParametricBlisk;
+    use crate::blisk::parametric::tests::exact_channel;
+    use crate::geometry::mesh::Mesh;
+
+    #[test]
+    fn the_centreline_is_a_line_where_its_layer_is_shown() {
+        let channel = exact_channel(&ParametricBlisk::demonstration());
+        let empty = || Arc::new(RenderMesh::new(&Mesh { vertices: Vec::new(), triangles: Vec::new() }));
+        let points = vec![DVec3::new(1.0, 2.0, 100.0), DVec3::new(9.0, 0.0, 101.0)];
+        let shapes = ChannelShapes { low: empty(), high: empty(), unshrouded: empty(), centreline: points.clone() };
+        let mut layers = Layers::default();
+        let lines = |layers: &Layers| {
+            let inputs = SceneInputs {
+                blisk: None,
+                channel: Some((&channel, &shapes)),
+                electrode: None,
+                track: None,
+                s: 0.0,
+                ghosts: &[],
+                swept: None,
+                contact: None,
+                values: None,
+                layers,
+                selected: None,
+                section: None,
+                theme: Theme::DARK,
+                triad: false,
+            };
+            build(&inputs).lines
+        };
+        assert!(lines(&layers).is_empty(), "hidden at first");
+        layers.get_mut(Layer::Centreline).visible = true;
+        let shown = lines(&layers);
+        assert_eq!(shown.len(), 1);
+        for (p, q) in shown[0].polylines[0].iter().zip(&points) {
+            assert!((channel.frame.from_parent(*p) - *q).length() < 1e-9, "in the coordinates of the mesh");
+        }
+    }
+}

@@ -56,22 +56,26 @@ impl<'a> CentrelineStep<'a> {
         Self { params, problem, guide, task }
     }
 
-    /// Free postures at the node, those of the plain gap first, the best of each gap first.
+    /// Free postures at the node, those of the plain gap first, the best of each gap first. Where the search has gone back
+    /// from a jam, those of an increased gap come first, of another one each time.
     ///
     /// # Errors
     /// [`Cancelled`].
     pub fn run(&self, cancel: &Cancel) -> Result<(Vec<Candidate>, Convergence), Cancelled> {
         let starts = self.starts();
-        let tries: Vec<(f64, Pose)> =
-            Self::INCREASES.iter().flat_map(|share| starts.iter().map(move |start| (*share, *start))).collect();
-        let adjusted = |&(share, start): &(f64, Pose)| {
+        let count = Self::INCREASES.len();
+        let first = self.task.attempt as usize % count;
+        let gaps = (0..count).map(|i| Self::INCREASES[(first + i) % count] * self.params.safety_increase_mm);
+        let tries: Vec<(usize, f64, Pose)> =
+            gaps.enumerate().flat_map(|(i, more)| starts.iter().map(move |start| (i, more, *start))).collect();
+        let adjusted = |&(i, more, start): &(usize, f64, Pose)| {
             cancel.check()?;
-            Ok(self.adjusted(start, share * self.params.safety_increase_mm).map(|candidate| (share, candidate)))
+            Ok(self.adjusted(start, more).map(|candidate| (i, candidate)))
         };
-        let found: Result<Vec<Option<(f64, Candidate)>>, Cancelled> = tries.par_iter().map(adjusted).collect();
-        let mut found: Vec<(f64, Candidate)> = found?.into_iter().flatten().collect();
+        let found: Result<Vec<Option<(usize, Candidate)>>, Cancelled> = tries.par_iter().map(adjusted).collect();
+        let mut found: Vec<(usize, Candidate)> = found?.into_iter().flatten().collect();
         // The sort is stable: of equals the earlier start comes first.
-        found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.objective.total.total_cmp(&b.1.objective.total)));
+        found.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.objective.total.total_cmp(&b.1.objective.total)));
         let trace = Convergence { s: self.task.s, best: Vec::new(), mean: Vec::new() };
         Ok((found.into_iter().map(|(_, candidate)| candidate).collect(), trace))
     }
