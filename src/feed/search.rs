@@ -358,8 +358,13 @@ impl SearchProblem<'_> {
             _ => StepMotion { increments: [0.0; 6], duration: 1.0 },
         };
         let step = self.step * duration;
-        let s = self.guide.map_or(last.s + step, |guide| guide.next_s(last.s, step));
-        let duration = (s - last.s) / self.step;
+        let (s, duration) = match self.guide {
+            None => (last.s + step, duration),
+            Some(guide) => {
+                let s = guide.next_s(last.s, step);
+                (s, (s - last.s) / self.step)
+            }
+        };
         NodeTask {
             from: last.pose,
             from_s: last.s,
@@ -402,7 +407,8 @@ impl SearchProblem<'_> {
     fn first_halving(&self, nodes: &[Node]) -> i32 {
         let [.., before, last] = nodes else { return 0 };
         let fine = self.fine.iter().filter(|[from, to]| (*from..*to).contains(&last.s)).count();
-        let whole = self.task(nodes, 1.0).s - last.s;
+        // A line that bends makes equal steps along it a little unequal along X.
+        let whole = self.guide.map_or(self.step, |guide| 0.9 * (guide.next_s(last.s, self.step) - last.s));
         let narrow = (whole / (2.0 * (last.s - before.s))).log2().ceil().max(0.0) as i32;
         narrow.max(fine.min(Self::FINEST) as i32).min(Self::HALVINGS)
     }

@@ -82,7 +82,9 @@ fn a_report_gives_the_four_distances_at_every_node() {
         assert!(least.fold(f64::INFINITY, f64::min) > node.clearance_mm - 0.08, "{node:?}");
     }
     let first = four(0);
-    assert!((first.hub.unwrap() - 0.1).abs() < 0.03 && (first.shroud.unwrap() - 0.1).abs() < 0.05, "{first:?}");
+    let to_shroud = 0.1 + job().electrode.radial_reduction_mm;
+    assert!((first.hub.unwrap() - 0.1).abs() < 0.08, "{first:?}");
+    assert!((first.shroud.unwrap() - to_shroud).abs() < 0.08, "{first:?}");
     assert!(first.low_wall > 0.1 && first.high_wall > 0.1 && four(nodes.len() - 1).hub.is_none());
     assert!(report(super::easy_plan(), &easy_job(), Vec::new()).electrodes[0].nodes[0].distances_mm.is_none());
 }
