@@ -4,9 +4,11 @@
 pub mod angle_test;
 pub mod certificate;
 pub mod clearance;
+pub mod copying;
 pub mod genetic;
 pub mod interpolation;
 pub mod jam;
+pub mod leftover;
 pub mod machine;
 mod mend;
 pub mod objective;

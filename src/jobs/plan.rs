@@ -221,10 +221,10 @@ impl JobPlanner<'_> {
     }
 
     fn parts(&self) -> usize {
-        if self.inputs.own_electrode.is_some() { 1 } else { self.inputs.job.electrode.parts }
+        if self.inputs.own_electrode.is_some() { 1 } else { self.inputs.job.electrode.count() }
     }
 
-    /// The part that is number `part` along X. Tries the sides one after the other until one is verified; if none is, the
+    /// The electrode that is number `part` along X, columns of one part counted through. Tries the sides one after the other until one is verified; if none is, the
     /// one that came out, or else the one that got furthest, is the answer. A side for which no electrode can be made is
     /// noted and left.
     ///
@@ -234,7 +234,9 @@ impl JobPlanner<'_> {
         let mut best: Option<ElectrodeOutcome> = None;
         let mut impossible: Option<ElectrodeError> = None;
         let mut tried = Vec::new();
-        for side in sides(self.inputs.job.electrode.enter, part, self.parts()) {
+        let params = &self.inputs.job.electrode;
+        let columns = if self.inputs.own_electrode.is_some() { 1 } else { params.columns };
+        for side in sides(params.enter, part / columns, self.parts() / columns) {
             let outcome = match self.on_side(part, side) {
                 Ok(outcome) => outcome,
                 Err(PlanJobError::Electrode(error)) => {
@@ -305,7 +307,9 @@ fn electrode_of(
             let params = ElectrodeParams { circumferential_reduction_deg, ..params.clone() };
             let mut all = make_electrodes(channel, exact, &params, side, progress, cancel)?;
             // Electrodes are counted from the side of entry.
-            all.swap_remove(if side == EntrySide::MinusX { part } else { params.parts - 1 - part })
+            let (along, column) = (part / params.columns, part % params.columns);
+            let from_entry = if side == EntrySide::MinusX { along } else { params.parts - 1 - along };
+            all.swap_remove(from_entry * params.columns + column)
         }
     };
     electrode.mesh = as_written(&electrode.mesh, &channel.frame);
