@@ -119,6 +119,8 @@ pub(crate) fn report() -> Report {
         }),
         symbols: symbols(),
         electrodes: vec![verified(&path), jammed()],
+        leftover: None,
+        no_leftover: None,
         written: Written {
             electrode_frame: MeshFrame::W,
             post: "beckhoff-edm".to_owned(),
@@ -185,6 +187,8 @@ fn verified(path: &FeedPath) -> ElectrodeReport {
     let nodes: Vec<_> = nodes.collect();
     ElectrodeReport {
         index: 1,
+        share: "part 1 of 2".to_owned(),
+        copying: None,
         enters_from: "-x".to_owned(),
         extractable: true,
         verified: true,

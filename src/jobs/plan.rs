@@ -1,8 +1,9 @@
-//! From a blisk mesh to verified feed paths of its electrodes.
+//! From a blisk mesh to verified feed paths of its electrodes, their copying motions, and what they leave.
 
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::finish::{Around, finish};
 use crate::blisk::channel::Channel;
 use crate::blisk::electrode::{
     Electrode, ElectrodeError, ElectrodeParams, EnterSide, EntrySide, from_user_mesh, make_electrodes,
@@ -11,10 +12,13 @@ use crate::blisk::error::BliskError;
 use crate::blisk::find_channel::find_channel;
 use crate::blisk::surface_finder::SurfaceFinder;
 use crate::export::report::StageTime;
+use crate::feed::copying::Copying;
+use crate::feed::leftover::Leftover;
 use crate::feed::plan::{FeedPlan, Observe, PlanSettings, PlanningSpace, plan_feed};
 use crate::feed::plan_params::PlanError;
 use crate::feed::replay::{Surroundings, replay_feed};
 use crate::feed::search::{Convergence, Node};
+use crate::feed::verify::VerifyError;
 use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::frame::Frame;
 use crate::geometry::mesh::Mesh;
@@ -41,6 +45,8 @@ pub struct ElectrodeOutcome {
     pub plan: FeedPlan,
     /// Sides that were tried before, and why they were left.
     pub tried: Vec<(EntrySide, String)>,
+    /// Its copying motion, if its path is certified.
+    pub copying: Option<Copying>,
 }
 
 /// The answer of a plan.
@@ -50,6 +56,8 @@ pub struct PlanOutcome {
     pub channel: Arc<Channel>,
     /// The electrodes in the order of their parts.
     pub electrodes: Vec<ElectrodeOutcome>,
+    /// What they leave of the channel, or why that cannot be told.
+    pub leftover: Result<Arc<Leftover>, String>,
     /// Times of the stages in order.
     pub times: Vec<StageTime>,
 }
@@ -79,6 +87,17 @@ pub enum PlanJobError {
     Plan(PlanError),
     #[error(transparent)]
     Mesh(#[from] ExactMeshError),
+    #[error(transparent)]
+    Verify(VerifyError),
+}
+
+impl From<VerifyError> for PlanJobError {
+    fn from(error: VerifyError) -> Self {
+        match error {
+            VerifyError::Cancelled(cancelled) => cancelled.into(),
+            other => Self::Verify(other),
+        }
+    }
 }
 
 impl From<BliskError> for PlanJobError {
@@ -181,16 +200,18 @@ pub fn run_prepared(
     inputs.job.validate().map_err(PlanJobError::Job)?;
     let PreparedBlisk { space, exact, clock, .. } = prepared;
     let mut planner = JobPlanner { inputs, space, exact, observe, progress, cancel, clock: clock.clone() };
-    let electrodes = planner.electrodes()?;
-    Ok(PlanOutcome { channel: space.channel.clone(), electrodes, times: planner.clock.0 })
+    let mut electrodes = planner.electrodes()?;
+    let around = Around { job: &inputs.job, blisk: &space.blisk, channel: &space.channel, finder: &space.finder };
+    let leftover = finish(&around, &mut electrodes, &mut planner.clock, progress, cancel)?;
+    Ok(PlanOutcome { channel: space.channel.clone(), electrodes, leftover, times: planner.clock.0 })
 }
 
 /// Adds up the times of stages by name.
 #[derive(Clone, Default)]
-struct Clock(Vec<StageTime>);
+pub(super) struct Clock(Vec<StageTime>);
 
 impl Clock {
-    fn time<T>(&mut self, stage: &str, work: impl FnOnce() -> T) -> T {
+    pub(super) fn time<T>(&mut self, stage: &str, work: impl FnOnce() -> T) -> T {
         let started = Instant::now();
         let result = work();
         self.add(stage, started.elapsed().as_secs_f64());
@@ -280,7 +301,7 @@ impl JobPlanner<'_> {
         self.clock.add("search", plan.search_seconds);
         self.clock.add("certificate", plan.verify_seconds);
         let electrode = plan.remade.take().map_or_else(|| Arc::unwrap_or_clone(electrode), |remade| *remade);
-        Ok(ElectrodeOutcome { electrode, plan, tried: Vec::new() })
+        Ok(ElectrodeOutcome { electrode, plan, tried: Vec::new(), copying: None })
     }
 
     fn electrode(&self, part: usize, side: EntrySide, h: f64) -> Result<Electrode, ElectrodeError> {
@@ -354,9 +375,11 @@ pub fn replay(
         let electrode = clock.time("electrode", make)?;
         let plan = replay_feed(&around, &electrode, nodes, *h, &settings, progress, cancel)?;
         clock.add("certificate", plan.verify_seconds);
-        electrodes.push(ElectrodeOutcome { electrode, plan, tried: Vec::new() });
+        electrodes.push(ElectrodeOutcome { electrode, plan, tried: Vec::new(), copying: None });
     }
-    Ok(PlanOutcome { channel: channel.clone(), electrodes, times: clock.0 })
+    let around = Around { job, blisk, channel, finder: &finder };
+    let leftover = finish(&around, &mut electrodes, &mut clock, progress, cancel)?;
+    Ok(PlanOutcome { channel: channel.clone(), electrodes, leftover, times: clock.0 })
 }
 
 /// What a project keeps of a plan: none unless every electrode has a certified path.
