@@ -8,8 +8,8 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::choice::MeshFrame;
-use super::leftover_report::{CopyingReport, LeftoverReport};
 use super::files::{WriteError, write_atomically};
+use super::leftover_report::{CopyingReport, LeftoverReport};
 use super::nc_feed::Slowed;
 use super::report_html;
 use crate::blisk::channel::Channel;

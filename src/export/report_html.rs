@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
+use super::leftover_report;
 use super::report::{Convergence, ElectrodeReport, Motion, Picture, Report};
 use super::report_curves::{axis_plots, moving_axes};
-use super::leftover_report;
 use super::report_tables as tables;
 use super::svg_plot::{Plot, Series, escape};
 

@@ -10,7 +10,13 @@ use super::svg_plot::escape;
 use super::verify_report::VerifyReport;
 
 /// A table with a caption; cells are HTML. Columns whose header starts with `#` are numbers.
-pub(super) fn table(out: &mut String, class: &str, caption: &str, head: &[&str], rows: impl IntoIterator<Item = Vec<String>>) {
+pub(super) fn table(
+    out: &mut String,
+    class: &str,
+    caption: &str,
+    head: &[&str],
+    rows: impl IntoIterator<Item = Vec<String>>,
+) {
     let _ = write!(out, "<table class=\"{class}\"><caption>{}</caption>", escape(caption));
     if !head.is_empty() {
         out.push_str("<thead><tr>");

@@ -9,7 +9,7 @@
 //! `phi` from the middle moves outwards by `cos(phi)` of it and sideways by `sin(phi)`, and a leaning wall that is
 //! moved outwards comes nearer to its blade or farther from it. A turned hub side meets fillets, and the facets of a
 //! round hub, that it does not meet in the final pose. So the lowest turn is at the least height that lets it go
-//! furthest, each turn goes only as far as the electrode keeps its clearance, and the whole is certified by the same
+//! (nearly) furthest, the highest one at the greatest such height, each turn goes only as far as the electrode keeps its clearance, and the whole is certified by the same
 //! verifier as the feed.
 
 use serde::Serialize;
@@ -26,10 +26,10 @@ use crate::geometry::frame::Frame;
 use crate::progress::{Cancel, Progress};
 use glam::DVec3;
 
-/// Heights that the lowest turn is tried at (mm), the least first.
+/// Heights above the final pose, and below the greatest height, that turns are tried at (mm), in order.
 const LIFTS: [f64; 12] = [0.0, 0.002, 0.005, 0.01, 0.015, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0];
-/// How much further, as a share of it, a turn has to go to be worth a higher lift.
-const WORTH_A_LIFT: f64 = 5e-4;
+/// Share of a turn that is enough of it not to try another height.
+const GOOD_TURN: f64 = 0.99;
 /// Distance between the heights of two turns at most (mm), and how many of them there are at most above the lowest.
 const LEVEL: f64 = 0.15;
 const MOST_LEVELS: usize = 8;
@@ -216,28 +216,46 @@ fn reachable(
     let share = |from: Pose, to: Pose| share_of_move(&from, &to, keeps, cancel);
     let at = |a: f64, z: f64| Pose { a, z, ..Pose::FINAL };
     let top = wanted.outwards * share(Pose::FINAL, at(0.0, wanted.outwards))?;
-    let mut turns = Vec::new();
-    let mut furthest = [0.0; 2];
+    let mut turns: Vec<Turn> = Vec::new();
+    let mut furthest = [0.0f64; 2];
     for (wall, turn) in [-wanted.low, wanted.high].into_iter().enumerate().filter(|(_, a)| a.abs() >= LEAST_MOVE) {
-        let (mut best, mut lift) = (0.0, 0.0);
-        for z in LIFTS.into_iter().filter(|z| *z <= top) {
-            let there = share(at(0.0, z), at(turn, z))?;
-            if there > best + WORTH_A_LIFT {
-                (best, lift) = (there, z);
-            }
-            if best == 1.0 {
-                break;
-            }
+        let at_height = |z: f64| Ok(Turn { z, a: turn * share(at(0.0, z), at(turn, z))? });
+        let lowest = first_good_turn(turn, LIFTS.into_iter().filter(|z| *z <= top), &at_height)?;
+        let Some(lowest) = lowest else { continue };
+        turns.push(lowest);
+        let room = top - lowest.z;
+        if room >= LEAST_MOVE {
+            let drops = LIFTS.into_iter().filter(|drop| *drop < room).map(|drop| top - drop);
+            turns.extend(first_good_turn(turn, drops, &at_height)?);
         }
-        turns.push(Turn { z: lift, a: best * turn });
-        furthest[wall] = best * turn.abs();
-        let levels = (((top - lift) / LEVEL).ceil() as usize).min(MOST_LEVELS);
-        for level in 1..=levels {
-            let z = lift + (top - lift) * level as f64 / levels as f64;
-            turns.push(Turn { z, a: turn * share(at(0.0, z), at(turn, z))? });
+        let levels = ((room / LEVEL).ceil() as usize).min(MOST_LEVELS);
+        for level in 1..levels {
+            turns.push(at_height(lowest.z + room * level as f64 / levels as f64)?);
         }
+        let of_wall = turns.iter().filter(|t| t.a * turn > 0.0);
+        furthest[wall] = of_wall.map(|t| t.a.abs()).fold(0.0, f64::max);
     }
     Ok((CopyingExtent { low: furthest[0], high: furthest[1], outwards: top }, turns))
+}
+
+/// The first of the turns by `wanted` (rad) at `heights` that goes nearly as far as any of them, the heights being in
+/// order of preference; none if there are no heights. Heights after a turn that is good enough are not tried.
+fn first_good_turn(
+    wanted: f64,
+    heights: impl Iterator<Item = f64>,
+    at_height: &dyn Fn(f64) -> Result<Turn, VerifyError>,
+) -> Result<Option<Turn>, VerifyError> {
+    let mut tried: Vec<Turn> = Vec::new();
+    for z in heights {
+        let turn = at_height(z)?;
+        tried.push(turn);
+        if turn.a.abs() >= GOOD_TURN * wanted.abs() {
+            break;
+        }
+    }
+    let furthest = tried.iter().map(|t| t.a.abs()).fold(0.0, f64::max);
+    let slack = (1.0 - GOOD_TURN) * wanted.abs();
+    Ok(tried.into_iter().find(|t| t.a.abs() >= furthest - slack))
 }
 
 /// How much of the way between two poses can be gone while `keeps` says yes.

@@ -87,11 +87,15 @@ fn left_by(
             copying: e.copying.as_ref().and_then(Copying::certified).map(|c| poses(&c.path)).unwrap_or_default(),
         })
         .collect();
+    let feeds = electrodes.iter().filter_map(|e| e.plan.path.as_ref().map(|p| p.certificate.certified()));
+    let copied = electrodes.iter().filter_map(|e| e.copying.as_ref().and_then(Copying::certified));
+    let proven = feeds.chain(copied.map(|c| c.certificate.certified())).fold(f64::INFINITY, f64::min);
     let site = Site {
         blisk: around.blisk,
         channel: around.channel,
         finder: around.finder,
         spark_gap: around.job.electrode.spark_gap_mm,
+        proven,
     };
     leftover(&site, &burns, progress, cancel)
 }

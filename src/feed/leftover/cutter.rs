@@ -74,15 +74,17 @@ struct Look {
 }
 
 impl Cutter {
-    /// Prepares an electrode, in its final pose in W, with its motions.
+    /// Prepares an electrode, in its final pose in W, with its motions. What of it is beyond `span_x` in the final pose
+    /// is taken to burn nothing: no feed goes further than the final pose.
     pub(super) fn new(
         mesh: &Mesh,
         reference_point: DVec3,
+        span_x: [f64; 2],
         motions: Vec<Vec<Pose>>,
         progress: &Progress,
         cancel: &Cancel,
     ) -> Result<Self, CutterError> {
-        let (exact, bounds) = (ExactMesh::new(mesh)?, mesh.bounds());
+        let (exact, bounds) = (ExactMesh::new(mesh)?, within(mesh, span_x));
         let field = DistanceField::build(mesh, &exact, bounds.grown(REACH), CELL, progress, cancel)?;
         let motions = motions.into_iter().filter(|poses| !poses.is_empty()).map(Motion::new).collect();
         Ok(Self { field, bounds, reference_point, motions })
@@ -91,6 +93,13 @@ impl Cutter {
     /// The signed distance from `p`, in W, to the electrode in its final pose (mm, negative inside), if it is near.
     pub(super) fn in_final_pose(&self, p: DVec3) -> Option<f64> {
         self.field.value(p)
+    }
+
+    /// The least signed distance (mm) from `p`, in W, to the electrode at the rows of its first motion, or `known` if it
+    /// is nowhere less: mostly near the least of all, since that motion bends where the electrode is at a wall.
+    pub(super) fn at_rows(&self, p: DVec3, known: f64) -> f64 {
+        let rows = self.motions.first().map_or(&[][..], |m| &m.poses);
+        rows.iter().filter_map(|pose| self.look(pose, p).distance).fold(known, f64::min)
     }
 
     /// The least signed distance (mm) from `p`, in W, to the electrode over the continuous motions, or `known` if it is
@@ -155,6 +164,16 @@ impl Cutter {
     }
 }
 
+/// The box around what of `mesh` lies in the span of X, whole triangles at a time, cut off at the span's ends.
+fn within(mesh: &Mesh, [from, to]: [f64; 2]) -> Bounds {
+    let near = mesh.iter_corners().map(Bounds::of).filter(|b| b.max.x >= from && b.min.x <= to);
+    let Bounds { min, max } = near.fold(Bounds::EMPTY, |a, b| Bounds { min: a.min.min(b.min), max: a.max.max(b.max) });
+    if min.x > max.x {
+        return mesh.bounds();
+    }
+    Bounds { min: min.with_x(min.x.max(from)), max: max.with_x(max.x.min(to)) }
+}
+
 /// Why an electrode cannot be prepared.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[allow(missing_docs)]
@@ -180,7 +199,8 @@ mod tests {
             Pose { a: -0.03, z: 0.7, ..Pose::FINAL },
             Pose { x: -5.0, y: 1.0, a: 0.02, c: 0.3, ..Pose::FINAL },
         ];
-        let cutter = Cutter::new(&mesh, o, vec![poses.clone()], &Progress::silent(), &Cancel::default()).unwrap();
+        let cutter =
+            Cutter::new(&mesh, o, [-9.0, 9.0], vec![poses.clone()], &Progress::silent(), &Cancel::default()).unwrap();
         let exact = ExactMesh::new(&mesh).unwrap();
         for i in 0..60 {
             let f = f64::from(i);

@@ -102,10 +102,12 @@ fn part(site: &Site, passage: &Passage, corners: [DVec3; 3]) -> Option<([DVec3; 
     (distances[nearest] <= IN_FILLET).then_some((corners, SURFACES[nearest]))
 }
 
-/// Thickness of the stock left on every vertex (mm), negative where it is cut too deep.
+/// Thickness of the stock left on every vertex (mm), negative where it is cut too deep. Once it is known to be `enough`
+/// or less no more is looked for.
 pub(super) fn deviations(
     patch: &Patch,
     removal: &Removal,
+    enough: f64,
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<Vec<f64>, Cancelled> {
@@ -116,7 +118,7 @@ pub(super) fn deviations(
         .par_chunks(BATCH)
         .map(|batch| {
             cancel.check()?;
-            let found: Vec<f64> = batch.iter().map(|&p| removal.deviation(p, f64::NEG_INFINITY)).collect();
+            let found: Vec<f64> = batch.iter().map(|&p| removal.deviation(p, enough)).collect();
             let done = done.fetch_add(batch.len(), Ordering::Relaxed) + batch.len();
             progress.report("leftover", 0.7 * done as f64 / all as f64, "surfaces of the channel");
             Ok(found)

@@ -39,7 +39,7 @@ static PART: LazyLock<Part> = LazyLock::new(|| {
 });
 
 fn site() -> Site<'static> {
-    Site { blisk: &PART.mesh, channel: &PART.channel, finder: &PART.finder, spark_gap: GAP }
+    Site { blisk: &PART.mesh, channel: &PART.channel, finder: &PART.finder, spark_gap: GAP, proven: 0.0 }
 }
 
 fn unreduced() -> ElectrodeParams {

@@ -19,9 +19,7 @@ const STEPS_R: [f64; 2] = [0.05, 0.4];
 /// By how much each is longer than the one before.
 const GROWTH: f64 = 1.3;
 /// Shortest step along a ray (mm).
-const LEAST_STEP: f64 = 0.01;
-/// How deep a point has to be within what is eroded to be passed by without looking at more of the motion (mm).
-const DEEP: f64 = 0.1;
+const LEAST_STEP: f64 = 0.02;
 /// Less stock than this is none (mm): the error of a distance.
 const NOTHING: f64 = DistanceField::ACCURACY + RESOLUTION;
 
@@ -105,10 +103,10 @@ fn ray(passage: &Passage, removal: &Removal, x: f64, r: f64) -> Passed {
     let mut s = 0.0;
     while s < width {
         let p = Cylindrical { x, r, theta: low + s / r }.point();
-        let deviation = removal.deviation(p, -DEEP);
+        let deviation = removal.deviation(p, 0.0);
         let step = deviation.abs().max(LEAST_STEP).min(width - s);
         if deviation > NOTHING {
-            passed.left += step;
+            passed.left += deviation.min(width - s);
         }
         if deviation > passed.depth {
             (passed.depth, passed.at) = (deviation, Some(p));
