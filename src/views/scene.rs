@@ -162,6 +162,8 @@ pub struct SceneInputs<'a> {
     pub contact: Option<[DVec3; 2]>,
     /// A quantity on the electrode.
     pub values: Option<&'a SurfaceValues>,
+    /// What stock is left on the surfaces of the channel.
+    pub leftover: Option<(&'a Arc<RenderMesh>, &'a SurfaceValues)>,
     /// How things look.
     pub layers: &'a Layers,
     /// What is selected.
@@ -205,6 +207,10 @@ pub fn build(inputs: &SceneInputs) -> Scene {
         add(&mut scene, Layer::Unshrouded, &shapes.unshrouded, to_mesh);
         add(&mut scene, Layer::LowWall, &shapes.low, to_mesh);
         add(&mut scene, Layer::HighWall, &shapes.high, to_mesh);
+    }
+    if let Some((map, values)) = inputs.leftover {
+        let object = Object::new(layer_id(Layer::Unshrouded), map.clone(), STEEL).at(to_mesh);
+        scene.objects.push(Object { edges: false, values: Some(values.clone()), ..object });
     }
     if let Some((electrode, mesh)) = inputs.electrode {
         let station = inputs.track.and_then(|t| t.at(inputs.s));
