@@ -27,9 +27,11 @@ use crate::progress::{Cancel, Progress};
 use glam::DVec3;
 
 /// Heights above the final pose, and below the greatest height, that turns are tried at (mm), in order.
-const LIFTS: [f64; 12] = [0.0, 0.002, 0.005, 0.01, 0.015, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0];
+const LIFTS: [f64; 7] = [0.0, 0.002, 0.005, 0.01, 0.015, 0.02, 0.05];
 /// Share of a turn that is enough of it not to try another height.
 const GOOD_TURN: f64 = 0.99;
+/// Share of a turn that is worth to be made at the greatest height.
+const WORTH_A_TURN: f64 = 0.5;
 /// Distance between the heights of two turns at most (mm), and how many of them there are at most above the lowest.
 const LEVEL: f64 = 0.15;
 const MOST_LEVELS: usize = 8;
@@ -227,6 +229,11 @@ fn reachable(
         if room >= LEAST_MOVE {
             let drops = LIFTS.into_iter().filter(|drop| *drop < room).map(|drop| top - drop);
             turns.extend(first_good_turn(turn, drops, &at_height)?);
+            // Where a leaning wall lets it turn less the higher it is, the corner at the shroud wants the top all the same.
+            let highest = at_height(top)?;
+            if highest.a.abs() >= WORTH_A_TURN * turn.abs() && !turns.contains(&highest) {
+                turns.push(highest);
+            }
         }
         let levels = ((room / LEVEL).ceil() as usize).min(MOST_LEVELS);
         for level in 1..levels {

@@ -139,10 +139,8 @@ mod tests {
             triangle(DVec3::new(0.0, -5.0, 105.0), z, x),
             triangle(DVec3::new(0.0, 0.0, 110.0), y, x),
         ];
-        let mesh = Mesh {
-            vertices: corners.concat(),
-            triangles: (0..4u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
-        };
+        let mesh =
+            Mesh { vertices: corners.concat(), triangles: (0..4u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect() };
         let surfaces = vec![Surface::Hub, Surface::LowWall, Surface::HighWall, Surface::Shroud];
         let deviation = (0..12).map(|i| i as f32).collect::<Vec<_>>();
         DeviationMap { mesh: Arc::new(mesh), surfaces, deviation: Arc::new(deviation) }

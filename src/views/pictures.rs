@@ -183,7 +183,7 @@ impl<'a> Drawn<'a> {
         let frame = &channel.frame;
         let (at, size) = (frame.to_parent(around.center()), around.size());
         let plane = SectionPlane { point: at, normal: frame.z };
-        let height = 1.08 * size.y.max(size.x / aspect());
+        let height = 1.08 * size.x.max(size.y / aspect());
         let [low, high] = [Surface::LowWall, Surface::HighWall].map(|wall| channel.surface_name(wall));
         let shroud = if channel.shrouded { ", shroud" } else { "" };
         let names = ["cut too deep", "as it should be", "stock left"];
@@ -192,13 +192,13 @@ impl<'a> Drawn<'a> {
             file: "view_2_leftover.png".to_owned(),
             title: "Stock left on the surfaces of the channel".to_owned(),
             caption: format!(
-                "Unfolded and seen from within, X to the right; from below {high}, hub, {low}{shroud}. The colours end at \
+                "Unfolded and seen from within, X upwards; from the right {high}, hub, {low}{shroud}. The colours end at \
                  {limit:.3} mm either way. {}",
                 left.sentence(channel)
             ),
             legend: colours.into_iter().zip(names).collect(),
             scene: Scene { objects, triad: false, ..Scene::new(Theme::LIGHT) },
-            camera: onto_section(&plane, frame.y, at, height),
+            camera: onto_section(&plane, frame.x, at, height),
         }
     }
 

@@ -225,14 +225,14 @@ impl Removal {
         let in_final_pose = self.cutters.iter().filter_map(|c| c.in_final_pose(p));
         let mut least = in_final_pose.fold(REACH, f64::min);
         // What costs least comes first: few points need all of it.
-        let looks: [&dyn Fn(&Cutter, f64) -> f64; 2] =
-            [&|cutter, least| cutter.at_rows(p, least), &|cutter, least| cutter.least(p, least, enough)];
-        for look in looks {
-            for cutter in &self.cutters {
-                if least <= enough {
-                    return least - self.spark_gap;
-                }
-                least = look(cutter, least);
+        for cutter in &self.cutters {
+            if least > enough {
+                least = cutter.at_rows(p, least);
+            }
+        }
+        for cutter in &self.cutters {
+            if least > enough {
+                least = cutter.least(p, least, enough);
             }
         }
         least - self.spark_gap
