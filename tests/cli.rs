@@ -80,7 +80,7 @@ fn a_plan_writes_everything_and_answers_0() {
 fn a_job_says_which_files_are_written() {
     let folder = tempfile::tempdir().unwrap();
     let choices = "[export]\nframe = \"w\"\n[export.files]\nnc = false\npictures = false\n[export.pictures]\nwhole = false\n\
-                   final_pose = false\nsweep = false\nclosest = false\n";
+                   final_pose = false\nsweep = false\nclosest = false\nleftover = false\n";
     let file = job(folder.path(), COMES_OUT);
     std::fs::write(&file, std::fs::read_to_string(&file).unwrap() + choices).unwrap();
     let out = folder.path().join("out");
@@ -89,7 +89,8 @@ fn a_job_says_which_files_are_written() {
     let mut names: Vec<String> =
         std::fs::read_dir(&out).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
-    assert_eq!(names, ["electrode_1.stl", "path_1.csv", "report.html", "report.json"]);
+    let written = ["copying_1.csv", "electrode_1.stl", "leftover.ply", "path_1.csv", "report.html", "report.json"];
+    assert_eq!(names, written);
     let report: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(out.join("report.json")).unwrap()).unwrap();
     assert_eq!(report["written"]["electrode_frame"], "w");
@@ -455,13 +456,13 @@ fn the_report_shows_the_very_pictures_that_lie_beside_it() {
     let shown: Vec<Vec<u8>> = sources
         .map(|tag| decoded(tag.split_once("src=\"data:image/png;base64,").unwrap().1.split_once('"').unwrap().0))
         .collect();
-    let names = ["view_1_whole", "electrode_1_final", "electrode_1_sweep", "electrode_1_closest"];
+    let names = ["view_1_whole", "view_2_leftover", "electrode_1_final", "electrode_1_sweep", "electrode_1_closest"];
     let files = names.map(|name| std::fs::read(path(&format!("out/{name}.png"))).unwrap());
     assert!(shown == files, "{} pictures are shown", shown.len());
-    for png in &files {
-        assert!(copper(&picture(png)) > 500, "the electrode is seen");
+    for (png, name) in files.iter().zip(names).filter(|(_, name)| *name != "view_2_leftover") {
+        assert!(copper(&picture(png)) > 500, "the electrode is seen in {name}");
     }
-    assert_eq!(html.matches("<figcaption>").count(), 4);
+    assert_eq!(html.matches("<figcaption>").count(), 5);
 }
 
 #[cfg(target_os = "linux")]

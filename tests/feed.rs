@@ -14,6 +14,7 @@ use std::sync::{Arc, OnceLock};
 
 use common::{curved_blisk, easy_blisk, mesh};
 use glam::{DMat3, DVec3};
+use sparkpath::blisk::channel::Surface;
 use sparkpath::blisk::electrode::{ElectrodeError, ElectrodeParams, EnterSide, EntrySide, make_electrodes};
 use sparkpath::blisk::find_channel::find_channel;
 use sparkpath::blisk::options::BliskOptions;
@@ -66,6 +67,25 @@ fn a_plan_is_certified_from_outside_to_the_final_pose_and_may_be_approved() {
     assert!(planned.path.rows.windows(2).all(|w| w[0].s > w[1].s), "the electrode only ever goes in");
     let (blisk, body) = (mesh(&easy_blisk()).in_frame(&outcome.channel.frame), &outcome.electrodes[0].electrode.mesh);
     assert!(Approved::new(planned.path.clone(), certificate.clone(), &blisk, body).is_ok());
+}
+
+#[test]
+fn the_copying_motion_is_certified_and_brings_the_walls_to_their_gap() {
+    let outcome = easy_plan();
+    let copying = outcome.electrodes[0].copying.as_ref().unwrap();
+    let motion = copying.certified().unwrap_or_else(|| panic!("{}", copying.sentence()));
+    let rows = &motion.path.rows;
+    assert!(rows.len() > 2 && rows[0].pose == Pose::FINAL && rows[rows.len() - 1].pose == Pose::FINAL);
+    let left = outcome.leftover.as_ref().unwrap();
+    // Nothing is cut deeper than the tolerance of the certificates, which is less than is counted.
+    assert!(left.deepest().is_none(), "{:?}", left.deepest());
+    let reduced = easy_job().electrode.circumferential_reduction_deg[0].to_radians();
+    let walls = left.surfaces.iter().filter(|s| matches!(s.surface, Surface::LowWall | Surface::HighWall));
+    for wall in walls {
+        // What the reduction leaves on a wall of some 50 mm radius is gone nearly everywhere.
+        assert!(wall.left.area_mm2 < 0.2 * wall.area_mm2 && reduced > 0.0, "{wall:?}");
+    }
+    assert!(left.stock.left_mm3 < 0.02 * left.stock.channel_mm3, "{:?}", left.stock);
 }
 
 #[test]

@@ -41,6 +41,8 @@ pub enum Command {
     WholeBlisk,
     Measure,
     Colours,
+    /// Shows the stock left in the channel as colours.
+    Leftover,
     Screenshot,
     Theme,
     Palette,
@@ -79,6 +81,7 @@ impl Command {
             C::WholeBlisk,
             C::Measure,
             C::Colours,
+            C::Leftover,
             C::Screenshot,
             C::Theme,
             C::Preferences,
@@ -123,6 +126,7 @@ impl Command {
             Self::WholeBlisk => "Show the whole blisk",
             Self::Measure => "Measure",
             Self::Colours => "Clearance colours",
+            Self::Leftover => "Stock left as colours",
             Self::Screenshot => "Save picture…",
             Self::Theme => "Dark or light",
             Self::Palette => "Commands…",
@@ -202,6 +206,7 @@ impl Command {
                 !core.track().is_empty()
             }
             Self::Colours => core.pipeline.state(Stage::Electrode) != StageState::Missing,
+            Self::Leftover => core.pipeline.leftover_shape().is_some(),
             _ => true,
         }
     }

@@ -21,7 +21,7 @@ use crate::project::{Document, PlanJob, Stage};
 use crate::render::colour_map::{ColourMap, Legend};
 use crate::render::mesh::RenderMesh;
 use crate::render::scene::{SectionPlane, SurfaceValues};
-use crate::views::{Layer, Layers, Track, clearance_at_vertices};
+use crate::views::{Layer, Layers, Track, clearance_at_vertices, leftover_legend};
 
 /// See the module's page.
 pub struct Core {
@@ -43,6 +43,8 @@ pub struct Core {
     pub section: Option<SectionPlane>,
     /// Whether the electrode is coloured by its clearance.
     pub colours: bool,
+    /// Whether the stock left on the surfaces of the channel is shown as colours.
+    pub leftover: bool,
     /// The colours of the electrode at some pose, and the thread that they are computed on: another than that of the
     /// plan, which may take long.
     colouring: Worker<(), (ColourKey, Arc<Vec<f32>>)>,
@@ -145,6 +147,7 @@ impl Core {
             selected: None,
             section: None,
             colours: false,
+            leftover: false,
             ghosts: Vec::new(),
             measuring: false,
             span: None,
@@ -343,6 +346,26 @@ impl Core {
         let legend = self.colour_legend();
         let range = [legend.min as f32, legend.max as f32];
         Some(SurfaceValues { values: values.clone(), map: legend.map, range })
+    }
+
+    /// The stock left on the surfaces of the channel with its colours, if it is to be seen and known.
+    pub fn leftover_values(&self) -> Option<(&Arc<RenderMesh>, SurfaceValues)> {
+        let shape = self.pipeline.leftover_shape().filter(|_| self.leftover && !self.is_tuning())?;
+        Some((&shape.shape, shape.values(self.document.job().electrode.spark_gap_mm)))
+    }
+
+    /// What the colours of the stock left mean.
+    pub fn leftover_legend(&self) -> Legend {
+        leftover_legend(self.document.job().electrode.spark_gap_mm)
+    }
+
+    /// Shows the stock left in the channel, or the electrode again.
+    pub fn toggle_leftover(&mut self) {
+        self.leftover = !self.leftover;
+        if self.leftover {
+            self.layers.into_channel();
+        }
+        self.layers.get_mut(Layer::Electrode).visible = !self.leftover;
     }
 
     /// What the colours mean.

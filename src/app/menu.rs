@@ -49,7 +49,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<std::path::PathBuf> {
                 item(ui, core, command);
             }
             ui.separator();
-            for command in [Command::Measure, Command::Colours, Command::Theme] {
+            for command in [Command::Measure, Command::Colours, Command::Leftover, Command::Theme] {
                 item(ui, core, command);
             }
         });

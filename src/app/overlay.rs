@@ -26,7 +26,9 @@ pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core, viewport: &mut Viewport) {
         verdict(ui, rect, core);
     }
     measured(ui, rect, viewport, core);
-    if core.colour_values().is_some() {
+    if core.leftover_values().is_some() {
+        legend(ui, rect, &core.leftover_legend());
+    } else if core.colour_values().is_some() {
         legend(ui, rect, &core.colour_legend());
     }
 }

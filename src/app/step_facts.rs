@@ -7,7 +7,9 @@ use super::core::Core;
 use super::status::grouped;
 use super::stepper::{command_button, fact, notice};
 use super::theme::palette;
+use crate::blisk::channel::Channel;
 use crate::blisk::electrode::EntrySide;
+use crate::feed::leftover::Leftover;
 use crate::jobs::pipeline::StageState;
 use crate::project::Stage;
 
@@ -195,10 +197,34 @@ fn verify(ui: &mut Ui, core: &mut Core) {
         if ui.button("Go to the closest place").clicked() {
             core.go_to(c.least().s);
         }
+        if let Some(copying) = &outcome.copying {
+            notice(ui, palette(ui).faint, &copying.sentence());
+        }
+    }
+    if let Ok(left) = &plan.leftover {
+        leftover(ui, core, left, &plan.channel);
     }
     if core.pipeline.can_approve() {
         next(ui, core, Stage::Export);
     }
+}
+
+/// What stock is left, surface by surface.
+fn leftover(ui: &mut Ui, core: &mut Core, left: &Leftover, channel: &Channel) {
+    let length = core.preferences.length;
+    ui.add_space(6.0);
+    ui.strong("Stock left");
+    let stock = &left.stock;
+    fact(ui, "In the channel", format!("{:.2} of {:.0} mm³", stock.left_mm3, stock.channel_mm3));
+    for figures in &left.surfaces {
+        let name = channel.surface_name(figures.surface);
+        fact(ui, &format!("Thickest, {name}"), length.show(figures.left.depth_mm, 3));
+        if figures.overcut.at.is_some() {
+            fact(ui, &format!("Too deep, {name}"), length.show(figures.overcut.depth_mm, 3));
+        }
+    }
+    let text = if core.leftover { "Show the electrode" } else { "Show the stock left" };
+    command_button(ui, core, Command::Leftover, text, false);
 }
 
 fn export(ui: &mut Ui, core: &mut Core) {

@@ -65,7 +65,7 @@ pub struct Viewport {
 /// Everything that the scene depends on.
 #[derive(Debug, Clone, PartialEq)]
 struct SceneKey {
-    sources: [usize; 7],
+    sources: [usize; 8],
     s: f64,
     ghosts: Vec<f64>,
     layers: crate::views::Layers,
@@ -306,6 +306,7 @@ impl Viewport {
             Arc::as_ptr(&core.shared_track()) as usize,
             core.colour_values().map_or(0, |v| Arc::as_ptr(&v.values) as usize),
             address(core.swept.shape(&core.shared_track())),
+            core.leftover_values().map_or(0, |(_, v)| Arc::as_ptr(&v.values) as usize),
         ];
         SceneKey {
             sources,
@@ -359,6 +360,7 @@ pub fn scene(core: &Core, theme: Theme) -> Scene {
     let p = &core.pipeline;
     let fresh = core.is_tuning();
     let values = core.colour_values();
+    let leftover = core.leftover_values();
     let track = core.shared_track();
     build(&SceneInputs {
         blisk: p.part().map(|part| &part.shape),
@@ -370,6 +372,7 @@ pub fn scene(core: &Core, theme: Theme) -> Scene {
         swept: core.swept.shape(&track),
         contact: core.contact().filter(|_| !fresh),
         values: values.as_ref(),
+        leftover: leftover.as_ref().map(|(shape, values)| (*shape, values)),
         layers: &core.layers,
         selected: core.selected,
         section: core.section,

@@ -180,6 +180,7 @@ fn project_picture(part: &Part, found: &FoundChannel, shown: &Shown, arguments: 
         s: shown.track.as_ref().map_or(0.0, Track::length),
         contact: None,
         values: None,
+        leftover: None,
         layers: &layers,
         selected: None,
         ghosts: &[],

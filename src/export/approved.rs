@@ -3,6 +3,7 @@
 
 use super::quantise::first_unquantised_row;
 use crate::feed::certificate::{Certificate, TravelVerdict};
+use crate::feed::copying::CopyingMotion;
 use crate::feed::machine::BeyondTravel;
 use crate::feed::path::FeedPath;
 use crate::feed::pose::Pose;
@@ -14,6 +15,7 @@ pub struct Approved {
     path: FeedPath,
     certificate: Certificate,
     electrode: Bounds,
+    copying: Option<CopyingMotion>,
 }
 
 /// Why a path cannot be exported as NC.
@@ -88,7 +90,52 @@ impl Approved {
             return Err(NotApproved::NotQuantised { row });
         }
         let electrode = electrode.bounds();
-        Ok(Self { path, certificate, electrode })
+        Ok(Self { path, certificate, electrode, copying: None })
+    }
+
+    /// The same with the copying motion that is to follow the feed.
+    ///
+    /// # Errors
+    /// [`NotApproved`] unless it is certified from the final pose back to the final pose, for the very meshes, the
+    /// reference point and the spark gap of the path, with axes within their travel, and is rounded as files are.
+    pub fn with_copying(self, motion: &CopyingMotion) -> Result<Self, NotApproved> {
+        let (c, mine, copying) = (&motion.certificate, &self.certificate, &motion.path);
+        let same_place = copying.reference_point == self.path.reference_point && copying.frame == self.path.frame;
+        if c.path_digest() != copying.digest() || !same_place {
+            return Err(NotApproved::OtherPath);
+        }
+        if c.blisk_digest() != mine.blisk_digest() {
+            return Err(NotApproved::OtherBlisk);
+        }
+        if c.electrode_digest() != mine.electrode_digest() {
+            return Err(NotApproved::OtherElectrode);
+        }
+        if c.required().is_nan() || c.required() < self.path.spark_gap {
+            return Err(NotApproved::OtherGap { required: c.required(), spark_gap: self.path.spark_gap });
+        }
+        if let TravelVerdict::Beyond(beyond) = c.travel() {
+            return Err(NotApproved::BeyondTravel(beyond));
+        }
+        if c.travel() == TravelVerdict::NotJudged {
+            return Err(NotApproved::TravelNotJudged);
+        }
+        if !c.keeps_clearance() {
+            let (row, s) = (c.least().row, c.least().s);
+            let (certified, required, tolerance) = (c.certified(), c.required(), c.tolerance());
+            return Err(NotApproved::TooClose { certified, required, tolerance, row, s });
+        }
+        if !motion.holds() {
+            return Err(NotApproved::WrongEnds);
+        }
+        if let Some(row) = first_unquantised_row(copying) {
+            return Err(NotApproved::NotQuantised { row });
+        }
+        Ok(Self { copying: Some(motion.clone()), ..self })
+    }
+
+    /// The approved copying motion, from the final pose back to it, if there is one.
+    pub fn copying(&self) -> Option<&CopyingMotion> {
+        self.copying.as_ref()
     }
 
     /// The box around the electrode in its final pose, in W (mm).

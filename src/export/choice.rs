@@ -35,24 +35,28 @@ pub struct WrittenFiles {
     pub nc: bool,
     /// `report.json` and `report.html`
     pub report: bool,
+    /// `leftover.ply`: the surface of the channel with the stock left at every vertex, and `copying_K.csv`, the copying
+    /// motion of a verified path.
+    pub leftover: bool,
     /// The pictures as PNG files; the page of the report holds them in any case.
     pub pictures: bool,
 }
 
 impl Default for WrittenFiles {
     fn default() -> Self {
-        Self { electrode: true, path: true, nc: true, report: true, pictures: true }
+        Self { electrode: true, path: true, nc: true, report: true, leftover: true, pictures: true }
     }
 }
 
 impl WrittenFiles {
     /// Every kind with its key, in the order of the fields.
-    pub fn kinds(&self) -> [(&'static str, bool); 5] {
+    pub fn kinds(&self) -> [(&'static str, bool); 6] {
         [
             ("electrode", self.electrode),
             ("path", self.path),
             ("nc", self.nc),
             ("report", self.report),
+            ("leftover", self.leftover),
             ("pictures", self.pictures),
         ]
     }
@@ -75,18 +79,20 @@ pub struct DrawnPictures {
     pub sweep: bool,
     /// A section where each electrode comes closest, or jams.
     pub closest: bool,
+    /// The stock left on the surfaces of the channel.
+    pub leftover: bool,
 }
 
 impl Default for DrawnPictures {
     fn default() -> Self {
-        Self { whole: true, final_pose: true, sweep: true, closest: true }
+        Self { whole: true, final_pose: true, sweep: true, closest: true, leftover: true }
     }
 }
 
 impl DrawnPictures {
     /// Whether any picture is drawn.
     pub fn any(&self) -> bool {
-        self.whole || self.final_pose || self.sweep || self.closest
+        self.whole || self.final_pose || self.sweep || self.closest || self.leftover
     }
 }
 

@@ -8,6 +8,7 @@ use super::quantise::quantise_path;
 use super::report::*;
 use crate::blisk::channel::Surface;
 use crate::feed::certificate::{Certificate, Contact, Findings, TravelVerdict};
+use crate::feed::copying::{CopyingExtent, CopyingMotion, Turn};
 use crate::feed::path::{FeedPath, PathRow};
 use crate::feed::pose::{Axis, Pose};
 use crate::feed::smoothness::AxisSmoothness;
@@ -92,6 +93,23 @@ pub(crate) fn approved() -> Approved {
     Approved::new(path, certificate, &blisk_mesh(), &electrode_mesh()).unwrap()
 }
 
+/// A copying motion at the end of [`path`], certified, with what the verifier found changed by `change`.
+pub(crate) fn copying(change: impl Fn(&mut Findings)) -> CopyingMotion {
+    let row = |a: f64, z: f64| PathRow { node: 0, s: 0.0, pose: Pose { a, z, ..Pose::FINAL } };
+    let turn = 1.2f64;
+    let rows = vec![row(0.0, 0.0), row(-turn.to_radians(), 0.0), row(0.0, 0.0), row(0.0, 0.5), row(0.0, 0.0)];
+    let path = quantise_path(&FeedPath { rows, ..self::path() });
+    let mut findings = certificate(&self::path()).into_findings();
+    findings.path_digest = path.digest();
+    findings.row_clearance.truncate(path.rows.len());
+    findings.row_surface.truncate(path.rows.len());
+    findings.ends_right = false;
+    change(&mut findings);
+    let wanted = CopyingExtent { low: turn.to_radians(), high: 0.0, outwards: 0.5 };
+    let turns = vec![Turn { z: 0.0, a: -turn.to_radians() }];
+    CopyingMotion { path, certificate: Certificate::made_up(findings), wanted, reached: wanted, turns }
+}
+
 /// A report on one electrode that comes out and one that jams.
 pub(crate) fn report() -> Report {
     let (path, stage) = (path(), |stage: &str, seconds| StageTime { stage: stage.to_owned(), seconds });
@@ -119,6 +137,8 @@ pub(crate) fn report() -> Report {
         }),
         symbols: symbols(),
         electrodes: vec![verified(&path), jammed()],
+        leftover: None,
+        no_leftover: None,
         written: Written {
             electrode_frame: MeshFrame::W,
             post: "beckhoff-edm".to_owned(),
@@ -186,6 +206,8 @@ fn verified(path: &FeedPath) -> ElectrodeReport {
     let nodes: Vec<_> = nodes.collect();
     ElectrodeReport {
         index: 1,
+        share: "part 1 of 2".to_owned(),
+        copying: None,
         enters_from: "-x".to_owned(),
         extractable: true,
         verified: true,

@@ -7,6 +7,7 @@
 pub mod approved;
 pub mod choice;
 pub mod files;
+pub mod leftover_report;
 pub mod nc;
 pub mod nc_feed;
 pub mod path_csv;

@@ -1,7 +1,7 @@
 //! NC programs: an approved path in the words of a control.
 //!
-//! The program feeds along the path to the final pose, stops there for the burn, and retracts along the same
-//! path. Every coordinate is the number of the path file, digit for digit. What is not verified, and so stands
+//! The program feeds along the path to the final pose, stops there for the burn, copies along the walls where there
+//! is a certified motion for that, and retracts along the same path. Every coordinate is the number of the path file, digit for digit. What is not verified, and so stands
 //! in the program's own comments: the way to the first position, and anything that a generator's servo adds.
 
 use serde::{Deserialize, Serialize};
@@ -103,8 +103,9 @@ impl NcProgram {
     pub fn new(approved: &Approved, post: &Post, settings: &NcSettings, job: &NcJob) -> Result<Self, NcError> {
         settings.validate()?;
         check_axes(&approved.path().rows, post, job.machine)?;
+        check_axes(copying_rows(approved), post, job.machine)?;
         let feeds = Feeds::new(approved, post, settings, job.machine)?;
-        let slowed = Slowed::of(feeds.inwards.iter().chain(&feeds.outwards));
+        let slowed = Slowed::of(feeds.inwards.iter().chain(&feeds.copying).chain(&feeds.outwards));
         let mut w = Writer::new(post, job, settings);
         post.program_start.iter().for_each(|line| w.raw(line));
         header(&mut w, approved);
@@ -134,6 +135,7 @@ impl NcProgram {
 struct Feeds {
     approach: String,
     inwards: Vec<BlockFeed>,
+    copying: Vec<BlockFeed>,
     outwards: Vec<BlockFeed>,
 }
 
@@ -144,10 +146,12 @@ impl Feeds {
         let (reference_point, electrode) = (path.reference_point, approved.electrode_bounds());
         let pace = Pace { mode, decimals, machine, reference_point, electrode };
         let too_slow = |block| NcError::FeedTooSlow { block, decimals };
+        let copying = copying_rows(approved);
         let back: Vec<PathRow> = path.rows.iter().rev().copied().collect();
         Ok(Self {
             approach: pace.approach(settings.retract_mm_per_min).ok_or(too_slow(0))?,
             inwards: pace.blocks(&path.rows, settings.feed_mm_per_min).map_err(too_slow)?,
+            copying: pace.blocks(copying, settings.feed_mm_per_min).map_err(too_slow)?,
             outwards: pace.blocks(&back, settings.retract_mm_per_min).map_err(too_slow)?,
         })
     }
@@ -165,6 +169,11 @@ fn check_axes(rows: &[PathRow], post: &Post, machine: &MachineParams) -> Result<
         }
     }
     machine.limits().first_beyond(rows).map_or(Ok(()), |beyond| Err(NcError::BeyondTravel(beyond)))
+}
+
+/// The rows of the copying motion; none if there is none.
+fn copying_rows(approved: &Approved) -> &[PathRow] {
+    approved.copying().map_or(&[], |copying| &copying.path.rows)
 }
 
 /// What the machine's speeds made of the feed.
@@ -193,6 +202,10 @@ fn header(w: &mut Writer, approved: &Approved) {
     w.comment(&format!("Certified clearance over the whole motion: {} mm or more", floor_mm_text(c.certified())));
     let least = (floor_mm_text(c.least().distance), mm(c.least().s));
     w.comment(&format!("Least clearance found: {} mm, {} mm before the final pose", least.0, least.1));
+    if let Some(copying) = approved.copying() {
+        let certified = floor_mm_text(copying.certificate.certified());
+        w.comment(&format!("Certified clearance over the copying motion: {certified} mm or more"));
+    }
     w.comment(&format!(
         "Path: {} rows. First {DIGEST_DIGITS} digits of the SHA-256 of what was verified:",
         path.rows.len()
@@ -226,7 +239,7 @@ fn feed_comments(w: &mut Writer, approved: &Approved) {
     match w.post.feed.mode {
         FeedMode::PerMinute => {
             let path = approved.path();
-            let ratios = path.rows.windows(2).map(|pair| {
+            let ratios = path.rows.windows(2).chain(copying_rows(approved).windows(2)).map(|pair| {
                 let (from, to) = (&pair[0].pose, &pair[1].pose);
                 let length = programmed_length(from, to);
                 let travel = fastest_point_travel(from, to, path.reference_point, approved.electrode_bounds());
@@ -266,10 +279,19 @@ fn motion(w: &mut Writer, approved: &Approved, feeds: &Feeds) {
         w.block(&post.feed.word);
     }
     w.moves(rows.iter().skip(1), &feeds.inwards);
-    w.comment("Final pose. Put the burn here: generator, flushing and finishing motions are not part of this program.");
+    w.comment(if approved.copying().is_some() {
+        "Final pose. Put the burn here: generator and flushing are not part of this program."
+    } else {
+        "Final pose. Put the burn here: generator, flushing and finishing motions are not part of this program."
+    });
     post.burn.iter().for_each(|line| w.block(line));
     if w.settings.burn_dwell_s > 0.0 {
         w.block(&post.dwell);
+    }
+    if let Some(copying) = approved.copying() {
+        w.comment("Section COPYING begins: verified motion from the final pose along the walls and back to it");
+        w.moves(copying.path.rows.iter().skip(1), &feeds.copying);
+        w.comment("Section COPYING ends: final pose");
     }
     w.comment("Retraction along the same verified path");
     w.moves(rows.iter().rev().skip(1), &feeds.outwards);

@@ -1,6 +1,9 @@
 use super::*;
+use crate::export::approved::NotApproved;
 use crate::export::fixtures;
 use crate::export::path_csv::write_path_csv;
+use crate::feed::certificate::{Findings, TravelVerdict};
+use crate::feed::copying::CopyingMotion;
 use crate::feed::machine::AxisSet;
 
 fn machine() -> &'static MachineParams {
@@ -51,6 +54,40 @@ fn every_coordinate_is_the_number_of_the_path_file_there_and_back() {
             assert_eq!(value(block, "B"), None, "the machine has no B axis");
         }
     }
+}
+
+#[test]
+fn a_certified_copying_motion_stands_between_the_burn_and_the_retraction() {
+    let post = Post::load("iso", None).unwrap();
+    let without = program(&post);
+    let motion = fixtures::copying(|_| ());
+    let approved = fixtures::approved().with_copying(&motion).unwrap();
+    let program = NcProgram::new(&approved, &post, &NcSettings::default(), &job()).unwrap();
+    let with = program.text();
+    let at = |text: &str| with.find(text).unwrap_or_else(|| panic!("{text} is missing in {with}"));
+    assert!(at("Put the burn here") < at("Section COPYING begins") && at("COPYING ends") < at("Retraction along"));
+    assert!(!without.contains("COPYING"));
+    let rows = fixtures::path().rows.len();
+    let blocks = moving_blocks(&post, with);
+    assert_eq!(blocks.len(), moving_blocks(&post, &without).len() + 4);
+    let copied: Vec<_> = blocks[rows..rows + 4].iter().map(|b| [value(b, "A"), value(b, "Z")]).collect();
+    let expected =
+        [["-1.200000", "0.00000"], ["0.000000", "0.00000"], ["0.000000", "0.50000"], ["0.000000", "0.00000"]];
+    assert_eq!(copied, expected.map(|b| b.map(Some)));
+}
+
+#[test]
+fn no_copying_motion_is_taken_that_is_not_proven_for_this_electrode() {
+    let refused = |motion: &CopyingMotion| fixtures::approved().with_copying(motion).unwrap_err();
+    let changed = |change: fn(&mut Findings)| refused(&fixtures::copying(change));
+    assert!(matches!(changed(|f| f.certified = 0.05), NotApproved::TooClose { .. }));
+    assert_eq!(changed(|f| f.electrode_digest = "0".repeat(64)), NotApproved::OtherElectrode);
+    assert_eq!(changed(|f| f.blisk_digest = "0".repeat(64)), NotApproved::OtherBlisk);
+    assert_eq!(changed(|f| f.path_digest = "0".repeat(64)), NotApproved::OtherPath);
+    assert_eq!(changed(|f| f.travel = TravelVerdict::NotJudged), NotApproved::TravelNotJudged);
+    let mut open = fixtures::copying(|_| ());
+    open.path.rows.pop();
+    assert_eq!(refused(&open), NotApproved::OtherPath, "another motion than the certificate's");
 }
 
 #[test]

@@ -14,6 +14,8 @@ use crate::geometry::frame::Frame;
 
 /// The format's name, the first key of the header.
 pub const FORMAT: &str = "sparkpath-path-1";
+/// The same for the file of a copying motion.
+pub const COPYING_FORMAT: &str = "sparkpath-copying-1";
 /// The columns in order.
 pub const COLUMNS: [&str; 9] = ["node", "s_mm", "x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg", "clearance_mm"];
 /// How far the frame's axes may be from orthonormal.
@@ -71,23 +73,42 @@ struct Header {
 /// [`PathCsvError::NotQuantised`] when a row would not be read back bit for bit, and the reader's own errors for a
 /// path that it would refuse.
 pub fn write_path_csv(path: &FeedPath, row_clearance: &[f64]) -> Result<String, PathCsvError> {
-    if let Some(row) = first_unquantised_row(path) {
-        return Err(PathCsvError::NotQuantised { row });
-    }
-    if row_clearance.len() != path.rows.len() {
-        return Err(PathCsvError::Clearances { found: row_clearance.len(), rows: path.rows.len() });
-    }
-    let header = Header {
+    let header = header_of(path);
+    let text = text_of(&header, path, row_clearance)?;
+    check_header(&header)?;
+    check_rows(&path.rows)?;
+    Ok(text)
+}
+
+/// The text of the file for the copying motion `path`, from the final pose back to it: the same header but for the
+/// format's name [`COPYING_FORMAT`] and the order, and the same columns; every row has node and `s_mm` 0.
+///
+/// # Errors
+/// [`PathCsvError`] when a row would not be read back bit for bit, or there is not a clearance for every row.
+pub fn write_copying_csv(path: &FeedPath, row_clearance: &[f64]) -> Result<String, PathCsvError> {
+    let header = Header { format: COPYING_FORMAT.to_owned(), order: "copying".to_owned(), ..header_of(path) };
+    text_of(&header, path, row_clearance)
+}
+
+fn header_of(path: &FeedPath) -> Header {
+    Header {
         format: FORMAT.to_owned(),
         frame: path.frame,
         reference_point_mm: path.reference_point,
         spark_gap_mm: path.spark_gap,
         order: "feed".to_owned(),
         interpolation: "linear".to_owned(),
-    };
-    check_header(&header)?;
-    check_rows(&path.rows)?;
-    let json = serde_json::to_string(&header).map_err(|e| PathCsvError::Header { problem: e.to_string() })?;
+    }
+}
+
+fn text_of(header: &Header, path: &FeedPath, row_clearance: &[f64]) -> Result<String, PathCsvError> {
+    if let Some(row) = first_unquantised_row(path) {
+        return Err(PathCsvError::NotQuantised { row });
+    }
+    if row_clearance.len() != path.rows.len() {
+        return Err(PathCsvError::Clearances { found: row_clearance.len(), rows: path.rows.len() });
+    }
+    let json = serde_json::to_string(header).map_err(|e| PathCsvError::Header { problem: e.to_string() })?;
     let mut text = format!("# {json}\n{}\n", COLUMNS.join(","));
     for (row, &clearance) in path.rows.iter().zip(row_clearance) {
         text.push_str(&row_text(row, clearance));

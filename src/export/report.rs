@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::choice::MeshFrame;
 use super::files::{WriteError, write_atomically};
+use super::leftover_report::{CopyingReport, LeftoverReport};
 use super::nc_feed::Slowed;
 use super::report_html;
 use crate::blisk::channel::Channel;
@@ -50,6 +51,10 @@ pub struct Report {
     pub symbols: Vec<Symbol>,
     /// One per electrode.
     pub electrodes: Vec<ElectrodeReport>,
+    /// What they leave of the channel; none if not every path is verified.
+    pub leftover: Option<LeftoverReport>,
+    /// Why it cannot be told, if it cannot.
+    pub no_leftover: Option<String>,
     /// What was written.
     pub written: Written,
     /// Time per stage.
@@ -300,6 +305,8 @@ pub struct Failure {
 pub struct ElectrodeReport {
     /// Counted from 1.
     pub index: usize,
+    /// What it burns where the channel is divided; empty for a single electrode.
+    pub share: String,
     /// `+x` or `-x`, in W.
     pub enters_from: String,
     /// Whether a path was found.
@@ -326,6 +333,8 @@ pub struct ElectrodeReport {
     pub burn_area_mm2: Option<f64>,
     /// Per node of a genetic search.
     pub ga_convergence: Vec<Convergence>,
+    /// The copying motion at the end of the feed, if the path is verified.
+    pub copying: Option<CopyingReport>,
     /// Why it is not verified, when it is not.
     pub failure: Option<Failure>,
     /// What the certificate was made for.

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::leftover_report;
 use super::report::{Convergence, ElectrodeReport, Motion, Picture, Report};
 use super::report_curves::{axis_plots, moving_axes};
 use super::report_tables as tables;
@@ -24,6 +25,7 @@ pub(super) fn page(report: &Report) -> String {
     header(&mut out, report, part);
     pictures(&mut out, report);
     report.electrodes.iter().for_each(|e| electrode(&mut out, e));
+    left(&mut out, report);
     out.push_str("<section><h2>Blisk and inputs</h2><div class=\"cols\">");
     tables::blisk(&mut out, &report.blisk);
     tables::inputs(&mut out, &report.inputs);
@@ -79,11 +81,23 @@ fn figure(out: &mut String, picture: &Picture) {
     out.push_str("</figcaption></figure>");
 }
 
+fn left(out: &mut String, report: &Report) {
+    if let Some(leftover) = &report.leftover {
+        leftover_report::section(out, leftover);
+    } else if let Some(why) = &report.no_leftover {
+        let _ = write!(out, "<section><h2>What stock is left</h2><p class=\"soft\">{}</p></section>", escape(why));
+    }
+}
+
 fn electrode(out: &mut String, e: &ElectrodeReport) {
-    let _ = write!(out, "<section><h2>Electrode {}</h2>", e.index);
+    let share = if e.share.is_empty() { String::new() } else { format!(" <span>{}</span>", escape(&e.share)) };
+    let _ = write!(out, "<section><h2>Electrode {}{share}</h2>", e.index);
     let (class, word, sentence) = verdict(e);
     let _ = write!(out, "<p class=\"banner {class}\"><b>{word}</b> {sentence}</p>");
     key_figures(out, e);
+    if let Some(copying) = &e.copying {
+        let _ = write!(out, "<p>{}</p>", escape(&copying.sentence));
+    }
     if let Some(failure) = &e.failure {
         tables::failure(out, failure);
     }

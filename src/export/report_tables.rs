@@ -10,7 +10,13 @@ use super::svg_plot::escape;
 use super::verify_report::VerifyReport;
 
 /// A table with a caption; cells are HTML. Columns whose header starts with `#` are numbers.
-fn table(out: &mut String, class: &str, caption: &str, head: &[&str], rows: impl IntoIterator<Item = Vec<String>>) {
+pub(super) fn table(
+    out: &mut String,
+    class: &str,
+    caption: &str,
+    head: &[&str],
+    rows: impl IntoIterator<Item = Vec<String>>,
+) {
     let _ = write!(out, "<table class=\"{class}\"><caption>{}</caption>", escape(caption));
     if !head.is_empty() {
         out.push_str("<thead><tr>");
@@ -33,7 +39,7 @@ fn table(out: &mut String, class: &str, caption: &str, head: &[&str], rows: impl
 }
 
 /// A number with a real minus sign.
-fn number(value: f64, decimals: usize) -> String {
+pub(super) fn number(value: f64, decimals: usize) -> String {
     if !value.is_finite() {
         return "\u{2013}".to_owned();
     }
@@ -54,7 +60,7 @@ fn point(p: [f64; 3]) -> String {
     p.map(|v| number(v, 3)).join(", ")
 }
 
-fn row(name: &str, value: impl Into<String>) -> Vec<String> {
+pub(super) fn row(name: &str, value: impl Into<String>) -> Vec<String> {
     vec![escape(name), value.into()]
 }
 

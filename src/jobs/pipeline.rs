@@ -34,6 +34,7 @@ use crate::feed::search::{Convergence, Node};
 use crate::progress::{Cancel, Progress};
 use crate::project::{Fingerprint, KeptPlan, PlanJob, Stage};
 use crate::render::mesh::RenderMesh;
+use crate::views::LeftoverShape;
 
 /// What a step has found.
 enum Found {
@@ -51,12 +52,15 @@ struct Planned {
     content: String,
     outcome: Arc<PlanOutcome>,
     shapes: Vec<Arc<RenderMesh>>,
+    /// The stock that is left, if that is known.
+    leftover: Option<LeftoverShape>,
 }
 
 impl Planned {
     fn new(inputs: PlanInputs, content: String, outcome: PlanOutcome) -> Self {
         let shapes = outcome.electrodes.iter().map(|e| Arc::new(RenderMesh::new(&e.electrode.mesh))).collect();
-        Self { inputs, content, outcome: Arc::new(outcome), shapes }
+        let leftover = outcome.leftover.as_ref().ok().map(|left| LeftoverShape::new(&left.map));
+        Self { inputs, content, outcome: Arc::new(outcome), shapes, leftover }
     }
 }
 
@@ -301,6 +305,11 @@ impl Pipeline {
     /// The electrodes of the plan for the screen.
     pub fn plan_shapes(&self) -> Option<&[Arc<RenderMesh>]> {
         self.plan.value.as_ref().map(|(_, v)| &v.shapes[..])
+    }
+
+    /// The stock that the electrodes of the plan leave, for the screen.
+    pub fn leftover_shape(&self) -> Option<&LeftoverShape> {
+        self.plan.value.as_ref().and_then(|(_, v)| v.leftover.as_ref())
     }
 
     /// What the plan that runs has found so far.

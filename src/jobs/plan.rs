@@ -1,8 +1,9 @@
-//! From a blisk mesh to verified feed paths of its electrodes.
+//! From a blisk mesh to verified feed paths of its electrodes, their copying motions, and what they leave.
 
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::finish::{Around, finish};
 use super::prepared_blisk::PreparedBlisk;
 use crate::blisk::channel::Channel;
 use crate::blisk::electrode::{
@@ -12,10 +13,13 @@ use crate::blisk::error::BliskError;
 use crate::blisk::find_channel::find_channel;
 use crate::blisk::surface_finder::SurfaceFinder;
 use crate::export::report::StageTime;
-use crate::feed::plan::{FeedPlan, Observe, PlanSettings, plan_drawn_in, plan_feed};
+use crate::feed::copying::Copying;
+use crate::feed::leftover::Leftover;
+use crate::feed::plan::{FeedPlan, Observe, PlanSettings, PlanningSpace, plan_drawn_in, plan_feed};
 use crate::feed::plan_params::PlanError;
 use crate::feed::replay::{Surroundings, replay_feed};
 use crate::feed::search::{Convergence, Node, Strategy};
+use crate::feed::verify::VerifyError;
 use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::frame::Frame;
 use crate::geometry::mesh::Mesh;
@@ -42,6 +46,8 @@ pub struct ElectrodeOutcome {
     pub plan: FeedPlan,
     /// Sides that were tried before, and why they were left.
     pub tried: Vec<(EntrySide, String)>,
+    /// Its copying motion, if its path is certified.
+    pub copying: Option<Copying>,
 }
 
 /// The answer of a plan.
@@ -51,6 +57,8 @@ pub struct PlanOutcome {
     pub channel: Arc<Channel>,
     /// The electrodes in the order of their parts.
     pub electrodes: Vec<ElectrodeOutcome>,
+    /// What they leave of the channel, or why that cannot be told.
+    pub leftover: Result<Arc<Leftover>, String>,
     /// Times of the stages in order.
     pub times: Vec<StageTime>,
 }
@@ -80,6 +88,17 @@ pub enum PlanJobError {
     Plan(PlanError),
     #[error(transparent)]
     Mesh(#[from] ExactMeshError),
+    #[error(transparent)]
+    Verify(VerifyError),
+}
+
+impl From<VerifyError> for PlanJobError {
+    fn from(error: VerifyError) -> Self {
+        match error {
+            VerifyError::Cancelled(cancelled) => cancelled.into(),
+            other => Self::Verify(other),
+        }
+    }
 }
 
 impl From<BliskError> for PlanJobError {
@@ -154,7 +173,7 @@ pub fn run_prepared(
     JobPlanner { inputs, prepared, observe, explain: true, progress, cancel, clock }.outcome()
 }
 
-/// The same without finding out what would open a way where there is none.
+/// The same without finding out what would open a way where there is none, or what stock is left where there is one.
 pub(super) fn run_unexplained(
     prepared: &PreparedBlisk,
     inputs: &PlanInputs,
@@ -198,8 +217,15 @@ struct JobPlanner<'a> {
 impl JobPlanner<'_> {
     fn outcome(mut self) -> Result<PlanOutcome, PlanJobError> {
         self.inputs.job.validate().map_err(PlanJobError::Job)?;
-        let electrodes = self.electrodes()?;
-        Ok(PlanOutcome { channel: self.prepared.space.channel.clone(), electrodes, times: self.clock.0 })
+        let mut electrodes = self.electrodes()?;
+        let PlanningSpace { blisk, channel, finder, .. } = &self.prepared.space;
+        let leftover = if self.explain {
+            let around = Around { job: &self.inputs.job, blisk, channel, finder };
+            finish(&around, &mut electrodes, &mut self.clock, self.progress, self.cancel)?
+        } else {
+            Err("it was not asked what stock is left".to_owned())
+        };
+        Ok(PlanOutcome { channel: channel.clone(), electrodes, leftover, times: self.clock.0 })
     }
 
     fn electrodes(&mut self) -> Result<Vec<ElectrodeOutcome>, PlanJobError> {
@@ -207,10 +233,10 @@ impl JobPlanner<'_> {
     }
 
     fn parts(&self) -> usize {
-        if self.inputs.own_electrode.is_some() { 1 } else { self.inputs.job.electrode.parts }
+        if self.inputs.own_electrode.is_some() { 1 } else { self.inputs.job.electrode.count() }
     }
 
-    /// The part that is number `part` along X. Tries the sides one after the other until one is verified; if none is, the
+    /// The electrode that is number `part` along X, columns of one part counted through. Tries the sides one after the other until one is verified; if none is, the
     /// one that came out, or else the one that got furthest, is the answer. A side for which no electrode can be made is
     /// noted and left.
     ///
@@ -220,7 +246,9 @@ impl JobPlanner<'_> {
         let mut best: Option<ElectrodeOutcome> = None;
         let mut impossible: Option<ElectrodeError> = None;
         let mut tried = Vec::new();
-        for side in sides(self.inputs.job.electrode.enter, part, self.parts()) {
+        let params = &self.inputs.job.electrode;
+        let columns = if self.inputs.own_electrode.is_some() { 1 } else { params.columns };
+        for side in sides(params.enter, part / columns, self.parts() / columns) {
             let outcome = match self.on_side(part, side) {
                 Ok(outcome) => outcome,
                 Err(PlanJobError::Electrode(error)) => {
@@ -269,7 +297,7 @@ impl JobPlanner<'_> {
         self.clock.add("search", plan.search_seconds);
         self.clock.add("certificate", plan.verify_seconds);
         let electrode = plan.remade.take().map_or_else(|| Arc::unwrap_or_clone(electrode), Arc::unwrap_or_clone);
-        Ok(ElectrodeOutcome { electrode, plan, tried: Vec::new() })
+        Ok(ElectrodeOutcome { electrode, plan, tried: Vec::new(), copying: None })
     }
 
     /// The plan of `electrode` on the fullest one of its kind, which later plans with other reductions share.
@@ -308,7 +336,9 @@ pub(super) fn electrode_of(
             let params = ElectrodeParams { circumferential_reduction_deg, ..params.clone() };
             let mut all = make_electrodes(channel, exact, &params, side, progress, cancel)?;
             // Electrodes are counted from the side of entry.
-            all.swap_remove(if side == EntrySide::MinusX { part } else { params.parts - 1 - part })
+            let (along, column) = (part / params.columns, part % params.columns);
+            let from_entry = if side == EntrySide::MinusX { along } else { params.parts - 1 - along };
+            all.swap_remove(from_entry * params.columns + column)
         }
     };
     electrode.mesh = as_written(&electrode.mesh, &channel.frame);
@@ -354,9 +384,11 @@ pub fn replay(
         let electrode = clock.time("electrode", make)?;
         let plan = replay_feed(&around, &electrode, nodes, *h, &settings, progress, cancel)?;
         clock.add("certificate", plan.verify_seconds);
-        electrodes.push(ElectrodeOutcome { electrode, plan, tried: Vec::new() });
+        electrodes.push(ElectrodeOutcome { electrode, plan, tried: Vec::new(), copying: None });
     }
-    Ok(PlanOutcome { channel: channel.clone(), electrodes, times: clock.0 })
+    let around = Around { job, blisk, channel, finder: &finder };
+    let leftover = finish(&around, &mut electrodes, &mut clock, progress, cancel)?;
+    Ok(PlanOutcome { channel: channel.clone(), electrodes, leftover, times: clock.0 })
 }
 
 /// What a project keeps of a plan: none unless every electrode has a certified path.

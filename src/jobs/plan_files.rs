@@ -10,10 +10,12 @@ use crate::blisk::channel::Channel;
 use crate::export::approved::{Approved, NotApproved};
 use crate::export::choice::MeshFrame;
 use crate::export::files::{WriteError, write_atomically};
+use crate::export::leftover_report::map_as_ply;
 use crate::export::nc::{NcError, NcJob, NcProgram};
-use crate::export::path_csv::{PathCsvError, write_path_csv};
+use crate::export::path_csv::{PathCsvError, write_copying_csv, write_path_csv};
 use crate::export::post::{Post, PostError};
 use crate::export::report::{FeedLowered, InputFile, Report, ReportError, Written};
+use crate::feed::copying::Copying;
 use crate::geometry::mesh::Mesh;
 use crate::mesh_io::stl_bytes;
 use crate::progress::{Cancel, Cancelled, Progress};
@@ -108,6 +110,17 @@ pub fn write(
         files.extend(own);
         programs.extend(program);
     }
+    if let (Ok(leftover), true) = (&outcome.leftover, inputs.job.export.files.leftover) {
+        let map = &leftover.map;
+        let ply = match inputs.job.export.frame {
+            MeshFrame::Mesh => map_as_ply(map, &map.mesh.in_parent_of(&outcome.channel.frame)),
+            MeshFrame::W => map_as_ply(map, &map.mesh),
+        };
+        files.push((LEFTOVER_FILE.to_owned(), ply));
+        if let Some(report) = &mut report.leftover {
+            report.file = Some(LEFTOVER_FILE.to_owned());
+        }
+    }
     if inputs.job.export.files.pictures {
         files.extend(report.pictures.iter().map(|p| (p.file.clone(), p.png.clone())));
     }
@@ -164,6 +177,11 @@ fn reports(
     Ok(vec![("report.json".to_owned(), json.into_bytes()), ("report.html".to_owned(), html.into_bytes())])
 }
 
+/// The map of the stock that is left.
+const LEFTOVER_FILE: &str = "leftover.ply";
+/// Its picture.
+const LEFTOVER_PICTURE: &str = "view_2_leftover.png";
+
 /// What the files of all electrodes share.
 struct Context<'a> {
     channel: &'a Channel,
@@ -193,11 +211,20 @@ fn electrode_files(
         let csv = write_path_csv(&planned.path, planned.certificate.row_clearance())?.into_bytes();
         files.push((format!("path_{k}{}.csv", if holds { "" } else { ".unverified" }), csv));
     }
+    let copying = outcome.copying.as_ref().and_then(Copying::certified).filter(|_| holds);
+    if let (Some(copying), true) = (copying, wanted.leftover) {
+        let csv = write_copying_csv(&copying.path, copying.certificate.row_clearance())?.into_bytes();
+        files.push((format!("copying_{k}.csv"), csv));
+    }
     if !holds || !wanted.nc {
         return Ok((files, None));
     }
-    let approved = Approved::new(planned.path.clone(), planned.certificate.clone(), context.blisk, electrode)
-        .map_err(|source| PlanFilesError::NotApproved { electrode: k, source })?;
+    let not_approved = |source| PlanFilesError::NotApproved { electrode: k, source };
+    let mut approved = Approved::new(planned.path.clone(), planned.certificate.clone(), context.blisk, electrode)
+        .map_err(not_approved)?;
+    if let Some(copying) = copying {
+        approved = approved.with_copying(copying).map_err(not_approved)?;
+    }
     let electrode_file = electrode_in_program(k, &context.job.export);
     let nc_job =
         NcJob { program: &format!("path_{k}"), electrode_file: &electrode_file, machine: &context.job.machine };
@@ -242,7 +269,8 @@ fn remove_results(folder: &Path, extension: &str) -> Result<(), PlanFilesError> 
 /// Whether a result of any plan is called `name`, programs of one's own posts apart.
 fn is_result(name: &str) -> bool {
     // A verdict on a path of an earlier plan would be taken for one on this plan's.
-    ["report.json", "report.html", "verify.json", "verify.html"].contains(&name)
+    ["report.json", "report.html", "verify.json", "verify.html", LEFTOVER_FILE, LEFTOVER_PICTURE].contains(&name)
+        || numbered(name, "copying_") == Some(".csv")
         || numbered(name, "view_").is_some_and(|rest| rest == "_whole.png")
         || numbered(name, "electrode_")
             .is_some_and(|rest| [".stl", "_final.png", "_sweep.png", "_closest.png"].contains(&rest))
@@ -317,6 +345,9 @@ mod tests {
             "electrode_2_final.png",
             "electrode_2_sweep.png",
             "electrode_2_closest.png",
+            "leftover.ply",
+            "view_2_leftover.png",
+            "copying_1.csv",
         ];
         let others = [
             "electrode_x.stl",
@@ -326,6 +357,7 @@ mod tests {
             "report.txt",
             "path_1.notes.txt",
             "view.png",
+            "copying_1.csv.old",
             "electrode_1.png",
         ];
         for name in names.iter().chain(&others) {

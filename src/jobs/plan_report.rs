@@ -4,6 +4,7 @@ use super::plan::{ElectrodeOutcome, PlanOutcome};
 use crate::blisk::channel::Channel;
 use crate::blisk::electrode::EntrySide;
 use crate::blisk::surface_finder::SurfaceFinder;
+use crate::export::leftover_report::LeftoverReport;
 use crate::export::report::{
     BliskSummary, ClearancePlace, Convergence, DistancesReport, ElectrodeReport, Failure, InputFile, Motion,
     NodeReport, ObjectiveReport, PoseReport, Report, SCHEMA, Smoothness, Symbol, Verdict, VerifiedDigests, Written,
@@ -31,6 +32,8 @@ pub fn report(outcome: &PlanOutcome, job: &PlanJob, inputs: Vec<InputFile>) -> R
         parameters: serde_json::to_value(job).unwrap_or_default(),
         symbols: symbols(outcome, job),
         electrodes,
+        leftover: outcome.leftover.as_ref().ok().map(|l| LeftoverReport::of(l, &outcome.channel)),
+        no_leftover: outcome.leftover.as_ref().err().cloned(),
         written: Written::default(),
         times: outcome.times.clone(),
         pictures: Vec::new(),
@@ -47,14 +50,17 @@ fn verdict(outcome: &PlanOutcome) -> Verdict {
             let tried = e.tried.iter().map(|(side, why)| format!(" Towards {} it {why}.", side_name(*side)));
             let verdict = e.plan.verdict(&outcome.channel);
             format!(
-                "Electrode {} towards {} {verdict}.{}",
+                "Electrode {}{} towards {} {verdict}.{}",
                 i + 1,
+                if e.electrode.column.is_some() { format!(" ({})", e.electrode.share()) } else { String::new() },
                 side_name(e.electrode.enters_from),
                 tried.collect::<String>()
             )
         })
         .collect();
-    Verdict { exit_code: if outcome.is_verified() { 0 } else { 3 }, sentence: sentences.join(" ") }
+    let left = outcome.leftover.as_ref().ok().map(|l| l.sentence(&outcome.channel));
+    let sentence = sentences.into_iter().chain(left).collect::<Vec<_>>().join(" ");
+    Verdict { exit_code: if outcome.is_verified() { 0 } else { 3 }, sentence }
 }
 
 fn side_name(side: EntrySide) -> &'static str {
@@ -72,6 +78,7 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
     };
     ElectrodeReport {
         index,
+        share: electrode.share(),
         enters_from: side_name(electrode.enters_from).to_owned(),
         extractable: certificate.is_some_and(|c| c.ends_right() && c.certified() > 0.0),
         verified: plan.is_verified(),
@@ -86,6 +93,7 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
         burn_area_mm2: Some(electrode.burn_area_mm2),
         ga_convergence: convergence(plan),
         feed_lowered: None,
+        copying: outcome.copying.as_ref().map(Into::into),
         sha256: certificate.map(VerifiedDigests::of),
         failure: failure(plan, &whole.channel),
         files: Vec::new(),

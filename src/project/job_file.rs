@@ -432,7 +432,8 @@ mod tests {
     #[test]
     fn an_export_of_nothing_is_refused_and_draws_nothing() {
         let mut job = PlanJob::demonstration();
-        job.export.files = WrittenFiles { electrode: false, path: false, nc: false, report: false, pictures: false };
+        job.export.files =
+            WrittenFiles { electrode: false, path: false, nc: false, report: false, leftover: false, pictures: false };
         assert!(job.validate().unwrap_err().contains("[export.files]"));
         assert!(!job.export.draws_any());
         job.export.files.report = true;

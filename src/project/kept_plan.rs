@@ -54,7 +54,7 @@ impl KeptPlan {
     pub fn check(&self, job: &PlanJob) -> Result<(), KeptPlanError> {
         let require = |holds: bool, what| if holds { Ok(()) } else { Err(KeptPlanError { what }) };
         let own = job.electrode.mesh.is_some();
-        let parts = if own { 1 } else { job.electrode.parts };
+        let parts = if own { 1 } else { job.electrode.count() };
         require(self.electrodes.len() == parts, "it has another number of electrodes than the job")?;
         let h_max = match job.genetic.h {
             ReductionMode::Variable if !own => job.genetic.h_max_deg.to_radians() + ROUNDING,

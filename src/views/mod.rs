@@ -4,6 +4,7 @@
 mod camera;
 mod caps;
 mod colours;
+mod leftover;
 mod pictures;
 mod scene;
 mod shapes;
@@ -13,6 +14,7 @@ mod values;
 
 pub use camera::{NamedView, bodies, into_channel, standard};
 pub use colours::mesh_colour;
+pub use leftover::{LeftoverShape, leftover_legend};
 pub use pictures::{PICTURE_SIZE, PlanPicture, PlanToShow, plan_pictures};
 pub use scene::{Layer, Layers, Look, SceneInputs, build, layer_id, layer_of};
 pub use shapes::{ChannelShapes, channel_shapes};

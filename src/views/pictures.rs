@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::camera::{bodies, electrode_in_channel, from_entry, onto_section};
+use super::leftover::{leftover_legend, unfolded};
 use super::scene::{Layer, Layers, SceneInputs, build, layer_id};
 use super::shapes::{ChannelShapes, channel_shapes};
 use super::sweep::{COARSE, swept_shape};
@@ -13,6 +14,7 @@ use super::track::Track;
 use crate::blisk::channel::{Channel, Surface};
 use crate::blisk::electrode::{Electrode, EntrySide};
 use crate::export::choice::DrawnPictures;
+use crate::feed::leftover::Leftover;
 use crate::feed::plan::FeedPlan;
 use crate::geometry::mesh::Mesh;
 use crate::geometry::swept::SweptError;
@@ -39,6 +41,8 @@ pub struct PlanToShow<'a> {
     pub channel: &'a Channel,
     /// The electrodes with their plans, in the order of the report.
     pub electrodes: Vec<(&'a Electrode, &'a FeedPlan)>,
+    /// What they leave, if that is known.
+    pub leftover: Option<&'a Leftover>,
     /// Spark gap (mm).
     pub spark_gap: f64,
 }
@@ -71,6 +75,7 @@ pub fn plan_pictures(
 ) -> Result<Vec<PlanPicture>, Cancelled> {
     let drawn = Drawn::new(plan, wanted, progress, cancel)?;
     let mut pictures = Vec::from_iter(wanted.whole.then(|| drawn.whole()));
+    pictures.extend(plan.leftover.filter(|_| wanted.leftover).map(|left| drawn.leftover(left)));
     for i in 0..plan.electrodes.len() {
         pictures.extend(wanted.final_pose.then(|| drawn.final_pose(i)));
         pictures.extend(wanted.sweep.then(|| drawn.sweep(i)));
@@ -133,6 +138,7 @@ impl<'a> Drawn<'a> {
             s,
             contact: self.place(i).map(|p| p.points),
             values: None,
+            leftover: None,
             layers,
             selected: None,
             ghosts: &[],
@@ -166,6 +172,33 @@ impl<'a> Drawn<'a> {
             legend: self.legend(&[(Layer::Blisk, "finished blisk"), (Layer::Electrode, electrodes)]),
             camera: from_entry(channel, side, &scene, aspect()),
             scene,
+        }
+    }
+
+    /// What is left on the surfaces of the channel.
+    fn leftover(&self, left: &Leftover) -> PlanPicture {
+        let channel = self.plan.channel;
+        let limit = self.plan.spark_gap;
+        let (objects, around) = unfolded(&left.map, channel, limit);
+        let frame = &channel.frame;
+        let (at, size) = (frame.to_parent(around.center()), around.size());
+        let plane = SectionPlane { point: at, normal: frame.z };
+        let height = 1.08 * size.x.max(size.y / aspect());
+        let [low, high] = [Surface::LowWall, Surface::HighWall].map(|wall| channel.surface_name(wall));
+        let shroud = if channel.shrouded { ", shroud" } else { "" };
+        let names = ["cut too deep", "as it should be", "stock left"];
+        let colours = [0.0, 0.5, 1.0].map(|t| leftover_legend(limit).map.at(t));
+        PlanPicture {
+            file: "view_2_leftover.png".to_owned(),
+            title: "Stock left on the surfaces of the channel".to_owned(),
+            caption: format!(
+                "Unfolded and seen from within, X upwards; from the right {high}, hub, {low}{shroud}. The colours end at \
+                 {limit:.3} mm either way. {}",
+                left.sentence(channel)
+            ),
+            legend: colours.into_iter().zip(names).collect(),
+            scene: Scene { objects, triad: false, ..Scene::new(Theme::LIGHT) },
+            camera: onto_section(&plane, frame.x, at, height),
         }
     }
 

@@ -167,6 +167,8 @@ pub struct SceneInputs<'a> {
     pub contact: Option<[DVec3; 2]>,
     /// A quantity on the electrode.
     pub values: Option<&'a SurfaceValues>,
+    /// What stock is left on the surfaces of the channel.
+    pub leftover: Option<(&'a Arc<RenderMesh>, &'a SurfaceValues)>,
     /// How things look.
     pub layers: &'a Layers,
     /// What is selected.
@@ -215,6 +217,10 @@ pub fn build(inputs: &SceneInputs) -> Scene {
             let line = shapes.centreline.iter().map(|p| to_mesh.transform_point3(*p)).collect();
             scene.lines.push(LineSet { on_top: true, width_px: 2.0, ..LineSet::new(vec![line], look.colour) });
         }
+    }
+    if let Some((map, values)) = inputs.leftover {
+        let object = Object::new(layer_id(Layer::Unshrouded), map.clone(), STEEL).at(to_mesh);
+        scene.objects.push(Object { edges: false, values: Some(values.clone()), ..object });
     }
     if let Some((electrode, mesh)) = inputs.electrode {
         let station = inputs.track.and_then(|t| t.at(inputs.s));
@@ -312,6 +318,7 @@ mod tests {
         let mut layers = Layers::default();
         let lines = |layers: &Layers| {
             let inputs = SceneInputs {
+                leftover: None,
                 blisk: None,
                 channel: Some((&channel, &shapes)),
                 electrode: None,

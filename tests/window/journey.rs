@@ -133,6 +133,11 @@ fn verify_and_approve(desk: &mut Desk) {
     };
     desk.press("Go to the closest place");
     assert_eq!(desk.app().core().cursor.s, least);
+    desk.press("Show the stock left");
+    let core = desk.app().core();
+    assert!(core.leftover_values().is_some() && !core.layers.get(Layer::Electrode).visible);
+    desk.press("Show the electrode");
+    assert!(desk.app().core().leftover_values().is_none());
     desk.open_step(Stage::Export);
     let folder = tempfile::tempdir().unwrap();
     desk.window.state_mut().export(&folder.path().join("early"));

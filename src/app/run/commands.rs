@@ -65,6 +65,7 @@ impl SparkpathApp {
                 self.core.measuring = !self.core.measuring;
                 self.viewport.clear_probe();
             }
+            Command::Leftover => self.core.toggle_leftover(),
             Command::Colours => self.core.colours = !self.core.colours,
             Command::Play | Command::NextNode | Command::PreviousNode | Command::FirstNode | Command::LastNode => {
                 self.step_along(command);

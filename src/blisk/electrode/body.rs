@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::boundary::Section;
 use super::measure::{self, Measures};
 use super::ring::{Finisher, Layout, Reduction};
-use super::{Electrode, ElectrodeError, ElectrodeFace, ElectrodeParams, EntrySide};
+use super::{Column, Electrode, ElectrodeError, ElectrodeFace, ElectrodeParams, EntrySide};
 use crate::blisk::channel::Channel;
 use crate::geometry::mesh::{Bounds, Mesh};
 use crate::progress::Cancel;
@@ -23,6 +23,7 @@ pub(super) struct Plan<'a> {
     pub params: &'a ElectrodeParams,
     pub side: EntrySide,
     pub part: usize,
+    pub column: Option<Column>,
     /// The span of X it burns.
     pub range: [f64; 2],
     pub sections: &'a [Section],
@@ -66,13 +67,13 @@ pub(super) fn build(plan: &Plan, finisher: &Finisher, cancel: &Cancel) -> Result
     let params = plan.params;
     let is_deep = plan.part > 0;
     let inset = if is_deep { params.channel_shank_inset_mm } else { params.shank_inset_mm };
-    let turns = params.turns();
+    let turns = super::divide::turns_of(plan.column, params.turns());
     let burning = finisher.rings(&plan.burning_sections(), Reduction { turns, inset: 0.0 }, cancel)?;
     let shank = finisher.rings(&plan.shank_sections(), Reduction { turns, inset }, cancel)?;
     let points = |x: f64, points: &[super::boundary::Polar]| points.iter().map(|p| p.at(x)).collect::<Vec<_>>();
     let mut skin = Skin::new(finisher.layout);
     for ring in &burning {
-        skin.add(points(ring.x, &ring.points), |k| finisher.layout.face(k));
+        skin.add(points(ring.x, &ring.points), |k| divided_face(finisher.layout.face(k), plan.column));
     }
     for (i, ring) in shank.iter().enumerate() {
         let face = if i == 0 { ElectrodeFace::EntryEnd } else { ElectrodeFace::Shank };
@@ -99,6 +100,16 @@ pub(super) fn build(plan: &Plan, finisher: &Finisher, cancel: &Cancel) -> Result
     Ok(finish(plan, mesh, faces, measures, assumed))
 }
 
+/// What a face of a burning ring is in a column: the wall that the column does not burn is the division.
+fn divided_face(face: ElectrodeFace, column: Option<Column>) -> ElectrodeFace {
+    match (column, face) {
+        (Some(Column::Low), ElectrodeFace::HighWall) | (Some(Column::High), ElectrodeFace::LowWall) => {
+            ElectrodeFace::Division
+        }
+        _ => face,
+    }
+}
+
 fn finish(plan: &Plan, mesh: Mesh, faces: Vec<ElectrodeFace>, m: Measures, mut assumed: Vec<String>) -> Electrode {
     if !plan.channel.shrouded {
         assumed.push("The blisk has no shroud: the electrode ends at the radius of the blade tips.".to_owned());
@@ -108,6 +119,7 @@ fn finish(plan: &Plan, mesh: Mesh, faces: Vec<ElectrodeFace>, m: Measures, mut a
         reference_point: measure::reference_point(&mesh, &faces),
         part: plan.part,
         parts: plan.params.parts,
+        column: plan.column,
         least_thickness_mm: m.thickness,
         volume_mm3: mesh.volume(),
         burn_area_mm2: m.burn_area,

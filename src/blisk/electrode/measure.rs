@@ -54,10 +54,10 @@ pub(super) fn reference_point(mesh: &Mesh, faces: &[ElectrodeFace]) -> DVec3 {
     crate::geometry::mesh::Bounds::of(places).center()
 }
 
-/// The thinnest metal between the low and the high wall, from the centre of each wall face along its normal (mm).
+/// The thinnest metal between the low and the high wall, or a wall and the division, from the centre of each wall face along its normal (mm).
 pub(super) fn least_thickness(mesh: &Mesh, faces: &[ElectrodeFace], cancel: &Cancel) -> Result<f64, ElectrodeError> {
     let own = ExactMesh::new(mesh)?;
-    let through = |i: usize, opposite: ElectrodeFace| {
+    let through = |i: usize, opposite: &[ElectrodeFace]| {
         let corners = mesh.corners(i);
         let inward = -unit_normal(corners);
         let center = corners.iter().sum::<DVec3>() / 3.0;
@@ -65,11 +65,11 @@ pub(super) fn least_thickness(mesh: &Mesh, faces: &[ElectrodeFace], cancel: &Can
         let start = center + inward * 1e-6;
         let depth = own.first_crossing(start, inward, REACH)?;
         let met = own.nearest(start + inward * depth).triangle as usize;
-        (faces.get(met) == Some(&opposite)).then_some(depth + 1e-6)
+        faces.get(met).is_some_and(|face| opposite.contains(face)).then_some(depth + 1e-6)
     };
     let depths = in_batches(faces.len(), cancel, |i| match faces[i] {
-        ElectrodeFace::LowWall => through(i, ElectrodeFace::HighWall),
-        ElectrodeFace::HighWall => through(i, ElectrodeFace::LowWall),
+        ElectrodeFace::LowWall => through(i, &[ElectrodeFace::HighWall, ElectrodeFace::Division]),
+        ElectrodeFace::HighWall => through(i, &[ElectrodeFace::LowWall, ElectrodeFace::Division]),
         _ => None,
     })?;
     Ok(depths.into_iter().flatten().fold(f64::INFINITY, f64::min))

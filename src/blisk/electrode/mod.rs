@@ -13,11 +13,12 @@
 
 mod body;
 mod boundary;
+mod divide;
 mod measure;
 mod own;
 mod params;
 mod ring;
-mod walls;
+pub(crate) mod walls;
 
 #[cfg(test)]
 mod tests;
@@ -48,6 +49,8 @@ pub enum ElectrodeFace {
     HubSide,
     /// Burns the shroud, or ends at the blades' tips.
     ShroudSide,
+    /// Looks at the other column of a channel that is divided left and right.
+    Division,
     /// The plane end away from the side of entry.
     FarEnd,
     /// The shoulder from the burning part to the shank.
@@ -61,8 +64,18 @@ pub enum ElectrodeFace {
 impl ElectrodeFace {
     /// Whether the face erodes stock when the electrode has arrived: all but shoulder, shank and holder.
     pub fn burns(self) -> bool {
-        matches!(self, Self::LowWall | Self::HighWall | Self::HubSide | Self::ShroudSide | Self::FarEnd)
+        !matches!(self, Self::EntryEnd | Self::Shank | Self::Holder)
     }
+}
+
+/// Which side of a channel that is divided left and right an electrode burns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Column {
+    /// The low wall.
+    Low,
+    /// The high wall.
+    High,
 }
 
 /// The side of the blisk, in W, that an electrode enters from.
@@ -101,8 +114,10 @@ pub struct Electrode {
     pub part: usize,
     /// Number of parts.
     pub parts: usize,
-    /// The thinnest metal between the low and the high wall, along the walls' normals (mm); infinite when no
-    /// normal of one wall meets the other.
+    /// Which side of the channel it burns, where that is divided left and right.
+    pub column: Option<Column>,
+    /// The thinnest metal between the low and the high wall, or a wall and the division, along the walls' normals
+    /// (mm); infinite when no normal of one meets the other.
     pub least_thickness_mm: f64,
     /// Volume with shank and holder (mm^3).
     pub volume_mm3: f64,
@@ -113,6 +128,18 @@ pub struct Electrode {
     pub clearance_mm: f64,
     /// What was assumed, in plain sentences for the user.
     pub assumed: Vec<String>,
+}
+
+impl Electrode {
+    /// What it burns, where the channel is divided: `part 1 of 2, low side`; empty for a single electrode.
+    pub fn share(&self) -> String {
+        let part = (self.parts > 1).then(|| format!("part {} of {}", self.part + 1, self.parts));
+        let column = self.column.map(|column| match column {
+            Column::Low => "low side".to_owned(),
+            Column::High => "high side".to_owned(),
+        });
+        part.into_iter().chain(column).collect::<Vec<_>>().join(", ")
+    }
 }
 
 /// Why there is no electrode.
@@ -231,7 +258,8 @@ pub enum ElectrodeError {
     Interferes,
 }
 
-/// Makes the electrodes of `channel`, in the order of burning: the part next to the side of entry first.
+/// Makes the electrodes of `channel`, in the order of burning: the part next to the side of entry first, and of each
+/// part the low column first.
 ///
 /// `blisk` is the finished blisk in W. The result does not depend on the number of threads.
 ///
@@ -255,12 +283,18 @@ pub fn make_electrodes(
     planes.extend(runout(channel, extent, side));
     let sections = boundary.sections(extent, &planes, cancel)?;
     let finisher = Finisher::new(&boundary, &sections);
-    let mut electrodes = Vec::with_capacity(ranges.len());
-    for (part, &range) in ranges.iter().enumerate() {
-        progress.report("electrode", (part + 1) as f64 / (ranges.len() + 1) as f64, "surfaces");
-        let plan = body::Plan { channel, params, side, part, range, sections: &sections };
-        electrodes.push(body::build(&plan, &finisher, cancel)?);
+    let mut electrodes = Vec::with_capacity(params.count());
+    let columns: &[Option<Column>] =
+        if params.columns > 1 { &[Some(Column::Low), Some(Column::High)] } else { &[None] };
+    for &column in columns {
+        let sections: Vec<_> = sections.iter().map(|s| divide::column_of(s, column, params)).collect();
+        for (part, &range) in ranges.iter().enumerate() {
+            progress.report("electrode", (electrodes.len() + 1) as f64 / (params.count() + 1) as f64, "surfaces");
+            let plan = body::Plan { channel, params, side, part, column, range, sections: &sections };
+            electrodes.push(body::build(&plan, &finisher, cancel)?);
+        }
     }
+    electrodes.sort_by_key(|e| e.part);
     progress.report("electrode", 1.0, "");
     Ok(electrodes)
 }

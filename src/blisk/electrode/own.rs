@@ -49,6 +49,7 @@ pub fn from_user_mesh(
         reference_point: reference_point(&mesh, &faces),
         part: 0,
         parts: 1,
+        column: None,
         least_thickness_mm: least_thickness(&mesh, &faces, cancel)?,
         volume_mm3,
         burn_area_mm2: burn_area(&mesh, &faces),

@@ -21,6 +21,13 @@ pub struct ElectrodeParams {
     pub parts: usize,
     /// How much of X two neighbouring parts share (mm).
     pub overlap_mm: f64,
+    /// 1, or 2 to divide every part left and right along the channel's middle surface too, as P1 does: one electrode
+    /// burns the low wall, the other the high wall.
+    pub columns: usize,
+    /// How much of the circumference the two columns share (mm); negative leaves a web between them.
+    pub column_overlap_mm: f64,
+    /// Share of the channel's width that belongs to the low column.
+    pub column_split: f64,
     /// The side of the blisk, in W, that the electrodes enter from and are withdrawn to.
     pub enter: EnterSide,
     /// Whether the reductions are as given or the least for which a path exists.
@@ -47,6 +54,9 @@ impl Default for ElectrodeParams {
             radial_reduction_mm: 0.5,
             parts: 1,
             overlap_mm: 1.0,
+            columns: 1,
+            column_overlap_mm: 0.5,
+            column_split: 0.5,
             enter: EnterSide::Auto,
             size: Sizing::Given,
             mesh: None,
@@ -117,6 +127,9 @@ impl ElectrodeParams {
             ("radial_reduction_mm", self.radial_reduction_mm, 0.0, 100.0),
             ("parts", self.parts as f64, 1.0, 20.0),
             ("overlap_mm", self.overlap_mm, 0.0, 100.0),
+            ("columns", self.columns as f64, 1.0, 2.0),
+            ("column_overlap_mm", self.column_overlap_mm, -20.0, 20.0),
+            ("column_split", self.column_split, 0.1, 0.9),
             ("overrun_mm", self.overrun_mm, 0.0, 100.0),
             ("shank_inset_mm", self.shank_inset_mm, 0.02, 20.0),
             ("channel_shank_inset_mm", self.channel_shank_inset_mm, 0.02, 20.0),
@@ -130,6 +143,11 @@ impl ElectrodeParams {
             }
         }
         Ok(())
+    }
+
+    /// How many electrodes the channel is divided between.
+    pub fn count(&self) -> usize {
+        self.parts * self.columns
     }
 
     /// Circumferential reductions of the low and the high wall (rad).

@@ -4,13 +4,13 @@ use crate::blisk::channel::ChannelWall;
 use crate::geometry::frame::Cylindrical;
 
 /// A wall as lines along the chord, one for each position between hub and shroud.
-pub(super) struct WallTable {
+pub(crate) struct WallTable {
     lines: Vec<Vec<Cylindrical>>,
 }
 
 /// A wall at one x and radius.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct WallPlace {
+pub(crate) struct WallPlace {
     /// Angle of the wall, past the edges that of the tip (rad).
     pub theta: f64,
     /// Whether x is past an edge.
@@ -19,7 +19,7 @@ pub(super) struct WallPlace {
 
 impl WallTable {
     /// `None` when the grid has too few points to look anything up.
-    pub(super) fn new(wall: &ChannelWall) -> Option<Self> {
+    pub(crate) fn new(wall: &ChannelWall) -> Option<Self> {
         if wall.nu < 2 || wall.nv < 2 || wall.points.len() != wall.nu * wall.nv {
             return None;
         }
@@ -28,7 +28,7 @@ impl WallTable {
     }
 
     /// The wall at `x` and `r`, linear between grid points and in the continuation of the last two lines.
-    pub(super) fn at(&self, x: f64, r: f64) -> WallPlace {
+    pub(crate) fn at(&self, x: f64, r: f64) -> WallPlace {
         let mut below = Self::along(&self.lines[0], x);
         let mut above = Self::along(&self.lines[1], x);
         for line in &self.lines[2..] {
