@@ -5,6 +5,8 @@ mod centreline;
 mod common;
 #[path = "feed/files.rs"]
 mod files;
+#[path = "feed/global.rs"]
+mod global;
 #[path = "feed/mend.rs"]
 mod mend;
 #[path = "feed/replay.rs"]

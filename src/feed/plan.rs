@@ -220,8 +220,7 @@ pub fn plan_drawn_in(
     cancel: &Cancel,
 ) -> Result<FeedPlan, PlanError> {
     settings.validate()?;
-    Planner { space, settings, turns, progress, cancel, guide: None }
-        .plan_drawn_in(electrode, &prepared.model_of(electrode, space, cancel)?)
+    Planner { space, settings, turns, progress, cancel, guide: None }.plan_drawn_in(electrode, prepared)
 }
 
 /// A way out of `electrode`, which is `prepared` with its walls drawn in by `turns`, as far as a quick look tells: neither

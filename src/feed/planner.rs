@@ -105,15 +105,20 @@ impl Planner<'_> {
         Ok(plan)
     }
 
-    /// Plans `electrode`, which is that of `model` with its walls drawn in by [`turns`](Self::turns).
-    pub(super) fn plan_drawn_in(&self, electrode: &Electrode, model: &ClearanceModel) -> Result<FeedPlan, PlanError> {
+    /// Plans `electrode`, which is the prepared one with its walls drawn in by [`turns`](Self::turns).
+    pub(super) fn plan_drawn_in(
+        &self,
+        electrode: &Electrode,
+        prepared: &PreparedElectrode,
+    ) -> Result<FeedPlan, PlanError> {
+        let model = &prepared.model_of(electrode, self.space, self.cancel)?;
         let mut plan = self.nothing_yet(electrode, model);
         let genetic = GeneticParams { h: ReductionMode::Given, ..*self.settings.genetic };
         self.search(&mut plan, model, &genetic, &Lessons::default(), 0)?;
         match &mut plan.jam {
             None => self.verify_and_mend(&mut plan, electrode, model, &genetic)?,
             Some(jam) if self.settings.explain && jam.contact().is_some() => {
-                jam.opening = Some(self.opening(electrode, model)?)
+                jam.opening = Some(self.opening(electrode, &prepared.model(self.space))?);
             }
             Some(_) => {}
         }
@@ -130,7 +135,7 @@ impl Planner<'_> {
         Ok(way?)
     }
 
-    /// How much more reduction would open a way.
+    /// How much more reduction would open a way; `model` is that of the prepared electrode.
     fn opening(&self, electrode: &Electrode, model: &ClearanceModel) -> Result<Opening, PlanError> {
         /// To what angle that is found, and up to which it is looked for (rad).
         const TOLERANCE: f64 = 0.001;

@@ -1,0 +1,157 @@
+//! The global strategy, sizing, the quick look, and the strategies to compare with.
+
+use std::sync::OnceLock;
+
+use super::*;
+use sparkpath::feed::jam::JamCause;
+use sparkpath::feed::search::Strategy;
+use sparkpath::jobs::live::live_way;
+use sparkpath::jobs::plan::{ElectrodeOutcome, prepare, run_prepared};
+use sparkpath::jobs::prepared_blisk::PreparedBlisk;
+use sparkpath::jobs::sizing::{SizingRange, size};
+
+fn job_with(strategy: Strategy, reduction_deg: f64) -> PlanJob {
+    let mut job = easy_job();
+    job.plan.strategy = strategy;
+    job.electrode.circumferential_reduction_deg = [reduction_deg; 2];
+    job
+}
+
+fn inputs(job: PlanJob) -> PlanInputs {
+    PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrode: None, job }
+}
+
+fn ready() -> &'static PreparedBlisk {
+    static READY: OnceLock<PreparedBlisk> = OnceLock::new();
+    let job = inputs(job_with(Strategy::Global, 2.0));
+    READY.get_or_init(|| prepare(&job, &Progress::silent(), &Cancel::default()).unwrap())
+}
+
+fn planned(strategy: Strategy, reduction_deg: f64) -> PlanOutcome {
+    let inputs = inputs(job_with(strategy, reduction_deg));
+    run_prepared(ready(), &inputs, &|_, _, _| (), &Progress::silent(), &Cancel::default()).unwrap()
+}
+
+fn global_plan() -> &'static PlanOutcome {
+    static PLAN: OnceLock<PlanOutcome> = OnceLock::new();
+    PLAN.get_or_init(|| planned(Strategy::Global, 2.0))
+}
+
+fn only(outcome: &PlanOutcome) -> &ElectrodeOutcome {
+    assert_eq!(outcome.electrodes.len(), 1);
+    &outcome.electrodes[0]
+}
+
+#[test]
+fn the_global_path_is_certified_smooth_and_the_same_every_time() {
+    dense_sampling_never_finds_less_than_the_certificate();
+    it_is_at_least_twice_as_smooth_as_free_travel();
+    it_is_the_same_on_any_number_of_threads();
+}
+
+fn dense_sampling_never_finds_less_than_the_certificate() {
+    let outcome = global_plan();
+    assert!(outcome.is_verified(), "{}", only(outcome).plan.verdict(&outcome.channel));
+    let planned = only(outcome).plan.path.as_ref().unwrap();
+    let blisk = ExactMesh::new(&mesh(&easy_blisk()).in_frame(&outcome.channel.frame)).unwrap();
+    let body = ExactMesh::new(&only(outcome).electrode.mesh).unwrap();
+    let rows = &planned.path.rows;
+    for i in (0..rows.len() - 1).step_by(rows.len().div_ceil(14)) {
+        for t in [0.13, 0.59] {
+            let pose = rows[i].pose.lerp(&rows[i + 1].pose, t);
+            let clearance = blisk.distance_to(&body, &pose.placement(planned.path.reference_point));
+            assert!(clearance >= planned.certificate.certified() - 1e-9, "row {i}: {clearance}");
+        }
+    }
+}
+
+/// What the comparison of the papers is about: the path that is optimised as a whole against the greedy one.
+fn it_is_at_least_twice_as_smooth_as_free_travel() {
+    let free = planned(Strategy::FreeTravel, 2.0);
+    let path = |outcome: &PlanOutcome| only(outcome).plan.path.clone().expect("it comes out");
+    let (free, global) = (path(&free), path(global_plan()));
+    for axis in [Axis::Y, Axis::Z, Axis::A, Axis::C] {
+        let of = |p: &sparkpath::feed::plan::PlannedPath| p.smoothness[axis as usize].max_second_difference;
+        assert!(2.0 * of(&global) <= of(&free), "{axis:?}: {} against {}", of(&global), of(&free));
+    }
+}
+
+/// The roomiest pose at every node has at least the clearance there that any other strategy's has, but for what its
+/// own search misses.
+#[test]
+fn greatest_least_distance_keeps_further_away_at_its_nodes() {
+    let roomy = planned(Strategy::MaxMinDistance, 2.0);
+    let mean = |outcome: &PlanOutcome| {
+        let nodes = &only(outcome).plan.nodes;
+        let inside: Vec<f64> = nodes.iter().filter(|n| n.s > 0.5 && n.s < 12.0).map(|n| n.clearance).collect();
+        inside.iter().sum::<f64>() / inside.len() as f64
+    };
+    assert!(mean(&roomy) > mean(easy_plan()), "{} {}", mean(&roomy), mean(easy_plan()));
+}
+
+fn it_is_the_same_on_any_number_of_threads() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let one = pool.install(|| planned(Strategy::Global, 2.0));
+    let digest = |o: &PlanOutcome| only(o).plan.path.as_ref().map(|p| p.path.digest());
+    assert_eq!(digest(&one), digest(global_plan()));
+}
+
+/// Too thick an electrode: the verdict names the place and what would help, and that does help.
+#[test]
+fn where_there_is_no_way_the_reduction_that_is_named_opens_one() {
+    const TOO_LITTLE: f64 = 0.05;
+    let outcome = planned(Strategy::Global, TOO_LITTLE);
+    let jam = only(&outcome).plan.jam.expect("it jams");
+    assert!(matches!(jam.cause, JamCause::Contact(_)), "{jam:?}");
+    let opening = jam.opening.expect("what would help was looked for");
+    let both = opening.both.expect("some reduction opens it");
+    assert!(both > 0.0);
+    assert!(only(&outcome).plan.verdict(&outcome.channel).contains("more reduction opens a way"));
+    // Up to what the fields are wrong by.
+    let more = planned(Strategy::Global, TOO_LITTLE + both.to_degrees() + 0.1);
+    assert!(more.is_verified(), "{}", only(&more).plan.verdict(&more.channel));
+}
+
+#[test]
+fn sizes_are_certified_and_what_is_sized_is_what_a_plan_makes() {
+    let base = inputs(job_with(Strategy::Genetic, 2.0));
+    let shown = std::sync::Mutex::new(Vec::new());
+    let found = |row: &_| shown.lock().unwrap().push(Clone::clone(row));
+    let range = SizingRange { from: 1, to: 1 };
+    let rows = size(ready(), &base, range, &found, &Progress::silent(), &Cancel::default()).unwrap();
+    assert!(!rows.is_empty());
+    let row = &rows[0];
+    assert!(shown.lock().unwrap().contains(row));
+    assert!(row.reduction_deg[0] < 2.0 && row.reduction_deg[0] == row.reduction_deg[1], "{row:?}");
+    assert!(row.certified_mm >= 0.1 - 0.002);
+    let mut job = job_with(Strategy::Global, 0.0);
+    job.electrode.circumferential_reduction_deg = row.reduction_deg;
+    let inputs = inputs(job);
+    let plan = run_prepared(ready(), &inputs, &|_, _, _| (), &Progress::silent(), &Cancel::default()).unwrap();
+    assert!(plan.is_verified());
+    assert_eq!(only(&plan).electrode.least_thickness_mm, row.least_thickness_mm);
+    let thicker = |r: &sparkpath::jobs::sizing::SizeRow| r.least_thickness_mm >= row.least_thickness_mm;
+    assert!(rows.iter().filter(|r| r.reduction_deg[0] != r.reduction_deg[1]).all(thicker), "{rows:?}");
+}
+
+#[test]
+fn a_glance_tells_what_the_plan_will_say_where_that_is_clear() {
+    let look = |reduction| {
+        let inputs = inputs(job_with(Strategy::Global, reduction));
+        live_way(ready(), &inputs, 0, &Progress::silent(), &Cancel::default()).unwrap()
+    };
+    let out = look(2.0);
+    assert!(out.way.width.is_some_and(|w| w > 0.0) && out.way.jam.is_none());
+    assert!(out.sentence(&global_plan().channel).contains("seems to come out towards -X"));
+    cancelling_ends_a_global_plan();
+    let stuck = look(0.05);
+    assert!(stuck.way.width.is_none() && stuck.way.jam.is_some());
+}
+
+fn cancelling_ends_a_global_plan() {
+    let cancel = Cancel::default();
+    cancel.cancel();
+    let inputs = inputs(job_with(Strategy::Global, 2.0));
+    let ended = run_prepared(ready(), &inputs, &|_, _, _| (), &Progress::silent(), &cancel);
+    assert!(matches!(ended, Err(PlanJobError::Cancelled(_))));
+}
