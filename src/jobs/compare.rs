@@ -67,7 +67,8 @@ fn named(progress: &Progress, strategy: Strategy) -> Progress {
     })
 }
 
-fn run_of(strategy: Strategy, outcome: &PlanOutcome) -> Run {
+/// The figures of a plan that `strategy` made.
+pub fn run_of(strategy: Strategy, outcome: &PlanOutcome) -> Run {
     let electrodes = outcome.electrodes.iter().enumerate();
     let of = |(i, e): (usize, &super::plan::ElectrodeOutcome)| {
         RunElectrode::of(i + 1, &e.plan, &e.electrode, &outcome.channel)
