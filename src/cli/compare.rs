@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::{Answer, Session};
 use crate::export::comparison::{Comparison, Run};
+use crate::feed::pose::Axis;
 use crate::feed::strategy::Strategy;
 use crate::jobs::plan::prepare;
 use crate::jobs::{compare as job, plan_files};
@@ -75,7 +76,8 @@ fn print_smoothness(comparison: &Comparison) {
     say!("strategy          electrode  axis      total variation  RMS 2nd diff.   greatest  turns back");
     for run in &comparison.runs {
         for e in &run.electrodes {
-            for a in &e.smoothness {
+            // X moves evenly with the distance withdrawn.
+            for a in e.smoothness.iter().filter(|a| a.axis != Axis::X.letter()) {
                 say!(
                     "{:<16}  {:>9}  {} {:<6}  {:>15.4}  {:>13.6}  {:>9.6}  {:>10}",
                     run.strategy.name(),

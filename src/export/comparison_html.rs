@@ -79,7 +79,7 @@ fn outcomes(out: &mut String, found: &[Found]) {
         vec![
             swatch(*strategy),
             e.enters_from.to_uppercase().replace('-', "\u{2212}"),
-            escape(&e.verdict),
+            if e.certified { "certified".to_owned() } else { escape(&e.verdict) },
             e.certified_clearance_mm.map_or(NONE.to_owned(), |c| number(c, 4)),
             e.nodes.to_string(),
             if e.rows > 0 { e.rows.to_string() } else { NONE.to_owned() },
@@ -108,10 +108,10 @@ fn outcomes(out: &mut String, found: &[Found]) {
     table(out, "", "Outcomes", &head, rows);
 }
 
-/// One row an axis and strategy, so that strategies stand below each other.
+/// One row an axis and strategy, so that strategies stand below each other. X moves evenly with the distance withdrawn.
 fn smoothness(out: &mut String, found: &[Found], step: f64) {
     let mut rows = Vec::new();
-    for axis in Axis::ALL {
+    for axis in &Axis::ALL[1..] {
         for (strategy, e) in found {
             let Some(a) = e.smoothness.iter().find(|a| a.axis == axis.letter()) else { continue };
             rows.push(vec![
@@ -170,5 +170,6 @@ fn class(strategy: Strategy) -> &'static str {
 
 fn swatch(strategy: Strategy) -> String {
     let colour = class(strategy);
-    format!("<i class=\"swatch\" style=\"background:var(--{colour})\"></i>{}", strategy.name())
+    let name = strategy.name().replace('-', "\u{2011}");
+    format!("<i class=\"swatch\" style=\"background:var(--{colour})\"></i>{name}")
 }

@@ -70,7 +70,7 @@ fn a_row_stands_for_each_strategy_electrode_and_axis() {
 #[test]
 fn the_page_shows_every_run_escapes_and_closes_what_it_opens() {
     let html = comparison().html();
-    for strategy in ["genetic", "free-travel", "centreline"] {
+    for strategy in ["</i>genetic", "</i>free\u{2011}travel", "centreline"] {
         assert!(html.contains(strategy), "{strategy}");
     }
     assert!(html.contains("jams &lt;here&gt;") && html.contains("no &lt;centreline&gt;") && !html.contains("http"));
