@@ -1,6 +1,8 @@
 //! The program as its users and other tools meet it: exit codes, files, one line for every mistake.
 
 mod common;
+#[path = "cli/compare.rs"]
+mod compare;
 #[path = "cli/sections.rs"]
 mod sections;
 

@@ -3,6 +3,8 @@
 #[path = "feed/centreline.rs"]
 mod centreline;
 mod common;
+#[path = "feed/compare.rs"]
+mod compare;
 #[path = "feed/files.rs"]
 mod files;
 #[path = "feed/global.rs"]

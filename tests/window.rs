@@ -14,6 +14,8 @@ mod exporting;
 mod failures;
 #[path = "window/journey.rs"]
 mod journey;
+#[path = "window/keeping.rs"]
+mod keeping;
 #[path = "window/looks.rs"]
 mod looks;
 #[path = "window/saving.rs"]

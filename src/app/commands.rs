@@ -33,6 +33,8 @@ pub enum Command {
     FirstNode,
     LastNode,
     Ghost,
+    /// Keeps the plan to compare with.
+    Keep,
     Fit,
     View(StandardView),
     Projection,
@@ -74,6 +76,7 @@ impl Command {
             C::FirstNode,
             C::LastNode,
             C::Ghost,
+            C::Keep,
             C::Fit,
             C::Projection,
             C::Section,
@@ -119,6 +122,7 @@ impl Command {
             Self::FirstNode => "To the first node",
             Self::LastNode => "To the final pose",
             Self::Ghost => "Pin or take away a ghost here",
+            Self::Keep => "Keep for comparison",
             Self::Fit => "Fit all",
             Self::Projection => "Perspective or orthographic",
             Self::Section => "Section plane",
@@ -200,6 +204,7 @@ impl Command {
             Self::SaveJob => core.document.job().blisk.mesh.is_some(),
             Self::Plan => core.can_plan(),
             Self::Cancel => core.pipeline.is_busy(),
+            Self::Keep => core.can_keep(),
             Self::Approve => core.pipeline.can_approve() && !core.pipeline.is_approved(),
             Self::Withdraw | Self::Export => core.pipeline.is_approved(),
             Self::Ghost | Self::Play | Self::NextNode | Self::PreviousNode | Self::FirstNode | Self::LastNode => {

@@ -7,6 +7,7 @@ use std::time::{Duration, SystemTime};
 use glam::DVec3;
 
 use super::commands::Command;
+use super::kept_runs::KeptRuns;
 use super::preferences::Preferences;
 use super::swept::Swept;
 use super::tuning::Tuning;
@@ -55,6 +56,8 @@ pub struct Core {
     pub swept: Swept,
     /// The quick look, and sizing.
     pub tuning: Tuning,
+    /// Plans that are kept to compare with.
+    pub kept: KeptRuns,
     /// Withdrawn distances at which ghosts of the electrode are pinned (mm).
     pub ghosts: Vec<f64>,
     /// Whether clicks in the view measure.
@@ -138,6 +141,7 @@ impl Core {
             colouring: Worker::start(wake.clone())?,
             swept: Swept::start(wake.clone())?,
             tuning: Tuning::start(wake)?,
+            kept: KeptRuns::default(),
             coloured: None,
             colours_asked: None,
             preferences,
@@ -222,6 +226,20 @@ impl Core {
         self.pipeline.state(Stage::Channel) == StageState::Done
             && !matches!(self.pipeline.state(Stage::Electrode), StageState::Missing | StageState::Failed(_))
             && self.pipeline.state(Stage::Plan) != StageState::Running
+    }
+
+    /// Whether the present plan can be kept to compare with: its strategy is known while no parameter has changed.
+    pub fn can_keep(&self) -> bool {
+        self.pipeline.state(Stage::Plan) == StageState::Done
+            && self.pipeline.plan().is_some_and(|plan| self.kept.can_keep(plan))
+    }
+
+    /// Keeps the present plan, which [`can_keep`](Self::can_keep) says can be.
+    pub fn keep(&mut self) {
+        if let Some(plan) = self.pipeline.plan() {
+            let name = self.kept.keep(plan, self.document.job());
+            self.say(EventKind::Done, format!("{name} is kept for comparison"));
+        }
     }
 
     /// What the plan found about the electrode that is looked at.

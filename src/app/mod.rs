@@ -8,6 +8,7 @@ mod export_dialog;
 mod files;
 mod forms;
 mod inspector;
+mod kept_runs;
 mod menu;
 mod node_table;
 mod overlay;

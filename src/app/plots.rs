@@ -7,6 +7,7 @@ use egui::{Color32, RichText, Ui, Vec2b};
 use egui_plot::{GridInput, GridMark, HLine, Line, LineStyle, Plot, PlotPoint, PlotPoints, VLine};
 
 use super::core::Core;
+use super::kept_runs::KeptRun;
 use super::theme::palette;
 use crate::feed::pose::Axis;
 use crate::feed::search::Convergence;
@@ -27,16 +28,25 @@ pub enum Tab {
     Convergence,
     /// The nodes as a table.
     Table,
+    /// The figures of runs that are kept.
+    Comparison,
 }
 
 impl Tab {
     /// Every tab in order.
-    pub const ALL: [Self; 6] =
-        [Self::Positions, Self::Velocities, Self::Accelerations, Self::Clearance, Self::Convergence, Self::Table];
+    pub const ALL: [Self; 7] = [
+        Self::Positions,
+        Self::Velocities,
+        Self::Accelerations,
+        Self::Clearance,
+        Self::Convergence,
+        Self::Table,
+        Self::Comparison,
+    ];
 
     /// Its name.
     pub fn name(self) -> &'static str {
-        ["Axes", "Speed", "Acceleration", "Clearance", "Convergence", "Nodes"][self as usize]
+        ["Axes", "Speed", "Acceleration", "Clearance", "Convergence", "Nodes", "Comparison"][self as usize]
     }
 }
 
@@ -97,11 +107,16 @@ pub fn table_beside(ui: &mut Ui, core: &mut Core) -> bool {
 /// Draws tabs and the chosen plot; `is_beside` tells that the table of nodes is shown already.
 pub fn show(ui: &mut Ui, core: &mut Core, tab: &mut Tab, curves: &mut Curves, is_beside: bool) {
     curves.follow(core);
-    if is_beside && *tab == Tab::Table {
+    let is_there = |tab: Tab| match tab {
+        Tab::Table => !is_beside,
+        Tab::Comparison => !core.kept.all().is_empty(),
+        _ => true,
+    };
+    if !is_there(*tab) {
         *tab = Tab::Positions;
     }
     ui.horizontal(|ui| {
-        for other in Tab::ALL.into_iter().filter(|tab| !is_beside || *tab != Tab::Table) {
+        for other in Tab::ALL.into_iter().filter(|tab| is_there(*tab)) {
             ui.selectable_value(tab, other, other.name());
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -110,6 +125,7 @@ pub fn show(ui: &mut Ui, core: &mut Core, tab: &mut Tab, curves: &mut Curves, is
     });
     match *tab {
         Tab::Table => super::node_table::show(ui, core),
+        Tab::Comparison => super::kept_runs::show(ui, core),
         Tab::Convergence => convergence(ui, core),
         Tab::Clearance => clearance(ui, core, curves),
         Tab::Positions => axes(ui, core, curves, 0),
@@ -122,7 +138,7 @@ fn unit_note(tab: Tab) -> &'static str {
     match tab {
         Tab::Positions | Tab::Velocities | Tab::Accelerations | Tab::Clearance => "over mm withdrawn",
         Tab::Convergence => "objective over generations",
-        Tab::Table => "",
+        Tab::Table | Tab::Comparison => "",
     }
 }
 
@@ -207,8 +223,13 @@ fn axes(ui: &mut Ui, core: &mut Core, curves: &Curves, order: usize) {
     // X runs far beyond the others and says nothing that the abscissa does not.
     let moving = || core.document.job().machine.axes.axes().iter().filter(|axis| **axis != Axis::X);
     let names: Vec<(Axis, String)> = moving().map(|axis| (*axis, axis_name(*axis, order))).collect();
-    legend(ui, names.iter().map(|(axis, name)| (colours[*axis as usize], name.as_str())));
+    let others = if order == 0 { kept_lines(ui, core, moving()) } else { Vec::new() };
+    let kept: Vec<(Color32, String)> = core.kept.all().iter().map(|run| (run.colour(ui), run.name())).collect();
+    let of_axes = names.iter().map(|(axis, name)| (colours[*axis as usize], name.as_str()));
+    let of_runs = kept.iter().filter(|_| order == 0).map(|(colour, name)| (*colour, name.as_str()));
+    legend(ui, of_axes.chain(of_runs));
     over_distance(ui, core, name, |plot| {
+        others.into_iter().for_each(|line| plot.line(line));
         for (axis, name) in names {
             let points = &curves.axes[order][axis as usize];
             plot.line(Line::new(name, PlotPoints::Borrowed(points)).color(colours[axis as usize]).width(1.6));
@@ -220,6 +241,17 @@ fn axes(ui: &mut Ui, core: &mut Core, curves: &Curves, order: usize) {
 fn axis_name(axis: Axis, order: usize) -> String {
     let unit = if axis.is_rotary() { "deg" } else { "mm" };
     format!("{} {unit}{}", axis.letter(), ["", "/mm", "/mm²"][order])
+}
+
+/// The axes of kept runs as thin lines, below those of the track.
+fn kept_lines<'a>(ui: &Ui, core: &Core, axes: impl Iterator<Item = &'a Axis> + Clone) -> Vec<Line<'static>> {
+    let line = |run: &KeptRun, axis: &Axis| {
+        let course = run.course(core.cursor.electrode, *axis)?;
+        let name = format!("{}, {}", run.name(), axis_name(*axis, 0));
+        Some(Line::new(name, PlotPoints::from(course.curve.clone())).color(run.colour(ui)).width(1.0))
+    };
+    let of = |run: &'_ KeptRun| axes.clone().filter_map(|axis| line(run, axis)).collect::<Vec<_>>();
+    core.kept.all().iter().flat_map(of).collect()
 }
 
 fn clearance(ui: &mut Ui, core: &mut Core, curves: &Curves) {

@@ -160,6 +160,8 @@ fn plan(ui: &mut Ui, core: &mut Core) {
         }
     }
     if plan.is_verified() && core.pipeline.state(Stage::Plan) == StageState::Done {
+        ui.add_space(4.0);
+        command_button(ui, core, Command::Keep, "Keep for comparison", false);
         next(ui, core, Stage::Verify);
     }
 }

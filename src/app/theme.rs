@@ -18,6 +18,8 @@ pub struct Palette {
     pub faint: Color32,
     /// One colour an axis: X, Y, Z, A, B, C.
     pub axes: [Color32; 6],
+    /// One colour a kept run, unlike those of the axes.
+    pub runs: [Color32; 6],
 }
 
 const DARK: Palette = Palette {
@@ -34,6 +36,14 @@ const DARK: Palette = Palette {
         Color32::from_rgb(0x5f, 0xcb, 0xd0),
         Color32::from_rgb(0xc8, 0x95, 0xe8),
     ],
+    runs: [
+        Color32::from_rgb(0xff, 0xff, 0xff),
+        Color32::from_rgb(0xff, 0x8c, 0xc6),
+        Color32::from_rgb(0xc9, 0xdb, 0x5a),
+        Color32::from_rgb(0x9a, 0xa6, 0xb8),
+        Color32::from_rgb(0xd0, 0x8a, 0x5e),
+        Color32::from_rgb(0x8f, 0xf0, 0xd0),
+    ],
 };
 
 const LIGHT: Palette = Palette {
@@ -49,6 +59,14 @@ const LIGHT: Palette = Palette {
         Color32::from_rgb(0xa8, 0x6a, 0x00),
         Color32::from_rgb(0x0b, 0x7f, 0x86),
         Color32::from_rgb(0x83, 0x47, 0xb0),
+    ],
+    runs: [
+        Color32::from_rgb(0x10, 0x14, 0x18),
+        Color32::from_rgb(0xc2, 0x1f, 0x7c),
+        Color32::from_rgb(0x6b, 0x7a, 0x0a),
+        Color32::from_rgb(0x77, 0x82, 0x90),
+        Color32::from_rgb(0x7a, 0x45, 0x1e),
+        Color32::from_rgb(0x00, 0x8f, 0x6a),
     ],
 };
 

@@ -14,6 +14,7 @@ macro_rules! say {
     ($($argument:tt)*) => { $crate::cli::terminal::print(&format!($($argument)*)) };
 }
 
+mod compare;
 mod inspect;
 mod plan;
 mod render;
@@ -28,6 +29,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::app::{Opening, run_window};
 use crate::feed::pose::Axis;
+use crate::feed::strategy::Strategy;
 use crate::mesh_io::{ImportOptions, Imported, Units, import_file};
 use crate::progress::{Cancel, Progress};
 use crate::render::colour::Theme;
@@ -75,6 +77,17 @@ enum Command {
         /// Up to how many parts.
         #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=20))]
         parts: u8,
+    },
+    /// The paths of several strategies on the same electrodes, side by side: clearance, smoothness, times.
+    Compare {
+        /// The job file (TOML); its strategy does not matter.
+        job: PathBuf,
+        /// Folder for comparison.json, comparison.csv and comparison.html, made if it is not there.
+        #[arg(long, value_name = "DIR")]
+        out: PathBuf,
+        /// Which strategies, with commas between: genetic, global, free-travel, max-min-distance, centreline [default: all].
+        #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = compare::strategy)]
+        strategies: Vec<Strategy>,
     },
     /// Certifies a feed path file, whoever made it.
     Verify(VerifyArguments),
@@ -287,6 +300,7 @@ fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> 
         Command::Demo { out } => plan::demo(out, session),
         Command::Plan { job, out } => plan::plan(job, out, session),
         Command::Size { job, parts } => size::size(job, usize::from(*parts), session),
+        Command::Compare { job, out, strategies } => compare::compare(job, out, strategies, session),
         Command::Verify(arguments) => verify::verify(arguments, session),
         Command::Render(arguments) => render::render(arguments, session),
         Command::Inspect(arguments) => inspect::inspect(arguments, session),

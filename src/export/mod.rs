@@ -6,6 +6,8 @@
 
 pub mod approved;
 pub mod choice;
+pub mod comparison;
+mod comparison_html;
 pub mod files;
 pub mod leftover_report;
 pub mod nc;

@@ -48,7 +48,7 @@ pub(super) fn number(value: f64, decimals: usize) -> String {
     if zero { text.replace('-', "") } else { text.replace('-', "\u{2212}") }
 }
 
-fn small(value: f64) -> String {
+pub(super) fn small(value: f64) -> String {
     if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
         number(value, 4)
     } else {

@@ -33,4 +33,5 @@ pub mod samples;
 pub mod search;
 pub mod sizing;
 pub mod smoothness;
+pub mod strategy;
 pub mod verify;

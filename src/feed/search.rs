@@ -17,26 +17,10 @@ use super::objective::{Objective, ObjectiveValue, StepMotion};
 use super::plan::Observe;
 use super::pose::{Axis, Pose};
 use super::probes::{Demand, Turns};
+pub use super::strategy::Strategy;
 use crate::blisk::channel::Surface;
 use crate::blisk::electrode::EntrySide;
 use crate::progress::{Cancel, Cancelled, Progress};
-
-/// How a path is searched for.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Strategy {
-    /// The adaptive genetic algorithm of P0.
-    #[default]
-    Genetic,
-    /// The widest way over many poses for each node, then polished as a whole.
-    Global,
-    /// Straight on along the main direction as far as it goes (Kang et al. 2018); to compare with.
-    FreeTravel,
-    /// The greatest least distance at every node (Ayesta et al. 2016); to compare with.
-    MaxMinDistance,
-    /// Along the centreline of the channel, P1.
-    Centreline,
-}
 
 /// What a pose must meet to count as free during the search. The verifier has the last word either way.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -48,6 +48,7 @@ impl SparkpathApp {
             Command::Palette => self.palette.toggle(),
             Command::Log => self.log_open = !self.log_open,
             Command::About => self.dialog = Dialog::About,
+            Command::Keep => self.core.keep(),
             Command::Ghost => self.core.toggle_ghost(),
             Command::Fit => self.viewport.fit(false),
             Command::View(view) => self.viewport.look(view, now),

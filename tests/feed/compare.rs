@@ -1,0 +1,105 @@
+//! Runs of all strategies on the same electrode.
+
+use std::sync::Mutex;
+
+use sparkpath::export::comparison::{Comparison, Run};
+use sparkpath::export::report::Smoothness;
+use sparkpath::feed::pose::Axis;
+use sparkpath::feed::strategy::Strategy;
+use sparkpath::jobs::compare::{compare, comparison};
+use sparkpath::jobs::plan::{PlanInputs, PlanJobError, prepare, run_prepared};
+use sparkpath::jobs::prepared_blisk::PreparedBlisk;
+use sparkpath::progress::{Cancel, Progress};
+
+use crate::common::{easy_blisk, mesh};
+use crate::easy_job;
+
+fn inputs() -> PlanInputs {
+    let mut job = easy_job();
+    job.plan.step_mm = 1.6;
+    job.plan.field_cell_mm = 0.4;
+    PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrode: None, job }
+}
+
+/// The runs without what no two runs share.
+fn timeless(mut runs: Vec<Run>) -> Vec<Run> {
+    for electrode in runs.iter_mut().flat_map(|r| &mut r.electrodes) {
+        (electrode.search_seconds, electrode.certificate_seconds) = (0.0, 0.0);
+    }
+    runs
+}
+
+#[test]
+fn every_strategy_has_one_run_with_the_figures_of_its_plan() {
+    let (inputs, silent, never) = (inputs(), Progress::silent(), Cancel::default());
+    let prepared = prepare(&inputs, &silent, &never).unwrap();
+    let shown = Mutex::new(Vec::new());
+    let show = |run: &Run| shown.lock().unwrap().push(run.strategy);
+    let runs = compare(&prepared, &inputs, &Strategy::ALL, &show, &silent, &never).unwrap();
+    assert_eq!(runs.iter().map(|r| r.strategy).collect::<Vec<_>>(), Strategy::ALL);
+    assert_eq!(shown.into_inner().unwrap(), Strategy::ALL);
+    assert!(runs.iter().all(|r| r.electrodes.len() == 1), "{:?}", runs.iter().map(|r| &r.failure).collect::<Vec<_>>());
+
+    // In another order: no run leaves anything to the next.
+    let again = compare(&prepared, &inputs, &[Strategy::MaxMinDistance, Strategy::Genetic], &|_| (), &silent, &never);
+    let again = timeless(again.unwrap());
+    let before = timeless(runs.clone());
+    assert!(again.iter().all(|run| before.contains(run)));
+
+    for strategy in [Strategy::Genetic, Strategy::Global] {
+        figures_are_those_of_a_plan(&prepared, &inputs, &runs, strategy);
+    }
+    files_name_every_strategy(&comparison(runs, &inputs.job, Vec::new()));
+}
+
+fn figures_are_those_of_a_plan(prepared: &PreparedBlisk, inputs: &PlanInputs, runs: &[Run], strategy: Strategy) {
+    let mut inputs = inputs.clone();
+    inputs.job.plan.strategy = strategy;
+    let (silent, never) = (Progress::silent(), Cancel::default());
+    let plan = &run_prepared(prepared, &inputs, &|_, _, _| (), &silent, &never).unwrap().electrodes[0].plan;
+    let planned = plan.path.as_ref().unwrap();
+    let found = &runs.iter().find(|r| r.strategy == strategy).unwrap().electrodes[0];
+    assert!(found.certified && found.certified_clearance_mm == Some(planned.certificate.certified()));
+    assert_eq!((found.nodes, found.rows), (plan.nodes.len(), planned.path.rows.len()));
+    assert_eq!(found.smoothness, Smoothness::of(&planned.smoothness));
+    let total: f64 = plan.nodes.iter().map(|n| n.objective.total).sum();
+    assert!((found.objective_sums.total - total).abs() <= 1e-12 * total && total > 0.0);
+    for axis in Axis::ALL {
+        let Some(course) = found.course(axis.letter()) else {
+            assert!(plan.nodes.iter().all(|n| n.pose.get(axis) == 0.0));
+            continue;
+        };
+        let shown = |v: f64| if axis.is_rotary() { v.to_degrees() } else { v };
+        // The curve passes through its nodes, which are those of the plan.
+        for (node, [s, value]) in plan.nodes.iter().zip(&course.nodes) {
+            assert_eq!((node.s, shown(node.pose.get(axis))), (*s, *value));
+        }
+        let ends = |points: &[[f64; 2]]| [points[0], points[points.len() - 1]];
+        for ([s, v], [t, w]) in ends(&course.nodes).into_iter().zip(ends(&course.curve)) {
+            assert!((s - t).abs() < 1e-9 && (v - w).abs() < 1e-9, "{axis:?}: {s} {v}, {t} {w}");
+        }
+    }
+}
+
+fn files_name_every_strategy(comparison: &Comparison) {
+    let (html, csv) = (comparison.html(), comparison.csv());
+    let json: serde_json::Value = serde_json::from_str(&comparison.json().unwrap()).unwrap();
+    for (i, strategy) in Strategy::ALL.into_iter().enumerate() {
+        // Names are not broken at their hyphens.
+        assert!(html.contains(&format!("</i>{}", strategy.name().replace('-', "\u{2011}"))), "{strategy:?}");
+        assert!(csv.lines().any(|line| line.starts_with(&format!("{},1,", strategy.name()))), "{strategy:?}");
+        assert_eq!(json["runs"][i]["strategy"], strategy.name());
+    }
+    assert!(json["parameters"]["plan"].get("strategy").is_none());
+}
+
+#[test]
+fn a_comparison_stops_when_told_to() {
+    let (inputs, silent) = (inputs(), Progress::silent());
+    let prepared = prepare(&inputs, &silent, &Cancel::default()).unwrap();
+    let cancel = Cancel::default();
+    let stop = |_: &Run| cancel.cancel();
+    let wanted = [Strategy::FreeTravel, Strategy::Genetic];
+    let answer = compare(&prepared, &inputs, &wanted, &stop, &silent, &cancel);
+    assert!(matches!(answer, Err(PlanJobError::Cancelled(_))));
+}

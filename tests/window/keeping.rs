@@ -1,0 +1,72 @@
+//! Plans that are kept to compare with.
+
+use egui::{Key, Role};
+use egui_kittest::kittest::{By, Queryable as _};
+use sparkpath::app::Opening;
+use sparkpath::feed::strategy::Strategy;
+use sparkpath::jobs::pipeline::StageState;
+use sparkpath::project::Stage;
+
+use crate::common::easy_blisk;
+use crate::desk::{Desk, Home};
+
+/// Plans by `strategy` with reductions that let the electrode out.
+fn plan(desk: &mut Desk, strategy: Strategy) {
+    let core = desk.window.state_mut().core_mut();
+    let mut job = core.document.job().clone();
+    job.electrode.circumferential_reduction_deg = [3.0, 3.0];
+    job.electrode.radial_reduction_mm = 1.0;
+    job.plan.strategy = strategy;
+    core.preferences.live = false;
+    core.edit("Strategy", job, false);
+    desk.until_idle();
+    desk.key(Key::F5);
+    desk.until("the plan is done", |d| d.state(Stage::Plan) == StageState::Done);
+    desk.open_step(Stage::Plan);
+}
+
+fn count(desk: &Desk, role: Role, name: &str) -> usize {
+    desk.window.query_all(By::new().role(role).label(name)).count()
+}
+
+fn has(desk: &Desk, role: Role, name: &str) -> bool {
+    count(desk, role, name) > 0
+}
+
+/// What the certificate of the present plan says, as it is shown.
+fn certified(desk: &Desk) -> String {
+    let planned = desk.app().core().outcome().unwrap().plan.path.as_ref().unwrap();
+    format!("{:.4}", planned.certificate.certified())
+}
+
+#[test]
+fn a_kept_run_stands_in_the_comparison_until_it_is_removed() {
+    let home = Home::new();
+    let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
+    desk.until_idle();
+    desk.quicken();
+    plan(&mut desk, Strategy::Genetic);
+    assert!(!has(&desk, Role::Button, "Comparison"), "nothing is kept yet");
+    desk.press("Keep for comparison");
+    let genetic = certified(&desk);
+    let elsewhere = count(&desk, Role::Label, &genetic);
+    assert!(has(&desk, Role::Label, "1 genetic"), "the legend of the axes has it");
+    desk.press("Comparison");
+    assert!(has(&desk, Role::Label, "1 genetic"));
+    assert_eq!(count(&desk, Role::Label, &genetic), elsewhere + 1, "{genetic} is in the table");
+    desk.press("Keep for comparison");
+    assert!(!desk.shows("2 genetic"), "the same plan is not kept twice");
+
+    plan(&mut desk, Strategy::MaxMinDistance);
+    desk.press("Keep for comparison");
+    desk.assert_shows("1 genetic");
+    desk.assert_shows("2 max-min-distance");
+    desk.press("Comparison");
+    let before = count(&desk, Role::Label, &genetic);
+    desk.press("Remove 1 genetic");
+    assert!(!has(&desk, Role::Label, "1 genetic"));
+    assert_eq!(count(&desk, Role::Label, &genetic) + 1, before);
+    desk.assert_shows("2 max-min-distance");
+    desk.press("Remove 2 max-min-distance");
+    assert!(!has(&desk, Role::Button, "Comparison"), "nothing is kept any more");
+}
