@@ -218,7 +218,11 @@ impl Command {
 
     /// Why it is disabled, where that is not plain to see.
     pub fn needs(self) -> Option<&'static str> {
-        (self == Self::SaveJob).then_some("A job names a mesh file, which the demonstration blisk has not")
+        match self {
+            Self::SaveJob => Some("A job names a mesh file, which the demonstration blisk has not"),
+            Self::Keep => Some("A finished plan of the present parameters, each once, six at most"),
+            _ => None,
+        }
     }
 
     /// The commands whose keys were pressed.

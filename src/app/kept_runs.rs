@@ -105,13 +105,10 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
         egui::Grid::new("kept runs").spacing([14.0, 3.0]).striped(true).show(ui, |ui| {
             heads(ui, &axes);
             for run in core.kept.all() {
-                figures(ui, run, run.run.electrodes.get(electrode), &axes);
-                let response = ui.add(egui::Button::new("Remove").small());
-                let name = format!("Remove {}", run.name());
-                response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
-                if response.clicked() {
+                if named(ui, run) {
                     removed = Some(run.number);
                 }
+                figures(ui, run.run.electrodes.get(electrode), &axes);
                 ui.end_row();
             }
         });
@@ -124,21 +121,29 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
 fn heads(ui: &mut Ui, axes: &[Axis]) {
     let unit = |axis: &Axis| if axis.is_rotary() { "deg" } else { "mm" };
     let of_axis = |axis: &Axis| ["RMS", "max"].map(|what| format!("{} {what} {}", axis.letter(), unit(axis)));
-    let heads = ["run", "certified mm", "search s"].map(str::to_owned);
+    let heads = ["run", "", "certified mm", "search s"].map(str::to_owned);
     for head in heads.into_iter().chain(axes.iter().flat_map(of_axis)) {
         ui.label(RichText::new(head).small().color(palette(ui).faint));
     }
     ui.end_row();
 }
 
-/// The cells of one run, all but the last.
-fn figures(ui: &mut Ui, run: &KeptRun, found: Option<&RunElectrode>, axes: &[Axis]) {
+/// The cells that name a run and remove it. Tells whether it is to be removed.
+fn named(ui: &mut Ui, run: &KeptRun) -> bool {
     let colour = run.colour(ui);
     ui.horizontal(|ui| {
         let (rect, _) = ui.allocate_exact_size(egui::vec2(12.0, 14.0), egui::Sense::hover());
         ui.painter().hline(rect.x_range(), rect.center().y, egui::Stroke::new(2.0, colour));
         ui.label(run.name());
     });
+    let response = ui.add(egui::Button::new("Remove").small());
+    let name = format!("Remove {}", run.name());
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
+    response.clicked()
+}
+
+/// The cells with the figures of one run.
+fn figures(ui: &mut Ui, found: Option<&RunElectrode>, axes: &[Axis]) {
     let number = |ui: &mut Ui, value: Option<f64>, decimals: usize| {
         let text = value.map_or("\u{2013}".to_owned(), |v| format!("{v:.decimals$}"));
         ui.label(RichText::new(text).monospace());

@@ -35,7 +35,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<std::path::PathBuf> {
             item(ui, core, Command::Preferences);
         });
         ui.menu_button("Plan", |ui| {
-            for command in [Command::Plan, Command::Cancel, Command::Approve, Command::Withdraw] {
+            for command in [Command::Plan, Command::Cancel, Command::Keep, Command::Approve, Command::Withdraw] {
                 item(ui, core, command);
             }
         });

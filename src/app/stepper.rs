@@ -205,7 +205,11 @@ pub fn command_button(ui: &mut Ui, core: &mut Core, command: Command, text: &str
         let ink = if ui.visuals().dark_mode { Color32::BLACK } else { Color32::WHITE };
         button = egui::Button::new(RichText::new(text).strong().color(ink)).fill(accent).min_size(vec2(0.0, 26.0));
     }
-    if ui.add_enabled(enabled, button).on_hover_text(command.hint(ui.ctx())).clicked() {
+    let mut response = ui.add_enabled(enabled, button).on_hover_text(command.hint(ui.ctx()));
+    if let Some(why) = command.needs() {
+        response = response.on_disabled_hover_text(why);
+    }
+    if response.clicked() {
         core.push(command);
     }
 }

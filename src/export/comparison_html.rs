@@ -37,9 +37,9 @@ pub(super) fn page(comparison: &Comparison) -> String {
     parameters(&mut out, &comparison.parameters);
     let version = escape(comparison.program_version);
     let schema = comparison.schema;
-    let _ = write!(
+    let _ = writeln!(
         out,
-        "</section><footer>Sparkpath {version}, comparison schema {schema}</footer></main></body></html>\n"
+        "</section><footer>Sparkpath {version}, comparison schema {schema}</footer></main></body></html>"
     );
     out
 }

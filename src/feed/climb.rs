@@ -138,12 +138,12 @@ impl ClearanceModel<'_> {
         let left = |i: usize, step: &Slopes| lacking[i].lack - dot(&slopes[i], step);
         for _ in 0..ROUNDS {
             let (mut most, mut least) = ((0, f64::NEG_INFINITY), (0, f64::INFINITY));
-            for i in 0..lacking.len() {
+            for (i, weight) in weights.iter().enumerate() {
                 let left = left(i, &step);
                 if left > most.1 {
                     most = (i, left);
                 }
-                if weights[i] > 0.0 && left < least.1 {
+                if *weight > 0.0 && left < least.1 {
                     least = (i, left);
                 }
             }
