@@ -62,6 +62,9 @@ fn files(ui: &mut Ui, export: &mut ExportSection) -> Option<Answer> {
             }
         });
         ui.end_row();
+        tick(ui, &mut files.leftover, file("leftover.ply, copying_K.csv"));
+        says(ui, "stock left, copying motion");
+        ui.end_row();
         tick(ui, &mut files.report, file("report.html, .json"));
         says(ui, "verdict, figures, curves, pictures");
         ui.end_row();
@@ -122,5 +125,6 @@ fn pictures(ui: &mut Ui, drawn: &mut DrawnPictures) {
         tick(ui, &mut drawn.final_pose, "Final pose");
         tick(ui, &mut drawn.sweep, "On its way");
         tick(ui, &mut drawn.closest, "Closest place");
+        tick(ui, &mut drawn.leftover, "Stock left");
     });
 }

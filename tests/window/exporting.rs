@@ -71,6 +71,9 @@ fn what_is_written_is_what_was_ticked() {
         "electrode_1_final.png",
         "electrode_1_sweep.png",
         "electrode_1_closest.png",
+        "copying_1.csv",
+        "leftover.ply",
+        "view_2_leftover.png",
     ]);
     assert_eq!(export(&mut desk, &folder), everything);
     let written = &report(&folder)["written"];
@@ -80,7 +83,7 @@ fn what_is_written_is_what_was_ticked() {
     assert_eq!(written["not_asked_for"], serde_json::json!([]));
 
     desk.press("Export…");
-    for file in ["path_K.nc", "path_K.csv", "*.png", "On its way"] {
+    for file in ["path_K.nc", "path_K.csv", "leftover.ply, copying_K.csv", "*.png", "On its way"] {
         desk.press_role(Role::CheckBox, file);
     }
     desk.press_role(Role::Button, "Cancel");
@@ -88,8 +91,8 @@ fn what_is_written_is_what_was_ticked() {
     let left = names(&["electrode_1.stl", "report.html", "report.json"]);
     assert_eq!(export(&mut desk, &folder), left, "what an earlier export wrote is not left beside");
     let html = std::fs::read_to_string(folder.join("report.html")).unwrap();
-    assert_eq!(html.matches("<img ").count(), 3, "the page holds the pictures that are drawn");
-    assert_eq!(report(&folder)["written"]["not_asked_for"], serde_json::json!(["path", "nc", "pictures"]));
+    assert_eq!(html.matches("<img ").count(), 4, "the page holds the pictures that are drawn");
+    assert_eq!(report(&folder)["written"]["not_asked_for"], serde_json::json!(["path", "nc", "leftover", "pictures"]));
 
     desk.press("Export…");
     for file in ["electrode_K.stl", "report.html, .json"] {
