@@ -34,7 +34,7 @@ use sparkpath::feed::verify::Verifier;
 use sparkpath::geometry::exact::ExactMesh;
 use sparkpath::geometry::frame::Cylindrical;
 use sparkpath::geometry::mesh::Mesh;
-use sparkpath::jobs::plan::{PlanInputs, PlanJobError, PlanOutcome, run};
+use sparkpath::jobs::plan::{PlanInputs, PlanJobError, PlanOutcome, prepare, run, run_feeds};
 use sparkpath::progress::{Cancel, Progress};
 use sparkpath::project::PlanJob;
 
@@ -49,9 +49,22 @@ fn easy_job() -> PlanJob {
     job
 }
 
+/// The feeds alone, where copying motions and leftover do not matter.
 fn plan(blisk: Mesh, job: PlanJob) -> PlanOutcome {
     let inputs = PlanInputs { blisk: blisk.into(), own_electrode: None, job };
+    let (silent, never) = (Progress::silent(), Cancel::default());
+    run_feeds(&prepare(&inputs, &silent, &never).unwrap(), &inputs, &silent, &never).unwrap()
+}
+
+/// The whole plan.
+fn whole_plan(blisk: Mesh, job: PlanJob) -> PlanOutcome {
+    let inputs = PlanInputs { blisk: blisk.into(), own_electrode: None, job };
     run(&inputs, &Progress::silent(), &Cancel::default()).unwrap()
+}
+
+fn whole_easy_plan() -> &'static PlanOutcome {
+    static PLAN: OnceLock<PlanOutcome> = OnceLock::new();
+    PLAN.get_or_init(|| whole_plan(mesh(&easy_blisk()), easy_job()))
 }
 
 fn easy_plan() -> &'static PlanOutcome {
@@ -75,7 +88,7 @@ fn a_plan_is_certified_from_outside_to_the_final_pose_and_may_be_approved() {
 
 #[test]
 fn the_copying_motion_is_certified_and_brings_the_walls_to_their_gap() {
-    let outcome = easy_plan();
+    let outcome = whole_easy_plan();
     let copying = outcome.electrodes[0].copying.as_ref().unwrap();
     let motion = copying.certified().unwrap_or_else(|| panic!("{}", copying.sentence()));
     let rows = &motion.path.rows;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::plan::{PlanInputs, PlanJobError, PlanOutcome, run_unexplained};
+use super::plan::{PlanInputs, PlanJobError, PlanOutcome, run_feeds};
 use super::plan_files::PlanFilesError;
 use super::prepared_blisk::PreparedBlisk;
 use crate::export::comparison::{Comparison, Run, RunElectrode, SCHEMA};
@@ -31,7 +31,7 @@ pub fn compare(
     let mut first_error = None;
     for &strategy in strategies {
         let inputs = PlanInputs { job: job_for(&inputs.job, strategy), ..inputs.clone() };
-        let run = match run_unexplained(prepared, &inputs, &named(progress, strategy), cancel) {
+        let run = match run_feeds(prepared, &inputs, &named(progress, strategy), cancel) {
             Ok(outcome) => run_of(strategy, &outcome),
             Err(PlanJobError::Cancelled(cancelled)) => return Err(cancelled.into()),
             Err(error) => {

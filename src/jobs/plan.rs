@@ -173,8 +173,12 @@ pub fn run_prepared(
     JobPlanner { inputs, prepared, observe, explain: true, progress, cancel, clock }.outcome()
 }
 
-/// The same without finding out what would open a way where there is none, or what stock is left where there is one.
-pub(super) fn run_unexplained(
+/// The feeds alone: without finding out what would open a way where there is none, and without copying motions and what
+/// stock is left where there is one.
+///
+/// # Errors
+/// As [`run_prepared`].
+pub fn run_feeds(
     prepared: &PreparedBlisk,
     inputs: &PlanInputs,
     progress: &Progress,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::plan::{PlanInputs, PlanJobError, PlanOutcome, run_unexplained, settings_of};
+use super::plan::{PlanInputs, PlanJobError, PlanOutcome, run_feeds, settings_of};
 use super::prepared_blisk::PreparedBlisk;
 use crate::blisk::electrode::{EnterSide, EntrySide};
 use crate::feed::genetic::ReductionMode;
@@ -180,7 +180,7 @@ impl Sizing<'_> {
             // To a thousandth, upwards: what is shown is what was planned.
             let reduction = turns.map(|t| ((t.to_degrees() + more) * 1e3).ceil() / 1e3);
             inputs.job.electrode.circumferential_reduction_deg = reduction;
-            let outcome = run_unexplained(self.prepared, &inputs, self.progress, self.cancel)?;
+            let outcome = run_feeds(self.prepared, &inputs, self.progress, self.cancel)?;
             if let Some(row) = row_of(&outcome, parts, enter, reduction) {
                 (self.found)(&row);
                 return Ok(Some(row));

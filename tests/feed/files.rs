@@ -8,15 +8,15 @@ use sparkpath::jobs::plan::PlanInputs;
 use sparkpath::jobs::{plan_files, plan_report};
 use sparkpath::progress::Cancel;
 
-use super::{easy_blisk, easy_job, easy_plan, mesh};
+use super::{easy_blisk, easy_job, mesh, whole_easy_plan};
 
 /// Writes the easy plan with programs of this extension.
 fn write(folder: &Path, extension: &str, cancel: &Cancel) -> Result<Vec<String>, plan_files::PlanFilesError> {
     let text = BUILT_IN[0].1.replace("extension = \"nc\"", &format!("extension = \"{extension}\""));
     let post = Post::from_toml(&text, extension).unwrap();
     let inputs = PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrode: None, job: easy_job() };
-    let mut report = plan_report::report(easy_plan(), &inputs.job, Vec::new());
-    plan_files::write(folder, easy_plan(), &inputs, &post, &mut report, cancel)
+    let mut report = plan_report::report(whole_easy_plan(), &inputs.job, Vec::new());
+    plan_files::write(folder, whole_easy_plan(), &inputs, &post, &mut report, cancel)
 }
 
 fn names(folder: &Path) -> BTreeSet<String> {

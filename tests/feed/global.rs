@@ -6,7 +6,7 @@ use super::*;
 use sparkpath::feed::jam::JamCause;
 use sparkpath::feed::search::Strategy;
 use sparkpath::jobs::live::live_way;
-use sparkpath::jobs::plan::{ElectrodeOutcome, prepare, run_prepared};
+use sparkpath::jobs::plan::{ElectrodeOutcome, run_prepared};
 use sparkpath::jobs::prepared_blisk::PreparedBlisk;
 use sparkpath::jobs::sizing::{SizingRange, size};
 
@@ -29,7 +29,7 @@ fn ready() -> &'static PreparedBlisk {
 
 fn planned(strategy: Strategy, reduction_deg: f64) -> PlanOutcome {
     let inputs = inputs(job_with(strategy, reduction_deg));
-    run_prepared(ready(), &inputs, &|_, _, _| (), &Progress::silent(), &Cancel::default()).unwrap()
+    run_feeds(ready(), &inputs, &Progress::silent(), &Cancel::default()).unwrap()
 }
 
 fn global_plan() -> &'static PlanOutcome {
@@ -100,7 +100,8 @@ fn it_is_the_same_on_any_number_of_threads() {
 #[test]
 fn where_there_is_no_way_the_reduction_that_is_named_opens_one() {
     const TOO_LITTLE: f64 = 0.05;
-    let outcome = planned(Strategy::Global, TOO_LITTLE);
+    let inputs = inputs(job_with(Strategy::Global, TOO_LITTLE));
+    let outcome = run_prepared(ready(), &inputs, &|_, _, _| (), &Progress::silent(), &Cancel::default()).unwrap();
     let jam = only(&outcome).plan.jam.expect("it jams");
     assert!(matches!(jam.cause, JamCause::Contact(_)), "{jam:?}");
     let opening = jam.opening.expect("what would help was looked for");
@@ -127,7 +128,7 @@ fn sizes_are_certified_and_what_is_sized_is_what_a_plan_makes() {
     let mut job = job_with(Strategy::Global, 0.0);
     job.electrode.circumferential_reduction_deg = row.reduction_deg;
     let inputs = inputs(job);
-    let plan = run_prepared(ready(), &inputs, &|_, _, _| (), &Progress::silent(), &Cancel::default()).unwrap();
+    let plan = run_feeds(ready(), &inputs, &Progress::silent(), &Cancel::default()).unwrap();
     assert!(plan.is_verified());
     assert_eq!(only(&plan).electrode.least_thickness_mm, row.least_thickness_mm);
     let thicker = |r: &sparkpath::jobs::sizing::SizeRow| r.least_thickness_mm >= row.least_thickness_mm;
