@@ -13,7 +13,7 @@ use crate::export::nc::NcSettings;
 use crate::feed::genetic::{GeneticParams, ReductionMode};
 use crate::feed::machine::MachineParams;
 use crate::feed::plan_params::PlanParams;
-use crate::feed::search::Strategy;
+use crate::feed::search::{Constraint, Strategy};
 use crate::feed::verify::VerifyOptions;
 use crate::mesh_io::Units;
 
@@ -156,6 +156,11 @@ impl PlanJob {
             return Err(
                 "[genetic] h = \"variable\": only the strategy \"genetic\" searches h; use h = \"given\"".to_owned()
             );
+        }
+        if self.plan.strategy == Strategy::Global && self.plan.constraint == Constraint::Angle {
+            return Err("[plan] constraint = \"angle\": the strategy \"global\" works on distances; use constraint = \
+                        \"distance\", or another strategy"
+                .to_owned());
         }
         if self.verify.tolerance_mm >= 0.5 * self.electrode.spark_gap_mm {
             return Err(format!(
@@ -454,5 +459,16 @@ mod tests {
             let message = parse(text).unwrap_err();
             assert!(message.contains(named) && !message.contains('\n'), "{text:?}: {message}");
         }
+    }
+
+    #[test]
+    fn the_global_strategy_works_on_distances_alone() {
+        let mut job = PlanJob::demonstration();
+        job.plan.strategy = Strategy::Global;
+        assert_eq!(job.validate(), Ok(()));
+        job.plan.constraint = Constraint::Angle;
+        assert!(job.validate().unwrap_err().contains("works on distances"));
+        job.plan.strategy = Strategy::Genetic;
+        assert_eq!(job.validate(), Ok(()));
     }
 }

@@ -91,6 +91,7 @@ impl SearchProblem<'_> {
         match self.way_out_of(params, &Self::WIDENINGS, progress, cancel)? {
             Ok(way) => {
                 let nodes = self.polished(self.nodes_along(&way), params, cancel)?;
+                (self.observe)(&nodes, &[]);
                 Ok(SearchOutcome { convergence: unsearched(&nodes), nodes, jam: None })
             }
             Err(end) => {
