@@ -11,6 +11,8 @@ mod files;
 mod global;
 #[path = "feed/mend.rs"]
 mod mend;
+#[path = "feed/random.rs"]
+mod random;
 #[path = "feed/replay.rs"]
 mod replay;
 
@@ -89,11 +91,11 @@ fn a_plan_is_certified_from_outside_to_the_final_pose_and_may_be_approved() {
 #[test]
 fn the_copying_motion_is_certified_and_brings_the_walls_to_their_gap() {
     let outcome = whole_easy_plan();
-    let copying = outcome.electrodes[0].copying.as_ref().unwrap();
+    let copying = outcome.copying(0).unwrap();
     let motion = copying.certified().unwrap_or_else(|| panic!("{}", copying.sentence()));
     let rows = &motion.path.rows;
     assert!(rows.len() > 2 && rows[0].pose == Pose::FINAL && rows[rows.len() - 1].pose == Pose::FINAL);
-    let left = outcome.leftover.as_ref().unwrap();
+    let left = outcome.leftover().unwrap();
     // Nothing is cut deeper than the tolerance of the certificates, which is less than is counted.
     assert!(left.deepest().is_none(), "{:?}", left.deepest());
     let reduced = easy_job().electrode.circumferential_reduction_deg[0].to_radians();

@@ -263,8 +263,12 @@ impl Core {
         self.track.clone()
     }
 
-    /// Keeps the quick look up with the parameters, as long as there is no plan of theirs.
+    /// Keeps the quick look up with the parameters, as long as there is no plan of theirs. What it found stays while
+    /// that is made.
     fn follow_tuning(&mut self) {
+        if self.pipeline.state(Stage::Plan) == StageState::Running && self.preferences.live {
+            return;
+        }
         let wanted = self.preferences.live
             && self.document.job().plan.strategy == Strategy::Global
             && matches!(self.pipeline.state(Stage::Plan), StageState::Missing | StageState::Stale);

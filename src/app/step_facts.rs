@@ -172,7 +172,7 @@ fn verify(ui: &mut Ui, core: &mut Core) {
         return;
     };
     let length = core.preferences.length;
-    for outcome in &plan.electrodes {
+    for (index, outcome) in plan.electrodes.iter().enumerate() {
         let Some(planned) = &outcome.plan.path else {
             // What a single electrode fails at is said above the form already.
             if plan.electrodes.len() > 1 {
@@ -199,11 +199,11 @@ fn verify(ui: &mut Ui, core: &mut Core) {
         if ui.button("Go to the closest place").clicked() {
             core.go_to(c.least().s);
         }
-        if let Some(copying) = &outcome.copying {
+        if let Some(copying) = plan.copying(index) {
             notice(ui, palette(ui).faint, &copying.sentence());
         }
     }
-    if let Ok(left) = &plan.leftover {
+    if let Some(left) = plan.leftover() {
         leftover(ui, core, left, &plan.channel);
     }
     if core.pipeline.can_approve() {

@@ -4,9 +4,11 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::plan::{Clock, ElectrodeOutcome, PlanJobError};
+use super::plan::{Clock, ElectrodeOutcome, PlanInputs, PlanJobError, PlanOutcome};
 use crate::blisk::channel::Channel;
+use crate::blisk::electrode::Junctions;
 use crate::blisk::surface_finder::SurfaceFinder;
+use crate::export::report::StageTime;
 use crate::feed::copying::{Copying, CopyingExtent, CopyingSettings, copying_motion};
 use crate::feed::leftover::{Burn, Leftover, LeftoverError, Site, leftover};
 use crate::feed::path::FeedPath;
@@ -16,37 +18,74 @@ use crate::geometry::mesh::Mesh;
 use crate::progress::{Cancel, Progress};
 use crate::project::PlanJob;
 
-/// What electrodes are finished in.
-pub(super) struct Around<'a> {
-    pub job: &'a PlanJob,
-    /// The finished blisk in W.
-    pub blisk: &'a Mesh,
-    pub channel: &'a Arc<Channel>,
-    pub finder: &'a SurfaceFinder,
+/// How the electrodes of a plan finish the channel once they are in.
+#[derive(Debug, Clone)]
+pub struct Finishing {
+    /// The copying motion of each electrode; empty if not every electrode has a certified path.
+    pub copying: Vec<Copying>,
+    /// What they leave of the channel, or why that cannot be told.
+    pub leftover: Result<Arc<Leftover>, String>,
+    /// Times of the stages in order.
+    pub times: Vec<StageTime>,
 }
 
-/// Gives every electrode its copying motion and tells what they leave; the latter only if every path is certified,
-/// otherwise it answers why not.
-pub(super) fn finish(
-    around: &Around,
-    electrodes: &mut [ElectrodeOutcome],
-    clock: &mut Clock,
+/// Where electrodes are finished.
+struct Around<'a> {
+    job: &'a PlanJob,
+    /// The finished blisk in W.
+    blisk: &'a Mesh,
+    channel: &'a Arc<Channel>,
+    finder: SurfaceFinder,
+    junctions: Junctions,
+}
+
+/// Works out how the electrodes of `outcome` finish the channel, unless that is known: their copying motions and, if
+/// every path is certified, what stock they leave. `blisk` is that of `inputs` in W.
+///
+/// # Errors
+/// If a copying motion cannot be judged, or when told to stop; the outcome is as it was then.
+pub fn finish<'a>(
+    outcome: &'a PlanOutcome,
+    inputs: &PlanInputs,
+    blisk: &Mesh,
     progress: &Progress,
     cancel: &Cancel,
-) -> Result<Result<Arc<Leftover>, String>, PlanJobError> {
-    if electrodes.is_empty() || !electrodes.iter().all(|e| e.plan.is_verified()) {
-        return Ok(Err("what stock is left cannot be told before every electrode has a certified path".to_owned()));
+) -> Result<&'a Finishing, PlanJobError> {
+    if let Some(known) = outcome.finishing() {
+        return Ok(known);
     }
-    for electrode in electrodes.iter_mut() {
-        let made = clock.time("copying motion", || copying(around, electrode, progress, cancel))?;
-        electrode.copying = Some(made);
-    }
-    let left = clock.time("leftover", || left_by(around, electrodes, progress, cancel));
-    match left {
-        Ok(left) => Ok(Ok(Arc::new(left))),
-        Err(LeftoverError::Cancelled(cancelled)) => Err(cancelled.into()),
-        // A plan is good without it.
-        Err(other) => Ok(Err(format!("what stock is left cannot be told: {other}"))),
+    let channel = &outcome.channel;
+    let finder = SurfaceFinder::new(channel.clone())?;
+    let junctions = match inputs.own_electrode {
+        Some(_) => Junctions::default(),
+        None => Junctions::of(channel, &inputs.job.electrode)?,
+    };
+    let around = Around { job: &inputs.job, blisk, channel, finder, junctions };
+    Ok(outcome.finished_by(around.finishing(outcome, progress, cancel)?))
+}
+
+impl Around<'_> {
+    fn finishing(
+        &self,
+        outcome: &PlanOutcome,
+        progress: &Progress,
+        cancel: &Cancel,
+    ) -> Result<Finishing, PlanJobError> {
+        if !outcome.is_verified() {
+            let why = "what stock is left cannot be told before every electrode has a certified path";
+            return Ok(Finishing { copying: Vec::new(), leftover: Err(why.to_owned()), times: Vec::new() });
+        }
+        let mut clock = Clock::default();
+        let electrodes = &outcome.electrodes;
+        let motion = |e| clock.time("copying motion", || copying(self, e, progress, cancel));
+        let copying = electrodes.iter().map(motion).collect::<Result<Vec<_>, _>>()?;
+        let leftover = match clock.time("leftover", || left_by(self, electrodes, &copying, progress, cancel)) {
+            Ok(left) => Ok(Arc::new(left)),
+            Err(LeftoverError::Cancelled(cancelled)) => return Err(cancelled.into()),
+            // A plan is good without it.
+            Err(other) => Err(format!("what stock is left cannot be told: {other}")),
+        };
+        Ok(Finishing { copying, leftover, times: clock.0 })
     }
 }
 
@@ -74,27 +113,30 @@ fn copying(
 fn left_by(
     around: &Around,
     electrodes: &[ElectrodeOutcome],
+    motions: &[Copying],
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<Leftover, LeftoverError> {
     let poses = |path: &FeedPath| -> Vec<Pose> { path.rows.iter().map(|row| row.pose).collect() };
     let burns: Vec<Burn> = electrodes
         .iter()
-        .map(|e| Burn {
+        .zip(motions)
+        .map(|(e, copying)| Burn {
             electrode: &e.electrode,
             feed: e.plan.path.as_ref().map(|p| poses(&p.path)).unwrap_or_default(),
             // What is not certified is not exported either, and burns nothing.
-            copying: e.copying.as_ref().and_then(Copying::certified).map(|c| poses(&c.path)).unwrap_or_default(),
+            copying: copying.certified().map(|c| poses(&c.path)).unwrap_or_default(),
         })
         .collect();
     let feeds = electrodes.iter().filter_map(|e| e.plan.path.as_ref().map(|p| p.certificate.certified()));
-    let copied = electrodes.iter().filter_map(|e| e.copying.as_ref().and_then(Copying::certified));
+    let copied = motions.iter().filter_map(Copying::certified);
     let proven = feeds.chain(copied.map(|c| c.certificate.certified())).fold(f64::INFINITY, f64::min);
     let site = Site {
         blisk: around.blisk,
         channel: around.channel,
-        finder: around.finder,
+        finder: &around.finder,
         spark_gap: around.job.electrode.spark_gap_mm,
+        junctions: around.junctions.clone(),
         proven,
     };
     leftover(&site, &burns, progress, cancel)

@@ -2,7 +2,7 @@
 //! [`Cancel`](crate::progress::Cancel). They read and write no file, except where a module says so.
 
 pub mod compare;
-mod finish;
+pub mod finish;
 pub mod live;
 pub mod pipeline;
 pub mod plan;

@@ -25,9 +25,11 @@ use prepared::Prepared;
 use sentences::plan_sentence;
 use slot::Slot;
 
+use super::finish::Finishing;
 use super::plan::{PlanInputs, PlanJobError, PlanOutcome};
 use super::stages::{Electrodes, FoundChannel, Part};
 use super::worker::{Reporter, Worker};
+use crate::blisk::channel::Channel;
 use crate::blisk::electrode::Electrode;
 use crate::export::report::InputFile;
 use crate::feed::search::{Convergence, Node};
@@ -42,6 +44,7 @@ enum Found {
     Channel(Box<FoundChannel>),
     Electrode(Electrodes),
     Plan(Box<Planned>),
+    Finish(Finished),
     Export(Exported),
 }
 
@@ -52,15 +55,30 @@ struct Planned {
     content: String,
     outcome: Arc<PlanOutcome>,
     shapes: Vec<Arc<RenderMesh>>,
-    /// The stock that is left, if that is known.
+}
+
+/// How the electrodes of a plan finish the channel; the figures are in the plan itself.
+struct Finished {
+    /// What stock is left, or why that cannot be told.
+    said: Result<String, String>,
+    /// The stock that is left, for the screen.
     leftover: Option<LeftoverShape>,
+}
+
+impl Finished {
+    fn new(finishing: &Finishing, channel: &Channel) -> Self {
+        let left = &finishing.leftover;
+        Self {
+            said: left.as_ref().map(|left| left.sentence(channel)).map_err(Clone::clone),
+            leftover: left.as_ref().ok().map(|left| LeftoverShape::new(&left.map)),
+        }
+    }
 }
 
 impl Planned {
     fn new(inputs: PlanInputs, content: String, outcome: PlanOutcome) -> Self {
         let shapes = outcome.electrodes.iter().map(|e| Arc::new(RenderMesh::new(&e.electrode.mesh))).collect();
-        let leftover = outcome.leftover.as_ref().ok().map(|left| LeftoverShape::new(&left.map));
-        Self { inputs, content, outcome: Arc::new(outcome), shapes, leftover }
+        Self { inputs, content, outcome: Arc::new(outcome), shapes }
     }
 }
 
@@ -148,6 +166,7 @@ pub struct Pipeline {
     channel: Slot<FoundChannel>,
     electrode: Slot<Electrodes>,
     plan: Slot<Planned>,
+    finish: Slot<Finished>,
     export: Slot<Exported>,
     prepared: Prepared,
     /// The very plan that was approved, not its inputs: another search of the same may end elsewhere.
@@ -178,6 +197,7 @@ impl Pipeline {
             channel: Slot::default(),
             electrode: Slot::default(),
             plan: Slot::default(),
+            finish: Slot::default(),
             export: Slot::default(),
             prepared: Prepared::default(),
             approved: None,
@@ -230,6 +250,7 @@ impl Pipeline {
         self.part.rest(self.part.running.map(|(_, of)| of));
         self.channel.rest(self.channel.running.map(|(_, of)| of));
         self.electrode.rest(self.electrode.running.map(|(_, of)| of));
+        self.finish.rest(self.finish.running.map(|(_, of)| of));
         self.worker.cancel_from(0);
         if let Some(running) = &mut self.running {
             running.message = "stopping".to_owned();
@@ -240,7 +261,7 @@ impl Pipeline {
     pub fn reset(&mut self) {
         self.worker.cancel_from(0);
         (self.part, self.channel, self.electrode) = Default::default();
-        (self.plan, self.export) = Default::default();
+        (self.plan, self.finish, self.export) = Default::default();
         (self.approved, self.replayed, self.newly_planned) = Default::default();
         (self.running, self.now, self.passed_over) = (None, None, None);
         self.partial = PartialPlan::default();
@@ -309,7 +330,7 @@ impl Pipeline {
 
     /// The stock that the electrodes of the plan leave, for the screen.
     pub fn leftover_shape(&self) -> Option<&LeftoverShape> {
-        self.plan.value.as_ref().and_then(|(_, v)| v.leftover.as_ref())
+        self.finish.value.as_ref().and_then(|(_, v)| v.leftover.as_ref())
     }
 
     /// What the plan that runs has found so far.

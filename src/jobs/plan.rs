@@ -1,9 +1,9 @@
-//! From a blisk mesh to verified feed paths of its electrodes, their copying motions, and what they leave.
+//! From a blisk mesh to verified feed paths of its electrodes.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-use super::finish::{Around, finish};
+use super::finish::{Finishing, finish};
 use super::prepared_blisk::PreparedBlisk;
 use crate::blisk::channel::Channel;
 use crate::blisk::electrode::{
@@ -15,7 +15,7 @@ use crate::blisk::surface_finder::SurfaceFinder;
 use crate::export::report::StageTime;
 use crate::feed::copying::Copying;
 use crate::feed::leftover::Leftover;
-use crate::feed::plan::{FeedPlan, Observe, PlanSettings, PlanningSpace, plan_drawn_in, plan_feed};
+use crate::feed::plan::{FeedPlan, Observe, PlanSettings, plan_drawn_in, plan_feed};
 use crate::feed::plan_params::PlanError;
 use crate::feed::replay::{Surroundings, replay_feed};
 use crate::feed::search::{Convergence, Node, Strategy};
@@ -46,8 +46,6 @@ pub struct ElectrodeOutcome {
     pub plan: FeedPlan,
     /// Sides that were tried before, and why they were left.
     pub tried: Vec<(EntrySide, String)>,
-    /// Its copying motion, if its path is certified.
-    pub copying: Option<Copying>,
 }
 
 /// The answer of a plan.
@@ -57,16 +55,35 @@ pub struct PlanOutcome {
     pub channel: Arc<Channel>,
     /// The electrodes in the order of their parts.
     pub electrodes: Vec<ElectrodeOutcome>,
-    /// What they leave of the channel, or why that cannot be told.
-    pub leftover: Result<Arc<Leftover>, String>,
     /// Times of the stages in order.
     pub times: Vec<StageTime>,
+    /// How they finish the channel. It is worked out after the feeds, which it does not change: see [`finish`].
+    finishing: OnceLock<Finishing>,
 }
 
 impl PlanOutcome {
     /// Whether every electrode has a verified path.
     pub fn is_verified(&self) -> bool {
         !self.electrodes.is_empty() && self.electrodes.iter().all(|e| e.plan.is_verified())
+    }
+
+    /// How the electrodes finish the channel, once that is known.
+    pub fn finishing(&self) -> Option<&Finishing> {
+        self.finishing.get()
+    }
+
+    pub(super) fn finished_by(&self, finishing: Finishing) -> &Finishing {
+        self.finishing.get_or_init(|| finishing)
+    }
+
+    /// The copying motion of the electrode with this index, if that is known.
+    pub fn copying(&self, index: usize) -> Option<&Copying> {
+        self.finishing()?.copying.get(index)
+    }
+
+    /// What stock is left, if that is known.
+    pub fn leftover(&self) -> Option<&Arc<Leftover>> {
+        self.finishing()?.leftover.as_ref().ok()
     }
 }
 
@@ -128,12 +145,15 @@ impl From<PlanError> for PlanJobError {
     }
 }
 
-/// Plans every electrode of the job.
+/// Plans every electrode of the job, and works out how they finish the channel.
 ///
 /// # Errors
 /// [`PlanJobError`]; that there is no path is not one of them.
 pub fn run(inputs: &PlanInputs, progress: &Progress, cancel: &Cancel) -> Result<PlanOutcome, PlanJobError> {
-    run_prepared(&prepare(inputs, progress, cancel)?, inputs, &|_, _, _| (), progress, cancel)
+    let prepared = prepare(inputs, progress, cancel)?;
+    let outcome = run_prepared(&prepared, inputs, &|_, _, _| (), progress, cancel)?;
+    finish(&outcome, inputs, &prepared.space.blisk, progress, cancel)?;
+    Ok(outcome)
 }
 
 /// Makes the blisk of a job ready for planning.
@@ -158,7 +178,7 @@ pub fn prepare(inputs: &PlanInputs, progress: &Progress, cancel: &Cancel) -> Res
 pub type ObservePlan<'a> = dyn Fn(&Arc<Electrode>, &[Node], &[Convergence]) + Sync + 'a;
 
 /// Plans every electrode of the job on a blisk that was made ready before; `observe` is shown the nodes as they are
-/// found. The answer is that of [`run`].
+/// found. The answer is that of [`run`] before it is finished.
 ///
 /// # Errors
 /// [`PlanJobError`]; that there is no path is not one of them.
@@ -173,8 +193,7 @@ pub fn run_prepared(
     JobPlanner { inputs, prepared, observe, explain: true, progress, cancel, clock }.outcome()
 }
 
-/// The feeds alone: without finding out what would open a way where there is none, and without copying motions and what
-/// stock is left where there is one.
+/// The same without finding out what would open a way where there is none.
 ///
 /// # Errors
 /// As [`run_prepared`].
@@ -221,15 +240,9 @@ struct JobPlanner<'a> {
 impl JobPlanner<'_> {
     fn outcome(mut self) -> Result<PlanOutcome, PlanJobError> {
         self.inputs.job.validate().map_err(PlanJobError::Job)?;
-        let mut electrodes = self.electrodes()?;
-        let PlanningSpace { blisk, channel, finder, .. } = &self.prepared.space;
-        let leftover = if self.explain {
-            let around = Around { job: &self.inputs.job, blisk, channel, finder };
-            finish(&around, &mut electrodes, &mut self.clock, self.progress, self.cancel)?
-        } else {
-            Err("it was not asked what stock is left".to_owned())
-        };
-        Ok(PlanOutcome { channel: channel.clone(), electrodes, leftover, times: self.clock.0 })
+        let electrodes = self.electrodes()?;
+        let channel = self.prepared.space.channel.clone();
+        Ok(PlanOutcome { channel, electrodes, times: self.clock.0, finishing: OnceLock::new() })
     }
 
     fn electrodes(&mut self) -> Result<Vec<ElectrodeOutcome>, PlanJobError> {
@@ -301,7 +314,7 @@ impl JobPlanner<'_> {
         self.clock.add("search", plan.search_seconds);
         self.clock.add("certificate", plan.verify_seconds);
         let electrode = plan.remade.take().map_or_else(|| Arc::unwrap_or_clone(electrode), Arc::unwrap_or_clone);
-        Ok(ElectrodeOutcome { electrode, plan, tried: Vec::new(), copying: None })
+        Ok(ElectrodeOutcome { electrode, plan, tried: Vec::new() })
     }
 
     /// The plan of `electrode` on the fullest one of its kind, which later plans with other reductions share.
@@ -388,11 +401,9 @@ pub fn replay(
         let electrode = clock.time("electrode", make)?;
         let plan = replay_feed(&around, &electrode, nodes, *h, &settings, progress, cancel)?;
         clock.add("certificate", plan.verify_seconds);
-        electrodes.push(ElectrodeOutcome { electrode, plan, tried: Vec::new(), copying: None });
+        electrodes.push(ElectrodeOutcome { electrode, plan, tried: Vec::new() });
     }
-    let around = Around { job, blisk, channel, finder: &finder };
-    let leftover = finish(&around, &mut electrodes, &mut clock, progress, cancel)?;
-    Ok(PlanOutcome { channel: channel.clone(), electrodes, leftover, times: clock.0 })
+    Ok(PlanOutcome { channel: channel.clone(), electrodes, times: clock.0, finishing: OnceLock::new() })
 }
 
 /// What a project keeps of a plan: none unless every electrode has a certified path.

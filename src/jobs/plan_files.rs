@@ -4,7 +4,8 @@ use std::collections::HashSet;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-use super::plan::{ElectrodeOutcome, PlanInputs, PlanOutcome};
+use super::finish::finish;
+use super::plan::{ElectrodeOutcome, PlanInputs, PlanJobError, PlanOutcome};
 use super::{plan_pictures, plan_report};
 use crate::blisk::channel::Channel;
 use crate::export::approved::{Approved, NotApproved};
@@ -15,7 +16,7 @@ use crate::export::nc::{NcError, NcJob, NcProgram};
 use crate::export::path_csv::{PathCsvError, write_copying_csv, write_path_csv};
 use crate::export::post::{Post, PostError};
 use crate::export::report::{FeedLowered, InputFile, Report, ReportError, Written};
-use crate::feed::copying::Copying;
+use crate::feed::copying::{Copying, CopyingMotion};
 use crate::geometry::mesh::Mesh;
 use crate::mesh_io::stl_bytes;
 use crate::progress::{Cancel, Cancelled, Progress};
@@ -27,6 +28,8 @@ use crate::project::{ExportSection, PlanJob};
 pub enum PlanFilesError {
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+    #[error("the copying motions cannot be worked out: {0}")]
+    Finish(PlanJobError),
     #[error(transparent)]
     Write(#[from] WriteError),
     #[error("{path}: nothing can be written into this folder ({source}); choose another")]
@@ -77,6 +80,12 @@ pub fn export(
 ) -> Result<(Report, Vec<String>), PlanFilesError> {
     let post = Post::named(&inputs.job.export.post)?;
     prepare(folder)?;
+    // Frames are exact data of the outcome: the blisk comes out with the very bits that it was verified with.
+    let blisk = inputs.blisk.in_frame(&outcome.channel.frame);
+    finish(outcome, inputs, &blisk, progress, cancel).map_err(|error| match error {
+        PlanJobError::Cancelled(cancelled) => PlanFilesError::Cancelled(cancelled),
+        other => PlanFilesError::Finish(other),
+    })?;
     let mut report = plan_report::report(outcome, &inputs.job, files);
     plan_pictures::add(&mut report, outcome, inputs, progress, cancel)?;
     let written = write(folder, outcome, inputs, &post, &mut report, cancel)?;
@@ -98,19 +107,19 @@ pub fn write(
     cancel: &Cancel,
 ) -> Result<Vec<String>, PlanFilesError> {
     cancel.check()?;
-    // Frames are exact data of the outcome: the blisk comes out with the very bits that it was verified with.
     let blisk = inputs.blisk.in_frame(&outcome.channel.frame);
     let context = Context { channel: &outcome.channel, blisk: &blisk, job: &inputs.job, post };
     let (mut files, mut programs): (Vec<(String, Vec<u8>)>, Vec<_>) = (Vec::new(), Vec::new());
     for (i, electrode) in outcome.electrodes.iter().enumerate() {
-        let (own, program) = electrode_files(i + 1, electrode, &context)?;
+        let copying = outcome.copying(i).and_then(Copying::certified);
+        let (own, program) = electrode_files(i + 1, electrode, copying, &context)?;
         report.electrodes[i].feed_lowered = program.as_ref().and_then(NcProgram::slowed).map(FeedLowered::from);
         let program = program.map(|p| (format!("path_{}.{}", i + 1, p.extension()), p.text().as_bytes().to_vec()));
         report.electrodes[i].files = own.iter().chain(&program).map(|(name, _)| name.clone()).collect();
         files.extend(own);
         programs.extend(program);
     }
-    if let (Ok(leftover), true) = (&outcome.leftover, inputs.job.export.files.leftover) {
+    if let (Some(leftover), true) = (outcome.leftover(), inputs.job.export.files.leftover) {
         let map = &leftover.map;
         let ply = match inputs.job.export.frame {
             MeshFrame::Mesh => map_as_ply(map, &map.mesh.in_parent_of(&outcome.channel.frame)),
@@ -194,6 +203,7 @@ struct Context<'a> {
 fn electrode_files(
     k: usize,
     outcome: &ElectrodeOutcome,
+    copying: Option<&CopyingMotion>,
     context: &Context,
 ) -> Result<(Vec<NamedFile>, Option<NcProgram>), PlanFilesError> {
     let (wanted, mut files) = (&context.job.export.files, Vec::new());
@@ -211,7 +221,7 @@ fn electrode_files(
         let csv = write_path_csv(&planned.path, planned.certificate.row_clearance())?.into_bytes();
         files.push((format!("path_{k}{}.csv", if holds { "" } else { ".unverified" }), csv));
     }
-    let copying = outcome.copying.as_ref().and_then(Copying::certified).filter(|_| holds);
+    let copying = copying.filter(|_| holds);
     if let (Some(copying), true) = (copying, wanted.leftover) {
         let csv = write_copying_csv(&copying.path, copying.certificate.row_clearance())?.into_bytes();
         files.push((format!("copying_{k}.csv"), csv));

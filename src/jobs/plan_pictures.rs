@@ -45,7 +45,7 @@ fn draw(
         blisk: &inputs.blisk,
         channel: &outcome.channel,
         electrodes: outcome.electrodes.iter().map(|e| (&e.electrode, &e.plan)).collect(),
-        leftover: outcome.leftover.as_ref().ok().map(|left| &**left),
+        leftover: outcome.leftover().map(|left| &**left),
         spark_gap: inputs.job.electrode.spark_gap_mm,
     };
     let pictures = plan_pictures(&plan, &inputs.job.export.pictures, progress, cancel)?;

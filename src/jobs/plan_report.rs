@@ -32,10 +32,10 @@ pub fn report(outcome: &PlanOutcome, job: &PlanJob, inputs: Vec<InputFile>) -> R
         parameters: serde_json::to_value(job).unwrap_or_default(),
         symbols: symbols(outcome, job),
         electrodes,
-        leftover: outcome.leftover.as_ref().ok().map(|l| LeftoverReport::of(l, &outcome.channel)),
-        no_leftover: outcome.leftover.as_ref().err().cloned(),
+        leftover: outcome.leftover().map(|l| LeftoverReport::of(l, &outcome.channel)),
+        no_leftover: outcome.finishing().and_then(|f| f.leftover.as_ref().err()).cloned(),
         written: Written::default(),
-        times: outcome.times.clone(),
+        times: outcome.times.iter().chain(outcome.finishing().into_iter().flat_map(|f| &f.times)).cloned().collect(),
         pictures: Vec::new(),
         no_pictures: None,
     }
@@ -58,7 +58,7 @@ fn verdict(outcome: &PlanOutcome) -> Verdict {
             )
         })
         .collect();
-    let left = outcome.leftover.as_ref().ok().map(|l| l.sentence(&outcome.channel));
+    let left = outcome.leftover().map(|l| l.sentence(&outcome.channel));
     let sentence = sentences.into_iter().chain(left).collect::<Vec<_>>().join(" ");
     Verdict { exit_code: if outcome.is_verified() { 0 } else { 3 }, sentence }
 }
@@ -93,7 +93,7 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
         burn_area_mm2: Some(electrode.burn_area_mm2),
         ga_convergence: convergence(plan),
         feed_lowered: None,
-        copying: outcome.copying.as_ref().map(Into::into),
+        copying: whole.copying(index - 1).map(Into::into),
         sha256: certificate.map(VerifiedDigests::of),
         failure: failure(plan, &whole.channel),
         files: Vec::new(),

@@ -32,6 +32,25 @@ fn a_plan_that_is_being_made_again_cannot_be_approved_and_its_successor_is_not()
 }
 
 #[test]
+fn an_approval_stands_when_what_is_left_is_known_later() {
+    let home = Home::new();
+    let mut desk = approved(&home);
+    let plan = desk.app().core().pipeline.plan().unwrap().clone();
+    assert!(plan.finishing().is_none(), "the verdict does not wait for the stock that is left");
+    desk.until_idle();
+    let pipeline = &desk.app().core().pipeline;
+    assert!(Arc::ptr_eq(&plan, pipeline.plan().unwrap()) && pipeline.is_approved());
+    assert!(plan.leftover().is_some() && pipeline.leftover_shape().is_some());
+    assert!(desk.log().iter().any(|line| line.contains("remain in the channel")), "{:#?}", desk.log());
+    // Another plan of the same parameters is finished anew.
+    desk.window.state_mut().core_mut().pipeline.start_plan().unwrap();
+    desk.until("the plan is done", |d| d.state(Stage::Plan) == StageState::Done);
+    assert!(desk.app().core().pipeline.leftover_shape().is_none());
+    desk.until_idle();
+    assert!(desk.app().core().pipeline.leftover_shape().is_some());
+}
+
+#[test]
 fn an_export_stops_when_its_approval_is_taken_back() {
     let home = Home::new();
     let mut desk = approved(&home);

@@ -133,6 +133,7 @@ fn verify_and_approve(desk: &mut Desk) {
     };
     desk.press("Go to the closest place");
     assert_eq!(desk.app().core().cursor.s, least);
+    desk.until_idle();
     desk.press("Show the stock left");
     let core = desk.app().core();
     assert!(core.leftover_values().is_some() && !core.layers.get(Layer::Electrode).visible);

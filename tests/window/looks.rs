@@ -71,6 +71,7 @@ fn plan(desk: &mut Desk, job: PlanJob) {
     desk.until_idle();
     desk.key(Key::F5);
     desk.until("the plan has ended", |d| matches!(d.state(Stage::Plan), StageState::Done | StageState::Failed(_)));
+    desk.until_idle();
 }
 
 #[test]

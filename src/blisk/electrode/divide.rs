@@ -4,10 +4,11 @@ use super::boundary::{Polar, Section};
 use super::{Column, ElectrodeParams};
 
 /// What `column` burns of a section: the wall on the other side gives way to the surface between the columns, moved by
-/// half the overlap. The whole section for no column.
+/// half of what the columns share. The whole section for no column.
 pub(super) fn column_of(section: &Section, column: Option<Column>, params: &ElectrodeParams) -> Section {
     let mut divided = section.clone();
     let Some(column) = column else { return divided };
+    let shared = params.column_overlap_mm - 2.0 * params.spark_gap_mm;
     let [low, high] = &section.walls;
     let (other, sense) = match column {
         Column::Low => (1, 1.0),
@@ -17,7 +18,7 @@ pub(super) fn column_of(section: &Section, column: Option<Column>, params: &Elec
         let r = a.r + params.column_split * (b.r - a.r);
         let middle = a.theta + params.column_split * (b.theta - a.theta);
         // However much they overlap, no column is wider than the channel.
-        let theta = middle + sense * 0.5 * params.column_overlap_mm / r;
+        let theta = middle + sense * 0.5 * shared / r;
         Polar { r, theta: theta.clamp(a.theta, b.theta) }
     };
     divided.walls[other] = low.iter().zip(high).map(between).collect();

@@ -317,13 +317,13 @@ fn burning_extent(channel: &Channel, params: &ElectrodeParams) -> [f64; 2] {
 
 /// The span of X of each part, counted from the side of entry.
 fn part_ranges(extent: [f64; 2], params: &ElectrodeParams, side: EntrySide) -> Result<Vec<[f64; 2]>, ElectrodeError> {
-    let (parts, overlap) = (params.parts, params.overlap_mm);
-    let length = (extent[1] - extent[0] + (parts - 1) as f64 * overlap) / parts as f64;
-    if parts > 1 && length < 2.0 * overlap {
-        return Err(ElectrodeError::PartsTooShort { parts, length, overlap });
+    let (parts, shared) = (params.parts, params.shared_length());
+    let length = (extent[1] - extent[0] + (parts - 1) as f64 * shared) / parts as f64;
+    if parts > 1 && length < 2.0 * params.overlap_mm {
+        return Err(ElectrodeError::PartsTooShort { parts, length, overlap: params.overlap_mm });
     }
     let mut ranges: Vec<_> = (0..parts)
-        .map(|k| extent[0] + k as f64 * (length - overlap))
+        .map(|k| extent[0] + k as f64 * (length - shared))
         .map(|from| [from, (from + length).min(extent[1])])
         .collect();
     if let Some(last) = ranges.last_mut() {
@@ -333,6 +333,32 @@ fn part_ranges(extent: [f64; 2], params: &ElectrodeParams, side: EntrySide) -> R
         ranges.reverse();
     }
     Ok(ranges)
+}
+
+/// Where the burns of parts and columns meet that share so little that stock may be left between them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Junctions {
+    /// Planes across X (mm).
+    pub planes: Vec<f64>,
+    /// The share of the channel's width where two columns meet.
+    pub split: Option<f64>,
+}
+
+impl Junctions {
+    /// Those of electrodes that are made with `params`; none where the burns share more than the spark gap, so that each
+    /// covers the other's rounded edge.
+    ///
+    /// # Errors
+    /// If the parts are too short.
+    pub fn of(channel: &Channel, params: &ElectrodeParams) -> Result<Self, ElectrodeError> {
+        let gap = params.spark_gap_mm;
+        let ranges = part_ranges(burning_extent(channel, params), params, EntrySide::MinusX)?;
+        let meet = ranges.windows(2).map(|pair| 0.5 * (pair[0][1] + pair[1][0]));
+        Ok(Self {
+            planes: if params.overlap_mm < gap { meet.collect() } else { Vec::new() },
+            split: (params.columns > 1 && params.column_overlap_mm < gap).then_some(params.column_split),
+        })
+    }
 }
 
 /// Planes where the boundary stops following the edges of the blades.

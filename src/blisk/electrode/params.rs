@@ -19,12 +19,14 @@ pub struct ElectrodeParams {
     pub radial_reduction_mm: f64,
     /// Number of electrodes the channel is divided between, by planes across X.
     pub parts: usize,
-    /// How much of X two neighbouring parts share (mm).
+    /// How much of X the burns of two neighbouring parts share, each with the spark gap that it burns beyond itself
+    /// (mm). With 0 they only meet, and a ridge is left between them on every wall.
     pub overlap_mm: f64,
     /// 1, or 2 to divide every part left and right along the channel's middle surface too, as P1 does: one electrode
     /// burns the low wall, the other the high wall.
     pub columns: usize,
-    /// How much of the circumference the two columns share (mm); negative leaves a web between them.
+    /// How much of the circumference the burns of the two columns share (mm), counted in the same way; negative leaves
+    /// a web between them.
     pub column_overlap_mm: f64,
     /// Share of the channel's width that belongs to the low column.
     pub column_split: f64,
@@ -148,6 +150,11 @@ impl ElectrodeParams {
     /// How many electrodes the channel is divided between.
     pub fn count(&self) -> usize {
         self.parts * self.columns
+    }
+
+    /// How much of X two neighbouring parts themselves share (mm); negative where they stand apart.
+    pub(super) fn shared_length(&self) -> f64 {
+        self.overlap_mm - 2.0 * self.spark_gap_mm
     }
 
     /// Circumferential reductions of the low and the high wall (rad).

@@ -7,7 +7,8 @@
 //! junction of two parts.
 //!
 //! **Accuracy:** motions are taken as continuous, the least distance to within 2 um and the error of a distance field
-//! (5 um near the surface); where it comes within 10 um of what the certificates prove it is not searched any further. A figure of the surface is that of points some 0.4 mm apart; one of the volume that of rays
+//! (5 um near the surface); where it comes within 10 um of what the certificates prove it is not searched any further. A figure of the surface is that of points some 0.4 mm apart, and
+//! 0.05 mm where two electrodes only just meet; one of the volume that of rays
 //! 0.3 mm apart along X, and from 0.05 mm apart at hub and shroud to 0.4 mm apart between.
 //!
 //! **What counts as the channel:** between the walls, hub and shroud, over the X span of the blades. Beside it the
@@ -27,8 +28,8 @@ use serde::Serialize;
 
 use super::pose::Pose;
 use crate::blisk::channel::{Channel, Surface};
-use crate::blisk::electrode::Electrode;
 use crate::blisk::electrode::walls::WallTable;
+use crate::blisk::electrode::{Electrode, Junctions};
 use crate::blisk::surface_finder::SurfaceFinder;
 use crate::geometry::distance_field::DistanceField;
 use crate::geometry::exact::ExactMeshError;
@@ -60,6 +61,8 @@ pub struct Site<'a> {
     pub finder: &'a SurfaceFinder,
     /// Spark gap (mm).
     pub spark_gap: f64,
+    /// Where electrodes meet: the surface is looked at more closely there.
+    pub junctions: Junctions,
     /// Distance to the finished surface that all the motions are proven to keep (mm); 0 if nothing is proven.
     pub proven: f64,
 }
@@ -254,6 +257,14 @@ impl Passage {
     /// The angles of the low and the high wall at `x` and `r` (rad).
     fn between(&self, x: f64, r: f64) -> [f64; 2] {
         [self.tables[0].at(x, r).theta, self.tables[1].at(x, r).theta]
+    }
+
+    /// How far a point lies from the surface across the channel that has `share` of its width on the low side, along
+    /// the circumference (mm, negative on the low side).
+    fn beyond_split(&self, p: DVec3, share: f64) -> f64 {
+        let Cylindrical { x, r, theta } = Cylindrical::from_point(p);
+        let [low, high] = self.between(x, r);
+        (theta - low - share * (high - low)) * r
     }
 
     /// Whether a point of the surface bounds the room, to within `slack` (mm) along the circumference.

@@ -14,6 +14,10 @@ use crate::progress::{Cancel, Cancelled, Progress};
 
 /// Longest edge of a triangle of the map (mm).
 const EDGE: f64 = 0.45;
+/// The same where two electrodes meet (mm).
+const EDGE_AT_JUNCTION: f64 = 0.06;
+/// How far from their junction that is so (mm).
+const AT_JUNCTION: f64 = 0.15;
 /// How far beside the walls, along the circumference, a point may seem to be (mm): chord errors of the wall grids.
 const BESIDE: f64 = 0.1;
 /// How far a point may be from the nearest surface of the channel (mm): the middle of a fillet.
@@ -36,6 +40,7 @@ pub(super) struct Patch {
 pub(super) fn patch(site: &Site, passage: &Passage, cancel: &Cancel) -> Result<Patch, LeftoverError> {
     let walls = site.channel.low.points.iter().chain(&site.channel.high.points).copied();
     let around = Bounds::of(walls).grown(1.0);
+    let longest = |p: DVec3, q: DVec3| if at_junction(site, passage, p, q) { EDGE_AT_JUNCTION } else { EDGE };
     let parts: Vec<_> = site
         .blisk
         .triangles
@@ -44,7 +49,10 @@ pub(super) fn patch(site: &Site, passage: &Passage, cancel: &Cancel) -> Result<P
             cancel.check()?;
             let corners = batch.iter().map(|t| t.map(|v| site.blisk.vertices[v as usize]));
             let near = corners.filter(|corners| Bounds::of(*corners).intersects(&around));
-            Ok(near.flat_map(|corners| pieces(corners, &around)).filter_map(|c| part(site, passage, c)).collect())
+            Ok(near
+                .flat_map(|corners| pieces(corners, &around, &longest))
+                .filter_map(|c| part(site, passage, c))
+                .collect())
         })
         .collect();
     let parts: Vec<Vec<([DVec3; 3], Surface)>> = parts.into_iter().collect::<Result<_, Cancelled>>()?;
@@ -65,21 +73,32 @@ pub(super) fn patch(site: &Site, passage: &Passage, cancel: &Cancel) -> Result<P
     if mesh.triangles.is_empty() { Err(LeftoverError::NoSurface) } else { Ok(Patch { mesh, surfaces }) }
 }
 
-/// A triangle halved at its longest edge until none is longer than [`EDGE`], as far as it lies in `around`. Every long
-/// edge is halved at its middle, from both sides, so that neighbours share their vertices.
-fn pieces(corners: [DVec3; 3], around: &Bounds) -> Vec<[DVec3; 3]> {
+/// Whether an edge comes near a junction of two electrodes, or crosses it.
+fn at_junction(site: &Site, passage: &Passage, p: DVec3, q: DVec3) -> bool {
+    let near = |a: f64, b: f64| a * b <= 0.0 || a.abs().min(b.abs()) < AT_JUNCTION;
+    let planes = &site.junctions.planes;
+    let split = site.junctions.split;
+    planes.iter().any(|x| near(p.x - x, q.x - x))
+        || split.is_some_and(|s| near(passage.beyond_split(p, s), passage.beyond_split(q, s)))
+}
+
+/// A triangle halved until no edge is longer than `longest` allows between its ends, at the edge that exceeds it most,
+/// as far as it lies in `around`. Every long edge is halved at its middle, from both sides, so that neighbours share
+/// their vertices.
+fn pieces(corners: [DVec3; 3], around: &Bounds, longest: &dyn Fn(DVec3, DVec3) -> f64) -> Vec<[DVec3; 3]> {
     let (mut open, mut small) = (vec![corners], Vec::new());
     while let Some([a, b, c]) = open.pop() {
         if !Bounds::of([a, b, c]).intersects(around) {
             continue;
         }
-        let lengths = [a.distance_squared(b), b.distance_squared(c), c.distance_squared(a)];
-        let longest = (0..3).fold(0, |best, i| if lengths[i] > lengths[best] { i } else { best });
-        if lengths[longest] <= EDGE * EDGE {
+        let turns = [[a, b, c], [b, c, a], [c, a, b]];
+        let excess = turns.map(|[p, q, _]| p.distance(q) / longest(p, q));
+        let most = (0..3).fold(0, |best, i| if excess[i] > excess[best] { i } else { best });
+        if excess[most] <= 1.0 {
             small.push([a, b, c]);
             continue;
         }
-        let [p, q, r] = [[a, b, c], [b, c, a], [c, a, b]][longest];
+        let [p, q, r] = turns[most];
         // The sum does not depend on the order of the two ends.
         let middle = (p + q) * 0.5;
         open.extend([[p, middle, r], [middle, q, r]]);

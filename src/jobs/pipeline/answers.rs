@@ -3,8 +3,11 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::sentences::{channel_sentence, electrode_sentence, export_sentence, part_sentence, plan_sentence};
-use super::{Event, EventKind, Exported, Found, PartialPlan, Pipeline, Planned, Running};
+use super::sentences::{
+    channel_sentence, electrode_sentence, export_sentence, finish_sentence, part_sentence, plan_sentence,
+};
+use super::slot::Slot;
+use super::{Event, EventKind, Exported, Finished, Found, PartialPlan, Pipeline, Planned, Running};
 use crate::jobs::stages::{Electrodes, FoundChannel, Part};
 use crate::jobs::worker::{Ended, Message, TaskId};
 use crate::project::{Fingerprint, KeptPlan, Stage};
@@ -59,6 +62,8 @@ impl Pipeline {
             Some(Stage::Electrode)
         } else if is(self.plan.running) {
             Some(Stage::Plan)
+        } else if is(self.finish.running) {
+            Some(Stage::Verify)
         } else {
             is(self.export.running).then_some(Stage::Export)
         }
@@ -74,11 +79,13 @@ impl Pipeline {
                 let said = self.plan.end(task, ended, Found::plan, plan_sentence);
                 // An earlier plan was noted when it was made, and may be of what the files held then.
                 if self.plan().map(Arc::as_ptr) != before {
+                    self.finish = Slot::default();
                     self.keep_plan();
                 }
                 said
             }
-            Stage::Verify | Stage::Export => self.export.end(task, ended, Found::export, export_sentence),
+            Stage::Verify => self.finish.end(task, ended, Found::finish, finish_sentence),
+            Stage::Export => self.export.end(task, ended, Found::export, export_sentence),
         }
     }
 
@@ -106,6 +113,10 @@ impl Found {
 
     fn plan(self) -> Option<Planned> {
         if let Self::Plan(plan) = self { Some(*plan) } else { None }
+    }
+
+    fn finish(self) -> Option<Finished> {
+        if let Self::Finish(finished) = self { Some(finished) } else { None }
     }
 
     fn export(self) -> Option<Exported> {

@@ -1,6 +1,7 @@
 //! Keeps up with the document: what changed, what has to be made anew, what is taken up again.
 
-use super::{Event, EventKind, Found, Now, PartialPlan, Pipeline, Planned};
+use super::{Event, EventKind, Finished, Found, Now, PartialPlan, Pipeline, Planned};
+use crate::jobs::finish::finish;
 use crate::jobs::plan::PlanInputs;
 use crate::jobs::stages;
 use crate::jobs::worker::Reporter;
@@ -32,8 +33,12 @@ impl Pipeline {
             // A kept plan is taken up again once its parameters are there again.
             self.replayed = None;
         }
+        if self.finish.running.is_some_and(|(_, made_from)| made_from != now.plan) {
+            self.worker.cancel_from(Stage::Verify as u32);
+        }
         self.start_early_stages(document.job(), now);
         events.extend(self.replay_kept_plan(document, now));
+        self.start_finish(now);
         if let Some(plan) = self.newly_planned.take() {
             document.note_plan(plan);
         }
@@ -82,6 +87,23 @@ impl Pipeline {
             let id = self.worker.submit(Stage::Electrode as u32, work);
             self.electrode.running = Some((id, now.electrode));
         }
+    }
+
+    /// Works out the copying motions of a certified plan, and what stock is left, unless that was done or stopped.
+    fn start_finish(&mut self, now: Now) {
+        let (Some(found), Some(planned)) = (self.channel.current(now.channel), self.plan.current(now.plan)) else {
+            return;
+        };
+        if self.plan.running.is_some() || !planned.outcome.is_verified() || !self.finish.wants_work(now.plan) {
+            return;
+        }
+        let (found, planned) = (found.clone(), planned.clone());
+        let work = move |_: &Reporter<PartialPlan, Found>, p: &Progress, c: &Cancel| {
+            let finishing = finish(&planned.outcome, &planned.inputs, &found.blisk, p, c).map_err(|e| e.to_string())?;
+            Ok(Found::Finish(Finished::new(finishing, &planned.outcome.channel)))
+        };
+        let id = self.worker.submit(Stage::Verify as u32, work);
+        self.finish.running = Some((id, now.plan));
     }
 
     /// Takes up the plan that the document came with, if it is for its present parameters; says so once if it is not.

@@ -1,6 +1,6 @@
 //! What became of a step, in one sentence for the log.
 
-use super::{EventKind, Exported, Planned};
+use super::{EventKind, Exported, Finished, Planned};
 use crate::jobs::stages::{Electrodes, FoundChannel, Part};
 
 pub(super) fn part_sentence(part: &Part) -> (EventKind, String) {
@@ -31,6 +31,13 @@ pub(super) fn plan_sentence(planned: &Planned) -> (EventKind, String) {
     };
     let name = if plan.electrodes.len() > 1 { format!("electrode {} ", i + 1) } else { "the electrode ".to_owned() };
     (kind, name + &electrode.plan.verdict(&plan.channel))
+}
+
+pub(super) fn finish_sentence(finished: &Finished) -> (EventKind, String) {
+    match &finished.said {
+        Ok(left) => (EventKind::Done, left.clone()),
+        Err(why) => (EventKind::Refused, why.clone()),
+    }
 }
 
 pub(super) fn export_sentence(exported: &Exported) -> (EventKind, String) {

@@ -1,0 +1,79 @@
+//! Blisks at random: where the searches of the papers find a way, the global one does.
+
+use super::*;
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use sparkpath::feed::search::Strategy;
+
+/// A blisk that can be made, of some 20 to 60 blades with channels of 10 to 20 mm depth.
+fn random_blisk(rng: &mut ChaCha8Rng) -> (ParametricBlisk, Mesh) {
+    loop {
+        let mut within = |least: f64, most: f64| rng.random_range(least..most);
+        let (hub, chord) = (within(60.0, 120.0), within(12.0, 26.0));
+        let blisk = ParametricBlisk {
+            blades: within(20.0, 64.0) as usize,
+            hub_radius_mm: hub,
+            shroud_radius_mm: hub + within(10.0, 20.0),
+            hub_slope: within(-0.1, 0.2),
+            shroud_slope: within(-0.1, 0.2),
+            bore_radius_mm: 0.5 * hub,
+            width_mm: chord + 6.0,
+            chord_mm: chord,
+            beta_in_deg: within(5.0, 50.0),
+            beta_out_deg: within(-50.0, -5.0),
+            twist_deg: within(-8.0, 8.0),
+            lean_deg: within(-6.0, 6.0),
+            taper: within(0.0, 0.15),
+            max_thickness_mm: within(2.0, 5.0),
+            ..Default::default()
+        };
+        if let Ok(mesh) = blisk.mesh(&MeshResolution::default()) {
+            return (blisk, mesh);
+        }
+    }
+}
+
+/// How many of `count` blisks each of genetic, centreline and global found a way for.
+fn ways_found(count: usize) -> [usize; 3] {
+    let mut found = [0; 3];
+    for seed in 0..count as u64 {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let (blisk, mesh) = random_blisk(&mut rng);
+        let mut job = PlanJob::demonstration();
+        let pitch_deg = 360.0 / blisk.blades as f64;
+        let reduction = pitch_deg * rng.random_range(0.12..0.32);
+        job.electrode.circumferential_reduction_deg = [reduction; 2];
+        job.electrode.enter = if rng.random() { EnterSide::MinusX } else { EnterSide::PlusX };
+        let mut inputs = PlanInputs { blisk: mesh.into(), own_electrode: None, job };
+        let (silent, never) = (Progress::silent(), Cancel::default());
+        let ready = prepare(&inputs, &silent, &never).unwrap();
+        let verified = [Strategy::Genetic, Strategy::Centreline, Strategy::Global].map(|strategy| {
+            inputs.job.plan.strategy = strategy;
+            match run_feeds(&ready, &inputs, &silent, &never) {
+                Ok(outcome) => outcome.is_verified(),
+                // No electrode can be made at all, which is the same for every strategy.
+                Err(PlanJobError::Electrode(_)) => false,
+                Err(other) => panic!("blisk {seed}, {strategy:?}: {other}"),
+            }
+        });
+        println!("blisk {seed}: {reduction:.3} of {pitch_deg:.2} deg, genetic, centreline, global {verified:?}");
+        let [genetic, centreline, global] = verified;
+        assert!(global || !(genetic || centreline), "blisk {seed} {verified:?}, {reduction} deg: {blisk:?}");
+        verified.into_iter().enumerate().for_each(|(i, yes)| found[i] += usize::from(yes));
+    }
+    found
+}
+
+#[test]
+fn the_global_search_finds_a_way_wherever_another_does() {
+    let [genetic, centreline, global] = ways_found(2);
+    assert!(global >= genetic.max(centreline) && global > 0, "{genetic} {centreline} {global}");
+}
+
+#[test]
+#[ignore = "takes a quarter of an hour"]
+fn the_global_search_finds_a_way_wherever_another_does_on_fifty_blisks() {
+    let found = ways_found(50);
+    println!("of 50: genetic, centreline, global {found:?}");
+    assert!(found[2] > 10, "{found:?}");
+}
