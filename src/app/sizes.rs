@@ -84,7 +84,8 @@ fn table(ui: &mut Ui, core: &Core, rows: &[SizeRow]) -> Option<SizeRow> {
 
 fn is_applied(job: &PlanJob, row: &SizeRow) -> bool {
     let e = &job.electrode;
-    e.parts == row.parts && e.enter == row.enter && e.circumferential_reduction_deg == row.reduction_deg
+    let given = e.size == crate::blisk::electrode::Sizing::Given;
+    given && e.parts == row.parts && e.enter == row.enter && e.circumferential_reduction_deg == row.reduction_deg
 }
 
 /// Puts a row's reductions, parts and side into the parameters, and the strategy that found them.
@@ -92,6 +93,7 @@ fn apply(core: &mut Core, row: &SizeRow) {
     let mut job = core.document.job().clone();
     job.electrode.parts = row.parts;
     job.electrode.enter = row.enter;
+    job.electrode.size = crate::blisk::electrode::Sizing::Given;
     job.electrode.circumferential_reduction_deg = row.reduction_deg;
     job.plan.strategy = crate::feed::search::Strategy::Global;
     core.edit("Take a size", job, false);

@@ -3,11 +3,14 @@
 use std::path::Path;
 
 use super::{Answer, Session};
+use crate::blisk::electrode::Sizing;
 use crate::blisk::parametric::{MeshResolution, ParametricBlisk};
 use crate::export::post::Post;
 use crate::export::report::{InputFile, Report};
-use crate::jobs::plan::{PlanInputs, PlanOutcome, run};
+use crate::jobs::auto_size::sized;
+use crate::jobs::plan::{PlanInputs, PlanOutcome, prepare, run_prepared};
 use crate::jobs::plan_files;
+use crate::jobs::prepared_blisk::PreparedBlisk;
 use crate::jobs::stages::input_file;
 use crate::mesh_io::Units;
 use crate::project::PlanJob;
@@ -63,8 +66,14 @@ fn finish(inputs: &PlanInputs, files: Vec<InputFile>, out: &Path, session: &Sess
     // What would stop the results should be found out before the work.
     Post::named(&inputs.job.export.post)?;
     plan_files::prepare(out)?;
-    let outcome = run(inputs, &session.progress, &session.cancel)?;
-    let (report, written) = plan_files::export(out, &outcome, inputs, files, &session.progress, &session.cancel)?;
+    let Session { progress, cancel, .. } = session;
+    let prepared = prepare(inputs, progress, cancel)?;
+    let inputs = match inputs.job.electrode.size {
+        Sizing::Given => inputs,
+        Sizing::Auto => &auto(&prepared, inputs, session)?,
+    };
+    let outcome = run_prepared(&prepared, inputs, &|_, _, _| (), progress, cancel)?;
+    let (report, written) = plan_files::export(out, &outcome, inputs, files, progress, cancel)?;
     super::terminal::finish();
     if session.json {
         say!("{}", report.json()?);
@@ -72,6 +81,22 @@ fn finish(inputs: &PlanInputs, files: Vec<InputFile>, out: &Path, session: &Sess
         print_summary(&report, &outcome, &written, out);
     }
     Ok(if outcome.is_verified() { Answer::Yes } else { Answer::No })
+}
+
+/// The job with the size that is found for it, which is said.
+fn auto(prepared: &PreparedBlisk, inputs: &PlanInputs, session: &Session) -> anyhow::Result<PlanInputs> {
+    let (sized, row) = sized(prepared, inputs, &session.progress, &session.cancel)?;
+    super::terminal::finish();
+    if !session.json {
+        let [low, high] = sized.job.electrode.circumferential_reduction_deg;
+        match row {
+            Some(row) => {
+                say!("size       reductions {low:.3} and {high:.3} deg, entered from {}", row.enter.name());
+            }
+            None => say!("size       no reduction lets the electrode out; planned with {low:.3} and {high:.3} deg"),
+        }
+    }
+    Ok(sized)
 }
 
 fn print_summary(report: &Report, outcome: &PlanOutcome, written: &[String], out: &Path) {

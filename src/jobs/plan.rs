@@ -7,7 +7,7 @@ use super::finish::{Finishing, finish};
 use super::prepared_blisk::PreparedBlisk;
 use crate::blisk::channel::Channel;
 use crate::blisk::electrode::{
-    Electrode, ElectrodeError, ElectrodeParams, EnterSide, EntrySide, from_user_mesh, make_electrodes,
+    Electrode, ElectrodeError, ElectrodeParams, EnterSide, EntrySide, Sizing, from_user_mesh, make_electrodes,
 };
 use crate::blisk::error::BliskError;
 use crate::blisk::find_channel::find_channel;
@@ -240,6 +240,10 @@ struct JobPlanner<'a> {
 impl JobPlanner<'_> {
     fn outcome(mut self) -> Result<PlanOutcome, PlanJobError> {
         self.inputs.job.validate().map_err(PlanJobError::Job)?;
+        if self.inputs.job.electrode.size == Sizing::Auto {
+            let todo = "[electrode] size = \"auto\": find the sizes first and take one, or give the reductions";
+            return Err(PlanJobError::Job(todo.to_owned()));
+        }
         let electrodes = self.electrodes()?;
         let channel = self.prepared.space.channel.clone();
         Ok(PlanOutcome { channel, electrodes, times: self.clock.0, finishing: OnceLock::new() })

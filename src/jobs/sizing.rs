@@ -71,6 +71,7 @@ pub fn size(
     let mut base = inputs.clone();
     base.job.plan.strategy = Strategy::Global;
     base.job.genetic.h = ReductionMode::Given;
+    base.job.electrode.size = crate::blisk::electrode::Sizing::Given;
     base.job.electrode.circumferential_reduction_deg = [0.0; 2];
     base.job.validate().map_err(PlanJobError::Job)?;
     let sizing = Sizing { prepared, base, found, progress, cancel };

@@ -157,6 +157,9 @@ impl PlanJob {
                 "[genetic] h = \"variable\": only the strategy \"genetic\" searches h; use h = \"given\"".to_owned()
             );
         }
+        if self.electrode.size == Sizing::Auto {
+            self.can_be_sized()?;
+        }
         if self.plan.strategy == Strategy::Global && self.plan.constraint == Constraint::Angle {
             return Err("[plan] constraint = \"angle\": the strategy \"global\" works on distances; use constraint = \
                         \"distance\", or another strategy"
@@ -169,6 +172,19 @@ impl PlanJob {
             ));
         }
         Ok(())
+    }
+
+    fn can_be_sized(&self) -> Result<(), String> {
+        let why = if self.electrode.mesh.is_some() {
+            "an electrode mesh of your own has the size it has"
+        } else if self.genetic.h == ReductionMode::Variable {
+            "the reductions are found once, not node by node as [genetic] h = \"variable\" does; use h = \"given\""
+        } else if self.plan.constraint == Constraint::Angle {
+            "sizing works on distances; use [plan] constraint = \"distance\""
+        } else {
+            return Ok(());
+        };
+        Err(format!("[electrode] size = \"auto\": {why}"))
     }
 
     /// Reads a job file. Paths in it are relative to its folder.
@@ -226,12 +242,6 @@ impl PlanJob {
         let job = Self::from_table(table, folder)?;
         if job.blisk.mesh.is_none() {
             return Err(Problem::at("[blisk] ", "mesh is missing; give the mesh file, as in mesh = \"part.stl\""));
-        }
-        if job.electrode.size == Sizing::Auto {
-            return Err(Problem::at(
-                "[electrode] size: ",
-                "\"auto\" is not available; give the reductions, or let the search find h with [genetic] h = \"variable\"",
-            ));
         }
         Ok(job)
     }
