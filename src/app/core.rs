@@ -372,7 +372,8 @@ impl Core {
 
     /// The stock left on the surfaces of the channel with its colours, if it is to be seen and known.
     pub fn leftover_values(&self) -> Option<(&Arc<RenderMesh>, SurfaceValues)> {
-        let shape = self.pipeline.leftover_shape().filter(|_| self.leftover && !self.is_tuning())?;
+        let is_shown = self.leftover && !self.is_tuning() && !self.plan_is_stale();
+        let shape = self.pipeline.leftover_shape().filter(|_| is_shown)?;
         Some((&shape.shape, shape.values(self.document.job().electrode.spark_gap_mm)))
     }
 
@@ -420,6 +421,9 @@ impl Core {
     pub fn shown_electrode(&self) -> Option<(&Electrode, &Arc<RenderMesh>)> {
         let (p, i) = (&self.pipeline, self.cursor.electrode);
         if let Some((electrode, shape)) = self.searched().and_then(|partial| partial.electrode.as_ref()) {
+            return Some((electrode, shape));
+        }
+        if let Some((electrode, shape)) = self.tuning.other_electrode().filter(|_| self.is_live()) {
             return Some((electrode, shape));
         }
         let planned = self.outcome().map(|o| &o.electrode).zip(p.plan_shapes().and_then(|s| s.get(i)));

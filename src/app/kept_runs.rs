@@ -28,6 +28,8 @@ pub struct KeptRuns {
 pub struct KeptRun {
     /// Counted from 1.
     number: usize,
+    /// Which of the theme's colours it has.
+    colour: usize,
     run: Run,
     /// Digests of its paths.
     paths: Vec<String>,
@@ -41,7 +43,7 @@ impl KeptRun {
 
     /// Its colour among those of the theme.
     pub fn colour(&self, ui: &Ui) -> Color32 {
-        palette(ui).runs[(self.number - 1) % KeptRuns::MOST]
+        palette(ui).runs[self.colour]
     }
 
     /// How `axis` of electrode number `electrode` from 0 moves.
@@ -78,7 +80,9 @@ impl KeptRuns {
             kept.smoothness = Smoothness::of(&figures);
         }
         self.kept += 1;
-        let kept = KeptRun { number: self.kept, run, paths: paths(plan).map(str::to_owned).collect() };
+        let is_free = |colour: &usize| self.runs.iter().all(|run| run.colour != *colour);
+        let colour = (0..Self::MOST).find(is_free).unwrap_or(0);
+        let kept = KeptRun { number: self.kept, colour, run, paths: paths(plan).map(str::to_owned).collect() };
         let name = kept.name();
         self.runs.push(kept);
         name
@@ -148,7 +152,7 @@ fn figures(ui: &mut Ui, found: Option<&RunElectrode>, axes: &[Axis]) {
         let text = value.map_or("\u{2013}".to_owned(), |v| format!("{v:.decimals$}"));
         ui.label(RichText::new(text).monospace());
     };
-    number(ui, found.and_then(|e| e.certified_clearance_mm), 4);
+    number(ui, found.filter(|e| e.certified).and_then(|e| e.certified_clearance_mm), 4);
     // A plan that was opened was not searched.
     number(ui, found.map(|e| e.search_seconds).filter(|seconds| *seconds > 0.0), 2);
     for axis in axes {

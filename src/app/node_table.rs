@@ -1,7 +1,7 @@
 //! The nodes of the track as a table; a click moves the cursor.
 
-use egui::{Align, Layout, RichText, Role, Ui, WidgetInfo};
-use egui_extras::{Column, TableBuilder};
+use egui::{Align, Color32, Layout, RichText, Role, Ui, WidgetInfo};
+use egui_extras::{Column, TableBuilder, TableRow};
 
 use super::core::Core;
 use super::theme::palette;
@@ -46,23 +46,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
             let i = row.index();
             let node = &nodes[i];
             row.set_selected(current == Some(i));
-            let number = |v: f64| RichText::new(format!("{v:.4}")).monospace();
-            row.col(|ui| {
-                ui.label(RichText::new(number_of(node, i).to_string()).monospace());
-            });
-            row.col(|ui| {
-                ui.label(number(node.s));
-            });
-            for axis in axes {
-                let value = node.pose.get(*axis);
-                row.col(|ui| {
-                    ui.label(number(if axis.is_rotary() { value.to_degrees() } else { value }));
-                });
-            }
-            row.col(|ui| {
-                let colour = if node.clearance < gap { colours.bad } else { ui.visuals().text_color() };
-                ui.label(number(node.clearance).color(colour));
-            });
+            cells(&mut row, node, i, axes, (node.clearance < gap).then_some(colours.bad));
             let response = row.response();
             response.widget_info(|| {
                 WidgetInfo::selected(Role::Row, true, current == Some(i), format!("Node {}", number_of(node, i)))
@@ -75,6 +59,27 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
     if let Some(s) = chosen {
         core.go_to(s);
     }
+}
+
+/// The cells of the node in this place; its clearance in `alarm` if there is one.
+fn cells(row: &mut TableRow, node: &Station, place: usize, axes: &[Axis], alarm: Option<Color32>) {
+    let number = |v: f64| RichText::new(format!("{v:.4}")).monospace();
+    row.col(|ui| {
+        ui.label(RichText::new(number_of(node, place).to_string()).monospace());
+    });
+    row.col(|ui| {
+        ui.label(number(node.s));
+    });
+    for axis in axes {
+        let value = node.pose.get(*axis);
+        row.col(|ui| {
+            ui.label(number(if axis.is_rotary() { value.to_degrees() } else { value }));
+        });
+    }
+    row.col(|ui| {
+        let colour = alarm.unwrap_or(ui.visuals().text_color());
+        ui.label(number(node.clearance).color(colour));
+    });
 }
 
 /// Its number as verdicts, reports and path files give it: counted from the final pose.

@@ -12,7 +12,9 @@ use crate::project::{PlanJob, Stage};
 
 /// What a quick look says of the electrode as it is tuned.
 pub fn live(ui: &mut Ui, core: &Core) {
-    if core.tuning.is_looking() {
+    if let Some(why) = core.tuning.blind() {
+        notice(ui, palette(ui).warning, &format!("No look for a way out: {why}"));
+    } else if core.tuning.is_looking() {
         notice(ui, palette(ui).faint, "Looking for a way out…");
     } else if let Some((sentence, took)) = core.tuning.sentence() {
         let out = core.tuning.way().is_some_and(|(_, way)| way.way.width.is_some());
@@ -48,14 +50,18 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
     if rows.is_empty() {
         return;
     }
-    if let Some(row) = table(ui, core, &rows) {
+    let current = core.tuning.sizes_are_of(core.pipeline.of_size());
+    if !current {
+        notice(ui, palette(ui).warning, "These sizes are of other parameters; find them again to take one.");
+    }
+    if let Some(row) = table(ui, core, &rows, current) {
         apply(core, &row);
     }
     plot(ui, &rows);
 }
 
 /// The rows; answers the one that is to be applied.
-fn table(ui: &mut Ui, core: &Core, rows: &[SizeRow]) -> Option<SizeRow> {
+fn table(ui: &mut Ui, core: &Core, rows: &[SizeRow], current: bool) -> Option<SizeRow> {
     let mut chosen = None;
     egui::Grid::new("sizes").num_columns(6).spacing([10.0, 3.0]).striped(true).show(ui, |ui| {
         for (head, unit) in [("Parts", ""), ("From", ""), ("Low", "deg"), ("High", "deg"), ("Thick", "mm"), ("", "")] {
@@ -69,10 +75,11 @@ fn table(ui: &mut Ui, core: &Core, rows: &[SizeRow]) -> Option<SizeRow> {
             ui.label(RichText::new(format!("{low:.3}")).monospace());
             ui.label(RichText::new(format!("{high:.3}")).monospace());
             ui.label(RichText::new(format!("{:.3}", row.least_thickness_mm)).monospace());
-            let applied = is_applied(core.document.job(), row);
-            let response = ui.add_enabled(!applied, egui::Button::new(if applied { "Taken" } else { "Take" }).small());
+            let applied = current && is_applied(core.document.job(), row);
+            let response =
+                ui.add_enabled(current && !applied, egui::Button::new(if applied { "Taken" } else { "Take" }).small());
             let name = format!("Take size {}", i + 1);
-            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, !applied, &name));
+            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, current && !applied, &name));
             if response.on_hover_text(format!("certified {:.4} mm", row.certified_mm)).clicked() {
                 chosen = Some(row.clone());
             }

@@ -11,6 +11,7 @@ use crate::blisk::channel::Channel;
 use crate::blisk::electrode::EntrySide;
 use crate::feed::leftover::Leftover;
 use crate::jobs::pipeline::StageState;
+use crate::jobs::plan::PlanOutcome;
 use crate::project::Stage;
 
 /// Draws them.
@@ -203,11 +204,30 @@ fn verify(ui: &mut Ui, core: &mut Core) {
             notice(ui, palette(ui).faint, &copying.sentence());
         }
     }
-    if let Some(left) = plan.leftover() {
-        leftover(ui, core, left, &plan.channel);
-    }
+    finishing(ui, core, &plan);
     if core.pipeline.can_approve() {
         next(ui, core, Stage::Export);
+    }
+}
+
+/// How the electrodes finish the channel, or how far that is known.
+fn finishing(ui: &mut Ui, core: &mut Core, plan: &PlanOutcome) {
+    match core.pipeline.finishing() {
+        StageState::Running => {
+            notice(ui, palette(ui).faint, "Working out the copying motions and what stock is left\u{2026}");
+        }
+        StageState::Failed(why) => {
+            let text = format!("It is not known what stock is left, and there are no copying motions: {why}.");
+            notice(ui, palette(ui).warning, &text);
+            if ui.button("Work out the stock left").clicked() {
+                core.pipeline.resume_finishing();
+            }
+        }
+        _ => {
+            if let Some(left) = plan.leftover() {
+                leftover(ui, core, left, &plan.channel);
+            }
+        }
     }
 }
 
@@ -215,7 +235,7 @@ fn verify(ui: &mut Ui, core: &mut Core) {
 fn leftover(ui: &mut Ui, core: &mut Core, left: &Leftover, channel: &Channel) {
     let length = core.preferences.length;
     ui.add_space(6.0);
-    ui.strong("Stock left");
+    ui.strong(if core.plan_is_stale() { "Stock left, with other parameters" } else { "Stock left" });
     let stock = &left.stock;
     fact(ui, "In the channel", format!("{:.2} of {:.0} mm³", stock.left_mm3, stock.channel_mm3));
     for figures in &left.surfaces {
@@ -231,7 +251,9 @@ fn leftover(ui: &mut Ui, core: &mut Core, left: &Leftover, channel: &Channel) {
 
 fn export(ui: &mut Ui, core: &mut Core) {
     let approved = core.pipeline.is_approved();
-    if !approved && !core.pipeline.can_approve() {
+    if !approved && core.pipeline.finishing() == StageState::Running {
+        notice(ui, palette(ui).faint, "It can be approved as soon as its copying motions are known.");
+    } else if !approved && !core.pipeline.can_approve() {
         notice(
             ui,
             palette(ui).warning,

@@ -5,37 +5,47 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::blisk::channel::Channel;
+use crate::blisk::electrode::Electrode;
 use crate::jobs::live::{LiveWay, live_way};
 use crate::jobs::pipeline::TuningInputs;
 use crate::jobs::sizing::{SizeRow, SizingRange, size};
 use crate::jobs::worker::{Ended, Message, Worker};
 use crate::project::Fingerprint;
+use crate::render::mesh::RenderMesh;
 
 /// Parts up to which electrodes are sized.
 const MOST_PARTS: usize = 3;
 /// How long nothing may change before what was looked at quickly is planned and verified.
 const REST: Duration = Duration::from_millis(700);
 
+/// The parameters that are looked at, and the number of the electrode.
+type Place = (Fingerprint, usize);
+
 /// What a look found, for which parameters.
 struct Looked {
-    at: Fingerprint,
+    at: Place,
     channel: Arc<Channel>,
     way: LiveWay,
+    /// The electrode that it is the way of, where that is not the one that is tuned.
+    other: Option<(Arc<Electrode>, Arc<RenderMesh>)>,
     took: Duration,
 }
 
 /// See the module's page.
 pub struct Tuning {
     looker: Worker<(), Looked>,
-    asked: Option<Fingerprint>,
+    asked: Option<Place>,
+    /// Why the last look could not be made.
+    blind: Option<String>,
     looked: Option<(Looked, Instant)>,
     /// Counts the looks: another number, another way.
     number: u64,
     /// Parameters for which a plan was asked for already.
-    planned: Option<Fingerprint>,
+    planned: Option<Place>,
     sizer: Worker<SizeRow, ()>,
-    /// The table, and what is being worked on.
+    /// The table, what its parameters are told by, and what is being worked on.
     rows: Vec<SizeRow>,
+    sized: Option<Fingerprint>,
     sizing: Option<String>,
     failure: Option<String>,
 }
@@ -49,11 +59,13 @@ impl Tuning {
         Ok(Self {
             looker: Worker::start(wake.clone())?,
             asked: None,
+            blind: None,
             looked: None,
             number: 0,
             planned: None,
             sizer: Worker::start(wake)?,
             rows: Vec::new(),
+            sized: None,
             sizing: None,
             failure: None,
         })
@@ -70,29 +82,38 @@ impl Tuning {
             self.looked = None;
             return;
         };
-        let at = inputs.of;
+        let at = (inputs.of, part);
         if self.asked == Some(at) {
             return;
         }
         self.asked = Some(at);
+        self.blind = None;
         self.looker.submit(0, move |_, progress, cancel| {
             let ready = inputs.prepared(progress, cancel)?;
             let began = Instant::now();
             let way = live_way(&ready, &inputs.inputs, part, progress, cancel).map_err(|e| e.to_string())?;
-            Ok(Looked { at, channel: inputs.channel(), way, took: began.elapsed() })
+            let took = began.elapsed();
+            let other = way.other.as_ref().map(|e| (e.clone(), Arc::new(RenderMesh::new(&e.mesh))));
+            Ok(Looked { at, channel: inputs.channel(), way, other, took })
         });
     }
 
     fn take(&mut self) {
         for message in self.looker.messages() {
-            if let Message::Finished(_, Ended::Done(looked)) = message {
-                self.number += 1;
-                self.looked = Some((looked, Instant::now()));
+            let Message::Finished(_, ended) = message else { continue };
+            match ended {
+                Ended::Done(looked) => {
+                    self.number += 1;
+                    self.looked = Some((looked, Instant::now()));
+                }
+                Ended::Failed(why) | Ended::Panicked(why) => self.blind = Some(why),
+                Ended::Cancelled => {}
             }
         }
         for message in self.sizer.messages() {
             match message {
-                Message::Partial(_, row) => self.rows.push(row),
+                Message::Partial(_, row) if self.sized.is_some() => self.rows.push(row),
+                Message::Partial(..) => {}
                 Message::Progress { stage, message, .. } => self.sizing = Some(format!("{stage} {message}")),
                 Message::Started(_) => self.sizing = Some("sizing".to_owned()),
                 Message::Finished(_, ended) => {
@@ -111,6 +132,17 @@ impl Tuning {
         (self.asked == Some(looked.at)).then_some((self.number, &looked.way))
     }
 
+    /// The electrode that this is the way of, and its shape, where that is not the one that is tuned.
+    pub fn other_electrode(&self) -> Option<&(Arc<Electrode>, Arc<RenderMesh>)> {
+        self.way()?;
+        self.looked.as_ref()?.0.other.as_ref()
+    }
+
+    /// Why the last look could not be made.
+    pub fn blind(&self) -> Option<&str> {
+        self.blind.as_deref()
+    }
+
     /// What it found in one sentence, and how long it took.
     pub fn sentence(&self) -> Option<(String, Duration)> {
         let (looked, _) = self.looked.as_ref().filter(|(looked, _)| self.asked == Some(looked.at))?;
@@ -119,7 +151,7 @@ impl Tuning {
 
     /// Whether a look is under way.
     pub fn is_looking(&self) -> bool {
-        self.asked.is_some() && self.way().is_none()
+        self.asked.is_some() && self.blind.is_none() && self.way().is_none()
     }
 
     /// Whether it is time to plan and verify what was looked at: it comes out, and nothing has changed for a while. True
@@ -143,6 +175,7 @@ impl Tuning {
     pub fn size(&mut self, inputs: TuningInputs) {
         self.rows.clear();
         self.failure = None;
+        self.sized = Some(inputs.of_size);
         self.sizing = Some("sizing".to_owned());
         self.sizer.submit(0, move |reporter, progress, cancel| {
             let ready = inputs.prepared(progress, cancel)?;
@@ -151,6 +184,20 @@ impl Tuning {
             let rows = size(&ready, &inputs.inputs, range, &found, progress, cancel).map_err(|e| e.to_string())?;
             if rows.is_empty() { Err("no reduction that was tried lets an electrode out".to_owned()) } else { Ok(()) }
         });
+    }
+
+    /// Whether the table is of parameters that are told by `now`.
+    pub fn sizes_are_of(&self, now: Option<Fingerprint>) -> bool {
+        self.sized.is_some() && self.sized == now
+    }
+
+    /// Forgets the table: another document is there.
+    pub fn forget_sizes(&mut self) {
+        self.sizer.cancel_from(0);
+        // What was on its way is of the document before.
+        let _ = self.sizer.messages();
+        self.rows.clear();
+        (self.sized, self.sizing, self.failure) = (None, None, None);
     }
 
     /// Stops sizing; the rows found so far stay.

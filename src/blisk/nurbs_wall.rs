@@ -2,10 +2,13 @@
 
 use glam::DVec3;
 
+use rayon::prelude::*;
+
 use super::channel::ChannelWall;
 use super::sections::MeasuredSection;
 use crate::geometry::exact::ExactMesh;
 use crate::geometry::nurbs::{FitError, NurbsCurve, NurbsError, NurbsSurface};
+use crate::progress::{Cancel, Cancelled};
 
 /// A wall as a surface: `u` runs along the chord from the -X edge, `v` from the hub outwards.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +21,16 @@ pub struct NurbsWall {
     pub v: Vec<f64>,
     /// How far the surface is from the points that it was made from.
     pub off_points: FitError,
+}
+
+/// Why there are no walls through measured sections.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum MeasuredError {
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    #[error(transparent)]
+    Nurbs(#[from] NurbsError),
 }
 
 impl NurbsWall {
@@ -37,28 +50,33 @@ impl NurbsWall {
     /// numbers of points, cubics through each of them take their place.
     ///
     /// # Errors
-    /// [`NurbsError`] if neighbouring points or sections coincide.
-    pub fn of_measured(sections: &[MeasuredSection]) -> Result<[Self; 2], NurbsError> {
+    /// [`MeasuredError`] if neighbouring points or sections coincide, or when told to stop.
+    pub fn of_measured(sections: &[MeasuredSection], cancel: &Cancel) -> Result<[Self; 2], MeasuredError> {
         let low: Vec<&[DVec3]> = sections.iter().map(|s| s.low.as_slice()).collect();
         let high: Vec<&[DVec3]> = sections.iter().map(|s| s.high.as_slice()).collect();
-        Ok([Self::of_sections(&low)?, Self::of_sections(&high)?])
+        Ok([Self::of_sections(&low, cancel)?, Self::of_sections(&high, cancel)?])
     }
 
-    fn of_sections(sections: &[&[DVec3]]) -> Result<Self, NurbsError> {
+    fn of_sections(sections: &[&[DVec3]], cancel: &Cancel) -> Result<Self, MeasuredError> {
         let n = sections.iter().map(|s| s.len()).max().unwrap_or(0).min(Self::MOST_POINTS);
         if sections.iter().all(|s| s.len() == n) {
-            return Self::skinned(sections.iter().map(|s| s.to_vec()).collect());
+            return Ok(Self::skinned(sections.iter().map(|s| s.to_vec()).collect())?);
         }
         let resampled = sections.iter().map(|points| {
             let curve = NurbsCurve::cubic(points, None)?;
             Ok((0..n).map(|i| curve.point(i as f64 / (n - 1) as f64)).collect())
         });
         let mut wall = Self::skinned(resampled.collect::<Result<_, NurbsError>>()?)?;
-        let off = sections.iter().zip(&wall.v).flat_map(|(points, &v)| {
-            let wall = &wall;
-            points.iter().map(move |p| wall.distance_along(v, *p))
-        });
-        wall.off_points = FitError::of(off);
+        let mut off = Vec::new();
+        for (points, &v) in sections.iter().zip(&wall.v) {
+            let places = wall.places_along(v);
+            let distance = |p: &DVec3| {
+                cancel.check()?;
+                Ok(wall.distance_along(v, &places, *p))
+            };
+            off.extend(points.par_iter().map(distance).collect::<Result<Vec<f64>, Cancelled>>()?);
+        }
+        wall.off_points = FitError::of(off.into_iter());
         Ok(wall)
     }
 
@@ -72,14 +90,21 @@ impl NurbsWall {
         Ok(Self { surface, u, v, off_points })
     }
 
-    /// The distance of `p` from the surface's curve at constant `v`.
-    fn distance_along(&self, v: f64, p: DVec3) -> f64 {
+    /// Evenly spaced points of the surface's curve at constant `v`.
+    fn places_along(&self, v: f64) -> Vec<DVec3> {
         const PLACES: usize = 400;
+        (0..=PLACES).map(|i| self.surface.point(i as f64 / PLACES as f64, v)).collect()
+    }
+
+    /// The distance of `p` from the surface's curve at constant `v`, of which `places` are evenly spaced points.
+    fn distance_along(&self, v: f64, places: &[DVec3], p: DVec3) -> f64 {
         const ROUNDS: usize = 60;
         let distance = |u: f64| self.surface.point(u, v).distance_squared(p);
-        let at = |i: usize| i as f64 / PLACES as f64;
-        let best = (0..=PLACES).min_by(|a, b| distance(at(*a)).total_cmp(&distance(at(*b)))).unwrap_or(0);
-        let (mut low, mut high) = (at(best.saturating_sub(1)), at((best + 1).min(PLACES)));
+        let off = |i: usize| places[i].distance_squared(p);
+        let last = places.len() - 1;
+        let at = |i: usize| i as f64 / last as f64;
+        let best = (0..=last).min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(0);
+        let (mut low, mut high) = (at(best.saturating_sub(1)), at((best + 1).min(last)));
         for _ in 0..ROUNDS {
             let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
             if distance(a) < distance(b) {

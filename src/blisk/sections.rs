@@ -227,8 +227,13 @@ impl Columns {
         let x = number("x", self.x)?;
         let point = match self.across {
             Across::Cartesian { y, z } => DVec3::new(x, number("y", y)?, number("z", z)?),
-            Across::Polar { r, theta } => {
-                Cylindrical { x, r: number("r", r)?, theta: number("theta_deg", theta)?.to_radians() }.point()
+            Across::Polar { r: at, theta } => {
+                let r = number("r", at)?;
+                if r <= 0.0 {
+                    let (text, expected) = (shortened(cells[at]), "a radius greater than 0");
+                    return Err(SectionsError::Cell { line, column: "r", text, expected });
+                }
+                Cylindrical { x, r, theta: number("theta_deg", theta)?.to_radians() }.point()
             }
         };
         let section = section_named(cells[self.section], sections)?;

@@ -51,7 +51,7 @@ pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow
 fn measured(file: &Path, mesh: &Mesh, sides: [BladeSide; 2], session: &Session) -> anyhow::Result<CentrelineSummary> {
     let name = file.display();
     let sections = read_sections_file(file).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
-    let walls = NurbsWall::of_measured(&sections).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
+    let walls = NurbsWall::of_measured(&sections, &session.cancel).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
     let exact = ExactMesh::new(mesh)?;
     CentrelineSummary::of_walls(&walls, sides, &exact, &session.cancel).map_err(|e| anyhow::anyhow!("{name}: {e}"))
 }

@@ -8,7 +8,7 @@ use crate::blisk::parametric::{MeshResolution, ParametricBlisk};
 use crate::export::post::Post;
 use crate::export::report::{InputFile, Report};
 use crate::jobs::auto_size::sized;
-use crate::jobs::plan::{PlanInputs, PlanOutcome, prepare, run_prepared};
+use crate::jobs::plan::{PlanInputs, PlanOutcome, prepare, run_finished};
 use crate::jobs::plan_files;
 use crate::jobs::prepared_blisk::PreparedBlisk;
 use crate::jobs::stages::input_file;
@@ -72,7 +72,7 @@ fn finish(inputs: &PlanInputs, files: Vec<InputFile>, out: &Path, session: &Sess
         Sizing::Given => inputs,
         Sizing::Auto => &auto(&prepared, inputs, session)?,
     };
-    let outcome = run_prepared(&prepared, inputs, &|_, _, _| (), progress, cancel)?;
+    let outcome = run_finished(&prepared, inputs, progress, cancel)?;
     let (report, written) = plan_files::export(out, &outcome, inputs, files, progress, cancel)?;
     super::terminal::finish();
     if session.json {
@@ -91,7 +91,10 @@ fn auto(prepared: &PreparedBlisk, inputs: &PlanInputs, session: &Session) -> any
         let [low, high] = sized.job.electrode.circumferential_reduction_deg;
         match row {
             Some(row) => {
-                say!("size       reductions {low:.3} and {high:.3} deg, entered from {}", row.enter.name());
+                say!(
+                    "size       reductions {low:.3} and {high:.3} deg, entered from {}, strategy global",
+                    row.enter.name()
+                );
             }
             None => say!("size       no reduction lets the electrode out; planned with {low:.3} and {high:.3} deg"),
         }

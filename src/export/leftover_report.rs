@@ -51,6 +51,8 @@ pub struct LayerReport {
     pub area_mm2: f64,
     pub volume_mm3: f64,
     pub depth_mm: f64,
+    /// Whether it is thicker than can be told.
+    pub or_more: bool,
     /// Where it is thickest, in W (mm).
     pub at: Option<[f64; 3]>,
 }
@@ -58,7 +60,7 @@ pub struct LayerReport {
 impl From<&Layer> for LayerReport {
     fn from(l: &Layer) -> Self {
         let at = l.at.map(|p| p.to_array());
-        Self { area_mm2: l.area_mm2, volume_mm3: l.volume_mm3, depth_mm: l.depth_mm, at }
+        Self { area_mm2: l.area_mm2, volume_mm3: l.volume_mm3, depth_mm: l.depth_mm, or_more: l.or_more, at }
     }
 }
 

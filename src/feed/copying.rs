@@ -9,8 +9,8 @@
 //! `phi` from the middle moves outwards by `cos(phi)` of it and sideways by `sin(phi)`, and a leaning wall that is
 //! moved outwards comes nearer to its blade or farther from it. A turned hub side meets fillets, and the facets of a
 //! round hub, that it does not meet in the final pose. So the lowest turn is at the least height that lets it go
-//! (nearly) furthest, the highest one at the greatest such height, each turn goes only as far as the electrode keeps its clearance, and the whole is certified by the same
-//! verifier as the feed.
+//! (nearly) furthest, the highest one at the greatest such height. Each turn goes only as far as the electrode keeps
+//! its clearance and the axes go, and the whole is certified by the same verifier as the feed.
 
 use serde::Serialize;
 
@@ -32,7 +32,8 @@ const LIFTS: [f64; 7] = [0.0, 0.002, 0.005, 0.01, 0.015, 0.02, 0.05];
 const GOOD_TURN: f64 = 0.99;
 /// Share of a turn that is worth to be made at the greatest height.
 const WORTH_A_TURN: f64 = 0.5;
-/// Distance between the heights of two turns at most (mm), and how many of them there are at most above the lowest.
+/// Distance between the heights of two turns (mm), and how many of them there are at most above the lowest: where more
+/// would be needed they are farther apart.
 const LEVEL: f64 = 0.15;
 const MOST_LEVELS: usize = 8;
 /// Halvings in the search for how far a move can go: to a 4096th of it.
@@ -195,7 +196,8 @@ pub fn copying_motion(
     }
     // Half the tolerance is left for the way between the rows.
     let least = settings.spark_gap - 0.5 * settings.verify.tolerance_mm;
-    let keeps = |pose: &Pose| verifier.distance(pose).distance >= least;
+    let limits = settings.machine.limits();
+    let keeps = |pose: &Pose| limits.beyond(pose).is_none() && verifier.distance(pose).distance >= least;
     let (reached, turns) = reachable(&wanted, &keeps, cancel)?;
     let path = FeedPath {
         frame: settings.frame,

@@ -125,8 +125,9 @@ impl Probes {
         self.samples.iter().enumerate().filter(move |(_, sample)| at.holds(sample))
     }
 
-    /// The first cluster that lacks clearance at an instant. `clearance` tells the clearance of a point of a
-    /// group, or any that is no less than its last argument if that is less; `doubt` how much too great it may be for what is so far away.
+    /// The first cluster that lacks clearance at an instant. `clearance` tells the clearance of a point of a group, or
+    /// any that is no less than its last argument if that is less; `doubt` how much too great it may be for what is so
+    /// far away.
     pub fn first_blocked(
         &self,
         at: &Instant,

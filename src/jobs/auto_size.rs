@@ -23,11 +23,11 @@ pub fn sized(
     let electrode = &mut sized.job.electrode;
     let parts = electrode.parts;
     electrode.size = Sizing::Given;
-    sized.job.plan.strategy = Strategy::Global;
     let range = SizingRange { from: parts, to: parts };
     let rows = size(prepared, &sized, range, &|_| (), progress, cancel)?;
     let thickest = rows.into_iter().max_by(|a, b| a.least_thickness_mm.total_cmp(&b.least_thickness_mm));
     if let Some(row) = &thickest {
+        sized.job.plan.strategy = Strategy::Global;
         let electrode = &mut sized.job.electrode;
         (electrode.circumferential_reduction_deg, electrode.enter) = (row.reduction_deg, row.enter);
     }

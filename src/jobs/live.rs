@@ -1,9 +1,11 @@
 //! The quick look that follows while parameters are tuned.
 
-use super::plan::{PlanInputs, PlanJobError, settings_of, sides};
+use std::sync::Arc;
+
+use super::plan::{PlanInputs, PlanJobError, electrode_of, settings_of, sides};
 use super::prepared_blisk::PreparedBlisk;
 use crate::blisk::channel::Channel;
-use crate::blisk::electrode::EntrySide;
+use crate::blisk::electrode::{Electrode, EntrySide};
 use crate::feed::global::CoarseWay;
 use crate::feed::plan::coarse_way;
 use crate::progress::{Cancel, Progress};
@@ -15,6 +17,8 @@ pub struct LiveWay {
     pub side: EntrySide,
     /// The way.
     pub way: CoarseWay,
+    /// The electrode with the reductions of the job, if it is not made for the side that is tried first.
+    pub other: Option<Arc<Electrode>>,
 }
 
 impl LiveWay {
@@ -45,16 +49,23 @@ pub fn live_way(
     job.validate().map_err(PlanJobError::Job)?;
     let settings = settings_of(job, &|_, _| ());
     let mut best: Option<LiveWay> = None;
-    for side in sides(job.electrode.enter, part, job.electrode.parts) {
+    let columns = if inputs.own_electrode.is_some() { 1 } else { job.electrode.columns };
+    let sides = sides(job.electrode.enter, part / columns, job.electrode.parts);
+    for &side in &sides {
         let (full, turns) = prepared.fullest(inputs, (part, side), progress, cancel)?;
         let way = coarse_way(&prepared.space, &full, turns, full.electrode(), &settings, progress, cancel)?;
         let reach = |w: &CoarseWay| (w.width.is_some(), w.nodes.last().map_or(0.0, |n| n.s));
         if best.as_ref().is_none_or(|b| reach(&b.way) < reach(&way)) {
-            best = Some(LiveWay { side, way });
+            best = Some(LiveWay { side, way, other: None });
         }
         if best.as_ref().is_some_and(|b| b.way.width.is_some()) {
             break;
         }
     }
-    best.ok_or_else(|| PlanJobError::Job("there is no side to withdraw the electrode to".to_owned()))
+    let mut best = best.ok_or_else(|| PlanJobError::Job("there is no side to withdraw the electrode to".to_owned()))?;
+    if sides.first() != Some(&best.side) {
+        let (channel, which) = (&prepared.space.channel, (part, best.side, 0.0));
+        best.other = Some(Arc::new(electrode_of(inputs, channel, &prepared.exact, which, progress, cancel)?));
+    }
+    Ok(best)
 }

@@ -250,7 +250,7 @@ impl Pipeline {
         self.part.rest(self.part.running.map(|(_, of)| of));
         self.channel.rest(self.channel.running.map(|(_, of)| of));
         self.electrode.rest(self.electrode.running.map(|(_, of)| of));
-        self.finish.rest(self.finish.running.map(|(_, of)| of));
+        self.finish.failure = self.finish.running.map(|(_, of)| (of, "stopped".to_owned()));
         self.worker.cancel_from(0);
         if let Some(running) = &mut self.running {
             running.message = "stopping".to_owned();
@@ -356,9 +356,26 @@ impl Pipeline {
         (self.plan.running.is_none() && plan.is_verified()).then_some(plan)
     }
 
-    /// Whether the plan can be approved.
+    /// Whether the plan can be approved: all that is exported with it is known.
     pub fn can_approve(&self) -> bool {
-        self.certified().is_some()
+        self.certified().is_some() && !matches!(self.finishing(), StageState::Missing | StageState::Running)
+    }
+
+    /// How the copying motions of the plan, and what stock is left, stand; stale if the plan is.
+    pub fn finishing(&self) -> StageState {
+        match (&self.now, self.plan()) {
+            (Some((_, now)), Some(plan)) if plan.is_verified() => match self.finish.state(now.plan) {
+                // It is begun as soon as the plan is that of the present parameters.
+                StageState::Stale if self.plan.current(now.plan).is_some() => StageState::Missing,
+                state => state,
+            },
+            _ => StageState::Missing,
+        }
+    }
+
+    /// Works out the copying motions after all, where that was stopped.
+    pub fn resume_finishing(&mut self) {
+        self.finish.failure = None;
     }
 
     /// Approves the plan. It can be exported from then on, until an input changes or it is planned anew.
@@ -367,6 +384,9 @@ impl Pipeline {
     /// One line if there is no certified plan for the present parameters, or another one is being made.
     pub fn approve(&mut self) -> Result<(), String> {
         let plan = self.certified().ok_or("only a plan with a certificate that holds can be approved")?;
+        if !self.can_approve() {
+            return Err("the copying motions of this plan are still being worked out".to_owned());
+        }
         self.approved = Some(plan.clone());
         Ok(())
     }

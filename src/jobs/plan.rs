@@ -150,8 +150,20 @@ impl From<PlanError> for PlanJobError {
 /// # Errors
 /// [`PlanJobError`]; that there is no path is not one of them.
 pub fn run(inputs: &PlanInputs, progress: &Progress, cancel: &Cancel) -> Result<PlanOutcome, PlanJobError> {
-    let prepared = prepare(inputs, progress, cancel)?;
-    let outcome = run_prepared(&prepared, inputs, &|_, _, _| (), progress, cancel)?;
+    run_finished(&prepare(inputs, progress, cancel)?, inputs, progress, cancel)
+}
+
+/// The same on a blisk that was made ready before.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_finished(
+    prepared: &PreparedBlisk,
+    inputs: &PlanInputs,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<PlanOutcome, PlanJobError> {
+    let outcome = run_prepared(prepared, inputs, &|_, _, _| (), progress, cancel)?;
     finish(&outcome, inputs, &prepared.space.blisk, progress, cancel)?;
     Ok(outcome)
 }
@@ -257,9 +269,9 @@ impl JobPlanner<'_> {
         if self.inputs.own_electrode.is_some() { 1 } else { self.inputs.job.electrode.count() }
     }
 
-    /// The electrode that is number `part` along X, columns of one part counted through. Tries the sides one after the other until one is verified; if none is, the
-    /// one that came out, or else the one that got furthest, is the answer. A side for which no electrode can be made is
-    /// noted and left.
+    /// The electrode that is number `part` along X, columns of one part counted through. Tries the sides one after the
+    /// other until one is verified; if none is, the one that came out, or else the one that got furthest, is the
+    /// answer. A side for which no electrode can be made is noted and left.
     ///
     /// # Errors
     /// That of the first side if no electrode can be made for any.

@@ -4,8 +4,7 @@ use std::collections::HashSet;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-use super::finish::finish;
-use super::plan::{ElectrodeOutcome, PlanInputs, PlanJobError, PlanOutcome};
+use super::plan::{ElectrodeOutcome, PlanInputs, PlanOutcome};
 use super::{plan_pictures, plan_report};
 use crate::blisk::channel::Channel;
 use crate::export::approved::{Approved, NotApproved};
@@ -28,8 +27,6 @@ use crate::project::{ExportSection, PlanJob};
 pub enum PlanFilesError {
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    #[error("the copying motions cannot be worked out: {0}")]
-    Finish(PlanJobError),
     #[error(transparent)]
     Write(#[from] WriteError),
     #[error("{path}: nothing can be written into this folder ({source}); choose another")]
@@ -80,12 +77,6 @@ pub fn export(
 ) -> Result<(Report, Vec<String>), PlanFilesError> {
     let post = Post::named(&inputs.job.export.post)?;
     prepare(folder)?;
-    // Frames are exact data of the outcome: the blisk comes out with the very bits that it was verified with.
-    let blisk = inputs.blisk.in_frame(&outcome.channel.frame);
-    finish(outcome, inputs, &blisk, progress, cancel).map_err(|error| match error {
-        PlanJobError::Cancelled(cancelled) => PlanFilesError::Cancelled(cancelled),
-        other => PlanFilesError::Finish(other),
-    })?;
     let mut report = plan_report::report(outcome, &inputs.job, files);
     plan_pictures::add(&mut report, outcome, inputs, progress, cancel)?;
     let written = write(folder, outcome, inputs, &post, &mut report, cancel)?;
@@ -107,6 +98,7 @@ pub fn write(
     cancel: &Cancel,
 ) -> Result<Vec<String>, PlanFilesError> {
     cancel.check()?;
+    // Frames are exact data of the outcome: the blisk comes out with the very bits that it was verified with.
     let blisk = inputs.blisk.in_frame(&outcome.channel.frame);
     let context = Context { channel: &outcome.channel, blisk: &blisk, job: &inputs.job, post };
     let (mut files, mut programs): (Vec<(String, Vec<u8>)>, Vec<_>) = (Vec::new(), Vec::new());

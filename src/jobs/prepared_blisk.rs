@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::plan::{Clock, PlanInputs, PlanJobError, electrode_of};
 use crate::blisk::channel::Channel;
-use crate::blisk::electrode::{ElectrodeParams, EntrySide};
+use crate::blisk::electrode::{ElectrodeParams, EnterSide, EntrySide, Sizing, own_turns};
 use crate::feed::plan::PlanningSpace;
 use crate::feed::prepared::PreparedElectrode;
 use crate::feed::probes::Turns;
@@ -82,14 +82,17 @@ impl PreparedBlisk {
         if inputs.own_electrode.is_none() {
             std::mem::swap(&mut full.job.electrode.circumferential_reduction_deg, &mut drawn_in);
         }
-        let turns = Turns(drawn_in.map(f64::to_radians));
+        let turns = |of: &PreparedElectrode| Turns(own_turns(of.electrode().column, drawn_in.map(f64::to_radians)));
         let most = drawn_in.into_iter().fold(Self::DRAWN_IN_DEG, f64::max).to_radians();
         let margin = inputs.job.plan.margin_mm;
-        let wanted = Fullest { params: full.job.electrode.clone(), part, side, margin, most };
+        // Neither where it may enter from nor how its size was found changes it.
+        let params = ElectrodeParams { enter: EnterSide::Auto, size: Sizing::Given, ..full.job.electrode.clone() };
+        let wanted = Fullest { params, part, side, margin, most };
         let known = |kept: &[(Fullest, Arc<PreparedElectrode>)]| {
             kept.iter().find(|(of, _)| *of == wanted).map(|(_, prepared)| prepared.clone())
         };
         if let Some(prepared) = known(&self.fullest.lock().unwrap_or_else(PoisonError::into_inner)) {
+            let turns = turns(&prepared);
             return Ok((prepared, turns));
         }
         let electrode = electrode_of(&full, &self.space.channel, &self.exact, (part, side, 0.0), progress, cancel)?;
@@ -101,6 +104,7 @@ impl PreparedBlisk {
             kept.remove(0);
         }
         kept.push((wanted, prepared.clone()));
+        let turns = turns(&prepared);
         Ok((prepared, turns))
     }
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use super::plan::sides;
 use crate::blisk::centreline::{Centreline, CentrelineError};
 use crate::blisk::channel::Channel;
 use crate::blisk::electrode::{Electrode, EntrySide, from_user_mesh, make_electrodes};
@@ -155,7 +156,8 @@ pub fn channel(part: &Part, job: &PlanJob, progress: &Progress, cancel: &Cancel)
     Ok(FoundChannel { channel: channel.into(), blisk: blisk.into(), exact: exact.into(), shapes, centreline })
 }
 
-/// Makes the electrodes for the first side on which they can be made.
+/// Makes the electrodes in the order of their places along X, each for the side that a plan tries first, or for the
+/// first side on which all can be made.
 ///
 /// # Errors
 /// One line for the user, of the side that is tried first.
@@ -167,17 +169,26 @@ pub fn electrodes(
     cancel: &Cancel,
 ) -> Result<Electrodes, String> {
     job.electrode.validate().map_err(|e| e.to_string())?;
-    let mut notes = Vec::new();
+    let (mut notes, mut made) = (Vec::new(), Vec::new());
     for &side in job.electrode.enter.candidates() {
         match on_side(part, found, job, side, progress, cancel) {
-            Ok(electrodes) => {
-                let shapes = electrodes.iter().map(|e| Arc::new(RenderMesh::new(&e.mesh))).collect();
-                return Ok(Electrodes { electrodes, shapes, notes });
-            }
+            Ok(electrodes) => made.push((side, electrodes)),
             Err(error) => notes.push(error),
         }
+        // A single part is tried on the first side, of more the further ones on the other.
+        if job.electrode.parts == 1 && !made.is_empty() {
+            break;
+        }
     }
-    Err(notes.into_iter().next().unwrap_or_default())
+    let Some((_, first)) = made.first() else { return Err(notes.into_iter().next().unwrap_or_default()) };
+    let columns = if part.own_electrode.is_some() { 1 } else { job.electrode.columns };
+    let preferred = |i: usize| {
+        let side = sides(job.electrode.enter, i / columns, job.electrode.parts)[0];
+        made.iter().find(|(made_for, _)| *made_for == side).map_or(first, |(_, electrodes)| electrodes)[i].clone()
+    };
+    let electrodes: Vec<Electrode> = (0..first.len()).map(preferred).collect();
+    let shapes = electrodes.iter().map(|e| Arc::new(RenderMesh::new(&e.mesh))).collect();
+    Ok(Electrodes { electrodes, shapes, notes })
 }
 
 fn on_side(
@@ -196,5 +207,10 @@ fn on_side(
         }
         None => make_electrodes(channel, exact, params, side, progress, cancel),
     };
-    made.map_err(|e| e.to_string())
+    let mut made = made.map_err(|e| e.to_string())?;
+    if side == EntrySide::PlusX {
+        // They come in the order of burning, from the side of entry.
+        made.sort_by_key(|e| std::cmp::Reverse(e.part));
+    }
+    Ok(made)
 }

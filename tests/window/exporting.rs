@@ -29,6 +29,7 @@ pub fn approved(home: &Home) -> Desk {
     desk.until_idle();
     desk.key(egui::Key::F5);
     desk.until("the plan is done", |d| d.state(Stage::Plan) == StageState::Done);
+    desk.until_idle();
     desk.open_step(Stage::Export);
     desk.press("Approve");
     desk

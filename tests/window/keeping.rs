@@ -3,6 +3,7 @@
 use egui::{Key, Role};
 use egui_kittest::kittest::{By, Queryable as _};
 use sparkpath::app::Opening;
+use sparkpath::blisk::electrode::EnterSide;
 use sparkpath::feed::strategy::Strategy;
 use sparkpath::jobs::pipeline::StageState;
 use sparkpath::project::Stage;
@@ -69,4 +70,39 @@ fn a_kept_run_stands_in_the_comparison_until_it_is_removed() {
     desk.assert_shows("2 max-min-distance");
     desk.press("Remove 2 max-min-distance");
     assert!(!has(&desk, Role::Button, "Comparison"), "nothing is kept any more");
+}
+
+#[test]
+fn sizes_are_of_the_parameters_that_they_were_found_with() {
+    let home = Home::new();
+    let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
+    desk.until_idle();
+    let edit = |desk: &mut Desk, change: &dyn Fn(&mut sparkpath::project::PlanJob)| {
+        let core = desk.window.state_mut().core_mut();
+        let mut job = core.document.job().clone();
+        change(&mut job);
+        core.edit("Job", job, false);
+        desk.until_idle();
+    };
+    edit(&mut desk, &|job| {
+        job.electrode.enter = EnterSide::MinusX;
+        job.electrode.radial_reduction_mm = 1.0;
+        job.plan.step_mm = 0.8;
+    });
+    desk.open_step(Stage::Electrode);
+    desk.press("Find sizes");
+    desk.until("there is a size", |d| !d.app().core().tuning.sizes().0.is_empty());
+    desk.press("Stop sizing");
+    desk.press("Take size 1");
+    desk.until_idle();
+    let row = desk.app().core().tuning.sizes().0[0].clone();
+    let of_other = "These sizes are of other parameters; find them again to take one.";
+    let electrode = desk.app().core().document.job().electrode.clone();
+    assert_eq!(electrode.circumferential_reduction_deg, row.reduction_deg);
+    assert!(!has(&desk, Role::Label, of_other), "what is taken is of these parameters");
+    edit(&mut desk, &|job| job.electrode.radial_reduction_mm = 1.1);
+    desk.assert_shows(of_other);
+    desk.window.state_mut().open(Opening::File(home.part(&easy_blisk())));
+    desk.until_idle();
+    assert!(desk.app().core().tuning.sizes().0.is_empty(), "another document has no sizes yet");
 }

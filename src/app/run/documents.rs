@@ -47,6 +47,7 @@ impl SparkpathApp {
         self.core.document = document;
         self.given_up = None;
         self.core.pipeline.reset();
+        self.core.tuning.forget_sizes();
         self.core.step = Stage::Part;
         self.core.cursor.s = 0.0;
         self.core.section = None;

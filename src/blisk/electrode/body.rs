@@ -67,7 +67,7 @@ pub(super) fn build(plan: &Plan, finisher: &Finisher, cancel: &Cancel) -> Result
     let params = plan.params;
     let is_deep = plan.part > 0;
     let inset = if is_deep { params.channel_shank_inset_mm } else { params.shank_inset_mm };
-    let turns = super::divide::turns_of(plan.column, params.turns());
+    let turns = super::divide::own_turns(plan.column, params.turns());
     let burning = finisher.rings(&plan.burning_sections(), Reduction { turns, inset: 0.0 }, cancel)?;
     let shank = finisher.rings(&plan.shank_sections(), Reduction { turns, inset }, cancel)?;
     let points = |x: f64, points: &[super::boundary::Polar]| points.iter().map(|p| p.at(x)).collect::<Vec<_>>();

@@ -25,8 +25,9 @@ pub(super) fn column_of(section: &Section, column: Option<Column>, params: &Elec
     divided
 }
 
-/// Angles by which the two sides of a column are turned inwards: the surface between the columns stays (rad).
-pub(super) fn turns_of(column: Option<Column>, [low, high]: [f64; 2]) -> [f64; 2] {
+/// Of the angles by which the low and the high wall are turned inwards those of `column`: the surface between the columns
+/// stays (rad).
+pub fn own_turns(column: Option<Column>, [low, high]: [f64; 2]) -> [f64; 2] {
     match column {
         None => [low, high],
         Some(Column::Low) => [low, 0.0],

@@ -54,7 +54,8 @@ pub(super) fn reference_point(mesh: &Mesh, faces: &[ElectrodeFace]) -> DVec3 {
     crate::geometry::mesh::Bounds::of(places).center()
 }
 
-/// The thinnest metal between the low and the high wall, or a wall and the division, from the centre of each wall face along its normal (mm).
+/// The thinnest metal between the low and the high wall, or a wall and the division, from the centre of each wall face
+/// along its normal (mm).
 pub(super) fn least_thickness(mesh: &Mesh, faces: &[ElectrodeFace], cancel: &Cancel) -> Result<f64, ElectrodeError> {
     let own = ExactMesh::new(mesh)?;
     let through = |i: usize, opposite: &[ElectrodeFace]| {

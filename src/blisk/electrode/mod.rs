@@ -26,6 +26,7 @@ mod tests;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+pub use divide::own_turns;
 pub use own::from_user_mesh;
 pub use params::{ElectrodeParams, EnterSide, Sizing};
 

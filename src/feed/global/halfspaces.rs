@@ -11,7 +11,8 @@ pub struct HalfSpaces {
 }
 
 impl HalfSpaces {
-    /// Sweeps over all walls.
+    /// Sweeps over all walls. Where walls meet at a sharp angle more would come closer; what is left of a lack is taken
+    /// up by the next problem.
     const SWEEPS: usize = 24;
 
     /// From walls, as slope and lack, and the ranges of axes.
@@ -22,6 +23,10 @@ impl HalfSpaces {
     /// The allowed step nearest to `target`, or nearly so: Hildreth's method, which sweeps over the walls and pushes
     /// or releases at each by just what it needs. Where nothing is allowed it ends between the walls.
     pub fn nearest(&self, target: &Step) -> Step {
+        self.nearest_after(Self::SWEEPS, target)
+    }
+
+    fn nearest_after(&self, sweeps: usize, target: &Step) -> Step {
         const CLOSE: f64 = 1e-6;
         let mut step = [0.0; 6];
         for (i, _) in &self.ranges {
@@ -29,7 +34,7 @@ impl HalfSpaces {
         }
         let mut pushes = vec![0.0f64; self.walls.len()];
         let mut held = vec![0.0f64; self.ranges.len()];
-        for _ in 0..Self::SWEEPS {
+        for _ in 0..sweeps {
             let mut moved = 0.0f64;
             for ((slope, lack), push) in self.walls.iter().zip(&mut pushes) {
                 let square: f64 = slope.iter().map(|g| g * g).sum();
@@ -96,10 +101,9 @@ mod tests {
         ) {
             // The origin is allowed by all.
             let spaces = free(slopes.iter().map(|g| (*g, -0.2)).collect(), 1.0);
-            let d = spaces.nearest(&target);
+            let d = spaces.nearest_after(20_000, &target);
             let dot = |a: &Step, b: &Step| a.iter().zip(b).map(|(p, q)| p * q).sum::<f64>();
-            // A limited number of sweeps leaves a little.
-            prop_assume!(slopes.iter().all(|g| dot(g, &d) >= -0.2 - 1e-4));
+            prop_assert!(slopes.iter().all(|g| dot(g, &d) >= -0.2 - 1e-3), "{d:?} is allowed");
             for other in others.iter().filter(|o| slopes.iter().all(|g| dot(g, o) >= -0.2)) {
                 let away: f64 = (0..6).map(|i| (target[i] - d[i]) * (other[i] - d[i])).sum();
                 prop_assert!(away < 5e-3, "{away}");

@@ -7,9 +7,10 @@
 //! junction of two parts.
 //!
 //! **Accuracy:** motions are taken as continuous, the least distance to within 2 um and the error of a distance field
-//! (5 um near the surface); where it comes within 10 um of what the certificates prove it is not searched any further. A figure of the surface is that of points some 0.4 mm apart, and
-//! 0.05 mm where two electrodes only just meet; one of the volume that of rays
-//! 0.3 mm apart along X, and from 0.05 mm apart at hub and shroud to 0.4 mm apart between.
+//! (5 um near the surface); where it comes within 10 um of what the certificates prove it is not searched any further.
+//! Stock thicker than some 3 mm is told as that much or more. A figure of the surface is that of points some 0.4 mm
+//! apart, and 0.05 mm where two electrodes only just meet; one of the volume that of rays 0.3 mm apart along X, and from
+//! 0.05 mm apart at hub and shroud to 0.4 mm apart between.
 //!
 //! **What counts as the channel:** between the walls, hub and shroud, over the X span of the blades. Beside it the
 //! rings are taken to be turned before. What is left between the shank and a ring is therefore not counted.
@@ -78,6 +79,8 @@ pub struct Layer {
     pub depth_mm: f64,
     /// Where that is, in W (mm).
     pub at: Option<DVec3>,
+    /// Whether it is thicker than can be told: further away from all electrodes than their distances are known.
+    pub or_more: bool,
 }
 
 /// What became of one surface of the channel.
@@ -142,7 +145,10 @@ impl Leftover {
     /// The answer in a sentence.
     pub fn sentence(&self, channel: &Channel) -> String {
         let layer = |found: Option<(Surface, Layer)>| {
-            found.map(|(surface, layer)| format!("{:.3} mm on the {}", layer.depth_mm, channel.surface_name(surface)))
+            found.map(|(surface, layer)| {
+                let more = if layer.or_more { " or more" } else { "" };
+                format!("{:.3} mm{more} on the {}", layer.depth_mm, channel.surface_name(surface))
+            })
         };
         let left = layer(self.thickest()).map_or("no stock is left".to_owned(), |l| format!("stock is left up to {l}"));
         let cut = layer(self.deepest())
@@ -202,7 +208,7 @@ pub fn leftover(site: &Site, burns: &[Burn], progress: &Progress, cancel: &Cance
     let passage = Passage::new(site.channel).ok_or(LeftoverError::NoWalls)?;
     let patch = surface::patch(site, &passage, cancel)?;
     let deviation = surface::deviations(&patch, &removal, least_deviation(site), &progress, cancel)?;
-    let surfaces = surface::figures(&patch, &deviation);
+    let surfaces = surface::figures(&patch, &deviation, removal.most());
     let stock = volume::stock(site.channel, &passage, &removal, &progress, cancel)?;
     let deviation = Arc::new(deviation.into_iter().map(|d| d as f32).collect());
     let map = DeviationMap { mesh: Arc::new(patch.mesh), surfaces: patch.surfaces, deviation };
@@ -221,7 +227,12 @@ struct Removal {
 }
 
 impl Removal {
-    /// Thickness of the stock left at `p` (mm), negative where `p` is eroded; at most about [`REACH`]. Once it is known
+    /// The greatest deviation that can be told (mm).
+    fn most(&self) -> f64 {
+        REACH - self.spark_gap
+    }
+
+    /// Thickness of the stock left at `p` (mm), negative where `p` is eroded; at most [`most`](Self::most). Once it is known
     /// to be `enough` or less the rest is not looked at.
     fn deviation(&self, p: DVec3, enough: f64) -> f64 {
         let enough = enough + self.spark_gap;

@@ -146,8 +146,9 @@ pub(super) fn deviations(
     Ok(batches.into_iter().collect::<Result<Vec<_>, Cancelled>>()?.concat())
 }
 
-/// The figures of each surface that there is: every vertex stands for a third of the triangles around it.
-pub(super) fn figures(patch: &Patch, deviation: &[f64]) -> Vec<SurfaceFigures> {
+/// The figures of each surface that there is: every vertex stands for a third of the triangles around it. No deviation
+/// is told that is greater than `most` (mm).
+pub(super) fn figures(patch: &Patch, deviation: &[f64], most: f64) -> Vec<SurfaceFigures> {
     let of = |surface: Surface| {
         let mut figures = SurfaceFigures { surface, area_mm2: 0.0, left: Layer::default(), overcut: Layer::default() };
         let mine = patch.mesh.triangles.iter().zip(&patch.surfaces).filter(|(_, s)| **s == surface);
@@ -159,6 +160,7 @@ pub(super) fn figures(patch: &Patch, deviation: &[f64]) -> Vec<SurfaceFigures> {
                 let d = deviation[*v as usize];
                 let layer = if d > 0.0 { &mut figures.left } else { &mut figures.overcut };
                 layer.add(d.abs(), third, at);
+                layer.or_more |= d >= most;
             }
         }
         figures

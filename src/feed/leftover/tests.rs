@@ -211,6 +211,22 @@ fn without_copying_the_walls_keep_what_the_reduction_takes() {
     assert!((found.stock.left_mm3 / layers - 1.0).abs() < 0.05, "{} {layers}", found.stock.left_mm3);
 }
 
+/// Each wall's layer counts in full, also where a ray comes upon it from what is eroded.
+#[test]
+fn a_thin_layer_counts_the_same_on_either_wall() {
+    let left = |deg: [f64; 2]| {
+        let reduced = ElectrodeParams { circumferential_reduction_deg: deg, ..unreduced() };
+        standing(&make(&reduced)).stock.left_mm3
+    };
+    let nothing = left([0.0, 0.0]);
+    let [low, high] = [left([0.04, 0.0]) - nothing, left([0.0, 0.04]) - nothing];
+    // 0.04 deg at a radius of 95 mm make 0.066 mm on 14 x 10 mm of wall, measured round the axis.
+    let expected = 0.04f64.to_radians() * 95.0 * 140.0;
+    for layer in [low, high] {
+        assert!((layer / expected - 1.0).abs() < 0.12, "{low} {high} {expected}");
+    }
+}
+
 #[test]
 fn the_copying_motion_brings_every_wall_to_its_gap() {
     let reduced =

@@ -101,13 +101,16 @@ fn ray(passage: &Passage, removal: &Removal, x: f64, r: f64) -> Passed {
     let width = (high - low) * r;
     let mut passed = Passed { channel: width.max(0.0), ..Passed::default() };
     let mut s = 0.0;
+    // The part of the last step that may have led into stock.
+    let mut entered = 0.0;
     while s < width {
         let p = Cylindrical { x, r, theta: low + s / r }.point();
         let deviation = removal.deviation(p, 0.0);
         let step = deviation.abs().max(LEAST_STEP).min(width - s);
         if deviation > NOTHING {
-            passed.left += deviation.min(width - s);
+            passed.left += deviation.min(width - s) + deviation.min(entered);
         }
+        entered = if deviation > NOTHING { 0.0 } else { step - deviation.abs().min(step) };
         if deviation > passed.depth {
             (passed.depth, passed.at) = (deviation, Some(p));
         }

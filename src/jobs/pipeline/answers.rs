@@ -84,7 +84,11 @@ impl Pipeline {
                 }
                 said
             }
-            Stage::Verify => self.finish.end(task, ended, Found::finish, finish_sentence),
+            Stage::Verify => {
+                // What was approved had no copying motion.
+                self.approved = None;
+                self.finish.end(task, ended, Found::finish, finish_sentence)
+            }
             Stage::Export => self.export.end(task, ended, Found::export, export_sentence),
         }
     }

@@ -45,10 +45,15 @@ impl Pipeline {
         events
     }
 
-    fn refresh(&mut self, job: &PlanJob) -> Now {
+    /// What the files held, and how often they were read.
+    pub(super) fn content(&self) -> String {
         let content = self.part.value.as_ref().map(|(_, p)| p.content()).unwrap_or_default();
+        format!("{content}/{}", self.reloads)
+    }
+
+    fn refresh(&mut self, job: &PlanJob) -> Now {
         let of = |stage, content: &str| Fingerprint::of(stage, job, content);
-        let later = format!("{content}/{}", self.reloads);
+        let later = self.content();
         let now = Now {
             part: of(Stage::Part, &self.reloads.to_string()),
             channel: of(Stage::Channel, &later),

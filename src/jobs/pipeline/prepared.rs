@@ -1,11 +1,12 @@
 //! What all plans on one channel share.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use std::time::Duration;
 
 use crate::jobs::plan::PlanJobError;
 use crate::jobs::prepared_blisk::PreparedBlisk;
 use crate::jobs::stages::FoundChannel;
-use crate::progress::{Cancel, Progress};
+use crate::progress::{Cancel, Cancelled, Progress};
 
 /// The blisk that was made ready for planning last, kept between plans.
 #[derive(Clone, Default)]
@@ -15,6 +16,20 @@ pub(super) struct Prepared(Arc<Mutex<Option<Kept>>>);
 type Kept = (Arc<FoundChannel>, Arc<PreparedBlisk>);
 
 impl Prepared {
+    /// Waits while another thread makes one ready, unless told to stop.
+    fn lock(&self, cancel: &Cancel) -> Result<MutexGuard<'_, Option<Kept>>, Cancelled> {
+        loop {
+            match self.0.try_lock() {
+                Ok(kept) => return Ok(kept),
+                Err(TryLockError::Poisoned(poisoned)) => return Ok(poisoned.into_inner()),
+                Err(TryLockError::WouldBlock) => {
+                    cancel.check()?;
+                    std::thread::sleep(Duration::from_millis(20));
+                }
+            }
+        }
+    }
+
     /// The one for `found`, made now if it is not that of the last time.
     pub(super) fn get(
         &self,
@@ -23,7 +38,7 @@ impl Prepared {
         progress: &Progress,
         cancel: &Cancel,
     ) -> Result<Arc<PreparedBlisk>, PlanJobError> {
-        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut kept = self.lock(cancel)?;
         if let Some((of, ready)) = &*kept
             && Arc::ptr_eq(of, found)
             && ready.has_cell(cell)

@@ -5,16 +5,20 @@ use std::sync::Arc;
 use super::Pipeline;
 use super::prepared::Prepared;
 use crate::blisk::channel::Channel;
+use crate::blisk::electrode::{EnterSide, Sizing};
+use crate::feed::search::Strategy;
 use crate::jobs::plan::PlanInputs;
 use crate::jobs::prepared_blisk::PreparedBlisk;
 use crate::jobs::stages::FoundChannel;
 use crate::progress::{Cancel, Progress};
-use crate::project::Fingerprint;
+use crate::project::{Fingerprint, Stage};
 
 /// The inputs of the present plan.
 pub struct TuningInputs {
     /// What tells these inputs from any other.
     pub of: Fingerprint,
+    /// What tells them from any other but for what sizing finds: parts, side of entry, reductions and strategy.
+    pub of_size: Fingerprint,
     /// The inputs.
     pub inputs: PlanInputs,
     found: Arc<FoundChannel>,
@@ -45,6 +49,19 @@ impl Pipeline {
         job.validate().ok()?;
         let inputs =
             PlanInputs { blisk: part.mesh.clone(), own_electrode: part.own_electrode.clone(), job: job.clone() };
-        Some(TuningInputs { of: now.plan, inputs, found: found.clone(), kept: self.prepared.clone() })
+        let (found, kept) = (found.clone(), self.prepared.clone());
+        Some(TuningInputs { of: now.plan, of_size: self.of_size()?, inputs, found, kept })
+    }
+
+    /// What tells the parameters of the last [`follow`](Self::follow), and the mesh, from any other but for what sizing
+    /// finds.
+    pub fn of_size(&self) -> Option<Fingerprint> {
+        let (job, _) = self.now.as_ref()?;
+        let mut job = job.clone();
+        let electrode = &mut job.electrode;
+        (electrode.parts, electrode.enter, electrode.size) = (1, EnterSide::Auto, Sizing::Given);
+        electrode.circumferential_reduction_deg = [0.0; 2];
+        job.plan.strategy = Strategy::Global;
+        Some(Fingerprint::of(Stage::Plan, &job, &self.content()))
     }
 }
