@@ -102,7 +102,8 @@ fn sizes_are_of_the_parameters_that_they_were_found_with() {
     assert!(!has(&desk, Role::Label, of_other), "what is taken is of these parameters");
     edit(&mut desk, &|job| job.electrode.radial_reduction_mm = 1.1);
     desk.assert_shows(of_other);
-    desk.window.state_mut().open(Opening::File(home.part(&easy_blisk())));
+    let file = home.part(&easy_blisk());
+    desk.window.state_mut().open(&file);
     desk.until_idle();
     assert!(desk.app().core().tuning.sizes().0.is_empty(), "another document has no sizes yet");
 }
