@@ -254,7 +254,8 @@ impl Planner<'_> {
         kept: usize,
     ) -> Result<(), PlanError> {
         let known = plan.nodes.clone();
-        let mut kept = kept;
+        // The global strategy begins anew in any case.
+        let mut kept = if self.settings.plan.strategy == Strategy::Global { 0 } else { kept };
         loop {
             plan.nodes.clone_from(&known);
             self.search(plan, model, genetic, lessons, kept)?;

@@ -16,6 +16,8 @@ pub(super) struct Ground<'a> {
     coarse: ClearanceModel<'a>,
     /// Clearance beyond what is asked for, up to which more counts as better (mm).
     pub(super) room: f64,
+    /// Steps of ascent for each pose.
+    ascent: usize,
 }
 
 /// A place where an electrode might stand.
@@ -36,8 +38,8 @@ pub(super) struct Place {
 impl<'a> Ground<'a> {
     /// Distance withdrawn at which all the room that counts may have opened (mm).
     const OPEN: f64 = 4.0;
-    /// Steps of ascent for each pose.
-    const ASCENT: usize = 8;
+    /// Steps of ascent for each pose, and those of a quick look.
+    const ASCENT: [usize; 2] = [12, 8];
     /// Steps that all probes take part in, where some of them did not tell enough.
     const TOUCH: usize = 4;
     /// Clearance that may be missing by the leading probes for the others to be asked (mm).
@@ -46,7 +48,12 @@ impl<'a> Ground<'a> {
     const STRIDE: f64 = 0.25;
 
     pub(super) fn new(problem: &'a SearchProblem<'a>, room: f64) -> Self {
-        Self { problem, coarse: problem.model.thinned(COARSE), room }
+        Self { problem, coarse: problem.model.thinned(COARSE), room, ascent: Self::ASCENT[0] }
+    }
+
+    /// The same for a quick look, which is content with half the room: polishing finds the rest.
+    pub(super) fn quick(problem: &'a SearchProblem<'a>, room: f64) -> Self {
+        Self { ascent: Self::ASCENT[1], ..Self::new(problem, 0.5 * room) }
     }
 
     /// The final pose, which is given.
@@ -66,7 +73,7 @@ impl<'a> Ground<'a> {
 
     fn ascended(&self, start: Pose, s: f64, demand: &Demand) -> Ascent {
         let (at, axes) = ((s, self.problem.turns), self.problem.free_axes());
-        let led = self.coarse.ascend(start, at, demand, axes, Self::ASCENT);
+        let led = self.coarse.ascend(start, at, demand, axes, self.ascent);
         if led.lack > demand.room + Self::HOPELESS {
             return led;
         }

@@ -82,8 +82,6 @@ impl SearchProblem<'_> {
     const SEEDS: usize = 2;
     /// Distance between the nodes of the search over that between those of the path.
     const STRIDE_RATIO: f64 = 2.0;
-    /// Share of the room that counts that a search is content with: polishing finds the rest.
-    const ROOM_SHARE: f64 = 0.5;
 
     /// The widest way out, polished: near `known`, a path that was nearly one, if there is one there; else searched for.
     pub(super) fn widest_way(
@@ -127,7 +125,7 @@ impl SearchProblem<'_> {
         cancel: &Cancel,
     ) -> Result<CoarseWay, Cancelled> {
         const EFFORT: Effort = Effort { poses: 6, seeds: 12, step: 1.5 };
-        let ground = Ground::new(self, params.room_mm);
+        let ground = Ground::quick(self, params.room_mm);
         let found = Corridor::new(&ground, EFFORT).explore(progress, cancel)?;
         let nodes = |way: &Way| way.iter().map(|w| self.plain_node(w)).collect::<Vec<_>>();
         Ok(match found {
@@ -175,9 +173,10 @@ impl SearchProblem<'_> {
         progress: &Progress,
         cancel: &Cancel,
     ) -> Result<Result<Way, DeadEnd>, Cancelled> {
-        let ground = Ground::new(self, Self::ROOM_SHARE * params.room_mm);
         let mut furthest: Option<DeadEnd> = None;
-        for share in widenings {
+        for (i, share) in widenings.iter().enumerate() {
+            // Only the first one is quick: what it does not find is narrow.
+            let ground = if i == 0 { Ground::quick } else { Ground::new }(self, params.room_mm);
             let poses = (share * params.poses as f64).round().max(2.0) as usize;
             let effort = Effort { poses, seeds: Self::SEEDS * poses, step: Self::STRIDE_RATIO * self.step };
             match Corridor::new(&ground, effort).explore(progress, cancel)? {
