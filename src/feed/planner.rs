@@ -254,7 +254,8 @@ impl Planner<'_> {
         kept: usize,
     ) -> Result<(), PlanError> {
         let known = plan.nodes.clone();
-        let mut kept = kept;
+        // The global strategy begins anew in any case.
+        let mut kept = if self.settings.plan.strategy == Strategy::Global { 0 } else { kept };
         loop {
             plan.nodes.clone_from(&known);
             self.search(plan, model, genetic, lessons, kept)?;
@@ -282,9 +283,14 @@ impl Planner<'_> {
             Strategy::MaxMinDistance => StrategyParams::MaxMinDistance,
             Strategy::Centreline => StrategyParams::Centreline(self.settings.plan.centreline),
         };
+        // The global strategy keeps none of the nodes, but begins near all of them.
+        let (kept, known) = match strategy {
+            StrategyParams::Global(_) => (0, &plan.nodes[..]),
+            _ => (kept, &plan.nodes[..kept]),
+        };
         let surface_of = |p: DVec3| self.space.finder.surface_of(p);
         let outcome = self.with_problem(plan, model, lessons, |problem| {
-            problem.search(&strategy, &plan.nodes[..kept], &surface_of, self.progress, self.cancel)
+            problem.search(&strategy, known, &surface_of, self.progress, self.cancel)
         })?;
         plan.convergence.truncate(kept.saturating_sub(1));
         plan.convergence.extend(outcome.convergence);

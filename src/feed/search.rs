@@ -284,7 +284,7 @@ impl SearchProblem<'_> {
         cancel: &Cancel,
     ) -> Result<SearchOutcome, Cancelled> {
         if let StrategyParams::Global(params) = strategy {
-            return self.widest_way(params, surface_of, progress, cancel);
+            return self.widest_way(params, kept, surface_of, progress, cancel);
         }
         let mut nodes = kept.to_vec();
         if nodes.is_empty() {

@@ -8,6 +8,7 @@ use super::plan::{PlanInputs, PlanJobError, PlanOutcome, run_feeds, settings_of}
 use super::prepared_blisk::PreparedBlisk;
 use crate::blisk::electrode::{EnterSide, EntrySide};
 use crate::feed::genetic::ReductionMode;
+use crate::feed::plan_params::PlanError;
 use crate::feed::prepared::PreparedElectrode;
 use crate::feed::probes::Turns;
 use crate::feed::search::Strategy;
@@ -92,37 +93,38 @@ struct Sizing<'a> {
 
 impl Sizing<'_> {
     fn one_part(&self, rows: &mut Vec<SizeRow>) -> Result<(), PlanJobError> {
-        let mut best: Option<(EntrySide, f64)> = None;
+        let mut best: Option<(EntrySide, Least)> = None;
         for &side in self.base.job.electrode.enter.candidates() {
             let full = self.full(1, 0, side)?;
-            let Some(least) = self.least(&full, FIRST_DEG.to_radians(), &|h| Turns([h, h]))? else { continue };
+            let equal = |sizer: &Sizer| sizer.least(FIRST_DEG.to_radians(), &|h| Turns([h, h]));
+            let Some(least) = self.sized(&full, equal)? else { continue };
             let Some(row) = self.certified(1, only(side), [least.angle; 2])? else { continue };
-            let angle = row.reduction_deg[0].to_radians();
+            let least = Least { angle: row.reduction_deg[0].to_radians(), ..least };
             rows.push(row);
-            if best.is_none_or(|(_, known)| angle < known) {
-                best = Some((side, angle));
+            if best.as_ref().is_none_or(|(_, known)| least.angle < known.angle) {
+                best = Some((side, least));
             }
         }
-        if let Some((side, angle)) = best {
+        if let Some((side, least)) = best {
             let equal = rows.iter().filter(|r| r.enter == only(side)).map(|r| r.least_thickness_mm).fold(0.0, f64::max);
-            rows.extend(self.unequal(side, angle)?.filter(|row| row.least_thickness_mm >= equal));
+            rows.extend(self.unequal(side, &least)?.filter(|row| row.least_thickness_mm >= equal));
         }
         Ok(())
     }
 
     /// With one wall as far drawn in as both need, the other is drawn in as little as it can be; the better of the two
     /// ways round.
-    fn unequal(&self, side: EntrySide, angle: f64) -> Result<Option<SizeRow>, PlanJobError> {
+    fn unequal(&self, side: EntrySide, equal: &Least) -> Result<Option<SizeRow>, PlanJobError> {
         let full = self.full(1, 0, side)?;
-        let low = self.least(&full, 0.8 * angle, &|h| Turns([h.min(angle), angle]))?;
-        let high = self.least(&full, 0.8 * angle, &|h| Turns([angle, h.min(angle)]))?;
-        let turns = match (low, high) {
-            (Some(low), Some(high)) if high.angle < low.angle => [angle, high.angle],
-            (Some(low), _) => [low.angle, angle],
-            (None, Some(high)) => [angle, high.angle],
-            (None, None) => return Ok(None),
+        let angle = equal.angle;
+        let below = |turns: &dyn Fn(f64) -> [f64; 2]| {
+            let turns = |h: f64| Turns(turns(h));
+            self.sized(&full, |sizer| sizer.least_below(equal.clone(), sizer.nothing_blocked(), &turns))
         };
-        self.certified(1, only(side), turns.map(|t| t.min(angle)))
+        let low = below(&|h| [h, angle])?.angle;
+        let high = below(&|h| [angle, h])?.angle;
+        let turns = if high < low { [angle, high] } else { [low, angle] };
+        self.certified(1, only(side), turns)
     }
 
     fn many_parts(&self, parts: usize, rows: &mut Vec<SizeRow>) -> Result<(), PlanJobError> {
@@ -132,7 +134,8 @@ impl Sizing<'_> {
             for side in super::plan::sides(self.base.job.electrode.enter, part, parts) {
                 let full = self.full(parts, part, side)?;
                 // What another part needs already costs nothing more.
-                least = self.least(&full, most.max(0.5 * FIRST_DEG.to_radians()), &|h| Turns([h.max(most); 2]))?;
+                let first = most.max(0.5 * FIRST_DEG.to_radians());
+                least = self.sized(&full, |sizer| sizer.least(first, &|h| Turns([h.max(most); 2])))?;
                 if least.is_some() {
                     break;
                 }
@@ -150,15 +153,15 @@ impl Sizing<'_> {
         Ok(self.prepared.fullest(&inputs, (part, side), self.progress, self.cancel)?.0)
     }
 
-    fn least(
+    /// What `work` finds with the sizer of `full`.
+    fn sized<T>(
         &self,
         full: &PreparedElectrode,
-        first: f64,
-        turns: &dyn Fn(f64) -> Turns,
-    ) -> Result<Option<Least>, PlanJobError> {
+        work: impl FnOnce(&Sizer) -> Result<T, PlanError>,
+    ) -> Result<T, PlanJobError> {
         let space = &self.prepared.space;
         let settings = settings_of(&self.base.job, &|_, _| ());
-        let sizer = Sizer {
+        Ok(work(&Sizer {
             space,
             electrode: full.electrode(),
             model: &full.model(space),
@@ -167,8 +170,7 @@ impl Sizing<'_> {
             most: MOST_DEG.to_radians(),
             progress: self.progress,
             cancel: self.cancel,
-        };
-        Ok(sizer.least(first, turns)?)
+        })?)
     }
 
     /// The row for reductions (rad), with a little more where the certificate asks for it.

@@ -2,11 +2,11 @@
 
 use rayon::prelude::*;
 
-use crate::feed::clearance::{ClearanceModel, Shortfall};
-use crate::feed::climb::{Ascent, mobility};
+use super::ground::{Ground, Place};
+use crate::feed::clearance::Shortfall;
+use crate::feed::climb::mobility;
 use crate::feed::even::even;
 use crate::feed::pose::{Axis, Pose};
-use crate::feed::probes::Demand;
 use crate::feed::search::SearchProblem;
 use crate::progress::{Cancel, Cancelled, Progress};
 
@@ -22,7 +22,7 @@ pub struct Effort {
 }
 
 /// A pose on a way.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Waypoint {
     /// Withdrawn distance (mm).
     pub s: f64,
@@ -34,6 +34,19 @@ pub struct Waypoint {
     length: f64,
     /// The waypoint before, in the layer before.
     from: usize,
+}
+
+impl Waypoint {
+    /// The final pose, where there is `room` (mm).
+    pub(super) fn first(room: f64) -> Self {
+        Self { s: 0.0, pose: Pose::FINAL, width: room, length: 0.0, from: 0 }
+    }
+
+    /// The one at `place` that is reached from here, which is number `from` of its layer.
+    pub(super) fn then(&self, place: &Place, from: usize, ground: &Ground) -> Self {
+        let length = self.length + ground.motion_between(&self.pose, &place.pose);
+        Self { s: place.s, pose: place.pose, width: self.width.min(place.room), length, from }
+    }
 }
 
 /// Waypoints from the final pose outwards.
@@ -56,10 +69,8 @@ pub struct DeadEnd {
 
 /// The layers so far.
 pub(super) struct Corridor<'a> {
+    ground: &'a Ground<'a>,
     problem: &'a SearchProblem<'a>,
-    /// Some of the problem's probes, which lead the search.
-    coarse: &'a ClearanceModel<'a>,
-    room: f64,
     effort: Effort,
     layers: Vec<Vec<Waypoint>>,
 }
@@ -67,10 +78,8 @@ pub(super) struct Corridor<'a> {
 /// A pose that was tried for a node.
 #[derive(Debug, Clone, Copy)]
 struct Tried {
+    place: Place,
     waypoint: Waypoint,
-    /// Clearance that it lacks (mm).
-    lack: f64,
-    worst: Option<Shortfall>,
     reachable: bool,
 }
 
@@ -78,30 +87,14 @@ impl<'a> Corridor<'a> {
     /// Least distance between nodes, as a share of the step, and the first one from the final pose, where space opens.
     const LEAST_STEP: f64 = 0.125;
     const FIRST_STEP: f64 = 0.5;
-    /// Distance withdrawn at which all the room that counts may have opened (mm).
-    const OPEN: f64 = 4.0;
-    /// Steps of ascent for each pose.
-    const ASCENT: usize = 12;
-    /// Steps that all probes take part in, where some of them did not tell enough.
-    const TOUCH: usize = 4;
-    /// Clearance that may be missing by the leading probes for the others to be asked (mm).
-    const HOPELESS: f64 = 0.05;
     /// How far poses are strewn about those expected (mm), by turns.
     const SPREADS: [f64; 3] = [0.4, 1.2, 3.0];
-    /// Motion between the places where a way is tested (mm).
-    const STRIDE: f64 = 0.25;
     /// Motion by which poses of one node differ at first; half as much until there are enough (mm).
     const APART: f64 = 1.6;
     const LEAST_APART: f64 = 0.05;
 
-    pub(super) fn new(
-        problem: &'a SearchProblem<'a>,
-        coarse: &'a ClearanceModel<'a>,
-        room: f64,
-        effort: Effort,
-    ) -> Self {
-        let start = Waypoint { s: 0.0, pose: Pose::FINAL, width: room, length: 0.0, from: 0 };
-        Self { problem, coarse, room, effort, layers: vec![vec![start]] }
+    pub(super) fn new(ground: &'a Ground<'a>, effort: Effort) -> Self {
+        Self { ground, problem: ground.problem, effort, layers: vec![vec![Waypoint::first(ground.room)]] }
     }
 
     /// Adds layers until the electrode is out, and answers the widest way; or the dead end.
@@ -140,37 +133,16 @@ impl<'a> Corridor<'a> {
         let parents = &self.layers[self.layers.len() - 1];
         let each = self.effort.seeds.div_ceil(parents.len()).max(2);
         let seeds: Vec<(usize, usize)> = (0..parents.len()).flat_map(|p| (0..each).map(move |i| (p, i))).collect();
-        // Near the final pose there cannot be much room: it is taken in proportion to what space may have opened.
-        let opened = (s / Self::OPEN).min(1.0);
-        let wide = self.room * opened;
-        let demand = Demand { room: wide, ..self.problem.narrow() };
         let one = |&(parent, number): &(usize, usize)| {
             cancel.check()?;
-            let ascent = self.ascended(self.seed(parent, number, each, s), s, &demand);
+            let place = self.ground.roomiest_near(self.seed(parent, number, each, s), s);
             let before = &parents[parent];
-            let room = (wide - ascent.lack) / opened;
-            let length = before.length + self.coarse.motion_between(&before.pose, &ascent.pose);
-            let waypoint = Waypoint { s, pose: ascent.pose, width: before.width.min(room), length, from: parent };
-            let lack = (ascent.lack - wide).max(0.0);
-            let within = lack == 0.0 && self.problem.travel.beyond(&ascent.pose).is_none();
-            let reachable = within && self.joins(before, &waypoint);
-            Ok(Tried { waypoint, lack, worst: ascent.worst, reachable })
+            let waypoint = before.then(&place, parent, self.ground);
+            let joins = || self.ground.joins((before.s, &before.pose), (s, &place.pose));
+            let reachable = self.ground.is_free(&place) && joins();
+            Ok(Tried { place, waypoint, reachable })
         };
         seeds.par_iter().map(one).collect()
-    }
-
-    /// The place with most room near `start`: found by some of the probes and judged by all.
-    fn ascended(&self, start: Pose, s: f64, demand: &Demand) -> Ascent {
-        let (at, axes) = ((s, self.problem.turns), self.problem.free_axes());
-        let led = self.coarse.ascend(start, at, demand, axes, Self::ASCENT);
-        if led.lack > demand.room + Self::HOPELESS {
-            return led;
-        }
-        let judged = self.problem.model.ascend(led.pose, at, demand, axes, 0);
-        if judged.lack > demand.room {
-            return self.problem.model.ascend(led.pose, at, demand, axes, Self::TOUCH);
-        }
-        judged
     }
 
     /// Where the search for a place begins: going on as before, staying, and strewn about the former.
@@ -198,19 +170,6 @@ impl<'a> Corridor<'a> {
         Pose::from_array(q)
     }
 
-    /// Whether the straight motion between two waypoints is free.
-    fn joins(&self, from: &Waypoint, to: &Waypoint) -> bool {
-        let strides = self.coarse.motion_between(&from.pose, &to.pose) / Self::STRIDE;
-        let parts = strides.ceil().clamp(2.0, 24.0) as usize;
-        let between = self.problem.between();
-        let mut hint = 0;
-        (1..parts).all(|i| {
-            let t = i as f64 / parts as f64;
-            let s = from.s + (to.s - from.s) * t;
-            self.coarse.is_free(&from.pose.lerp(&to.pose, t), s, self.problem.turns, &between, &mut hint)
-        })
-    }
-
     /// The widest of the reachable poses, as different from each other as their number allows.
     fn chosen(&self, tried: &[Tried]) -> Vec<Waypoint> {
         let mut reachable: Vec<&Waypoint> = tried.iter().filter(|t| t.reachable).map(|t| &t.waypoint).collect();
@@ -219,7 +178,7 @@ impl<'a> Corridor<'a> {
         let mut apart = Self::APART;
         while chosen.len() < self.poses(&reachable) && apart >= Self::LEAST_APART {
             for candidate in &reachable {
-                let differs = |c: &Waypoint| self.coarse.motion_between(&c.pose, &candidate.pose) >= apart;
+                let differs = |c: &Waypoint| self.ground.motion_between(&c.pose, &candidate.pose) >= apart;
                 if chosen.len() < self.effort.poses && chosen.iter().all(differs) {
                     chosen.push(**candidate);
                 }
@@ -252,8 +211,9 @@ impl<'a> Corridor<'a> {
 
     fn dead_end(&self, s: f64, tried: &[Tried]) -> DeadEnd {
         let way = self.widest(|_| true);
-        let nearest = tried.iter().min_by(|a, b| a.lack.total_cmp(&b.lack));
-        let (pose, lack, worst) = nearest.map_or((Pose::FINAL, 0.0, None), |t| (t.waypoint.pose, t.lack, t.worst));
+        let nearest = tried.iter().min_by(|a, b| a.place.lack.total_cmp(&b.place.lack));
+        let (pose, lack, worst) =
+            nearest.map_or((Pose::FINAL, 0.0, None), |t| (t.place.pose, t.place.lack, t.place.worst));
         DeadEnd { way, s, pose, lack, worst }
     }
 }

@@ -8,6 +8,8 @@
 //! A fixed lattice of poses would miss the way: near the final pose free space is only the spark gap wide.
 
 mod corridor;
+mod follow;
+mod ground;
 mod halfspaces;
 mod polish;
 
@@ -15,10 +17,13 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::jam::{Jam, JamCause, JamContact};
+use super::pose::Pose;
 use super::search::{Convergence, Node, SearchOutcome, SearchProblem};
 use crate::blisk::channel::Surface;
 use crate::progress::{Cancel, Cancelled, Progress};
-use corridor::{Corridor, DeadEnd, Effort, Way, Waypoint};
+pub(super) use corridor::Way;
+use corridor::{Corridor, DeadEnd, Effort, Waypoint};
+use ground::Ground;
 
 /// Parameters of the global strategy (`[plan.global]` of a job).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -77,18 +82,27 @@ impl SearchProblem<'_> {
     const SEEDS: usize = 2;
     /// Distance between the nodes of the search over that between those of the path.
     const STRIDE_RATIO: f64 = 2.0;
-    /// Distance between the points that lead the search (mm); all of them have the last word.
-    const COARSE: f64 = 0.6;
 
-    /// The widest way out, polished.
+    /// The widest way out, polished: near `known`, a path that was nearly one, if there is one there; else searched for.
     pub(super) fn widest_way(
         &self,
         params: &GlobalParams,
+        known: &[Node],
         surface_of: &dyn Fn(DVec3) -> Surface,
         progress: &Progress,
         cancel: &Cancel,
     ) -> Result<SearchOutcome, Cancelled> {
-        match self.way_out_of(params, &Self::WIDENINGS, progress, cancel)? {
+        let near = if known.len() > 1 {
+            let poses: Vec<(f64, Pose)> = known.iter().map(|n| (n.s, n.pose)).collect();
+            Ground::new(self, params.room_mm).followed(&poses, cancel)?
+        } else {
+            None
+        };
+        let found = match near {
+            Some(way) => Ok(way),
+            None => self.way_out_of(params, &Self::WIDENINGS, progress, cancel)?,
+        };
+        match found {
             Ok(way) => {
                 let nodes = self.polished(self.nodes_along(&way), params, cancel)?;
                 (self.observe)(&nodes, &[]);
@@ -111,8 +125,8 @@ impl SearchProblem<'_> {
         cancel: &Cancel,
     ) -> Result<CoarseWay, Cancelled> {
         const EFFORT: Effort = Effort { poses: 6, seeds: 12, step: 1.5 };
-        let coarse = self.model.thinned(Self::COARSE);
-        let found = Corridor::new(self, &coarse, params.room_mm, EFFORT).explore(progress, cancel)?;
+        let ground = Ground::quick(self, params.room_mm);
+        let found = Corridor::new(&ground, EFFORT).explore(progress, cancel)?;
         let nodes = |way: &Way| way.iter().map(|w| self.plain_node(w)).collect::<Vec<_>>();
         Ok(match found {
             Ok(way) => CoarseWay { width: way.last().map(|w| w.width), nodes: nodes(&way), jam: None },
@@ -130,15 +144,25 @@ impl SearchProblem<'_> {
         Node { s: waypoint.s, pose: waypoint.pose, h: 0.0, clearance, objective: Default::default() }
     }
 
-    /// Width of a wide way out (mm); none if none is found with few poses.
-    pub(super) fn width_of_way(
+    /// A wide way out; none if none is found with few poses.
+    pub(super) fn way_with_few(
         &self,
         params: &GlobalParams,
         progress: &Progress,
         cancel: &Cancel,
-    ) -> Result<Option<f64>, Cancelled> {
-        let found = self.way_out_of(params, &Self::WIDENINGS[..1], progress, cancel)?;
-        Ok(found.ok().and_then(|way| way.last().map(|w| w.width)))
+    ) -> Result<Option<Way>, Cancelled> {
+        Ok(self.way_out_of(params, &Self::WIDENINGS[..1], progress, cancel)?.ok())
+    }
+
+    /// The way near `way`, one of a similar electrode; none if there is none near.
+    pub(super) fn followed_way(
+        &self,
+        params: &GlobalParams,
+        way: &Way,
+        cancel: &Cancel,
+    ) -> Result<Option<Way>, Cancelled> {
+        let poses: Vec<(f64, Pose)> = way.iter().map(|w| (w.s, w.pose)).collect();
+        Ground::new(self, params.room_mm).followed(&poses, cancel)
     }
 
     /// A wide way out, or where all ways end.
@@ -149,12 +173,13 @@ impl SearchProblem<'_> {
         progress: &Progress,
         cancel: &Cancel,
     ) -> Result<Result<Way, DeadEnd>, Cancelled> {
-        let coarse = self.model.thinned(Self::COARSE);
         let mut furthest: Option<DeadEnd> = None;
-        for share in widenings {
+        for (i, share) in widenings.iter().enumerate() {
+            // Only the first one is quick: what it does not find is narrow.
+            let ground = if i == 0 { Ground::quick } else { Ground::new }(self, params.room_mm);
             let poses = (share * params.poses as f64).round().max(2.0) as usize;
             let effort = Effort { poses, seeds: Self::SEEDS * poses, step: Self::STRIDE_RATIO * self.step };
-            match Corridor::new(self, &coarse, params.room_mm, effort).explore(progress, cancel)? {
+            match Corridor::new(&ground, effort).explore(progress, cancel)? {
                 Ok(way) => return Ok(Ok(way)),
                 Err(end) if furthest.as_ref().is_none_or(|f| f.s < end.s) => furthest = Some(end),
                 Err(_) => {}

@@ -9,7 +9,9 @@
 use rayon::prelude::*;
 
 use super::GlobalParams;
+use super::ground::COARSE;
 use super::halfspaces::{HalfSpaces, Step};
+use crate::feed::clearance::ClearanceModel;
 use crate::feed::climb::mobility;
 use crate::feed::pose::{Axis, Pose};
 use crate::feed::probes::Demand;
@@ -47,8 +49,9 @@ impl SearchProblem<'_> {
         let Some(smoother) = Smoother::new(&s, SPREAD) else { return Ok(nodes) };
         let mut path = self.with_demands(&nodes, params, cancel)?;
         let mut smooth: Vec<Pose> = Vec::new();
+        let coarse = self.model.thinned(COARSE);
         for _ in 0..PROBLEMS {
-            let spaces = self.spaces_about(&nodes, &path, cancel)?;
+            let spaces = self.spaces_about(&coarse, &nodes, &path, cancel)?;
             let (steps, bent) = least_bent(&smoother, &path, &spaces, self.free_axes());
             smooth = bent;
             path = self.taken(&nodes, &path, &steps, cancel)?;
@@ -75,7 +78,13 @@ impl SearchProblem<'_> {
     }
 
     /// What keeps each node, as half-spaces of steps from its pose.
-    fn spaces_about(&self, nodes: &[Node], path: &[Polished], cancel: &Cancel) -> Result<Vec<HalfSpaces>, Cancelled> {
+    fn spaces_about(
+        &self,
+        coarse: &ClearanceModel,
+        nodes: &[Node],
+        path: &[Polished],
+        cancel: &Cancel,
+    ) -> Result<Vec<HalfSpaces>, Cancelled> {
         let one = |(node, at): (&Node, &Polished)| {
             cancel.check()?;
             if at.trust == 0.0 {
@@ -84,7 +93,7 @@ impl SearchProblem<'_> {
             // A step of this length brings a point nearer by up to about half as much again.
             let further = 1.5 * at.trust;
             let demand = Demand { room: at.demand.room + further, ..at.demand };
-            let walls = self.model.walls_about(&at.pose, (node.s, self.turns), &demand, self.free_axes());
+            let walls = coarse.walls_about(&at.pose, (node.s, self.turns), &demand, self.free_axes());
             let keeps = walls.into_iter().map(|(slopes, lack)| (slopes, lack - further)).collect();
             let limits = self.free_axes().iter().map(|&axis| {
                 let ends = self.travel.of(axis).map(|end| (end - at.pose.get(axis)) / mobility(axis));

@@ -124,10 +124,10 @@ impl LocalTriangles {
     #[inline]
     fn nearest(&self, p: DVec3, candidates: &[u32]) -> Nearest {
         let mut best = Nearest::NONE;
+        let mut least = f64::INFINITY;
         for &i in candidates {
-            let d = self.triangles[i as usize].distance_squared(p);
-            if d < best.distance_squared {
-                best = Nearest { distance_squared: d, triangle: i };
+            if !self.is_beyond(p, i, least) {
+                self.take_if_nearer(p, i, &mut best, &mut least);
             }
         }
         best
@@ -160,15 +160,21 @@ impl LocalTriangles {
             if self.is_beyond(p, i, least) {
                 continue;
             }
-            let d = self.triangles[i as usize].distance_squared(p);
-            // Ties go to the smaller number, as in the unordered search, so that both agree to the last bit.
-            if d < best.distance_squared || (d == best.distance_squared && i < best.triangle) {
-                best = Nearest { distance_squared: d, triangle: i };
-                // A hair more: what is as near to the last bit must still be looked at.
-                least = d.sqrt() * (1.0 + 1e-12);
-            }
+            self.take_if_nearer(p, i, &mut best, &mut least);
         }
         best
+    }
+
+    /// Takes triangle `i` for the nearest to `p` if it is nearer than `best`; `least` is the distance of the best, or a hair
+    /// more: what is as near to the last bit must still be looked at.
+    #[inline]
+    fn take_if_nearer(&self, p: DVec3, i: u32, best: &mut Nearest, least: &mut f64) {
+        let d = self.triangles[i as usize].distance_squared(p);
+        // Ties go to the smaller number, so that the order of the candidates does not matter.
+        if d < best.distance_squared || (d == best.distance_squared && i < best.triangle) {
+            *best = Nearest { distance_squared: d, triangle: i };
+            *least = d.sqrt() * (1.0 + 1e-12);
+        }
     }
 
     /// Signed distance from `p` to its nearest triangle, the point there that is nearest, and the normal in it.
