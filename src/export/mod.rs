@@ -18,6 +18,7 @@ pub mod report;
 mod report_curves;
 mod report_html;
 mod report_tables;
+pub mod simulation_report;
 pub mod svg_plot;
 pub mod verify_report;
 

@@ -31,9 +31,13 @@ impl AxisSet {
 }
 
 /// Travel of the axes about the final pose, as `[least, greatest]`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MachineParams {
+    /// Whose bodies are simulated: a built-in machine or the path of a machine file; empty for no bodies.
+    pub name: String,
+    /// Clearance that bodies keep from each other and from the blisk (mm).
+    pub body_clearance_mm: f64,
     /// Axes of the machine.
     pub axes: AxisSet,
     /// Travel along X (mm).
@@ -57,6 +61,8 @@ pub struct MachineParams {
 impl Default for MachineParams {
     fn default() -> Self {
         Self {
+            name: String::new(),
+            body_clearance_mm: 1.0,
             axes: AxisSet::default(),
             travel_x_mm: [-250.0, 250.0],
             travel_y_mm: [-150.0, 150.0],
@@ -85,6 +91,9 @@ pub enum MachineError {
         /// Upper end.
         greatest: f64,
     },
+    /// A clearance that is out of range.
+    #[error("[machine] body_clearance_mm is {0}; it must be from 0.01 to 100 mm")]
+    BodyClearance(f64),
     /// A speed that is not positive.
     #[error("[machine] {0} must be finite and greater than 0")]
     Speed(&'static str),
@@ -171,12 +180,20 @@ impl MachineParams {
                 return Err(MachineError::Travel { axis, least, greatest });
             }
         }
+        if !(0.01..=100.0).contains(&self.body_clearance_mm) {
+            return Err(MachineError::BodyClearance(self.body_clearance_mm));
+        }
         for (key, speed) in [("speed_mm_min", self.speed_mm_min), ("speed_deg_min", self.speed_deg_min)] {
             if !speed.is_finite() || speed <= 0.0 {
                 return Err(MachineError::Speed(key));
             }
         }
         Ok(())
+    }
+
+    /// Whether it has bodies that a motion has to be simulated with.
+    pub fn has_bodies(&self) -> bool {
+        !self.name.is_empty()
     }
 
     fn travels(&self) -> [[f64; 2]; 6] {

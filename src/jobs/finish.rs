@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::plan::{Clock, ElectrodeOutcome, PlanJobError};
+use super::simulate::simulate;
 use crate::blisk::channel::Channel;
 use crate::blisk::surface_finder::SurfaceFinder;
 use crate::feed::copying::{Copying, CopyingExtent, CopyingSettings, copying_motion};
@@ -41,6 +42,7 @@ pub(super) fn finish(
         let made = clock.time("copying motion", || copying(around, electrode, progress, cancel))?;
         electrode.copying = Some(made);
     }
+    clock.time("simulation", || simulate(around, electrodes, progress, cancel))?;
     let left = clock.time("leftover", || left_by(around, electrodes, progress, cancel));
     match left {
         Ok(left) => Ok(Ok(Arc::new(left))),

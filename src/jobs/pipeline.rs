@@ -272,7 +272,7 @@ impl Pipeline {
                 {
                     StageState::Missing
                 }
-                (StageState::Done, Some((_, plan))) if !plan.outcome.is_verified() => {
+                (StageState::Done, Some((_, plan))) if !plan.outcome.may_be_approved() => {
                     StageState::Failed(plan_sentence(plan).1)
                 }
                 (StageState::Failed(_) | StageState::Running, _) => StageState::Missing,
@@ -332,7 +332,7 @@ impl Pipeline {
     fn certified(&self) -> Option<&Arc<PlanOutcome>> {
         let (_, now) = self.now.as_ref()?;
         let plan = &self.plan.current(now.plan)?.outcome;
-        (self.plan.running.is_none() && plan.is_verified()).then_some(plan)
+        (self.plan.running.is_none() && plan.may_be_approved()).then_some(plan)
     }
 
     /// Whether the plan can be approved.

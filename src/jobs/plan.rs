@@ -15,10 +15,12 @@ use crate::blisk::surface_finder::SurfaceFinder;
 use crate::export::report::StageTime;
 use crate::feed::copying::Copying;
 use crate::feed::leftover::Leftover;
+use crate::feed::machine_model::MachineModelError;
 use crate::feed::plan::{FeedPlan, Observe, PlanSettings, PlanningSpace, plan_drawn_in, plan_feed};
 use crate::feed::plan_params::PlanError;
 use crate::feed::replay::{Surroundings, replay_feed};
 use crate::feed::search::{Convergence, Node, Strategy};
+use crate::feed::simulation::Simulation;
 use crate::feed::verify::VerifyError;
 use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::frame::Frame;
@@ -48,6 +50,8 @@ pub struct ElectrodeOutcome {
     pub tried: Vec<(EntrySide, String)>,
     /// Its copying motion, if its path is certified.
     pub copying: Option<Copying>,
+    /// The whole motion on the machine, if its path is certified and the machine has bodies or other channels are burnt.
+    pub simulation: Option<Arc<Simulation>>,
 }
 
 /// The answer of a plan.
@@ -63,7 +67,19 @@ pub struct PlanOutcome {
     pub times: Vec<StageTime>,
 }
 
+impl ElectrodeOutcome {
+    /// Whether something comes too close on the machine, or an axis cannot go where it would have to.
+    pub fn collides(&self) -> bool {
+        self.simulation.as_ref().is_some_and(|simulation| !simulation.holds())
+    }
+}
+
 impl PlanOutcome {
+    /// Whether every electrode has a verified path and nothing collides on the machine.
+    pub fn may_be_approved(&self) -> bool {
+        self.is_verified() && !self.electrodes.iter().any(ElectrodeOutcome::collides)
+    }
+
     /// Whether every electrode has a verified path.
     pub fn is_verified(&self) -> bool {
         !self.electrodes.is_empty() && self.electrodes.iter().all(|e| e.plan.is_verified())
@@ -90,6 +106,8 @@ pub enum PlanJobError {
     Mesh(#[from] ExactMeshError),
     #[error(transparent)]
     Verify(VerifyError),
+    #[error(transparent)]
+    Machine(MachineModelError),
 }
 
 impl From<VerifyError> for PlanJobError {
@@ -97,6 +115,15 @@ impl From<VerifyError> for PlanJobError {
         match error {
             VerifyError::Cancelled(cancelled) => cancelled.into(),
             other => Self::Verify(other),
+        }
+    }
+}
+
+impl From<MachineModelError> for PlanJobError {
+    fn from(error: MachineModelError) -> Self {
+        match error {
+            MachineModelError::Cancelled(cancelled) => cancelled.into(),
+            other => Self::Machine(other),
         }
     }
 }
@@ -301,7 +328,7 @@ impl JobPlanner<'_> {
         self.clock.add("search", plan.search_seconds);
         self.clock.add("certificate", plan.verify_seconds);
         let electrode = plan.remade.take().map_or_else(|| Arc::unwrap_or_clone(electrode), Arc::unwrap_or_clone);
-        Ok(ElectrodeOutcome { electrode, plan, tried: Vec::new(), copying: None })
+        Ok(ElectrodeOutcome { electrode, plan, tried: Vec::new(), copying: None, simulation: None })
     }
 
     /// The plan of `electrode` on the fullest one of its kind, which later plans with other reductions share.
@@ -388,7 +415,7 @@ pub fn replay(
         let electrode = clock.time("electrode", make)?;
         let plan = replay_feed(&around, &electrode, nodes, *h, &settings, progress, cancel)?;
         clock.add("certificate", plan.verify_seconds);
-        electrodes.push(ElectrodeOutcome { electrode, plan, tried: Vec::new(), copying: None });
+        electrodes.push(ElectrodeOutcome { electrode, plan, tried: Vec::new(), copying: None, simulation: None });
     }
     let around = Around { job, blisk, channel, finder: &finder };
     let leftover = finish(&around, &mut electrodes, &mut clock, progress, cancel)?;

@@ -216,7 +216,7 @@ fn electrode_files(
         let csv = write_copying_csv(&copying.path, copying.certificate.row_clearance())?.into_bytes();
         files.push((format!("copying_{k}.csv"), csv));
     }
-    if !holds || !wanted.nc {
+    if !holds || !wanted.nc || outcome.collides() {
         return Ok((files, None));
     }
     let not_approved = |source| PlanFilesError::NotApproved { electrode: k, source };
@@ -224,6 +224,9 @@ fn electrode_files(
         .map_err(not_approved)?;
     if let Some(copying) = copying {
         approved = approved.with_copying(copying).map_err(not_approved)?;
+    }
+    if let Some(simulation) = &outcome.simulation {
+        approved = approved.with_simulation(simulation).map_err(not_approved)?;
     }
     let electrode_file = electrode_in_program(k, &context.job.export);
     let nc_job =

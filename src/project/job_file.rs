@@ -8,10 +8,11 @@ use serde::{Deserialize, Serialize};
 use super::paths::{absolute, relative};
 use crate::blisk::electrode::{ElectrodeParams, EnterSide, Sizing};
 use crate::blisk::options::BliskOptions;
-use crate::export::choice::{DrawnPictures, MeshFrame, WrittenFiles};
+use crate::export::choice::{Channels, DrawnPictures, MeshFrame, WrittenFiles};
 use crate::export::nc::NcSettings;
 use crate::feed::genetic::{GeneticParams, ReductionMode};
 use crate::feed::machine::MachineParams;
+use crate::feed::machine_model::{is_file, machine_table};
 use crate::feed::plan_params::PlanParams;
 use crate::feed::search::{Constraint, Strategy};
 use crate::feed::verify::VerifyOptions;
@@ -56,6 +57,8 @@ pub struct ExportSection {
     pub post: String,
     /// Frame of the electrode meshes: `"mesh"` or `"w"`.
     pub frame: MeshFrame,
+    /// Which channels the motion is simulated in and the NC program burns, the blisk being turned to them by A.
+    pub channels: Channels,
     /// Which files are written.
     pub files: WrittenFiles,
     /// Which pictures are drawn.
@@ -69,6 +72,7 @@ impl Default for ExportSection {
         Self {
             post: "iso".to_owned(),
             frame: MeshFrame::default(),
+            channels: Channels::default(),
             files: WrittenFiles::default(),
             pictures: DrawnPictures::default(),
             nc: NcSettings::default(),
@@ -208,6 +212,9 @@ impl PlanJob {
         for mesh in [&mut job.blisk.mesh, &mut job.electrode.mesh] {
             *mesh = mesh.take().map(|p| relative(&p, folder));
         }
+        if is_file(&job.machine.name) {
+            job.machine.name = relative(Path::new(&job.machine.name), folder).to_string_lossy().into_owned();
+        }
         if job.export.post.ends_with(".toml") {
             job.export.post = relative(Path::new(&job.export.post), folder).to_string_lossy().into_owned();
         }
@@ -250,7 +257,7 @@ impl PlanJob {
         let job = Self {
             blisk: BliskSection { mesh, units, options: section(blisk, "blisk")? },
             electrode,
-            machine: section(take_table(&mut table, "machine")?, "machine")?,
+            machine: machine(take_table(&mut table, "machine")?, folder)?,
             plan: section(take_table(&mut table, "plan")?, "plan")?,
             genetic: section(take_table(&mut table, "genetic")?, "genetic")?,
             verify: section(take_table(&mut table, "verify")?, "verify")?,
@@ -305,6 +312,29 @@ fn take<T: for<'a> Deserialize<'a>>(table: &mut toml::Table, section: &str, key:
         .map(|value| value.try_into())
         .transpose()
         .map_err(|e: toml::de::Error| Problem::at(&format!("[{section}] {key}: "), &one_line(e.message())))
+}
+
+/// The keys of `[machine]`, which take the place of those of the machine that is named.
+fn machine(mut given: toml::Table, folder: &Path) -> Result<MachineParams, Problem> {
+    let file: Option<PathBuf> = take(&mut given, "machine", "file")?;
+    let name: Option<String> = take(&mut given, "machine", "name")?;
+    let name = match (name.filter(|n| !n.is_empty()), file) {
+        (Some(_), Some(_)) => return Err(Problem::at("[machine] ", "name and file are two machines; give one")),
+        (Some(name), None) if !is_file(&name) => name,
+        (Some(name), None) => folder.join(name).to_string_lossy().into_owned(),
+        (None, Some(file)) if is_file(&file.to_string_lossy()) => folder.join(file).to_string_lossy().into_owned(),
+        (None, Some(_)) => return Err(Problem::at("[machine] file: ", "must be the path of a machine file (.toml)")),
+        (None, None) => return section(given, "machine"),
+    };
+    // A job that says everything itself, as a saved one does, can be read without the file.
+    let everything = toml::Table::try_from(MachineParams::default()).unwrap_or_default();
+    let mut table = match everything.keys().all(|key| key == "name" || given.contains_key(key)) {
+        true => toml::Table::new(),
+        false => machine_table(&name).map_err(|e| Problem::at("[machine] ", &one_line(&e.to_string())))?,
+    };
+    table.extend(given);
+    let params: MachineParams = section(table, "machine")?;
+    Ok(MachineParams { name, ..params })
 }
 
 fn section<T: for<'a> Deserialize<'a>>(table: toml::Table, name: &str) -> Result<T, Problem> {
