@@ -12,6 +12,7 @@ pub mod files;
 pub mod leftover_report;
 pub mod nc;
 pub mod nc_feed;
+mod nc_tour;
 pub mod path_csv;
 pub mod post;
 pub mod report;

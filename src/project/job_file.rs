@@ -347,6 +347,7 @@ fn section<T: for<'a> Deserialize<'a>>(table: toml::Table, name: &str) -> Result
 mod tests {
     use super::*;
     use crate::feed::axis_curve::Joining;
+    use crate::feed::machine::AxisSet;
 
     fn parse(text: &str) -> Result<PlanJob, String> {
         PlanJob::parse(text, Path::new("jobs")).map_err(|p| p.place + &p.message)
@@ -500,5 +501,39 @@ mod tests {
         assert!(job.validate().unwrap_err().contains("works on distances"));
         job.plan.strategy = Strategy::Genetic;
         assert_eq!(job.validate(), Ok(()));
+    }
+
+    #[test]
+    fn a_machine_is_named_and_its_keys_may_be_given_otherwise() {
+        let with = |machine: &str| parse(&format!("[blisk]\nmesh = \"a.stl\"\n[machine]\n{machine}"));
+        let none = with("axes = \"XYZC\"").unwrap().machine;
+        assert!(!none.has_bodies() && none.travel_x_mm == MachineParams::default().travel_x_mm);
+        let job = with("name = \"xyzabc\"\ntravel_b_deg = [-10.0, 20.0]").unwrap();
+        assert_eq!((job.machine.axes, job.machine.travel_b_deg), (AxisSet::XYZABC, [-10.0, 20.0]));
+        assert!(job.machine.has_bodies() && job.machine.travel_c_deg == [-360.0, 360.0]);
+        assert!(with("name = \"mill\"").unwrap_err().contains("there is no such machine"));
+        assert!(with("name = \"xyzc\"\nfile = \"my.toml\"").unwrap_err().contains("two machines"));
+        assert!(with("file = \"my.step\"").unwrap_err().contains("[machine] file"));
+        assert!(with("file = \"my.toml\"").unwrap_err().contains("cannot be read"));
+        let job = with("name = \"xyzc\"\nbody_clearance_mm = 0.0").unwrap();
+        assert!(job.validate().unwrap_err().contains("body_clearance_mm"));
+    }
+
+    #[test]
+    fn a_machine_file_is_found_from_the_job_and_written_for_its_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        let machine = folder.path().join("my.toml");
+        std::fs::write(&machine, "axes = \"XYZC\"\ntravel_z_mm = [-7.0, 8.0]\nspeed_mm_min = 30.0\n").unwrap();
+        let text = "[blisk]\nmesh = \"a.stl\"\n[machine]\nfile = \"my.toml\"\nspeed_mm_min = 20.0";
+        let job = PlanJob::parse(text, folder.path()).map_err(|p| p.message).unwrap();
+        let m = &job.machine;
+        assert_eq!((m.axes, m.travel_z_mm, m.speed_mm_min), (AxisSet::XYZC, [-7.0, 8.0], 20.0));
+        assert_eq!(Path::new(&m.name), machine);
+        let written = job.to_toml(folder.path()).unwrap();
+        assert!(written.contains("name = \"my.toml\""), "{written}");
+        // It says everything itself, and so can be read without the machine's file.
+        std::fs::remove_file(&machine).unwrap();
+        let again = PlanJob::parse(&written, folder.path()).map_err(|p| p.message).unwrap();
+        assert_eq!(again.machine, job.machine);
     }
 }
