@@ -27,7 +27,7 @@ use super::machine::MachineParams;
 use super::machine_model::{Carrier, MachineModel};
 use super::path::FeedPath;
 use super::pose::{Axis, Pose};
-use super::verify::pair::{Near, Pair};
+use super::verify::pair::{Near, Pair, PairClearance};
 use crate::blisk::electrode::Electrode;
 use crate::geometry::mesh::Mesh;
 use crate::progress::{Cancel, Cancelled, Progress};
@@ -64,12 +64,14 @@ pub struct SimulationOptions {
     pub clear_mm: f64,
     /// How close proven bounds come to the smallest clearance met (mm).
     pub resolution_mm: f64,
+    /// The same for bodies that are farther apart than they have to be, as a share of what they are so.
+    pub resolution_share: f64,
 }
 
 impl SimulationOptions {
     /// The usual ones for these channels.
     pub fn of(channels: Vec<usize>) -> Self {
-        Self { channels, clear_mm: 10.0, resolution_mm: 0.005 }
+        Self { channels, clear_mm: 10.0, resolution_mm: 0.005, resolution_share: 0.01 }
     }
 }
 
@@ -386,7 +388,10 @@ impl<'a> Run<'a> {
                 Some(Carrier::Bed) => (own_legs.clone(), 0.0),
                 Some(_) => (all.iter().chain(&index).cloned().collect(), 0.0),
                 None => match period_error {
-                    Some(error) => (own_legs.iter().chain(&index).cloned().collect(), error),
+                    Some(error) => (
+                        own_legs.iter().cloned().chain(tour::widest_index_leg(&approach.poses, visits)).collect(),
+                        error,
+                    ),
                     None => (all.iter().chain(&index).cloned().collect(), 0.0),
                 },
             };
@@ -409,22 +414,28 @@ impl<'a> Run<'a> {
 
     /// The clearance of a pair over its legs; none if one of the two has no surface.
     fn test(&self, test: &Test) -> Result<Option<PairReport>, Cancelled> {
-        let (mut certified, mut least): (f64, Option<Place>) = (f64::INFINITY, None);
         let pair = Pair {
             moving: &test.moving.solid,
             fixed: &test.fixed.solid,
             // In a channel the gap itself is narrow.
             resolution: self.options.resolution_mm.min(0.02 * test.required).max(1e-9),
+            required: test.required,
+            share: self.options.resolution_share,
         };
-        for leg in &test.legs {
+        // Feeds first: they come nearest, and what is known to be farther off is soon done with.
+        let (feeds, others): (Vec<&Leg>, Vec<&Leg>) = test.legs.iter().partition(|leg| leg.phase == Phase::Feed);
+        let mut known: Option<(PairClearance, &Leg)> = None;
+        for leg in feeds.into_iter().chain(others) {
             let poses = bodies::relative(&leg.poses, test.moving, test.fixed);
-            let Some(found) = pair.clearance(&poses, self.cancel)? else { return Ok(None) };
-            certified = certified.min(found.certified);
-            if least.is_none_or(|l| found.least.distance < l.distance) {
-                least = Some(place(leg, &found.least));
-            }
+            let before = known.map(|(clearance, _)| clearance);
+            let Some(found) = pair.clearance(&poses, before, self.cancel)? else { return Ok(None) };
+            known = match known {
+                Some((before, of)) if before.least == found.least => Some((found, of)),
+                _ => Some((found, leg)),
+            };
         }
-        let Some(least) = least else { return Ok(None) };
+        let Some((PairClearance { certified, least }, leg)) = known else { return Ok(None) };
+        let least = place(leg, &least);
         let contact =
             if certified <= 0.0 || certified < pair.resolution { self.first_contact(&pair, test)? } else { None };
         Ok(Some(PairReport {

@@ -110,7 +110,11 @@ impl Parts {
             machine: &self.machine,
             model: &self.model,
         };
-        let options = SimulationOptions { resolution_mm: 1e-6, ..SimulationOptions::of(channels.to_vec()) };
+        let options = SimulationOptions {
+            resolution_mm: 1e-6,
+            resolution_share: 0.0,
+            ..SimulationOptions::of(channels.to_vec())
+        };
         simulate(&scenario, &options, &Progress::silent(), &Cancel::default()).unwrap()
     }
 }

@@ -90,6 +90,15 @@ pub(super) fn index_legs(approach: &[Pose], visits: &[Visit]) -> Vec<Leg> {
     visits.windows(2).map(leg).collect()
 }
 
+/// The longest way between two channels, from the first turned to 0: on a blisk whose channels are alike the others are
+/// parts of it.
+pub(super) fn widest_index_leg(approach: &[Pose], visits: &[Visit]) -> Option<Leg> {
+    let widest = visits.windows(2).max_by(|p, q| (p[1].turn - p[0].turn).total_cmp(&(q[1].turn - q[0].turn)))?;
+    let from = Visit { turn: 0.0, ..widest[0] };
+    let to = Visit { turn: widest[1].turn - widest[0].turn, ..widest[1] };
+    index_legs(approach, &[from, to]).pop()
+}
+
 /// The whole motion in order.
 pub(super) fn whole(approach: &[Pose], feed: &FeedPath, copying: Option<&FeedPath>, visits: &[Visit]) -> Vec<Leg> {
     let mut index = index_legs(approach, visits).into_iter();

@@ -52,6 +52,11 @@ pub struct Pair<'a> {
     pub fixed: &'a Solid,
     /// How close the proven bound comes to the smallest clearance met (mm).
     pub resolution: f64,
+    /// Clearance that is asked for (mm).
+    pub required: f64,
+    /// Share of what a clearance exceeds the one asked for by, up to which the bound may stay below it: far bodies need
+    /// no exact figure.
+    pub share: f64,
 }
 
 /// Where two bodies are how near to each other.
@@ -106,23 +111,37 @@ impl Pair<'_> {
         })
     }
 
+    fn resolution_at(&self, clearance: f64) -> f64 {
+        self.resolution.max(self.share * (clearance - self.required))
+    }
+
     /// Bounds the clearance over the continuous motion through `poses`, all axes linear between them; none if there is
-    /// nothing that could meet. A body that starts inside the other has a clearance of 0.
+    /// nothing that could meet. A body that starts inside the other has a clearance of 0. `before` is the clearance over
+    /// a motion that was looked at before: the answer is that over both.
     ///
     /// # Errors
     /// [`Cancelled`].
-    pub fn clearance(&self, poses: &[Pose], cancel: &Cancel) -> Result<Option<PairClearance>, Cancelled> {
+    pub fn clearance(
+        &self,
+        poses: &[Pose],
+        before: Option<PairClearance>,
+        cancel: &Cancel,
+    ) -> Result<Option<PairClearance>, Cancelled> {
         let (true, Some(first)) = (!self.moving.tree.is_empty() && !self.fixed.tree.is_empty(), poses.first()) else {
             return Ok(None);
         };
         if let Some(p) = self.one_inside_the_other(first) {
             return Ok(Some(PairClearance { certified: 0.0, least: self.near(0.0, *first, (0.0, p, p)) }));
         }
-        let mut least = self.least_at_poses(poses, cancel)?;
-        let question = Question { known: least.distance, resolution: self.resolution, stop_below: f64::NEG_INFINITY };
+        let mut least = match before {
+            Some(before) => before.least,
+            None => self.least_at_poses(poses, cancel)?,
+        };
+        let resolution = self.resolution_at(least.distance);
+        let question = Question { known: least.distance, resolution, stop_below: f64::NEG_INFINITY };
         let bound = |i: usize| self.bound(&poses[i], &poses[i + 1], &question, cancel);
         let answers: Result<Vec<_>, Cancelled> = (0..poses.len() - 1).into_par_iter().map(bound).collect();
-        let mut certified = least.distance;
+        let mut certified = before.map_or(least.distance, |before| before.certified + ROUNDING);
         for (i, answer) in answers?.into_iter().enumerate() {
             certified = certified.min(answer.lower);
             if let Some((points, t)) = answer.found.filter(|(points, _)| points.distance < least.distance) {
@@ -228,12 +247,12 @@ mod tests {
     fn boxes_meet_at_the_instant_worked_out_by_hand() {
         let cube = cuboid(DVec3::ONE);
         let [moving, fixed] = solids(&cube, &cube, DVec3::ZERO);
-        let pair = Pair { moving: &moving, fixed: &fixed, resolution: 1e-6 };
+        let pair = Pair { moving: &moving, fixed: &fixed, resolution: 1e-6, required: 0.0, share: 0.0 };
         // Its far face is at x + 1, the other's near one at 0: they meet at x = -1, 4 of 10 mm into the second move.
         let way = [at(-9.0, 0.3, 0.2), at(-5.0, 0.3, 0.2), at(5.0, 0.3, 0.2)];
         let contact = pair.first_contact(&way, &Cancel::default()).unwrap().unwrap();
         assert!((contact.row - 1.4).abs() < 2e-7 && contact.distance <= 2e-6, "{contact:?}");
-        let clearance = pair.clearance(&way, &Cancel::default()).unwrap().unwrap();
+        let clearance = pair.clearance(&way, None, &Cancel::default()).unwrap().unwrap();
         assert_eq!((clearance.certified, clearance.least.distance), (0.0, 0.0));
         assert_eq!(pair.first_contact(&way[..2], &Cancel::default()).unwrap(), None);
     }
@@ -243,17 +262,17 @@ mod tests {
         let cube = cuboid(DVec3::ONE);
         let never = Cancel::default();
         let [moving, fixed] = solids(&cube, &cube, DVec3::ZERO);
-        let pair = Pair { moving: &moving, fixed: &fixed, resolution: 1e-6 };
+        let pair = Pair { moving: &moving, fixed: &fixed, resolution: 1e-6, required: 0.0, share: 0.0 };
         // Passing by 1.5 mm aside and 2 mm above.
-        let found = pair.clearance(&[at(-7.0, 2.5, 3.0), at(9.0, 2.5, 3.0)], &never).unwrap().unwrap();
+        let found = pair.clearance(&[at(-7.0, 2.5, 3.0), at(9.0, 2.5, 3.0)], None, &never).unwrap().unwrap();
         assert!((found.least.distance - 2.5).abs() < 1e-6 && (found.certified - 2.5).abs() < 2e-6, "{found:?}");
         // A bar that reaches 5 mm from the C axis, at its corner, turns before a wall 6 mm away.
         let bar = cuboid(DVec3::new(6.0, 8.0, 2.0)).mapped(|p| p - DVec3::new(3.0, 4.0, 1.0));
         let wall = cuboid(DVec3::new(1.0, 40.0, 40.0)).mapped(|p| p + DVec3::new(6.0, -20.0, -20.0));
         let [moving, fixed] = solids(&bar, &wall, DVec3::ZERO);
-        let pair = Pair { moving: &moving, fixed: &fixed, resolution: 1e-6 };
+        let pair = Pair { moving: &moving, fixed: &fixed, resolution: 1e-6, required: 0.0, share: 0.0 };
         let turned = [Pose::FINAL, Pose { c: -1.2, ..Pose::FINAL }];
-        let found = pair.clearance(&turned, &never).unwrap().unwrap();
+        let found = pair.clearance(&turned, None, &never).unwrap().unwrap();
         assert!((found.least.distance - 1.0).abs() < 1e-6 && (found.certified - 1.0).abs() < 2e-6, "{found:?}");
         let instant = 4f64.atan2(3.0) / 1.2;
         assert!((found.least.row - instant).abs() < 2e-3, "{} {instant}", found.least.row);
@@ -264,15 +283,15 @@ mod tests {
         let (large, small) = (cuboid(DVec3::splat(10.0)), cuboid(DVec3::ONE).mapped(|p| p + 4.0));
         for (moving, fixed) in [(&small, &large), (&large, &small)] {
             let [moving, fixed] = solids(moving, fixed, DVec3::new(2.0, 1.0, 0.0));
-            let pair = Pair { moving: &moving, fixed: &fixed, resolution: 1e-3 };
+            let pair = Pair { moving: &moving, fixed: &fixed, resolution: 1e-3, required: 0.0, share: 0.0 };
             let way = [Pose::FINAL, at(1.0, 0.0, 0.0)];
-            assert_eq!(pair.clearance(&way, &Cancel::default()).unwrap().unwrap().certified, 0.0);
+            assert_eq!(pair.clearance(&way, None, &Cancel::default()).unwrap().unwrap().certified, 0.0);
             assert_eq!(pair.first_contact(&way, &Cancel::default()).unwrap().unwrap().row, 0.0);
         }
         let nothing = [Mesh::default(), large];
         let [moving, fixed] = solids(&nothing[0], &nothing[1], DVec3::ZERO);
-        let pair = Pair { moving: &moving, fixed: &fixed, resolution: 1e-3 };
-        assert_eq!(pair.clearance(&[Pose::FINAL], &Cancel::default()).unwrap(), None);
+        let pair = Pair { moving: &moving, fixed: &fixed, resolution: 1e-3, required: 0.0, share: 0.0 };
+        assert_eq!(pair.clearance(&[Pose::FINAL], None, &Cancel::default()).unwrap(), None);
     }
 
     proptest! {
@@ -285,8 +304,8 @@ mod tests {
             let moving = cuboid(DVec3::from_array(size)).mapped(|p| p + DVec3::new(1.0, -3.0, 11.0));
             let fixed = cuboid(DVec3::new(5.0, 4.0, 3.0)).mapped(|p| p - DVec3::new(2.0, 2.0, 4.0));
             let solids = solids(&moving, &fixed, o);
-            let pair = Pair { moving: &solids[0], fixed: &solids[1], resolution: 1e-3 };
-            let found = pair.clearance(&[start, end], &Cancel::default()).unwrap().unwrap();
+            let pair = Pair { moving: &solids[0], fixed: &solids[1], resolution: 1e-3, required: 0.0, share: 0.0 };
+            let found = pair.clearance(&[start, end], None, &Cancel::default()).unwrap().unwrap();
             let (moving, fixed) = (ExactMesh::new(&moving).unwrap(), ExactMesh::new(&fixed).unwrap());
             let sampled = (0..=200).map(|i| start.lerp(&end, i as f64 / 200.0));
             let sampled = sampled.map(|pose| fixed.distance_to(&moving, &pose.placement(o))).fold(f64::INFINITY, f64::min);
