@@ -287,6 +287,7 @@ fn simulation() -> Simulation {
         travel: None,
         minutes: 1.0,
         period_error: Some(0.0),
+        bodies: vec![],
     }
 }
 

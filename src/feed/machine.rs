@@ -76,6 +76,20 @@ impl Default for MachineParams {
     }
 }
 
+/// What of [`MachineParams`] a search depends on: all but the bodies.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SearchedMachine {
+    axes: AxisSet,
+    travel_x_mm: [f64; 2],
+    travel_y_mm: [f64; 2],
+    travel_z_mm: [f64; 2],
+    travel_a_deg: [f64; 2],
+    travel_b_deg: [f64; 2],
+    travel_c_deg: [f64; 2],
+    speed_mm_min: f64,
+    speed_deg_min: f64,
+}
+
 /// What is wrong with machine parameters, or with a path on that machine.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MachineError {
@@ -194,6 +208,23 @@ impl MachineParams {
     /// Whether it has bodies that a motion has to be simulated with.
     pub fn has_bodies(&self) -> bool {
         !self.name.is_empty()
+    }
+
+    /// What of it a search depends on.
+    pub fn searched(&self) -> SearchedMachine {
+        let Self { travel_x_mm, travel_y_mm, travel_z_mm, travel_a_deg, travel_b_deg, travel_c_deg, .. } = *self;
+        let Self { axes, speed_mm_min, speed_deg_min, .. } = *self;
+        SearchedMachine {
+            axes,
+            travel_x_mm,
+            travel_y_mm,
+            travel_z_mm,
+            travel_a_deg,
+            travel_b_deg,
+            travel_c_deg,
+            speed_mm_min,
+            speed_deg_min,
+        }
     }
 
     fn travels(&self) -> [[f64; 2]; 6] {

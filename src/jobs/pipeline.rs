@@ -25,7 +25,7 @@ use prepared::Prepared;
 use sentences::plan_sentence;
 use slot::Slot;
 
-use super::plan::{PlanInputs, PlanJobError, PlanOutcome};
+use super::plan::{ElectrodeOutcome, PlanInputs, PlanJobError, PlanOutcome};
 use super::stages::{Electrodes, FoundChannel, Part};
 use super::worker::{Reporter, Worker};
 use crate::blisk::electrode::Electrode;
@@ -34,7 +34,7 @@ use crate::feed::search::{Convergence, Node};
 use crate::progress::{Cancel, Progress};
 use crate::project::{Fingerprint, KeptPlan, PlanJob, Stage};
 use crate::render::mesh::RenderMesh;
-use crate::views::LeftoverShape;
+use crate::views::{LeftoverShape, MachineBody, machine_bodies};
 
 /// What a step has found.
 enum Found {
@@ -52,6 +52,8 @@ struct Planned {
     content: String,
     outcome: Arc<PlanOutcome>,
     shapes: Vec<Arc<RenderMesh>>,
+    /// The bodies of the machine about each electrode.
+    bodies: Vec<Vec<MachineBody>>,
     /// The stock that is left, if that is known.
     leftover: Option<LeftoverShape>,
 }
@@ -60,7 +62,9 @@ impl Planned {
     fn new(inputs: PlanInputs, content: String, outcome: PlanOutcome) -> Self {
         let shapes = outcome.electrodes.iter().map(|e| Arc::new(RenderMesh::new(&e.electrode.mesh))).collect();
         let leftover = outcome.leftover.as_ref().ok().map(|left| LeftoverShape::new(&left.map));
-        Self { inputs, content, outcome: Arc::new(outcome), shapes, leftover }
+        let bodies_of = |e: &ElectrodeOutcome| e.simulation.as_deref().map(machine_bodies).unwrap_or_default();
+        let bodies = outcome.electrodes.iter().map(bodies_of).collect();
+        Self { inputs, content, outcome: Arc::new(outcome), shapes, bodies, leftover }
     }
 }
 
@@ -305,6 +309,11 @@ impl Pipeline {
     /// The electrodes of the plan for the screen.
     pub fn plan_shapes(&self) -> Option<&[Arc<RenderMesh>]> {
         self.plan.value.as_ref().map(|(_, v)| &v.shapes[..])
+    }
+
+    /// The bodies of the machine about electrode number `i` of the plan, for the screen.
+    pub fn plan_bodies(&self, i: usize) -> &[MachineBody] {
+        self.plan.value.as_ref().and_then(|(_, v)| v.bodies.get(i)).map_or(&[], Vec::as_slice)
     }
 
     /// The stock that the electrodes of the plan leave, for the screen.

@@ -1,7 +1,7 @@
 //! What moves and what it may meet.
 
 use super::Scenario;
-use crate::feed::machine_model::{Carrier, Station};
+use crate::feed::machine_model::{Body, Carrier, Station};
 use crate::feed::pose::Pose;
 use crate::feed::verify::pair::Solid;
 use crate::progress::{Cancel, Cancelled};
@@ -41,23 +41,30 @@ impl Bodies {
     pub fn new(scenario: &Scenario, cancel: &Cancel) -> Result<Self, Cancelled> {
         let electrode = scenario.electrode;
         let o = electrode.reference_point;
-        let station = Station::new(&electrode.mesh, o, electrode.enters_from, scenario.blisk);
         let solid = Solid::new(&electrode.mesh, o, cancel)?;
         let mut movers = vec![Mover { name: "electrode".to_owned(), is_electrode: true, turns: true, solid }];
         let solid = Solid::new(scenario.blisk, DVec3::ZERO, cancel)?;
         let mut obstacles = vec![Obstacle { name: "blisk".to_owned(), carrier: None, solid }];
-        for body in &scenario.model.bodies {
-            let (name, mesh) = (body.name.clone(), station.placed(body));
-            if body.carrier.slides() {
-                let turns = body.carrier == Carrier::Electrode;
+        for body in placed(scenario) {
+            let Body { name, carrier, mesh } = body;
+            if carrier.slides() {
+                let turns = carrier == Carrier::Electrode;
                 movers.push(Mover { name, is_electrode: false, turns, solid: Solid::new(&mesh, o, cancel)? });
             } else {
                 let solid = Solid::new(&mesh, DVec3::ZERO, cancel)?;
-                obstacles.push(Obstacle { name, carrier: Some(body.carrier), solid });
+                obstacles.push(Obstacle { name, carrier: Some(carrier), solid });
             }
         }
         Ok(Self { movers, obstacles })
     }
+}
+
+/// The bodies of the machine in W, where they are in the final pose.
+pub(super) fn placed(scenario: &Scenario) -> Vec<Body> {
+    let electrode = scenario.electrode;
+    let station = Station::new(&electrode.mesh, electrode.reference_point, electrode.enters_from, scenario.blisk);
+    let in_w = |body: &Body| Body { mesh: station.placed(body), ..body.clone() };
+    scenario.model.bodies.iter().map(in_w).collect()
 }
 
 /// The poses that move `moving` as seen from `fixed`: C and B do not turn the head, and A, which turns the table, does

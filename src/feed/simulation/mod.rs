@@ -24,7 +24,7 @@ use serde::Serialize;
 
 use super::certificate::Certificate;
 use super::machine::MachineParams;
-use super::machine_model::{Carrier, MachineModel};
+use super::machine_model::{Body, Carrier, MachineModel};
 use super::path::FeedPath;
 use super::pose::{Axis, Pose};
 use super::verify::pair::{Near, Pair, PairClearance};
@@ -165,6 +165,9 @@ pub struct Simulation {
     pub minutes: f64,
     /// How far apart the blisk's mesh and itself are when it is turned by channels (mm); none if they differ.
     pub period_error: Option<f64>,
+    /// The bodies of the machine in W, where they are in the final pose.
+    #[serde(skip)]
+    pub bodies: Vec<Body>,
 }
 
 impl Simulation {
@@ -184,6 +187,11 @@ impl Simulation {
     /// The legs of the whole motion in order, for showing.
     pub fn legs(&self, feed: &FeedPath, copying: Option<&FeedPath>) -> Vec<Leg> {
         tour::whole(&self.approach, feed, copying, &self.visits)
+    }
+
+    /// Whether the body called `name` is in a pair that does not keep what is asked for.
+    pub fn is_in_the_way(&self, name: &str) -> bool {
+        self.pairs.iter().any(|p| !p.holds() && (p.moving == name || p.fixed == name))
     }
 
     /// What was found, in a sentence or two.
@@ -288,6 +296,7 @@ pub fn simulate(
         out_of_reach,
         pairs,
         period_error,
+        bodies: bodies::placed(scenario),
     })
 }
 
