@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use super::finish::{Around, finish};
 use super::prepared_blisk::PreparedBlisk;
+use super::simulate;
 use crate::blisk::channel::Channel;
 use crate::blisk::electrode::{
     Electrode, ElectrodeError, ElectrodeParams, EnterSide, EntrySide, from_user_mesh, make_electrodes,
@@ -248,6 +249,9 @@ struct JobPlanner<'a> {
 impl JobPlanner<'_> {
     fn outcome(mut self) -> Result<PlanOutcome, PlanJobError> {
         self.inputs.job.validate().map_err(PlanJobError::Job)?;
+        if self.explain {
+            simulate::check(&self.inputs.job, &self.prepared.space.channel, self.progress, self.cancel)?;
+        }
         let mut electrodes = self.electrodes()?;
         let PlanningSpace { blisk, channel, finder, .. } = &self.prepared.space;
         let leftover = if self.explain {

@@ -2,11 +2,27 @@
 
 use super::finish::Around;
 use super::plan::{ElectrodeOutcome, PlanJobError};
+use crate::blisk::channel::Channel;
 use crate::export::choice::Channels;
 use crate::feed::copying::Copying;
 use crate::feed::machine_model::{MachineModel, read_machine};
 use crate::feed::simulation::{Scenario, Simulation, SimulationOptions, simulate as simulate_motion};
 use crate::progress::{Cancel, Progress};
+use crate::project::PlanJob;
+
+/// Finds out before the work whether the machine can be read and the channels exist.
+pub(super) fn check(
+    job: &PlanJob,
+    channel: &Channel,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<(), PlanJobError> {
+    job.export.channels.numbers(channel.blades, channel.index).map_err(PlanJobError::Job)?;
+    if job.machine.has_bodies() {
+        read_machine(&job.machine.name, progress, cancel)?;
+    }
+    Ok(())
+}
 
 /// Gives every electrode with a certified path the simulation of its whole motion, if the machine has bodies or other
 /// channels than that of the plan are burnt.

@@ -384,10 +384,10 @@ impl<'a> Run<'a> {
     /// Every pair with the legs that it has to be tested on.
     fn tests(&self, approach: &Approach, own: Visit, visits: &[Visit], period_error: Option<f64>) -> Vec<Test<'a>> {
         let (feed, copying) = (self.scenario.feed.0, self.scenario.copying.map(|c| c.0));
-        let of = |visit: &Visit| tour::channel_legs(&approach.poses, feed, copying, visit);
-        let index = tour::index_legs(&approach.poses, visits);
-        let all: Vec<Leg> = visits.iter().flat_map(of).collect();
-        let own_legs = of(&own);
+        // The retraction keeps the clearances of the way in.
+        let mut all = tour::whole(&approach.poses, feed, copying, visits);
+        all.retain(|leg| leg.phase != Phase::Retract);
+        let own_legs = tour::channel_legs(&approach.poses, feed, copying, &own);
         let in_feed = |leg: &Leg| matches!(leg.phase, Phase::Feed | Phase::Copying);
         let mut tests = Vec::new();
         for (moving, fixed) in self.pairs() {
@@ -395,13 +395,13 @@ impl<'a> Run<'a> {
             let (mut legs, allowance) = match fixed.carrier {
                 // A does not move a tool against the bed.
                 Some(Carrier::Bed) => (own_legs.clone(), 0.0),
-                Some(_) => (all.iter().chain(&index).cloned().collect(), 0.0),
+                Some(_) => (all.clone(), 0.0),
                 None => match period_error {
                     Some(error) => (
                         own_legs.iter().cloned().chain(tour::widest_index_leg(&approach.poses, visits)).collect(),
                         error,
                     ),
-                    None => (all.iter().chain(&index).cloned().collect(), 0.0),
+                    None => (all.clone(), 0.0),
                 },
             };
             if is_feed_pair {
