@@ -57,6 +57,4 @@ fn all_channels_of_a_parametric_blisk_are_reached_by_indexing() {
     assert_eq!((simulation.visits.len(), simulation.out_of_reach.len()), (channels, 0));
     // The parametric blisk is the same from every channel, but for the rounding of its coordinates and of A in files.
     assert!(simulation.period_error.unwrap() < 1e-5, "{:?}", simulation.period_error);
-    let four = simulated(outcome, &machine("xyzc"), vec![0, 1]);
-    assert_eq!(four.out_of_reach, [1], "without A only the channel that was planned in");
 }

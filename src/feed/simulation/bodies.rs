@@ -4,6 +4,7 @@ use super::Scenario;
 use crate::feed::machine_model::{Body, Carrier, Station};
 use crate::feed::pose::Pose;
 use crate::feed::verify::pair::Solid;
+use crate::geometry::mesh::Mesh;
 use crate::progress::{Cancel, Cancelled};
 use glam::DVec3;
 
@@ -22,6 +23,8 @@ pub(super) struct Obstacle {
     pub name: String,
     /// What it is carried by; none for the blisk.
     pub carrier: Option<Carrier>,
+    /// A table's surface in W; it may be needed in every channel.
+    pub table: Option<Mesh>,
     pub solid: Solid,
 }
 
@@ -44,7 +47,7 @@ impl Bodies {
         let solid = Solid::new(&electrode.mesh, o, cancel)?;
         let mut movers = vec![Mover { name: "electrode".to_owned(), is_electrode: true, turns: true, solid }];
         let solid = Solid::new(scenario.blisk, DVec3::ZERO, cancel)?;
-        let mut obstacles = vec![Obstacle { name: "blisk".to_owned(), carrier: None, solid }];
+        let mut obstacles = vec![Obstacle { name: "blisk".to_owned(), carrier: None, table: None, solid }];
         for body in placed(scenario) {
             let Body { name, carrier, mesh } = body;
             if carrier.slides() {
@@ -52,7 +55,8 @@ impl Bodies {
                 movers.push(Mover { name, is_electrode: false, turns, solid: Solid::new(&mesh, o, cancel)? });
             } else {
                 let solid = Solid::new(&mesh, DVec3::ZERO, cancel)?;
-                obstacles.push(Obstacle { name, carrier: Some(carrier), solid });
+                let table = (carrier == Carrier::Table).then_some(mesh);
+                obstacles.push(Obstacle { name, carrier: Some(carrier), table, solid });
             }
         }
         Ok(Self { movers, obstacles })

@@ -13,26 +13,27 @@
 
 mod approach;
 mod bodies;
+mod copies;
 mod periodic;
+mod run;
 #[cfg(test)]
 mod tests;
 mod tour;
 
 use glam::DVec3;
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::certificate::Certificate;
 use super::machine::MachineParams;
-use super::machine_model::{Body, Carrier, MachineModel};
+use super::machine_model::{Body, MachineModel};
 use super::path::FeedPath;
 use super::pose::{Axis, Pose};
-use super::verify::pair::{Near, Pair, PairClearance};
 use crate::blisk::electrode::Electrode;
 use crate::geometry::mesh::Mesh;
 use crate::progress::{Cancel, Cancelled, Progress};
 pub use approach::Approach;
-use bodies::{Bodies, Mover, Obstacle};
+use bodies::Bodies;
+use run::Run;
 pub use tour::{Leg, Phase};
 
 /// What is simulated.
@@ -267,23 +268,11 @@ pub fn simulate(
     progress.report("simulation", 0.0, "bodies");
     let bodies = Bodies::new(scenario, cancel)?;
     let (visits, out_of_reach) = tour::visits(scenario, &options.channels);
-    let own = Visit { channel: scenario.own_channel, turn: 0.0 };
     let run = Run { scenario, options, bodies: &bodies, cancel };
     let approach = run.approach()?;
     let period_error = periodic::error_of(scenario.blisk, visits.iter().map(|v| v.turn), cancel)?;
     let mut pairs = run.feed_pairs(period_error.unwrap_or(0.0));
-    let tests = run.tests(&approach, own, &visits, period_error);
-    let done = std::sync::atomic::AtomicUsize::new(0);
-    let results: Result<Vec<_>, Cancelled> = tests
-        .par_iter()
-        .map(|test| {
-            let result = run.test(test);
-            let done = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
-            progress.report("simulation", done as f64 / tests.len() as f64, &test.moving.name);
-            result
-        })
-        .collect();
-    pairs.extend(results?.into_iter().flatten());
+    pairs.extend(run.all(&approach, &visits, period_error, progress)?);
     pairs.sort_by(|p, q| (p.certified - p.required).total_cmp(&(q.certified - q.required)));
     let legs = tour::whole(&approach.poses, scenario.feed.0, scenario.copying.map(|c| c.0), &visits);
     Ok(Simulation {
@@ -298,186 +287,4 @@ pub fn simulate(
         period_error,
         bodies: bodies::placed(scenario),
     })
-}
-
-/// A pair of bodies and the legs it is tested on.
-struct Test<'a> {
-    moving: &'a Mover,
-    fixed: &'a Obstacle,
-    during: Option<&'static str>,
-    required: f64,
-    legs: Vec<Leg>,
-    /// What is taken off for legs that stand for others (mm).
-    allowance: f64,
-}
-
-/// One simulation under way.
-struct Run<'a> {
-    scenario: &'a Scenario<'a>,
-    options: &'a SimulationOptions,
-    bodies: &'a Bodies,
-    cancel: &'a Cancel,
-}
-
-impl<'a> Run<'a> {
-    /// The first way to the first row on which everything keeps its clearance; if there is none, the last one tried.
-    fn approach(&self) -> Result<Approach, Cancelled> {
-        let candidates = approach::candidates(self.scenario, self.options.clear_mm);
-        for approach in &candidates {
-            let leg = Leg { phase: Phase::Approach, channel: self.scenario.own_channel, poses: approach.poses.clone() };
-            let tests: Vec<Test> = self
-                .pairs()
-                .map(|(moving, fixed)| {
-                    let required = self.required_outside(moving, fixed);
-                    Test { moving, fixed, during: None, required, legs: vec![leg.clone()], allowance: 0.0 }
-                })
-                .collect();
-            let results: Result<Vec<_>, Cancelled> = tests.par_iter().map(|test| self.test(test)).collect();
-            if results?.iter().flatten().all(PairReport::holds) {
-                return Ok(approach.clone());
-            }
-        }
-        Ok(candidates.into_iter().next().unwrap_or_default())
-    }
-
-    fn pairs(&self) -> impl Iterator<Item = (&'a Mover, &'a Obstacle)> {
-        let bodies = self.bodies;
-        bodies.movers.iter().flat_map(|moving| bodies.obstacles.iter().map(move |fixed| (moving, fixed)))
-    }
-
-    /// The clearance asked for outside the feed (mm). The electrode starts its feed where the plan withdrew it to, which
-    /// may be nearer than bodies shall come.
-    fn required_outside(&self, moving: &Mover, fixed: &Obstacle) -> f64 {
-        let usual = self.scenario.machine.body_clearance_mm;
-        if moving.is_electrode && fixed.is_blisk() {
-            let at_start = self.scenario.feed.1.row_clearance().first().copied().unwrap_or(0.0);
-            return usual.min(at_start - 2.0 * self.options.resolution_mm);
-        }
-        usual
-    }
-
-    /// What the certificates of feed and copying motion say of the electrode in its channel. On a blisk whose channels
-    /// are alike to `error` (mm) it is said of all of them.
-    fn feed_pairs(&self, error: f64) -> Vec<PairReport> {
-        let feed = [(Phase::Feed, self.scenario.feed)];
-        let copying = self.scenario.copying.map(|copying| (Phase::Copying, copying));
-        let report = |(phase, (_, c)): (Phase, (&FeedPath, &Certificate))| PairReport {
-            moving: "electrode".to_owned(),
-            fixed: "blisk".to_owned(),
-            during: Some(phase.name()),
-            required: c.required() - c.tolerance(),
-            certified: (c.certified() - error).max(0.0),
-            least: Place {
-                distance: c.least().distance,
-                phase,
-                channel: self.scenario.own_channel,
-                row: c.least().row,
-                pose: c.least().pose,
-                on_moving: c.least().on_electrode,
-                on_fixed: c.least().on_blisk,
-            },
-            contact: None,
-        };
-        feed.into_iter().chain(copying).map(report).collect()
-    }
-
-    /// Every pair with the legs that it has to be tested on.
-    fn tests(&self, approach: &Approach, own: Visit, visits: &[Visit], period_error: Option<f64>) -> Vec<Test<'a>> {
-        let (feed, copying) = (self.scenario.feed.0, self.scenario.copying.map(|c| c.0));
-        // The retraction keeps the clearances of the way in.
-        let mut all = tour::whole(&approach.poses, feed, copying, visits);
-        all.retain(|leg| leg.phase != Phase::Retract);
-        let own_legs = tour::channel_legs(&approach.poses, feed, copying, &own);
-        let in_feed = |leg: &Leg| matches!(leg.phase, Phase::Feed | Phase::Copying);
-        let mut tests = Vec::new();
-        for (moving, fixed) in self.pairs() {
-            let is_feed_pair = moving.is_electrode && fixed.is_blisk();
-            let (mut legs, allowance) = match fixed.carrier {
-                // A does not move a tool against the bed.
-                Some(Carrier::Bed) => (own_legs.clone(), 0.0),
-                Some(_) => (all.clone(), 0.0),
-                None => match period_error {
-                    Some(error) => (
-                        own_legs.iter().cloned().chain(tour::widest_index_leg(&approach.poses, visits)).collect(),
-                        error,
-                    ),
-                    None => (all.clone(), 0.0),
-                },
-            };
-            if is_feed_pair {
-                let required = self.scenario.feed.1.required() - self.scenario.feed.1.tolerance();
-                let in_channel: Vec<Leg> =
-                    legs.iter().filter(|l| in_feed(l) && l.channel != own.channel).cloned().collect();
-                legs.retain(|leg| !in_feed(leg));
-                if !in_channel.is_empty() {
-                    let during = Some("feed in other channels");
-                    tests.push(Test { moving, fixed, during, required, legs: in_channel, allowance: 0.0 });
-                }
-            }
-            let during = is_feed_pair.then_some("moves outside");
-            let required = self.required_outside(moving, fixed);
-            tests.push(Test { moving, fixed, during, required, legs, allowance });
-        }
-        tests
-    }
-
-    /// The clearance of a pair over its legs; none if one of the two has no surface.
-    fn test(&self, test: &Test) -> Result<Option<PairReport>, Cancelled> {
-        let pair = Pair {
-            moving: &test.moving.solid,
-            fixed: &test.fixed.solid,
-            // In a channel the gap itself is narrow.
-            resolution: self.options.resolution_mm.min(0.02 * test.required).max(1e-9),
-            required: test.required,
-            share: self.options.resolution_share,
-        };
-        // Feeds first: they come nearest, and what is known to be farther off is soon done with.
-        let (feeds, others): (Vec<&Leg>, Vec<&Leg>) = test.legs.iter().partition(|leg| leg.phase == Phase::Feed);
-        let mut known: Option<(PairClearance, &Leg)> = None;
-        for leg in feeds.into_iter().chain(others) {
-            let poses = bodies::relative(&leg.poses, test.moving, test.fixed);
-            let before = known.map(|(clearance, _)| clearance);
-            let Some(found) = pair.clearance(&poses, before, self.cancel)? else { return Ok(None) };
-            known = match known {
-                Some((before, of)) if before.least == found.least => Some((found, of)),
-                _ => Some((found, leg)),
-            };
-        }
-        let Some((PairClearance { certified, least }, leg)) = known else { return Ok(None) };
-        let least = place(leg, &least);
-        let contact =
-            if certified <= 0.0 || certified < pair.resolution { self.first_contact(&pair, test)? } else { None };
-        Ok(Some(PairReport {
-            moving: test.moving.name.clone(),
-            fixed: test.fixed.name.clone(),
-            during: test.during,
-            required: test.required,
-            certified: (certified - test.allowance).max(0.0),
-            least,
-            contact,
-        }))
-    }
-
-    fn first_contact(&self, pair: &Pair, test: &Test) -> Result<Option<Place>, Cancelled> {
-        for leg in &test.legs {
-            let poses = bodies::relative(&leg.poses, test.moving, test.fixed);
-            if let Some(near) = pair.first_contact(&poses, self.cancel)? {
-                return Ok(Some(place(leg, &near)));
-            }
-        }
-        Ok(None)
-    }
-}
-
-/// Where `near`, on the poses of `leg` relative to a pair of bodies, is in the whole motion.
-fn place(leg: &Leg, near: &Near) -> Place {
-    Place {
-        distance: near.distance,
-        phase: leg.phase,
-        channel: leg.channel,
-        row: near.row,
-        pose: leg.pose_at(near.row),
-        on_moving: near.on_moving,
-        on_fixed: near.on_fixed,
-    }
 }

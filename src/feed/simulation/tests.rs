@@ -4,7 +4,7 @@ use super::*;
 use crate::blisk::channel::Surface;
 use crate::blisk::electrode::{ElectrodeFace, EntrySide};
 use crate::feed::certificate::{Contact, Findings, TravelVerdict};
-use crate::feed::machine_model::Body;
+use crate::feed::machine_model::Carrier;
 use crate::feed::path::PathRow;
 use crate::geometry::frame::Frame;
 use crate::geometry::mesh::tests::cuboid;

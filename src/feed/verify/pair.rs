@@ -45,6 +45,7 @@ impl Solid {
 }
 
 /// Two bodies and how exactly their clearance is wanted.
+#[derive(Clone, Copy)]
 pub struct Pair<'a> {
     /// The body that the axes move, about the reference point O.
     pub moving: &'a Solid,
