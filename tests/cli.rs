@@ -5,6 +5,8 @@ mod common;
 mod compare;
 #[path = "cli/sections.rs"]
 mod sections;
+#[path = "cli/simulate.rs"]
+mod simulate;
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};

@@ -9,6 +9,8 @@ mod compare;
 mod files;
 #[path = "feed/global.rs"]
 mod global;
+#[path = "feed/machines.rs"]
+mod machines;
 #[path = "feed/mend.rs"]
 mod mend;
 #[path = "feed/random.rs"]
@@ -375,7 +377,7 @@ fn every_row_is_within_the_travel_of_its_axis() {
     let half = |axis: Axis| [-0.5 * reach(axis), 0.5 * reach(axis)];
     (job.machine.travel_y_mm, job.machine.travel_z_mm) = (half(Axis::Y), half(Axis::Z));
     job.machine.travel_c_deg = half(Axis::C).map(f64::to_degrees);
-    let limits = job.machine;
+    let limits = job.machine.clone();
     let outcome = plan(mesh(&easy_blisk()), job);
     let plan = &outcome.electrodes[0].plan;
     assert!(plan.path.is_some(), "{}", plan.verdict(&outcome.channel));

@@ -7,7 +7,9 @@ use std::time::{Duration, SystemTime};
 use glam::DVec3;
 
 use super::commands::Command;
+pub use super::cursor::Cursor;
 use super::kept_runs::KeptRuns;
+use super::machine_motion::MachineMotion;
 use super::preferences::Preferences;
 use super::swept::Swept;
 use super::tuning::Tuning;
@@ -56,6 +58,8 @@ pub struct Core {
     pub swept: Swept,
     /// The quick look, and sizing.
     pub tuning: Tuning,
+    /// The whole motion on the machine.
+    pub machine: MachineMotion,
     /// Plans that are kept to compare with.
     pub kept: KeptRuns,
     /// Withdrawn distances at which ghosts of the electrode are pinned (mm).
@@ -71,19 +75,6 @@ pub struct Core {
     track_of: TrackSource,
     commands: Vec<Command>,
     gesture: u64,
-}
-
-/// Where the electrode stands.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cursor {
-    /// Which electrode is looked at.
-    pub electrode: usize,
-    /// Distance withdrawn (mm).
-    pub s: f64,
-    /// Whether it moves by itself.
-    pub playing: bool,
-    /// How fast (mm/s).
-    pub speed: f64,
 }
 
 /// What colours were computed for.
@@ -142,6 +133,7 @@ impl Core {
             swept: Swept::start(wake.clone())?,
             tuning: Tuning::start(wake)?,
             kept: KeptRuns::default(),
+            machine: MachineMotion::default(),
             coloured: None,
             colours_asked: None,
             preferences,
@@ -183,6 +175,7 @@ impl Core {
         }
         self.follow_tuning();
         self.follow_track();
+        self.machine.follow(self.pipeline.plan(), self.cursor.electrode);
         self.follow_colours();
         self.follow_swept();
         events
@@ -203,6 +196,7 @@ impl Core {
 
     /// Moves the cursor to where `s` is withdrawn, or as far as there are poses.
     pub fn go_to(&mut self, s: f64) {
+        self.machine.go_to(None);
         self.cursor.s = s.clamp(0.0, self.track.length());
         self.cursor.playing = false;
     }
@@ -452,6 +446,10 @@ impl Core {
     pub fn advance(&mut self, elapsed: Duration) -> bool {
         if !self.cursor.playing {
             return false;
+        }
+        if let Some(goes_on) = self.machine.advance(self.cursor.speed * elapsed.as_secs_f64()) {
+            self.cursor.playing = goes_on;
+            return goes_on;
         }
         self.cursor.s -= self.cursor.speed * elapsed.as_secs_f64();
         if self.cursor.s <= 0.0 {

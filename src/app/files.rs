@@ -19,6 +19,8 @@ pub enum Purpose {
     ElectrodeMesh,
     /// An NC post of one's own.
     Post,
+    /// A machine file of one's own.
+    Machine,
     /// Where the picture is saved.
     Picture,
     /// The mesh that was at this path.
@@ -65,6 +67,7 @@ impl Purpose {
             Self::ExportFolder => "Folder for the exported files",
             Self::ElectrodeMesh => "Your own electrode",
             Self::Post => "Your own NC post",
+            Self::Machine => "Your own machine",
             Self::Picture => "Save picture",
             Self::MovedMesh(_) => "Find the mesh",
         }
@@ -76,7 +79,9 @@ impl Purpose {
             Self::SaveProject => Some(".sparkpath"),
             Self::SaveJob => Some(".toml"),
             Self::Picture => Some(".png"),
-            Self::Open | Self::ExportFolder | Self::ElectrodeMesh | Self::Post | Self::MovedMesh(_) => None,
+            Self::Open | Self::ExportFolder | Self::ElectrodeMesh | Self::Post | Self::Machine | Self::MovedMesh(_) => {
+                None
+            }
         }
     }
 
@@ -137,6 +142,7 @@ impl FileDialogs {
                 Purpose::Picture => {
                     dialog.set_title(purpose.title()).add_filter("PNG", &["png"]).set_file_name(name).save_file()
                 }
+                Purpose::Machine => dialog.set_title(purpose.title()).add_filter("Machine", &["toml"]).pick_file(),
                 Purpose::Post => dialog.set_title(purpose.title()).add_filter("Post", &["toml"]).pick_file(),
                 Purpose::ExportFolder => dialog.set_title(purpose.title()).pick_folder(),
             };

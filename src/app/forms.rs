@@ -58,6 +58,8 @@ pub enum Request {
     ElectrodeMesh,
     /// An NC post of one's own.
     Post,
+    /// A machine file of one's own.
+    Machine,
 }
 
 /// Draws the fields of `stage`. Changes go into the document at once.
@@ -108,7 +110,11 @@ pub fn has_problem(core: &Core, stage: Stage) -> bool {
 }
 
 fn request_of(field: &Field) -> Request {
-    if field.stage == Stage::Export { Request::Post } else { Request::ElectrodeMesh }
+    match field.pointer {
+        "/machine/name" => Request::Machine,
+        _ if field.stage == Stage::Export => Request::Post,
+        _ => Request::ElectrodeMesh,
+    }
 }
 
 /// The defaults that fields are compared with: those of the same part.

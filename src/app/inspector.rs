@@ -18,6 +18,7 @@ pub fn show(ui: &mut Ui, core: &mut Core, viewport: &mut Viewport) {
         selected(ui, core);
         pose(ui, core);
         contact(ui, core);
+        super::machine_motion::facts(ui, core);
         probe(ui, core, viewport);
     });
 }

@@ -3,12 +3,14 @@
 
 mod commands;
 mod core;
+mod cursor;
 mod dialogs;
 mod export_dialog;
 mod files;
 mod forms;
 mod inspector;
 mod kept_runs;
+mod machine_motion;
 mod menu;
 mod node_table;
 mod overlay;

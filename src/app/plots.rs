@@ -191,6 +191,7 @@ fn over_distance<'a>(
     if let (true, Some(point)) = (pressed || response.response.is_pointer_button_down_on(), response.inner) {
         core.cursor.playing = false;
         core.cursor.s = point.x.clamp(0.0, core.track().length());
+        core.machine.go_to(None);
     }
 }
 

@@ -216,6 +216,7 @@ impl SparkpathApp {
             let purpose = match request {
                 Request::ElectrodeMesh => Purpose::ElectrodeMesh,
                 Request::Post => Purpose::Post,
+                Request::Machine => Purpose::Machine,
             };
             let ctx = ui.ctx().clone();
             self.ask(purpose, "", &ctx);

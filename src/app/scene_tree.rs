@@ -31,6 +31,7 @@ fn exists(core: &Core, layer: Layer) -> bool {
         Layer::Blisk | Layer::Grid => core.pipeline.part().is_some(),
         Layer::Unshrouded | Layer::LowWall | Layer::HighWall => core.pipeline.channel().is_some(),
         Layer::Centreline => core.pipeline.channel().is_some_and(|found| found.centreline.is_some()),
+        Layer::Machine => !core.pipeline.plan_bodies(core.cursor.electrode).is_empty(),
         Layer::Electrode => core.pipeline.electrodes().is_some(),
         Layer::Ghosts | Layer::Sweep | Layer::Paths => !core.track().is_empty(),
         Layer::Contact => {

@@ -18,6 +18,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
         readout(ui, core);
     });
     strip(ui, core);
+    super::machine_motion::strip(ui, core);
 }
 
 fn controls(ui: &mut Ui, core: &mut Core) {
@@ -150,6 +151,7 @@ fn strip(ui: &mut Ui, core: &mut Core) {
         core.cursor.playing = false;
         let t = f64::from((pointer.x - inner.left()) / inner.width()).clamp(0.0, 1.0);
         core.cursor.s = length * (1.0 - t);
+        core.machine.go_to(None);
     }
     if response.has_focus() {
         // The keys that step would otherwise move the focus.

@@ -11,6 +11,7 @@ use super::preferences::Navigation;
 use super::theme::palette;
 use super::viewport_gpu::Picture;
 use crate::blisk::electrode::EntrySide;
+use crate::feed::pose::Pose;
 use crate::jobs::pipeline::StageState;
 use crate::project::Stage;
 use crate::render::camera::{Camera, OrbitStyle, Projection};
@@ -67,6 +68,7 @@ pub struct Viewport {
 struct SceneKey {
     sources: [usize; 8],
     s: f64,
+    pose: Option<Pose>,
     ghosts: Vec<f64>,
     layers: crate::views::Layers,
     selected: Option<Layer>,
@@ -311,6 +313,7 @@ impl Viewport {
         SceneKey {
             sources,
             s: core.cursor.s,
+            pose: core.machine.shown().map(|(pose, ..)| pose),
             ghosts: core.ghosts.clone(),
             layers: core.layers.clone(),
             selected: core.selected,
@@ -367,6 +370,8 @@ pub fn scene(core: &Core, theme: Theme) -> Scene {
         channel: p.channel().map(|f| (&*f.channel, &f.shapes)),
         electrode: core.shown_electrode(),
         track: (!track.is_empty() && (core.is_live() || !fresh)).then_some(&*track),
+        machine: if fresh { &[] } else { p.plan_bodies(core.cursor.electrode) },
+        pose: core.machine.shown().map(|(pose, ..)| pose).filter(|_| !fresh),
         s: core.cursor.s,
         ghosts: &core.ghosts,
         swept: core.swept.shape(&track),

@@ -18,6 +18,7 @@ mod compare;
 mod inspect;
 mod plan;
 mod render;
+mod simulate;
 mod size;
 mod terminal;
 mod verify;
@@ -28,6 +29,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 use crate::app::{Opening, run_window};
+use crate::export::choice::Channels;
 use crate::feed::pose::Axis;
 use crate::feed::strategy::Strategy;
 use crate::mesh_io::{ImportOptions, Imported, Units, import_file};
@@ -88,6 +90,18 @@ enum Command {
         /// Which strategies, with commas between: genetic, global, free-travel, max-min-distance, centreline [default: all].
         #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = compare::strategy)]
         strategies: Vec<Strategy>,
+    },
+    /// The whole motion of a job on its machine: approach, feed, copying, retraction and the other channels, with every
+    /// body of the machine.
+    Simulate {
+        /// The job file (TOML), whose [machine] names a machine.
+        job: PathBuf,
+        /// Which channels: own, all, or numbers with commas between [default: those of the job].
+        #[arg(long, value_name = "CHANNELS")]
+        channels: Option<Channels>,
+        /// Folder for simulation.json and simulation.txt, made if it is not there.
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
     },
     /// Certifies a feed path file, whoever made it.
     Verify(VerifyArguments),
@@ -301,6 +315,7 @@ fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> 
         Command::Plan { job, out } => plan::plan(job, out, session),
         Command::Size { job, parts } => size::size(job, usize::from(*parts), session),
         Command::Compare { job, out, strategies } => compare::compare(job, out, strategies, session),
+        Command::Simulate { job, channels, out } => simulate::simulate(job, channels.as_ref(), out.as_deref(), session),
         Command::Verify(arguments) => verify::verify(arguments, session),
         Command::Render(arguments) => render::render(arguments, session),
         Command::Inspect(arguments) => inspect::inspect(arguments, session),

@@ -173,6 +173,8 @@ fn project_picture(part: &Part, found: &FoundChannel, shown: &Shown, arguments: 
     layers.get_mut(Layer::Sweep).visible = shown.swept.is_some();
     let shape = Arc::new(RenderMesh::new(&shown.electrode.mesh));
     let scene = build(&SceneInputs {
+        machine: &[],
+        pose: None,
         blisk: Some(&part.shape),
         channel: Some((&found.channel, &found.shapes)),
         electrode: Some((&shown.electrode, &shape)),

@@ -7,6 +7,7 @@ use crate::feed::copying::CopyingMotion;
 use crate::feed::machine::BeyondTravel;
 use crate::feed::path::FeedPath;
 use crate::feed::pose::Pose;
+use crate::feed::simulation::Simulation;
 use crate::geometry::mesh::{Bounds, Mesh};
 
 /// A path that may be exported as NC. It can only be made by [`Approved::new`].
@@ -16,6 +17,7 @@ pub struct Approved {
     certificate: Certificate,
     electrode: Bounds,
     copying: Option<CopyingMotion>,
+    simulation: Option<Simulation>,
 }
 
 /// Why a path cannot be exported as NC.
@@ -44,6 +46,8 @@ pub enum NotApproved {
     TooClose { certified: f64, required: f64, tolerance: f64, row: f64, s: f64 },
     #[error("{0}; plan for the machine's travel, or correct its limits, and verify again")]
     BeyondTravel(BeyondTravel),
+    #[error("{0}")]
+    Collides(String),
     #[error("the travel of the axes was not judged; verify the path for the machine that it is exported for")]
     TravelNotJudged,
     #[error(
@@ -90,7 +94,7 @@ impl Approved {
             return Err(NotApproved::NotQuantised { row });
         }
         let electrode = electrode.bounds();
-        Ok(Self { path, certificate, electrode, copying: None })
+        Ok(Self { path, certificate, electrode, copying: None, simulation: None })
     }
 
     /// The same with the copying motion that is to follow the feed.
@@ -131,6 +135,27 @@ impl Approved {
             return Err(NotApproved::NotQuantised { row });
         }
         Ok(Self { copying: Some(motion.clone()), ..self })
+    }
+
+    /// The same with the whole motion on the machine, approach and retraction and the other channels included.
+    ///
+    /// # Errors
+    /// [`NotApproved`] unless it is that of this very feed and copying motion, and nothing comes too close or goes beyond
+    /// the travel of the axes.
+    pub fn with_simulation(self, simulation: &Simulation) -> Result<Self, NotApproved> {
+        let copying = self.copying.as_ref().map(|motion| motion.path.digest());
+        if simulation.path_digest != self.certificate.path_digest() || simulation.copying_digest != copying {
+            return Err(NotApproved::OtherPath);
+        }
+        if !simulation.holds() {
+            return Err(NotApproved::Collides(simulation.sentence()));
+        }
+        Ok(Self { simulation: Some(simulation.clone()), ..self })
+    }
+
+    /// The whole motion on the machine, if it was simulated.
+    pub fn simulation(&self) -> Option<&Simulation> {
+        self.simulation.as_ref()
     }
 
     /// The approved copying motion, from the final pose back to it, if there is one.

@@ -96,6 +96,84 @@ impl DrawnPictures {
     }
 }
 
+/// `channels` of `[export]`: which channels the motion is simulated in and the program burns.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "ChannelWords", into = "String")]
+pub enum Channels {
+    /// The one that was planned in.
+    #[default]
+    Own,
+    /// All of the blisk.
+    All,
+    /// These, by their numbers.
+    These(Vec<usize>),
+}
+
+/// As files have them: a word, numbers with commas between, or a list.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum ChannelWords {
+    Text(String),
+    List(Vec<usize>),
+}
+
+impl TryFrom<ChannelWords> for Channels {
+    type Error = String;
+
+    fn try_from(words: ChannelWords) -> Result<Self, String> {
+        match words {
+            ChannelWords::Text(text) => text.parse(),
+            ChannelWords::List(list) if !list.is_empty() => Ok(Self::These(list)),
+            ChannelWords::List(_) => Err("channels: the list is empty; give \"own\", \"all\" or numbers".to_owned()),
+        }
+    }
+}
+
+impl std::str::FromStr for Channels {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = |n: &str| n.trim().parse::<usize>().map_err(|_| ());
+        match text.trim() {
+            "own" => Ok(Self::Own),
+            "all" => Ok(Self::All),
+            list => list.split(',').map(number).collect::<Result<_, _>>().map(Self::These).map_err(|()| {
+                format!("channels {list:?}: give \"own\", \"all\" or numbers with commas between, as in \"0,1,2\"")
+            }),
+        }
+    }
+}
+
+impl From<Channels> for String {
+    fn from(channels: Channels) -> Self {
+        match channels {
+            Channels::Own => "own".to_owned(),
+            Channels::All => "all".to_owned(),
+            Channels::These(list) => list.iter().map(usize::to_string).collect::<Vec<_>>().join(","),
+        }
+    }
+}
+
+impl Channels {
+    /// Their numbers, each once, in a blisk with `total` channels of which `own` was planned in.
+    ///
+    /// # Errors
+    /// One line if there is no channel of a number.
+    pub fn numbers(&self, total: usize, own: usize) -> Result<Vec<usize>, String> {
+        let mut numbers = match self {
+            Self::Own => vec![own],
+            Self::All => (0..total).collect(),
+            Self::These(list) => list.clone(),
+        };
+        if let Some(wrong) = numbers.iter().find(|n| **n >= total) {
+            return Err(format!("[export] channels: there is no channel {wrong}; there are {total}, counted from 0"));
+        }
+        numbers.sort_unstable();
+        numbers.dedup();
+        Ok(numbers)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -106,5 +184,17 @@ mod tests {
         assert_eq!(files, WrittenFiles { nc: false, ..Default::default() });
         assert!(toml::from_str::<WrittenFiles>("stl = false").is_err(), "a misspelt key is no choice");
         assert_eq!(MeshFrame::default(), MeshFrame::Mesh);
+    }
+    #[test]
+    fn channels_are_words_or_numbers() {
+        let read = |text: &str| toml::from_str::<toml::Table>(text).unwrap()["c"].clone().try_into::<Channels>();
+        assert_eq!(read("c = \"all\"").unwrap().numbers(4, 2), Ok(vec![0, 1, 2, 3]));
+        assert_eq!(read("c = \"own\"").unwrap().numbers(4, 2), Ok(vec![2]));
+        for text in ["c = [3, 1, 3]", "c = \"3, 1,3\""] {
+            let channels = read(text).unwrap();
+            assert_eq!(channels.numbers(4, 0), Ok(vec![1, 3]));
+            assert!(channels.numbers(3, 0).unwrap_err().contains("no channel 3"));
+        }
+        assert!(read("c = \"some\"").is_err() && read("c = []").is_err());
     }
 }

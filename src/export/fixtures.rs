@@ -208,6 +208,7 @@ fn verified(path: &FeedPath) -> ElectrodeReport {
         index: 1,
         share: "part 1 of 2".to_owned(),
         copying: None,
+        simulation: None,
         enters_from: "-x".to_owned(),
         extractable: true,
         verified: true,

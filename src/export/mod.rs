@@ -12,12 +12,14 @@ pub mod files;
 pub mod leftover_report;
 pub mod nc;
 pub mod nc_feed;
+mod nc_tour;
 pub mod path_csv;
 pub mod post;
 pub mod report;
 mod report_curves;
 mod report_html;
 mod report_tables;
+pub mod simulation_report;
 pub mod svg_plot;
 pub mod verify_report;
 

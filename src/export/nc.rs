@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::approved::Approved;
 use super::nc_feed::{BlockFeed, Pace, Slowed, fastest_point_travel, programmed_length};
+use super::nc_tour::{self, TourFeeds};
 use super::post::{FeedMode, Post};
 use super::quantise::{MM_DECIMALS, deg_text, floor_mm_text, mm_text};
 use crate::feed::machine::{BeyondTravel, MachineParams};
@@ -36,6 +37,8 @@ pub enum NcError {
     FeedTooSlow { block: usize, decimals: usize },
     #[error("{0}; the program is for another machine than the path was verified for")]
     BeyondTravel(BeyondTravel),
+    #[error("the machine has bodies, and the path was not simulated with them; simulate it")]
+    NotSimulated,
     #[error("{name} is {value}, but must be {range}")]
     Setting { name: &'static str, value: f64, range: &'static str },
 }
@@ -104,8 +107,10 @@ impl NcProgram {
         settings.validate()?;
         check_axes(&approved.path().rows, post, job.machine)?;
         check_axes(copying_rows(approved), post, job.machine)?;
+        nc_tour::check(approved, post, job.machine)?;
         let feeds = Feeds::new(approved, post, settings, job.machine)?;
-        let slowed = Slowed::of(feeds.inwards.iter().chain(&feeds.copying).chain(&feeds.outwards));
+        let in_channel = feeds.inwards.iter().chain(&feeds.copying).chain(&feeds.outwards);
+        let slowed = Slowed::of(in_channel.chain(feeds.tour.all()));
         let mut w = Writer::new(post, job, settings);
         post.program_start.iter().for_each(|line| w.raw(line));
         header(&mut w, approved);
@@ -132,11 +137,12 @@ impl NcProgram {
 }
 
 /// The F words of a program.
-struct Feeds {
+pub(super) struct Feeds {
     approach: String,
     inwards: Vec<BlockFeed>,
     copying: Vec<BlockFeed>,
     outwards: Vec<BlockFeed>,
+    pub(super) tour: TourFeeds,
 }
 
 impl Feeds {
@@ -153,11 +159,12 @@ impl Feeds {
             inwards: pace.blocks(&path.rows, settings.feed_mm_per_min).map_err(too_slow)?,
             copying: pace.blocks(copying, settings.feed_mm_per_min).map_err(too_slow)?,
             outwards: pace.blocks(&back, settings.retract_mm_per_min).map_err(too_slow)?,
+            tour: TourFeeds::new(approved, &pace, settings.retract_mm_per_min).map_err(too_slow)?,
         })
     }
 }
 
-fn check_axes(rows: &[PathRow], post: &Post, machine: &MachineParams) -> Result<(), NcError> {
+pub(super) fn check_axes(rows: &[PathRow], post: &Post, machine: &MachineParams) -> Result<(), NcError> {
     for axis in Axis::ALL {
         if let Some(row) = rows.iter().position(|r| r.pose.get(axis) != 0.0) {
             if !machine.axes.axes().contains(&axis) {
@@ -230,6 +237,7 @@ fn header(w: &mut Writer, approved: &Approved) {
     if !reversed.is_empty() {
         w.comment(&format!("This post counts the other way round: {}", reversed.join(" ")));
     }
+    nc_tour::header(w, approved);
     feed_comments(w, approved);
 }
 
@@ -261,9 +269,9 @@ fn feed_comments(w: &mut Writer, approved: &Approved) {
     }
 }
 
-/// Approach, feed, burn, retraction.
+/// Approach, feed, burn, retraction, in every channel that was simulated.
 fn motion(w: &mut Writer, approved: &Approved, feeds: &Feeds) {
-    let (post, rows) = (w.post, &approved.path().rows);
+    let post = w.post;
     w.block(&post.modes);
     w.block(&post.exact_path);
     w.comment(
@@ -271,13 +279,31 @@ fn motion(w: &mut Writer, approved: &Approved, feeds: &Feeds) {
     );
     post.safe_start.iter().for_each(|line| w.block(line));
     w.block(&post.feed.approach_word);
-    if let Some(first) = rows.first() {
-        w.block(&format!("{} {} F{}", post.linear, w.axis_words(&first.pose), feeds.approach));
+    match approved.simulation() {
+        Some(simulation) => nc_tour::motion(w, approved, simulation, feeds),
+        None => {
+            if let Some(first) = approved.path().rows.first() {
+                first_position(w, &first.pose, feeds);
+            }
+            in_channel(w, approved, feeds);
+        }
     }
+    w.comment("Verified motion ends: electrode outside");
+    post.safe_end.iter().for_each(|line| w.block(line));
+}
+
+/// The move to the first position, and the word for the feed after it.
+pub(super) fn first_position(w: &mut Writer, first: &Pose, feeds: &Feeds) {
+    w.block(&format!("{} {} F{}", w.post.linear, w.axis_words(first), feeds.approach));
+    if w.post.feed.word != w.post.feed.approach_word {
+        w.block(&w.post.feed.word);
+    }
+}
+
+/// Feed, burn, copying motion and retraction, from the first row back to it.
+pub(super) fn in_channel(w: &mut Writer, approved: &Approved, feeds: &Feeds) {
+    let (post, rows) = (w.post, &approved.path().rows);
     w.comment("Verified motion begins: feed to the final pose");
-    if post.feed.word != post.feed.approach_word {
-        w.block(&post.feed.word);
-    }
     w.moves(rows.iter().skip(1), &feeds.inwards);
     w.comment(if approved.copying().is_some() {
         "Final pose. Put the burn here: generator and flushing are not part of this program."
@@ -295,21 +321,21 @@ fn motion(w: &mut Writer, approved: &Approved, feeds: &Feeds) {
     }
     w.comment("Retraction along the same verified path");
     w.moves(rows.iter().rev().skip(1), &feeds.outwards);
-    w.comment("Verified motion ends: electrode outside");
-    post.safe_end.iter().for_each(|line| w.block(line));
 }
 
-struct Writer<'a> {
+pub(super) struct Writer<'a> {
     post: &'a Post,
     job: &'a NcJob<'a>,
     settings: &'a NcSettings,
     lines: Vec<String>,
     number: Option<u32>,
+    /// What is added to A: the turn to the channel (rad).
+    pub(super) turn: f64,
 }
 
 impl<'a> Writer<'a> {
     fn new(post: &'a Post, job: &'a NcJob<'a>, settings: &'a NcSettings) -> Self {
-        Self { post, job, settings, lines: Vec::new(), number: post.block_numbers.map(|n| n.first) }
+        Self { post, job, settings, lines: Vec::new(), number: post.block_numbers.map(|n| n.first), turn: 0.0 }
     }
 
     /// One line as it is, with its placeholders filled.
@@ -335,7 +361,7 @@ impl<'a> Writer<'a> {
     }
 
     /// A comment, wrapped to the longest line. Whatever could end a comment or upset a control is replaced.
-    fn comment(&mut self, text: &str) {
+    pub(super) fn comment(&mut self, text: &str) {
         let safe: String = text.chars().map(comment_character).collect();
         let style = &self.post.comment;
         let room = self.post.max_line_length.saturating_sub(style.open.len() + style.close.len()).max(1);
@@ -358,7 +384,7 @@ impl<'a> Writer<'a> {
     }
 
     /// Linear motion through `rows`, in the pace of `feeds`. A feed per minute stays until another is given.
-    fn moves<'r>(&mut self, rows: impl Iterator<Item = &'r PathRow>, feeds: &[BlockFeed]) {
+    pub(super) fn moves<'r>(&mut self, rows: impl Iterator<Item = &'r PathRow>, feeds: &[BlockFeed]) {
         let mut given = "";
         for (row, feed) in rows.zip(feeds) {
             let words = format!("{} {}", self.post.linear, self.axis_words(&row.pose));
@@ -376,7 +402,8 @@ impl<'a> Writer<'a> {
         let of_machine = self.post.axes.iter().filter(|a| self.job.machine.axes.axes().contains(&a.axis));
         let word = of_machine.map(|a| {
             // `+ 0.0` keeps a reversed zero without a sign.
-            let value = if a.reversed { -pose.get(a.axis) } else { pose.get(a.axis) } + 0.0;
+            let value = pose.get(a.axis) + if a.axis == Axis::A { self.turn } else { 0.0 };
+            let value = if a.reversed { -value } else { value } + 0.0;
             let decimals = self.post.decimals;
             let text = if a.axis.is_rotary() { deg_text(value, decimals.deg) } else { mm_text(value, decimals.mm) };
             format!("{}{text}", a.word)

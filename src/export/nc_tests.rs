@@ -5,6 +5,7 @@ use crate::export::path_csv::write_path_csv;
 use crate::feed::certificate::{Findings, TravelVerdict};
 use crate::feed::copying::CopyingMotion;
 use crate::feed::machine::AxisSet;
+use crate::feed::simulation::{Simulation, Visit};
 
 fn machine() -> &'static MachineParams {
     static MACHINE: std::sync::OnceLock<MachineParams> = std::sync::OnceLock::new();
@@ -269,4 +270,73 @@ fn block_numbers_start_again_rather_than_grow_too_long() {
     let numbers: Vec<_> = numbers.collect();
     assert_eq!(&numbers[..3], [5, 10, 15]);
     assert!(numbers.len() > 240 && numbers.iter().all(|n| (5..=100).contains(n)));
+}
+
+/// The whole motion of the fixtures' path in two channels.
+fn simulation() -> Simulation {
+    let first = fixtures::path().rows[0].pose;
+    let clear = Pose { x: first.x - 10.0, z: first.z + 20.0, ..first };
+    let turn = crate::feed::quantise::quantise_rad(6f64.to_radians());
+    Simulation {
+        path_digest: fixtures::path().digest(),
+        copying_digest: None,
+        approach: vec![clear, Pose { z: first.z, ..clear }, first],
+        visits: vec![Visit { channel: 3, turn: 0.0 }, Visit { channel: 4, turn }],
+        out_of_reach: vec![],
+        pairs: vec![],
+        travel: None,
+        minutes: 1.0,
+        period_error: Some(0.0),
+        bodies: vec![],
+    }
+}
+
+#[test]
+fn every_simulated_channel_is_burnt_with_a_turned_by_its_pitch() {
+    let approved = fixtures::approved().with_simulation(&simulation()).unwrap();
+    for (name, _) in crate::export::post::BUILT_IN {
+        let post = Post::load(name, None).unwrap();
+        let program = NcProgram::new(&approved, &post, &NcSettings::default(), &job()).unwrap();
+        let blocks = moving_blocks(&post, program.text());
+        // To the clear position, two moves in, the feed there and back, two moves out; and again.
+        let rows = fixtures::path().rows.len();
+        let in_channel = 1 + 2 + 2 * (rows - 1) + 2;
+        assert_eq!(blocks.len(), 2 * in_channel, "{name}");
+        let number = |block: &[(String, String)], axis: &str| value(block, axis).unwrap().parse::<f64>().unwrap();
+        for (first, second) in blocks[..in_channel].iter().zip(&blocks[in_channel..]) {
+            for axis in ["X", "Y", "Z", "C"] {
+                assert_eq!(value(first, axis), value(second, axis), "{name}");
+            }
+            assert!((number(second, "A") - number(first, "A") - 6.0).abs() < 1e-9, "{name}");
+        }
+        let clear = simulation().approach[0];
+        for at in [0, in_channel - 1, in_channel] {
+            assert!(
+                (number(&blocks[at], "X") - clear.x).abs() < 1e-9 && (number(&blocks[at], "Z") - clear.z).abs() < 1e-9
+            );
+        }
+    }
+}
+
+#[test]
+fn a_machine_with_bodies_wants_a_simulation_that_holds_of_this_very_motion() {
+    let machine = MachineParams { name: "xyzac".to_owned(), ..Default::default() };
+    let (post, job) = (Post::load("iso", None).unwrap(), NcJob { machine: &machine, ..job() });
+    let program = |approved: &Approved| NcProgram::new(approved, &post, &NcSettings::default(), &job).map(|_| ());
+    assert_eq!(program(&fixtures::approved()), Err(NcError::NotSimulated));
+    let approved = fixtures::approved().with_simulation(&simulation()).unwrap();
+    assert_eq!(program(&approved), Ok(()));
+    let refused = |change: fn(&mut Simulation)| {
+        let mut simulation = simulation();
+        change(&mut simulation);
+        fixtures::approved().with_simulation(&simulation).unwrap_err()
+    };
+    assert_eq!(refused(|s| s.path_digest = "0".repeat(64)), NotApproved::OtherPath);
+    assert_eq!(refused(|s| s.copying_digest = Some("0".repeat(64))), NotApproved::OtherPath);
+    assert!(matches!(refused(|s| s.out_of_reach = vec![7]), NotApproved::Collides(text) if text.contains("channel 7")));
+    // A machine whose A does not go as far as the second channel.
+    let short = MachineParams { travel_a_deg: [-3.0, 5.0], ..machine.clone() };
+    let job = NcJob { machine: &short, ..job };
+    let error = NcProgram::new(&approved, &post, &NcSettings::default(), &job).unwrap_err();
+    assert!(matches!(error, NcError::BeyondTravel(beyond) if beyond.axis == Axis::A), "{error}");
 }

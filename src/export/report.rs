@@ -12,6 +12,7 @@ use super::files::{WriteError, write_atomically};
 use super::leftover_report::{CopyingReport, LeftoverReport};
 use super::nc_feed::Slowed;
 use super::report_html;
+use super::simulation_report::SimulationReport;
 use crate::blisk::channel::Channel;
 use crate::feed::certificate::{Certificate, Contact};
 use crate::feed::path::PathRow;
@@ -335,6 +336,8 @@ pub struct ElectrodeReport {
     pub ga_convergence: Vec<Convergence>,
     /// The copying motion at the end of the feed, if the path is verified.
     pub copying: Option<CopyingReport>,
+    /// The whole motion on the machine, if it was simulated.
+    pub simulation: Option<SimulationReport>,
     /// Why it is not verified, when it is not.
     pub failure: Option<Failure>,
     /// What the certificate was made for.

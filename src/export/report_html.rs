@@ -98,6 +98,9 @@ fn electrode(out: &mut String, e: &ElectrodeReport) {
     if let Some(copying) = &e.copying {
         let _ = write!(out, "<p>{}</p>", escape(&copying.sentence));
     }
+    if let Some(simulation) = &e.simulation {
+        simulation.html(out);
+    }
     if let Some(failure) = &e.failure {
         tables::failure(out, failure);
     }

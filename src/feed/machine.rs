@@ -31,9 +31,13 @@ impl AxisSet {
 }
 
 /// Travel of the axes about the final pose, as `[least, greatest]`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MachineParams {
+    /// Whose bodies are simulated: a built-in machine or the path of a machine file; empty for no bodies.
+    pub name: String,
+    /// Clearance that bodies keep from each other and from the blisk (mm).
+    pub body_clearance_mm: f64,
     /// Axes of the machine.
     pub axes: AxisSet,
     /// Travel along X (mm).
@@ -57,6 +61,8 @@ pub struct MachineParams {
 impl Default for MachineParams {
     fn default() -> Self {
         Self {
+            name: String::new(),
+            body_clearance_mm: 1.0,
             axes: AxisSet::default(),
             travel_x_mm: [-250.0, 250.0],
             travel_y_mm: [-150.0, 150.0],
@@ -68,6 +74,20 @@ impl Default for MachineParams {
             speed_deg_min: 1800.0,
         }
     }
+}
+
+/// What of [`MachineParams`] a search depends on: all but the bodies.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SearchedMachine {
+    axes: AxisSet,
+    travel_x_mm: [f64; 2],
+    travel_y_mm: [f64; 2],
+    travel_z_mm: [f64; 2],
+    travel_a_deg: [f64; 2],
+    travel_b_deg: [f64; 2],
+    travel_c_deg: [f64; 2],
+    speed_mm_min: f64,
+    speed_deg_min: f64,
 }
 
 /// What is wrong with machine parameters, or with a path on that machine.
@@ -85,6 +105,9 @@ pub enum MachineError {
         /// Upper end.
         greatest: f64,
     },
+    /// A clearance that is out of range.
+    #[error("[machine] body_clearance_mm is {0}; it must be from 0.01 to 100 mm")]
+    BodyClearance(f64),
     /// A speed that is not positive.
     #[error("[machine] {0} must be finite and greater than 0")]
     Speed(&'static str),
@@ -171,12 +194,37 @@ impl MachineParams {
                 return Err(MachineError::Travel { axis, least, greatest });
             }
         }
+        if !(0.01..=100.0).contains(&self.body_clearance_mm) {
+            return Err(MachineError::BodyClearance(self.body_clearance_mm));
+        }
         for (key, speed) in [("speed_mm_min", self.speed_mm_min), ("speed_deg_min", self.speed_deg_min)] {
             if !speed.is_finite() || speed <= 0.0 {
                 return Err(MachineError::Speed(key));
             }
         }
         Ok(())
+    }
+
+    /// Whether it has bodies that a motion has to be simulated with.
+    pub fn has_bodies(&self) -> bool {
+        !self.name.is_empty()
+    }
+
+    /// What of it a search depends on.
+    pub fn searched(&self) -> SearchedMachine {
+        let Self { travel_x_mm, travel_y_mm, travel_z_mm, travel_a_deg, travel_b_deg, travel_c_deg, .. } = *self;
+        let Self { axes, speed_mm_min, speed_deg_min, .. } = *self;
+        SearchedMachine {
+            axes,
+            travel_x_mm,
+            travel_y_mm,
+            travel_z_mm,
+            travel_a_deg,
+            travel_b_deg,
+            travel_c_deg,
+            speed_mm_min,
+            speed_deg_min,
+        }
     }
 
     fn travels(&self) -> [[f64; 2]; 6] {

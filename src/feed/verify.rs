@@ -33,6 +33,7 @@ mod inside;
 mod interval;
 mod motion;
 mod nearest;
+pub mod pair;
 #[cfg(test)]
 mod tests;
 

@@ -1,10 +1,12 @@
-//! What comes after the feed: the copying motions, and what stock is left by all electrodes together.
+//! What comes after the feed: the copying motions, the whole motion on the machine, and what stock is left by all
+//! electrodes together.
 
 use std::sync::Arc;
 
 use glam::DVec3;
 
 use super::plan::{Clock, ElectrodeOutcome, PlanInputs, PlanJobError, PlanOutcome};
+use super::simulate::simulate;
 use crate::blisk::channel::Channel;
 use crate::blisk::electrode::Junctions;
 use crate::blisk::surface_finder::SurfaceFinder;
@@ -13,6 +15,7 @@ use crate::feed::copying::{Copying, CopyingExtent, CopyingSettings, copying_moti
 use crate::feed::leftover::{Burn, Leftover, LeftoverError, Site, leftover};
 use crate::feed::path::FeedPath;
 use crate::feed::pose::Pose;
+use crate::feed::simulation::Simulation;
 use crate::feed::verify::Verifier;
 use crate::geometry::mesh::Mesh;
 use crate::progress::{Cancel, Progress};
@@ -23,24 +26,34 @@ use crate::project::PlanJob;
 pub struct Finishing {
     /// The copying motion of each electrode; empty if not every electrode has a certified path.
     pub copying: Vec<Copying>,
+    /// The whole motion of each electrode on the machine; empty if the machine has no bodies and no other channels are
+    /// burnt.
+    pub simulations: Vec<Arc<Simulation>>,
     /// What they leave of the channel, or why that cannot be told.
     pub leftover: Result<Arc<Leftover>, String>,
     /// Times of the stages in order.
     pub times: Vec<StageTime>,
 }
 
+impl Finishing {
+    /// The first motion on the machine in which something comes too close, or an axis cannot go where it would have to.
+    pub fn collision(&self) -> Option<&Simulation> {
+        self.simulations.iter().map(|s| &**s).find(|s| !s.holds())
+    }
+}
+
 /// Where electrodes are finished.
-struct Around<'a> {
-    job: &'a PlanJob,
+pub(super) struct Around<'a> {
+    pub job: &'a PlanJob,
     /// The finished blisk in W.
-    blisk: &'a Mesh,
-    channel: &'a Arc<Channel>,
+    pub blisk: &'a Mesh,
+    pub channel: &'a Arc<Channel>,
     finder: SurfaceFinder,
     junctions: Junctions,
 }
 
-/// Works out how the electrodes of `outcome` finish the channel, unless that is known: their copying motions and, if
-/// every path is certified, what stock they leave. `blisk` is that of `inputs` in W.
+/// Works out how the electrodes of `outcome` finish the channel, unless that is known: their copying motions, the
+/// whole motion on the machine and, if every path is certified, what stock they leave. `blisk` is that of `inputs` in W.
 ///
 /// # Errors
 /// If a copying motion cannot be judged, or when told to stop; the outcome is as it was then.
@@ -73,19 +86,21 @@ impl Around<'_> {
     ) -> Result<Finishing, PlanJobError> {
         if !outcome.is_verified() {
             let why = "what stock is left cannot be told before every electrode has a certified path";
-            return Ok(Finishing { copying: Vec::new(), leftover: Err(why.to_owned()), times: Vec::new() });
+            let leftover = Err(why.to_owned());
+            return Ok(Finishing { copying: Vec::new(), simulations: Vec::new(), leftover, times: Vec::new() });
         }
         let mut clock = Clock::default();
         let electrodes = &outcome.electrodes;
         let motion = |e| clock.time("copying motion", || copying(self, e, progress, cancel));
         let copying = electrodes.iter().map(motion).collect::<Result<Vec<_>, _>>()?;
+        let simulations = clock.time("simulation", || simulate(self, electrodes, &copying, progress, cancel))?;
         let leftover = match clock.time("leftover", || left_by(self, electrodes, &copying, progress, cancel)) {
             Ok(left) => Ok(Arc::new(left)),
             Err(LeftoverError::Cancelled(cancelled)) => return Err(cancelled.into()),
             // A plan is good without it.
             Err(other) => Err(format!("what stock is left cannot be told: {other}")),
         };
-        Ok(Finishing { copying, leftover, times: clock.0 })
+        Ok(Finishing { copying, simulations, leftover, times: clock.0 })
     }
 }
 

@@ -11,6 +11,7 @@ pub mod plan_files;
 pub mod plan_pictures;
 pub mod plan_report;
 pub mod prepared_blisk;
+pub mod simulate;
 pub mod sizing;
 pub mod stages;
 pub mod worker;

@@ -27,6 +27,7 @@ use slot::Slot;
 
 use super::finish::Finishing;
 use super::plan::{PlanInputs, PlanJobError, PlanOutcome};
+use super::simulate;
 use super::stages::{Electrodes, FoundChannel, Part};
 use super::worker::{Reporter, Worker};
 use crate::blisk::channel::Channel;
@@ -36,7 +37,7 @@ use crate::feed::search::{Convergence, Node};
 use crate::progress::{Cancel, Progress};
 use crate::project::{Fingerprint, KeptPlan, PlanJob, Stage};
 use crate::render::mesh::RenderMesh;
-use crate::views::LeftoverShape;
+use crate::views::{LeftoverShape, MachineBody, machine_bodies};
 
 /// What a step has found.
 enum Found {
@@ -59,8 +60,10 @@ struct Planned {
 
 /// How the electrodes of a plan finish the channel; the figures are in the plan itself.
 struct Finished {
-    /// What stock is left, or why that cannot be told.
+    /// What stock is left, or why that cannot be told; and what collides on the machine.
     said: Result<String, String>,
+    /// The bodies of the machine about each electrode.
+    bodies: Vec<Vec<MachineBody>>,
     /// The stock that is left, for the screen.
     leftover: Option<LeftoverShape>,
 }
@@ -68,8 +71,11 @@ struct Finished {
 impl Finished {
     fn new(finishing: &Finishing, channel: &Channel) -> Self {
         let left = &finishing.leftover;
+        let collision = finishing.collision().map(|simulation| simulation.sentence());
+        let said = left.as_ref().map(|left| left.sentence(channel)).map_err(Clone::clone);
         Self {
-            said: left.as_ref().map(|left| left.sentence(channel)).map_err(Clone::clone),
+            said: collision.map_or(said, Err),
+            bodies: finishing.simulations.iter().map(|s| machine_bodies(s)).collect(),
             leftover: left.as_ref().ok().map(|left| LeftoverShape::new(&left.map)),
         }
     }
@@ -293,7 +299,7 @@ impl Pipeline {
                 {
                     StageState::Missing
                 }
-                (StageState::Done, Some((_, plan))) if !plan.outcome.is_verified() => {
+                (StageState::Done, Some((_, plan))) if !plan.outcome.may_be_approved() => {
                     StageState::Failed(plan_sentence(plan).1)
                 }
                 (StageState::Failed(_) | StageState::Running, _) => StageState::Missing,
@@ -328,6 +334,11 @@ impl Pipeline {
         self.plan.value.as_ref().map(|(_, v)| &v.shapes[..])
     }
 
+    /// The bodies of the machine about electrode number `i` of the plan, for the screen.
+    pub fn plan_bodies(&self, i: usize) -> &[MachineBody] {
+        self.finish.value.as_ref().and_then(|(_, v)| v.bodies.get(i)).map_or(&[], Vec::as_slice)
+    }
+
     /// The stock that the electrodes of the plan leave, for the screen.
     pub fn leftover_shape(&self) -> Option<&LeftoverShape> {
         self.finish.value.as_ref().and_then(|(_, v)| v.leftover.as_ref())
@@ -353,12 +364,17 @@ impl Pipeline {
     fn certified(&self) -> Option<&Arc<PlanOutcome>> {
         let (_, now) = self.now.as_ref()?;
         let plan = &self.plan.current(now.plan)?.outcome;
-        (self.plan.running.is_none() && plan.is_verified()).then_some(plan)
+        (self.plan.running.is_none() && plan.may_be_approved()).then_some(plan)
     }
 
     /// Whether the plan can be approved: all that is exported with it is known.
     pub fn can_approve(&self) -> bool {
-        self.certified().is_some() && !matches!(self.finishing(), StageState::Missing | StageState::Running)
+        let is_settled = match self.finishing() {
+            StageState::Done => true,
+            StageState::Failed(_) => self.now.as_ref().is_some_and(|(job, _)| !simulate::is_needed(job)),
+            StageState::Missing | StageState::Running | StageState::Stale => false,
+        };
+        self.certified().is_some() && is_settled
     }
 
     /// How the copying motions of the plan, and what stock is left, stand; stale if the plan is.
@@ -385,7 +401,7 @@ impl Pipeline {
     pub fn approve(&mut self) -> Result<(), String> {
         let plan = self.certified().ok_or("only a plan with a certificate that holds can be approved")?;
         if !self.can_approve() {
-            return Err("the copying motions of this plan are still being worked out".to_owned());
+            return Err("the copying motions of this plan, or its motion on the machine, are not worked out".to_owned());
         }
         self.approved = Some(plan.clone());
         Ok(())

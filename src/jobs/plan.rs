@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use super::finish::{Finishing, finish};
 use super::prepared_blisk::PreparedBlisk;
+use super::simulate;
 use crate::blisk::channel::Channel;
 use crate::blisk::electrode::{
     Electrode, ElectrodeError, ElectrodeParams, EnterSide, EntrySide, Sizing, from_user_mesh, make_electrodes,
@@ -15,10 +16,12 @@ use crate::blisk::surface_finder::SurfaceFinder;
 use crate::export::report::StageTime;
 use crate::feed::copying::Copying;
 use crate::feed::leftover::Leftover;
+use crate::feed::machine_model::MachineModelError;
 use crate::feed::plan::{FeedPlan, Observe, PlanSettings, plan_drawn_in, plan_feed};
 use crate::feed::plan_params::PlanError;
 use crate::feed::replay::{Surroundings, replay_feed};
 use crate::feed::search::{Convergence, Node, Strategy};
+use crate::feed::simulation::Simulation;
 use crate::feed::verify::VerifyError;
 use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::frame::Frame;
@@ -62,6 +65,11 @@ pub struct PlanOutcome {
 }
 
 impl PlanOutcome {
+    /// Whether every electrode has a verified path and nothing is known to collide on the machine.
+    pub fn may_be_approved(&self) -> bool {
+        self.is_verified() && self.finishing().is_none_or(|f| f.collision().is_none())
+    }
+
     /// Whether every electrode has a verified path.
     pub fn is_verified(&self) -> bool {
         !self.electrodes.is_empty() && self.electrodes.iter().all(|e| e.plan.is_verified())
@@ -79,6 +87,11 @@ impl PlanOutcome {
     /// The copying motion of the electrode with this index, if that is known.
     pub fn copying(&self, index: usize) -> Option<&Copying> {
         self.finishing()?.copying.get(index)
+    }
+
+    /// The whole motion of the electrode with this index on the machine, if it was simulated.
+    pub fn simulation(&self, index: usize) -> Option<&Arc<Simulation>> {
+        self.finishing()?.simulations.get(index)
     }
 
     /// What stock is left, if that is known.
@@ -107,6 +120,8 @@ pub enum PlanJobError {
     Mesh(#[from] ExactMeshError),
     #[error(transparent)]
     Verify(VerifyError),
+    #[error(transparent)]
+    Machine(MachineModelError),
 }
 
 impl From<VerifyError> for PlanJobError {
@@ -114,6 +129,15 @@ impl From<VerifyError> for PlanJobError {
         match error {
             VerifyError::Cancelled(cancelled) => cancelled.into(),
             other => Self::Verify(other),
+        }
+    }
+}
+
+impl From<MachineModelError> for PlanJobError {
+    fn from(error: MachineModelError) -> Self {
+        match error {
+            MachineModelError::Cancelled(cancelled) => cancelled.into(),
+            other => Self::Machine(other),
         }
     }
 }
@@ -255,6 +279,9 @@ impl JobPlanner<'_> {
         if self.inputs.job.electrode.size == Sizing::Auto {
             let todo = "[electrode] size = \"auto\": find the sizes first and take one, or give the reductions";
             return Err(PlanJobError::Job(todo.to_owned()));
+        }
+        if self.explain {
+            simulate::check(&self.inputs.job, &self.prepared.space.channel, self.progress, self.cancel)?;
         }
         let electrodes = self.electrodes()?;
         let channel = self.prepared.space.channel.clone();

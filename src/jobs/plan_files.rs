@@ -4,8 +4,8 @@ use std::collections::HashSet;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-use super::plan::{ElectrodeOutcome, PlanInputs, PlanOutcome};
-use super::{plan_pictures, plan_report};
+use super::plan::{PlanInputs, PlanOutcome};
+use super::{plan_pictures, plan_report, simulate};
 use crate::blisk::channel::Channel;
 use crate::export::approved::{Approved, NotApproved};
 use crate::export::choice::MeshFrame;
@@ -15,7 +15,7 @@ use crate::export::nc::{NcError, NcJob, NcProgram};
 use crate::export::path_csv::{PathCsvError, write_copying_csv, write_path_csv};
 use crate::export::post::{Post, PostError};
 use crate::export::report::{FeedLowered, InputFile, Report, ReportError, Written};
-use crate::feed::copying::{Copying, CopyingMotion};
+use crate::feed::copying::Copying;
 use crate::geometry::mesh::Mesh;
 use crate::mesh_io::stl_bytes;
 use crate::progress::{Cancel, Cancelled, Progress};
@@ -102,9 +102,8 @@ pub fn write(
     let blisk = inputs.blisk.in_frame(&outcome.channel.frame);
     let context = Context { channel: &outcome.channel, blisk: &blisk, job: &inputs.job, post };
     let (mut files, mut programs): (Vec<(String, Vec<u8>)>, Vec<_>) = (Vec::new(), Vec::new());
-    for (i, electrode) in outcome.electrodes.iter().enumerate() {
-        let copying = outcome.copying(i).and_then(Copying::certified);
-        let (own, program) = electrode_files(i + 1, electrode, copying, &context)?;
+    for i in 0..outcome.electrodes.len() {
+        let (own, program) = electrode_files(i + 1, outcome, &context)?;
         report.electrodes[i].feed_lowered = program.as_ref().and_then(NcProgram::slowed).map(FeedLowered::from);
         let program = program.map(|p| (format!("path_{}.{}", i + 1, p.extension()), p.text().as_bytes().to_vec()));
         report.electrodes[i].files = own.iter().chain(&program).map(|(name, _)| name.clone()).collect();
@@ -194,11 +193,11 @@ struct Context<'a> {
 
 fn electrode_files(
     k: usize,
-    outcome: &ElectrodeOutcome,
-    copying: Option<&CopyingMotion>,
+    whole: &PlanOutcome,
     context: &Context,
 ) -> Result<(Vec<NamedFile>, Option<NcProgram>), PlanFilesError> {
     let (wanted, mut files) = (&context.job.export.files, Vec::new());
+    let outcome = &whole.electrodes[k - 1];
     let electrode = &outcome.electrode.mesh;
     if wanted.electrode {
         let mesh = match context.job.export.frame {
@@ -213,12 +212,13 @@ fn electrode_files(
         let csv = write_path_csv(&planned.path, planned.certificate.row_clearance())?.into_bytes();
         files.push((format!("path_{k}{}.csv", if holds { "" } else { ".unverified" }), csv));
     }
-    let copying = copying.filter(|_| holds);
+    let copying = whole.copying(k - 1).and_then(Copying::certified).filter(|_| holds);
     if let (Some(copying), true) = (copying, wanted.leftover) {
         let csv = write_copying_csv(&copying.path, copying.certificate.row_clearance())?.into_bytes();
         files.push((format!("copying_{k}.csv"), csv));
     }
-    if !holds || !wanted.nc {
+    let is_simulated = whole.simulation(k - 1).is_some() || !simulate::is_needed(context.job);
+    if !holds || !wanted.nc || !whole.may_be_approved() || !is_simulated {
         return Ok((files, None));
     }
     let not_approved = |source| PlanFilesError::NotApproved { electrode: k, source };
@@ -226,6 +226,9 @@ fn electrode_files(
         .map_err(not_approved)?;
     if let Some(copying) = copying {
         approved = approved.with_copying(copying).map_err(not_approved)?;
+    }
+    if let Some(simulation) = whole.simulation(k - 1) {
+        approved = approved.with_simulation(simulation).map_err(not_approved)?;
     }
     let electrode_file = electrode_in_program(k, &context.job.export);
     let nc_job =

@@ -9,6 +9,7 @@ use crate::export::report::{
     BliskSummary, ClearancePlace, Convergence, DistancesReport, ElectrodeReport, Failure, InputFile, Motion,
     NodeReport, ObjectiveReport, PoseReport, Report, SCHEMA, Smoothness, Symbol, Verdict, VerifiedDigests, Written,
 };
+use crate::export::simulation_report::SimulationReport;
 use crate::feed::certificate::TravelVerdict;
 use crate::feed::four_distances::{DistanceGauge, FourDistances};
 use crate::feed::genetic::GeneticParams;
@@ -59,8 +60,9 @@ fn verdict(outcome: &PlanOutcome) -> Verdict {
         })
         .collect();
     let left = outcome.leftover().map(|l| l.sentence(&outcome.channel));
-    let sentence = sentences.into_iter().chain(left).collect::<Vec<_>>().join(" ");
-    Verdict { exit_code: if outcome.is_verified() { 0 } else { 3 }, sentence }
+    let simulated = outcome.finishing().into_iter().flat_map(|f| &f.simulations).map(|s| s.sentence());
+    let sentence = sentences.into_iter().chain(simulated).chain(left).collect::<Vec<_>>().join(" ");
+    Verdict { exit_code: if outcome.may_be_approved() { 0 } else { 3 }, sentence }
 }
 
 fn side_name(side: EntrySide) -> &'static str {
@@ -94,6 +96,7 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
         ga_convergence: convergence(plan),
         feed_lowered: None,
         copying: whole.copying(index - 1).map(Into::into),
+        simulation: whole.simulation(index - 1).map(|s| SimulationReport::of(s)),
         sha256: certificate.map(VerifiedDigests::of),
         failure: failure(plan, &whole.channel),
         files: Vec::new(),

@@ -23,6 +23,9 @@ const UNITS: &[(&str, &str)] =
 const AXES: &[(&str, &str)] = &[("auto", "find it"), ("x", "X"), ("y", "Y"), ("z", "Z")];
 const SIDES: &[(&str, &str)] = &[("auto", "better one"), ("-x", "-X"), ("+x", "+X")];
 const MACHINES: &[(&str, &str)] = &[("XYZC", "XYZ C"), ("XYZAC", "XYZ A C"), ("XYZABC", "XYZ A B C")];
+const BODIES: &[(&str, &str)] =
+    &[("", "none"), ("xyzc", "built-in XYZ C"), ("xyzac", "built-in XYZ A C"), ("xyzabc", "built-in XYZ A B C")];
+const CHANNELS: &[(&str, &str)] = &[("own", "the planned one"), ("all", "all, by A")];
 const CONSTRAINTS: &[(&str, &str)] = &[("distance", "distance"), ("angle", "angle")];
 const STRATEGIES: &[(&str, &str)] = &[
     ("global", "global"),
@@ -100,6 +103,9 @@ pub(super) const FIELDS: &[Field] = &[
     field(Stage::Plan, "Weights", "/plan/weights/b2", "Even along low wall", "b2", "", WEIGHT, "Weight of even distances along the low wall (the paper's left)."),
     field(Stage::Plan, "Weights", "/plan/weights/c2", "Even along high wall", "c2", "", WEIGHT, "Weight of even distances along the high wall (the paper's right)."),
     field(Stage::Plan, "Machine", "/machine/axes", "Axes", "", "", Choice(MACHINES), "Axes that the machine moves together."),
+    field(Stage::Plan, "Machine", "/machine/name", "Bodies", "", "", ChoiceOrFile(BODIES), "The machine whose axes, travels and bodies count: the whole motion is simulated with its head, holder and table. A machine is a TOML file; one of your own can be chosen."),
+    field(Stage::Plan, "Machine", "/machine/body_clearance_mm", "Body clearance", "", "mm", Number(Range(0.01, 100.0), 2), "How far bodies of the machine stay from each other and from the blisk."),
+    field(Stage::Plan, "Machine", "/export/channels", "Channels", "", "", Choice(CHANNELS), "In which channels the motion is simulated and which the NC program burns, A turning the blisk to them."),
     field(Stage::Plan, "Fine points", "/plan/field_cell_mm", "Field cell", "", "mm", Number(Range(0.05, 2.0), 2), "Size of a cell of the distance field that the search works on."),
     field(Stage::Plan, "Fine points", "/plan/interpolation/kind", "Curve", "", "", Choice(CURVES), "What joins the nodes of each axis: cubic splines whose knots are the nodes, or NURBS with averaged knots."),
     field(Stage::Plan, "Fine points", "/plan/interpolation/degree", "Degree of NURBS", "p", "", Integer(Range(3.0, 5.0)), "The degree of the NURBS through the nodes; splines are cubic."),

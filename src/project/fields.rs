@@ -116,7 +116,19 @@ pub fn with_value(job: &Value, field: &Field, value: Value) -> Result<PlanJob, S
         Some(place) => *place = value,
         None => return Err(format!("{} is not a parameter", field.key())),
     }
+    if field.pointer == "/machine/name" {
+        take_machine(&mut job);
+    }
     PlanJob::from_json(job, std::path::Path::new(""))
+}
+
+/// Drops what the machine that is named says itself: axes, travels and speeds. Without one they stay as they are.
+fn take_machine(job: &mut Value) {
+    if let Some(machine) = job["machine"].as_object_mut()
+        && machine.get("name").and_then(Value::as_str).is_some_and(|name| !name.is_empty())
+    {
+        machine.retain(|key, _| key == "name" || key == "body_clearance_mm");
+    }
 }
 
 #[cfg(test)]
@@ -180,5 +192,16 @@ mod tests {
         let changed = with_value(&job, field, 1.25.into()).unwrap();
         assert_eq!(changed.electrode.circumferential_reduction_deg, [2.0, 1.25]);
         assert_eq!(field.key(), "[electrode] circumferential_reduction_deg[1]");
+    }
+
+    #[test]
+    fn a_machine_that_is_chosen_brings_its_axes_along() {
+        let job = job_as_json(&base());
+        let field = Field::of(Stage::Plan).find(|f| f.pointer == "/machine/name").unwrap();
+        let six = with_value(&job, field, "xyzabc".into()).unwrap();
+        assert_eq!((six.machine.axes, six.machine.has_bodies()), (crate::feed::machine::AxisSet::XYZABC, true));
+        let none = with_value(&job_as_json(&six), field, "".into()).unwrap();
+        assert_eq!((none.machine.axes, none.machine.has_bodies()), (six.machine.axes, false));
+        assert!(with_value(&job, field, "nowhere/mine.toml".into()).unwrap_err().contains("cannot be read"));
     }
 }

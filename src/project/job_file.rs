@@ -8,10 +8,11 @@ use serde::{Deserialize, Serialize};
 use super::paths::{absolute, relative};
 use crate::blisk::electrode::{ElectrodeParams, EnterSide, Sizing};
 use crate::blisk::options::BliskOptions;
-use crate::export::choice::{DrawnPictures, MeshFrame, WrittenFiles};
+use crate::export::choice::{Channels, DrawnPictures, MeshFrame, WrittenFiles};
 use crate::export::nc::NcSettings;
 use crate::feed::genetic::{GeneticParams, ReductionMode};
 use crate::feed::machine::MachineParams;
+use crate::feed::machine_model::{is_file, machine_table};
 use crate::feed::plan_params::PlanParams;
 use crate::feed::search::{Constraint, Strategy};
 use crate::feed::verify::VerifyOptions;
@@ -56,6 +57,8 @@ pub struct ExportSection {
     pub post: String,
     /// Frame of the electrode meshes: `"mesh"` or `"w"`.
     pub frame: MeshFrame,
+    /// Which channels the motion is simulated in and the NC program burns, the blisk being turned to them by A.
+    pub channels: Channels,
     /// Which files are written.
     pub files: WrittenFiles,
     /// Which pictures are drawn.
@@ -69,6 +72,7 @@ impl Default for ExportSection {
         Self {
             post: "iso".to_owned(),
             frame: MeshFrame::default(),
+            channels: Channels::default(),
             files: WrittenFiles::default(),
             pictures: DrawnPictures::default(),
             nc: NcSettings::default(),
@@ -224,6 +228,9 @@ impl PlanJob {
         for mesh in [&mut job.blisk.mesh, &mut job.electrode.mesh] {
             *mesh = mesh.take().map(|p| relative(&p, folder));
         }
+        if is_file(&job.machine.name) {
+            job.machine.name = relative(Path::new(&job.machine.name), folder).to_string_lossy().into_owned();
+        }
         if job.export.post.ends_with(".toml") {
             job.export.post = relative(Path::new(&job.export.post), folder).to_string_lossy().into_owned();
         }
@@ -260,7 +267,7 @@ impl PlanJob {
         let job = Self {
             blisk: BliskSection { mesh, units, options: section(blisk, "blisk")? },
             electrode,
-            machine: section(take_table(&mut table, "machine")?, "machine")?,
+            machine: machine(take_table(&mut table, "machine")?, folder)?,
             plan: section(take_table(&mut table, "plan")?, "plan")?,
             genetic: section(take_table(&mut table, "genetic")?, "genetic")?,
             verify: section(take_table(&mut table, "verify")?, "verify")?,
@@ -317,6 +324,29 @@ fn take<T: for<'a> Deserialize<'a>>(table: &mut toml::Table, section: &str, key:
         .map_err(|e: toml::de::Error| Problem::at(&format!("[{section}] {key}: "), &one_line(e.message())))
 }
 
+/// The keys of `[machine]`, which take the place of those of the machine that is named.
+fn machine(mut given: toml::Table, folder: &Path) -> Result<MachineParams, Problem> {
+    let file: Option<PathBuf> = take(&mut given, "machine", "file")?;
+    let name: Option<String> = take(&mut given, "machine", "name")?;
+    let name = match (name.filter(|n| !n.is_empty()), file) {
+        (Some(_), Some(_)) => return Err(Problem::at("[machine] ", "name and file are two machines; give one")),
+        (Some(name), None) if !is_file(&name) => name,
+        (Some(name), None) => folder.join(name).to_string_lossy().into_owned(),
+        (None, Some(file)) if is_file(&file.to_string_lossy()) => folder.join(file).to_string_lossy().into_owned(),
+        (None, Some(_)) => return Err(Problem::at("[machine] file: ", "must be the path of a machine file (.toml)")),
+        (None, None) => return section(given, "machine"),
+    };
+    // A job that says everything itself, as a saved one does, can be read without the file.
+    let everything = toml::Table::try_from(MachineParams::default()).unwrap_or_default();
+    let mut table = match everything.keys().all(|key| key == "name" || given.contains_key(key)) {
+        true => toml::Table::new(),
+        false => machine_table(&name).map_err(|e| Problem::at("[machine] ", &one_line(&e.to_string())))?,
+    };
+    table.extend(given);
+    let params: MachineParams = section(table, "machine")?;
+    Ok(MachineParams { name, ..params })
+}
+
 fn section<T: for<'a> Deserialize<'a>>(table: toml::Table, name: &str) -> Result<T, Problem> {
     toml::Value::Table(table)
         .try_into()
@@ -324,161 +354,5 @@ fn section<T: for<'a> Deserialize<'a>>(table: toml::Table, name: &str) -> Result
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::feed::axis_curve::Joining;
-
-    fn parse(text: &str) -> Result<PlanJob, String> {
-        PlanJob::parse(text, Path::new("jobs")).map_err(|p| p.place + &p.message)
-    }
-
-    #[test]
-    fn a_mesh_is_all_a_job_needs() {
-        let job = parse("[blisk]\nmesh = \"part.stl\"").unwrap();
-        let demonstration = PlanJob::demonstration();
-        assert_eq!(job.blisk.mesh.as_deref(), Some(Path::new("jobs/part.stl")));
-        assert_eq!(
-            (job.plan, job.genetic, job.machine),
-            (demonstration.plan, demonstration.genetic, demonstration.machine)
-        );
-    }
-
-    #[test]
-    fn the_keys_of_the_contract_are_understood() {
-        let job = parse(
-            r#"
-            [blisk]
-            mesh = "part.stl"
-            units = "mm"
-            axis = "auto"
-            blades = "auto"
-            channel = 0
-            hub_radius_mm = "auto"
-            shroud_radius_mm = 125.0
-            [electrode]
-            spark_gap_mm = 0.10
-            circumferential_reduction_deg = [0.8, 0.9]
-            radial_reduction_mm = 0.5
-            parts = 1
-            overlap_mm = 1.0
-            enter = "-x"
-            size = "given"
-            [machine]
-            axes = "XYZAC"
-            [plan]
-            strategy = "genetic"
-            step_mm = 0.5
-            exit_clearance_mm = 5.0
-            margin_mm = 0.0
-            [plan.weights]
-            a3 = 0.5
-            b3 = 0.5
-            [genetic]
-            population = 30
-            generations = 10
-            crossover = 0.8
-            mutation = 0.1
-            seed = 7
-            [verify]
-            tolerance_mm = 0.002
-            "#,
-        )
-        .unwrap();
-        assert_eq!(job.electrode.circumferential_reduction_deg, [0.8, 0.9]);
-        assert_eq!((job.genetic.seed, job.plan.weights.a3), (7, 0.5));
-    }
-
-    #[test]
-    fn a_job_may_follow_the_centreline_and_join_by_nurbs() {
-        let text = "[blisk]\nmesh = \"a.stl\"\n[plan]\nstrategy = \"centreline\"\n[plan.centreline]\n\
-                    safety_increase_mm = 0.2\n[plan.interpolation]\nkind = \"nurbs\"\ndegree = 4";
-        let mut job = parse(text).unwrap();
-        assert_eq!((job.plan.strategy, job.plan.centreline.safety_increase_mm), (Strategy::Centreline, 0.2));
-        assert_eq!(job.plan.interpolation.joining(), Joining::Nurbs(4));
-        assert_eq!(job.validate(), Ok(()));
-        job.genetic.h = ReductionMode::Variable;
-        assert!(job.validate().unwrap_err().contains("[genetic] h"));
-    }
-
-    #[test]
-    fn what_is_exported_can_be_said_and_is_everything_by_default() {
-        let job = parse("[blisk]\nmesh = \"a.stl\"\n[export]\npost = \"beckhoff-edm\"").unwrap();
-        assert_eq!(job.export, ExportSection { post: "beckhoff-edm".to_owned(), ..Default::default() });
-        let text = "[blisk]\nmesh = \"a.stl\"\n[export]\nframe = \"w\"\n[export.files]\nnc = false\npictures = false\n\
-                    [export.pictures]\nsweep = false";
-        let export = parse(text).unwrap().export;
-        assert_eq!(export.frame, MeshFrame::W);
-        assert_eq!(export.files, WrittenFiles { nc: false, pictures: false, ..Default::default() });
-        assert!(export.pictures.final_pose && !export.pictures.sweep);
-        // What is chosen in the window comes back from a job file of it.
-        let mut job = PlanJob::demonstration();
-        (job.blisk.mesh, job.export) = (Some("jobs/a.stl".into()), export);
-        let again = PlanJob::parse(&job.to_toml(Path::new("")).unwrap(), Path::new("")).map_err(|p| p.message).unwrap();
-        assert_eq!(again, job);
-    }
-
-    #[test]
-    fn a_job_file_finds_its_meshes_wherever_it_lies() {
-        let folder = tempfile::tempdir().unwrap();
-        let [parts, jobs] = ["parts", "jobs"].map(|name| folder.path().join(name));
-        for folder in [&parts, &jobs] {
-            std::fs::create_dir(folder).unwrap();
-        }
-        let [mesh, own, post] = ["part.stl", "own.stl", "mine.toml"].map(|name| parts.join(name));
-        for file in [&mesh, &own, &post] {
-            std::fs::write(file, "").unwrap();
-        }
-        let mut job = PlanJob::demonstration();
-        (job.blisk.mesh, job.electrode.mesh) = (Some(mesh.clone()), Some(own.clone()));
-        job.export.post = post.to_str().unwrap().to_owned();
-        let file = jobs.join("job.toml");
-        std::fs::write(&file, job.to_toml(&jobs).unwrap()).unwrap();
-        let read = PlanJob::read(&file).unwrap();
-        let same = |read: &Path, meant: &Path| read.canonicalize().unwrap() == meant.canonicalize().unwrap();
-        assert!(same(&read.blisk.mesh.unwrap(), &mesh) && same(&read.electrode.mesh.unwrap(), &own));
-        assert!(same(Path::new(&read.export.post), &post));
-        assert!(PlanJob::demonstration().to_toml(&jobs).is_err(), "it would be a job that is refused");
-        // A path as the command line gave it is seen from the working folder.
-        job.blisk.mesh = Some("Cargo.toml".into());
-        std::fs::write(&file, job.to_toml(&jobs).unwrap()).unwrap();
-        assert!(same(&PlanJob::read(&file).unwrap().blisk.mesh.unwrap(), Path::new("Cargo.toml")));
-    }
-
-    #[test]
-    fn an_export_of_nothing_is_refused_and_draws_nothing() {
-        let mut job = PlanJob::demonstration();
-        job.export.files =
-            WrittenFiles { electrode: false, path: false, nc: false, report: false, leftover: false, pictures: false };
-        assert!(job.validate().unwrap_err().contains("[export.files]"));
-        assert!(!job.export.draws_any());
-        job.export.files.report = true;
-        assert!(job.validate().is_ok() && job.export.draws_any(), "a page of the report holds pictures of its own");
-    }
-
-    #[test]
-    fn mistakes_are_named_with_their_place() {
-        for (text, named) in [
-            ("[blisk]\n", "mesh"),
-            ("[blisk]\nmesh = \"a.stl\"\nblade = 3", "blade"),
-            ("[blisk]\nmesh = 7", "[blisk] mesh"),
-            ("[blisk]\nmesh = \"a.stl\"\n[plan]\nstep_mm = \"wide\"", "[plan]"),
-            ("[blisk]\nmesh = \"a.stl\"\n[genetics]\nseed = 2", "[genetics]"),
-            ("[blisk\nmesh = 1", "line 1"),
-            ("blisk = 3", "blisk"),
-        ] {
-            let message = parse(text).unwrap_err();
-            assert!(message.contains(named) && !message.contains('\n'), "{text:?}: {message}");
-        }
-    }
-
-    #[test]
-    fn the_global_strategy_works_on_distances_alone() {
-        let mut job = PlanJob::demonstration();
-        job.plan.strategy = Strategy::Global;
-        assert_eq!(job.validate(), Ok(()));
-        job.plan.constraint = Constraint::Angle;
-        assert!(job.validate().unwrap_err().contains("works on distances"));
-        job.plan.strategy = Strategy::Genetic;
-        assert_eq!(job.validate(), Ok(()));
-    }
-}
+#[path = "job_file_tests.rs"]
+mod tests;

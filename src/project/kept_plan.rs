@@ -80,6 +80,8 @@ impl KeptPlan {
         }
         let mut hash = Sha256::new();
         hash.update(content);
+        // Bodies have no part in the search; what is taken up is simulated anew.
+        let machine = machine.searched();
         let parameters = (blisk, electrode, machine, plan, genetic, verify);
         hash.update(serde_json::to_vec(&parameters).unwrap_or_default());
         hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()

@@ -57,6 +57,8 @@ impl Fingerprint {
         }
         if stage >= Stage::Plan {
             add(&mut hash, &(&job.machine, &job.plan, &job.genetic, &job.verify));
+            // The motion is simulated in these.
+            add(&mut hash, &job.export.channels);
         }
         if stage >= Stage::Export {
             add(&mut hash, &job.export);
@@ -95,6 +97,8 @@ mod tests {
         assert_eq!(changed(|j| j.electrode.radial_reduction_mm = 0.7), [Electrode, Plan, Verify, Export]);
         assert_eq!(changed(|j| j.genetic.seed = 9), [Plan, Verify, Export]);
         assert_eq!(changed(|j| j.export.post = "other".into()), [Export]);
+        assert_eq!(changed(|j| j.machine.name = "xyzc".into()), [Plan, Verify, Export]);
+        assert_eq!(changed(|j| j.export.channels = crate::export::choice::Channels::All), [Plan, Verify, Export]);
         let job = PlanJob::demonstration();
         assert_ne!(Fingerprint::of(Stage::Part, &job, "a"), Fingerprint::of(Stage::Part, &job, "b"));
     }

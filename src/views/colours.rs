@@ -12,6 +12,8 @@ pub const GHOST: Colour = Colour::rgb(0xe0, 0xb0, 0x8a);
 pub const LOW: Colour = Colour::rgb(0x6f, 0xa8, 0xa0);
 /// The high wall.
 pub const HIGH: Colour = Colour::rgb(0x8a, 0x96, 0xc8);
+/// Bodies of a machine.
+pub const MACHINE: Colour = Colour::rgb(0x7d, 0x86, 0x8c);
 /// Where something is too near.
 pub const BAD: Colour = Colour::rgb(0xe5, 0x48, 0x4d);
 

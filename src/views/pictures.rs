@@ -131,6 +131,8 @@ impl<'a> Drawn<'a> {
     fn scene(&self, i: usize, s: f64, layers: &Layers) -> Scene {
         let electrode = self.plan.electrodes.get(i).map(|(e, _)| *e).zip(self.electrodes.get(i));
         build(&SceneInputs {
+            machine: &[],
+            pose: None,
             blisk: Some(&self.blisk),
             channel: Some((self.plan.channel, &self.shapes)),
             electrode,

@@ -4,11 +4,13 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::colours::{BAD, COPPER, GHOST, HIGH, LOW, STEEL};
+use super::colours::{BAD, COPPER, GHOST, HIGH, LOW, MACHINE, STEEL};
+use super::machine::MachineBody;
 use super::shapes::ChannelShapes;
 use super::track::{Station, Track};
 use crate::blisk::channel::Channel;
 use crate::blisk::electrode::Electrode;
+use crate::feed::pose::Pose;
 use crate::geometry::frame::Frame;
 use crate::render::colour::{Colour, Theme};
 use crate::render::mesh::RenderMesh;
@@ -37,13 +39,15 @@ pub enum Layer {
     Centreline,
     /// Where the electrode comes closest, or jams.
     Contact,
+    /// Head, holder, table and bed.
+    Machine,
     /// The grid below.
     Grid,
 }
 
 impl Layer {
     /// Every layer, in the order of the scene tree.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Blisk,
         Self::Unshrouded,
         Self::LowWall,
@@ -54,6 +58,7 @@ impl Layer {
         Self::Paths,
         Self::Centreline,
         Self::Contact,
+        Self::Machine,
         Self::Grid,
     ];
 
@@ -70,6 +75,7 @@ impl Layer {
             Self::Paths => "Point paths",
             Self::Centreline => "Centreline",
             Self::Contact => "Contact",
+            Self::Machine => "Machine",
             Self::Grid => "Grid",
         }
     }
@@ -109,6 +115,7 @@ impl Default for Layers {
             look(true, 1.0, COPPER),
             look(false, 1.0, GHOST),
             look(true, 1.0, BAD),
+            look(true, 0.55, MACHINE),
             look(true, 1.0, STEEL),
         ])
     }
@@ -157,6 +164,10 @@ pub struct SceneInputs<'a> {
     pub electrode: Option<(&'a Electrode, &'a Arc<RenderMesh>)>,
     /// Its poses.
     pub track: Option<&'a Track>,
+    /// The bodies of the machine.
+    pub machine: &'a [MachineBody],
+    /// A pose of the whole motion that the machine is shown in, instead of that of the track.
+    pub pose: Option<Pose>,
     /// Withdrawn distance of the cursor (mm).
     pub s: f64,
     /// Withdrawn distances at which ghosts are shown (mm); if there are none, at some evenly along the way.
@@ -225,7 +236,16 @@ pub fn build(inputs: &SceneInputs) -> Scene {
     if let Some((electrode, mesh)) = inputs.electrode {
         let station = inputs.track.and_then(|t| t.at(inputs.s));
         let placed = |station: &Station| to_mesh * station.pose.placement(electrode.reference_point);
-        let here = station.as_ref().map_or(to_mesh, placed);
+        let o = electrode.reference_point;
+        let pose = inputs.pose.or(station.as_ref().map(|s| s.pose)).unwrap_or_default();
+        let here = to_mesh * pose.placement(o);
+        for body in inputs.machine {
+            let before = scene.objects.len();
+            add(&mut scene, Layer::Machine, &body.shape, to_mesh * body.placement(&pose, o));
+            if body.is_in_the_way {
+                scene.objects[before..].iter_mut().for_each(|object| object.colour = BAD);
+            }
+        }
         add(&mut scene, Layer::Electrode, mesh, here);
         if let Some(object) = scene.objects.iter_mut().find(|o| o.id == layer_id(Layer::Electrode)) {
             object.values = inputs.values.cloned();
@@ -323,6 +343,8 @@ mod tests {
                 channel: Some((&channel, &shapes)),
                 electrode: None,
                 track: None,
+                machine: &[],
+                pose: None,
                 s: 0.0,
                 ghosts: &[],
                 swept: None,

@@ -104,11 +104,18 @@ impl SparkpathApp {
         let cursor = &mut self.core.cursor;
         if command == Command::Play {
             cursor.playing = !cursor.playing;
+            if self.core.machine.shown().is_some() {
+                if cursor.playing && self.core.machine.advance(0.0) == Some(false) {
+                    self.core.machine.go_to(Some(0.0));
+                }
+                return;
+            }
             if cursor.playing && cursor.s <= 0.0 {
                 cursor.s = track.length();
             }
             return;
         }
+        self.core.machine.go_to(None);
         cursor.playing = false;
         cursor.s = match command {
             Command::NextNode => track.next_node(cursor.s),

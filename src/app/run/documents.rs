@@ -176,6 +176,7 @@ impl SparkpathApp {
                 self.core.edit("Own electrode", job, false);
             }
             Purpose::Post => self.take_post(&path),
+            Purpose::Machine => self.take_machine(&path),
             Purpose::MovedMesh(old) => {
                 if let Dialog::Moved(project, moved, _) = &mut self.dialog {
                     project.replace_mesh(&old, &path);

@@ -5,8 +5,11 @@ use std::path::Path;
 use super::SparkpathApp;
 use crate::app::dialogs::Dialog;
 use crate::export::post::Post;
+use crate::feed::machine_model::read_machine;
 use crate::jobs::pipeline::{EventKind, ExportWork};
 use crate::jobs::plan_files;
+use crate::progress::{Cancel, Progress};
+use crate::project::{Field, Stage, job_as_json, with_value};
 use crate::render::scene::Scene;
 
 impl SparkpathApp {
@@ -34,6 +37,22 @@ impl SparkpathApp {
                 let before = std::mem::take(&mut self.dialog);
                 self.behind = before;
                 self.dialog = Dialog::Error("This is no post".to_owned(), error.to_string());
+            }
+        }
+    }
+
+    /// Takes the machine in the file `path`; says why not if it is none.
+    pub fn take_machine(&mut self, path: &Path) {
+        let name = path.to_string_lossy().into_owned();
+        let job = job_as_json(self.core.document.job());
+        let field = Field::of(Stage::Plan).find(|f| f.pointer == "/machine/name");
+        let read = read_machine(&name, &Progress::silent(), &Cancel::default()).map_err(|e| e.to_string());
+        let taken = read.and_then(|_| field.map_or(Err(String::new()), |f| with_value(&job, f, name.into())));
+        match taken {
+            Ok(job) => self.core.edit("Machine Bodies", job, false),
+            Err(error) => {
+                self.behind = std::mem::take(&mut self.dialog);
+                self.dialog = Dialog::Error("This is no machine".to_owned(), error);
             }
         }
     }

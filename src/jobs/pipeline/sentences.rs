@@ -22,7 +22,7 @@ pub(super) fn electrode_sentence(made: &Electrodes) -> (EventKind, String) {
 
 pub(super) fn plan_sentence(planned: &Planned) -> (EventKind, String) {
     let plan = &planned.outcome;
-    let kind = if plan.is_verified() { EventKind::Done } else { EventKind::Refused };
+    let kind = if plan.may_be_approved() { EventKind::Done } else { EventKind::Refused };
     // The first electrode that is not verified is what stands in the way.
     let told = plan.electrodes.iter().enumerate().find(|(_, e)| !e.plan.is_verified());
     let (i, electrode) = match told.or_else(|| plan.electrodes.iter().enumerate().next()) {
@@ -30,7 +30,9 @@ pub(super) fn plan_sentence(planned: &Planned) -> (EventKind, String) {
         None => return (EventKind::Refused, "there is no electrode".to_owned()),
     };
     let name = if plan.electrodes.len() > 1 { format!("electrode {} ", i + 1) } else { "the electrode ".to_owned() };
-    (kind, name + &electrode.plan.verdict(&plan.channel))
+    let collision = plan.finishing().and_then(|f| f.collision());
+    let collision = collision.map(|simulation| format!(". {}", simulation.sentence())).unwrap_or_default();
+    (kind, name + &electrode.plan.verdict(&plan.channel) + &collision)
 }
 
 pub(super) fn finish_sentence(finished: &Finished) -> (EventKind, String) {

@@ -1,0 +1,86 @@
+//! `sparkpath simulate`: the whole motion of a planned job on its machine.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::{Answer, Session};
+use crate::export::choice::Channels;
+use crate::export::files::write_atomically;
+use crate::export::simulation_report::SimulationReport;
+use crate::jobs::plan::{PlanOutcome, run};
+
+/// What `simulation.json` holds.
+#[derive(Serialize)]
+struct Answers {
+    /// Whether every electrode has a certified path on which nothing collides.
+    holds: bool,
+    electrodes: Vec<ElectrodeAnswer>,
+}
+
+#[derive(Serialize)]
+struct ElectrodeAnswer {
+    /// Counted from 1.
+    index: usize,
+    /// What became of its path, in a sentence.
+    path: String,
+    /// None without a certified path.
+    simulation: Option<SimulationReport>,
+}
+
+/// Plans the job in the file `job_file` and simulates its whole motion, in `channels` if they are given.
+pub(super) fn simulate(
+    job_file: &Path,
+    channels: Option<&Channels>,
+    out: Option<&Path>,
+    session: &Session,
+) -> anyhow::Result<Answer> {
+    let (mut inputs, _) = super::plan::load(job_file, session)?;
+    if let Some(channels) = channels {
+        inputs.job.export.channels = channels.clone();
+    }
+    if !inputs.job.machine.has_bodies() && inputs.job.export.channels == Channels::Own {
+        anyhow::bail!(
+            "{}: [machine] has no name, and so no bodies to simulate; give name = \"xyzac\", a machine file, or --channels",
+            job_file.display()
+        );
+    }
+    if let Some(folder) = out {
+        // An older verdict must not outlive a failure of this one.
+        for name in ["simulation.json", "simulation.txt"] {
+            let _ = std::fs::remove_file(folder.join(name));
+        }
+    }
+    let outcome = run(&inputs, &session.progress, &session.cancel)?;
+    let answers = answers(&outcome);
+    let (json, text) = (serde_json::to_string_pretty(&answers)?, text(&answers));
+    if let Some(folder) = out {
+        std::fs::create_dir_all(folder)
+            .map_err(|e| anyhow::anyhow!("{}: the folder cannot be made ({e}); give another", folder.display()))?;
+        write_atomically(&folder.join("simulation.json"), json.as_bytes())?;
+        write_atomically(&folder.join("simulation.txt"), (text.clone() + "\n").as_bytes())?;
+    }
+    super::terminal::finish();
+    say!("{}", if session.json { &json } else { &text });
+    Ok(if answers.holds { Answer::Yes } else { Answer::No })
+}
+
+fn answers(outcome: &PlanOutcome) -> Answers {
+    let answer = |(i, e): (usize, &crate::jobs::plan::ElectrodeOutcome)| ElectrodeAnswer {
+        index: i + 1,
+        path: format!("Electrode {} {}.", i + 1, e.plan.verdict(&outcome.channel)),
+        simulation: outcome.simulation(i).map(|s| SimulationReport::of(s)),
+    };
+    Answers {
+        holds: outcome.may_be_approved() && (0..outcome.electrodes.len()).all(|i| outcome.simulation(i).is_some()),
+        electrodes: outcome.electrodes.iter().enumerate().map(answer).collect(),
+    }
+}
+
+fn text(answers: &Answers) -> String {
+    let of = |e: &ElectrodeAnswer| match &e.simulation {
+        Some(simulation) => format!("{}\n{}", e.path, simulation.text()),
+        None => format!("{}\nThere is nothing to simulate without a certified path.", e.path),
+    };
+    answers.electrodes.iter().map(of).collect::<Vec<_>>().join("\n")
+}

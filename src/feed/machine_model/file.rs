@@ -1,0 +1,217 @@
+//! Machine files.
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+use serde::Deserialize;
+
+use super::{Body, Carrier, MOST_BODIES, MOST_TRIANGLES, MachineModel, MachineModelError, builtin, shape};
+use crate::geometry::mesh::Mesh;
+use crate::mesh_io::{ImportError, ImportOptions, Units, import_file};
+use crate::progress::{Cancel, Progress};
+
+/// Greatest size and coordinate of a body (mm).
+const LARGEST: f64 = 1e4;
+/// The largest file that is read (bytes).
+const LARGEST_FILE: u64 = 4 << 20;
+
+/// A body as the file has it.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BodyEntry {
+    name: String,
+    carried_by: Carrier,
+    shape: ShapeName,
+    size_mm: Option<[f64; 3]>,
+    radius_mm: Option<f64>,
+    length_mm: Option<f64>,
+    axis: Option<AxisName>,
+    centre_mm: Option<[f64; 3]>,
+    file: Option<PathBuf>,
+    units: Option<Units>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum ShapeName {
+    Box,
+    Cylinder,
+    Mesh,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum AxisName {
+    X,
+    Y,
+    Z,
+}
+
+/// Whether the machine `name` is a file rather than one of the built-in ones.
+pub fn is_file(name: &str) -> bool {
+    name.ends_with(".toml")
+}
+
+/// A machine's text, and the folder that paths in it are relative to.
+fn text_of(name: &str) -> Result<(String, PathBuf), MachineModelError> {
+    if !is_file(name) {
+        let text = builtin::text_of(name);
+        let text = text.ok_or_else(|| MachineModelError::NoSuchMachine { name: name.to_owned() })?;
+        return Ok((text.to_owned(), PathBuf::new()));
+    }
+    let file = PathBuf::from(name);
+    let unreadable = |source| MachineModelError::Unreadable { file: file.clone(), source };
+    let about = std::fs::metadata(&file).map_err(unreadable)?;
+    if !about.is_file() || about.len() > LARGEST_FILE {
+        let problem = "is no file, or larger than a machine file can be; check the path".to_owned();
+        return Err(MachineModelError::Invalid { file: name.to_owned(), problem });
+    }
+    let text = std::fs::read_to_string(&file).map_err(unreadable)?;
+    Ok((text, file.parent().map(Path::to_owned).unwrap_or_default()))
+}
+
+/// Axes, travels and speeds of the machine `name`, a built-in one or a file, under the keys of `[machine]` of a job.
+///
+/// # Errors
+/// [`MachineModelError`].
+pub fn machine_table(name: &str) -> Result<toml::Table, MachineModelError> {
+    let mut table = parse(name, &text_of(name)?.0)?;
+    table.remove("bodies");
+    match table.contains_key("name") || table.contains_key("file") {
+        false => Ok(table),
+        true => Err(invalid(name, "a machine file has no keys name and file; those are keys of a job")),
+    }
+}
+
+/// The bodies of the machine `name`, a built-in one or a file.
+///
+/// # Errors
+/// [`MachineModelError`].
+pub fn read_machine(name: &str, progress: &Progress, cancel: &Cancel) -> Result<MachineModel, MachineModelError> {
+    let (text, folder) = text_of(name)?;
+    let mut table = parse(name, &text)?;
+    let bodies = match table.remove("bodies") {
+        None => Vec::new(),
+        Some(toml::Value::Array(bodies)) => bodies,
+        Some(_) => return Err(invalid(name, "bodies must be a list; write [[bodies]] before each")),
+    };
+    if bodies.len() > MOST_BODIES {
+        return Err(invalid(name, &format!("{} bodies are more than {MOST_BODIES}; join some", bodies.len())));
+    }
+    let mut model = MachineModel::default();
+    for (i, value) in bodies.into_iter().enumerate() {
+        let name_of = |value: &toml::Value| value.get("name").and_then(|n| n.as_str()).map(str::to_owned);
+        let called = name_of(&value).unwrap_or_else(|| (i + 1).to_string());
+        let wrong = |problem: String| MachineModelError::Body { file: name.to_owned(), body: called.clone(), problem };
+        let entry: BodyEntry = value.try_into().map_err(|e: toml::de::Error| wrong(one_line(e.message())))?;
+        if entry.name.trim().is_empty() || model.bodies.iter().any(|b| b.name == entry.name) {
+            return Err(wrong("every body needs a name of its own".to_owned()));
+        }
+        let mesh = match entry.shape {
+            ShapeName::Mesh => read_mesh(name, &folder, &entry, progress, cancel)?,
+            _ => primitive(&entry).map_err(wrong)?,
+        };
+        model.bodies.push(Body { name: entry.name, carrier: entry.carried_by, mesh });
+        let triangles: usize = model.bodies.iter().map(|b| b.mesh.triangles.len()).sum();
+        if triangles > MOST_TRIANGLES {
+            let problem = format!(
+                "with it the bodies have {triangles} triangles, more than {MOST_TRIANGLES}; give a coarser mesh"
+            );
+            return Err(wrong(problem));
+        }
+    }
+    Ok(model)
+}
+
+fn parse(name: &str, text: &str) -> Result<toml::Table, MachineModelError> {
+    toml::from_str(text).map_err(|error: toml::de::Error| {
+        let line = error.span().map(|span| text[..span.start.min(text.len())].matches('\n').count() + 1);
+        let place = line.map_or(String::new(), |line| format!("line {line}: "));
+        invalid(name, &(place + &one_line(error.message())))
+    })
+}
+
+fn invalid(name: &str, problem: &str) -> MachineModelError {
+    MachineModelError::Invalid { file: name.to_owned(), problem: problem.to_owned() }
+}
+
+fn one_line(message: &str) -> String {
+    message.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Takes a key that a shape must have.
+fn need<T>(value: Option<T>, key: &str, shape: &str) -> Result<T, String> {
+    value.ok_or_else(|| format!("{key} is missing; a {shape} needs it"))
+}
+
+fn length(key: &str, value: f64) -> Result<f64, String> {
+    if value > 0.0 && value <= LARGEST {
+        Ok(value)
+    } else {
+        Err(format!("{key} is {value}; it must be greater than 0 and at most {LARGEST} mm"))
+    }
+}
+
+fn centre_of(entry: &BodyEntry) -> Result<DVec3, String> {
+    let centre = entry.centre_mm.unwrap_or_default();
+    match centre.iter().find(|v| !(v.abs() <= LARGEST)) {
+        None => Ok(DVec3::from_array(centre)),
+        Some(v) => Err(format!("centre_mm holds {v}; coordinates must be from -{LARGEST} to {LARGEST} mm")),
+    }
+}
+
+/// The mesh of a box or a cylinder.
+fn primitive(entry: &BodyEntry) -> Result<Mesh, String> {
+    if entry.file.is_some() || entry.units.is_some() {
+        return Err("file and units belong to shape = \"mesh\"".to_owned());
+    }
+    let centre = centre_of(entry)?;
+    if entry.shape == ShapeName::Box {
+        if entry.radius_mm.is_some() || entry.length_mm.is_some() || entry.axis.is_some() {
+            return Err("radius_mm, length_mm and axis belong to shape = \"cylinder\"".to_owned());
+        }
+        let size = need(entry.size_mm, "size_mm", "box")?;
+        for value in size {
+            length("size_mm", value)?;
+        }
+        return Ok(shape::cuboid(DVec3::from_array(size), centre));
+    }
+    if entry.size_mm.is_some() {
+        return Err("size_mm belongs to shape = \"box\"".to_owned());
+    }
+    let radius = length("radius_mm", need(entry.radius_mm, "radius_mm", "cylinder")?)?;
+    let along = length("length_mm", need(entry.length_mm, "length_mm", "cylinder")?)?;
+    Ok(shape::cylinder(radius, along, need(entry.axis, "axis", "cylinder")? as usize, centre))
+}
+
+fn read_mesh(
+    machine: &str,
+    folder: &Path,
+    entry: &BodyEntry,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Mesh, MachineModelError> {
+    let wrong =
+        |problem: String| MachineModelError::Body { file: machine.to_owned(), body: entry.name.clone(), problem };
+    if entry.size_mm.is_some() || entry.radius_mm.is_some() || entry.length_mm.is_some() || entry.axis.is_some() {
+        return Err(wrong("size_mm, radius_mm, length_mm and axis do not belong to shape = \"mesh\"".to_owned()));
+    }
+    let file = folder.join(need(entry.file.clone(), "file", "mesh").map_err(wrong)?);
+    let centre = centre_of(entry).map_err(wrong)?;
+    let options = ImportOptions { units: entry.units.unwrap_or(Units::Mm), ..Default::default() };
+    let imported = import_file(&file, &options, progress, cancel).map_err(|error| match error {
+        ImportError::Cancelled(cancelled) => cancelled.into(),
+        source => MachineModelError::Mesh { file: machine.to_owned(), body: entry.name.clone(), source },
+    })?;
+    if !imported.mesh.is_watertight() {
+        return Err(wrong(format!(
+            "the surface of {} is not closed, so that it has no inside; close it in the program it came from",
+            file.display()
+        )));
+    }
+    let mesh = imported.mesh.mapped(|p| p + centre);
+    match mesh.vertices.iter().any(|p| p.abs().max_element() > LARGEST) {
+        false => Ok(mesh),
+        true => Err(wrong(format!("a coordinate is beyond {LARGEST} mm; check the unit"))),
+    }
+}

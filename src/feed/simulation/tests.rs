@@ -1,0 +1,237 @@
+//! A bar that is fed over a drum, with bodies in its way whose clearances can be worked out by hand.
+
+use super::*;
+use crate::blisk::channel::Surface;
+use crate::blisk::electrode::{ElectrodeFace, EntrySide};
+use crate::feed::certificate::{Contact, Findings, TravelVerdict};
+use crate::feed::machine_model::Carrier;
+use crate::feed::path::PathRow;
+use crate::geometry::frame::Frame;
+use crate::geometry::mesh::tests::cuboid;
+use std::f64::consts::FRAC_PI_2;
+
+const O: DVec3 = DVec3::new(0.0, 0.0, 100.0);
+
+fn block(centre: [f64; 3], size: [f64; 3]) -> Mesh {
+    let size = DVec3::from_array(size);
+    cuboid(size).mapped(|p| p - 0.5 * size + DVec3::from_array(centre))
+}
+
+fn body(name: &str, carrier: Carrier, centre: [f64; 3], size: [f64; 3]) -> Body {
+    Body { name: name.to_owned(), carrier, mesh: block(centre, size) }
+}
+
+/// A drum of 90 mm radius between x = -5 and 5, of 48 sides, alike every 7.5 degrees.
+fn drum() -> Mesh {
+    let rim = |k: u32, x: f64| {
+        let (sine, cosine) = (std::f64::consts::TAU * f64::from(k) / 48.0).sin_cos();
+        DVec3::new(x, -90.0 * sine, 90.0 * cosine)
+    };
+    let mut vertices: Vec<DVec3> = (0..48).map(|k| rim(k, -5.0)).chain((0..48).map(|k| rim(k, 5.0))).collect();
+    vertices.extend([DVec3::new(-5.0, 0.0, 0.0), DVec3::new(5.0, 0.0, 0.0)]);
+    let side = |k: u32| {
+        let (next, far, far_next) = ((k + 1) % 48, k + 48, (k + 1) % 48 + 48);
+        [[k, far_next, next], [k, far, far_next], [96, k, next], [97, far_next, far]]
+    };
+    let mesh = Mesh { vertices, triangles: (0..48).flat_map(side).collect() };
+    if mesh.volume() > 0.0 {
+        mesh
+    } else {
+        Mesh { triangles: mesh.triangles.iter().map(|[a, b, c]| [*a, *c, *b]).collect(), ..mesh }
+    }
+}
+
+struct Parts {
+    blisk: Mesh,
+    electrode: Electrode,
+    feed: FeedPath,
+    certificate: Certificate,
+    machine: MachineParams,
+    model: MachineModel,
+}
+
+/// A bar from x = -10 to 10, 2 mm wide, at z = 99 to 101, fed from x = 30 with C at `turned`.
+fn parts(bodies: Vec<Body>, turned: f64) -> Parts {
+    let mesh = block([0.0, 0.0, 100.0], [20.0, 2.0, 2.0]);
+    let electrode = Electrode {
+        faces: vec![ElectrodeFace::Shank; mesh.triangles.len()],
+        mesh,
+        enters_from: EntrySide::PlusX,
+        reference_point: O,
+        part: 0,
+        parts: 1,
+        column: None,
+        least_thickness_mm: 2.0,
+        volume_mm3: 80.0,
+        burn_area_mm2: 1.0,
+        clearance_mm: 9.0,
+        assumed: Vec::new(),
+    };
+    let row = |s: f64, c: f64| PathRow { node: 0, s, pose: Pose { x: s, c, ..Pose::FINAL } };
+    let rows = vec![row(30.0, turned), row(0.0, 0.0)];
+    let feed = FeedPath { frame: Frame::IDENTITY, reference_point: O, spark_gap: 0.1, rows };
+    let least = Contact {
+        distance: 9.0,
+        row: 1.0,
+        s: 0.0,
+        pose: Pose::FINAL,
+        on_electrode: O,
+        on_blisk: O,
+        surface: Surface::Elsewhere,
+    };
+    let certificate = Certificate::made_up(Findings {
+        path_digest: feed.digest(),
+        blisk_digest: String::new(),
+        electrode_digest: String::new(),
+        required: 0.1,
+        tolerance: 0.002,
+        certified: 8.9,
+        least,
+        violations: Vec::new(),
+        row_clearance: vec![9.0, 9.0],
+        row_surface: vec![Surface::Elsewhere; 2],
+        ends_right: true,
+        travel: TravelVerdict::Within,
+        pair_intervals: 0,
+    });
+    let machine = MachineParams::default();
+    Parts { blisk: drum(), electrode, feed, certificate, machine, model: MachineModel { bodies } }
+}
+
+impl Parts {
+    fn simulate(&self, channels: &[usize]) -> Simulation {
+        let scenario = Scenario {
+            blisk: &self.blisk,
+            channels: 4,
+            own_channel: 0,
+            electrode: &self.electrode,
+            feed: (&self.feed, &self.certificate),
+            copying: None,
+            machine: &self.machine,
+            model: &self.model,
+        };
+        let options = SimulationOptions {
+            resolution_mm: 1e-6,
+            resolution_share: 0.0,
+            ..SimulationOptions::of(channels.to_vec())
+        };
+        simulate(&scenario, &options, &Progress::silent(), &Cancel::default()).unwrap()
+    }
+}
+
+fn pair<'a>(simulation: &'a Simulation, moving: &str, fixed: &str) -> &'a PairReport {
+    simulation.pairs.iter().find(|p| p.moving == moving && p.fixed == fixed && p.during.is_none()).unwrap()
+}
+
+/// A chuck behind the bar, from x = 10 to 12 and 20 mm wide.
+fn chuck() -> Body {
+    body("chuck", Carrier::Electrode, [1.0, 0.0, 0.0], [2.0, 20.0, 2.0])
+}
+
+#[test]
+fn a_stop_on_the_bed_is_met_by_the_chuck_at_the_instant_worked_out_by_hand() {
+    // From x = 16 to 20 in W, counted from the drum's far face at x = -5, beside the bar but not beside the chuck.
+    let parts = parts(vec![chuck(), body("stop", Carrier::Bed, [23.0, 4.0, 100.0], [4.0, 2.0, 2.0])], 0.0);
+    let simulation = parts.simulate(&[0]);
+    assert!(!simulation.holds() && simulation.travel.is_none());
+    // The chuck's front is at x + 10: it meets the stop at x = 10, two thirds of the way in from 30.
+    let contact = pair(&simulation, "chuck", "stop").contact.unwrap();
+    assert_eq!((contact.phase, contact.channel), (Phase::Feed, 0));
+    assert!((contact.row - 2.0 / 3.0).abs() < 1e-6, "{contact:?}");
+    // The bar passes the stop at 2 mm.
+    let bar = pair(&simulation, "electrode", "stop");
+    assert!(bar.holds() && (bar.least.distance - 2.0).abs() < 1e-6 && bar.certified > 2.0 - 2e-6, "{bar:?}");
+    let sentence = simulation.sentence();
+    assert!(sentence.contains("COLLISION: chuck meets stop in the feed of channel 0, at row 0.667"), "{sentence}");
+}
+
+#[test]
+fn a_body_nearer_than_asked_for_is_told_without_a_contact() {
+    let stop = body("stop", Carrier::Bed, [23.0, 11.5, 100.0], [4.0, 2.0, 2.0]);
+    let mut parts = parts(vec![chuck(), stop], 0.0);
+    // The chuck's side is at y = 10, the stop's at 10.5.
+    let simulation = parts.simulate(&[0]);
+    let close = pair(&simulation, "chuck", "stop");
+    assert!(close.contact.is_none() && !close.holds() && (close.certified - 0.5).abs() < 1e-6, "{close:?}");
+    assert!(simulation.sentence().contains("TOO CLOSE"));
+    parts.machine.body_clearance_mm = 0.49;
+    assert!(parts.simulate(&[0]).holds());
+}
+
+#[test]
+fn a_lug_on_the_table_is_in_the_way_in_its_own_channel_only() {
+    // The same stop a quarter turn about X further: at theta = 90 degrees z becomes -y.
+    let lug = body("lug", Carrier::Table, [23.0, -100.0, 4.0], [4.0, 2.0, 2.0]);
+    let parts = parts(vec![chuck(), lug], 0.0);
+    let all = parts.simulate(&[0, 1, 2, 3]);
+    assert_eq!(all.visits.len(), 4);
+    assert!(all.period_error.unwrap() < 1e-12, "{:?}", all.period_error);
+    let contact = pair(&all, "chuck", "lug").contact.unwrap();
+    assert_eq!((contact.phase, contact.channel), (Phase::Feed, 1));
+    assert!((contact.row - 2.0 / 3.0).abs() < 1e-6);
+    let others = parts.simulate(&[0, 2, 3]);
+    assert!(others.holds(), "{}", others.sentence());
+    // Turned by A the other way, the last channel is a quarter turn back.
+    let turns: Vec<f64> = others.visits.iter().map(|v| v.turn / FRAC_PI_2).collect();
+    assert!(turns.iter().zip([-1.0, 0.0, 2.0]).all(|(t, expected)| (t - expected).abs() < 1e-9), "{turns:?}");
+}
+
+#[test]
+fn a_drum_that_is_not_alike_is_tested_in_every_channel() {
+    let mut parts = parts(vec![chuck()], 0.0);
+    // A tooth at theta = 90 degrees reaches up to 0.6 mm below the bar.
+    let tooth = block([0.0, -90.0, 0.0], [4.0, 16.8, 4.0]);
+    let count = parts.blisk.vertices.len() as u32;
+    parts.blisk.vertices.extend(&tooth.vertices);
+    parts.blisk.triangles.extend(tooth.triangles.iter().map(|t| t.map(|v| v + count)));
+    let simulation = parts.simulate(&[0, 1]);
+    assert_eq!(simulation.period_error, None);
+    let in_others = simulation.pairs.iter().find(|p| p.during == Some("feed in other channels")).unwrap();
+    assert!((in_others.least.distance - 0.6).abs() < 1e-6 && in_others.least.channel == 1, "{in_others:?}");
+    assert!(in_others.holds(), "the spark gap is asked for in a channel");
+}
+
+#[test]
+fn c_turns_what_the_electrode_carries_and_not_the_head() {
+    // 30 mm from the C axis along x, which C turns to y: the post stands there at the start of the feed.
+    let post = || body("post", Carrier::Bed, [35.0, 30.0, 100.0], [1.0, 1.0, 1.0]);
+    let carried = body("arm", Carrier::Electrode, [20.0, 0.0, 0.0], [2.0, 2.0, 2.0]);
+    let simulation = parts(vec![carried, post()], FRAC_PI_2).simulate(&[0]);
+    let contact = pair(&simulation, "arm", "post").contact.unwrap();
+    // From x = 40 in, the arm's front at x - 1 meets the post's back at 30.5; the clear position is above.
+    assert_eq!(contact.phase, Phase::Approach);
+    let expected = (simulation.approach.len() - 2) as f64 + (40.0 - 31.5) / 10.0;
+    assert!((contact.row - expected).abs() < 1e-6, "{contact:?}");
+    let head = body("arm", Carrier::Head, [30.0, 0.0, 0.0], [2.0, 2.0, 2.0]);
+    assert!(parts(vec![head, post()], FRAC_PI_2).simulate(&[0]).holds());
+}
+
+#[test]
+fn channels_beyond_the_travel_of_a_are_named() {
+    let mut parts = parts(vec![chuck()], 0.0);
+    parts.machine.travel_a_deg = [-100.0, 100.0];
+    let simulation = parts.simulate(&[0, 1, 2, 3]);
+    assert_eq!(simulation.out_of_reach, [2]);
+    assert_eq!(simulation.visits.iter().map(|v| v.channel).collect::<Vec<_>>(), [3, 0, 1]);
+    assert!(!simulation.holds() && simulation.sentence().contains("does not reach channel 2"));
+    parts.machine.axes = crate::feed::machine::AxisSet::XYZC;
+    assert_eq!(parts.simulate(&[0, 1]).out_of_reach, [1]);
+    assert!(parts.simulate(&[0]).holds());
+}
+
+#[test]
+fn the_whole_motion_is_one_way_and_takes_its_time() {
+    let parts = parts(vec![chuck()], 0.0);
+    let simulation = parts.simulate(&[0, 1]);
+    let legs = simulation.legs(&parts.feed, None);
+    let names: Vec<_> = legs.iter().map(|leg| leg.phase.name()).collect();
+    let of_channel = ["approach", "feed", "retraction"];
+    assert_eq!(names, [&of_channel[..], &["indexing"], &of_channel].concat());
+    assert!(legs.windows(2).all(|pair| pair[0].poses.last() == pair[1].poses.first()), "without a jump");
+    // In and out 40 mm and up and down by the rise, twice, at 1000 mm/min; a quarter turn at 1800 deg/min.
+    let rise = simulation.approach[0].z;
+    let expected = 4.0 * (40.0 + rise) / 1000.0 + 90.0 / 1800.0;
+    assert!((simulation.minutes - expected).abs() < 1e-9, "{} {expected}", simulation.minutes);
+    // Above the drum by the clear distance: the bar's underside is at 99.
+    assert!((rise - 1.0).abs() < 1e-5, "{rise}");
+}

@@ -1,0 +1,81 @@
+//! The whole motion of every electrode of a plan on its machine. Reads the machine's file and the meshes that it names.
+
+use std::sync::Arc;
+
+use super::finish::Around;
+use super::plan::{ElectrodeOutcome, PlanJobError};
+use crate::blisk::channel::Channel;
+use crate::export::choice::Channels;
+use crate::feed::copying::Copying;
+use crate::feed::machine_model::{MachineModel, read_machine};
+use crate::feed::simulation::{Scenario, Simulation, SimulationOptions, simulate as simulate_motion};
+use crate::progress::{Cancel, Progress};
+use crate::project::PlanJob;
+
+/// Whether a program of this job may only be made after its whole motion was simulated: the machine has bodies, or other
+/// channels than that of the plan are burnt.
+pub fn is_needed(job: &PlanJob) -> bool {
+    job.machine.has_bodies() || job.export.channels != Channels::Own
+}
+
+/// Finds out before the work whether the machine can be read and the channels exist.
+pub(super) fn check(
+    job: &PlanJob,
+    channel: &Channel,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<(), PlanJobError> {
+    job.export.channels.numbers(channel.blades, channel.index).map_err(PlanJobError::Job)?;
+    if job.machine.has_bodies() {
+        read_machine(&job.machine.name, progress, cancel)?;
+    }
+    Ok(())
+}
+
+/// The whole motion of every electrode, each with its copying motion, if the machine has bodies or other channels than
+/// that of the plan are burnt; otherwise nothing.
+pub(super) fn simulate(
+    around: &Around,
+    electrodes: &[ElectrodeOutcome],
+    motions: &[Copying],
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Vec<Arc<Simulation>>, PlanJobError> {
+    let machine = &around.job.machine;
+    if !is_needed(around.job) {
+        return Ok(Vec::new());
+    }
+    let model = match machine.has_bodies() {
+        true => read_machine(&machine.name, progress, cancel)?,
+        false => MachineModel::default(),
+    };
+    let both = electrodes.iter().zip(motions);
+    both.filter_map(|(electrode, motion)| of_electrode(around, electrode, motion, &model, progress, cancel).transpose())
+        .collect()
+}
+
+fn of_electrode(
+    around: &Around,
+    outcome: &ElectrodeOutcome,
+    motion: &Copying,
+    model: &MachineModel,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Option<Arc<Simulation>>, PlanJobError> {
+    let channel = around.channel;
+    let channels = &around.job.export.channels;
+    let channels = channels.numbers(channel.blades, channel.index).map_err(PlanJobError::Job)?;
+    let Some(planned) = outcome.plan.path.as_ref().filter(|p| p.certificate.holds()) else { return Ok(None) };
+    let copying = motion.certified();
+    let scenario = Scenario {
+        blisk: around.blisk,
+        channels: channel.blades,
+        own_channel: channel.index,
+        electrode: &outcome.electrode,
+        feed: (&planned.path, &planned.certificate),
+        copying: copying.map(|motion| (&motion.path, &motion.certificate)),
+        machine: &around.job.machine,
+        model,
+    };
+    Ok(Some(simulate_motion(&scenario, &SimulationOptions::of(channels), progress, cancel)?.into()))
+}
