@@ -154,7 +154,7 @@ fn length(key: &str, value: f64) -> Result<f64, String> {
 
 fn centre_of(entry: &BodyEntry) -> Result<DVec3, String> {
     let centre = entry.centre_mm.unwrap_or_default();
-    match centre.iter().find(|v| !(v.abs() <= LARGEST)) {
+    match centre.iter().find(|v| v.is_nan() || v.abs() > LARGEST) {
         None => Ok(DVec3::from_array(centre)),
         Some(v) => Err(format!("centre_mm holds {v}; coordinates must be from -{LARGEST} to {LARGEST} mm")),
     }
@@ -201,7 +201,7 @@ fn read_mesh(
     let options = ImportOptions { units: entry.units.unwrap_or(Units::Mm), ..Default::default() };
     let imported = import_file(&file, &options, progress, cancel).map_err(|error| match error {
         ImportError::Cancelled(cancelled) => cancelled.into(),
-        source => MachineModelError::Mesh { file: machine.to_owned(), body: entry.name.clone(), source },
+        source => MachineModelError::Mesh { file: machine.to_owned(), body: entry.name.clone(), source: source.into() },
     })?;
     if !imported.mesh.is_watertight() {
         return Err(wrong(format!(

@@ -170,7 +170,7 @@ pub enum MachineModelError {
         /// The body's name.
         body: String,
         /// Why.
-        source: ImportError,
+        source: Box<ImportError>,
     },
     /// It was told to stop.
     #[error(transparent)]

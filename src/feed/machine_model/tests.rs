@@ -50,7 +50,7 @@ fn a_cylinder_is_never_smaller_than_it_is_given() {
         // Where the sides are nearest to the axis they touch the cylinder.
         let sides =
             mesh.iter_corners().filter(|t| (t[0][axis] - t[1][axis]).abs() + (t[1][axis] - t[2][axis]).abs() > 1.0);
-        let nearest = sides.map(|[a, b, c]| [a.midpoint(b), b.midpoint(c), c.midpoint(a)]).flatten();
+        let nearest = sides.flat_map(|[a, b, c]| [a.midpoint(b), b.midpoint(c), c.midpoint(a)]);
         let nearest = nearest.map(off).fold(f64::INFINITY, f64::min);
         assert!((nearest - 40.0).abs() < 1e-9, "{nearest}");
     }
