@@ -33,7 +33,7 @@ use sparkpath::feed::genetic::ReductionMode;
 use sparkpath::feed::jam::JamCause;
 use sparkpath::feed::plan::{PlanSettings, PlanningSpace, plan_feed};
 use sparkpath::feed::pose::{Axis, Pose};
-use sparkpath::feed::search::Constraint;
+use sparkpath::feed::search::{Constraint, Strategy};
 use sparkpath::feed::verify::Verifier;
 use sparkpath::geometry::exact::ExactMesh;
 use sparkpath::geometry::frame::Cylindrical;
@@ -394,13 +394,16 @@ fn every_row_is_within_the_travel_of_its_axis() {
 
 #[test]
 fn travel_that_ends_before_the_way_out_is_named() {
-    let mut job = easy_job();
-    job.machine.travel_x_mm = [-4.0, 250.0];
-    let outcome = plan(mesh(&easy_blisk()), job);
-    let jam = outcome.electrodes[0].plan.jam.expect("4 mm are not enough to leave a blisk of 20 mm");
-    let JamCause::Travel { axis: Axis::X, value, limit: -4.0 } = jam.cause else { panic!("{jam:?}") };
-    assert!((-4.81..-4.0).contains(&value), "{value}");
-    assert!(jam.sentence(&outcome.channel).contains("axis X"));
+    for strategy in [Strategy::Genetic, Strategy::Global] {
+        let mut job = easy_job();
+        job.plan.strategy = strategy;
+        job.machine.travel_x_mm = [-4.0, 250.0];
+        let outcome = plan(mesh(&easy_blisk()), job);
+        let jam = outcome.electrodes[0].plan.jam.expect("4 mm are not enough to leave a blisk of 20 mm");
+        let JamCause::Travel { axis: Axis::X, value, limit: -4.0 } = jam.cause else { panic!("{jam:?}") };
+        assert!((-4.81..-4.0).contains(&value), "{value}");
+        assert!(jam.sentence(&outcome.channel).contains("axis X"));
+    }
 }
 
 #[test]

@@ -76,7 +76,7 @@ impl NurbsWall {
             };
             off.extend(points.par_iter().map(distance).collect::<Result<Vec<f64>, Cancelled>>()?);
         }
-        wall.off_points = FitError::of(off.into_iter());
+        wall.off_points = FitError::of(off);
         Ok(wall)
     }
 

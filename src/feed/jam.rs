@@ -87,9 +87,13 @@ impl Jam {
         match self.cause {
             JamCause::Contact(JamContact { on_blisk: at, surface, lack, .. }) => {
                 let Cylindrical { x, r, .. } = Cylindrical::from_point(at);
+                let missing = if lack < 5e-4 {
+                    "a pose there is free, but no motion to it was found".to_owned()
+                } else {
+                    format!("{lack:.3} mm of clearance are missing there")
+                };
                 format!(
-                    "{place} against the {} at x = {x:.2}, r = {r:.2} mm (W: {:.2}, {:.2}, {:.2}): \
-                     {lack:.3} mm of clearance are missing there",
+                    "{place} against the {} at x = {x:.2}, r = {r:.2} mm (W: {:.2}, {:.2}, {:.2}): {missing}",
                     channel.surface_name(surface),
                     at.x,
                     at.y,

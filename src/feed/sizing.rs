@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::clearance::ClearanceModel;
 use super::genetic::{GeneticParams, ReductionMode};
-use super::global::Way;
+use super::global::{GlobalParams, Way};
 use super::plan::{PlanSettings, PlanningSpace};
 use super::plan_params::PlanError;
 use super::planner::{Lessons, Planner};
@@ -126,14 +126,19 @@ impl Sizer<'_> {
 
     /// A way out that is searched for at `angle` (rad), if one is found.
     fn searched(&self, angle: f64, turns: &dyn Fn(f64) -> Turns) -> Result<Option<Least>, PlanError> {
-        self.wide_enough(angle, turns, |problem| {
-            problem.way_with_few(&self.settings.plan.global, &Progress::silent(), self.cancel)
-        })
+        self.wide_enough(angle, turns, |problem| problem.way_with_few(&self.params(), &Progress::silent(), self.cancel))
+    }
+
+    /// Those of the plan, with room enough to tell how wide a way is.
+    fn params(&self) -> GlobalParams {
+        const LEAST_ROOM: f64 = 0.05;
+        let given = self.settings.plan.global;
+        GlobalParams { room_mm: given.room_mm.max(LEAST_ROOM), ..given }
     }
 
     /// The way near `way` at `angle` (rad), if there is one.
     fn followed(&self, way: &Way, angle: f64, turns: &dyn Fn(f64) -> Turns) -> Result<Option<Least>, PlanError> {
-        self.wide_enough(angle, turns, |problem| problem.followed_way(&self.settings.plan.global, way, self.cancel))
+        self.wide_enough(angle, turns, |problem| problem.followed_way(&self.params(), way, self.cancel))
     }
 
     /// The way that `find` finds at `angle` (rad), if it is wide enough.

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::plan::{PlanInputs, PlanJobError, PlanOutcome, run_feeds, settings_of};
 use super::prepared_blisk::PreparedBlisk;
-use crate::blisk::electrode::{EnterSide, EntrySide};
+use crate::blisk::electrode::{EnterSide, EntrySide, Sizing as SizeMode, own_turns};
 use crate::feed::genetic::ReductionMode;
 use crate::feed::plan_params::PlanError;
 use crate::feed::prepared::PreparedElectrode;
@@ -52,7 +52,7 @@ const RAISES: usize = 4;
 
 /// Sizes the electrodes of the job for every number of parts in `range`, and shows `found` each row as it is certified.
 /// For one part both reductions are equal first, on each side of entry that the job allows, and then as unequal as
-/// brings most on the better side; for more parts they are equal, the greatest that any of them needs.
+/// brings most on the better side; for more parts, or columns, they are equal, the greatest that any of them needs.
 ///
 /// # Errors
 /// As a plan has them; that no reduction opens a way is not an error, but a row less.
@@ -72,13 +72,14 @@ pub fn size(
     let mut base = inputs.clone();
     base.job.plan.strategy = Strategy::Global;
     base.job.genetic.h = ReductionMode::Given;
-    base.job.electrode.size = crate::blisk::electrode::Sizing::Given;
+    base.job.electrode.size = SizeMode::Given;
     base.job.electrode.circumferential_reduction_deg = [0.0; 2];
     base.job.validate().map_err(PlanJobError::Job)?;
     let sizing = Sizing { prepared, base, found, progress, cancel };
     let mut rows = Vec::new();
     for parts in range.from..=range.to {
-        if parts == 1 { sizing.one_part(&mut rows)? } else { sizing.many_parts(parts, &mut rows)? }
+        let single = parts == 1 && sizing.base.job.electrode.columns == 1;
+        if single { sizing.one_part(&mut rows)? } else { sizing.many(parts, &mut rows)? }
     }
     Ok(rows)
 }
@@ -100,16 +101,23 @@ impl Sizing<'_> {
             let Some(least) = self.sized(&full, equal)? else { continue };
             let Some(row) = self.certified(1, only(side), [least.angle; 2])? else { continue };
             let least = Least { angle: row.reduction_deg[0].to_radians(), ..least };
-            rows.push(row);
+            self.show(row, rows);
             if best.as_ref().is_none_or(|(_, known)| least.angle < known.angle) {
                 best = Some((side, least));
             }
         }
         if let Some((side, least)) = best {
             let equal = rows.iter().filter(|r| r.enter == only(side)).map(|r| r.least_thickness_mm).fold(0.0, f64::max);
-            rows.extend(self.unequal(side, &least)?.filter(|row| row.least_thickness_mm >= equal));
+            if let Some(row) = self.unequal(side, &least)?.filter(|row| row.least_thickness_mm >= equal) {
+                self.show(row, rows);
+            }
         }
         Ok(())
+    }
+
+    fn show(&self, row: SizeRow, rows: &mut Vec<SizeRow>) {
+        (self.found)(&row);
+        rows.push(row);
     }
 
     /// With one wall as far drawn in as both need, the other is drawn in as little as it can be; the better of the two
@@ -127,15 +135,17 @@ impl Sizing<'_> {
         self.certified(1, only(side), turns)
     }
 
-    fn many_parts(&self, parts: usize, rows: &mut Vec<SizeRow>) -> Result<(), PlanJobError> {
+    fn many(&self, parts: usize, rows: &mut Vec<SizeRow>) -> Result<(), PlanJobError> {
+        let (enter, columns) = (self.base.job.electrode.enter, self.base.job.electrode.columns);
         let mut most = 0.0f64;
-        for part in 0..parts {
+        for number in 0..parts * columns {
             let mut least: Option<Least> = None;
-            for side in super::plan::sides(self.base.job.electrode.enter, part, parts) {
-                let full = self.full(parts, part, side)?;
-                // What another part needs already costs nothing more.
+            for side in super::plan::sides(enter, number / columns, parts) {
+                let full = self.full(parts, number, side)?;
+                // What another one needs already costs nothing more.
                 let first = most.max(0.5 * FIRST_DEG.to_radians());
-                least = self.sized(&full, |sizer| sizer.least(first, &|h| Turns([h.max(most); 2])))?;
+                let turns = |h: f64| Turns(own_turns(full.electrode().column, [h.max(most); 2]));
+                least = self.sized(&full, |sizer| sizer.least(first, &turns))?;
                 if least.is_some() {
                     break;
                 }
@@ -143,14 +153,16 @@ impl Sizing<'_> {
             let Some(least) = least else { return Ok(()) };
             most = most.max(least.angle);
         }
-        rows.extend(self.certified(parts, self.base.job.electrode.enter, [most; 2])?);
+        if let Some(row) = self.certified(parts, enter, [most; 2])? {
+            self.show(row, rows);
+        }
         Ok(())
     }
 
-    fn full(&self, parts: usize, part: usize, side: EntrySide) -> Result<Arc<PreparedElectrode>, PlanJobError> {
+    fn full(&self, parts: usize, number: usize, side: EntrySide) -> Result<Arc<PreparedElectrode>, PlanJobError> {
         let mut inputs = self.base.clone();
         inputs.job.electrode.parts = parts;
-        Ok(self.prepared.fullest(&inputs, (part, side), self.progress, self.cancel)?.0)
+        Ok(self.prepared.fullest(&inputs, (number, side), self.progress, self.cancel)?.0)
     }
 
     /// What `work` finds with the sizer of `full`.
@@ -185,7 +197,6 @@ impl Sizing<'_> {
             inputs.job.electrode.circumferential_reduction_deg = reduction;
             let outcome = run_feeds(self.prepared, &inputs, self.progress, self.cancel)?;
             if let Some(row) = row_of(&outcome, parts, enter, reduction) {
-                (self.found)(&row);
                 return Ok(Some(row));
             }
         }

@@ -14,6 +14,7 @@ mod halfspaces;
 mod polish;
 
 use glam::DVec3;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::jam::{Jam, JamCause, JamContact};
@@ -127,7 +128,7 @@ impl SearchProblem<'_> {
         const EFFORT: Effort = Effort { poses: 6, seeds: 12, step: 1.5 };
         let ground = Ground::quick(self, params.room_mm);
         let found = Corridor::new(&ground, EFFORT).explore(progress, cancel)?;
-        let nodes = |way: &Way| way.iter().map(|w| self.plain_node(w)).collect::<Vec<_>>();
+        let nodes = |way: &Way| way.par_iter().map(|w| self.plain_node(w)).collect::<Vec<_>>();
         Ok(match found {
             Ok(way) => CoarseWay { width: way.last().map(|w| w.width), nodes: nodes(&way), jam: None },
             Err(end) => {
@@ -138,9 +139,9 @@ impl SearchProblem<'_> {
         })
     }
 
-    /// A node whose clearance is only known to be at least that of the way.
+    /// A node without its objective.
     fn plain_node(&self, waypoint: &Waypoint) -> Node {
-        let clearance = self.demand.wanted() + waypoint.width;
+        let clearance = self.model.least_clearance(&waypoint.pose, self.turns);
         Node { s: waypoint.s, pose: waypoint.pose, h: 0.0, clearance, objective: Default::default() }
     }
 
@@ -204,13 +205,17 @@ impl SearchProblem<'_> {
     }
 
     fn dead_end(&self, end: &DeadEnd, node: usize, surface_of: &dyn Fn(DVec3) -> Surface) -> Jam {
+        let jam = |cause| Jam { node, s: end.s, pose: end.pose, cause, opening: None };
+        if let Some((axis, limit)) = self.travel.beyond(&end.pose) {
+            return jam(JamCause::Travel { axis, value: end.pose.get(axis), limit });
+        }
         let wanted = self.demand.wanted();
         let place = end.worst.or_else(|| self.model.tightest(&end.pose, self.turns, wanted));
         let cause = place.map_or(JamCause::Unknown, |short| {
             let (on_electrode, on_blisk) = (short.on_electrode, short.on_blisk);
             JamCause::Contact(JamContact { on_electrode, on_blisk, surface: surface_of(on_blisk), lack: end.lack })
         });
-        Jam { node, s: end.s, pose: end.pose, cause, opening: None }
+        jam(cause)
     }
 }
 
