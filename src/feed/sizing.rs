@@ -61,6 +61,8 @@ impl Sizer<'_> {
     const WIDENS: f64 = 5.0;
     /// Least width of a way that counts (mm): about what the fields are wrong by.
     const SPARE: f64 = 0.003;
+    /// How far below the least angle known another way is searched for, one after the other (tolerances).
+    const STEPS: [f64; 2] = [4.0, 1.0];
     /// Trials after which the search for the least ends in any case.
     const TRIALS: usize = 12;
 
@@ -89,11 +91,28 @@ impl Sizer<'_> {
         -self.tolerance
     }
 
-    /// The least angle between `blocked` (rad), where there is no way, and that of `open`.
+    /// The least angle between `blocked` (rad), where there is no way, and that of `open`: its way is followed as far as it
+    /// leads, which takes a fraction of the time of a search; then another one is searched for.
+    fn least_below(&self, open: Least, blocked: f64, turns: &dyn Fn(f64) -> Turns) -> Result<Least, PlanError> {
+        let mut open = self.followed_down(open, blocked, turns)?;
+        let mut steps = Self::STEPS.iter();
+        while let Some(step) = steps.next() {
+            let angle = open.angle - step * self.tolerance;
+            if angle > blocked
+                && let Some(other) = self.searched(angle, turns)?
+            {
+                open = self.followed_down(other, blocked, turns)?;
+                steps = Self::STEPS.iter();
+            }
+        }
+        Ok(open)
+    }
+
+    /// The least angle between `blocked` (rad), where there is no way, and that of `open` to which its way leads.
     ///
     /// # Errors
     /// [`PlanError::Cancelled`].
-    pub fn least_below(
+    pub fn followed_down(
         &self,
         mut open: Least,
         mut blocked: f64,
@@ -109,9 +128,7 @@ impl Sizer<'_> {
             let expected = open.angle - (open.width - Self::SPARE) / widens;
             let nearest = open.angle - (0.25 * between).min(2.0 * self.tolerance);
             let angle = expected.clamp(blocked + 0.25 * between, nearest).max(0.0);
-            // A way that is near is found in a fraction of the time of one that is not.
-            let near = self.followed(&open.way, angle, turns)?;
-            match near.map_or_else(|| self.searched(angle, turns), |near| Ok(Some(near)))? {
+            match self.followed(&open.way, angle, turns)? {
                 Some(found) => {
                     if open.width > found.width {
                         widens = (open.width - found.width) / (open.angle - found.angle);

@@ -127,7 +127,7 @@ impl Sizing<'_> {
         let angle = equal.angle;
         let below = |turns: &dyn Fn(f64) -> [f64; 2]| {
             let turns = |h: f64| Turns(turns(h));
-            self.sized(&full, |sizer| sizer.least_below(equal.clone(), sizer.nothing_blocked(), &turns))
+            self.sized(&full, |sizer| sizer.followed_down(equal.clone(), sizer.nothing_blocked(), &turns))
         };
         let low = below(&|h| [h, angle])?.angle;
         let high = below(&|h| [angle, h])?.angle;
