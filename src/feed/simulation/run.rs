@@ -194,7 +194,7 @@ impl<'a> Run<'a> {
             moving: &test.moving.solid,
             fixed: &test.fixed.solid,
             // In a channel the gap itself is narrow.
-            resolution: self.options.resolution_mm.min(0.02 * test.required).max(1e-9),
+            resolution: self.options.resolution_mm.min(0.005 * test.required).max(1e-9),
             required: test.required,
             share: self.options.resolution_share,
         };
