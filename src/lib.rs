@@ -27,6 +27,7 @@ pub mod feed;
 pub mod geometry;
 pub mod jobs;
 pub mod mesh_io;
+pub mod mold;
 pub mod progress;
 pub mod project;
 pub mod render;

@@ -1,0 +1,12 @@
+//! Floor 3: molds. What a milling cutter that comes from above cannot reach.
+//!
+//! A mold stands with its opening upwards: cutters come down along -Z. What is left uncut is defined by the closing of
+//! the mold's height by each cutter; the answer is the least of them over the library.
+
+pub mod cutter;
+pub mod outline;
+pub mod section;
+pub mod uncut_layer;
+
+mod capsule;
+mod edge_grid;
