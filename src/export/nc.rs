@@ -85,8 +85,10 @@ pub struct NcJob<'a> {
     pub program: &'a str,
     /// File of the electrode that it moves.
     pub electrode_file: &'a str,
-    /// The machine.
+    /// The machine, its travels in the directions of W.
     pub machine: &'a MachineParams,
+    /// Whether the directions of the machine are turned by half a turn about Z against W.
+    pub is_turned: bool,
 }
 
 /// An NC program.
@@ -236,6 +238,13 @@ fn header(w: &mut Writer, approved: &Approved) {
     let reversed: Vec<String> = reversed.collect();
     if !reversed.is_empty() {
         w.comment(&format!("This post counts the other way round: {}", reversed.join(" ")));
+    }
+    if w.job.is_turned {
+        w.comment(
+            "THE MACHINE IS TURNED BY HALF A TURN ABOUT Z AGAINST W: the electrode enters from -X of W, and the blisk is \
+             mounted with that side towards +X of the machine. X Y A B of this program are those of the machine, \
+             opposite to those of W.",
+        );
     }
     nc_tour::header(w, approved);
     feed_comments(w, approved);
@@ -397,13 +406,19 @@ impl<'a> Writer<'a> {
         }
     }
 
+    /// Whether the words of `axis` count the other way round than in W.
+    pub(super) fn counts_backwards(&self, axis: Axis) -> bool {
+        let is_turned = self.job.is_turned && MachineParams::TURNED.contains(&axis);
+        self.post.axes.iter().any(|a| a.axis == axis && a.reversed) != is_turned
+    }
+
     /// The words of every axis that the machine has.
     fn axis_words(&self, pose: &Pose) -> String {
         let of_machine = self.post.axes.iter().filter(|a| self.job.machine.axes.axes().contains(&a.axis));
         let word = of_machine.map(|a| {
             // `+ 0.0` keeps a reversed zero without a sign.
             let value = pose.get(a.axis) + if a.axis == Axis::A { self.turn } else { 0.0 };
-            let value = if a.reversed { -value } else { value } + 0.0;
+            let value = if self.counts_backwards(a.axis) { -value } else { value } + 0.0;
             let decimals = self.post.decimals;
             let text = if a.axis.is_rotary() { deg_text(value, decimals.deg) } else { mm_text(value, decimals.mm) };
             format!("{}{text}", a.word)

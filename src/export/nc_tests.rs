@@ -13,7 +13,7 @@ fn machine() -> &'static MachineParams {
 }
 
 fn job() -> NcJob<'static> {
-    NcJob { program: "path_1", electrode_file: "electrode_1.stl", machine: machine() }
+    NcJob { program: "path_1", electrode_file: "electrode_1.stl", machine: machine(), is_turned: false }
 }
 
 fn program(post: &Post) -> String {
@@ -339,4 +339,32 @@ fn a_machine_with_bodies_wants_a_simulation_that_holds_of_this_very_motion() {
     let job = NcJob { machine: &short, ..job };
     let error = NcProgram::new(&approved, &post, &NcSettings::default(), &job).unwrap_err();
     assert!(matches!(error, NcError::BeyondTravel(beyond) if beyond.axis == Axis::A), "{error}");
+}
+
+/// An electrode from -X on a machine with bodies: the machine is turned by half a turn about Z against W.
+#[test]
+fn a_turned_machine_has_x_y_a_and_b_the_other_way_round_and_is_told() {
+    let text = |is_turned: bool| {
+        let (post, settings) = (Post::load("iso", None).unwrap(), NcSettings::default());
+        NcProgram::new(&fixtures::approved(), &post, &settings, &NcJob { is_turned, ..job() })
+            .unwrap()
+            .text()
+            .to_owned()
+    };
+    let words = |text: &str, letter: char| -> Vec<f64> {
+        let moves = text.lines().filter(|line| line.contains("G01"));
+        moves
+            .flat_map(|l| {
+                l.split_whitespace().filter_map(|w| w.strip_prefix(letter)?.parse().ok()).collect::<Vec<f64>>()
+            })
+            .collect()
+    };
+    let (straight, turned) = (text(false), text(true));
+    for (letter, sign) in [('X', -1.0), ('Y', -1.0), ('Z', 1.0), ('A', -1.0), ('C', 1.0)] {
+        let expected: Vec<f64> = words(&straight, letter).into_iter().map(|v| sign * v).collect();
+        assert!(!expected.is_empty() && expected.iter().any(|v| *v != 0.0), "{letter}");
+        assert_eq!(words(&turned, letter), expected, "{letter}");
+    }
+    let told = "TURNED BY HALF A TURN";
+    assert!(turned.contains(told) && !straight.contains(told));
 }

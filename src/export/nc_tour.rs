@@ -7,7 +7,7 @@ use super::post::Post;
 use super::quantise::{deg_text, floor_mm_text};
 use crate::feed::machine::MachineParams;
 use crate::feed::path::PathRow;
-use crate::feed::pose::Pose;
+use crate::feed::pose::{Axis, Pose};
 use crate::feed::simulation::Simulation;
 
 /// The F words outside the feed.
@@ -67,7 +67,9 @@ pub(super) fn header(w: &mut Writer, approved: &Approved) {
             floor_mm_text(pair.certified)
         ));
     }
-    let channels = simulation.visits.iter().map(|v| format!("{} at A {}", v.channel, deg_text(v.turn, 6)));
+    let sense = if w.counts_backwards(Axis::A) { -1.0 } else { 1.0 };
+    let channels =
+        simulation.visits.iter().map(|v| format!("{} at A {}", v.channel, deg_text(sense * v.turn + 0.0, 6)));
     w.comment(&format!("Channels: {}", channels.collect::<Vec<_>>().join(", ")));
 }
 

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::path::PathRow;
 use super::pose::{Axis, Pose};
+use crate::blisk::electrode::EntrySide;
 
 /// Axes of the machine.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -232,6 +233,27 @@ impl MachineParams {
         [travel_x_mm, travel_y_mm, travel_z_mm, travel_a_deg, travel_b_deg, travel_c_deg]
     }
 
+    /// Axes that count the other way round on a machine with bodies when the electrode enters from -X: there the
+    /// machine is turned by half a turn about Z against W, since its own +x points away from the blisk.
+    pub const TURNED: [Axis; 4] = [Axis::X, Axis::Y, Axis::A, Axis::B];
+
+    /// Whether the directions of the machine are turned against those of W for an electrode that enters from `side`.
+    pub fn is_turned(&self, side: EntrySide) -> bool {
+        self.has_bodies() && side == EntrySide::MinusX
+    }
+
+    /// The same machine with its travels in the directions of W, for an electrode that enters from `side`.
+    pub fn seen_from_w(&self, side: EntrySide) -> Self {
+        let mut seen = self.clone();
+        if self.is_turned(side) {
+            for travel in [&mut seen.travel_x_mm, &mut seen.travel_y_mm, &mut seen.travel_a_deg, &mut seen.travel_b_deg]
+            {
+                *travel = [0.0 - travel[1], 0.0 - travel[0]];
+            }
+        }
+        seen
+    }
+
     /// Travel of an axis (mm or rad); nothing for an axis the machine does not have.
     pub fn travel(&self, axis: Axis) -> [f64; 2] {
         if !self.axes.axes().contains(&axis) {
@@ -271,6 +293,16 @@ mod tests {
         assert_eq!(beyond(Pose { x: -40.0, a: 1.0, ..Pose::FINAL }), None);
         assert_eq!(beyond(Pose { x: -250.0, ..Pose::FINAL }), None, "the end of travel can be reached");
         assert!(beyond(Pose { x: f64::NAN, ..Pose::FINAL }).is_some());
+    }
+
+    #[test]
+    fn a_machine_with_bodies_is_turned_for_an_electrode_from_the_other_side() {
+        let machine = MachineParams { travel_x_mm: [-20.0, 250.0], travel_z_mm: [-5.0, 90.0], ..Default::default() };
+        assert_eq!(machine.seen_from_w(EntrySide::MinusX), machine, "without bodies travels are those of W");
+        let machine = MachineParams { name: "xyzac".to_owned(), ..machine };
+        assert_eq!(machine.seen_from_w(EntrySide::PlusX), machine);
+        let seen = machine.seen_from_w(EntrySide::MinusX);
+        assert_eq!((seen.travel_x_mm, seen.travel_z_mm), ([-250.0, 20.0], [-5.0, 90.0]));
     }
 
     #[test]

@@ -112,15 +112,16 @@ fn copying(
 ) -> Result<Copying, PlanJobError> {
     let (job, electrode) = (around.job, &outcome.electrode);
     let wanted = CopyingExtent::of(electrode, &job.electrode, outcome.plan.h);
+    let machine = &job.machine.seen_from_w(electrode.enters_from);
     let settings = CopyingSettings {
-        machine: &job.machine,
+        machine,
         verify: &job.verify,
         spark_gap: job.electrode.spark_gap_mm,
         frame: around.channel.frame,
     };
     progress.report("copying motion", 0.0, "");
     let verifier = Verifier::new(around.blisk, &electrode.mesh, electrode.reference_point, cancel)?;
-    let verifier = verifier.within(job.machine.limits());
+    let verifier = verifier.within(machine.limits());
     let surface_of = |p: DVec3| around.finder.surface_of(p);
     Ok(copying_motion(electrode, &verifier, wanted, &settings, &surface_of, progress, cancel)?)
 }

@@ -345,7 +345,8 @@ impl JobPlanner<'_> {
         let electrode = Arc::new(self.electrode(part, side, 0.0)?);
         self.clock.add("electrode", started.elapsed().as_secs_f64());
         let observe = |nodes: &[Node], traces: &[Convergence]| (self.observe)(&electrode, nodes, traces);
-        let settings = PlanSettings { explain: self.explain, ..settings_of(&self.inputs.job, &observe) };
+        let machine = &self.inputs.job.machine.seen_from_w(side);
+        let settings = PlanSettings { explain: self.explain, machine, ..settings_of(&self.inputs.job, &observe) };
         let mut plan = match self.inputs.job.plan.strategy {
             Strategy::Global => self.drawn_in(part, &electrode, &settings)?,
             _ => {
@@ -442,6 +443,8 @@ pub fn replay(
     for (part, KeptElectrode { side, h, nodes }) in kept.electrodes.iter().enumerate() {
         let make = || electrode_of(inputs, channel, exact, (part, *side, *h), progress, cancel);
         let electrode = clock.time("electrode", make)?;
+        let machine = &job.machine.seen_from_w(*side);
+        let settings = PlanSettings { machine, ..settings };
         let plan = replay_feed(&around, &electrode, nodes, *h, &settings, progress, cancel)?;
         clock.add("certificate", plan.verify_seconds);
         electrodes.push(ElectrodeOutcome { electrode, plan, tried: Vec::new() });

@@ -74,7 +74,7 @@ fn of_electrode(
         electrode: &outcome.electrode,
         feed: (&planned.path, &planned.certificate),
         copying: copying.map(|motion| (&motion.path, &motion.certificate)),
-        machine: &around.job.machine,
+        machine: &around.job.machine.seen_from_w(outcome.electrode.enters_from),
         model,
     };
     Ok(Some(simulate_motion(&scenario, &SimulationOptions::of(channels), progress, cancel)?.into()))

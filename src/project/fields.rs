@@ -127,7 +127,7 @@ fn take_machine(job: &mut Value) {
     if let Some(machine) = job["machine"].as_object_mut()
         && machine.get("name").and_then(Value::as_str).is_some_and(|name| !name.is_empty())
     {
-        machine.retain(|key, _| key == "name" || key == "body_clearance_mm");
+        machine.retain(|key, _| key == "name");
     }
 }
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use serde::Deserialize;
 
+use super::urdf::{self, Look, UrdfBody};
 use super::{Body, Carrier, MOST_BODIES, MOST_TRIANGLES, MachineModel, MachineModelError, builtin, shape};
 use crate::geometry::mesh::Mesh;
 use crate::mesh_io::{ImportError, ImportOptions, Units, import_file};
@@ -49,7 +50,11 @@ enum AxisName {
 
 /// Whether the machine `name` is a file rather than one of the built-in ones.
 pub fn is_file(name: &str) -> bool {
-    name.ends_with(".toml")
+    name.ends_with(".toml") || is_urdf(name)
+}
+
+fn is_urdf(name: &str) -> bool {
+    name.ends_with(".urdf")
 }
 
 /// A machine's text, and the folder that paths in it are relative to.
@@ -75,7 +80,11 @@ fn text_of(name: &str) -> Result<(String, PathBuf), MachineModelError> {
 /// # Errors
 /// [`MachineModelError`].
 pub fn machine_table(name: &str) -> Result<toml::Table, MachineModelError> {
-    let mut table = parse(name, &text_of(name)?.0)?;
+    let text = text_of(name)?.0;
+    if is_urdf(name) {
+        return urdf::table(&text).map_err(|e| invalid(name, &e));
+    }
+    let mut table = parse(name, &text)?;
     table.remove("bodies");
     match table.contains_key("name") || table.contains_key("file") {
         false => Ok(table),
@@ -89,6 +98,9 @@ pub fn machine_table(name: &str) -> Result<toml::Table, MachineModelError> {
 /// [`MachineModelError`].
 pub fn read_machine(name: &str, progress: &Progress, cancel: &Cancel) -> Result<MachineModel, MachineModelError> {
     let (text, folder) = text_of(name)?;
+    if is_urdf(name) {
+        return read_urdf(name, &text, &folder, progress, cancel);
+    }
     let mut table = parse(name, &text)?;
     let bodies = match table.remove("bodies") {
         None => Vec::new(),
@@ -111,14 +123,54 @@ pub fn read_machine(name: &str, progress: &Progress, cancel: &Cancel) -> Result<
             ShapeName::Mesh => read_mesh(name, &folder, &entry, progress, cancel)?,
             _ => primitive(&entry).map_err(wrong)?,
         };
-        model.bodies.push(Body { name: entry.name, carrier: entry.carried_by, mesh });
-        let triangles: usize = model.bodies.iter().map(|b| b.mesh.triangles.len()).sum();
-        if triangles > MOST_TRIANGLES {
-            let problem = format!(
-                "with it the bodies have {triangles} triangles, more than {MOST_TRIANGLES}; give a coarser mesh"
-            );
-            return Err(wrong(problem));
+        add(&mut model, Body { name: entry.name, carrier: entry.carried_by, mesh }).map_err(wrong)?;
+    }
+    Ok(model)
+}
+
+/// Adds a body, unless there are too many triangles then.
+fn add(model: &mut MachineModel, body: Body) -> Result<(), String> {
+    if ["electrode", "blisk"].contains(&body.name.as_str()) {
+        return Err(format!("{} is what the part itself is called; name the body otherwise", body.name));
+    }
+    model.bodies.push(body);
+    let triangles: usize = model.bodies.iter().map(|b| b.mesh.triangles.len()).sum();
+    if triangles > MOST_TRIANGLES {
+        return Err(format!(
+            "with it the bodies have {triangles} triangles, more than {MOST_TRIANGLES}; give a coarser mesh"
+        ));
+    }
+    Ok(())
+}
+
+fn read_urdf(
+    name: &str,
+    text: &str,
+    folder: &Path,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<MachineModel, MachineModelError> {
+    let bodies = urdf::bodies(text, folder).map_err(|e| invalid(name, &e))?;
+    if bodies.len() > MOST_BODIES {
+        return Err(invalid(name, &format!("{} bodies are more than {MOST_BODIES}; join some", bodies.len())));
+    }
+    let mut model = MachineModel::default();
+    for UrdfBody { name: called, carrier, look } in bodies {
+        let wrong = |problem: String| MachineModelError::Body { file: name.to_owned(), body: called.clone(), problem };
+        let mesh = match look {
+            Look::Made(mesh) => mesh,
+            // Its numbers are taken as they are; what brings metres to mm is a part of the placement.
+            Look::File(file, placement) => {
+                closed_mesh((name, &called), &file, Units::Mm, &|p| placement.transform_point3(p), progress, cancel)?
+            }
+        };
+        if mesh.vertices.iter().any(|p| p.is_nan() || p.abs().max_element() > LARGEST) {
+            return Err(wrong(format!("a coordinate is beyond {LARGEST} mm; URDF has metres")));
         }
+        if model.bodies.iter().any(|b| b.name == called) {
+            return Err(wrong("every link needs a name of its own".to_owned()));
+        }
+        add(&mut model, Body { name: called.clone(), carrier, mesh }).map_err(wrong)?;
     }
     Ok(model)
 }
@@ -184,6 +236,32 @@ fn primitive(entry: &BodyEntry) -> Result<Mesh, String> {
     Ok(shape::cylinder(radius, along, need(entry.axis, "axis", "cylinder")? as usize, centre))
 }
 
+/// The mesh in `file`, its vertices at `place`, if it is closed.
+fn closed_mesh(
+    (machine, body): (&str, &str),
+    file: &Path,
+    units: Units,
+    place: &dyn Fn(DVec3) -> DVec3,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Mesh, MachineModelError> {
+    let (machine, body) = (machine.to_owned(), body.to_owned());
+    let options = ImportOptions { units, ..Default::default() };
+    let imported = match import_file(file, &options, progress, cancel) {
+        Ok(imported) => imported,
+        Err(ImportError::Cancelled(cancelled)) => return Err(cancelled.into()),
+        Err(source) => return Err(MachineModelError::Mesh { file: machine, body, source: source.into() }),
+    };
+    if !imported.mesh.is_watertight() {
+        let problem = format!(
+            "the surface of {} is not closed, so that it has no inside; close it in the program it came from",
+            file.display()
+        );
+        return Err(MachineModelError::Body { file: machine, body, problem });
+    }
+    Ok(imported.mesh.mapped(place))
+}
+
 fn read_mesh(
     machine: &str,
     folder: &Path,
@@ -198,18 +276,8 @@ fn read_mesh(
     }
     let file = folder.join(need(entry.file.clone(), "file", "mesh").map_err(wrong)?);
     let centre = centre_of(entry).map_err(wrong)?;
-    let options = ImportOptions { units: entry.units.unwrap_or(Units::Mm), ..Default::default() };
-    let imported = import_file(&file, &options, progress, cancel).map_err(|error| match error {
-        ImportError::Cancelled(cancelled) => cancelled.into(),
-        source => MachineModelError::Mesh { file: machine.to_owned(), body: entry.name.clone(), source: source.into() },
-    })?;
-    if !imported.mesh.is_watertight() {
-        return Err(wrong(format!(
-            "the surface of {} is not closed, so that it has no inside; close it in the program it came from",
-            file.display()
-        )));
-    }
-    let mesh = imported.mesh.mapped(|p| p + centre);
+    let units = entry.units.unwrap_or(Units::Mm);
+    let mesh = closed_mesh((machine, &entry.name), &file, units, &|p| p + centre, progress, cancel)?;
     match mesh.vertices.iter().any(|p| p.abs().max_element() > LARGEST) {
         false => Ok(mesh),
         true => Err(wrong(format!("a coordinate is beyond {LARGEST} mm; check the unit"))),

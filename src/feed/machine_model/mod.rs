@@ -1,6 +1,6 @@
 //! The bodies of a machine: what may collide besides electrode and blisk.
 //!
-//! A machine is a TOML file: axes, travels and speeds under the keys of `[machine]` of a job, and a list of bodies.
+//! A machine is a URDF file (see [`urdf`]) or a TOML file: axes, travels and speeds under the keys of `[machine]` of a job, and a list of bodies.
 //!
 //! ```toml
 //! axes = "XYZAC"
@@ -34,6 +34,7 @@ mod file;
 mod shape;
 #[cfg(test)]
 mod tests;
+mod urdf;
 
 use std::path::PathBuf;
 
@@ -139,7 +140,7 @@ pub enum MachineModelError {
         source: std::io::Error,
     },
     /// There is no built-in machine of that name.
-    #[error("[machine] name = {name:?}: there is no such machine; there are {}, and files that end in .toml", BUILT_IN.join(", "))]
+    #[error("[machine] name = {name:?}: there is no such machine; there are {}, and files that end in .toml or .urdf", BUILT_IN.join(", "))]
     NoSuchMachine {
         /// The name.
         name: String,

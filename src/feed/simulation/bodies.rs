@@ -8,9 +8,11 @@ use crate::geometry::mesh::Mesh;
 use crate::progress::{Cancel, Cancelled};
 use glam::DVec3;
 
-/// A body that the axes X, Y and Z move.
+/// A body that the axes move.
 pub(super) struct Mover {
     pub name: String,
+    /// Whether A turns it, rather than X, Y and Z moving it: the blisk, and what the table carries.
+    pub on_table: bool,
     /// Whether it is the electrode itself.
     pub is_electrode: bool,
     /// Whether it turns with C and B.
@@ -34,6 +36,13 @@ impl Obstacle {
     }
 }
 
+impl Mover {
+    /// Whether it could meet `fixed`: what A turns stands still against itself.
+    pub fn could_meet(&self, fixed: &Obstacle) -> bool {
+        !self.on_table || fixed.carrier == Some(Carrier::Bed)
+    }
+}
+
 /// All bodies of a scenario, those that move about the reference point O.
 pub(super) struct Bodies {
     pub movers: Vec<Mover>,
@@ -45,15 +54,23 @@ impl Bodies {
         let electrode = scenario.electrode;
         let o = electrode.reference_point;
         let solid = Solid::new(&electrode.mesh, o, cancel)?;
-        let mut movers = vec![Mover { name: "electrode".to_owned(), is_electrode: true, turns: true, solid }];
+        let tool = |name, turns, solid| Mover { name, on_table: false, is_electrode: false, turns, solid };
+        let on_table = |name, solid| Mover { name, on_table: true, is_electrode: false, turns: false, solid };
+        let electrode = Mover { is_electrode: true, ..tool("electrode".to_owned(), true, solid) };
+        let mut movers = vec![electrode];
+        let bodies = placed(scenario);
+        if bodies.iter().any(|body| body.carrier == Carrier::Bed) {
+            movers.push(on_table("blisk".to_owned(), Solid::new(scenario.blisk, DVec3::ZERO, cancel)?));
+        }
         let solid = Solid::new(scenario.blisk, DVec3::ZERO, cancel)?;
         let mut obstacles = vec![Obstacle { name: "blisk".to_owned(), carrier: None, table: None, solid }];
-        for body in placed(scenario) {
-            let Body { name, carrier, mesh } = body;
+        for Body { name, carrier, mesh } in bodies {
             if carrier.slides() {
-                let turns = carrier == Carrier::Electrode;
-                movers.push(Mover { name, is_electrode: false, turns, solid: Solid::new(&mesh, o, cancel)? });
+                movers.push(tool(name, carrier == Carrier::Electrode, Solid::new(&mesh, o, cancel)?));
             } else {
+                if carrier == Carrier::Table {
+                    movers.push(on_table(name.clone(), Solid::new(&mesh, DVec3::ZERO, cancel)?));
+                }
                 let solid = Solid::new(&mesh, DVec3::ZERO, cancel)?;
                 let table = (carrier == Carrier::Table).then_some(mesh);
                 obstacles.push(Obstacle { name, carrier: Some(carrier), table, solid });
@@ -72,8 +89,11 @@ pub(super) fn placed(scenario: &Scenario) -> Vec<Body> {
 }
 
 /// The poses that move `moving` as seen from `fixed`: C and B do not turn the head, and A, which turns the table, does
-/// not move the tool against the bed.
+/// not move the tool against the bed; blisk and table turn against A.
 pub(super) fn relative(poses: &[Pose], moving: &Mover, fixed: &Obstacle) -> Vec<Pose> {
+    if moving.on_table {
+        return poses.iter().map(|pose| Pose { a: -pose.a, ..Pose::FINAL }).collect();
+    }
     let stands = fixed.carrier == Some(Carrier::Bed);
     let seen = |pose: &Pose| {
         let (b, c) = if moving.turns { (pose.b, pose.c) } else { (0.0, 0.0) };

@@ -2,10 +2,11 @@
 //! channels after the blisk was turned to them by A.
 //!
 //! Every body that moves is tested against every body that it could meet: electrode, holder and head against blisk,
-//! table and bed. Clearances are certified as that of a feed is: over the continuous motion, with every axis linear
+//! table and bed, blisk and table, which A turns, against the bed. Clearances are certified as that of a feed is: over the continuous motion, with every axis linear
 //! between two poses. The electrode in the blisk's channel is the matter of the feed's own certificate, which stands in
 //! the list beside the others. What is not tested: bodies that are carried by the same axes or fixed to each other,
-//! electrode and holder against the head, table against bed, and cables, hoses and doors that no one has described.
+//! electrode and holder against the head, and cables, hoses and doors that no one has described. The blisk is taken as
+//! finished: of stock, before and during the burn, nothing is known here.
 //!
 //! A blisk looks the same from every channel, if its mesh does: that is proven first, triangle by triangle, and what the
 //! two are apart is taken off the clearances. Where it is not so, every channel is tested by itself. Tables and beds need
@@ -202,14 +203,14 @@ impl Simulation {
             n => format!("{n} channels"),
         };
         let mut text = match self.tightest() {
-            None => format!("Nothing could collide in {channels}: the machine has no bodies."),
+            None => format!("The machine has no bodies; the electrode stays clear of the blisk in {channels}."),
             Some(pair) if pair.holds() => format!(
-                "Nothing collides in {channels}: {} pairs of bodies are proven to stay apart, the closest, {} and {}, by \
-                 {:.3} mm of {:.3} mm.",
+                "Nothing collides in {channels}: {} clearances of bodies are proven, the least of the machine's own, of {} and \
+                 {}, {} mm of {:.3} mm. The blisk is taken as finished, electrode and head as one.",
                 self.pairs.len(),
                 pair.moving,
                 pair.fixed,
-                pair.certified,
+                floored(pair.certified),
                 pair.required
             ),
             Some(pair) => self.pairs.iter().find(|p| p.contact.is_some()).unwrap_or(pair).complaint(),
@@ -233,6 +234,11 @@ impl Simulation {
     }
 }
 
+/// A proven clearance (mm) to three decimals, never rounded up.
+fn floored(mm: f64) -> String {
+    format!("{:.3}", (mm * 1e3).floor() / 1e3)
+}
+
 impl PairReport {
     fn complaint(&self) -> String {
         let Self { moving, fixed, required, certified, .. } = self;
@@ -244,8 +250,9 @@ impl PairReport {
                 at.row
             ),
             None => format!(
-                "TOO CLOSE: {moving} and {fixed} are proven to stay apart by {certified:.3} mm only, of {required:.3} mm; \
+                "TOO CLOSE: {moving} and {fixed} are proven to stay apart by {} mm only, of {required:.3} mm; \
                  the least, {:.3} mm, is in the {} of channel {}, at row {:.3}.",
+                floored(*certified),
                 self.least.distance,
                 self.least.phase.name(),
                 self.least.channel,

@@ -11,7 +11,8 @@ use super::{Approach, PairReport, Place, Scenario, SimulationOptions, Visit, app
 use crate::feed::certificate::Certificate;
 use crate::feed::machine_model::Carrier;
 use crate::feed::path::FeedPath;
-use crate::feed::verify::pair::{Near, Pair, PairClearance};
+use crate::feed::pose::Pose;
+use crate::feed::verify::pair::{Near, Pair, PairClearance, TOUCHING};
 use crate::geometry::mesh::Mesh;
 use crate::progress::{Cancel, Cancelled, Progress};
 
@@ -28,6 +29,13 @@ struct Test<'a> {
     allowance: f64,
 }
 
+impl<'a> Test<'a> {
+    /// A pair on `legs`, with nothing to be said of them.
+    fn new(moving: &'a Mover, fixed: &'a Obstacle, required: f64, legs: Vec<Leg>) -> Self {
+        Self { moving, fixed, copies: None, during: None, required, legs, allowance: 0.0 }
+    }
+}
+
 /// One simulation under way.
 pub(super) struct Run<'a> {
     pub scenario: &'a Scenario<'a>,
@@ -42,21 +50,10 @@ impl<'a> Run<'a> {
         let candidates = approach::candidates(self.scenario, self.options.clear_mm);
         for approach in &candidates {
             let leg = Leg { phase: Phase::Approach, channel: self.scenario.own_channel, poses: approach.poses.clone() };
-            let tests: Vec<Test> = self
-                .pairs()
-                .map(|(moving, fixed)| {
-                    let required = self.required_outside(moving, fixed);
-                    Test {
-                        moving,
-                        fixed,
-                        copies: None,
-                        during: None,
-                        required,
-                        legs: vec![leg.clone()],
-                        allowance: 0.0,
-                    }
-                })
-                .collect();
+            let tools = self.pairs().filter(|(moving, _)| !moving.on_table);
+            let test =
+                |(moving, fixed)| Test::new(moving, fixed, self.required_outside(moving, fixed), vec![leg.clone()]);
+            let tests: Vec<Test> = tools.map(test).collect();
             let results: Result<Vec<_>, Cancelled> = tests.par_iter().map(|test| self.test(test)).collect();
             if results?.iter().flatten().all(PairReport::holds) {
                 return Ok(approach.clone());
@@ -67,7 +64,8 @@ impl<'a> Run<'a> {
 
     fn pairs(&self) -> impl Iterator<Item = (&'a Mover, &'a Obstacle)> + use<'a> {
         let bodies = self.bodies;
-        bodies.movers.iter().flat_map(|moving| bodies.obstacles.iter().map(move |fixed| (moving, fixed)))
+        let pairs = bodies.movers.iter().flat_map(|moving| bodies.obstacles.iter().map(move |fixed| (moving, fixed)));
+        pairs.filter(|(moving, fixed)| moving.could_meet(fixed))
     }
 
     /// The clearance asked for outside the feed (mm). The electrode starts its feed where the plan withdrew it to, which
@@ -148,7 +146,15 @@ impl<'a> Run<'a> {
         let own_legs = tour::channel_legs(&approach.poses, feed, copying, &own);
         let in_feed = |leg: &Leg| matches!(leg.phase, Phase::Feed | Phase::Copying);
         let mut tests = Vec::new();
-        for ((moving, fixed), copies) in self.pairs().zip(copies.iter().cycle()) {
+        let turned = tour::turned_leg(&all);
+        for (moving, fixed) in self.pairs() {
+            if moving.on_table {
+                let required = self.required_outside(moving, fixed);
+                tests.extend(turned.clone().map(|leg| Test::new(moving, fixed, required, vec![leg])));
+                continue;
+            }
+            let at = self.bodies.obstacles.iter().position(|o| std::ptr::eq(o, fixed));
+            let copies = at.and_then(|i| copies[i].as_ref());
             let is_feed_pair = moving.is_electrode && fixed.is_blisk();
             let (mut legs, allowance) = match fixed.carrier {
                 // A does not move a tool against the bed.
@@ -169,20 +175,12 @@ impl<'a> Run<'a> {
                 legs.retain(|leg| !in_feed(leg));
                 if !in_channel.is_empty() {
                     let during = Some("feed in other channels");
-                    tests.push(Test {
-                        moving,
-                        fixed,
-                        copies: None,
-                        during,
-                        required,
-                        legs: in_channel,
-                        allowance: 0.0,
-                    });
+                    tests.push(Test { during, ..Test::new(moving, fixed, required, in_channel) });
                 }
             }
             let during = is_feed_pair.then_some("moves outside");
             let required = self.required_outside(moving, fixed);
-            let copies = copies.as_ref().map(|copies| (copies, own_legs.clone()));
+            let copies = copies.map(|copies| (copies, own_legs.clone()));
             tests.push(Test { moving, fixed, copies, during, required, legs, allowance });
         }
         tests
@@ -198,6 +196,9 @@ impl<'a> Run<'a> {
             required: test.required,
             share: self.options.resolution_share,
         };
+        if test.moving.on_table && test.moving.name != "blisk" && self.is_borne_by(&pair)? {
+            return Ok(None);
+        }
         let mut known: Option<Known> = None;
         if let Some((copies, legs)) = &test.copies {
             known = self.over(legs.iter(), &Pair { fixed: &copies.solid, ..pair }, test, None)?;
@@ -220,6 +221,12 @@ impl<'a> Run<'a> {
             least,
             contact,
         }))
+    }
+
+    /// Whether a body of the table touches the bed in the final pose already: it turns in it, as in a bearing.
+    fn is_borne_by(&self, pair: &Pair) -> Result<bool, Cancelled> {
+        let at_rest = pair.clearance(&[Pose::FINAL], None, self.cancel)?;
+        Ok(at_rest.is_some_and(|clearance| clearance.least.distance <= TOUCHING))
     }
 
     /// The clearance of `pair` over `legs` and what is `known` already.

@@ -176,6 +176,29 @@ fn a_lug_on_the_table_is_in_the_way_in_its_own_channel_only() {
     assert!(turns.iter().zip([-1.0, 0.0, 2.0]).all(|(t, expected)| (t - expected).abs() < 1e-9), "{turns:?}");
 }
 
+/// A lug below the axis, that A takes past a post on the bed on the way to channel 1 and not to channel 3.
+#[test]
+fn what_a_turns_is_tested_against_the_bed() {
+    let at = 100.0 * std::f64::consts::FRAC_1_SQRT_2;
+    let lug = body("lug", Carrier::Table, [-20.0, 0.0, -100.0], [4.0, 4.0, 4.0]);
+    let post = body("post", Carrier::Bed, [-20.0, -at, -at], [4.0, 4.0, 4.0]);
+    let turning = parts(vec![lug, post], 0.0);
+    let contact = pair(&turning.simulate(&[0, 1]), "lug", "post").contact.unwrap();
+    assert!(contact.phase == Phase::Index && (0.6..0.785).contains(&contact.pose.a), "{contact:?}");
+    for channels in [&[0][..], &[0, 3]] {
+        let simulation = turning.simulate(channels);
+        assert!(simulation.holds() && pair(&simulation, "lug", "post").certified > 1.0, "{}", simulation.sentence());
+    }
+    // The drum reaches to a radius of 90 mm.
+    let peg = body("peg", Carrier::Bed, [5.0, 80.0, 0.0], [4.0, 4.0, 4.0]);
+    let simulation = parts(vec![peg], 0.0).simulate(&[0]);
+    assert!(!simulation.holds() && pair(&simulation, "blisk", "peg").contact.is_some(), "{}", simulation.sentence());
+    // What touches at rest turns there as in a bearing.
+    let hub = body("hub", Carrier::Table, [-20.0, 0.0, 0.0], [10.0, 4.0, 4.0]);
+    let bearing = body("bearing", Carrier::Bed, [-20.0, 0.0, 0.0], [10.0, 8.0, 8.0]);
+    assert!(parts(vec![hub, bearing], 0.0).simulate(&[0, 1]).holds());
+}
+
 #[test]
 fn a_drum_that_is_not_alike_is_tested_in_every_channel() {
     let mut parts = parts(vec![chuck()], 0.0);

@@ -148,6 +148,18 @@ pub(super) fn out_of_travel(legs: &[Leg], machine: &MachineParams) -> Option<Out
     })
 }
 
+/// All that A goes through in `legs`, for bodies that nothing else moves: it is continuous, so that they take every
+/// place between the least and the greatest.
+pub(super) fn turned_leg(legs: &[Leg]) -> Option<Leg> {
+    const STEP: f64 = 0.1;
+    let last = legs.last()?;
+    let turns = || legs.iter().flat_map(|leg| &leg.poses).map(|pose| pose.a);
+    let (least, most) = (turns().fold(f64::INFINITY, f64::min), turns().fold(f64::NEG_INFINITY, f64::max));
+    let steps = ((most - least) / STEP).ceil().max(1.0) as usize;
+    let at = |i: usize| Pose { a: least + (most - least) * i as f64 / steps as f64, ..Pose::FINAL };
+    (least <= most).then(|| Leg { phase: Phase::Index, channel: last.channel, poses: (0..=steps).map(at).collect() })
+}
+
 /// Least time of the motion (min) with every axis within its speed.
 pub(super) fn minutes(legs: &[Leg], machine: &MachineParams) -> f64 {
     legs.iter().flat_map(|leg| leg.poses.windows(2)).map(|pair| machine.least_minutes(&pair[0], &pair[1]).0).sum()

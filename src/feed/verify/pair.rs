@@ -135,10 +135,31 @@ impl Pair<'_> {
             return Ok(Some(PairClearance { certified: 0.0, least: self.near(0.0, *first, (0.0, p, p)) }));
         }
         let mut least = match before {
-            Some(before) => before.least,
-            None => self.least_at_poses(poses, cancel)?,
+            // A single pose has no way after it on which it would be looked at.
+            Some(before) if poses.len() > 1 => before.least,
+            before => {
+                let here = self.least_at_poses(poses, cancel)?;
+                before.map(|b| b.least).filter(|b| b.distance <= here.distance).unwrap_or(here)
+            }
         };
         let resolution = self.resolution_at(least.distance);
+        let found = self.over(poses, before, &mut least, resolution, cancel)?;
+        let short = found < self.required && self.required < least.distance;
+        // What came nearer between the poses than at them needs a finer look.
+        let resolution = self.resolution_at(least.distance);
+        let certified = if short { self.over(poses, before, &mut least, resolution, cancel)? } else { found };
+        Ok(Some(PairClearance { certified, least }))
+    }
+
+    /// The bound over `poses` to within `resolution` (mm); `least` takes in what is met.
+    fn over(
+        &self,
+        poses: &[Pose],
+        before: Option<PairClearance>,
+        least: &mut Near,
+        resolution: f64,
+        cancel: &Cancel,
+    ) -> Result<f64, Cancelled> {
         let question = Question { known: least.distance, resolution, stop_below: f64::NEG_INFINITY };
         let bound = |i: usize| self.bound(&poses[i], &poses[i + 1], &question, cancel);
         let answers: Result<Vec<_>, Cancelled> = (0..poses.len() - 1).into_par_iter().map(bound).collect();
@@ -147,10 +168,10 @@ impl Pair<'_> {
             certified = certified.min(answer.lower);
             if let Some((points, t)) = answer.found.filter(|(points, _)| points.distance < least.distance) {
                 let pose = poses[i].lerp(&poses[i + 1], t);
-                least = self.near(i as f64 + t, pose, (points.distance, points.first, points.second));
+                *least = self.near(i as f64 + t, pose, (points.distance, points.first, points.second));
             }
         }
-        Ok(Some(PairClearance { certified: (certified - ROUNDING).max(0.0), least }))
+        Ok((certified - ROUNDING).max(0.0))
     }
 
     fn least_at_poses(&self, poses: &[Pose], cancel: &Cancel) -> Result<Near, Cancelled> {
