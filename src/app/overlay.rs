@@ -7,6 +7,7 @@ use super::commands::Command;
 use super::core::Core;
 use super::theme::palette;
 use super::viewport::Viewport;
+use crate::feed::simulation::Simulation;
 use crate::jobs::pipeline::StageState;
 use crate::project::Stage;
 use crate::render::colour_map::Legend;
@@ -229,8 +230,12 @@ fn section_handle(ui: &mut Ui, rect: Rect, core: &mut Core, viewport: &Viewport)
 fn verdict(ui: &mut Ui, rect: Rect, core: &Core) {
     let (Some(plan), Some(outcome)) = (core.pipeline.plan(), core.outcome()) else { return };
     let colours = palette(ui);
+    let collision = plan.finishing().and_then(|finishing| finishing.collision());
     let (colour, text) = match core.pipeline.state(Stage::Plan) {
         StageState::Running => return,
+        StageState::Done if collision.is_some() => {
+            (colours.bad, collision.map(Simulation::sentence).unwrap_or_default())
+        }
         StageState::Stale => (colours.warning, format!("stale: {}", outcome.plan.verdict(&plan.channel))),
         _ if outcome.plan.is_verified() => (colours.good, outcome.plan.verdict(&plan.channel)),
         _ => (colours.bad, outcome.plan.verdict(&plan.channel)),
