@@ -256,8 +256,12 @@ fn feed_comments(w: &mut Writer, approved: &Approved) {
     match w.post.feed.mode {
         FeedMode::PerMinute => {
             let path = approved.path();
-            let ratios = path.rows.windows(2).chain(copying_rows(approved).windows(2)).map(|pair| {
-                let (from, to) = (&pair[0].pose, &pair[1].pose);
+            let inside = path.rows.windows(2).chain(copying_rows(approved).windows(2));
+            let inside = inside.map(|pair| [pair[0].pose, pair[1].pose]);
+            let simulated = approved.simulation().map(|s| s.legs(path, approved.copying().map(|c| &c.path)));
+            let outside = simulated.iter().flatten().flat_map(|leg| leg.poses.windows(2)).map(|pair| [pair[0], pair[1]]);
+            let ratios = inside.chain(outside).map(|[from, to]| {
+                let (from, to) = (&from, &to);
                 let length = programmed_length(from, to);
                 let travel = fastest_point_travel(from, to, path.reference_point, approved.electrode_bounds());
                 if length > 0.0 { travel / length } else { 0.0 }

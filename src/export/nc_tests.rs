@@ -286,6 +286,7 @@ fn simulation() -> Simulation {
         pairs: vec![],
         travel: None,
         minutes: 1.0,
+        model_digest: String::new(),
         period_error: Some(0.0),
         bodies: vec![],
     }

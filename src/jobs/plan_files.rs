@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-use super::plan::{PlanInputs, PlanOutcome};
+use super::plan::{PlanInputs, PlanJobError, PlanOutcome};
 use super::{plan_pictures, plan_report, simulate};
 use crate::blisk::channel::Channel;
 use crate::export::approved::{Approved, NotApproved};
@@ -27,6 +27,8 @@ use crate::project::{ExportSection, PlanJob};
 pub enum PlanFilesError {
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+    #[error(transparent)]
+    Machine(PlanJobError),
     #[error(transparent)]
     Write(#[from] WriteError),
     #[error("{path}: nothing can be written into this folder ({source}); choose another")]
@@ -100,7 +102,7 @@ pub fn write(
     cancel.check()?;
     // Frames are exact data of the outcome: the blisk comes out with the very bits that it was verified with.
     let blisk = inputs.blisk.in_frame(&outcome.channel.frame);
-    let context = Context { channel: &outcome.channel, blisk: &blisk, job: &inputs.job, post };
+    let context = Context { channel: &outcome.channel, blisk: &blisk, job: &inputs.job, post, cancel };
     let (mut files, mut programs): (Vec<(String, Vec<u8>)>, Vec<_>) = (Vec::new(), Vec::new());
     for i in 0..outcome.electrodes.len() {
         let (own, program) = electrode_files(i + 1, outcome, &context)?;
@@ -189,6 +191,7 @@ struct Context<'a> {
     blisk: &'a Mesh,
     job: &'a PlanJob,
     post: &'a Post,
+    cancel: &'a Cancel,
 }
 
 fn electrode_files(
@@ -228,6 +231,7 @@ fn electrode_files(
         approved = approved.with_copying(copying).map_err(not_approved)?;
     }
     if let Some(simulation) = whole.simulation(k - 1) {
+        simulate::is_of_today(simulation, context.job, context.cancel).map_err(PlanFilesError::Machine)?;
         approved = approved.with_simulation(simulation).map_err(not_approved)?;
     }
     let electrode_file = electrode_in_program(k, &context.job.export);

@@ -18,6 +18,19 @@ pub fn is_needed(job: &PlanJob) -> bool {
     job.machine.has_bodies() || job.export.channels != Channels::Own
 }
 
+/// Makes sure that the machine of `job` still has the bodies that `simulation` was made with.
+///
+/// # Errors
+/// If its file has other bodies by now, or cannot be read.
+pub(super) fn is_of_today(simulation: &Simulation, job: &PlanJob, cancel: &Cancel) -> Result<(), PlanJobError> {
+    let is_same = match job.machine.has_bodies() {
+        true => read_machine(&job.machine.name, &Progress::silent(), cancel)?.digest() == simulation.model_digest,
+        false => true,
+    };
+    let changed = "the bodies of the machine have changed since they were simulated; reload and plan again";
+    if is_same { Ok(()) } else { Err(PlanJobError::Job(changed.to_owned())) }
+}
+
 /// Finds out before the work whether the machine can be read and the channels exist.
 pub(super) fn check(
     job: &PlanJob,

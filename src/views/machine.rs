@@ -125,7 +125,8 @@ mod tests {
             pairs: vec![],
             travel: None,
             minutes: 1.0,
-            period_error: None,
+            model_digest: String::new(),
+        period_error: None,
             bodies: vec![],
         }
     }

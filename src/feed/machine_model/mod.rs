@@ -40,6 +40,7 @@ use std::path::PathBuf;
 
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 
 pub use builtin::BUILT_IN;
 pub use file::{is_file, machine_table, read_machine};
@@ -91,6 +92,17 @@ pub struct Body {
 pub struct MachineModel {
     /// The bodies in the order of the file.
     pub bodies: Vec<Body>,
+}
+
+impl MachineModel {
+    /// SHA-256 (lower-case hex) over names, carriers and meshes: two models with the same digest are the same machine.
+    pub fn digest(&self) -> String {
+        let mut hash = Sha256::new();
+        for Body { name, carrier, mesh } in &self.bodies {
+            hash.update(format!("{name}\0{carrier:?}\0{}\0", mesh.digest()));
+        }
+        hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    }
 }
 
 /// Where a machine stands about one electrode and a blisk.

@@ -124,3 +124,13 @@ fn the_machine_stands_where_the_electrode_comes_from() {
         assert!(off < 1e-12, "{side:?} {carrier:?}: {bounds:?}");
     }
 }
+
+#[test]
+fn a_body_that_has_moved_makes_another_machine() {
+    let machine = |x: f64| {
+        let mesh = crate::geometry::mesh::tests::cuboid(DVec3::ONE).mapped(|p| p + DVec3::X * x);
+        MachineModel { bodies: vec![Body { name: "stop".to_owned(), carrier: Carrier::Bed, mesh }] }
+    };
+    assert_eq!(machine(1.0).digest(), machine(1.0).digest());
+    assert_ne!(machine(1.0).digest(), machine(1.000001).digest());
+}

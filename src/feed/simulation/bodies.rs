@@ -37,9 +37,14 @@ impl Obstacle {
 }
 
 impl Mover {
-    /// Whether it could meet `fixed`: what A turns stands still against itself.
+    /// Whether it could meet `fixed`: what moves with it stands still against it.
     pub fn could_meet(&self, fixed: &Obstacle) -> bool {
-        !self.on_table || fixed.carrier == Some(Carrier::Bed)
+        match fixed.carrier {
+            // C and B turn the electrode against the head.
+            Some(Carrier::Head) => self.turns,
+            Some(Carrier::Bed) => true,
+            _ => !self.on_table,
+        }
     }
 }
 
@@ -66,6 +71,10 @@ impl Bodies {
         let mut obstacles = vec![Obstacle { name: "blisk".to_owned(), carrier: None, table: None, solid }];
         for Body { name, carrier, mesh } in bodies {
             if carrier.slides() {
+                if carrier == Carrier::Head {
+                    let solid = Solid::new(&mesh, DVec3::ZERO, cancel)?;
+                    obstacles.push(Obstacle { name: name.clone(), carrier: Some(carrier), table: None, solid });
+                }
                 movers.push(tool(name, carrier == Carrier::Electrode, Solid::new(&mesh, o, cancel)?));
             } else {
                 if carrier == Carrier::Table {
@@ -89,10 +98,14 @@ pub(super) fn placed(scenario: &Scenario) -> Vec<Body> {
 }
 
 /// The poses that move `moving` as seen from `fixed`: C and B do not turn the head, and A, which turns the table, does
-/// not move the tool against the bed; blisk and table turn against A.
+/// not move the tool against the bed; blisk and table turn against A; against the head
+/// the electrode only turns.
 pub(super) fn relative(poses: &[Pose], moving: &Mover, fixed: &Obstacle) -> Vec<Pose> {
     if moving.on_table {
         return poses.iter().map(|pose| Pose { a: -pose.a, ..Pose::FINAL }).collect();
+    }
+    if fixed.carrier == Some(Carrier::Head) {
+        return poses.iter().map(|pose| Pose { b: pose.b, c: pose.c, ..Pose::FINAL }).collect();
     }
     let stands = fixed.carrier == Some(Carrier::Bed);
     let seen = |pose: &Pose| {

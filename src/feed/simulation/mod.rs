@@ -2,10 +2,11 @@
 //! channels after the blisk was turned to them by A.
 //!
 //! Every body that moves is tested against every body that it could meet: electrode, holder and head against blisk,
-//! table and bed, blisk and table, which A turns, against the bed. Clearances are certified as that of a feed is: over the continuous motion, with every axis linear
+//! table and bed; electrode and holder, which C and B turn, against the head; blisk and table, which A turns, against
+//! the bed. Clearances are certified as that of a feed is: over the continuous motion, with every axis linear
 //! between two poses. The electrode in the blisk's channel is the matter of the feed's own certificate, which stands in
 //! the list beside the others. What is not tested: bodies that are carried by the same axes or fixed to each other,
-//! electrode and holder against the head, and cables, hoses and doors that no one has described. The blisk is taken as
+//! cables, hoses and doors that no one has described. The blisk is taken as
 //! finished: of stock, before and during the burn, nothing is known here.
 //!
 //! A blisk looks the same from every channel, if its mesh does: that is proven first, triangle by triangle, and what the
@@ -167,6 +168,8 @@ pub struct Simulation {
     pub minutes: f64,
     /// How far apart the blisk's mesh and itself are when it is turned by channels (mm); none if they differ.
     pub period_error: Option<f64>,
+    /// [`MachineModel::digest`] of the bodies.
+    pub model_digest: String,
     /// The bodies of the machine in W, where they are in the final pose.
     #[serde(skip)]
     pub bodies: Vec<Body>,
@@ -206,7 +209,7 @@ impl Simulation {
             None => format!("The machine has no bodies; the electrode stays clear of the blisk in {channels}."),
             Some(pair) if pair.holds() => format!(
                 "Nothing collides in {channels}: {} clearances of bodies are proven, the least of the machine's own, of {} and \
-                 {}, {} mm of {:.3} mm. The blisk is taken as finished, electrode and head as one.",
+                 {}, {} mm of {:.3} mm. The blisk is taken as finished.",
                 self.pairs.len(),
                 pair.moving,
                 pair.fixed,
@@ -292,6 +295,7 @@ pub fn simulate(
         out_of_reach,
         pairs,
         period_error,
+        model_digest: scenario.model.digest(),
         bodies: bodies::placed(scenario),
     })
 }

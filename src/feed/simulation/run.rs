@@ -157,8 +157,8 @@ impl<'a> Run<'a> {
             let copies = at.and_then(|i| copies[i].as_ref());
             let is_feed_pair = moving.is_electrode && fixed.is_blisk();
             let (mut legs, allowance) = match fixed.carrier {
-                // A does not move a tool against the bed.
-                Some(Carrier::Bed) => (own_legs.clone(), 0.0),
+                // A moves a tool neither against the bed nor against the head.
+                Some(Carrier::Bed | Carrier::Head) => (own_legs.clone(), 0.0),
                 Some(_) => (all.clone(), 0.0),
                 None => match period_error {
                     Some(error) => (
@@ -196,7 +196,12 @@ impl<'a> Run<'a> {
             required: test.required,
             share: self.options.resolution_share,
         };
-        if test.moving.on_table && test.moving.name != "blisk" && self.is_borne_by(&pair)? {
+        let may_be_joined = match test.fixed.carrier {
+            Some(Carrier::Head) => !test.moving.is_electrode,
+            Some(Carrier::Bed) => test.moving.on_table && test.moving.name != "blisk",
+            _ => false,
+        };
+        if may_be_joined && self.are_joined(&pair)? {
             return Ok(None);
         }
         let mut known: Option<Known> = None;
@@ -223,8 +228,8 @@ impl<'a> Run<'a> {
         }))
     }
 
-    /// Whether a body of the table touches the bed in the final pose already: it turns in it, as in a bearing.
-    fn is_borne_by(&self, pair: &Pair) -> Result<bool, Cancelled> {
+    /// Whether two bodies touch in the final pose already: the one turns in the other, as in a bearing.
+    fn are_joined(&self, pair: &Pair) -> Result<bool, Cancelled> {
         let at_rest = pair.clearance(&[Pose::FINAL], None, self.cancel)?;
         Ok(at_rest.is_some_and(|clearance| clearance.least.distance <= TOUCHING))
     }

@@ -199,6 +199,21 @@ fn what_a_turns_is_tested_against_the_bed() {
     assert!(parts(vec![hub, bearing], 0.0).simulate(&[0, 1]).holds());
 }
 
+/// An arm that C swings past a bracket of the head.
+#[test]
+fn what_c_turns_is_tested_against_the_head() {
+    let at = 30.0 * std::f64::consts::FRAC_1_SQRT_2;
+    let bodies = || {
+        let arm = body("arm", Carrier::Electrode, [20.0, 0.0, 30.0], [4.0, 4.0, 4.0]);
+        vec![arm, body("bracket", Carrier::Head, [at, at, 30.0], [4.0, 4.0, 4.0])]
+    };
+    let swung = parts(bodies(), FRAC_PI_2).simulate(&[0]);
+    let contact = pair(&swung, "arm", "bracket").contact.unwrap();
+    assert!(contact.phase == Phase::Feed && (0.785..1.0).contains(&contact.pose.c), "{contact:?}");
+    let straight = parts(bodies(), 0.0).simulate(&[0]);
+    assert!(pair(&straight, "arm", "bracket").holds(), "{}", straight.sentence());
+}
+
 #[test]
 fn a_drum_that_is_not_alike_is_tested_in_every_channel() {
     let mut parts = parts(vec![chuck()], 0.0);
