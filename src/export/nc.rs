@@ -259,7 +259,8 @@ fn feed_comments(w: &mut Writer, approved: &Approved) {
             let inside = path.rows.windows(2).chain(copying_rows(approved).windows(2));
             let inside = inside.map(|pair| [pair[0].pose, pair[1].pose]);
             let simulated = approved.simulation().map(|s| s.legs(path, approved.copying().map(|c| &c.path)));
-            let outside = simulated.iter().flatten().flat_map(|leg| leg.poses.windows(2)).map(|pair| [pair[0], pair[1]]);
+            let outside =
+                simulated.iter().flatten().flat_map(|leg| leg.poses.windows(2)).map(|pair| [pair[0], pair[1]]);
             let ratios = inside.chain(outside).map(|[from, to]| {
                 let (from, to) = (&from, &to);
                 let length = programmed_length(from, to);

@@ -126,7 +126,7 @@ mod tests {
             travel: None,
             minutes: 1.0,
             model_digest: String::new(),
-        period_error: None,
+            period_error: None,
             bodies: vec![],
         }
     }

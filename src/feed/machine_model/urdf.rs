@@ -112,9 +112,12 @@ pub(super) fn bodies(text: &str, folder: &Path) -> Result<Vec<UrdfBody>, String>
         let mut bodies = Vec::new();
         for link in &tree.links {
             let name = attribute(*link, "name")?;
+            let shapes: Vec<Node> = link.children().filter(|n| n.has_tag_name("collision")).collect();
+            if shapes.is_empty() {
+                continue;
+            }
             let place = tree.place(name)?;
             let carrier = carrier(&place.axes).map_err(|e| format!("link {name}: {e}"))?;
-            let shapes: Vec<Node> = link.children().filter(|n| n.has_tag_name("collision")).collect();
             for (i, collision) in shapes.iter().enumerate() {
                 let from = tree.counted_from(carrier).map_err(|e| format!("link {name}: {e}"))?;
                 let at = place.at * origin(*collision)?;
@@ -148,7 +151,17 @@ impl<'a> Tree<'a> {
                 return Err(wrong("its child is carried by another joint too"));
             }
         }
-        Ok(Self { joints, links: robot.children().filter(|n| n.has_tag_name("link")).collect() })
+        let links: Vec<Node> = robot.children().filter(|n| n.has_tag_name("link")).collect();
+        let names = links.iter().map(|link| attribute(*link, "name")).collect::<Result<Vec<_>, _>>()?;
+        let loose: Vec<&str> = names.into_iter().filter(|name| !joints.contains_key(name)).collect();
+        match loose[..] {
+            [_] => Ok(Self { joints, links }),
+            _ => Err(format!(
+                "one link must be the root, carried by no joint; there are {}: {}",
+                loose.len(),
+                loose.join(", ")
+            )),
+        }
     }
 
     fn axes(&self) -> Result<AxisSet, String> {
@@ -342,12 +355,12 @@ mod tests {
         let refused = |from: &str, to: &str, words: &str| {
             let text = MACHINE.replace(from, to);
             assert_ne!(text, MACHINE);
-            let error = bodies(&text, Path::new("")).map(|_| ()).or(Ok(())).and_then(|()| table(&text).map(|_| ()));
-            let error = bodies(&text, Path::new("")).err().or(error.err()).unwrap();
+            let error = bodies(&text, Path::new("")).err().or(table(&text).err()).unwrap();
             assert!(error.contains(words), "{error}");
         };
         refused(r#"<joint name="X""#, r#"<joint name="lift""#, "must be called after an axis");
-        refused(r#"name="interface""#, r#"name="nose""#, "no link interface");
+        refused(r#"name="interface""#, r#"name="nose""#, "there are 2: bed, nose");
+        refused(r#""interface""#, r#""nose""#, "no link interface");
         refused("<box size=\"0.4 0.2 0.1\"/>", "<sphere radius=\"1\"/>", "sphere is not read");
         refused("0.4 0.2 0.1", "0.4 nan 0.1", "three numbers");
         refused(
