@@ -76,7 +76,17 @@ fn easy_plan() -> &'static PlanOutcome {
     PLAN.get_or_init(|| plan(mesh(&easy_blisk()), easy_job()))
 }
 
+/// All that compares with one and the same plan, which is made once.
 #[test]
+fn one_plan_seen_from_all_sides() {
+    a_plan_is_certified_from_outside_to_the_final_pose_and_may_be_approved();
+    dense_sampling_with_the_librarys_distance_never_finds_less_than_the_certificate();
+    the_same_seed_gives_the_same_bytes_on_one_thread_and_on_two();
+    another_seed_gives_another_path();
+    moving_and_scaling_the_mesh_changes_nothing_in_w();
+    every_row_is_within_the_travel_of_its_axis();
+}
+
 fn a_plan_is_certified_from_outside_to_the_final_pose_and_may_be_approved() {
     let outcome = easy_plan();
     assert!(outcome.is_verified(), "{}", outcome.electrodes[0].plan.verdict(&outcome.channel));
@@ -109,7 +119,6 @@ fn the_copying_motion_is_certified_and_brings_the_walls_to_their_gap() {
     assert!(left.stock.left_mm3 < 0.02 * left.stock.channel_mm3, "{:?}", left.stock);
 }
 
-#[test]
 fn dense_sampling_with_the_librarys_distance_never_finds_less_than_the_certificate() {
     let outcome = easy_plan();
     let electrode = &outcome.electrodes[0];
@@ -127,7 +136,6 @@ fn dense_sampling_with_the_librarys_distance_never_finds_less_than_the_certifica
     }
 }
 
-#[test]
 fn the_same_seed_gives_the_same_bytes_on_one_thread_and_on_two() {
     let digest = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -140,7 +148,6 @@ fn the_same_seed_gives_the_same_bytes_on_one_thread_and_on_two() {
     assert_eq!(one.0, easy_plan().electrodes[0].plan.path.as_ref().unwrap().path.digest());
 }
 
-#[test]
 fn another_seed_gives_another_path() {
     let mut job = easy_job();
     job.genetic.seed = 2;
@@ -151,7 +158,6 @@ fn another_seed_gives_another_path() {
 
 /// The same part turned, moved and in other units is the same part in W: the electrode has the same size and the path
 /// found for the one keeps the same clearance to the other.
-#[test]
 fn moving_and_scaling_the_mesh_changes_nothing_in_w() {
     let turn = DMat3::from_rotation_z(0.3) * DMat3::from_rotation_y(-0.4);
     let moved = mesh(&easy_blisk()).mapped(|p| turn * p + DVec3::new(30.0, -12.0, 7.0));
@@ -368,7 +374,6 @@ fn a_side_for_which_no_electrode_can_be_made_is_noted_and_the_other_tried() {
     assert!(matches!(&error, PlanJobError::Electrode(_)) && why.contains(&error.to_string()), "{error}");
 }
 
-#[test]
 fn every_row_is_within_the_travel_of_its_axis() {
     let wide = &easy_plan().electrodes[0].plan.path.as_ref().unwrap().path;
     let reach = |axis: Axis| wide.rows.iter().map(|r| r.pose.get(axis).abs()).fold(0.0, f64::max);

@@ -47,6 +47,9 @@ fn the_global_path_is_certified_smooth_and_the_same_every_time() {
     dense_sampling_never_finds_less_than_the_certificate();
     it_is_at_least_twice_as_smooth_as_free_travel();
     it_is_the_same_on_any_number_of_threads();
+    greatest_least_distance_keeps_further_away_at_its_nodes();
+    where_there_is_no_way_the_reduction_that_is_named_opens_one();
+    sizes_are_certified_and_what_is_sized_is_what_a_plan_makes();
 }
 
 fn dense_sampling_never_finds_less_than_the_certificate() {
@@ -78,7 +81,6 @@ fn it_is_at_least_twice_as_smooth_as_free_travel() {
 
 /// The roomiest pose at every node has at least the clearance there that any other strategy's has, but for what its
 /// own search misses.
-#[test]
 fn greatest_least_distance_keeps_further_away_at_its_nodes() {
     let roomy = planned(Strategy::MaxMinDistance, 2.0);
     let mean = |outcome: &PlanOutcome| {
@@ -97,7 +99,6 @@ fn it_is_the_same_on_any_number_of_threads() {
 }
 
 /// Too thick an electrode: the verdict names the place and what would help, and that does help.
-#[test]
 fn where_there_is_no_way_the_reduction_that_is_named_opens_one() {
     const TOO_LITTLE: f64 = 0.05;
     let inputs = inputs(job_with(Strategy::Global, TOO_LITTLE));
@@ -113,7 +114,6 @@ fn where_there_is_no_way_the_reduction_that_is_named_opens_one() {
     assert!(more.is_verified(), "{}", only(&more).plan.verdict(&more.channel));
 }
 
-#[test]
 fn sizes_are_certified_and_what_is_sized_is_what_a_plan_makes() {
     let base = inputs(job_with(Strategy::Genetic, 2.0));
     let shown = std::sync::Mutex::new(Vec::new());

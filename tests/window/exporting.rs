@@ -16,8 +16,18 @@ use sparkpath::project::Stage;
 use crate::common::easy_blisk;
 use crate::desk::{Desk, Home, quick};
 
-/// A window with an approved plan for a channel that stands askew to the axes of the mesh.
+/// A window with an approved plan that was not finished, for a channel that stands askew to the axes of the mesh.
 pub fn approved(home: &Home) -> Desk {
+    approved_after(home, &|desk| desk.window.state_mut().core_mut().pipeline.cancel())
+}
+
+/// The same with all that follows the plan.
+fn approved_whole(home: &Home) -> Desk {
+    approved_after(home, &|_| ())
+}
+
+/// A window with an approved plan for a channel that stands askew to the axes of the mesh.
+fn approved_after(home: &Home, planned: &dyn Fn(&mut Desk)) -> Desk {
     let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
     desk.until_idle();
     let core = desk.window.state_mut().core_mut();
@@ -29,6 +39,7 @@ pub fn approved(home: &Home) -> Desk {
     desk.until_idle();
     desk.key(egui::Key::F5);
     desk.until("the plan is done", |d| d.state(Stage::Plan) == StageState::Done);
+    planned(&mut desk);
     desk.until_idle();
     desk.open_step(Stage::Export);
     desk.press("Approve");
@@ -60,7 +71,7 @@ fn triangles(file: &Path) -> Vec<[glam::DVec3; 3]> {
 #[test]
 fn what_is_written_is_what_was_ticked() {
     let home = Home::new();
-    let mut desk = approved(&home);
+    let mut desk = approved_whole(&home);
     let folder = home.path("out");
     let everything = names(&[
         "electrode_1.stl",
