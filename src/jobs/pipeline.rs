@@ -302,6 +302,13 @@ impl Pipeline {
                 (StageState::Done, Some((_, plan))) if !plan.outcome.may_be_approved() => {
                     StageState::Failed(plan_sentence(plan).1)
                 }
+                // Nothing is verified on a machine before its whole motion is known.
+                (StageState::Done, _) if self.now.as_ref().is_some_and(|(job, _)| simulate::is_needed(job)) => {
+                    match self.finishing() {
+                        StageState::Missing => StageState::Running,
+                        state => state,
+                    }
+                }
                 (StageState::Failed(_) | StageState::Running, _) => StageState::Missing,
                 (state, _) => state,
             },
