@@ -132,6 +132,10 @@ impl Sizing<'_> {
         let low = below(&|h| [h, angle])?.angle;
         let high = below(&|h| [angle, h])?.angle;
         let turns = if high < low { [angle, high] } else { [low, angle] };
+        if turns == [angle; 2] {
+            // Neither can be less: that row is there.
+            return Ok(None);
+        }
         self.certified(1, only(side), turns)
     }
 
