@@ -5,6 +5,7 @@
 
 pub mod cutter;
 pub mod outline;
+pub mod rolling;
 pub mod section;
 pub mod uncut_layer;
 
