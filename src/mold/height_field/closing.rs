@@ -6,11 +6,24 @@ use super::blocks::{Source, greater};
 use super::element::Element;
 use super::sweep::{TILE_COLUMNS, TILE_ROWS, Tile};
 use super::{HeightField, HeightFieldError, check_size};
-use crate::mold::cutter::{Cutter, CutterLibrary};
+use crate::mold::cutter::{Cutter, CutterKind, CutterLibrary};
 use crate::progress::{Cancel, Cancelled};
 
 /// What is left above the material up to which a cell counts as cut (mm): rounding of heights.
 const CLEAN: f32 = 1e-5;
+
+/// By how much of a cell a cutter that comes down is taken for thinner than it is.
+///
+/// Centres of cells are a coarse picture of a wall, and places of the tip of where it can stand. Along the grid's axes
+/// the errors cancel; across them they would leave too much in corners, which this evens out on average (measured over
+/// pockets at all angles).
+fn trim(kind: CutterKind) -> f64 {
+    match kind {
+        CutterKind::Flat => 0.25,
+        // The rim of a rounded edge rises steeply and meets walls only.
+        CutterKind::Ball | CutterKind::BullNose => 0.15,
+    }
+}
 
 /// What all cutters together leave.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,7 +41,7 @@ impl Closing {
     pub fn residue(&self, field: &HeightField, cell: usize) -> f64 {
         field.height(cell).map_or(0.0, |height| field.base + f64::from(self.heights[cell]) - height)
     }
-    
+
     /// Which cutter of the library leaves least at a cell, the first among equals.
     pub fn nearest(&self, cell: usize) -> usize {
         self.cutters[usize::from(self.nearest[cell])]
@@ -59,17 +72,15 @@ pub fn closing(field: &HeightField, library: &CutterLibrary, cancel: &Cancel) ->
     Ok(closing)
 }
 
-pub static COMP: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0);
-pub static PRIMAL: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
-
 /// One cutter over a field.
 struct Passes<'a> {
     field: &'a HeightField,
     cutter: &'a Cutter,
-    /// How far the tip's places lie from the cells' centres, towards the field's corner, as a share of a cell.
-    offset: f64,
-    /// The cutter's surface around a place of the tip, and around a cell.
+    /// How far the places of the tip lie before the cells' centres, as a share of a cell.
+    offset: [f64; 2],
+    /// The cutter's surface around a place of the tip, over cells.
     down: Element,
+    /// The cutter's surface around a cell, over places of the tip.
     up: Element,
     /// Columns and rows of places of the tip.
     columns: usize,
@@ -78,17 +89,18 @@ struct Passes<'a> {
 
 impl<'a> Passes<'a> {
     fn new(field: &'a HeightField, cutter: &'a Cutter) -> Result<Self, HeightFieldError> {
-        let cells_across = (cutter.diameter_mm / field.step).round();
-        let primal = PRIMAL.load(std::sync::atomic::Ordering::Relaxed);
-        let offset = if cells_across % 2.0 == 0.0 && !primal { 0.5 } else { 0.0 };
-        let a = COMP.load(std::sync::atomic::Ordering::Relaxed) as f64 * 0.01 * field.step;
-        let wide = Cutter { diameter_mm: cutter.diameter_mm + 2.0*a, corner_mm: if cutter.corner_mm > 0.0 { cutter.corner_mm + a} else {0.0}, ..cutter.clone() };
-        let room = 2.0 * cutter.radius() / field.step + 2.0;
+        let radius = cutter.radius() / field.step;
+        let room = 2.0 * radius + 2.0;
         check_size(field.step, field.columns as f64 + room, field.rows as f64 + room)?;
-        let down = Element::of(cutter, field.step, offset);
-        let up = Element::of(&wide, field.step, -offset);
-        let more = (up.span[1] - up.span[0]) as usize;
-        let (columns, rows) = (field.columns + more, field.rows + more);
+        let across = (2.0 * radius).round();
+        // As wide in cells as in truth: an even width is centred between cells, an odd one on a cell.
+        let offset = [if across > 2.0 && across % 2.0 == 0.0 { 0.5 } else { 0.0 }; 2];
+        // Less than a cell off, so that along the grid's axes it stays as wide.
+        let trimmed = (radius - trim(cutter.kind())).max(0.5 * across - 0.5);
+        let down = Element::of(cutter, trimmed * field.step, field.step, offset);
+        let up = Element::of(cutter, cutter.radius(), field.step, offset.map(|o| -o));
+        let more = |span: [isize; 2]| (span[1] - span[0]) as usize;
+        let (columns, rows) = (field.columns + more(up.columns), field.rows + more(up.rows));
         Ok(Self { field, cutter, offset, down, up, columns, rows })
     }
 
@@ -107,7 +119,7 @@ impl<'a> Passes<'a> {
                     continue;
                 }
                 self.start_tile(tile, band, across, left);
-                tile.raise(&tips, &self.up, -self.up.span[0]);
+                tile.raise(&tips, &self.up, [-self.up.rows[0], -self.up.columns[0]]);
                 for_each_place(tile, columns, left, |i, best, left| {
                     let height = greater(-best, self.field.heights[band * TILE_ROWS * columns + i]);
                     if height < *left {
@@ -127,7 +139,8 @@ impl<'a> Passes<'a> {
             .map(|(left, heights)| {
                 let mut open = vec![false; columns.div_ceil(TILE_COLUMNS)];
                 for (left, heights) in left.chunks(columns).zip(heights.chunks(columns)) {
-                    for (i, (left, heights)) in left.chunks(TILE_COLUMNS).zip(heights.chunks(TILE_COLUMNS)).enumerate() {
+                    for (i, (left, heights)) in left.chunks(TILE_COLUMNS).zip(heights.chunks(TILE_COLUMNS)).enumerate()
+                    {
                         open[i] |= left.iter().zip(heights).any(|(&left, &height)| left > height + CLEAN);
                     }
                 }
@@ -156,7 +169,7 @@ impl<'a> Passes<'a> {
     fn negated_tips(&self, open: &[Vec<bool>], cancel: &Cancel) -> Result<Vec<f32>, Cancelled> {
         let heights = Source::new(&self.field.heights, self.field.columns);
         let holder = self.cutter.holder().map(|(radius, reach)| {
-            (Element::of(&Cutter::flat(radius), self.field.step, self.offset), -reach as f32)
+            (Element::of(&Cutter::flat(radius), radius, self.field.step, self.offset), -reach as f32)
         });
         let mut tips = vec![f32::NEG_INFINITY; self.columns * self.rows];
         let columns = self.columns;
@@ -167,9 +180,10 @@ impl<'a> Passes<'a> {
                     continue;
                 }
                 tile.reset(band * TILE_ROWS, across * TILE_COLUMNS);
-                tile.raise(&heights, &self.down, self.up.span[0]);
+                let shift = [self.up.rows[0], self.up.columns[0]];
+                tile.raise(&heights, &self.down, shift);
                 if let Some((holder, lower)) = &holder {
-                    tile.raise_level(&heights, &holder.chords, self.up.span[0], *lower);
+                    tile.raise_level(&heights, &holder.chords, shift, *lower);
                 }
                 for_each_place(tile, columns, tips, |_, best, tip| *tip = -best);
             }
@@ -181,8 +195,8 @@ impl<'a> Passes<'a> {
     /// Whether the cutter reaches an open tile from a tile of places.
     fn reaches(&self, open: &[Vec<bool>], band: usize, across: usize) -> bool {
         // A cell's places begin at its own number and are as many as the cutter is wide.
-        let wide = (self.up.span[1] - self.up.span[0]) as usize;
-        let bands = (band * TILE_ROWS).saturating_sub(wide) / TILE_ROWS..=band;
+        let [high, wide] = [self.up.rows, self.up.columns].map(|span| (span[1] - span[0]) as usize);
+        let bands = (band * TILE_ROWS).saturating_sub(high) / TILE_ROWS..=band;
         let acrosses = (across * TILE_COLUMNS).saturating_sub(wide) / TILE_COLUMNS..=across;
         open.iter().enumerate().any(|(i, row)| {
             bands.contains(&i) && row.iter().enumerate().any(|(j, &open)| open && acrosses.contains(&j))

@@ -13,8 +13,10 @@ mod element;
 mod raster;
 mod regions;
 mod sweep;
+#[cfg(test)]
+mod tests;
 
-pub use closing::{COMP, Closing, PRIMAL, closing};
+pub use closing::{Closing, closing};
 pub use regions::{UncutRegion, regions};
 
 use glam::{DVec2, DVec3};

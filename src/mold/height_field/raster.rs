@@ -96,7 +96,8 @@ impl Triangle {
         let plan = corners.map(|p| (p.truncate() - field.corner) / field.step - 0.5);
         let heights = corners.map(|p| p.z - field.base);
         let [low, high] = extremes(plan.map(|p| p.y));
-        let (first, last) = ((low - EDGE_SLACK).ceil().max(0.0), (high + EDGE_SLACK).floor().min(field.rows as f64 - 1.0));
+        let (first, last) =
+            ((low - EDGE_SLACK).ceil().max(0.0), (high + EDGE_SLACK).floor().min(field.rows as f64 - 1.0));
         (first <= last).then(|| Self {
             corners: plan,
             rows: [first as usize, last as usize],
@@ -110,7 +111,8 @@ impl Triangle {
     /// Raises the cells of a row to this triangle.
     fn fill_row(&self, row: usize, heights: &mut [f32], upness: &mut [u16]) {
         let [from, to] = self.crossing(row as f64);
-        let (first, last) = ((from - EDGE_SLACK).ceil().max(0.0), (to + EDGE_SLACK).floor().min(heights.len() as f64 - 1.0));
+        let (first, last) =
+            ((from - EDGE_SLACK).ceil().max(0.0), (to + EDGE_SLACK).floor().min(heights.len() as f64 - 1.0));
         if !(first <= last) {
             return;
         }

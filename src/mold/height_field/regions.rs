@@ -39,7 +39,8 @@ pub fn regions(
     cancel: &Cancel,
 ) -> Result<Vec<UncutRegion>, HeightFieldError> {
     let pieces = Pieces::of(field, closing, tolerance, cancel)?;
-    let mut regions: Vec<UncutRegion> = pieces.cells().into_iter().map(|cells| measured(field, closing, cells)).collect();
+    let mut regions: Vec<UncutRegion> =
+        pieces.cells().into_iter().map(|cells| measured(field, closing, cells)).collect();
     let place = |r: &UncutRegion| r.bounds.min;
     regions.sort_by(|a, b| {
         let by_volume = b.volume.total_cmp(&a.volume);
@@ -61,7 +62,12 @@ struct Pieces<'a> {
 }
 
 impl<'a> Pieces<'a> {
-    fn of(field: &'a HeightField, closing: &'a Closing, tolerance: f64, cancel: &Cancel) -> Result<Self, HeightFieldError> {
+    fn of(
+        field: &'a HeightField,
+        closing: &'a Closing,
+        tolerance: f64,
+        cancel: &Cancel,
+    ) -> Result<Self, HeightFieldError> {
         let mut pieces = Self { field, closing, cells: Vec::new(), rows: vec![0], parents: Vec::new() };
         for row in 0..field.rows {
             cancel.check()?;
@@ -124,34 +130,34 @@ impl<'a> Pieces<'a> {
 
     /// The cells of every piece that covers a square of three cells.
     fn cells(mut self) -> Vec<Vec<u32>> {
-        let mut numbers = vec![usize::MAX; self.cells.len()];
         let mut pieces: Vec<(bool, Vec<u32>)> = Vec::new();
+        let mut numbers = vec![0; self.cells.len()];
         for i in 0..self.cells.len() {
             let root = self.root(i);
             if root == i {
-                numbers[i] = pieces.len();
                 pieces.push((false, Vec::new()));
             }
-            let is_inner = self.is_inner(i);
-            let piece = &mut pieces[numbers[root]];
-            piece.0 |= is_inner;
-            piece.1.push(self.cells[i]);
+            numbers[i] = if root == i { pieces.len() - 1 } else { numbers[root] };
+            pieces[numbers[i]].1.push(self.cells[i]);
+        }
+        for i in 0..self.cells.len() {
+            pieces[numbers[i]].0 |= self.is_inner(i, &numbers);
         }
         pieces.into_iter().filter(|p| p.0).map(|p| p.1).collect()
     }
 
-    /// Whether all eight neighbours are uncut too.
-    fn is_inner(&self, i: usize) -> bool {
+    /// Whether all eight neighbours belong to the same piece.
+    fn is_inner(&self, i: usize, numbers: &[usize]) -> bool {
         let (cell, columns) = (self.cells[i] as usize, self.field.columns);
         let (row, column) = (cell / columns, cell % columns);
         if row == 0 || row + 1 == self.field.rows || column == 0 || column + 1 == columns {
             return false;
         }
         (row - 1..=row + 1).all(|row| {
-            let cells = &self.cells[self.rows[row]..self.rows[row + 1]];
             let first = (row * columns + column - 1) as u32;
-            let at = cells.partition_point(|&c| c < first);
-            cells.get(at) == Some(&first) && cells.get(at + 2) == Some(&(first + 2))
+            let start = self.rows[row];
+            let at = start + self.cells[start..self.rows[row + 1]].partition_point(|&c| c < first);
+            (0..3).all(|k| self.cells.get(at + k) == Some(&(first + k as u32)) && numbers[at + k] == numbers[i])
         })
     }
 }

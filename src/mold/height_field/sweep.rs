@@ -4,6 +4,8 @@
 //! two overlapping ranges whose length is a power of two. Rising surfaces are gone through in patches. In both, what
 //! cannot exceed the least value found so far is passed over: over level ground that is nearly everything.
 
+use std::ops::Range;
+
 use super::blocks::{Source, greater, lesser};
 use super::element::{Chord, Element, PATCH, Patch};
 
@@ -45,12 +47,9 @@ impl Tile {
     }
 
     /// Raises the places to `values` under `element`, whose point 0 lies over the value `shift` rows and columns on.
-    pub fn raise(&mut self, values: &Source, element: &Element, shift: isize) {
-        let over = |first: usize, many: usize| {
-            let first = first as isize + shift;
-            first + element.span[0]..first + many as isize + element.span[1]
-        };
-        let (rows, columns) = (over(self.row, TILE_ROWS), over(self.column, TILE_COLUMNS));
+    pub fn raise(&mut self, values: &Source, element: &Element, shift: [isize; 2]) {
+        let rows = reached(self.row as isize + shift[0], TILE_ROWS, element.rows);
+        let columns = reached(self.column as isize + shift[1], TILE_COLUMNS, element.columns);
         if element.patches.is_empty()
             && let Some(value) = values.constant(rows, columns)
         {
@@ -58,7 +57,7 @@ impl Tile {
         }
         self.raise_level(values, &element.chords, shift, 0.0);
         if !element.patches.is_empty() {
-            self.raise_patches(values, &element.patches, element.span, shift);
+            self.raise_patches(values, element, shift);
         }
     }
 
@@ -70,15 +69,15 @@ impl Tile {
     }
 
     /// Raises the places to the greatest of `values` plus `offset` within a disc.
-    pub fn raise_level(&mut self, values: &Source, chords: &[Chord], shift: isize, offset: f32) {
+    pub fn raise_level(&mut self, values: &Source, chords: &[Chord], shift: [isize; 2], offset: f32) {
         let (Some(first), Some(last)) = (chords.first(), chords.last()) else { return };
         let from = chords.iter().map(|c| c.columns[0]).min().unwrap_or(0);
         let to = chords.iter().map(|c| c.columns[1]).max().unwrap_or(0);
-        let columns = self.column as isize + shift + from..self.column as isize + shift + to + TILE_COLUMNS as isize;
+        let columns = reached(self.column as isize + shift[1], TILE_COLUMNS, [from, to]);
         let width = (columns.end - columns.start) as usize;
         let depth = ((to - from + 1) as usize).ilog2() as usize + 1;
         self.levels.resize(depth * width, f32::NEG_INFINITY);
-        let start = self.row as isize + shift;
+        let start = self.row as isize + shift[0];
         let rows = (start + first.row).max(0)..(start + TILE_ROWS as isize + last.row).min(values.rows as isize);
         let mut together: Vec<isize> = (rows.start..rows.end).step_by(ROWS_TOGETHER as usize).collect();
         // The longest chords first: they leave least to do for the others.
@@ -127,21 +126,21 @@ impl Tile {
         }
     }
 
-    fn raise_patches(&mut self, values: &Source, patches: &[Patch], span: [isize; 2], shift: isize) {
+    fn raise_patches(&mut self, values: &Source, element: &Element, shift: [isize; 2]) {
         for row in (0..TILE_ROWS).step_by(GROUP_ROWS) {
             for column in (0..TILE_COLUMNS).step_by(GROUP_COLUMNS) {
-                self.raise_group(values, patches, span, shift, [row, column]);
+                self.raise_group(values, element, shift, [row, column]);
             }
         }
     }
 
-    fn raise_group(&mut self, values: &Source, patches: &[Patch], span: [isize; 2], shift: isize, at: [usize; 2]) {
-        let [row, column] = [self.row + at[0], self.column + at[1]].map(|i| i as isize + shift);
+    fn raise_group(&mut self, values: &Source, element: &Element, shift: [isize; 2], at: [usize; 2]) {
+        let (row, column) = ((self.row + at[0]) as isize + shift[0], (self.column + at[1]) as isize + shift[1]);
         let mut open = self.least_open_of(at);
-        let over = |first: isize, many: usize| first + span[0]..first + span[1] + many as isize;
-        let most = values.greatest(over(row, GROUP_ROWS), over(column, GROUP_COLUMNS));
+        let most =
+            values.greatest(reached(row, GROUP_ROWS, element.rows), reached(column, GROUP_COLUMNS, element.columns));
         let mut near = [[f32::NEG_INFINITY; REACH_COLUMNS]; REACH_ROWS];
-        for patch in patches {
+        for patch in &element.patches {
             if most - patch.least <= open {
                 break;
             }
@@ -169,7 +168,9 @@ impl Tile {
         let Some(best) = self.best[row * TILE_COLUMNS + column..].first_chunk_mut::<GROUP_COLUMNS>() else { return };
         let mut found = *best;
         for &(down, across, height) in &patch.points {
-            let Some(values) = near[i + down as usize][across as usize..].first_chunk::<GROUP_COLUMNS>() else { return };
+            let Some(values) = near[i + down as usize][across as usize..].first_chunk::<GROUP_COLUMNS>() else {
+                return;
+            };
             for (found, &value) in found.iter_mut().zip(values) {
                 *found = greater(*found, value - height);
             }
@@ -187,4 +188,9 @@ impl Tile {
         }
         least.into_iter().fold(f32::INFINITY, lesser)
     }
+}
+
+/// The values that `many` places from `first` on reach, with offsets from the first to the last of `span`.
+fn reached(first: isize, many: usize, span: [isize; 2]) -> Range<isize> {
+    first + span[0]..first + many as isize + span[1]
 }
