@@ -113,11 +113,8 @@ impl<'a> Passes<'a> {
         let left = closing.heights.par_chunks_mut(TILE_ROWS * columns);
         let bands = left.zip(closing.nearest.par_chunks_mut(TILE_ROWS * columns)).enumerate();
         bands.try_for_each_init(Tile::new, |tile, (band, (left, nearest))| {
-            for across in 0..columns.div_ceil(TILE_COLUMNS) {
+            for (across, _) in open[band].iter().enumerate().filter(|(_, open)| **open) {
                 cancel.check()?;
-                if !open[band][across] {
-                    continue;
-                }
                 self.start_tile(tile, band, across, left);
                 tile.raise(&tips, &self.up, [-self.up.rows[0], -self.up.columns[0]]);
                 for_each_place(tile, columns, left, |i, best, left| {

@@ -5,7 +5,9 @@
 //! until its surface meets a height ([`closing`]). What lies between the least surface so left over all cutters and the
 //! material is uncut, and its connected pieces are the regions ([`regions`]).
 //!
-//! Plan positions are exact to about half a cell: a corner that a cutter leaves is found once it is some cells wide.
+//! Plan positions are exact to about half a cell, so what is left in a corner is found once it is some cells wide: with
+//! 40 cells to the cutter's radius its volume is right within some per cent where walls run askew to the grid, and
+//! better where they run along it. A step of a tenth of the smallest radius is the coarsest of use.
 
 mod blocks;
 mod closing;

@@ -90,7 +90,7 @@ impl Triangle {
     /// None for vertical ones and those that cover no row of centres.
     fn new(corners: [DVec3; 3], field: &HeightField) -> Option<Self> {
         let normal = normal_times_two_areas(corners).normalize_or_zero();
-        if !(normal.z.abs() >= VERTICAL) {
+        if normal.z.abs() < VERTICAL {
             return None;
         }
         let plan = corners.map(|p| (p.truncate() - field.corner) / field.step - 0.5);
@@ -111,13 +111,12 @@ impl Triangle {
     /// Raises the cells of a row to this triangle.
     fn fill_row(&self, row: usize, heights: &mut [f32], upness: &mut [u16]) {
         let [from, to] = self.crossing(row as f64);
-        let (first, last) =
-            ((from - EDGE_SLACK).ceil().max(0.0), (to + EDGE_SLACK).floor().min(heights.len() as f64 - 1.0));
-        if !(first <= last) {
+        let (first, last) = ((from - EDGE_SLACK).ceil().max(0.0), (to + EDGE_SLACK).floor());
+        if first > last {
             return;
         }
         let at_row = self.height + (row as f64 - self.corners[0].y) * self.slope.y;
-        for column in first as usize..=last as usize {
+        for column in first as usize..heights.len().min(last as usize + 1) {
             let height = at_row + (column as f64 - self.corners[0].x) * self.slope.x;
             // A steep triangle's plane runs far off within rounding of its edge.
             let height = height.clamp(self.span[0], self.span[1]) as f32;
