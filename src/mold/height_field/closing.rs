@@ -37,14 +37,15 @@ pub struct Closing {
 }
 
 impl Closing {
-    /// How much is left above the material at a cell (mm), up to rounding.
+    /// How much is left above the material of `field` at a cell (mm), up to rounding; nothing where there is no material.
     pub fn residue(&self, field: &HeightField, cell: usize) -> f64 {
-        field.height(cell).map_or(0.0, |height| field.base + f64::from(self.heights[cell]) - height)
+        let left = self.heights.get(cell).zip(field.heights.get(cell)).map(|(left, height)| left - height);
+        left.filter(|left| left.is_finite()).map_or(0.0, f64::from)
     }
 
-    /// Which cutter of the library leaves least at a cell, the first among equals.
-    pub fn nearest(&self, cell: usize) -> usize {
-        self.cutters[usize::from(self.nearest[cell])]
+    /// Which cutter of the library leaves least at a cell, the first among equals; none if there is no such cell.
+    pub fn nearest(&self, cell: usize) -> Option<usize> {
+        self.nearest.get(cell).and_then(|&number| self.cutters.get(usize::from(number))).copied()
     }
 }
 

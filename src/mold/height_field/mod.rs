@@ -58,6 +58,14 @@ pub enum HeightFieldError {
     /// More cutters than can be told apart.
     #[error("{0} cutters are needed and at most 256 can be told apart; leave out those that cut no more than others")]
     TooManyCutters(usize),
+    /// What cutters leave of another grid.
+    #[error("what the cutters leave was found on a grid of {found} cells, the heights have {expected}: find it again")]
+    OtherGrid {
+        /// Cells of the heights.
+        expected: usize,
+        /// Cells of what is left.
+        found: usize,
+    },
     /// A cutter that is none.
     #[error(transparent)]
     Cutter(#[from] CutterError),

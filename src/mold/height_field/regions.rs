@@ -31,13 +31,17 @@ pub struct UncutRegion {
 /// square of three cells is the raggedness of the grid along a wall, and left out.
 ///
 /// # Errors
-/// [`HeightFieldError::Cancelled`].
+/// [`HeightFieldError::OtherGrid`], [`HeightFieldError::Cancelled`].
 pub fn regions(
     field: &HeightField,
     closing: &Closing,
     tolerance: f64,
     cancel: &Cancel,
 ) -> Result<Vec<UncutRegion>, HeightFieldError> {
+    let (expected, found) = (field.heights.len(), closing.heights.len());
+    if expected != found {
+        return Err(HeightFieldError::OtherGrid { expected, found });
+    }
     let pieces = Pieces::of(field, closing, tolerance, cancel)?;
     let mut regions: Vec<UncutRegion> =
         pieces.cells().into_iter().map(|cells| measured(field, closing, cells)).collect();

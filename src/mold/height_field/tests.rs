@@ -106,10 +106,17 @@ fn what_cannot_be_a_grid_is_refused_in_words() {
     for nothing in [Mesh::default(), wall, block.mapped(|p| p * f64::NAN)] {
         assert_eq!(HeightField::raster(&nothing, 0.1, &cancel), Err(HeightFieldError::NoMaterial));
     }
-    let coarse = raster(&block, 0.02);
-    let huge = CutterLibrary { cutter: vec![Cutter::flat(100.0)] };
+    let coarse = raster(&block, 0.025);
+    let huge = CutterLibrary { cutter: vec![Cutter::flat(150.0)] };
     assert!(matches!(closing(&coarse, &huge, &cancel), Err(HeightFieldError::TooManyCells { .. })));
     assert!(matches!(closing(&coarse, &CutterLibrary::default(), &cancel), Err(HeightFieldError::Cutter(_))));
+    let other = left_by(&raster(&block, 1.0), &[Cutter::flat(1.0)]);
+    let found = 80 * 110;
+    assert_eq!(
+        regions(&coarse, &other, 0.02, &cancel),
+        Err(HeightFieldError::OtherGrid { expected: 3200 * 4400, found })
+    );
+    assert_eq!((other.nearest(found), other.residue(&coarse, found)), (None, 0.0));
     cancel.cancel();
     let told = Err(HeightFieldError::Cancelled(Cancelled));
     assert_eq!(HeightField::raster(&block, 1.0, &cancel), told);
@@ -186,7 +193,7 @@ fn a_larger_cutter_leaves_no_less_and_another_one_no_more() {
     for (cell, left) in residues(&together).into_iter().enumerate() {
         let least = alone.iter().map(|r| r[cell]).fold(f64::INFINITY, f64::min);
         assert!((left - least).abs() < 3e-5, "cell {cell}: {left} and {least}");
-        assert!((alone[together.nearest(cell)][cell] - least).abs() < 3e-5);
+        assert!((alone[together.nearest(cell).unwrap()][cell] - least).abs() < 3e-5);
     }
 }
 
