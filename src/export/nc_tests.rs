@@ -5,7 +5,8 @@ use crate::export::path_csv::write_path_csv;
 use crate::feed::certificate::{Findings, TravelVerdict};
 use crate::feed::copying::CopyingMotion;
 use crate::feed::machine::AxisSet;
-use crate::feed::simulation::{Simulation, Visit};
+use crate::feed::machine_model::MachineModel;
+use crate::feed::simulation::{Findings as Simulated, Simulation};
 
 fn machine() -> &'static MachineParams {
     static MACHINE: std::sync::OnceLock<MachineParams> = std::sync::OnceLock::new();
@@ -272,29 +273,16 @@ fn block_numbers_start_again_rather_than_grow_too_long() {
     assert!(numbers.len() > 240 && numbers.iter().all(|n| (5..=100).contains(n)));
 }
 
-/// The whole motion of the fixtures' path in two channels.
-fn simulation() -> Simulation {
-    let first = fixtures::path().rows[0].pose;
-    let clear = Pose { x: first.x - 10.0, z: first.z + 20.0, ..first };
-    let turn = crate::feed::quantise::quantise_rad(6f64.to_radians());
-    Simulation {
-        path_digest: fixtures::path().digest(),
-        copying_digest: None,
-        approach: vec![clear, Pose { z: first.z, ..clear }, first],
-        visits: vec![Visit { channel: 3, turn: 0.0 }, Visit { channel: 4, turn }],
-        out_of_reach: vec![],
-        pairs: vec![],
-        travel: None,
-        minutes: 1.0,
-        model_digest: String::new(),
-        period_error: Some(0.0),
-        bodies: vec![],
-    }
+/// The approved path with its made-up simulation, with what was found changed by `change`.
+fn simulated(change: impl Fn(&mut Simulated)) -> Result<Approved, NotApproved> {
+    let mut findings = fixtures::simulation();
+    change(&mut findings);
+    fixtures::approved().with_simulation(&Simulation::made_up(findings), &MachineModel::default())
 }
 
 #[test]
 fn every_simulated_channel_is_burnt_with_a_turned_by_its_pitch() {
-    let approved = fixtures::approved().with_simulation(&simulation()).unwrap();
+    let approved = simulated(|_| ()).unwrap();
     for (name, _) in crate::export::post::BUILT_IN {
         let post = Post::load(name, None).unwrap();
         let program = NcProgram::new(&approved, &post, &NcSettings::default(), &job()).unwrap();
@@ -310,7 +298,7 @@ fn every_simulated_channel_is_burnt_with_a_turned_by_its_pitch() {
             }
             assert!((number(second, "A") - number(first, "A") - 6.0).abs() < 1e-9, "{name}");
         }
-        let clear = simulation().approach[0];
+        let clear = fixtures::simulation().approach[0];
         for at in [0, in_channel - 1, in_channel] {
             assert!(
                 (number(&blocks[at], "X") - clear.x).abs() < 1e-9 && (number(&blocks[at], "Z") - clear.z).abs() < 1e-9
@@ -325,16 +313,21 @@ fn a_machine_with_bodies_wants_a_simulation_that_holds_of_this_very_motion() {
     let (post, job) = (Post::load("iso", None).unwrap(), NcJob { machine: &machine, ..job() });
     let program = |approved: &Approved| NcProgram::new(approved, &post, &NcSettings::default(), &job).map(|_| ());
     assert_eq!(program(&fixtures::approved()), Err(NcError::NotSimulated));
-    let approved = fixtures::approved().with_simulation(&simulation()).unwrap();
+    let approved = simulated(|_| ()).unwrap();
     assert_eq!(program(&approved), Ok(()));
-    let refused = |change: fn(&mut Simulation)| {
-        let mut simulation = simulation();
-        change(&mut simulation);
-        fixtures::approved().with_simulation(&simulation).unwrap_err()
-    };
-    assert_eq!(refused(|s| s.path_digest = "0".repeat(64)), NotApproved::OtherPath);
-    assert_eq!(refused(|s| s.copying_digest = Some("0".repeat(64))), NotApproved::OtherPath);
+    let refused = |change: fn(&mut Simulated)| simulated(change).unwrap_err();
+    let another = NotApproved::OtherSimulated;
+    assert_eq!(refused(|s| s.path_digest = "0".repeat(64)), another("path"));
+    assert_eq!(refused(|s| s.copying_digest = Some("0".repeat(64))), another("copying motion"));
+    assert_eq!(refused(|s| s.blisk_digest = "0".repeat(64)), another("blisk"));
+    assert_eq!(refused(|s| s.electrode_digest = "0".repeat(64)), another("electrode"));
+    assert_eq!(refused(|s| s.model_digest = "0".repeat(64)), another("machine"));
     assert!(matches!(refused(|s| s.out_of_reach = vec![7]), NotApproved::Collides(text) if text.contains("channel 7")));
+    assert!(
+        matches!(refused(|s| s.pairs.clear()), NotApproved::Collides(text) if text.contains("Nothing was simulated"))
+    );
+    assert!(matches!(refused(|s| s.visits.clear()), NotApproved::Collides(_)));
+    assert!(matches!(refused(|s| s.pairs[0].certified = 0.0), NotApproved::Collides(_)));
     // A machine whose A does not go as far as the second channel.
     let short = MachineParams { travel_a_deg: [-3.0, 5.0], ..machine.clone() };
     let job = NcJob { machine: &short, ..job };

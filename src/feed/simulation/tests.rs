@@ -4,10 +4,12 @@ use super::*;
 use crate::blisk::channel::Surface;
 use crate::blisk::electrode::{ElectrodeFace, EntrySide};
 use crate::feed::certificate::{Contact, Findings, TravelVerdict};
-use crate::feed::machine_model::Carrier;
+use crate::feed::machine_model::{Body, Carrier};
 use crate::feed::path::PathRow;
+use crate::feed::pose::Pose;
 use crate::geometry::frame::Frame;
 use crate::geometry::mesh::tests::cuboid;
+use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
 
 const O: DVec3 = DVec3::new(0.0, 0.0, 100.0);
@@ -120,7 +122,7 @@ impl Parts {
 }
 
 fn pair<'a>(simulation: &'a Simulation, moving: &str, fixed: &str) -> &'a PairReport {
-    simulation.pairs.iter().find(|p| p.moving == moving && p.fixed == fixed && p.during.is_none()).unwrap()
+    simulation.pairs().iter().find(|p| p.moving == moving && p.fixed == fixed && p.during.is_none()).unwrap()
 }
 
 /// A chuck behind the bar, from x = 10 to 12 and 20 mm wide.
@@ -133,7 +135,7 @@ fn a_stop_on_the_bed_is_met_by_the_chuck_at_the_instant_worked_out_by_hand() {
     // From x = 16 to 20 in W, counted from the drum's far face at x = -5, beside the bar but not beside the chuck.
     let parts = parts(vec![chuck(), body("stop", Carrier::Bed, [23.0, 4.0, 100.0], [4.0, 2.0, 2.0])], 0.0);
     let simulation = parts.simulate(&[0]);
-    assert!(!simulation.holds() && simulation.travel.is_none());
+    assert!(!simulation.holds() && simulation.travel().is_none());
     // The chuck's front is at x + 10: it meets the stop at x = 10, two thirds of the way in from 30.
     let contact = pair(&simulation, "chuck", "stop").contact.unwrap();
     assert_eq!((contact.phase, contact.channel), (Phase::Feed, 0));
@@ -164,15 +166,15 @@ fn a_lug_on_the_table_is_in_the_way_in_its_own_channel_only() {
     let lug = body("lug", Carrier::Table, [23.0, -100.0, 4.0], [4.0, 2.0, 2.0]);
     let parts = parts(vec![chuck(), lug], 0.0);
     let all = parts.simulate(&[0, 1, 2, 3]);
-    assert_eq!(all.visits.len(), 4);
-    assert!(all.period_error.unwrap() < 1e-12, "{:?}", all.period_error);
+    assert_eq!(all.visits().len(), 4);
+    assert!(all.period_error().unwrap() < 1e-12, "{:?}", all.period_error());
     let contact = pair(&all, "chuck", "lug").contact.unwrap();
     assert_eq!((contact.phase, contact.channel), (Phase::Feed, 1));
     assert!((contact.row - 2.0 / 3.0).abs() < 1e-6);
     let others = parts.simulate(&[0, 2, 3]);
     assert!(others.holds(), "{}", others.sentence());
     // Turned by A the other way, the last channel is a quarter turn back.
-    let turns: Vec<f64> = others.visits.iter().map(|v| v.turn / FRAC_PI_2).collect();
+    let turns: Vec<f64> = others.visits().iter().map(|v| v.turn / FRAC_PI_2).collect();
     assert!(turns.iter().zip([-1.0, 0.0, 2.0]).all(|(t, expected)| (t - expected).abs() < 1e-9), "{turns:?}");
 }
 
@@ -223,8 +225,8 @@ fn a_drum_that_is_not_alike_is_tested_in_every_channel() {
     parts.blisk.vertices.extend(&tooth.vertices);
     parts.blisk.triangles.extend(tooth.triangles.iter().map(|t| t.map(|v| v + count)));
     let simulation = parts.simulate(&[0, 1]);
-    assert_eq!(simulation.period_error, None);
-    let in_others = simulation.pairs.iter().find(|p| p.during == Some("feed in other channels")).unwrap();
+    assert_eq!(simulation.period_error(), None);
+    let in_others = simulation.pairs().iter().find(|p| p.during == Some("feed in other channels")).unwrap();
     assert!((in_others.least.distance - 0.6).abs() < 1e-6 && in_others.least.channel == 1, "{in_others:?}");
     assert!(in_others.holds(), "the spark gap is asked for in a channel");
 }
@@ -238,7 +240,7 @@ fn c_turns_what_the_electrode_carries_and_not_the_head() {
     let contact = pair(&simulation, "arm", "post").contact.unwrap();
     // From x = 40 in, the arm's front at x - 1 meets the post's back at 30.5; the clear position is above.
     assert_eq!(contact.phase, Phase::Approach);
-    let expected = (simulation.approach.len() - 2) as f64 + (40.0 - 31.5) / 10.0;
+    let expected = (simulation.approach().len() - 2) as f64 + (40.0 - 31.5) / 10.0;
     assert!((contact.row - expected).abs() < 1e-6, "{contact:?}");
     let head = body("arm", Carrier::Head, [30.0, 0.0, 0.0], [2.0, 2.0, 2.0]);
     assert!(parts(vec![head, post()], FRAC_PI_2).simulate(&[0]).holds());
@@ -249,11 +251,11 @@ fn channels_beyond_the_travel_of_a_are_named() {
     let mut parts = parts(vec![chuck()], 0.0);
     parts.machine.travel_a_deg = [-100.0, 100.0];
     let simulation = parts.simulate(&[0, 1, 2, 3]);
-    assert_eq!(simulation.out_of_reach, [2]);
-    assert_eq!(simulation.visits.iter().map(|v| v.channel).collect::<Vec<_>>(), [3, 0, 1]);
+    assert_eq!(simulation.out_of_reach(), [2]);
+    assert_eq!(simulation.visits().iter().map(|v| v.channel).collect::<Vec<_>>(), [3, 0, 1]);
     assert!(!simulation.holds() && simulation.sentence().contains("does not reach channel 2"));
     parts.machine.axes = crate::feed::machine::AxisSet::XYZC;
-    assert_eq!(parts.simulate(&[0, 1]).out_of_reach, [1]);
+    assert_eq!(parts.simulate(&[0, 1]).out_of_reach(), [1]);
     assert!(parts.simulate(&[0]).holds());
 }
 
@@ -267,9 +269,9 @@ fn the_whole_motion_is_one_way_and_takes_its_time() {
     assert_eq!(names, [&of_channel[..], &["indexing"], &of_channel].concat());
     assert!(legs.windows(2).all(|pair| pair[0].poses.last() == pair[1].poses.first()), "without a jump");
     // In and out 40 mm and up and down by the rise, twice, at 1000 mm/min; a quarter turn at 1800 deg/min.
-    let rise = simulation.approach[0].z;
+    let rise = simulation.approach()[0].z;
     let expected = 4.0 * (40.0 + rise) / 1000.0 + 90.0 / 1800.0;
-    assert!((simulation.minutes - expected).abs() < 1e-9, "{} {expected}", simulation.minutes);
+    assert!((simulation.minutes() - expected).abs() < 1e-9, "{} {expected}", simulation.minutes());
     // Above the drum by the clear distance: the bar's underside is at 99.
     assert!((rise - 1.0).abs() < 1e-5, "{rise}");
 }
