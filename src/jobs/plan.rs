@@ -16,7 +16,6 @@ use crate::blisk::surface_finder::SurfaceFinder;
 use crate::export::report::StageTime;
 use crate::feed::copying::Copying;
 use crate::feed::leftover::Leftover;
-use crate::feed::machine_model::MachineModelError;
 use crate::feed::plan::{FeedPlan, Observe, PlanSettings, plan_drawn_in, plan_feed};
 use crate::feed::plan_params::PlanError;
 use crate::feed::replay::{Surroundings, replay_feed};
@@ -27,6 +26,7 @@ use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::frame::Frame;
 use crate::geometry::mesh::Mesh;
 use crate::progress::{Cancel, Cancelled, Progress};
+use crate::project::machine_file::MachineFileError;
 use crate::project::{KeptElectrode, KeptPlan, KeptPlanError, PlanJob};
 
 /// What a plan is made from.
@@ -121,7 +121,7 @@ pub enum PlanJobError {
     #[error(transparent)]
     Verify(VerifyError),
     #[error(transparent)]
-    Machine(MachineModelError),
+    Machine(MachineFileError),
 }
 
 impl From<VerifyError> for PlanJobError {
@@ -133,10 +133,10 @@ impl From<VerifyError> for PlanJobError {
     }
 }
 
-impl From<MachineModelError> for PlanJobError {
-    fn from(error: MachineModelError) -> Self {
+impl From<MachineFileError> for PlanJobError {
+    fn from(error: MachineFileError) -> Self {
         match error {
-            MachineModelError::Cancelled(cancelled) => cancelled.into(),
+            MachineFileError::Cancelled(cancelled) => cancelled.into(),
             other => Self::Machine(other),
         }
     }

@@ -3,11 +3,11 @@
 use super::common::{easy_blisk, mesh};
 use super::{easy_job, plan};
 use sparkpath::feed::machine::MachineParams;
-use sparkpath::feed::machine_model::{BUILT_IN, machine_table, read_machine};
 use sparkpath::feed::search::Strategy;
 use sparkpath::feed::simulation::{Scenario, Simulation, SimulationOptions, simulate};
 use sparkpath::jobs::plan::PlanOutcome;
 use sparkpath::progress::{Cancel, Progress};
+use sparkpath::project::machine_file::{BUILT_IN, machine_table, read_machine};
 
 fn machine(name: &str) -> MachineParams {
     let params: MachineParams = toml::Value::Table(machine_table(name).unwrap()).try_into().unwrap();
