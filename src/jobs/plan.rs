@@ -16,7 +16,7 @@ use crate::blisk::surface_finder::SurfaceFinder;
 use crate::export::report::StageTime;
 use crate::feed::copying::Copying;
 use crate::feed::leftover::Leftover;
-use crate::feed::plan::{FeedPlan, Observe, PlanSettings, plan_drawn_in, plan_feed};
+use crate::feed::plan::{DrawnIn, FeedPlan, Observe, PlanSettings, plan_drawn_in, plan_feed};
 use crate::feed::plan_params::PlanError;
 use crate::feed::replay::{Surroundings, replay_feed};
 use crate::feed::search::{Convergence, Node, Strategy};
@@ -368,7 +368,8 @@ impl JobPlanner<'_> {
         let (full, turns) = self.prepared.fullest(self.inputs, which, self.progress, self.cancel)?;
         let field_seconds = started.elapsed().as_secs_f64();
         let space = &self.prepared.space;
-        let plan = plan_drawn_in(space, &full, turns, electrode, settings, self.progress, self.cancel)?;
+        let drawn_in = DrawnIn { prepared: &full, turns, electrode };
+        let plan = plan_drawn_in(space, &drawn_in, settings, self.progress, self.cancel)?;
         Ok(FeedPlan { field_seconds, ..plan })
     }
 
