@@ -90,11 +90,12 @@ pub fn simulate(
     progress.report("simulation", 0.0, "bodies");
     let bodies = Bodies::new(scenario, cancel)?;
     let (visits, out_of_reach) = tour::visits(scenario, &options.channels);
-    let run = Run { scenario, options, bodies: &bodies, cancel };
-    let approach = run.approach()?;
     let period_error = periodic::error_of(scenario.blisk, visits.iter().map(|v| v.turn), cancel)?;
-    let mut pairs = run.feed_pairs(period_error.unwrap_or(0.0));
-    pairs.extend(run.all(&approach, &visits, period_error, progress)?);
+    let run = Run { scenario, options, bodies: &bodies, visits: &visits, period_error, cancel };
+    let copies = run.copies()?;
+    let approach = run.approach(&copies)?;
+    let mut pairs = run.feed_pairs();
+    pairs.extend(run.all(&approach, &copies, progress)?);
     pairs.sort_by(|p, q| (p.certified - p.required).total_cmp(&(q.certified - q.required)));
     let legs = tour::whole(&approach.poses, scenario.feed.0, scenario.copying.map(|c| c.0), &visits);
     Ok(Simulation::of(Findings {
