@@ -307,6 +307,52 @@ fn every_simulated_channel_is_burnt_with_a_turned_by_its_pitch() {
     }
 }
 
+/// The values of all axes (mm, rad) in every block that moves, with what the post and a turned machine count the other
+/// way round set right.
+fn replayed(post: &Post, text: &str, is_turned: bool) -> Vec<Pose> {
+    let mut at = Pose::FINAL.to_array();
+    let blocks = moving_blocks(post, text);
+    let poses = blocks.iter().map(|block| {
+        for (i, (axis, letter)) in Axis::ALL.into_iter().zip(["X", "Y", "Z", "A", "B", "C"]).enumerate() {
+            let Some(number) = value(block, letter) else { continue };
+            let number: f64 = number.parse().unwrap();
+            let number = if axis.is_rotary() { number.to_radians() } else { number };
+            let is_opposite = is_turned && "XYAB".contains(letter);
+            let is_reversed = post.axes.iter().any(|a| a.axis == axis && a.reversed);
+            at[i] = if is_opposite != is_reversed { -number } else { number };
+        }
+        Pose { x: at[0], y: at[1], z: at[2], a: at[3], b: at[4], c: at[5] }
+    });
+    poses.collect()
+}
+
+#[test]
+fn a_program_replayed_is_the_motion_that_was_simulated() {
+    let copying = fixtures::copying(|_| ());
+    let mut findings = fixtures::simulation();
+    findings.copying_digest = Some(copying.path.digest());
+    let simulation = Simulation::made_up(findings);
+    let approved = fixtures::approved().with_copying(&copying).unwrap();
+    let approved = approved.with_simulation(&simulation, &MachineModel::default()).unwrap();
+    let legs = simulation.legs(approved.path(), Some(&copying.path));
+    let mut expected: Vec<Pose> = legs.into_iter().flat_map(|leg| leg.poses).collect();
+    expected.dedup();
+    for (name, _) in crate::export::post::BUILT_IN {
+        for (is_turned, is_reversed) in [(false, false), (true, false), (true, true)] {
+            let mut post = Post::load(name, None).unwrap();
+            post.axes.iter_mut().filter(|a| a.axis == Axis::A).for_each(|a| a.reversed = is_reversed);
+            let job = NcJob { is_turned, ..job() };
+            let program = NcProgram::new(&approved, &post, &NcSettings::default(), &job).unwrap();
+            let poses = replayed(&post, program.text(), is_turned);
+            assert_eq!(poses.len(), expected.len(), "{name}");
+            for (i, (pose, expected)) in poses.iter().zip(&expected).enumerate() {
+                let off = pose.to_array().into_iter().zip(expected.to_array()).map(|(p, q)| (p - q).abs());
+                assert!(off.fold(0.0, f64::max) < 1e-9, "{name} block {i}: {pose:?} {expected:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_machine_with_bodies_wants_a_simulation_that_holds_of_this_very_motion() {
     let machine = MachineParams { name: "xyzac".to_owned(), ..Default::default() };
