@@ -1,6 +1,7 @@
 //! Machine files: what a [`MachineModel`] and the keys of `[machine]` of a job are read from.
 //!
-//! A machine is a URDF file (see `urdf.rs`) or a TOML file: axes, travels and speeds under the keys of `[machine]` of a job, and a list of bodies.
+//! A machine is a URDF file (see `urdf.rs`) or a TOML file: axes, travels and speeds under the keys of `[machine]` of a
+//! job, and a list of bodies.
 //!
 //! ```toml
 //! axes = "XYZAC"
