@@ -25,10 +25,10 @@ impl TourFeeds {
     /// The number of a block whose F word would be 0.
     pub(super) fn new(approved: &Approved, pace: &Pace, mm_per_min: f64) -> Result<Self, usize> {
         let Some(simulation) = approved.simulation() else { return Ok(Self::default()) };
-        let approach = rows(&simulation.approach);
+        let approach = rows(simulation.approach());
         let leave: Vec<PathRow> = approach.iter().rev().copied().collect();
-        let index = simulation.visits.windows(2).enumerate().map(|(i, pair)| {
-            let clear = simulation.approach.first().copied().unwrap_or(Pose::FINAL);
+        let index = simulation.visits().windows(2).enumerate().map(|(i, pair)| {
+            let clear = simulation.approach().first().copied().unwrap_or(Pose::FINAL);
             let at = |turn: f64| Pose { a: clear.a + turn, ..clear };
             pace.block(&at(pair[0].turn), &at(pair[1].turn), mm_per_min).ok_or(i)
         });
@@ -69,15 +69,15 @@ pub(super) fn header(w: &mut Writer, approved: &Approved) {
     }
     let sense = if w.counts_backwards(Axis::A) { -1.0 } else { 1.0 };
     let channels =
-        simulation.visits.iter().map(|v| format!("{} at A {}", v.channel, deg_text(sense * v.turn + 0.0, 6)));
+        simulation.visits().iter().map(|v| format!("{} at A {}", v.channel, deg_text(sense * v.turn + 0.0, 6)));
     w.comment(&format!("Channels: {}", channels.collect::<Vec<_>>().join(", ")));
 }
 
 /// Every channel: there, in, out and back to the clear position.
 pub(super) fn motion(w: &mut Writer, approved: &Approved, simulation: &Simulation, feeds: &Feeds) {
-    let approach = rows(&simulation.approach);
+    let approach = rows(simulation.approach());
     let Some(clear) = approach.first() else { return };
-    for (i, visit) in simulation.visits.iter().enumerate() {
+    for (i, visit) in simulation.visits().iter().enumerate() {
         w.turn = visit.turn;
         if i == 0 {
             first_position(w, &clear.pose, feeds);

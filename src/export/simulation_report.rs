@@ -122,12 +122,12 @@ impl SimulationReport {
         Self {
             sentence: simulation.sentence(),
             holds: simulation.holds(),
-            channels: simulation.visits.iter().map(channel).collect(),
-            out_of_reach: simulation.out_of_reach.clone(),
-            approach: simulation.approach.iter().map(PoseReport::from).collect(),
-            least_minutes: simulation.minutes,
-            period_error_mm: simulation.period_error,
-            pairs: simulation.pairs.iter().map(PairFigures::of).collect(),
+            channels: simulation.visits().iter().map(channel).collect(),
+            out_of_reach: simulation.out_of_reach().to_vec(),
+            approach: simulation.approach().iter().map(PoseReport::from).collect(),
+            least_minutes: simulation.minutes(),
+            period_error_mm: simulation.period_error(),
+            pairs: simulation.pairs().iter().map(PairFigures::of).collect(),
         }
     }
 

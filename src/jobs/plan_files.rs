@@ -231,8 +231,9 @@ fn electrode_files(
         approved = approved.with_copying(copying).map_err(not_approved)?;
     }
     if let Some(simulation) = whole.simulation(k - 1) {
-        simulate::is_of_today(simulation, context.job, context.cancel).map_err(PlanFilesError::Machine)?;
-        approved = approved.with_simulation(simulation).map_err(not_approved)?;
+        let of_today = simulate::bodies_of(context.job, &Progress::silent(), context.cancel);
+        let of_today = of_today.map_err(PlanFilesError::Machine)?;
+        approved = approved.with_simulation(simulation, &of_today).map_err(not_approved)?;
     }
     let electrode_file = electrode_in_program(k, &context.job.export);
     let side = outcome.electrode.enters_from;

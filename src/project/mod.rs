@@ -1,4 +1,4 @@
-//! Floor 5: the document. What a user chooses for a whole job, with undo, files and autosave. It holds no results:
+//! Floor 5: the document. What a user chooses for a whole job, with undo, files and autosave; and the machines that a job names. It holds no results:
 //! the same parameters and seed give the same results again, byte by byte.
 
 mod autosave;
@@ -8,6 +8,7 @@ mod fields;
 mod history;
 mod job_file;
 mod kept_plan;
+pub mod machine_file;
 mod paths;
 mod project_file;
 mod recent;

@@ -13,8 +13,8 @@ const SAME: f64 = 1e-3;
 const PER_CHECK: usize = 16384;
 
 /// How far points of `blisk` are from the blisk at most (mm) when it is turned about X so that what is at one of `turns`
-/// (rad) comes to 0. None unless every
-/// turned triangle is, corner by corner, a triangle of the mesh: then surfaces may be the same and not be known to be.
+/// (rad) comes to 0. None unless every turned triangle is, corner by corner, a triangle of the mesh: otherwise surfaces
+/// may be the same and not be known to be.
 pub(super) fn error_of(
     blisk: &Mesh,
     turns: impl Iterator<Item = f64>,

@@ -39,8 +39,7 @@ impl Solid {
         let about = mesh.mapped(|p| p - origin);
         let tree = Bvh::new(&about, cancel)?;
         let reach = tree.triangles().iter().flatten().map(|u| u.length()).fold(0.0, f64::max);
-        cancel.check()?;
-        Ok(Self { tree, parts: inside::point_of_each_part(&about), origin, reach })
+        Ok(Self { tree, parts: inside::point_of_each_part(&about, cancel)?, origin, reach })
     }
 }
 
@@ -102,14 +101,16 @@ impl Pair<'_> {
     }
 
     /// A point of the one body inside the other at `pose`.
-    fn one_inside_the_other(&self, pose: &Pose) -> Option<DVec3> {
+    fn one_inside_the_other(&self, pose: &Pose, cancel: &Cancel) -> Result<Option<DVec3>, Cancelled> {
         let (rotation, shift) = self.placement(pose);
         let back = rotation.transpose();
         let moved = self.moving.parts.iter().map(|&u| rotation * u + shift);
-        inside::first_inside(self.fixed.tree.triangles(), moved).or_else(|| {
-            let fixed = self.fixed.parts.iter().map(|&p| back * (p - shift));
-            inside::first_inside(self.moving.tree.triangles(), fixed).map(|u| rotation * u + shift)
-        })
+        if let Some(p) = inside::first_inside(self.fixed.tree.triangles(), moved, cancel)? {
+            return Ok(Some(p));
+        }
+        let fixed = self.fixed.parts.iter().map(|&p| back * (p - shift));
+        let found = inside::first_inside(self.moving.tree.triangles(), fixed, cancel)?;
+        Ok(found.map(|u| rotation * u + shift))
     }
 
     fn resolution_at(&self, clearance: f64) -> f64 {
@@ -131,7 +132,7 @@ impl Pair<'_> {
         let (true, Some(first)) = (!self.moving.tree.is_empty() && !self.fixed.tree.is_empty(), poses.first()) else {
             return Ok(None);
         };
-        if let Some(p) = self.one_inside_the_other(first) {
+        if let Some(p) = self.one_inside_the_other(first, cancel)? {
             return Ok(Some(PairClearance { certified: 0.0, least: self.near(0.0, *first, (0.0, p, p)) }));
         }
         let mut least = match before {
@@ -215,7 +216,7 @@ impl Pair<'_> {
         if self.moving.tree.is_empty() || self.fixed.tree.is_empty() {
             return Ok(None);
         }
-        if let Some(p) = self.one_inside_the_other(first) {
+        if let Some(p) = self.one_inside_the_other(first, cancel)? {
             return Ok(Some(self.near(0.0, *first, (0.0, p, p))));
         }
         for i in 0..poses.len().saturating_sub(1) {

@@ -22,8 +22,9 @@ use std::path::{Path, PathBuf};
 use glam::{DAffine3, DMat3, DVec3};
 use roxmltree::{Document, Node};
 
-use super::{Carrier, shape};
+use super::shape;
 use crate::feed::machine::AxisSet;
+use crate::feed::machine_model::Carrier;
 use crate::feed::pose::Axis;
 use crate::geometry::mesh::Mesh;
 
