@@ -5,8 +5,11 @@
 
 pub mod cutter;
 pub mod outline;
+pub mod piece;
 pub mod section;
 pub mod uncut_layer;
 
 mod capsule;
 mod edge_grid;
+mod plane;
+mod way;

@@ -40,6 +40,13 @@ impl Outline {
         self.sides().map(|[p, q]| p.distance(q)).sum()
     }
 
+    /// The longest of its sides, the first of them.
+    pub fn longest_side(&self) -> [DVec2; 2] {
+        let length = |[p, q]: [DVec2; 2]| p.distance_squared(q);
+        let first = [self.points[0], self.points[1]];
+        self.sides().fold(first, |best, side| if length(side) > length(best) { side } else { best })
+    }
+
     /// How often it winds around `p`, which does not lie on it.
     pub fn winding(&self, p: DVec2) -> i32 {
         let turn = |[a, b]: [DVec2; 2]| match (a.y <= p.y, b.y <= p.y) {

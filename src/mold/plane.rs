@@ -1,0 +1,115 @@
+//! Sets of the plane and their unions, intersections and differences, on a fixed grid (i_overlay).
+
+use glam::DVec2;
+use i_overlay::core::fill_rule::FillRule;
+use i_overlay::core::overlay::ShapeType;
+use i_overlay::core::overlay_rule::OverlayRule;
+use i_overlay::float::overlay::FloatOverlay;
+use i_overlay::i_float::adapter::FloatPointAdapter;
+
+use super::outline::Outline;
+
+/// Squares of the grid per mm: finer than any file's rounding, with room for a kilometre.
+const SCALE: f64 = (1u64 << 30) as f64;
+
+/// A connected set of the plane: its outer boundary, counter-clockwise, then its holes, clockwise.
+pub type Shape = Vec<Outline>;
+
+type Ring = Vec<[f64; 2]>;
+
+/// Points around which either of the sets winds at least once.
+pub fn union(a: &[Outline], b: &[Outline]) -> Vec<Shape> {
+    overlay(rings(a), rings(b), OverlayRule::Union)
+}
+
+/// Points around which both wind at least once.
+pub fn intersection(a: &[Outline], b: &[Outline]) -> Vec<Shape> {
+    overlay(rings(a), rings(b), OverlayRule::Intersect)
+}
+
+/// Points around which `a` winds at least once and `b` does not.
+pub fn difference(a: &[Outline], b: &[Outline]) -> Vec<Shape> {
+    overlay(rings(a), rings(b), OverlayRule::Difference)
+}
+
+/// Area around which the outlines wind at least once (mm^2).
+pub fn covered_area(outlines: &[Outline]) -> f64 {
+    union(outlines, &[]).iter().map(|shape| area(shape)).sum()
+}
+
+/// Area within outlines whose holes run the other way (mm^2).
+pub fn area(outlines: &[Outline]) -> f64 {
+    outlines.iter().map(Outline::area).sum()
+}
+
+/// Whether `p` is within outlines whose holes run the other way.
+pub fn holds(outlines: &[Outline], p: DVec2) -> bool {
+    outlines.iter().map(|o| o.winding(p)).sum::<i32>() > 0
+}
+
+/// Least and greatest coordinates.
+pub fn extent(outlines: &[Outline]) -> [DVec2; 2] {
+    let points = outlines.iter().flat_map(Outline::points);
+    points.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[low, high], p| [low.min(*p), high.max(*p)])
+}
+
+fn rings(outlines: &[Outline]) -> Vec<Ring> {
+    outlines.iter().map(|o| o.points().iter().map(|p| p.to_array()).collect()).collect()
+}
+
+fn overlay(a: Vec<Ring>, b: Vec<Ring>, rule: OverlayRule) -> Vec<Shape> {
+    let points = || a.iter().chain(&b).flatten();
+    // Points too far for the grid or not finite: there is no such mold, and nothing is found.
+    let Ok(adapter) = FloatPointAdapter::<[f64; 2], i64>::try_with_iter_and_scale_conservative(points(), SCALE) else {
+        return Vec::new();
+    };
+    let mut overlay = FloatOverlay::with_adapter(adapter, points().count())
+        .unsafe_add_source(&a, ShapeType::Subject)
+        .unsafe_add_source(&b, ShapeType::Clip);
+    let shapes = overlay.overlay(rule, FillRule::Positive);
+    let outline = |ring: Ring| Outline::new(ring.into_iter().map(DVec2::from).collect());
+    let shape = |rings: Vec<Ring>| {
+        let mut rings = rings.into_iter().map(outline);
+        let outer = rings.next().flatten()?;
+        Some(std::iter::once(outer).chain(rings.flatten()).collect())
+    };
+    shapes.into_iter().filter_map(shape).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(x: f64, y: f64, side: f64) -> Outline {
+        let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+        Outline::new(corners.map(|(u, v)| DVec2::new(x + side * u, y + side * v)).to_vec()).unwrap()
+    }
+
+    fn turned(outline: &Outline) -> Outline {
+        Outline::new(outline.points().iter().rev().copied().collect()).unwrap()
+    }
+
+    #[test]
+    fn sets_of_squares_have_the_areas_of_squares() {
+        let (a, b) = ([square(0.0, 0.0, 2.0)], [square(1.0, 1.0, 2.0)]);
+        let of = |shapes: Vec<Shape>| shapes.iter().map(|s| area(s)).sum::<f64>();
+        assert!((of(union(&a, &b)) - 7.0).abs() < 1e-7);
+        assert!((of(intersection(&a, &b)) - 1.0).abs() < 1e-7);
+        assert!((of(difference(&a, &b)) - 3.0).abs() < 1e-7);
+        assert!(intersection(&a, &[]).is_empty() && union(&[], &[]).is_empty());
+        assert!(intersection(&a, &[square(5.0, 0.0, 1.0)]).is_empty());
+    }
+
+    #[test]
+    fn holes_run_the_other_way_and_what_winds_the_wrong_way_is_no_set() {
+        let ring = [square(0.0, 0.0, 4.0), turned(&square(1.0, 1.0, 1.0))];
+        let shapes = union(&ring, &[]);
+        assert_eq!((shapes.len(), shapes[0].len()), (1, 2));
+        assert!(shapes[0][0].area() > 0.0 && shapes[0][1].area() < 0.0);
+        assert!((area(&shapes[0]) - 15.0).abs() < 1e-7 && (covered_area(&ring) - 15.0).abs() < 1e-7);
+        assert!(union(&[turned(&square(0.0, 0.0, 1.0))], &[]).is_empty());
+        assert!(holds(&ring, DVec2::splat(0.5)) && !holds(&ring, DVec2::splat(1.5)));
+        let far = [Outline::new(vec![DVec2::ZERO, DVec2::X * 1e300, DVec2::Y * 1e300]).unwrap()];
+        assert!(union(&far, &ring).is_empty());
+    }
+}
