@@ -4,6 +4,7 @@
 //! the mold's height by each cutter; the answer is the least of them over the library.
 
 pub mod cutter;
+pub mod invert;
 pub mod outline;
 pub mod piece;
 pub mod section;

@@ -32,6 +32,25 @@ pub fn difference(a: &[Outline], b: &[Outline]) -> Vec<Shape> {
     overlay(rings(a), rings(b), OverlayRule::Difference)
 }
 
+/// The set within outlines grown by `by` (mm; shrunk if negative), with corners kept as they are. What is shrunk
+/// must be thicker than twice as much everywhere, as a grown set is.
+pub fn grown(outlines: &[Outline], by: f64) -> Vec<Shape> {
+    /// How much further a corner may move than a side.
+    const FURTHEST: f64 = 8.0;
+    let moved = |outline: &Outline| {
+        let points = outline.points();
+        let n = points.len();
+        let corner = |i: usize| {
+            let [a, b, c] = [points[(i + n - 1) % n], points[i], points[(i + 1) % n]];
+            let [before, after] = [b - a, c - b].map(|d| -d.normalize_or_zero().perp());
+            b + (before + after) / (1.0 + before.dot(after)).max(2.0 / (FURTHEST * FURTHEST)) * by
+        };
+        Outline::new((0..n).map(corner).collect())
+    };
+    let moved: Vec<Outline> = outlines.iter().filter_map(moved).collect();
+    union(&moved, &[])
+}
+
 /// Area around which the outlines wind at least once (mm^2).
 pub fn covered_area(outlines: &[Outline]) -> f64 {
     union(outlines, &[]).iter().map(|shape| area(shape)).sum()
@@ -98,6 +117,17 @@ mod tests {
         assert!((of(difference(&a, &b)) - 3.0).abs() < 1e-7);
         assert!(intersection(&a, &[]).is_empty() && union(&[], &[]).is_empty());
         assert!(intersection(&a, &[square(5.0, 0.0, 1.0)]).is_empty());
+    }
+
+    #[test]
+    fn growing_and_shrinking_keeps_squares_and_closes_gaps() {
+        let by = 1e-5;
+        let grown_square: f64 = grown(&[square(0.0, 0.0, 2.0)], by).iter().map(|s| area(s)).sum();
+        assert!((grown_square - (2.0 + 2.0 * by).powi(2)).abs() < 1e-7, "{grown_square}");
+        let halves = [square(0.0, 0.0, 2.0), square(2.0 + by, 0.0, 2.0)];
+        let closed: Vec<Outline> = grown(&halves, by).into_iter().flatten().collect();
+        let back = grown(&closed, -by);
+        assert!(back.len() == 1 && (area(&back[0]) - 8.0 - 2.0 * by).abs() < 1e-7, "{back:?}");
     }
 
     #[test]
