@@ -5,10 +5,14 @@
 
 pub mod cutter;
 pub mod invert;
+pub mod layers;
 pub mod outline;
 pub mod piece;
+pub mod region;
 pub mod section;
+pub mod stack;
 pub mod uncut_layer;
+pub mod warning;
 
 mod capsule;
 mod edge_grid;

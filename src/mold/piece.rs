@@ -11,6 +11,10 @@ const ON_OUTLINE: f64 = 1e-6;
 /// Share of the area up to which two sets count as the same: rounding.
 const SAME_AREA: f64 = 1e-7;
 
+/// Depth in a corner over the distance of both points touched, up to a turn of 20 degrees: a quarter of the tangent of
+/// a quarter of the turn, twice.
+const SHALLOW: f64 = 0.0437;
+
 /// A piece of the plane that the cutter leaves, connected.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UncutPiece {
@@ -34,6 +38,13 @@ impl UncutPiece {
     /// Twice its area over the length of its boundary: about half of what a strip is wide (mm).
     pub fn thickness(&self) -> f64 {
         2.0 * self.area / self.boundary.iter().map(Outline::length).sum::<f64>().max(f64::MIN_POSITIVE)
+    }
+
+    /// Whether it lies in one corner that hardly turns, as between two facets of a round.
+    pub fn is_shallow(&self) -> bool {
+        let [segment] = &self.segments[..] else { return false };
+        let [a, _, c] = segment[..] else { return false };
+        self.depth < SHALLOW * a.distance(c)
     }
 
     /// Least and greatest coordinates (mm).

@@ -2,34 +2,35 @@
 
 use glam::DVec2;
 use i_overlay::core::fill_rule::FillRule;
-use i_overlay::core::overlay::ShapeType;
+use i_overlay::core::overlay::Overlay;
 use i_overlay::core::overlay_rule::OverlayRule;
-use i_overlay::float::overlay::FloatOverlay;
-use i_overlay::i_float::adapter::FloatPointAdapter;
+use i_overlay::i_float::int::point::IntPoint;
 
 use super::outline::Outline;
 
-/// Squares of the grid per mm: finer than any file's rounding, with room for a kilometre.
+/// Squares of the grid per mm: finer than any file's rounding.
 const SCALE: f64 = (1u64 << 30) as f64;
+/// How far from the origin points may lie (mm), so that no product of two coordinates overflows.
+const FURTHEST: f64 = 1e8;
 
 /// A connected set of the plane: its outer boundary, counter-clockwise, then its holes, clockwise.
 pub type Shape = Vec<Outline>;
 
-type Ring = Vec<[f64; 2]>;
+type Ring = Vec<IntPoint<i64>>;
 
 /// Points around which either of the sets winds at least once.
 pub fn union(a: &[Outline], b: &[Outline]) -> Vec<Shape> {
-    overlay(rings(a), rings(b), OverlayRule::Union)
+    overlay(a, b, OverlayRule::Union)
 }
 
 /// Points around which both wind at least once.
 pub fn intersection(a: &[Outline], b: &[Outline]) -> Vec<Shape> {
-    overlay(rings(a), rings(b), OverlayRule::Intersect)
+    overlay(a, b, OverlayRule::Intersect)
 }
 
 /// Points around which `a` winds at least once and `b` does not.
 pub fn difference(a: &[Outline], b: &[Outline]) -> Vec<Shape> {
-    overlay(rings(a), rings(b), OverlayRule::Difference)
+    overlay(a, b, OverlayRule::Difference)
 }
 
 /// The set within outlines grown by `by` (mm; shrunk if negative), with corners kept as they are. What is shrunk
@@ -72,27 +73,27 @@ pub fn extent(outlines: &[Outline]) -> [DVec2; 2] {
     points.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[low, high], p| [low.min(*p), high.max(*p)])
 }
 
-fn rings(outlines: &[Outline]) -> Vec<Ring> {
-    outlines.iter().map(|o| o.points().iter().map(|p| p.to_array()).collect()).collect()
-}
-
-fn overlay(a: Vec<Ring>, b: Vec<Ring>, rule: OverlayRule) -> Vec<Shape> {
-    let points = || a.iter().chain(&b).flatten();
+fn overlay(a: &[Outline], b: &[Outline], rule: OverlayRule) -> Vec<Shape> {
     // Points too far for the grid or not finite: there is no such mold, and nothing is found.
-    let Ok(adapter) = FloatPointAdapter::<[f64; 2], i64>::try_with_iter_and_scale_conservative(points(), SCALE) else {
-        return Vec::new();
-    };
-    let mut overlay = FloatOverlay::with_adapter(adapter, points().count())
-        .unsafe_add_source(&a, ShapeType::Subject)
-        .unsafe_add_source(&b, ShapeType::Clip);
+    let (Some(a), Some(b)) = (on_grid(a), on_grid(b)) else { return Vec::new() };
+    let mut overlay = Overlay::<i64>::with_contours(&a, &b);
     let shapes = overlay.overlay(rule, FillRule::Positive);
-    let outline = |ring: Ring| Outline::new(ring.into_iter().map(DVec2::from).collect());
+    let point = |p: IntPoint<i64>| DVec2::new(p.x as f64, p.y as f64) / SCALE;
+    let outline = |ring: Ring| Outline::new(ring.into_iter().map(point).collect());
     let shape = |rings: Vec<Ring>| {
         let mut rings = rings.into_iter().map(outline);
         let outer = rings.next().flatten()?;
         Some(std::iter::once(outer).chain(rings.flatten()).collect())
     };
     shapes.into_iter().filter_map(shape).collect()
+}
+
+fn on_grid(outlines: &[Outline]) -> Option<Vec<Ring>> {
+    let point = |p: &DVec2| {
+        let place = (p.abs().max_element() <= FURTHEST && p.is_finite()).then(|| (*p * SCALE).round())?;
+        Some(IntPoint { x: place.x as i64, y: place.y as i64 })
+    };
+    outlines.iter().map(|o| o.points().iter().map(point).collect()).collect()
 }
 
 #[cfg(test)]

@@ -13,12 +13,15 @@ use glam::DVec2;
 
 use super::capsule::{Arc, Interval, free_between, on_arc, on_line};
 use super::edge_grid::EdgeGrid;
-use super::outline::Outline;
+use super::outline::{Outline, off_segment};
 
 /// Steps in which an arc is drawn (rad).
 pub const ARC_STEP: f64 = 0.03;
 /// How far apart the two ways to the same critical point may end, as a share of the radius: rounding.
 pub const SAME_CENTER: f64 = 1e-6;
+
+/// How far within the distance an element lies that is blocked at a glance (mm): more than rounding.
+const WELL_WITHIN: f64 = 1e-6;
 
 /// Outlines that the cutter's centre keeps off, with the material on their left.
 #[derive(Debug, Clone, Copy)]
@@ -124,12 +127,25 @@ impl<'a> Layer<'a> {
             Element::Side { .. } => (p.min(q), p.max(q)),
             Element::Corner(arc) => (arc.center - distance, arc.center + distance),
         };
+        // No point of it is further from its middle than half its length.
+        let middle = element.off(0.5 * element.length(), distance);
+        let half = match element {
+            Element::Side { length, .. } => 0.5 * length,
+            Element::Corner(arc) => 0.5 * arc.turn * distance,
+        };
         let mut blocked = Vec::new();
         for (f, other) in self.families.iter().enumerate() {
             let keep = other.obstacle.distance;
             other.grid.near(min, max, keep, near);
             for &k in near.iter().filter(|&&k| f != family || !own.contains(&(k as usize))) {
                 let segment = other.sides[k as usize];
+                let off = off_segment(middle, segment[0], segment[1]);
+                if off > keep + half {
+                    continue;
+                }
+                if off + half < keep - WELL_WITHIN {
+                    return Vec::new();
+                }
                 match *element {
                     Element::Side { along, length, .. } => on_line(p, along, length, segment, keep, &mut blocked),
                     Element::Corner(arc) => on_arc(arc, segment, keep, &mut blocked),
