@@ -19,6 +19,9 @@ const BELOW: f64 = 1e-6;
 /// Share of the spacing up to which a slab is halved for the number of pieces alone.
 const COUNTED: f64 = 0.125;
 
+/// Share of what is left up to which a layer is as predicted, however much is left.
+const PREDICTED: f64 = 1e-3;
+
 /// How finely a mold is cut into layers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -205,7 +208,10 @@ pub struct LayerFigures {
 /// Whether the slabs beside a layer need layers in their own middles: it is not what the layers beside it predict.
 pub fn is_bent([low, middle, high]: [LayerFigures; 3], settings: &LayerSettings) -> bool {
     let share = (middle.z - low.z) / (high.z - low.z);
-    let off = |of: fn(&LayerFigures) -> f64| (of(&middle) - (of(&low) + (of(&high) - of(&low)) * share)).abs();
+    let off = |of: fn(&LayerFigures) -> f64| {
+        let off = (of(&middle) - (of(&low) + (of(&high) - of(&low)) * share)).abs();
+        if off > PREDICTED * of(&low).max(of(&high)) { off } else { 0.0 }
+    };
     let thickness = high.z - low.z;
     let counts = low.count.min(high.count)..=low.count.max(high.count);
     off(|f| f.area) * thickness > settings.volume_tolerance_mm3

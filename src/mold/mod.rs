@@ -18,3 +18,6 @@ mod capsule;
 mod edge_grid;
 mod plane;
 mod way;
+
+#[cfg(test)]
+mod test_molds;

@@ -37,7 +37,7 @@ impl UncutPiece {
 
     /// Twice its area over the length of its boundary: about half of what a strip is wide (mm).
     pub fn thickness(&self) -> f64 {
-        2.0 * self.area / self.boundary.iter().map(Outline::length).sum::<f64>().max(f64::MIN_POSITIVE)
+        thickness(self.area, &self.boundary)
     }
 
     /// Whether it lies in one corner that hardly turns, as between two facets of a round.
@@ -51,6 +51,10 @@ impl UncutPiece {
     pub fn extent(&self) -> [DVec2; 2] {
         plane::extent(&self.boundary)
     }
+}
+
+fn thickness(area: f64, boundary: &[Outline]) -> f64 {
+    2.0 * area / boundary.iter().map(Outline::length).sum::<f64>().max(f64::MIN_POSITIVE)
 }
 
 /// What is left of a layer by every one of several cutters, from what each leaves.
@@ -73,7 +77,9 @@ fn pairs(a: &[UncutPiece], b: &[UncutPiece]) -> Vec<UncutPiece> {
 }
 
 fn pair(a: &UncutPiece, b: &UncutPiece) -> Vec<UncutPiece> {
-    let shapes = plane::intersection(&a.boundary, &b.boundary);
+    let mut shapes = plane::intersection(&a.boundary, &b.boundary);
+    // Where both touch the same outline only the grid's rounding is between them.
+    shapes.retain(|shape| thickness(plane::area(shape), shape) > ON_OUTLINE);
     let depth = a.depth.min(b.depth);
     // One within the other: its area is known better than that of what is drawn.
     if let [shape] = &shapes[..] {

@@ -226,3 +226,205 @@ impl Seen {
         warnings
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use glam::{DVec2, DVec3};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::geometry::mesh::tests::cuboid;
+    use crate::mold::region::{UncutRegion, regions};
+    use crate::mold::test_molds::{frame, pocket, polygon, rectangle, with};
+
+    fn stack(mesh: &Mesh, cutters: &[Cutter], settings: &LayerSettings) -> UncutStack {
+        let cutters: Vec<&Cutter> = cutters.iter().collect();
+        uncut_stack(mesh, &cutters, None, settings, &Progress::silent(), &Cancel::default()).unwrap()
+    }
+
+    fn found(mesh: &Mesh, cutters: &[Cutter]) -> (Vec<UncutRegion>, f64) {
+        let regions = regions(&stack(mesh, cutters, &LayerSettings::default()).layers, 1e-3);
+        let volume = regions.iter().map(|r| r.volume).sum();
+        (regions, volume)
+    }
+
+    fn is_near(value: f64, exact: f64) -> bool {
+        (value / exact - 1.0).abs() < 1e-3
+    }
+
+    #[test]
+    fn upright_corners_keep_the_square_less_the_quarter_disc_over_their_height() {
+        let mesh = pocket(&rectangle(20.0, 16.0), &rectangle(12.0, 9.0), &rectangle(12.0, 9.0), [10.0, 8.0]);
+        for radius in [0.5, 2.0] {
+            let (regions, volume) = found(&mesh, &[Cutter::flat(radius)]);
+            assert!(regions.len() == 4 && is_near(volume, (4.0 - PI) * radius * radius * 8.0), "{volume}");
+            for region in regions {
+                assert!((region.height - 8.0).abs() < 1e-5 && (region.bounds.max.z - 10.0).abs() < 1e-5);
+                assert!(is_near(region.plan_area, (1.0 - PI / 4.0) * radius * radius));
+                assert!(is_near(region.corner_depth, (2f64.sqrt() - 1.0) * radius));
+            }
+        }
+    }
+
+    /// The corners of a section do not change with the draft, they only wander.
+    #[test]
+    fn drafted_corners_keep_as_much_as_upright_ones() {
+        for degrees in [1.0f64, 3.0, 40.0] {
+            let wander = 2.0 * 6.0 * degrees.to_radians().tan();
+            let mouth = rectangle(12.0 + wander, 12.0 + wander);
+            let mesh = pocket(&rectangle(40.0, 40.0), &mouth, &rectangle(12.0, 12.0), [10.0, 6.0]);
+            let (regions, volume) = found(&mesh, &[Cutter::flat(1.0)]);
+            assert!(regions.len() == 4 && is_near(volume, (4.0 - PI) * 6.0), "{degrees}: {} {volume}", regions.len());
+        }
+    }
+
+    #[test]
+    fn a_groove_is_left_up_to_where_the_disc_fits_in() {
+        let (long, deep, radius) = (10.0, 3.0, 1.0);
+        for degrees in [30.0f64, 45.0] {
+            let (tan, cot) = (degrees.to_radians().tan(), 1.0 / degrees.to_radians().tan());
+            let mouth = rectangle(2.0 * deep * tan, long);
+            let mesh = pocket(&rectangle(20.0, 20.0), &mouth, &rectangle(0.0, long), [5.0, deep]);
+            let (regions, volume) = found(&mesh, &[Cutter::flat(radius)]);
+            // Above that, the corners at both ends.
+            let exact = long * radius * radius * cot + (4.0 - PI) * radius * radius * (deep - radius * cot);
+            assert!(regions.len() == 1 && is_near(volume, exact), "{degrees}: {volume} {exact}");
+        }
+    }
+
+    /// A dish of radius rho keeps a disc of the cutter's radius at its bottom, R^2 / (2 rho) high.
+    #[test]
+    fn the_sag_of_a_hollow_floor_is_found() {
+        let (n, rings, rho) = (96, 24, 60.0f64);
+        let across = 6.0;
+        let ring = |k: usize| polygon(n, across * k as f64 / rings as f64);
+        let height = |k: usize| 5.0 + rho - (rho * rho - (across * k as f64 / rings as f64).powi(2)).sqrt();
+        let levels: Vec<(Vec<DVec2>, f64)> = (1..=rings).rev().map(|k| (ring(k), height(k))).collect();
+        let mesh = crate::mold::test_molds::dish(&polygon(n, 10.0), &levels, 5.0);
+        assert!(mesh.is_watertight());
+        let (regions, volume) = found(&mesh, &[Cutter::flat(2.0)]);
+        // Half of the cylinder around the paraboloid; chords between the rings take some of it.
+        let exact = PI * 4.0 * (4.0 / (2.0 * rho)) / 2.0;
+        let deep = regions.iter().find(|r| r.bounds.min.z < 5.01).unwrap();
+        assert!((deep.volume / exact - 1.0).abs() < 0.05 && (volume / exact - 1.0).abs() < 0.05, "{volume} {exact}");
+        assert!((deep.height - 4.0 / (2.0 * rho)).abs() < 3e-3, "{}", deep.height);
+    }
+
+    #[test]
+    fn a_pocket_under_a_lid_is_what_is_seen_from_above() {
+        let sides = rectangle(12.0, 12.0);
+        let mesh = pocket(&rectangle(20.0, 20.0), &sides, &sides, [10.0, 8.0]);
+        let lid = cuboid(DVec3::new(8.0, 16.0, 1.0)).mapped(|p| p + DVec3::new(-8.0, -8.0, 10.0));
+        let mesh = with(&mesh, &lid);
+        let stack = stack(&mesh, &[Cutter::flat(1.0)], &LayerSettings::default());
+        assert!((stack.invert.area - 128.0).abs() < 1e-6);
+        let regions = regions(&stack.layers, 1e-3);
+        // What is open is 6 x 12 mm; the lid's own corners on the block's top are no corners of the pocket.
+        let volume: f64 = regions.iter().map(|r| r.volume).sum();
+        assert!(regions.len() == 4 && is_near(volume, (4.0 - PI) * 8.0), "{} {volume}", regions.len());
+        assert!(regions.iter().all(|r| r.bounds.min.x > -1e-4 && r.bounds.max.x < 6.0 + 1e-4));
+    }
+
+    #[test]
+    fn a_short_cutter_leaves_what_its_holder_cannot_come_near_to() {
+        let (wide, long) = (24.0, 18.0);
+        let sides = rectangle(wide, long);
+        let mesh = pocket(&rectangle(40.0, 40.0), &sides, &sides, [10.0, 8.0]);
+        let short = Cutter { reach_mm: Some(3.0), holder_diameter_mm: Some(8.0), ..Cutter::flat(1.0) };
+        let (regions, volume) = found(&mesh, std::slice::from_ref(&short));
+        // Above 7 mm the holder is over the block and only the corners stay; below the centre keeps 4 mm off the walls,
+        // and the cutter comes to 3 mm from them.
+        let (a, b) = (wide - 8.0, long - 8.0);
+        let ring = wide * long - (a * b + 2.0 * (a + b) + PI);
+        let exact = 5.0 * ring + 3.0 * (4.0 - PI);
+        assert!(regions.len() == 1 && is_near(volume, exact), "{} {volume} {exact}", regions.len());
+        // A longer but thicker cutter leaves the corners of its own down there.
+        let (regions, both) = found(&mesh, &[short, Cutter::flat(2.0)]);
+        let exact = 5.0 * 4.0 * (4.0 - PI) + 3.0 * (4.0 - PI);
+        assert!(regions.len() == 4 && is_near(both, exact), "{} {both} {exact}", regions.len());
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_mold_is_said() {
+        let settings = LayerSettings { is_fixed: true, spacing_mm: 2.0, ..LayerSettings::default() };
+        let warnings = |mesh: &Mesh| stack(mesh, &[Cutter::flat(1.0)], &settings).warnings;
+        let sides = rectangle(12.0, 12.0);
+        let whole = pocket(&rectangle(20.0, 20.0), &sides, &sides, [10.0, 8.0]);
+        assert_eq!(warnings(&whole), []);
+        assert_eq!(warnings(&Mesh::default()), [MoldWarning::Empty]);
+        let open = Mesh { triangles: whole.triangles[2..].to_vec(), ..whole.clone() };
+        assert!(matches!(warnings(&open)[..], [MoldWarning::Open { .. }]), "{:?}", warnings(&open));
+        let second = cuboid(DVec3::splat(6.0)).mapped(|p| p + DVec3::new(-9.0, -9.0, 1.0));
+        assert!(matches!(warnings(&with(&whole, &second))[..], [MoldWarning::Crossing { .. }]));
+        let through = frame(&rectangle(20.0, 20.0), &sides, 5.0);
+        assert!(matches!(warnings(&through)[..], [MoldWarning::NoFloor { area }] if (area - 144.0).abs() < 1e-6));
+        // A round pocket of 24 facets: each corner is R (1 / cos 7.5 degrees - 1) deep.
+        let round = polygon(24, 8.0);
+        let faceted = warnings(&pocket(&polygon(24, 12.0), &round, &round, [10.0, 8.0]));
+        let deep = 1.0 / 7.5f64.to_radians().cos() - 1.0;
+        let [MoldWarning::ShallowCorners { depth, .. }] = faceted[..] else { panic!("{faceted:?}") };
+        assert!((depth - deep).abs() < 1e-6, "{depth} {deep}");
+    }
+
+    #[test]
+    fn as_many_threads_as_may_be_find_the_same() {
+        let mesh = pocket(&rectangle(20.0, 20.0), &rectangle(12.0, 9.0), &rectangle(9.0, 5.0), [10.0, 8.0]);
+        let short = Cutter { reach_mm: Some(4.0), holder_diameter_mm: Some(6.0), ..Cutter::flat(0.5) };
+        let cutters = [Cutter::flat(2.0), short];
+        let run = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| stack(&mesh, &cutters, &LayerSettings { is_fixed: true, ..LayerSettings::default() }))
+        };
+        assert_eq!(run(1), run(3));
+    }
+
+    #[test]
+    fn a_raised_flag_stops_it() {
+        let cancel = Cancel::default();
+        cancel.cancel();
+        let mesh = cuboid(DVec3::ONE);
+        let cutter = Cutter::flat(1.0);
+        let settings = LayerSettings::default();
+        assert_eq!(uncut_stack(&mesh, &[&cutter], None, &settings, &Progress::silent(), &cancel), Err(Cancelled));
+    }
+
+    /// Every triangle in three, in another order.
+    fn split(mesh: &Mesh) -> Mesh {
+        let mut split = Mesh { vertices: mesh.vertices.clone(), triangles: Vec::new() };
+        for (&[a, b, c], corners) in mesh.triangles.iter().zip(mesh.iter_corners()).rev() {
+            let middle = split.vertices.len() as u32;
+            split.vertices.push(corners.iter().sum::<DVec3>() / 3.0);
+            split.triangles.extend([[b, c, middle], [middle, a, b], [c, a, middle]]);
+        }
+        split
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(12))]
+        #[test]
+        fn turning_moving_and_splitting_change_nothing_and_larger_cutters_leave_more(
+            mouth in prop::array::uniform2(4.0..12.0f64), share in 0.4..1.0f64, deep in 1.0..6.0f64,
+            angle in -3.0..3.0f64, shift in prop::array::uniform3(-100.0..100.0f64), radius in 0.3..2.5f64,
+        ) {
+            let settings = LayerSettings { is_fixed: true, spacing_mm: 1.0, ..LayerSettings::default() };
+            let [x, y] = mouth;
+            let mesh = pocket(&rectangle(20.0, 20.0), &rectangle(x, y), &rectangle(share * x, share * y), [8.0, deep]);
+            let figures = |mesh: &Mesh, radius: f64| {
+                let regions = regions(&stack(mesh, &[Cutter::flat(radius)], &settings).layers, 1e-3);
+                let volume: f64 = regions.iter().map(|r| r.volume).sum();
+                (regions.len(), volume)
+            };
+            let (count, volume) = figures(&mesh, radius);
+            let turn = DVec2::from_angle(angle);
+            let moved = mesh.mapped(|p| turn.rotate(p.truncate()).extend(p.z) + DVec3::from(shift));
+            for other in [&moved, &split(&mesh), &split(&moved)] {
+                let (same_count, same) = figures(other, radius);
+                prop_assert_eq!(same_count, count);
+                prop_assert!((same - volume).abs() < 1e-4 * volume + 1e-6, "{} {}", same, volume);
+            }
+            prop_assert!(figures(&mesh, 1.2 * radius).1 >= volume - 1e-9);
+        }
+    }
+}
