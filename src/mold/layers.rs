@@ -124,8 +124,9 @@ pub fn first_layers(mesh: &Mesh, reaches: &[f64], settings: &LayerSettings) -> F
         let steps = steps.min(settings.most_layers);
         heights.extend((0..=steps).map(|k| from + (to - from) * k as f64 / steps as f64));
     }
-    let hollows = hollows(mesh);
-    for hollow in hollows {
+    // A hollow at a floor begins above all of the floor's rounding.
+    let at_floor = |z: f64| floors.iter().find(|[low, high]| low - SAME_HEIGHT <= z && z <= high + SAME_HEIGHT);
+    for hollow in hollows(mesh).into_iter().map(|z| at_floor(z).map_or(z, |floor| floor[1])) {
         add_steps(&mut heights, hollow, &floors, settings);
     }
     heights.sort_by(f64::total_cmp);
@@ -255,7 +256,8 @@ mod tests {
         let above = heights.iter().filter(|z| **z > 2.0 && **z < 2.1).count();
         assert!(above >= 4, "{heights:?}");
         // A holder 1.5 mm above the tip meets the top where the tip is 1.5 mm below it.
-        assert_eq!(first_layers(&mesh, &[1.5, 9.0], &settings).floors, [0.0, 2.5, 4.0]);
+        let block = cuboid(DVec3::new(10.0, 10.0, 4.0));
+        assert_eq!(first_layers(&block, &[1.5, 9.0], &settings).floors, [0.0, 2.5, 4.0]);
         assert!(first_layers(&Mesh::default(), &[], &settings).heights.is_empty());
     }
 

@@ -62,6 +62,43 @@ pub fn intersected(sets: impl IntoIterator<Item = Vec<UncutPiece>>) -> Vec<Uncut
     sets.into_iter().reduce(|a, b| pairs(&a, &b)).unwrap_or_default()
 }
 
+/// The parts of pieces within outlines.
+pub fn clipped(pieces: Vec<UncutPiece>, to: &[Outline]) -> Vec<UncutPiece> {
+    let is_convex = matches!(to, [outline] if outline.is_convex());
+    let clip = |piece: UncutPiece| {
+        let mut points = piece.boundary.iter().flat_map(Outline::points);
+        if is_convex && points.all(|p| plane::holds(to, *p)) {
+            return vec![piece];
+        }
+        let shapes = shared(&piece.boundary, to);
+        if is_all_of(&piece, &shapes) {
+            return vec![piece];
+        }
+        let own = [Untouched::new(&piece)];
+        shapes.into_iter().map(|boundary| part(boundary, &own, piece.depth)).collect()
+    };
+    pieces.into_iter().flat_map(clip).collect()
+}
+
+/// What both sets share, without what only the grid's rounding leaves between outlines that they share.
+fn shared(a: &[Outline], b: &[Outline]) -> Vec<Vec<Outline>> {
+    let mut shapes = plane::intersection(a, b);
+    shapes.retain(|shape| thickness(plane::area(shape), shape) > ON_OUTLINE);
+    shapes
+}
+
+/// Whether shapes within a piece are the whole of it.
+fn is_all_of(piece: &UncutPiece, shapes: &[Vec<Outline>]) -> bool {
+    let [shape] = shapes else { return false };
+    let area = plane::area(shape);
+    (plane::area(&piece.boundary) - area).abs() <= SAME_AREA * area
+}
+
+fn part(boundary: Vec<Outline>, outlines: &[Untouched], depth: f64) -> UncutPiece {
+    let segments = boundary.iter().flat_map(|outline| untouched(outline, outlines)).collect();
+    UncutPiece { area: plane::area(&boundary), segments, depth, boundary }
+}
+
 fn pairs(a: &[UncutPiece], b: &[UncutPiece]) -> Vec<UncutPiece> {
     let extents: Vec<_> = b.iter().map(UncutPiece::extent).collect();
     let mut pieces = Vec::new();
@@ -77,24 +114,14 @@ fn pairs(a: &[UncutPiece], b: &[UncutPiece]) -> Vec<UncutPiece> {
 }
 
 fn pair(a: &UncutPiece, b: &UncutPiece) -> Vec<UncutPiece> {
-    let mut shapes = plane::intersection(&a.boundary, &b.boundary);
-    // Where both touch the same outline only the grid's rounding is between them.
-    shapes.retain(|shape| thickness(plane::area(shape), shape) > ON_OUTLINE);
+    let shapes = shared(&a.boundary, &b.boundary);
     let depth = a.depth.min(b.depth);
     // One within the other: its area is known better than that of what is drawn.
-    if let [shape] = &shapes[..] {
-        let area = plane::area(shape);
-        let is_all = |piece: &&UncutPiece| (plane::area(&piece.boundary) - area).abs() <= SAME_AREA * area;
-        if let Some(whole) = [a, b].into_iter().find(is_all) {
-            return vec![UncutPiece { depth, ..whole.clone() }];
-        }
+    if let Some(whole) = [a, b].into_iter().find(|piece| is_all_of(piece, &shapes)) {
+        return vec![UncutPiece { depth, ..whole.clone() }];
     }
     let outlines = [Untouched::new(a), Untouched::new(b)];
-    let piece = |boundary: Vec<Outline>| {
-        let segments = boundary.iter().flat_map(|outline| untouched(outline, &outlines)).collect();
-        UncutPiece { area: plane::area(&boundary), segments, depth, boundary }
-    };
-    shapes.into_iter().map(piece).collect()
+    shapes.into_iter().map(|boundary| part(boundary, &outlines, depth)).collect()
 }
 
 /// The untouched sides of a piece, to find one near a point.
@@ -119,8 +146,8 @@ impl Untouched {
     }
 }
 
-/// Runs of sides of a boundary that both leave untouched.
-fn untouched(outline: &Outline, of: &[Untouched; 2]) -> Vec<Vec<DVec2>> {
+/// Runs of sides of a boundary that all leave untouched.
+fn untouched(outline: &Outline, of: &[Untouched]) -> Vec<Vec<DVec2>> {
     let sides: Vec<[DVec2; 2]> = outline.sides().collect();
     let is_on: Vec<bool> = sides.iter().map(|[p, q]| of.iter().all(|o| o.holds(p.midpoint(*q)))).collect();
     runs(&sides, &is_on)
@@ -163,6 +190,14 @@ mod tests {
         assert!((both[0].area - 2.0).abs() < 1e-7 && (both[0].segment_length() - 1.0).abs() < 1e-7, "{both:?}");
         assert!((both[1].area - 0.5).abs() < 1e-7 && (both[1].segment_length() - 0.5).abs() < 1e-7);
         assert_eq!((both[0].depth, both[1].depth), (2.0, 1.0));
+    }
+
+    #[test]
+    fn what_lies_outside_goes() {
+        let to = square(0.0, 3.0).boundary;
+        let pieces = clipped(vec![square(0.5, 1.0), square(2.0, 2.0), square(4.0, 1.0)], &to);
+        assert_eq!((pieces.len(), &pieces[0]), (2, &square(0.5, 1.0)));
+        assert!((pieces[1].area - 2.0).abs() < 1e-7 && (pieces[1].segment_length() - 1.0).abs() < 1e-7);
     }
 
     #[test]

@@ -76,7 +76,7 @@ pub fn extent(outlines: &[Outline]) -> [DVec2; 2] {
 fn overlay(a: &[Outline], b: &[Outline], rule: OverlayRule) -> Vec<Shape> {
     // Points too far for the grid or not finite: there is no such mold, and nothing is found.
     let (Some(a), Some(b)) = (on_grid(a), on_grid(b)) else { return Vec::new() };
-    let mut overlay = Overlay::<i64>::with_contours(&a, &b);
+    let mut overlay = Overlay::<i64>::from_subj_and_clip(&a, &b);
     let shapes = overlay.overlay(rule, FillRule::Positive);
     let point = |p: IntPoint<i64>| DVec2::new(p.x as f64, p.y as f64) / SCALE;
     let outline = |ring: Ring| Outline::new(ring.into_iter().map(point).collect());

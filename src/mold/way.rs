@@ -91,7 +91,12 @@ impl<'a> Layer<'a> {
     /// The stretches around the outline with this family and index that bound what is left.
     pub fn chains(&self, (family, outline): (usize, usize)) -> Vec<Chain> {
         let way = self.way(family, outline);
-        if family == 0 { way.untouched() } else { way.envelopes(self.radius) }
+        // The edge's way lies outside the material by itself; the holder's may run within what lies lower.
+        let is_outside = |p: DVec2| {
+            let edge = self.families[0].obstacle.outlines;
+            edge.iter().map(|o| o.winding(p)).sum::<i32>() <= 0
+        };
+        if family == 0 { way.untouched() } else { way.envelopes(self.radius, is_outside) }
     }
 
     fn way(&self, family: usize, outline: usize) -> Way {
@@ -228,8 +233,9 @@ impl Way {
         breaks.iter().map(between).collect()
     }
 
-    /// What a cutter of this radius draws along the way.
-    fn envelopes(&self, radius: f64) -> Vec<Chain> {
+    /// What a cutter of this radius draws along the way where its centre is outside the material. A stretch that nothing
+    /// blocks is outside or within as a whole.
+    fn envelopes(&self, radius: f64, is_outside: impl Fn(DVec2) -> bool) -> Vec<Chain> {
         let (free, breaks) = self.free();
         let count = free.len();
         let draw = |from: usize, steps: usize, is_closed: bool| {
@@ -243,11 +249,17 @@ impl Way {
             points.dedup();
             Chain { points, centers, is_outline: false, bulge }
         };
+        let begins_outside = |from: usize| {
+            let (i, [arrive, leave]) = free[from % count];
+            is_outside(self.elements[i].0.off(0.5 * (arrive + leave), self.distance))
+        };
         if breaks.is_empty() {
-            return if free.is_empty() { Vec::new() } else { vec![draw(0, count, true)] };
+            let is_drawn = !free.is_empty() && begins_outside(0);
+            return is_drawn.then(|| draw(0, count, true)).into_iter().collect();
         }
         let next = |b: usize| if b + 1 < breaks.len() { breaks[b + 1] } else { breaks[0] + count };
-        (0..breaks.len()).map(|b| draw(breaks[b] + 1, next(b) - breaks[b], false)).collect()
+        let runs = (0..breaks.len()).filter(|&b| begins_outside(breaks[b] + 1));
+        runs.map(|b| draw(breaks[b] + 1, next(b) - breaks[b], false)).collect()
     }
 
     /// Points of an element `off` the outline; by how much steps make the area within too small.
