@@ -30,7 +30,7 @@ pub struct LayerSettings {
     pub spacing_mm: f64,
     /// Only these: layers this far apart, beside those at horizontal faces and in hollows.
     pub is_fixed: bool,
-    /// Least distance between layers (mm).
+    /// No slab thinner than this is halved (mm).
     pub least_spacing_mm: f64,
     /// Volume by which the middle of a slab may miss what its ends predict (mm^3).
     pub volume_tolerance_mm3: f64,
@@ -47,7 +47,7 @@ impl Default for LayerSettings {
         Self {
             spacing_mm: 0.5,
             is_fixed: false,
-            least_spacing_mm: 0.001,
+            least_spacing_mm: 0.0005,
             volume_tolerance_mm3: 0.005,
             wall_tolerance_mm2: 0.05,
             depth_tolerance_mm: 0.002,

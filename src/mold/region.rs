@@ -159,3 +159,57 @@ pub fn have_partners(low: &UncutLayer, high: &UncutLayer, settings: &LayerSettin
     };
     !alone(&low.pieces, 0) && !alone(&high.pieces, 1)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mold::outline::Outline;
+    use crate::mold::test_molds::rectangle;
+
+    /// A square piece with this middle and side.
+    fn square(x: f64, side: f64) -> UncutPiece {
+        let points: Vec<DVec2> = rectangle(side, side).into_iter().map(|p| p + DVec2::X * x).collect();
+        let segments = vec![points.clone()];
+        UncutPiece { boundary: vec![Outline::new(points).unwrap()], area: side * side, segments, depth: 0.5 * side }
+    }
+
+    fn layer(z: f64, pieces: Vec<UncutPiece>) -> UncutLayer {
+        UncutLayer { z, pieces }
+    }
+
+    #[test]
+    fn pieces_that_overlap_join_and_touching_ones_do_not() {
+        let layers = [
+            layer(0.0, vec![square(0.0, 2.0), square(10.0, 2.0)]),
+            layer(1.0, vec![square(1.0, 2.0), square(12.0, 2.0)]),
+            layer(2.0, vec![square(2.5, 2.0)]),
+        ];
+        let regions = regions(&layers, 1e-3);
+        let pieces: Vec<_> = regions.iter().map(|r| r.pieces.clone()).collect();
+        // The two at 10 and 12 share a side only.
+        assert_eq!(pieces, [vec![[0, 0], [1, 0], [2, 0]]], "alone a piece has no height");
+        let region = &regions[0];
+        assert_eq!((region.volume, region.plan_area, region.height), (8.0, 4.0, 2.0));
+        assert_eq!((region.bounds.min.x, region.bounds.max.x, region.corner_depth), (-1.0, 3.5, 1.0));
+        assert!((region.residue() - 1.0 / (1.0f64 + 0.25).sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn two_that_meet_further_up_are_one() {
+        let layers = [layer(0.0, vec![square(0.0, 1.0), square(3.0, 1.0)]), layer(0.5, vec![square(1.5, 5.0)])];
+        let joined = regions(&layers, 1e-3);
+        assert_eq!(joined.len(), 1);
+        assert_eq!((joined[0].plan_area, joined[0].volume), (25.0, 0.25 * 2.0 + 0.25 * 25.0));
+        assert!(regions(&layers, 1.0).is_empty() && regions(&[], 0.0).is_empty());
+    }
+
+    #[test]
+    fn a_piece_alone_has_its_partner_further_between_unless_the_slab_is_thin() {
+        let settings = LayerSettings::default();
+        let far = |thickness: f64| {
+            have_partners(&layer(0.0, vec![square(0.0, 1.0)]), &layer(thickness, vec![square(3.0, 1.0)]), &settings)
+        };
+        assert!(!far(0.5) && far(0.1));
+        assert!(have_partners(&layer(0.0, vec![square(0.0, 1.0)]), &layer(0.5, vec![square(0.3, 1.0)]), &settings));
+    }
+}

@@ -106,7 +106,7 @@ fn halves(layers: &[UncutLayer], floors: &[f64], settings: &LayerSettings) -> Ve
         floors.get(at).is_none_or(|f| *f > layers[i + 1].z)
     };
     let slabs: Vec<bool> = (0..n.saturating_sub(1)).map(spans).collect();
-    let is_wide = |i: usize| figures[i + 1].z - figures[i].z > 2.0 * settings.least_spacing_mm;
+    let is_wide = |i: usize| figures[i + 1].z - figures[i].z > settings.least_spacing_mm;
     let bent: Vec<bool> = (0..n)
         .map(|i| i > 0 && i + 1 < n && slabs[i - 1] && slabs[i])
         .enumerate()
