@@ -8,6 +8,7 @@ pub mod invert;
 pub mod layers;
 pub mod outline;
 pub mod piece;
+pub mod plane;
 pub mod region;
 pub mod section;
 pub mod stack;
@@ -16,7 +17,6 @@ pub mod warning;
 
 mod capsule;
 mod edge_grid;
-mod plane;
 mod way;
 
 #[cfg(test)]

@@ -203,9 +203,10 @@ mod tests {
     #[test]
     fn what_lies_within_stays_as_it_is() {
         let (small, large) = (square(1.0, 1.0), square(0.0, 4.0));
-        assert_eq!(intersected([vec![large.clone()], vec![small.clone()]]), [small.clone()]);
-        assert_eq!(intersected([vec![small.clone()]]), [small.clone()]);
-        assert!(intersected([vec![small], vec![square(7.0, 1.0)]]).is_empty() && intersected([]).is_empty());
-        assert_eq!(intersected([vec![large.clone()], Vec::new()]), []);
+        let alone = vec![small.clone()];
+        assert_eq!(intersected([vec![large.clone()], alone.clone()]), alone);
+        assert_eq!(intersected([alone.clone()]), alone);
+        assert!(intersected([alone, vec![square(7.0, 1.0)]]).is_empty() && intersected([]).is_empty());
+        assert_eq!(intersected([vec![large], Vec::new()]), []);
     }
 }

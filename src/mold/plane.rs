@@ -52,11 +52,6 @@ pub fn grown(outlines: &[Outline], by: f64) -> Vec<Shape> {
     union(&moved, &[])
 }
 
-/// Area around which the outlines wind at least once (mm^2).
-pub fn covered_area(outlines: &[Outline]) -> f64 {
-    union(outlines, &[]).iter().map(|shape| area(shape)).sum()
-}
-
 /// Area within outlines whose holes run the other way (mm^2).
 pub fn area(outlines: &[Outline]) -> f64 {
     outlines.iter().map(Outline::area).sum()
@@ -137,7 +132,7 @@ mod tests {
         let shapes = union(&ring, &[]);
         assert_eq!((shapes.len(), shapes[0].len()), (1, 2));
         assert!(shapes[0][0].area() > 0.0 && shapes[0][1].area() < 0.0);
-        assert!((area(&shapes[0]) - 15.0).abs() < 1e-7 && (covered_area(&ring) - 15.0).abs() < 1e-7);
+        assert!((area(&shapes[0]) - 15.0).abs() < 1e-7 && (area(&ring) - 15.0).abs() < 1e-7);
         assert!(union(&[turned(&square(0.0, 0.0, 1.0))], &[]).is_empty());
         assert!(holds(&ring, DVec2::splat(0.5)) && !holds(&ring, DVec2::splat(1.5)));
         let far = [Outline::new(vec![DVec2::ZERO, DVec2::X * 1e300, DVec2::Y * 1e300]).unwrap()];

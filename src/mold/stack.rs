@@ -438,5 +438,33 @@ mod tests {
             }
             prop_assert!(figures(&mesh, 1.2 * radius).1 >= volume - 1e-9);
         }
+
+        #[test]
+        fn shorter_reaches_and_wider_holders_leave_more(
+            mouth in prop::array::uniform2(8.0..16.0f64), share in 0.5..1.0f64, reach in 1.0..5.0f64,
+            holder in 0.6..4.0f64, island in 1.0..3.0f64,
+        ) {
+            let settings = LayerSettings { is_fixed: true, spacing_mm: 1.5, ..LayerSettings::default() };
+            let [x, y] = mouth;
+            let mesh = pocket(&rectangle(24.0, 20.0), &rectangle(x, y), &rectangle(share * x, share * y), [8.0, 6.0]);
+            // A post in the pocket, on its floor.
+            let post = cuboid(DVec3::new(island, island, 6.5)).mapped(|p| p + DVec3::new(-1.0, 0.0, 1.0));
+            let mesh = with(&mesh, &post);
+            let area = |reach: f64, holder: f64| {
+                let diameter = Some(2.0 * holder);
+                let cutter = Cutter { reach_mm: Some(reach), holder_diameter_mm: diameter, ..Cutter::flat(0.5) };
+                let layers = stack(&mesh, &[cutter], &settings).layers;
+                // Heights differ where the reach does: those that both have.
+                let areas = layers.into_iter().map(|l| (l.z.to_bits(), l.pieces.iter().map(|p| p.area).sum::<f64>()));
+                areas.collect::<HashMap<u64, f64>>()
+            };
+            let base = area(reach, holder);
+            let free = area(20.0, 0.5);
+            for (more, less) in [(&base, &free), (&area(reach, 1.3 * holder), &base), (&area(0.7 * reach, holder), &base)] {
+                let both: Vec<(f64, f64)> = more.iter().filter_map(|(z, a)| Some((*a, *less.get(z)?))).collect();
+                prop_assert!(both.len() > 4);
+                prop_assert!(both.iter().all(|(more, less)| *more >= less - 1e-3 * less - 1e-6), "{:?}", both);
+            }
+        }
     }
 }
