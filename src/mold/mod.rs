@@ -4,9 +4,20 @@
 //! the mold's height by each cutter; the answer is the least of them over the library.
 
 pub mod cutter;
+pub mod invert;
+pub mod layers;
 pub mod outline;
+pub mod piece;
+pub mod plane;
+pub mod region;
 pub mod section;
+pub mod stack;
 pub mod uncut_layer;
+pub mod warning;
 
 mod capsule;
 mod edge_grid;
+mod way;
+
+#[cfg(test)]
+mod test_molds;
