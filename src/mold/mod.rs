@@ -4,6 +4,7 @@
 //! the mold's height by each cutter; the answer is the least of them over the library.
 
 pub mod cutter;
+pub mod height_field;
 pub mod invert;
 pub mod layers;
 pub mod outline;

@@ -1,0 +1,133 @@
+//! What cutters leave, by heights over a fine grid: the second answer, independent of outlines and layers.
+//!
+//! A mold seen from above is one height per cell of a regular grid, that of the topmost material at the cell's centre;
+//! what lies below an overhang is in its shadow, and outside the block is air. The cutter's tip comes down anywhere
+//! until its surface meets a height ([`closing`]). What lies between the least surface so left over all cutters and the
+//! material is uncut, and its connected pieces are the regions ([`regions`]).
+//!
+//! Plan positions are exact to about half a cell, so what is left in a corner is found once it is some cells wide: with
+//! 40 cells to the cutter's radius its volume is right within some per cent where walls run askew to the grid, and
+//! better where they run along it. A step of a tenth of the smallest radius is the coarsest of use.
+
+mod blocks;
+mod closing;
+mod element;
+mod raster;
+mod regions;
+mod sweep;
+#[cfg(test)]
+mod tests;
+
+pub use closing::{Closing, closing};
+pub use regions::{UncutRegion, regions};
+
+use glam::{DVec2, DVec3};
+
+use super::cutter::CutterError;
+use crate::progress::Cancelled;
+
+/// Most cells that a grid may have: some 20 bytes each.
+const MOST_CELLS: f64 = 64e6;
+
+/// What is wrong with a grid of heights, or with what is asked of it.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum HeightFieldError {
+    /// A mesh that covers no plan area.
+    #[error("the mold covers no area when seen from above: there is nothing to cut")]
+    NoMaterial,
+    /// A step that is no length.
+    #[error("the grid's step is {0} mm: it must be a finite length above zero")]
+    BadStep(f64),
+    /// A grid with too many cells for a computer's memory.
+    #[error(
+        "a grid of {step} mm over {width:.1} x {depth:.1} mm has {} million cells and at most {} million are possible; a step of {coarser:.3} mm will do",
+        (cells / 1e6).ceil(), MOST_CELLS / 1e6
+    )]
+    TooManyCells {
+        /// The step (mm).
+        step: f64,
+        /// Extent along x, with the room that the largest cutter needs beside the mold (mm).
+        width: f64,
+        /// Extent along y, with the same (mm).
+        depth: f64,
+        /// How many cells it would have.
+        cells: f64,
+        /// A step that makes few enough (mm).
+        coarser: f64,
+    },
+    /// More cutters than can be told apart.
+    #[error("{0} cutters are needed and at most 256 can be told apart; leave out those that cut no more than others")]
+    TooManyCutters(usize),
+    /// What cutters leave of another grid.
+    #[error("what the cutters leave was found on a grid of {found} cells, the heights have {expected}: find it again")]
+    OtherGrid {
+        /// Cells of the heights.
+        expected: usize,
+        /// Cells of what is left.
+        found: usize,
+    },
+    /// A cutter that is none.
+    #[error(transparent)]
+    Cutter(#[from] CutterError),
+    /// Told to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// The topmost material of a mold at the centres of a regular grid in plan.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeightField {
+    /// The least corner of the first cell (mm).
+    corner: DVec2,
+    /// Side of a cell (mm).
+    step: f64,
+    columns: usize,
+    rows: usize,
+    /// What the heights are counted from (mm).
+    base: f64,
+    /// Row by row; minus infinity where there is no material.
+    heights: Vec<f32>,
+    /// The z component of the surface's unit normal, in parts of [`UPNESS_ONE`].
+    upness: Vec<u16>,
+}
+
+/// The upness of a horizontal face.
+const UPNESS_ONE: f64 = u16::MAX as f64;
+
+impl HeightField {
+    /// Number of cells along x and along y.
+    pub fn size(&self) -> [usize; 2] {
+        [self.columns, self.rows]
+    }
+
+    /// Side of a cell (mm).
+    pub fn step(&self) -> f64 {
+        self.step
+    }
+
+    /// Centre of a cell in plan (mm); cells are numbered along x, then along y.
+    pub fn center(&self, cell: usize) -> DVec2 {
+        let at = DVec2::new((cell % self.columns) as f64, (cell / self.columns) as f64);
+        self.corner + (at + 0.5) * self.step
+    }
+
+    /// Height of the topmost material at a cell's centre (mm); none where there is none, or no such cell.
+    pub fn height(&self, cell: usize) -> Option<f64> {
+        self.heights.get(cell).filter(|h| h.is_finite()).map(|&h| self.base + f64::from(h))
+    }
+
+    /// The point of the surface at a cell's centre, whose height is given above the base.
+    fn point(&self, cell: usize, height: f32) -> DVec3 {
+        self.center(cell).extend(self.base + f64::from(height))
+    }
+}
+
+/// Refuses a grid of `columns` by `rows` of side `step` (mm) if it is too large.
+fn check_size(step: f64, columns: f64, rows: f64) -> Result<(), HeightFieldError> {
+    let cells = columns * rows;
+    if cells <= MOST_CELLS {
+        return Ok(());
+    }
+    let coarser = step * (cells / MOST_CELLS).sqrt() * 1.001;
+    Err(HeightFieldError::TooManyCells { step, width: columns * step, depth: rows * step, cells, coarser })
+}
