@@ -7,6 +7,7 @@ pub mod cutter;
 pub mod height_field;
 pub mod invert;
 pub mod layers;
+pub mod opening;
 pub mod outline;
 pub mod piece;
 pub mod plane;

@@ -2,6 +2,7 @@
 //! the same parameters and seed give the same results again, byte by byte.
 
 mod autosave;
+pub mod cutter_file;
 mod document;
 mod field_table;
 mod fields;
