@@ -174,7 +174,7 @@ impl<'a> Tree<'a> {
     /// Makes sure that every joint that moves is of the right type and goes the way that the machine counts its axis.
     fn check_joints(&self) -> Result<(), String> {
         let mut joints: Vec<_> = self.joints.iter().collect();
-        joints.sort_by_key(|(_, joint)| joint.node.id());
+        joints.sort_by_key(|(_, joint)| joint.node.id().get());
         for (link, joint) in joints {
             let Some(axis) = joint.axis else { continue };
             let wrong = |what: String| format!("joint {}: {what}", joint.node.attribute("name").unwrap_or_default());
