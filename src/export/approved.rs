@@ -100,7 +100,8 @@ impl Approved {
         Ok(Self { path, certificate, electrode, copying: None, simulation: None })
     }
 
-    /// The same with the copying motion that is to follow the feed.
+    /// The same with the copying motion that is to follow the feed, and without a simulation: one with this motion is to
+    /// be given afterwards.
     ///
     /// # Errors
     /// [`NotApproved`] unless it is certified from the final pose back to the final pose, for the very meshes, the
@@ -137,7 +138,8 @@ impl Approved {
         if let Some(row) = first_unquantised_row(copying) {
             return Err(NotApproved::NotQuantised { row });
         }
-        Ok(Self { copying: Some(motion.clone()), ..self })
+        // What was simulated before knows nothing of it.
+        Ok(Self { copying: Some(motion.clone()), simulation: None, ..self })
     }
 
     /// The same with the whole motion on the machine `model`, approach and retraction and the other channels included.

@@ -7,6 +7,7 @@ use super::choice::MeshFrame;
 use super::quantise::quantise_path;
 use super::report::*;
 use crate::blisk::channel::Surface;
+use crate::blisk::electrode::EntrySide;
 use crate::feed::certificate::{Certificate, Contact, Findings, TravelVerdict};
 use crate::feed::copying::{CopyingExtent, CopyingMotion, Turn};
 use crate::feed::machine_model::MachineModel;
@@ -133,6 +134,9 @@ pub(crate) fn simulation() -> simulation::Findings {
         blisk_digest: blisk_mesh().digest(),
         electrode_digest: electrode.digest(),
         model_digest: MachineModel::default().digest(),
+        with_bodies: true,
+        body_clearance_mm: 1.0,
+        enters_from: EntrySide::PlusX,
         approach: vec![clear, Pose { z: first.z, ..clear }, first],
         visits: vec![Visit { channel: 3, turn: 0.0 }, Visit { channel: 4, turn: quantise_rad(6f64.to_radians()) }],
         out_of_reach: vec![],

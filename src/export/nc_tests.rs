@@ -1,4 +1,5 @@
 use super::*;
+use crate::blisk::electrode::EntrySide;
 use crate::export::approved::NotApproved;
 use crate::export::fixtures;
 use crate::export::path_csv::write_path_csv;
@@ -6,7 +7,9 @@ use crate::feed::certificate::{Findings, TravelVerdict};
 use crate::feed::copying::CopyingMotion;
 use crate::feed::machine::AxisSet;
 use crate::feed::machine_model::MachineModel;
-use crate::feed::simulation::{Findings as Simulated, Simulation};
+use crate::feed::path::FeedPath;
+use crate::feed::quantise::quantise_rad;
+use crate::feed::simulation::{Findings as Simulated, Simulation, Visit};
 
 fn machine() -> &'static MachineParams {
     static MACHINE: std::sync::OnceLock<MachineParams> = std::sync::OnceLock::new();
@@ -326,22 +329,41 @@ fn replayed(post: &Post, text: &str, is_turned: bool) -> Vec<Pose> {
     poses.collect()
 }
 
+/// What a machine is to do, written down without the legs of a simulation: in every channel the approach, the feed, the
+/// copying motion and all the way back, A turned by the channel's angle.
+fn poses_of_tour(approach: &[Pose], feed: &FeedPath, copying: &FeedPath, visits: &[Visit]) -> Vec<Pose> {
+    let rows = |path: &FeedPath| path.rows.iter().map(|row| row.pose).collect::<Vec<_>>();
+    let there = [&approach[..approach.len() - 1], &rows(feed)].concat();
+    let back: Vec<Pose> = there.iter().rev().skip(1).copied().collect();
+    let in_channel = [&there[..], &rows(copying)[1..], &back].concat();
+    let turned = |visit: &Visit| {
+        let turn = visit.turn;
+        in_channel.iter().map(move |p| Pose { a: p.a + turn, ..*p }).collect::<Vec<_>>()
+    };
+    visits.iter().flat_map(turned).collect()
+}
+
 #[test]
 fn a_program_replayed_is_the_motion_that_was_simulated() {
     let copying = fixtures::copying(|_| ());
-    let mut findings = fixtures::simulation();
-    findings.copying_digest = Some(copying.path.digest());
-    let simulation = Simulation::made_up(findings);
-    let approved = fixtures::approved().with_copying(&copying).unwrap();
-    let approved = approved.with_simulation(&simulation, &MachineModel::default()).unwrap();
-    let legs = simulation.legs(approved.path(), Some(&copying.path));
-    let mut expected: Vec<Pose> = legs.into_iter().flat_map(|leg| leg.poses).collect();
-    expected.dedup();
+    let turn = |deg: f64| quantise_rad(deg.to_radians());
+    // The plan's channel is neither the first nor the only one, and A goes both ways from it.
+    let visits = [(2, -6.0), (3, 0.0), (4, 6.0)].map(|(channel, deg)| Visit { channel, turn: turn(deg) });
+    let machine = MachineParams { name: "xyzac".to_owned(), ..Default::default() };
+    let feed = fixtures::path();
     for (name, _) in crate::export::post::BUILT_IN {
         for (is_turned, is_reversed) in [(false, false), (true, false), (true, true)] {
+            let mut findings = fixtures::simulation();
+            findings.copying_digest = Some(copying.path.digest());
+            findings.visits = visits.to_vec();
+            findings.enters_from = if is_turned { EntrySide::MinusX } else { EntrySide::PlusX };
+            let simulation = Simulation::made_up(findings);
+            let approved = fixtures::approved().with_copying(&copying).unwrap();
+            let approved = approved.with_simulation(&simulation, &MachineModel::default()).unwrap();
+            let expected = poses_of_tour(simulation.approach(), &feed, &copying.path, &visits);
             let mut post = Post::load(name, None).unwrap();
             post.axes.iter_mut().filter(|a| a.axis == Axis::A).for_each(|a| a.reversed = is_reversed);
-            let job = NcJob { is_turned, ..job() };
+            let job = NcJob { is_turned, machine: &machine, ..job() };
             let program = NcProgram::new(&approved, &post, &NcSettings::default(), &job).unwrap();
             let poses = replayed(&post, program.text(), is_turned);
             assert_eq!(poses.len(), expected.len(), "{name}");
@@ -361,6 +383,13 @@ fn a_machine_with_bodies_wants_a_simulation_that_holds_of_this_very_motion() {
     assert_eq!(program(&fixtures::approved()), Err(NcError::NotSimulated));
     let approved = simulated(|_| ()).unwrap();
     assert_eq!(program(&approved), Ok(()));
+    let made = |change: fn(&mut Simulated)| program(&simulated(change).unwrap());
+    assert_eq!(made(|s| s.with_bodies = false), Err(NcError::NotSimulated));
+    let of_another = |result| matches!(result, Err(NcError::OtherMachineSimulated { .. }));
+    assert!(of_another(made(|s| s.body_clearance_mm = 0.99)));
+    assert!(of_another(made(|s| s.body_clearance_mm = f64::NAN)));
+    assert!(of_another(made(|s| s.enters_from = EntrySide::MinusX)));
+    assert_eq!(made(|s| s.body_clearance_mm = 1.01), Ok(()));
     let refused = |change: fn(&mut Simulated)| simulated(change).unwrap_err();
     let another = NotApproved::OtherSimulated;
     assert_eq!(refused(|s| s.path_digest = "0".repeat(64)), another("path"));
@@ -379,6 +408,27 @@ fn a_machine_with_bodies_wants_a_simulation_that_holds_of_this_very_motion() {
     let job = NcJob { machine: &short, ..job };
     let error = NcProgram::new(&approved, &post, &NcSettings::default(), &job).unwrap_err();
     assert!(matches!(error, NcError::BeyondTravel(beyond) if beyond.axis == Axis::A), "{error}");
+}
+
+/// A simulation knows the copying motion that it was made with, whichever of the two is given first.
+#[test]
+fn a_copying_motion_given_after_the_simulation_wants_another() {
+    let copying = fixtures::copying(|_| ());
+    let feed_only = simulated(|_| ()).unwrap();
+    assert!(feed_only.simulation().is_some());
+    let with_copying = feed_only.with_copying(&copying).unwrap();
+    assert_eq!(with_copying.simulation(), None);
+    let machine = MachineParams { name: "xyzac".to_owned(), ..Default::default() };
+    let (post, job) = (Post::load("iso", None).unwrap(), NcJob { machine: &machine, ..job() });
+    let program = NcProgram::new(&with_copying, &post, &NcSettings::default(), &job);
+    assert_eq!(program, Err(NcError::NotSimulated));
+    let mut findings = fixtures::simulation();
+    let of_feed = Simulation::made_up(findings.clone());
+    let error = with_copying.clone().with_simulation(&of_feed, &MachineModel::default()).unwrap_err();
+    assert_eq!(error, NotApproved::OtherSimulated("copying motion"));
+    findings.copying_digest = Some(copying.path.digest());
+    let of_both = Simulation::made_up(findings);
+    assert!(with_copying.with_simulation(&of_both, &MachineModel::default()).unwrap().simulation().is_some());
 }
 
 /// An electrode from -X on a machine with bodies: the machine is turned by half a turn about Z against W.

@@ -54,7 +54,8 @@ pub struct PairFigures {
     /// The smallest clearance met, and where.
     pub least_mm: f64,
     pub least_at: PlaceReport,
-    /// The first instant at which they touch, if they do.
+    /// The first instant at which they touch, if they do; on the way from channel to channel that of the widest way where
+    /// channels are alike.
     pub contact: Option<PlaceReport>,
 }
 

@@ -66,7 +66,8 @@ impl MachineModel {
     pub fn digest(&self) -> String {
         let mut hash = Sha256::new();
         for Body { name, carrier, mesh } in &self.bodies {
-            hash.update(format!("{name}\0{carrier:?}\0{}\0", mesh.digest()));
+            // With its length no name can pass for the end of one body and the start of another.
+            hash.update(format!("{}\0{name}\0{carrier:?}\0{}\0", name.len(), mesh.digest()));
         }
         hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
     }
@@ -140,5 +141,10 @@ mod tests {
         };
         assert_eq!(machine(1.0).digest(), machine(1.0).digest());
         assert_ne!(machine(1.0).digest(), machine(1.000001).digest());
+        // A name that reads like the end of one body and the start of another.
+        let [first, second] = ["a", "b"].map(|name| Body { name: name.to_owned(), ..machine(1.0).bodies[0].clone() });
+        let name = format!("a\0Bed\0{}\0b", first.mesh.digest());
+        let one = MachineModel { bodies: vec![Body { name, ..first.clone() }] };
+        assert_ne!(one.digest(), MachineModel { bodies: vec![first, second] }.digest());
     }
 }

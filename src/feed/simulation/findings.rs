@@ -4,6 +4,7 @@ use glam::DVec3;
 use serde::Serialize;
 
 use super::tour::{self, Leg, Phase};
+use crate::blisk::electrode::EntrySide;
 use crate::feed::machine_model::Body;
 use crate::feed::path::FeedPath;
 use crate::feed::pose::{Axis, Pose};
@@ -42,7 +43,8 @@ pub struct PairReport {
     pub certified: f64,
     /// The smallest clearance met.
     pub least: Place,
-    /// The first instant at which they touch, if they do.
+    /// The first instant at which they touch, if they do. On the way from one channel to another it is told of the widest
+    /// way, which stands for the others where channels are alike.
     pub contact: Option<Place>,
 }
 
@@ -85,6 +87,9 @@ pub(crate) struct Findings {
     pub(crate) blisk_digest: String,
     pub(crate) electrode_digest: String,
     pub(crate) model_digest: String,
+    pub(crate) with_bodies: bool,
+    pub(crate) body_clearance_mm: f64,
+    pub(crate) enters_from: EntrySide,
     pub(crate) approach: Vec<Pose>,
     pub(crate) visits: Vec<Visit>,
     pub(crate) out_of_reach: Vec<usize>,
@@ -145,6 +150,21 @@ impl Simulation {
     /// [`MachineModel::digest`](crate::feed::machine_model::MachineModel::digest) of the bodies.
     pub fn model_digest(&self) -> &str {
         &self.findings.model_digest
+    }
+
+    /// Whether the machine that was simulated has bodies.
+    pub fn with_bodies(&self) -> bool {
+        self.findings.with_bodies
+    }
+
+    /// What bodies were asked to keep from each other and from the blisk (mm).
+    pub fn body_clearance_mm(&self) -> f64 {
+        self.findings.body_clearance_mm
+    }
+
+    /// The side that the electrode enters from, which the machine is turned with.
+    pub fn enters_from(&self) -> EntrySide {
+        self.findings.enters_from
     }
 
     /// Poses from the clear position to the first row of the feed; the retraction goes back through them.
@@ -224,7 +244,8 @@ impl Simulation {
             n => format!("{n} channels"),
         };
         let mut text = match self.tightest() {
-            _ if self.is_empty() => "Nothing was simulated: no channel is burnt.".to_owned(),
+            _ if self.visits().is_empty() => "Nothing was simulated: no channel is burnt.".to_owned(),
+            _ if self.is_empty() => "Nothing was simulated: the feed has no rows; plan it again.".to_owned(),
             None => format!("The machine has no bodies; the electrode stays clear of the blisk in {channels}."),
             Some(pair) if pair.holds() => format!(
                 "Nothing collides in {channels}: {} clearances of bodies are proven, the least of the machine's own, of {} and \

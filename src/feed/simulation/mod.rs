@@ -66,7 +66,8 @@ pub struct SimulationOptions {
     pub clear_mm: f64,
     /// How close proven bounds come to the smallest clearance met (mm).
     pub resolution_mm: f64,
-    /// The same for bodies that are farther apart than they have to be, as a share of what they are so.
+    /// How close they come for bodies that are farther apart than is asked for, as a share of the distance beyond that,
+    /// where that is more.
     pub resolution_share: f64,
 }
 
@@ -94,8 +95,12 @@ pub fn simulate(
     let run = Run { scenario, options, bodies: &bodies, visits: &visits, period_error, cancel };
     let copies = run.copies()?;
     let approach = run.approach(&copies)?;
-    let mut pairs = run.feed_pairs();
-    pairs.extend(run.all(&approach, &copies, progress)?);
+    let mut pairs = Vec::new();
+    // Without a feed there is nothing to say of any pair.
+    if !scenario.feed.0.rows.is_empty() {
+        pairs.extend(run.feed_pairs());
+        pairs.extend(run.all(&approach, &copies, progress)?);
+    }
     pairs.sort_by(|p, q| (p.certified - p.required).total_cmp(&(q.certified - q.required)));
     let legs = tour::whole(&approach.poses, scenario.feed.0, scenario.copying.map(|c| c.0), &visits);
     Ok(Simulation::of(Findings {
@@ -111,6 +116,9 @@ pub fn simulate(
         pairs,
         period_error,
         model_digest: scenario.model.digest(),
+        with_bodies: scenario.machine.has_bodies(),
+        body_clearance_mm: scenario.machine.body_clearance_mm,
+        enters_from: scenario.electrode.enters_from,
         bodies: bodies::placed(scenario),
     }))
 }

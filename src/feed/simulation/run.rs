@@ -72,7 +72,8 @@ impl<'a> Run<'a> {
         Ok(results?.iter().flatten().all(PairReport::holds))
     }
 
-    /// The channel that what is found in that of the plan is told of: itself, or the first if it is not burnt.
+    /// The channel that reports name for what was tested in the channel of the plan: that one if it is burnt, otherwise
+    /// the first that is.
     fn representative(&self) -> Visit {
         let own = Visit { channel: self.scenario.own_channel, turn: 0.0 };
         let visited = self.visits.iter().find(|visit| visit.turn == 0.0).or(self.visits.first());
@@ -87,22 +88,30 @@ impl<'a> Run<'a> {
     }
 
     /// The clearance asked for outside the feed (mm). The electrode starts its feed where the plan withdrew it to, which
-    /// may be nearer than bodies shall come.
-    fn required_outside(&self, moving: &Mover, fixed: &Obstacle) -> f64 {
+    /// may be nearer than bodies shall come; `allowance` is taken off what is proven there (mm).
+    fn required_outside(&self, moving: &Mover, fixed: &Obstacle, allowance: f64) -> f64 {
         let usual = self.scenario.machine.body_clearance_mm;
         if moving.is_electrode && fixed.is_blisk() {
             let at_start = self.scenario.feed.1.row_clearance().first().copied().unwrap_or(0.0);
-            return usual.min(at_start - 2.0 * self.options.resolution_mm);
+            return usual.min(at_start - 2.0 * self.options.resolution_mm - allowance);
         }
         usual
     }
 
+    /// Whether `certificate` holds and is that of this very path and these very meshes.
+    fn is_proven(&self, path: &FeedPath, certificate: &Certificate) -> bool {
+        let Scenario { blisk, electrode, .. } = self.scenario;
+        certificate.keeps_clearance()
+            && certificate.path_digest() == path.digest()
+            && certificate.blisk_digest() == blisk.digest()
+            && certificate.electrode_digest() == electrode.mesh.digest()
+    }
+
     /// What the certificates of feed and copying motion say of the electrode in its channel. On a blisk whose channels
-    /// are alike it is said of all of them; otherwise of nothing, if that channel is not burnt.
+    /// are alike it is said of all of them; otherwise of nothing, if that channel is not burnt. A certificate that proves
+    /// nothing of this motion is always told, with a clearance of 0.
     pub fn feed_pairs(&self) -> Vec<PairReport> {
-        if self.period_error.is_none() && self.representative().turn != 0.0 {
-            return Vec::new();
-        }
+        let is_burnt = self.period_error.is_some() || self.representative().turn == 0.0;
         let error = self.period_error.unwrap_or(0.0);
         let feed = [(Phase::Feed, self.scenario.feed)];
         let copying = self.scenario.copying.map(|copying| (Phase::Copying, copying));
@@ -115,16 +124,19 @@ impl<'a> Run<'a> {
             on_moving: least.on_electrode,
             on_fixed: least.on_blisk,
         };
-        let report = |(phase, (_, c)): (Phase, (&FeedPath, &Certificate))| PairReport {
-            moving: "electrode".to_owned(),
-            fixed: "blisk".to_owned(),
-            during: Some(phase.name()),
-            required: c.required() - c.tolerance(),
-            certified: (c.certified() - error).max(0.0),
-            least: self.visited(place(phase, c.least()), true),
-            contact: None,
+        let report = |(phase, (path, c)): (Phase, (&FeedPath, &Certificate))| {
+            let is_proven = self.is_proven(path, c);
+            (is_burnt || !is_proven).then(|| PairReport {
+                moving: "electrode".to_owned(),
+                fixed: "blisk".to_owned(),
+                during: Some(phase.name()),
+                required: c.required() - c.tolerance(),
+                certified: if is_proven { (c.certified() - error).max(0.0) } else { 0.0 },
+                least: self.visited(place(phase, c.least()), true, self.representative()),
+                contact: None,
+            })
         };
-        feed.into_iter().chain(copying).map(report).collect()
+        feed.into_iter().chain(copying).filter_map(report).collect()
     }
 
     /// Copies of every table for all channels, in the order of the bodies that stand still.
@@ -162,12 +174,12 @@ impl<'a> Run<'a> {
     {
         let mut tests = Vec::new();
         for (moving, at, fixed) in self.pairs() {
-            let required = self.required_outside(moving, fixed);
+            let (mut on, allowance) = self.legs_against(fixed, legs);
+            let required = self.required_outside(moving, fixed, allowance);
             if moving.on_table {
                 tests.extend(legs.turned.iter().map(|leg| Test::new(moving, fixed, required, vec![leg])));
                 continue;
             }
-            let (mut on, allowance) = self.legs_against(fixed, legs);
             let mut during = None;
             if moving.is_electrode && fixed.is_blisk() {
                 // In its own channel it is the matter of the certificates.
@@ -196,7 +208,8 @@ impl<'a> Run<'a> {
             (Some(Carrier::Bed | Carrier::Head), _) => (legs.own.iter().collect(), 0.0),
             (None, Some(error)) => {
                 let index = legs.widest_index();
-                // From another way between channels to this one it is two steps, each by way of the plan's channel.
+                // Two ways between channels are alike since each is like one about the plan's channel: what channels
+                // differ by counts twice.
                 let steps = if index.is_some() { 2.0 } else { 1.0 };
                 (legs.own.iter().chain(index).collect(), steps * error)
             }
@@ -226,7 +239,7 @@ impl<'a> Run<'a> {
         if let Some((copies, own)) = test.copies {
             known = self.over(own.iter(), &Pair { fixed: &copies.solid, ..pair }, test, None)?;
             if let Some(Known { place, .. }) = &mut known {
-                let found = copies.visit_at(place.on_fixed);
+                let found = copies.visit_at(place.on_fixed, self.cancel)?;
                 is_found = found.is_some();
                 if let Some((visit, on_body)) = found {
                     (place.channel, place.pose.a, place.on_fixed) = (visit.channel, place.pose.a + visit.turn, on_body);
@@ -237,12 +250,12 @@ impl<'a> Run<'a> {
         let known = self.over(test.legs.iter().copied().filter(is_left), &pair, test, known)?;
         let Some(Known { clearance: PairClearance { certified, .. }, place: least }) = known else { return Ok(None) };
         let contact =
-            if certified <= 0.0 || certified < pair.resolution { self.first_contact(&pair, test)? } else { None };
+            if certified <= 0.0 || certified < pair.resolution { self.first_contact(&pair, test, legs)? } else { None };
         // Inside a copy no point tells which one it is; the first contact does.
         let least = contact.filter(|_| !is_found).unwrap_or(least);
         let in_tour = |place: Place| match test.moving.on_table {
             true => passed(place, legs),
-            false => self.visited(place, test.fixed.is_blisk()),
+            false => self.visited(place, test.fixed.is_blisk(), self.representative()),
         };
         Ok(Some(PairReport {
             moving: test.moving.name.clone(),
@@ -251,14 +264,25 @@ impl<'a> Run<'a> {
             required: test.required,
             certified: (certified - test.allowance).max(0.0),
             least: in_tour(least),
-            contact: contact.map(in_tour),
+            contact: contact.map(|place| self.first_in_tour(place, test)),
         }))
     }
 
-    /// `place` told of a channel that is burnt, if it is in that of the plan and that is not burnt itself. The blisk looks
-    /// the same from there, with another point in its place, and what A does not move is as near.
-    fn visited(&self, place: Place, is_on_blisk: bool) -> Place {
-        let visit = self.representative();
+    /// A contact in the channel that it comes about in first: what is tested in the channel of the plan for all of them
+    /// happens in every one.
+    fn first_in_tour(&self, place: Place, test: &Test) -> Place {
+        let is_for_all = match test.fixed.carrier {
+            Some(Carrier::Head | Carrier::Bed) => !test.moving.on_table,
+            Some(_) => false,
+            None => self.period_error.is_some(),
+        };
+        let first = self.visits.first().copied().filter(|_| is_for_all);
+        first.map_or(place, |visit| self.visited(place, test.fixed.is_blisk(), visit))
+    }
+
+    /// `place` told of `visit`, if it is in the channel of the plan. The blisk looks the same from there, with another
+    /// point in its place, and what A does not move is as near.
+    fn visited(&self, place: Place, is_on_blisk: bool, visit: Visit) -> Place {
         if visit.turn == 0.0 || place.phase == Phase::Index || place.channel != self.scenario.own_channel {
             return place;
         }
@@ -290,7 +314,7 @@ impl<'a> Run<'a> {
         for leg in feeds.into_iter().chain(others) {
             let poses = bodies::relative(&leg.poses, test.moving, test.fixed);
             let before = known.as_ref().map(|k| k.clearance);
-            let Some(clearance) = pair.clearance(&poses, before, self.cancel)? else { return Ok(None) };
+            let Some(clearance) = pair.clearance(&poses, before, self.cancel)? else { continue };
             let place = match known {
                 Some(k) if k.clearance.least == clearance.least => k.place,
                 _ => place(leg, &clearance.least),
@@ -300,8 +324,11 @@ impl<'a> Run<'a> {
         Ok(known)
     }
 
-    fn first_contact(&self, pair: &Pair, test: &Test) -> Result<Option<Place>, Cancelled> {
-        for leg in test.legs.iter().copied() {
+    /// The first contact in the order of time. What A turns is tested over all that A goes through, in one go that knows
+    /// no order, so that the tour itself is walked.
+    fn first_contact(&self, pair: &Pair, test: &Test, legs: &Legs) -> Result<Option<Place>, Cancelled> {
+        let tour: Vec<&Leg> = if test.moving.on_table { legs.all.iter().collect() } else { test.legs.clone() };
+        for leg in tour {
             let poses = bodies::relative(&leg.poses, test.moving, test.fixed);
             if let Some(near) = pair.first_contact(&poses, self.cancel)? {
                 return Ok(Some(place(leg, &near)));

@@ -120,7 +120,8 @@ impl Legs {
     pub fn widest_index(&self) -> Option<&Leg> {
         let width = |leg: &Leg| leg.poses.last().zip(leg.poses.first()).map_or(0.0, |(to, from)| to.a - from.a);
         let index = self.all.iter().filter(|leg| leg.phase == Phase::Index);
-        index.max_by(|p, q| width(p).total_cmp(&width(q)))
+        // Of ways as wide as each other the first.
+        index.rev().max_by(|p, q| width(p).total_cmp(&width(q)))
     }
 
     /// The first leg that takes A to `a`, and the row where it does.

@@ -117,6 +117,12 @@ impl Pair<'_> {
         self.resolution.max(self.share * (clearance - self.required))
     }
 
+    /// The resolution of a look at a motion: a little finer, so that a clearance which turns out a little smaller
+    /// between the poses asks for no other look.
+    fn resolution_for_a_look(&self, clearance: f64) -> f64 {
+        self.resolution.max(0.9 * self.share * (clearance - self.required))
+    }
+
     /// Bounds the clearance over the continuous motion through `poses`, all axes linear between them; none if there is
     /// nothing that could meet. A body that starts inside the other has a clearance of 0. `before` is the clearance over
     /// a motion that was looked at before: the answer is that over both.
@@ -143,36 +149,37 @@ impl Pair<'_> {
                 before.map(|b| b.least).filter(|b| b.distance <= here.distance).unwrap_or(here)
             }
         };
-        let resolution = self.resolution_at(least.distance);
-        let found = self.over(poses, before, &mut least, resolution, cancel)?;
-        let short = found < self.required && self.required < least.distance;
+        let mut resolution = self.resolution_for_a_look(least.distance);
+        let mut lower = self.over(poses, &mut least, resolution, cancel)?;
         // What came nearer between the poses than at them needs a finer look.
-        let resolution = self.resolution_at(least.distance);
-        let certified = if short { self.over(poses, before, &mut least, resolution, cancel)? } else { found };
+        while lower + self.resolution_at(least.distance) < least.distance {
+            let finer = self.resolution_for_a_look(least.distance);
+            if finer >= resolution {
+                break;
+            }
+            resolution = finer;
+            lower = self.over(poses, &mut least, resolution, cancel)?;
+        }
+        // What is proven lies below what is met by what rounding may take.
+        let own = lower.min(least.distance) - ROUNDING;
+        let certified = before.map_or(own, |before| before.certified.min(own)).max(0.0);
         Ok(Some(PairClearance { certified, least }))
     }
 
-    /// The bound over `poses` to within `resolution` (mm); `least` takes in what is met.
-    fn over(
-        &self,
-        poses: &[Pose],
-        before: Option<PairClearance>,
-        least: &mut Near,
-        resolution: f64,
-        cancel: &Cancel,
-    ) -> Result<f64, Cancelled> {
+    /// The bound over `poses` to within `resolution` (mm), infinite for a single one; `least` takes in what is met.
+    fn over(&self, poses: &[Pose], least: &mut Near, resolution: f64, cancel: &Cancel) -> Result<f64, Cancelled> {
         let question = Question { known: least.distance, resolution, stop_below: f64::NEG_INFINITY };
         let bound = |i: usize| self.bound(&poses[i], &poses[i + 1], &question, cancel);
         let answers: Result<Vec<_>, Cancelled> = (0..poses.len() - 1).into_par_iter().map(bound).collect();
-        let mut certified = before.map_or(least.distance, |before| before.certified + ROUNDING);
+        let mut lower = f64::INFINITY;
         for (i, answer) in answers?.into_iter().enumerate() {
-            certified = certified.min(answer.lower);
+            lower = lower.min(answer.lower);
             if let Some((points, t)) = answer.found.filter(|(points, _)| points.distance < least.distance) {
                 let pose = poses[i].lerp(&poses[i + 1], t);
                 *least = self.near(i as f64 + t, pose, (points.distance, points.first, points.second));
             }
         }
-        Ok((certified - ROUNDING).max(0.0))
+        Ok(lower)
     }
 
     fn least_at_poses(&self, poses: &[Pose], cancel: &Cancel) -> Result<Near, Cancelled> {
@@ -299,6 +306,37 @@ mod tests {
         assert!((found.least.distance - 1.0).abs() < 1e-6 && (found.certified - 1.0).abs() < 2e-6, "{found:?}");
         let instant = 4f64.atan2(3.0) / 1.2;
         assert!((found.least.row - instant).abs() < 2e-3, "{} {instant}", found.least.row);
+    }
+
+    #[test]
+    fn a_single_pose_counts_beside_what_is_known_before() {
+        let cube = cuboid(DVec3::ONE);
+        let never = Cancel::default();
+        let [moving, fixed] = solids(&cube, &cube, DVec3::ZERO);
+        let pair = Pair { moving: &moving, fixed: &fixed, resolution: 1e-6, required: 0.0, share: 0.0 };
+        let clearance = |poses: &[Pose], before| pair.clearance(poses, before, &never).unwrap();
+        let before = clearance(&[at(-9.0, 0.3, 0.2), at(-6.0, 0.3, 0.2)], None);
+        for (x, least) in [(-3.0, 2.0), (-8.0, 5.0)] {
+            let found = clearance(&[at(x, 0.3, 0.2)], before).unwrap();
+            let is_proven = found.certified <= least && found.certified > least - 2e-6;
+            assert!((found.least.distance - least).abs() < 1e-9 && is_proven, "{found:?}");
+        }
+    }
+
+    /// From far away past the other by a little and far away again: the little counts, however far the ends are.
+    #[test]
+    fn far_ends_do_not_blur_what_is_near_between_them() {
+        let cube = cuboid(DVec3::ONE);
+        let never = Cancel::default();
+        let [moving, fixed] = solids(&cube, &cube, DVec3::ZERO);
+        for (required, aside) in [(0.0, 0.2), (0.1, 0.2), (0.0, 0.02), (1.0, 4.0)] {
+            let pair = Pair { moving: &moving, fixed: &fixed, resolution: 1e-4, required, share: 0.01 };
+            let way = [at(-60.0, 1.0 + aside, 0.3), at(70.0, 1.0 + aside, 0.3)];
+            let found = pair.clearance(&way, None, &never).unwrap().unwrap();
+            let blur = f64::max(1e-4, 0.01 * (aside - required));
+            assert!(found.certified <= aside && found.certified >= aside - blur - 1e-8, "{aside}: {found:?}");
+            assert!(found.least.distance >= aside - 1e-9 && found.least.distance <= aside + blur, "{aside}: {found:?}");
+        }
     }
 
     #[test]
