@@ -135,10 +135,18 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, progress: &Progress, cancel: &Ca
     if !(1e-4..=10.0).contains(&params.tolerance_mm) {
         return Err(UncutError::Tolerance(params.tolerance_mm));
     }
+    if mesh.triangles.is_empty() {
+        return Err(UncutError::Field(HeightFieldError::NoMaterial));
+    }
     let upright = params.opening.upright_mesh(mesh);
     let needed = params.library.needed();
     let flats: Vec<&Cutter> = needed.iter().copied().filter(|c| c.kind() == CutterKind::Flat).collect();
-    let stack = uncut_stack(&upright, &flats, None, &params.layers, progress, cancel)?;
+    let mut stack = uncut_stack(&upright, &flats, None, &params.layers, progress, cancel)?;
+    // Where a whole wall is missing every section closes all the same.
+    let edges = open_edges(mesh);
+    if edges > 0 {
+        stack.warnings.insert(0, MoldWarning::NotClosed { edges });
+    }
     let flat_regions = regions(&stack.layers, params.tolerance_mm);
     let grid_step = params.grid_step_mm.unwrap_or_else(|| usual_step(&upright, &needed));
     progress.report("field of heights", 0.0, "");
@@ -161,6 +169,12 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, progress: &Progress, cancel: &Ca
     };
     progress.report("field of heights", 1.0, "");
     Ok(Uncut { params: params.clone(), stack, flat_regions, grid_step, field_regions, agreement })
+}
+
+/// Edges that have no face on one side, or more on one than on the other.
+fn open_edges(mesh: &Mesh) -> usize {
+    let directed = mesh.directed_edges();
+    directed.iter().filter(|((a, b), count)| directed.get(&(*b, *a)).copied().unwrap_or(0) < **count).count()
 }
 
 /// As fine as the smallest radius asks for, but with no more cells than a computer holds with ease.

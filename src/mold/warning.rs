@@ -9,6 +9,12 @@ pub enum MoldWarning {
     /// No layer has material.
     #[error("the mold has no material at any height: it has no triangles that enclose a volume")]
     Empty,
+    /// The mesh has edges with a face on one side only.
+    #[error("the surface is not closed: {edges} edges have no face on one side; repair the mesh")]
+    NotClosed {
+        /// How many edges.
+        edges: usize,
+    },
     /// The mesh has gaps: what they open is missing.
     #[error(
         "the surface is open in {layers} layers from z = {from:.3} to {to:.3} mm, first at x = {:.3}, y = {:.3}: what is \

@@ -63,7 +63,7 @@ pub fn read_cutters(file: &Path) -> Result<CutterLibrary, CutterFileError> {
 fn parsed(file: &Path, text: &str) -> Result<CutterLibrary, CutterFileError> {
     let invalid = |problem: String| CutterFileError::Invalid { file: file.to_owned(), problem };
     let library: CutterLibrary = toml::from_str(text).map_err(|e| {
-        let line = e.span().map_or(0, |span| text[..span.start.min(text.len())].lines().count().max(1));
+        let line = e.span().map_or(1, |span| text.bytes().take(span.start).filter(|b| *b == b'\n').count() + 1);
         invalid(format!("line {line}: {}", e.message().replace('\n', " ")))
     })?;
     if library.cutter.len() > MOST_CUTTERS {

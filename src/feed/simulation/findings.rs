@@ -277,6 +277,17 @@ impl Simulation {
     }
 }
 
+/// Where the axes stand that are not in their final position.
+fn stands(pose: &Pose) -> String {
+    let of = |axis: Axis| {
+        let value = pose.get(axis);
+        let (shown, unit) = if axis.is_rotary() { (value.to_degrees(), "deg") } else { (value, "mm") };
+        (value != 0.0).then(|| format!("{} {shown:.2} {unit}", axis.letter()))
+    };
+    let moved: Vec<String> = Axis::ALL.into_iter().filter_map(of).collect();
+    if moved.is_empty() { "the final pose".to_owned() } else { moved.join(", ") }
+}
+
 /// A proven clearance (mm) to three decimals, never rounded up.
 fn floored(mm: f64) -> String {
     format!("{:.3}", (mm * 1e3).floor() / 1e3)
@@ -287,10 +298,12 @@ impl PairReport {
         let Self { moving, fixed, required, certified, .. } = self;
         match &self.contact {
             Some(at) => format!(
-                "COLLISION: {moving} meets {fixed} in the {} of channel {}, at row {:.3}.",
+                "COLLISION: {moving} meets {fixed} in the {} of channel {}, at row {:.3} ({}). A path that turns the electrode \
+                 less (strategy global), a longer shank or slimmer bodies may be clear.",
                 at.phase.name(),
                 at.channel,
-                at.row
+                at.row,
+                stands(&at.pose)
             ),
             None => format!(
                 "TOO CLOSE: {moving} and {fixed} are proven to stay apart by {} mm only, of {required:.3} mm; \

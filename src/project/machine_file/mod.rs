@@ -54,7 +54,7 @@ pub enum MachineFileError {
         source: std::io::Error,
     },
     /// There is no built-in machine of that name.
-    #[error("[machine] name = {name:?}: there is no such machine; there are {}, and files that end in .toml or .urdf", BUILT_IN.join(", "))]
+    #[error("name = {name:?}: there is no such machine; there are {}, and files that end in .toml or .urdf", BUILT_IN.join(", "))]
     NoSuchMachine {
         /// The name.
         name: String,
