@@ -7,6 +7,8 @@ mod compare;
 mod sections;
 #[path = "cli/simulate.rs"]
 mod simulate;
+#[path = "cli/uncut.rs"]
+mod uncut;
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};

@@ -254,11 +254,13 @@ fn export(ui: &mut Ui, core: &mut Core) {
     if !approved && core.pipeline.finishing() == StageState::Running {
         notice(ui, palette(ui).faint, "It can be approved as soon as its copying motions are known.");
     } else if !approved && !core.pipeline.can_approve() {
-        notice(
-            ui,
-            palette(ui).warning,
-            "Only a plan with a certificate that holds, for the present parameters, can be approved.",
-        );
+        let collides = core.pipeline.plan().and_then(|plan| plan.finishing()).is_some_and(|f| f.collision().is_some());
+        let why = if collides {
+            "A plan on whose machine something collides cannot be approved; Verify shows where."
+        } else {
+            "Only a plan with a certificate that holds, for the present parameters, can be approved."
+        };
+        notice(ui, palette(ui).warning, why);
     }
     ui.horizontal(|ui| {
         command_button(ui, core, Command::Approve, "Approve", !approved);

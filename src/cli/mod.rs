@@ -21,6 +21,7 @@ mod render;
 mod simulate;
 mod size;
 mod terminal;
+mod uncut;
 mod verify;
 
 use std::path::{Path, PathBuf};
@@ -103,6 +104,8 @@ enum Command {
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
     },
+    /// What milling cutters that come from above leave of a mold.
+    Uncut(uncut::UncutArguments),
     /// Certifies a feed path file, whoever made it.
     Verify(VerifyArguments),
     /// A picture of a project or of meshes as a PNG file, without a window.
@@ -316,6 +319,7 @@ fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> 
         Command::Size { job, parts } => size::size(job, usize::from(*parts), session),
         Command::Compare { job, out, strategies } => compare::compare(job, out, strategies, session),
         Command::Simulate { job, channels, out } => simulate::simulate(job, channels.as_ref(), out.as_deref(), session),
+        Command::Uncut(arguments) => uncut::uncut(arguments, session),
         Command::Verify(arguments) => verify::verify(arguments, session),
         Command::Render(arguments) => render::render(arguments, session),
         Command::Inspect(arguments) => inspect::inspect(arguments, session),

@@ -5,6 +5,7 @@ use super::quantise::first_unquantised_row;
 use crate::feed::certificate::{Certificate, TravelVerdict};
 use crate::feed::copying::CopyingMotion;
 use crate::feed::machine::BeyondTravel;
+use crate::feed::machine_model::MachineModel;
 use crate::feed::path::FeedPath;
 use crate::feed::pose::Pose;
 use crate::feed::simulation::Simulation;
@@ -48,6 +49,8 @@ pub enum NotApproved {
     BeyondTravel(BeyondTravel),
     #[error("{0}")]
     Collides(String),
+    #[error("the whole motion was simulated with another {0} than the one at hand; plan and simulate again")]
+    OtherSimulated(&'static str),
     #[error("the travel of the axes was not judged; verify the path for the machine that it is exported for")]
     TravelNotJudged,
     #[error(
@@ -97,7 +100,8 @@ impl Approved {
         Ok(Self { path, certificate, electrode, copying: None, simulation: None })
     }
 
-    /// The same with the copying motion that is to follow the feed.
+    /// The same with the copying motion that is to follow the feed, and without a simulation: one with this motion is to
+    /// be given afterwards.
     ///
     /// # Errors
     /// [`NotApproved`] unless it is certified from the final pose back to the final pose, for the very meshes, the
@@ -134,18 +138,27 @@ impl Approved {
         if let Some(row) = first_unquantised_row(copying) {
             return Err(NotApproved::NotQuantised { row });
         }
-        Ok(Self { copying: Some(motion.clone()), ..self })
+        // What was simulated before knows nothing of it.
+        Ok(Self { copying: Some(motion.clone()), simulation: None, ..self })
     }
 
-    /// The same with the whole motion on the machine, approach and retraction and the other channels included.
+    /// The same with the whole motion on the machine `model`, approach and retraction and the other channels included.
     ///
     /// # Errors
-    /// [`NotApproved`] unless it is that of this very feed and copying motion, and nothing comes too close or goes beyond
-    /// the travel of the axes.
-    pub fn with_simulation(self, simulation: &Simulation) -> Result<Self, NotApproved> {
+    /// [`NotApproved`] unless it is that of this very feed and copying motion, of these very meshes, and of these very
+    /// bodies of the machine, and nothing comes too close or goes beyond the travel of the axes.
+    pub fn with_simulation(self, simulation: &Simulation, model: &MachineModel) -> Result<Self, NotApproved> {
+        let (s, c) = (simulation, &self.certificate);
         let copying = self.copying.as_ref().map(|motion| motion.path.digest());
-        if simulation.path_digest != self.certificate.path_digest() || simulation.copying_digest != copying {
-            return Err(NotApproved::OtherPath);
+        let same = [
+            ("path", s.path_digest() == c.path_digest()),
+            ("copying motion", s.copying_digest() == copying.as_deref()),
+            ("blisk", s.blisk_digest() == c.blisk_digest()),
+            ("electrode", s.electrode_digest() == c.electrode_digest()),
+            ("machine", s.model_digest() == model.digest()),
+        ];
+        if let Some((what, _)) = same.into_iter().find(|(_, is_same)| !is_same) {
+            return Err(NotApproved::OtherSimulated(what));
         }
         if !simulation.holds() {
             return Err(NotApproved::Collides(simulation.sentence()));

@@ -7,10 +7,14 @@ use super::choice::MeshFrame;
 use super::quantise::quantise_path;
 use super::report::*;
 use crate::blisk::channel::Surface;
+use crate::blisk::electrode::EntrySide;
 use crate::feed::certificate::{Certificate, Contact, Findings, TravelVerdict};
 use crate::feed::copying::{CopyingExtent, CopyingMotion, Turn};
+use crate::feed::machine_model::MachineModel;
 use crate::feed::path::{FeedPath, PathRow};
 use crate::feed::pose::{Axis, Pose};
+use crate::feed::quantise::quantise_rad;
+use crate::feed::simulation::{self, PairReport, Phase, Place, Visit};
 use crate::feed::smoothness::AxisSmoothness;
 use crate::geometry::frame::Frame;
 use crate::geometry::mesh::tests::cuboid;
@@ -108,6 +112,48 @@ pub(crate) fn copying(change: impl Fn(&mut Findings)) -> CopyingMotion {
     let wanted = CopyingExtent { low: turn.to_radians(), high: 0.0, outwards: 0.5 };
     let turns = vec![Turn { z: 0.0, a: -turn.to_radians() }];
     CopyingMotion { path, certificate: Certificate::made_up(findings), wanted, reached: wanted, turns }
+}
+
+/// What was found of the whole motion of [`path`] in two channels, 6 degrees apart: down 20 mm, 10 mm in, and the feed.
+pub(crate) fn simulation() -> simulation::Findings {
+    let (path, electrode) = (path(), electrode_mesh());
+    let first = path.rows[0].pose;
+    let clear = Pose { x: first.x - 10.0, z: first.z + 20.0, ..first };
+    let least = Place {
+        distance: 2.0,
+        phase: Phase::Approach,
+        channel: 3,
+        row: 1.0,
+        pose: first,
+        on_moving: DVec3::ZERO,
+        on_fixed: DVec3::X,
+    };
+    simulation::Findings {
+        path_digest: path.digest(),
+        copying_digest: None,
+        blisk_digest: blisk_mesh().digest(),
+        electrode_digest: electrode.digest(),
+        model_digest: MachineModel::default().digest(),
+        with_bodies: true,
+        body_clearance_mm: 1.0,
+        enters_from: EntrySide::PlusX,
+        approach: vec![clear, Pose { z: first.z, ..clear }, first],
+        visits: vec![Visit { channel: 3, turn: 0.0 }, Visit { channel: 4, turn: quantise_rad(6f64.to_radians()) }],
+        out_of_reach: vec![],
+        pairs: vec![PairReport {
+            moving: "electrode".to_owned(),
+            fixed: "blisk".to_owned(),
+            during: Some("moves outside"),
+            required: 1.0,
+            certified: 1.99,
+            least,
+            contact: None,
+        }],
+        travel: None,
+        minutes: 1.0,
+        period_error: Some(0.0),
+        bodies: vec![],
+    }
 }
 
 /// A report on one electrode that comes out and one that jams.

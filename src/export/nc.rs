@@ -39,6 +39,8 @@ pub enum NcError {
     BeyondTravel(BeyondTravel),
     #[error("the machine has bodies, and the path was not simulated with them; simulate it")]
     NotSimulated,
+    #[error("the motion was simulated for {simulated}, but the program is for {asked}; simulate it again")]
+    OtherMachineSimulated { simulated: String, asked: String },
     #[error("{name} is {value}, but must be {range}")]
     Setting { name: &'static str, value: f64, range: &'static str },
 }
@@ -109,7 +111,7 @@ impl NcProgram {
         settings.validate()?;
         check_axes(&approved.path().rows, post, job.machine)?;
         check_axes(copying_rows(approved), post, job.machine)?;
-        nc_tour::check(approved, post, job.machine)?;
+        nc_tour::check(approved, post, job)?;
         let feeds = Feeds::new(approved, post, settings, job.machine)?;
         let in_channel = feeds.inwards.iter().chain(&feeds.copying).chain(&feeds.outwards);
         let slowed = Slowed::of(in_channel.chain(feeds.tour.all()));

@@ -1,11 +1,15 @@
 use super::*;
+use crate::blisk::electrode::EntrySide;
 use crate::export::approved::NotApproved;
 use crate::export::fixtures;
 use crate::export::path_csv::write_path_csv;
 use crate::feed::certificate::{Findings, TravelVerdict};
 use crate::feed::copying::CopyingMotion;
 use crate::feed::machine::AxisSet;
-use crate::feed::simulation::{Simulation, Visit};
+use crate::feed::machine_model::MachineModel;
+use crate::feed::path::FeedPath;
+use crate::feed::quantise::quantise_rad;
+use crate::feed::simulation::{Findings as Simulated, Simulation, Visit};
 
 fn machine() -> &'static MachineParams {
     static MACHINE: std::sync::OnceLock<MachineParams> = std::sync::OnceLock::new();
@@ -272,29 +276,16 @@ fn block_numbers_start_again_rather_than_grow_too_long() {
     assert!(numbers.len() > 240 && numbers.iter().all(|n| (5..=100).contains(n)));
 }
 
-/// The whole motion of the fixtures' path in two channels.
-fn simulation() -> Simulation {
-    let first = fixtures::path().rows[0].pose;
-    let clear = Pose { x: first.x - 10.0, z: first.z + 20.0, ..first };
-    let turn = crate::feed::quantise::quantise_rad(6f64.to_radians());
-    Simulation {
-        path_digest: fixtures::path().digest(),
-        copying_digest: None,
-        approach: vec![clear, Pose { z: first.z, ..clear }, first],
-        visits: vec![Visit { channel: 3, turn: 0.0 }, Visit { channel: 4, turn }],
-        out_of_reach: vec![],
-        pairs: vec![],
-        travel: None,
-        minutes: 1.0,
-        model_digest: String::new(),
-        period_error: Some(0.0),
-        bodies: vec![],
-    }
+/// The approved path with its made-up simulation, with what was found changed by `change`.
+fn simulated(change: impl Fn(&mut Simulated)) -> Result<Approved, NotApproved> {
+    let mut findings = fixtures::simulation();
+    change(&mut findings);
+    fixtures::approved().with_simulation(&Simulation::made_up(findings), &MachineModel::default())
 }
 
 #[test]
 fn every_simulated_channel_is_burnt_with_a_turned_by_its_pitch() {
-    let approved = fixtures::approved().with_simulation(&simulation()).unwrap();
+    let approved = simulated(|_| ()).unwrap();
     for (name, _) in crate::export::post::BUILT_IN {
         let post = Post::load(name, None).unwrap();
         let program = NcProgram::new(&approved, &post, &NcSettings::default(), &job()).unwrap();
@@ -310,11 +301,76 @@ fn every_simulated_channel_is_burnt_with_a_turned_by_its_pitch() {
             }
             assert!((number(second, "A") - number(first, "A") - 6.0).abs() < 1e-9, "{name}");
         }
-        let clear = simulation().approach[0];
+        let clear = fixtures::simulation().approach[0];
         for at in [0, in_channel - 1, in_channel] {
             assert!(
                 (number(&blocks[at], "X") - clear.x).abs() < 1e-9 && (number(&blocks[at], "Z") - clear.z).abs() < 1e-9
             );
+        }
+    }
+}
+
+/// The values of all axes (mm, rad) in every block that moves, with what the post and a turned machine count the other
+/// way round set right.
+fn replayed(post: &Post, text: &str, is_turned: bool) -> Vec<Pose> {
+    let mut at = Pose::FINAL.to_array();
+    let blocks = moving_blocks(post, text);
+    let poses = blocks.iter().map(|block| {
+        for (i, (axis, letter)) in Axis::ALL.into_iter().zip(["X", "Y", "Z", "A", "B", "C"]).enumerate() {
+            let Some(number) = value(block, letter) else { continue };
+            let number: f64 = number.parse().unwrap();
+            let number = if axis.is_rotary() { number.to_radians() } else { number };
+            let is_opposite = is_turned && "XYAB".contains(letter);
+            let is_reversed = post.axes.iter().any(|a| a.axis == axis && a.reversed);
+            at[i] = if is_opposite != is_reversed { -number } else { number };
+        }
+        Pose { x: at[0], y: at[1], z: at[2], a: at[3], b: at[4], c: at[5] }
+    });
+    poses.collect()
+}
+
+/// What a machine is to do, written down without the legs of a simulation: in every channel the approach, the feed, the
+/// copying motion and all the way back, A turned by the channel's angle.
+fn poses_of_tour(approach: &[Pose], feed: &FeedPath, copying: &FeedPath, visits: &[Visit]) -> Vec<Pose> {
+    let rows = |path: &FeedPath| path.rows.iter().map(|row| row.pose).collect::<Vec<_>>();
+    let there = [&approach[..approach.len() - 1], &rows(feed)].concat();
+    let back: Vec<Pose> = there.iter().rev().skip(1).copied().collect();
+    let in_channel = [&there[..], &rows(copying)[1..], &back].concat();
+    let turned = |visit: &Visit| {
+        let turn = visit.turn;
+        in_channel.iter().map(move |p| Pose { a: p.a + turn, ..*p }).collect::<Vec<_>>()
+    };
+    visits.iter().flat_map(turned).collect()
+}
+
+#[test]
+fn a_program_replayed_is_the_motion_that_was_simulated() {
+    let copying = fixtures::copying(|_| ());
+    let turn = |deg: f64| quantise_rad(deg.to_radians());
+    // The plan's channel is neither the first nor the only one, and A goes both ways from it.
+    let visits = [(2, -6.0), (3, 0.0), (4, 6.0)].map(|(channel, deg)| Visit { channel, turn: turn(deg) });
+    let machine = MachineParams { name: "xyzac".to_owned(), ..Default::default() };
+    let feed = fixtures::path();
+    for (name, _) in crate::export::post::BUILT_IN {
+        for (is_turned, is_reversed) in [(false, false), (true, false), (true, true)] {
+            let mut findings = fixtures::simulation();
+            findings.copying_digest = Some(copying.path.digest());
+            findings.visits = visits.to_vec();
+            findings.enters_from = if is_turned { EntrySide::MinusX } else { EntrySide::PlusX };
+            let simulation = Simulation::made_up(findings);
+            let approved = fixtures::approved().with_copying(&copying).unwrap();
+            let approved = approved.with_simulation(&simulation, &MachineModel::default()).unwrap();
+            let expected = poses_of_tour(simulation.approach(), &feed, &copying.path, &visits);
+            let mut post = Post::load(name, None).unwrap();
+            post.axes.iter_mut().filter(|a| a.axis == Axis::A).for_each(|a| a.reversed = is_reversed);
+            let job = NcJob { is_turned, machine: &machine, ..job() };
+            let program = NcProgram::new(&approved, &post, &NcSettings::default(), &job).unwrap();
+            let poses = replayed(&post, program.text(), is_turned);
+            assert_eq!(poses.len(), expected.len(), "{name}");
+            for (i, (pose, expected)) in poses.iter().zip(&expected).enumerate() {
+                let off = pose.to_array().into_iter().zip(expected.to_array()).map(|(p, q)| (p - q).abs());
+                assert!(off.fold(0.0, f64::max) < 1e-9, "{name} block {i}: {pose:?} {expected:?}");
+            }
         }
     }
 }
@@ -325,21 +381,54 @@ fn a_machine_with_bodies_wants_a_simulation_that_holds_of_this_very_motion() {
     let (post, job) = (Post::load("iso", None).unwrap(), NcJob { machine: &machine, ..job() });
     let program = |approved: &Approved| NcProgram::new(approved, &post, &NcSettings::default(), &job).map(|_| ());
     assert_eq!(program(&fixtures::approved()), Err(NcError::NotSimulated));
-    let approved = fixtures::approved().with_simulation(&simulation()).unwrap();
+    let approved = simulated(|_| ()).unwrap();
     assert_eq!(program(&approved), Ok(()));
-    let refused = |change: fn(&mut Simulation)| {
-        let mut simulation = simulation();
-        change(&mut simulation);
-        fixtures::approved().with_simulation(&simulation).unwrap_err()
-    };
-    assert_eq!(refused(|s| s.path_digest = "0".repeat(64)), NotApproved::OtherPath);
-    assert_eq!(refused(|s| s.copying_digest = Some("0".repeat(64))), NotApproved::OtherPath);
+    let made = |change: fn(&mut Simulated)| program(&simulated(change).unwrap());
+    assert_eq!(made(|s| s.with_bodies = false), Err(NcError::NotSimulated));
+    let of_another = |result| matches!(result, Err(NcError::OtherMachineSimulated { .. }));
+    assert!(of_another(made(|s| s.body_clearance_mm = 0.99)));
+    assert!(of_another(made(|s| s.body_clearance_mm = f64::NAN)));
+    assert!(of_another(made(|s| s.enters_from = EntrySide::MinusX)));
+    assert_eq!(made(|s| s.body_clearance_mm = 1.01), Ok(()));
+    let refused = |change: fn(&mut Simulated)| simulated(change).unwrap_err();
+    let another = NotApproved::OtherSimulated;
+    assert_eq!(refused(|s| s.path_digest = "0".repeat(64)), another("path"));
+    assert_eq!(refused(|s| s.copying_digest = Some("0".repeat(64))), another("copying motion"));
+    assert_eq!(refused(|s| s.blisk_digest = "0".repeat(64)), another("blisk"));
+    assert_eq!(refused(|s| s.electrode_digest = "0".repeat(64)), another("electrode"));
+    assert_eq!(refused(|s| s.model_digest = "0".repeat(64)), another("machine"));
     assert!(matches!(refused(|s| s.out_of_reach = vec![7]), NotApproved::Collides(text) if text.contains("channel 7")));
+    assert!(
+        matches!(refused(|s| s.pairs.clear()), NotApproved::Collides(text) if text.contains("Nothing was simulated"))
+    );
+    assert!(matches!(refused(|s| s.visits.clear()), NotApproved::Collides(_)));
+    assert!(matches!(refused(|s| s.pairs[0].certified = 0.0), NotApproved::Collides(_)));
     // A machine whose A does not go as far as the second channel.
     let short = MachineParams { travel_a_deg: [-3.0, 5.0], ..machine.clone() };
     let job = NcJob { machine: &short, ..job };
     let error = NcProgram::new(&approved, &post, &NcSettings::default(), &job).unwrap_err();
     assert!(matches!(error, NcError::BeyondTravel(beyond) if beyond.axis == Axis::A), "{error}");
+}
+
+/// A simulation knows the copying motion that it was made with, whichever of the two is given first.
+#[test]
+fn a_copying_motion_given_after_the_simulation_wants_another() {
+    let copying = fixtures::copying(|_| ());
+    let feed_only = simulated(|_| ()).unwrap();
+    assert!(feed_only.simulation().is_some());
+    let with_copying = feed_only.with_copying(&copying).unwrap();
+    assert_eq!(with_copying.simulation(), None);
+    let machine = MachineParams { name: "xyzac".to_owned(), ..Default::default() };
+    let (post, job) = (Post::load("iso", None).unwrap(), NcJob { machine: &machine, ..job() });
+    let program = NcProgram::new(&with_copying, &post, &NcSettings::default(), &job);
+    assert_eq!(program, Err(NcError::NotSimulated));
+    let mut findings = fixtures::simulation();
+    let of_feed = Simulation::made_up(findings.clone());
+    let error = with_copying.clone().with_simulation(&of_feed, &MachineModel::default()).unwrap_err();
+    assert_eq!(error, NotApproved::OtherSimulated("copying motion"));
+    findings.copying_digest = Some(copying.path.digest());
+    let of_both = Simulation::made_up(findings);
+    assert!(with_copying.with_simulation(&of_both, &MachineModel::default()).unwrap().simulation().is_some());
 }
 
 /// An electrode from -X on a machine with bodies: the machine is turned by half a turn about Z against W.

@@ -1,11 +1,11 @@
 //! What a program says and does around the channel: the simulated way there, and from one channel to the next.
 
 use super::approved::Approved;
-use super::nc::{Feeds, NcError, Writer, check_axes, first_position, in_channel};
+use super::nc::{Feeds, NcError, NcJob, Writer, check_axes, first_position, in_channel};
 use super::nc_feed::{BlockFeed, Pace};
 use super::post::Post;
 use super::quantise::{deg_text, floor_mm_text};
-use crate::feed::machine::MachineParams;
+use crate::blisk::electrode::EntrySide;
 use crate::feed::path::PathRow;
 use crate::feed::pose::{Axis, Pose};
 use crate::feed::simulation::Simulation;
@@ -25,10 +25,10 @@ impl TourFeeds {
     /// The number of a block whose F word would be 0.
     pub(super) fn new(approved: &Approved, pace: &Pace, mm_per_min: f64) -> Result<Self, usize> {
         let Some(simulation) = approved.simulation() else { return Ok(Self::default()) };
-        let approach = rows(&simulation.approach);
+        let approach = rows(simulation.approach());
         let leave: Vec<PathRow> = approach.iter().rev().copied().collect();
-        let index = simulation.visits.windows(2).enumerate().map(|(i, pair)| {
-            let clear = simulation.approach.first().copied().unwrap_or(Pose::FINAL);
+        let index = simulation.visits().windows(2).enumerate().map(|(i, pair)| {
+            let clear = simulation.approach().first().copied().unwrap_or(Pose::FINAL);
             let at = |turn: f64| Pose { a: clear.a + turn, ..clear };
             pace.block(&at(pair[0].turn), &at(pair[1].turn), mm_per_min).ok_or(i)
         });
@@ -49,11 +49,27 @@ fn rows(poses: &[Pose]) -> Vec<PathRow> {
     poses.iter().map(|&pose| PathRow { node: 0, s: 0.0, pose }).collect()
 }
 
-/// Makes sure that a machine with bodies was simulated, and that its axes go wherever the motion does.
-pub(super) fn check(approved: &Approved, post: &Post, machine: &MachineParams) -> Result<(), NcError> {
+/// Makes sure that a machine with bodies was simulated with them, with the clearance that is asked for and on the side
+/// that the electrode enters from, and that its axes go wherever the motion does.
+pub(super) fn check(approved: &Approved, post: &Post, job: &NcJob) -> Result<(), NcError> {
+    let machine = job.machine;
     let Some(simulation) = approved.simulation() else {
         return if machine.has_bodies() { Err(NcError::NotSimulated) } else { Ok(()) };
     };
+    if machine.has_bodies() && !simulation.with_bodies() {
+        return Err(NcError::NotSimulated);
+    }
+    let other = |simulated: String, asked: String| Err(NcError::OtherMachineSimulated { simulated, asked });
+    let [simulated, asked] = [simulation.body_clearance_mm(), machine.body_clearance_mm];
+    if simulated.is_nan() || simulated < asked {
+        return other(format!("a body clearance of {simulated} mm"), format!("one of {asked} mm"));
+    }
+    let turned = |is_turned| if is_turned { "turned" } else { "not turned" };
+    let was_turned = simulation.with_bodies() && simulation.enters_from() == EntrySide::MinusX;
+    if was_turned != job.is_turned {
+        let machine = |is_turned| format!("a machine that is {} by half a turn about Z", turned(is_turned));
+        return other(machine(was_turned), machine(job.is_turned));
+    }
     let legs = simulation.legs(approved.path(), approved.copying().map(|copying| &copying.path));
     legs.iter().try_for_each(|leg| check_axes(&rows(&leg.poses), post, machine))
 }
@@ -69,15 +85,15 @@ pub(super) fn header(w: &mut Writer, approved: &Approved) {
     }
     let sense = if w.counts_backwards(Axis::A) { -1.0 } else { 1.0 };
     let channels =
-        simulation.visits.iter().map(|v| format!("{} at A {}", v.channel, deg_text(sense * v.turn + 0.0, 6)));
+        simulation.visits().iter().map(|v| format!("{} at A {}", v.channel, deg_text(sense * v.turn + 0.0, 6)));
     w.comment(&format!("Channels: {}", channels.collect::<Vec<_>>().join(", ")));
 }
 
 /// Every channel: there, in, out and back to the clear position.
 pub(super) fn motion(w: &mut Writer, approved: &Approved, simulation: &Simulation, feeds: &Feeds) {
-    let approach = rows(&simulation.approach);
+    let approach = rows(simulation.approach());
     let Some(clear) = approach.first() else { return };
-    for (i, visit) in simulation.visits.iter().enumerate() {
+    for (i, visit) in simulation.visits().iter().enumerate() {
         w.turn = visit.turn;
         if i == 0 {
             first_position(w, &clear.pose, feeds);

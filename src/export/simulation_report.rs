@@ -54,7 +54,8 @@ pub struct PairFigures {
     /// The smallest clearance met, and where.
     pub least_mm: f64,
     pub least_at: PlaceReport,
-    /// The first instant at which they touch, if they do.
+    /// The first instant at which they touch, if they do; on the way from channel to channel that of the widest way where
+    /// channels are alike.
     pub contact: Option<PlaceReport>,
 }
 
@@ -122,12 +123,12 @@ impl SimulationReport {
         Self {
             sentence: simulation.sentence(),
             holds: simulation.holds(),
-            channels: simulation.visits.iter().map(channel).collect(),
-            out_of_reach: simulation.out_of_reach.clone(),
-            approach: simulation.approach.iter().map(PoseReport::from).collect(),
-            least_minutes: simulation.minutes,
-            period_error_mm: simulation.period_error,
-            pairs: simulation.pairs.iter().map(PairFigures::of).collect(),
+            channels: simulation.visits().iter().map(channel).collect(),
+            out_of_reach: simulation.out_of_reach().to_vec(),
+            approach: simulation.approach().iter().map(PoseReport::from).collect(),
+            least_minutes: simulation.minutes(),
+            period_error_mm: simulation.period_error(),
+            pairs: simulation.pairs().iter().map(PairFigures::of).collect(),
         }
     }
 

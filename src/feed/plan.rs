@@ -209,31 +209,39 @@ pub fn plan_feed(
     Planner { space, settings, turns: Turns::NONE, progress, cancel, guide }.plan(electrode, remake)
 }
 
-/// Plans the feed path of `electrode`, which is `prepared` with its walls drawn in by `turns`.
+/// An electrode that another one was prepared for.
+#[derive(Clone, Copy)]
+pub struct DrawnIn<'a> {
+    /// What was prepared.
+    pub prepared: &'a PreparedElectrode,
+    /// How far the walls are drawn in from there.
+    pub turns: Turns,
+    /// The electrode with its walls drawn in.
+    pub electrode: &'a Electrode,
+}
+
+/// Plans the feed path of an electrode that is prepared.
 pub fn plan_drawn_in(
     space: &PlanningSpace,
-    prepared: &PreparedElectrode,
-    turns: Turns,
-    electrode: &Electrode,
+    drawn_in: &DrawnIn,
     settings: &PlanSettings,
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<FeedPlan, PlanError> {
     settings.validate()?;
+    let &DrawnIn { prepared, turns, electrode } = drawn_in;
     Planner { space, settings, turns, progress, cancel, guide: None }.plan_drawn_in(electrode, prepared)
 }
 
-/// A way out of `electrode`, which is `prepared` with its walls drawn in by `turns`, as far as a quick look tells: neither
-/// polished nor verified.
+/// A way out of an electrode that is prepared, as far as a quick look tells: neither polished nor verified.
 pub fn coarse_way(
     space: &PlanningSpace,
-    prepared: &PreparedElectrode,
-    turns: Turns,
-    electrode: &Electrode,
+    drawn_in: &DrawnIn,
     settings: &PlanSettings,
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<CoarseWay, PlanError> {
     settings.validate()?;
+    let &DrawnIn { prepared, turns, electrode } = drawn_in;
     Planner { space, settings, turns, progress, cancel, guide: None }.coarse_way(electrode, &prepared.model(space))
 }

@@ -189,9 +189,8 @@ impl Verifier {
         let corners = electrode_tree.triangles().iter().flatten();
         let reach = corners.map(|u| u.length()).fold(0.0, f64::max);
         cancel.check()?;
-        let parts = [inside::point_of_each_part(blisk), inside::point_of_each_part(&about_reference)];
-        cancel.check()?;
-        let [blisk_parts, electrode_parts] = parts;
+        let blisk_parts = inside::point_of_each_part(blisk, cancel)?;
+        let electrode_parts = inside::point_of_each_part(&about_reference, cancel)?;
         Ok(Self {
             blisk: blisk_tree,
             electrode: electrode_tree,
@@ -246,15 +245,17 @@ impl Verifier {
     }
 
     /// A point of the electrode at `pose`, in W, that is inside the blisk, or of the blisk inside the electrode.
-    fn one_inside_the_other(&self, pose: &Pose) -> Option<DVec3> {
+    fn one_inside_the_other(&self, pose: &Pose, cancel: &Cancel) -> Result<Option<DVec3>, Cancelled> {
         let placement = pose.placement(self.reference_point);
         let to_w = |u: DVec3| placement.transform_point3(self.reference_point + u);
         let back = placement.inverse();
         let to_electrode = |p: DVec3| back.transform_point3(p) - self.reference_point;
-        inside::first_inside(self.blisk.triangles(), self.electrode_parts.iter().map(|&u| to_w(u))).or_else(|| {
-            let blisk_parts = self.blisk_parts.iter().map(|&p| to_electrode(p));
-            inside::first_inside(self.electrode.triangles(), blisk_parts).map(to_w)
-        })
+        let electrode_parts = self.electrode_parts.iter().map(|&u| to_w(u));
+        if let Some(p) = inside::first_inside(self.blisk.triangles(), electrode_parts, cancel)? {
+            return Ok(Some(p));
+        }
+        let blisk_parts = self.blisk_parts.iter().map(|&p| to_electrode(p));
+        Ok(inside::first_inside(self.electrode.triangles(), blisk_parts, cancel)?.map(to_w))
     }
 }
 
@@ -338,7 +339,7 @@ impl Run<'_> {
     fn note_inside(&self, at_rows: &mut [Contact]) -> Result<(), Cancelled> {
         at_rows.par_iter_mut().enumerate().try_for_each(|(row, contact)| {
             self.cancel.check()?;
-            if let Some(p) = self.body.one_inside_the_other(&contact.pose) {
+            if let Some(p) = self.body.one_inside_the_other(&contact.pose, self.cancel)? {
                 *contact = self.contact(row, 0.0, ClosestPoints { distance: 0.0, first: p, second: p });
             }
             Ok(())

@@ -7,7 +7,7 @@ use super::prepared_blisk::PreparedBlisk;
 use crate::blisk::channel::Channel;
 use crate::blisk::electrode::{Electrode, EntrySide};
 use crate::feed::global::CoarseWay;
-use crate::feed::plan::coarse_way;
+use crate::feed::plan::{DrawnIn, coarse_way};
 use crate::progress::{Cancel, Progress};
 
 /// What a quick look found for one electrode.
@@ -53,7 +53,8 @@ pub fn live_way(
     let sides = sides(job.electrode.enter, part / columns, job.electrode.parts);
     for &side in &sides {
         let (full, turns) = prepared.fullest(inputs, (part, side), progress, cancel)?;
-        let way = coarse_way(&prepared.space, &full, turns, full.electrode(), &settings, progress, cancel)?;
+        let drawn_in = DrawnIn { prepared: &full, turns, electrode: full.electrode() };
+        let way = coarse_way(&prepared.space, &drawn_in, &settings, progress, cancel)?;
         let reach = |w: &CoarseWay| (w.width.is_some(), w.nodes.last().map_or(0.0, |n| n.s));
         if best.as_ref().is_none_or(|b| reach(&b.way) < reach(&way)) {
             best = Some(LiveWay { side, way, other: None });

@@ -14,4 +14,6 @@ pub mod prepared_blisk;
 pub mod simulate;
 pub mod sizing;
 pub mod stages;
+pub mod uncut;
+pub mod uncut_report;
 pub mod worker;

@@ -16,8 +16,7 @@ use crate::blisk::surface_finder::SurfaceFinder;
 use crate::export::report::StageTime;
 use crate::feed::copying::Copying;
 use crate::feed::leftover::Leftover;
-use crate::feed::machine_model::MachineModelError;
-use crate::feed::plan::{FeedPlan, Observe, PlanSettings, plan_drawn_in, plan_feed};
+use crate::feed::plan::{DrawnIn, FeedPlan, Observe, PlanSettings, plan_drawn_in, plan_feed};
 use crate::feed::plan_params::PlanError;
 use crate::feed::replay::{Surroundings, replay_feed};
 use crate::feed::search::{Convergence, Node, Strategy};
@@ -27,6 +26,7 @@ use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::frame::Frame;
 use crate::geometry::mesh::Mesh;
 use crate::progress::{Cancel, Cancelled, Progress};
+use crate::project::machine_file::MachineFileError;
 use crate::project::{KeptElectrode, KeptPlan, KeptPlanError, PlanJob};
 
 /// What a plan is made from.
@@ -121,7 +121,7 @@ pub enum PlanJobError {
     #[error(transparent)]
     Verify(VerifyError),
     #[error(transparent)]
-    Machine(MachineModelError),
+    Machine(MachineFileError),
 }
 
 impl From<VerifyError> for PlanJobError {
@@ -133,10 +133,10 @@ impl From<VerifyError> for PlanJobError {
     }
 }
 
-impl From<MachineModelError> for PlanJobError {
-    fn from(error: MachineModelError) -> Self {
+impl From<MachineFileError> for PlanJobError {
+    fn from(error: MachineFileError) -> Self {
         match error {
-            MachineModelError::Cancelled(cancelled) => cancelled.into(),
+            MachineFileError::Cancelled(cancelled) => cancelled.into(),
             other => Self::Machine(other),
         }
     }
@@ -368,7 +368,8 @@ impl JobPlanner<'_> {
         let (full, turns) = self.prepared.fullest(self.inputs, which, self.progress, self.cancel)?;
         let field_seconds = started.elapsed().as_secs_f64();
         let space = &self.prepared.space;
-        let plan = plan_drawn_in(space, &full, turns, electrode, settings, self.progress, self.cancel)?;
+        let drawn_in = DrawnIn { prepared: &full, turns, electrode };
+        let plan = plan_drawn_in(space, &drawn_in, settings, self.progress, self.cancel)?;
         Ok(FeedPlan { field_seconds, ..plan })
     }
 

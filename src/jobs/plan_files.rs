@@ -16,6 +16,7 @@ use crate::export::path_csv::{PathCsvError, write_copying_csv, write_path_csv};
 use crate::export::post::{Post, PostError};
 use crate::export::report::{FeedLowered, InputFile, Report, ReportError, Written};
 use crate::feed::copying::Copying;
+use crate::feed::machine_model::MachineModel;
 use crate::geometry::mesh::Mesh;
 use crate::mesh_io::stl_bytes;
 use crate::progress::{Cancel, Cancelled, Progress};
@@ -102,7 +103,8 @@ pub fn write(
     cancel.check()?;
     // Frames are exact data of the outcome: the blisk comes out with the very bits that it was verified with.
     let blisk = inputs.blisk.in_frame(&outcome.channel.frame);
-    let context = Context { channel: &outcome.channel, blisk: &blisk, job: &inputs.job, post, cancel };
+    let bodies = bodies_now(outcome, &inputs.job, cancel)?;
+    let context = Context { channel: &outcome.channel, blisk: &blisk, job: &inputs.job, post, bodies: bodies.as_ref() };
     let (mut files, mut programs): (Vec<(String, Vec<u8>)>, Vec<_>) = (Vec::new(), Vec::new());
     for i in 0..outcome.electrodes.len() {
         let (own, program) = electrode_files(i + 1, outcome, &context)?;
@@ -191,7 +193,20 @@ struct Context<'a> {
     blisk: &'a Mesh,
     job: &'a PlanJob,
     post: &'a Post,
-    cancel: &'a Cancel,
+    /// The bodies of the machine as its file has them now, if a program may be made of a simulated motion.
+    bodies: Option<&'a MachineModel>,
+}
+
+/// See [`Context::bodies`].
+fn bodies_now(outcome: &PlanOutcome, job: &PlanJob, cancel: &Cancel) -> Result<Option<MachineModel>, PlanFilesError> {
+    let is_simulated = (0..outcome.electrodes.len()).any(|i| outcome.simulation(i).is_some());
+    if !is_simulated || !job.export.files.nc || !outcome.may_be_approved() {
+        return Ok(None);
+    }
+    simulate::bodies_of(job, &Progress::silent(), cancel).map(Some).map_err(|error| match error {
+        PlanJobError::Cancelled(cancelled) => cancelled.into(),
+        other => PlanFilesError::Machine(other),
+    })
 }
 
 fn electrode_files(
@@ -230,9 +245,8 @@ fn electrode_files(
     if let Some(copying) = copying {
         approved = approved.with_copying(copying).map_err(not_approved)?;
     }
-    if let Some(simulation) = whole.simulation(k - 1) {
-        simulate::is_of_today(simulation, context.job, context.cancel).map_err(PlanFilesError::Machine)?;
-        approved = approved.with_simulation(simulation).map_err(not_approved)?;
+    if let (Some(simulation), Some(of_today)) = (whole.simulation(k - 1), context.bodies) {
+        approved = approved.with_simulation(simulation, of_today).map_err(not_approved)?;
     }
     let electrode_file = electrode_in_program(k, &context.job.export);
     let side = outcome.electrode.enters_from;

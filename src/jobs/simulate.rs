@@ -7,10 +7,11 @@ use super::plan::{ElectrodeOutcome, PlanJobError};
 use crate::blisk::channel::Channel;
 use crate::export::choice::Channels;
 use crate::feed::copying::Copying;
-use crate::feed::machine_model::{MachineModel, read_machine};
+use crate::feed::machine_model::MachineModel;
 use crate::feed::simulation::{Scenario, Simulation, SimulationOptions, simulate as simulate_motion};
 use crate::progress::{Cancel, Progress};
 use crate::project::PlanJob;
+use crate::project::machine_file::read_machine;
 
 /// Whether a program of this job may only be made after its whole motion was simulated: the machine has bodies, or other
 /// channels than that of the plan are burnt.
@@ -18,17 +19,15 @@ pub fn is_needed(job: &PlanJob) -> bool {
     job.machine.has_bodies() || job.export.channels != Channels::Own
 }
 
-/// Makes sure that the machine of `job` still has the bodies that `simulation` was made with.
+/// The bodies of the machine of `job` as its file has them now; none if it names no machine.
 ///
 /// # Errors
-/// If its file has other bodies by now, or cannot be read.
-pub(super) fn is_of_today(simulation: &Simulation, job: &PlanJob, cancel: &Cancel) -> Result<(), PlanJobError> {
-    let is_same = match job.machine.has_bodies() {
-        true => read_machine(&job.machine.name, &Progress::silent(), cancel)?.digest() == simulation.model_digest,
-        false => true,
-    };
-    let changed = "the bodies of the machine have changed since they were simulated; reload and plan again";
-    if is_same { Ok(()) } else { Err(PlanJobError::Job(changed.to_owned())) }
+/// If its file cannot be read.
+pub(super) fn bodies_of(job: &PlanJob, progress: &Progress, cancel: &Cancel) -> Result<MachineModel, PlanJobError> {
+    match job.machine.has_bodies() {
+        true => Ok(read_machine(&job.machine.name, progress, cancel)?),
+        false => Ok(MachineModel::default()),
+    }
 }
 
 /// Finds out before the work whether the machine can be read and the channels exist.
@@ -39,10 +38,7 @@ pub(super) fn check(
     cancel: &Cancel,
 ) -> Result<(), PlanJobError> {
     job.export.channels.numbers(channel.blades, channel.index).map_err(PlanJobError::Job)?;
-    if job.machine.has_bodies() {
-        read_machine(&job.machine.name, progress, cancel)?;
-    }
-    Ok(())
+    bodies_of(job, progress, cancel).map(drop)
 }
 
 /// The whole motion of every electrode, each with its copying motion, if the machine has bodies or other channels than
@@ -54,14 +50,10 @@ pub(super) fn simulate(
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<Vec<Arc<Simulation>>, PlanJobError> {
-    let machine = &around.job.machine;
     if !is_needed(around.job) {
         return Ok(Vec::new());
     }
-    let model = match machine.has_bodies() {
-        true => read_machine(&machine.name, progress, cancel)?,
-        false => MachineModel::default(),
-    };
+    let model = bodies_of(around.job, progress, cancel)?;
     let both = electrodes.iter().zip(motions);
     both.filter_map(|(electrode, motion)| of_electrode(around, electrode, motion, &model, progress, cancel).transpose())
         .collect()

@@ -35,24 +35,38 @@ pub fn on_line(from: DVec2, along: DVec2, length: f64, segment: [DVec2; 2], radi
     collect(cuts, 0.0, length, |t| off_segment(from + along * t, a, b) < radius - ROUNDING, blocked);
 }
 
-/// Intervals of `angle` in `[0, turn]` where `center + radius (cos, sin)(first + angle)` is nearer than `radius` to the
-/// segment.
-pub fn on_arc(center: DVec2, radius: f64, first: f64, turn: f64, segment: [DVec2; 2], blocked: &mut Vec<Interval>) {
+/// Part of a circle on which the cutter's centre turns about a corner.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Arc {
+    /// The corner.
+    pub center: DVec2,
+    /// How far off it the cutter's centre is (mm).
+    pub radius: f64,
+    /// Direction to where it begins (rad).
+    pub first: f64,
+    /// How far it turns, counter-clockwise (rad).
+    pub turn: f64,
+}
+
+/// Intervals of the angle from its beginning where `arc` is nearer than `radius` to the segment.
+pub fn on_arc(arc: Arc, segment: [DVec2; 2], radius: f64, blocked: &mut Vec<Interval>) {
+    let Arc { center, radius: own, first, turn } = arc;
     let [a, b] = segment;
     let mut angles = Vec::new();
     for end in [a, b] {
-        // Two circles of one radius meet at right angles to the line between their centres, in its middle.
+        // Where two circles meet: the law of cosines.
         let to = end - center;
-        let ratio = to.length() / (2.0 * radius);
-        if ratio > 0.0 && ratio < 1.0 {
-            angles.extend([to.to_angle() + ratio.acos(), to.to_angle() - ratio.acos()]);
+        let off = to.length();
+        let cosine = (own * own + off * off - radius * radius) / (2.0 * own * off);
+        if cosine.abs() < 1.0 {
+            angles.extend([to.to_angle() + cosine.acos(), to.to_angle() - cosine.acos()]);
         }
     }
     let side = (b - a).normalize_or_zero();
     let off = side.perp_dot(center - a);
     for level in [radius, -radius] {
-        // off + radius sin(angle - angle of the side) = level.
-        let sine = (level - off) / radius;
+        // off + own radius * sin(angle - angle of the side) = level.
+        let sine = (level - off) / own;
         if sine.abs() <= 1.0 {
             let (at, half) = (side.to_angle(), sine.asin());
             angles.extend([at + half, at + std::f64::consts::PI - half]);
@@ -60,7 +74,7 @@ pub fn on_arc(center: DVec2, radius: f64, first: f64, turn: f64, segment: [DVec2
     }
     let mut cuts = vec![0.0, turn];
     cuts.extend(angles.into_iter().map(|angle| (angle - first).rem_euclid(std::f64::consts::TAU)));
-    let at = |angle: f64| center + DVec2::from_angle(first + angle) * radius;
+    let at = |angle: f64| center + DVec2::from_angle(first + angle) * own;
     collect(cuts, 0.0, turn, |angle| off_segment(at(angle), a, b) < radius - ROUNDING, blocked);
 }
 
@@ -102,17 +116,18 @@ mod tests {
         fn intervals_are_where_the_distance_says(
             a in prop::array::uniform2(-3.0..3.0f64), b in prop::array::uniform2(-3.0..3.0f64),
             c in prop::array::uniform2(-3.0..3.0f64), angle in -3.0..3.0f64, turn in 0.1..3.0f64, radius in 0.2..2.0f64,
+            own in 0.2..2.0f64,
         ) {
             let (segment, c) = ([DVec2::from(a), DVec2::from(b)], DVec2::from(c));
             let (mut line, mut arc) = (Vec::new(), Vec::new());
             let along = DVec2::from_angle(angle);
             on_line(c, along, 4.0, segment, radius, &mut line);
-            on_arc(c, radius, angle, turn, segment, &mut arc);
+            on_arc(Arc { center: c, radius: own, first: angle, turn }, segment, radius, &mut arc);
             for k in 0..97 {
                 let share = (f64::from(k) + 0.5) / 97.0;
                 let checks = [
                     (c + along * 4.0 * share, &line, 4.0 * share),
-                    (c + DVec2::from_angle(angle + turn * share) * radius, &arc, turn * share),
+                    (c + DVec2::from_angle(angle + turn * share) * own, &arc, turn * share),
                 ];
                 for (p, intervals, t) in checks {
                     let off = off_segment(p, segment[0], segment[1]) - radius;

@@ -5,10 +5,22 @@
 
 pub mod cutter;
 pub mod height_field;
+pub mod invert;
+pub mod layers;
+pub mod opening;
 pub mod outline;
+pub mod piece;
+pub mod plane;
+pub mod region;
 pub mod rolling;
 pub mod section;
+pub mod stack;
 pub mod uncut_layer;
+pub mod warning;
 
 mod capsule;
 mod edge_grid;
+mod way;
+
+#[cfg(test)]
+mod test_molds;

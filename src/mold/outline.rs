@@ -40,6 +40,22 @@ impl Outline {
         self.sides().map(|[p, q]| p.distance(q)).sum()
     }
 
+    /// Whether it turns left at every corner, once around.
+    pub fn is_convex(&self) -> bool {
+        let n = self.points.len();
+        let at = |i: usize| self.points[i % n];
+        let turns = (0..n).map(|i| (at(i + 1) - at(i)).angle_to(at(i + 2) - at(i + 1)));
+        let (least, sum) = turns.fold((0.0f64, 0.0), |(least, sum), turn| (least.min(turn), sum + turn));
+        least >= 0.0 && sum < 1.5 * std::f64::consts::TAU
+    }
+
+    /// The longest of its sides, the first of them.
+    pub fn longest_side(&self) -> [DVec2; 2] {
+        let length = |[p, q]: [DVec2; 2]| p.distance_squared(q);
+        let first = [self.points[0], self.points[1]];
+        self.sides().fold(first, |best, side| if length(side) > length(best) { side } else { best })
+    }
+
     /// How often it winds around `p`, which does not lie on it.
     pub fn winding(&self, p: DVec2) -> i32 {
         let turn = |[a, b]: [DVec2; 2]| match (a.y <= p.y, b.y <= p.y) {
@@ -95,6 +111,7 @@ mod tests {
         let outline = Outline::new(square(2.0)).unwrap();
         let turned = Outline::new(square(2.0).into_iter().rev().collect()).unwrap();
         assert_eq!((outline.area(), turned.area(), outline.length()), (4.0, -4.0, 8.0));
+        assert_eq!([outline.is_convex(), turned.is_convex()], [true, false]);
         assert_eq!([outline.winding(DVec2::ONE), turned.winding(DVec2::ONE)], [1, -1]);
         assert_eq!(outline.winding(DVec2::new(3.0, 1.0)), 0);
         assert!(Outline::new(vec![DVec2::ZERO, DVec2::ZERO, DVec2::X, DVec2::ZERO]).is_none());

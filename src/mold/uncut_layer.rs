@@ -1,305 +1,241 @@
 //! What the edge of a flat cutter cannot touch in one layer (P3, section 4.1).
 //!
-//! Where the edge touches an outline the cutter's centre stands off it by the radius, along its outward normal; at a
-//! convex corner it turns about the corner. That way of the centre is cut by the I-regions of all sides that are nearer
-//! than twice the radius, of the same outline and of others, exactly (see [`super::capsule`]). What remains is the
-//! boundary of where the centre can stand; its corners are the critical points, from which the cutter touches two
-//! places at once. Between these two the outline is uncut, and the cutter's own arc bounds the stock that is left.
+//! The way of the cutter's centre around the outlines (see [`super::way`]) ends at critical points, from which the
+//! cutter touches two places at once. Between these two the outline is uncut, and the cutter's own arc bounds the stock
+//! that is left.
 //!
-//! The answer equals the closing of the material by the disc less the material.
+//! The answer equals the closing of the material by the disc less the material; with a limited reach, what no position
+//! of the disc covers for which the holder is free as well.
+
+use std::f64::consts::TAU;
 
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::capsule::{Interval, free_between, on_arc, on_line};
-use super::edge_grid::EdgeGrid;
-use super::outline::Outline;
+use super::outline::{Outline, off_segment};
+pub use super::piece::UncutPiece;
+use super::piece::runs;
+use super::plane;
+use super::way::{ARC_STEP, Chain, Layer, Obstacle, SAME_CENTER, segment_area};
 
-/// Steps in which an arc is drawn (rad).
-const ARC_STEP: f64 = 0.15;
 /// Parts of a side at whose ends its depth is taken.
 const DEPTH_STEPS: u8 = 8;
-/// How far apart the two ways to the same critical point may end, as a share of the radius: rounding.
-const SAME_CENTER: f64 = 1e-6;
-
-/// A piece of the plane that the cutter leaves, connected.
-#[derive(Debug, Clone, PartialEq)]
-pub struct UncutPiece {
-    /// Its boundary, arcs in short steps: first the outer one, counter-clockwise, then its holes.
-    pub boundary: Vec<Outline>,
-    /// Area (mm^2), arcs taken as arcs.
-    pub area: f64,
-    /// The parts of the outlines that are not touched.
-    pub segments: Vec<Vec<DVec2>>,
-    /// How far its deepest corner is from where the cutter comes (mm); infinite where it never comes near.
-    pub depth: f64,
-}
-
-impl UncutPiece {
-    /// Length of the outline that is not touched (mm).
-    pub fn segment_length(&self) -> f64 {
-        self.segments.iter().map(|s| s.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>()).sum()
-    }
-}
+/// How far off its side a point is taken to ask what piece the side bounds (mm).
+const BESIDE: f64 = 1e-6;
+/// Share of the tolerance below which the thickness of a piece is rounding: that of a corner is a third of its depth.
+const THINNEST: f64 = 0.05;
 
 /// The pieces deeper than `tolerance` (mm) that a disc of `radius` (mm) leaves outside the material within `outlines`,
 /// which neither touch nor cross each other.
 pub fn uncut_pieces(outlines: &[Outline], radius: f64, tolerance: f64) -> Vec<UncutPiece> {
-    let layer = Layer::new(outlines, radius);
-    let ways: Vec<Way> = (0..outlines.len()).into_par_iter().map(|i| layer.way(i)).collect();
-    let chains: Vec<Chain> = ways.iter().flat_map(|way| way.uncut()).collect();
-    let cycles = joined(&chains, radius);
-    let mut pieces = nested(cycles);
-    pieces.retain(|piece| piece.depth > tolerance);
+    uncut_with_holder(outlines, radius, None, tolerance)
+}
+
+/// The same where the cutter's centre also keeps off what its holder would meet.
+pub fn uncut_with_holder(
+    outlines: &[Outline],
+    radius: f64,
+    holder: Option<Obstacle>,
+    tolerance: f64,
+) -> Vec<UncutPiece> {
+    let layer = Layer::new(radius, outlines, holder);
+    let chains: Vec<Vec<Chain>> = layer.outlines().into_par_iter().map(|outline| layer.chains(outline)).collect();
+    let cycles = Joints::new(chains.into_iter().flatten().collect(), radius).cycles();
+    let mut pieces =
+        if have_crossing_arcs(&cycles, radius) { resolved(&cycles, radius) } else { nested(cycles, radius) };
+    pieces.retain(|piece| piece.depth > tolerance && piece.thickness() > THINNEST * tolerance);
     pieces
 }
 
-/// One element of the way of the cutter's centre around an outline.
-enum Element {
-    /// Along a side: from where, which way (unit), how far; the outward normal.
-    Side { from: DVec2, along: DVec2, length: f64, normal: DVec2 },
-    /// Around a convex corner: where, the first direction to the centre (rad), how far it turns (rad).
-    Corner { at: DVec2, first: f64, turn: f64 },
-}
-
-/// Elements in order, each with what is free of it.
-struct Way {
-    elements: Vec<(Element, Vec<Interval>)>,
-    radius: f64,
-}
-
-/// A stretch of outline that is not touched.
-struct Chain {
-    /// Its points along the outline, from the last one touched before to the first one touched after.
-    points: Vec<DVec2>,
-    /// The centres from which these two are touched; none if all of the outline is uncut.
-    centers: Option<[DVec2; 2]>,
-}
-
-struct Layer<'a> {
-    outlines: &'a [Outline],
-    radius: f64,
-    sides: Vec<[DVec2; 2]>,
-    /// Index in `sides` of each outline's first.
-    first: Vec<usize>,
-    grid: EdgeGrid,
-}
-
-impl<'a> Layer<'a> {
-    fn new(outlines: &'a [Outline], radius: f64) -> Self {
-        let first = outlines.iter().scan(0, |sum, o| {
-            let first = *sum;
-            *sum += o.points().len();
-            Some(first)
-        });
-        let first = first.collect();
-        let sides: Vec<_> = outlines.iter().flat_map(Outline::sides).collect();
-        let grid = EdgeGrid::new(&sides, radius);
-        Self { outlines, radius, sides, first, grid }
-    }
-
-    /// The way around the outline with this index.
-    fn way(&self, outline: usize) -> Way {
-        let (first, n) = (self.first[outline], self.outlines[outline].points().len());
-        let mut near = Vec::new();
-        let mut elements = Vec::with_capacity(2 * n);
-        for i in 0..n {
-            let (own, next) = (first + i, first + (i + 1) % n);
-            let ([a, b], [_, c]) = (self.sides[own], self.sides[next]);
-            let along = (b - a).normalize_or_zero();
-            // The material is on the left.
-            let normal = -along.perp();
-            let side = Element::Side { from: a, along, length: a.distance(b), normal };
-            let free = self.free(&side, &[own], &mut near);
-            elements.push((side, free));
-            let turn = along.angle_to((c - b).normalize_or_zero());
-            if turn > 0.0 {
-                let corner = Element::Corner { at: b, first: normal.to_angle(), turn };
-                let free = self.free(&corner, &[own, next], &mut near);
-                elements.push((corner, free));
-            }
-        }
-        Way { elements, radius: self.radius }
-    }
-
-    /// What is free of an element, but for its own sides, from which it keeps the radius.
-    fn free(&self, element: &Element, own: &[usize], near: &mut Vec<u32>) -> Vec<Interval> {
-        let r = self.radius;
-        let [p, q] = [element.center(0.0, r), element.center(element.length(), r)];
-        let (min, max) = match element {
-            Element::Side { .. } => (p.min(q), p.max(q)),
-            Element::Corner { at, .. } => (*at - r, *at + r),
-        };
-        self.grid.near(min, max, r, near);
-        let mut blocked = Vec::new();
-        for &other in near.iter().filter(|&&k| !own.contains(&(k as usize))) {
-            let segment = self.sides[other as usize];
-            match *element {
-                Element::Side { along, length, .. } => on_line(p, along, length, segment, r, &mut blocked),
-                Element::Corner { at, first, turn } => on_arc(at, r, first, turn, segment, &mut blocked),
-            }
-        }
-        free_between(&mut blocked, element.length())
-    }
-}
-
-impl Element {
-    /// Range of its parameter: mm or rad.
-    fn length(&self) -> f64 {
-        match self {
-            Self::Side { length, .. } => *length,
-            Self::Corner { turn, .. } => *turn,
-        }
-    }
-
-    /// Where the centre is at parameter `t`.
-    fn center(&self, t: f64, radius: f64) -> DVec2 {
-        match *self {
-            Self::Side { from, along, normal, .. } => from + along * t + normal * radius,
-            Self::Corner { at, first, .. } => at + DVec2::from_angle(first + t) * radius,
-        }
-    }
-
-    /// What the cutter touches then.
-    fn touched(&self, t: f64) -> DVec2 {
-        match *self {
-            Self::Side { from, along, .. } => from + along * t,
-            Self::Corner { at, .. } => at,
-        }
-    }
-}
-
-impl Way {
-    /// The stretches of the outline between what is touched.
-    fn uncut(&self) -> Vec<Chain> {
-        let count = self.elements.len();
-        let start = |i: usize| self.elements[i].0.touched(0.0);
-        let free: Vec<(usize, Interval)> =
-            self.elements.iter().enumerate().flat_map(|(i, (_, free))| free.iter().map(move |f| (i, *f))).collect();
-        if free.is_empty() {
-            let points: Vec<DVec2> = (0..=count).map(|i| start(i % count)).collect();
-            return vec![Chain { points, centers: None }];
-        }
-        let mut chains = Vec::new();
-        for (k, &(i, [_, leave])) in free.iter().enumerate() {
-            let (j, [arrive, _]) = free[(k + 1) % free.len()];
-            let (before, after) = (&self.elements[i].0, &self.elements[j].0);
-            // One element follows the other, free up to where they meet.
-            let follows = (i + 1) % count == j && arrive <= 0.0 && leave >= before.length();
-            let centers = [before.center(leave, self.radius), after.center(arrive, self.radius)];
-            if follows && centers[0].distance(centers[1]) <= SAME_CENTER * self.radius {
-                continue;
-            }
-            let steps = if j > i || (j == i && arrive > leave) { j - i } else { j + count - i };
-            let mut points = vec![before.touched(leave)];
-            points.extend((1..=steps).map(|s| start((i + s) % count)));
-            points.push(after.touched(arrive));
-            points.dedup();
-            chains.push(Chain { points, centers: Some(centers) });
-        }
-        chains
-    }
+/// Part of a cutter's edge, clockwise.
+#[derive(Debug, Clone, Copy)]
+struct Edge {
+    center: DVec2,
+    /// Direction to its beginning (rad).
+    from: f64,
+    sweep: f64,
 }
 
 /// A closed boundary of what is left, with what is left on its left.
 struct Cycle {
     outline: Outline,
     area: f64,
-    chains: Vec<Vec<DVec2>>,
-    centers: Vec<DVec2>,
+    chains: Vec<Chain>,
+    edges: Vec<Edge>,
 }
 
-/// Joins stretches of outline by the arcs of the cutter at critical points.
-fn joined(chains: &[Chain], radius: f64) -> Vec<Cycle> {
-    let mut used = vec![false; chains.len()];
-    let mut cycles = Vec::new();
-    for start in 0..chains.len() {
-        if used[start] {
-            continue;
-        }
-        let (mut points, mut segments, mut centers, mut bulges) = (Vec::new(), Vec::new(), Vec::new(), 0.0);
-        let mut at = start;
-        while !used[at] {
-            used[at] = true;
-            let chain = &chains[at];
-            // The material is on the outline's left, what is left outside is on its right: back along it.
-            points.extend(chain.points.iter().rev());
-            segments.push(chain.points.clone());
-            let Some([center, _]) = chain.centers else { break };
-            let touched = chain.points[0];
-            let Some((next, sweep)) = following(chains, center, touched, radius) else { break };
-            centers.push(center);
-            bulges += 0.5 * radius * radius * (sweep - sweep.sin());
-            points.extend(arc(center, touched, sweep));
-            at = next;
-        }
-        if let Some(outline) = Outline::new(points) {
-            let drawn: f64 = outline.area();
-            let area = if centers.is_empty() { drawn } else { chorded(&segments).unwrap_or(drawn) - bulges };
-            cycles.push(Cycle { outline, area, chains: segments, centers });
-        }
+/// Stretches of boundary and where they begin.
+struct Joints {
+    chains: Vec<Chain>,
+    radius: f64,
+    /// The centres from which chains begin, by x.
+    begin: Vec<(DVec2, usize)>,
+}
+
+impl Joints {
+    fn new(chains: Vec<Chain>, radius: f64) -> Self {
+        let mut begin: Vec<(DVec2, usize)> =
+            chains.iter().enumerate().filter_map(|(i, c)| c.centers.map(|[center, _]| (center, i))).collect();
+        begin.sort_by(|a, b| a.0.x.total_cmp(&b.0.x).then(a.1.cmp(&b.1)));
+        Self { chains, radius, begin }
     }
-    cycles
+
+    /// Joins the stretches by the arcs of the cutter at critical points.
+    fn cycles(&self) -> Vec<Cycle> {
+        let mut used = vec![false; self.chains.len()];
+        let mut cycles = Vec::new();
+        for start in 0..self.chains.len() {
+            let (mut points, mut chains, mut edges, mut bulges) = (Vec::new(), Vec::new(), Vec::new(), 0.0);
+            let mut at = start;
+            while !used[at] {
+                used[at] = true;
+                let chain = &self.chains[at];
+                points.extend(&chain.points);
+                bulges += chain.bulge;
+                chains.push(chain.clone());
+                let (Some([_, center]), Some(&touched)) = (chain.centers, chain.points.last()) else { break };
+                let Some((next, sweep)) = self.following(center, touched) else { break };
+                edges.push(Edge { center, from: (touched - center).to_angle(), sweep });
+                let steps = steps(sweep);
+                points.extend(arc(center, touched, sweep, steps));
+                bulges -= segment_area(self.radius, sweep, steps);
+                at = next;
+            }
+            if let Some(outline) = Outline::new(points) {
+                cycles.push(Cycle { area: outline.area() + bulges, outline, chains, edges });
+            }
+        }
+        cycles
+    }
+
+    /// The stretch that begins where the cutter at `center` touches next, clockwise from `touched`, and the angle to
+    /// there.
+    fn following(&self, center: DVec2, touched: DVec2) -> Option<(usize, f64)> {
+        let same = 2.0 * SAME_CENTER * self.radius;
+        let first = self.begin.partition_point(|(c, _)| c.x < center.x - same);
+        let near = self.begin[first..].iter().take_while(|(c, _)| c.x <= center.x + same);
+        let from = (touched - center).to_angle();
+        let sweep_to = |i: usize| {
+            let to = self.chains[i].points.first()?;
+            Some((i, (from - (*to - center).to_angle()).rem_euclid(TAU)))
+        };
+        let ends = near.filter(|(c, _)| c.distance(center) <= same).filter_map(|&(_, i)| sweep_to(i));
+        ends.min_by(|a, b| a.1.total_cmp(&b.1))
+    }
 }
 
-/// The area within the stretches, joined by chords.
-fn chorded(segments: &[Vec<DVec2>]) -> Option<f64> {
-    Outline::new(segments.iter().flat_map(|s| s.iter().rev().copied()).collect()).map(|o| o.area())
-}
-
-/// The stretch that ends where the cutter at `center` touches next, clockwise from `touched`, and the angle to there.
-fn following(chains: &[Chain], center: DVec2, touched: DVec2, radius: f64) -> Option<(usize, f64)> {
-    let from = (touched - center).to_angle();
-    let ends = chains.iter().enumerate().filter_map(|(i, c)| {
-        let [_, end] = c.centers?;
-        let sweep = || (from - (*c.points.last()? - center).to_angle()).rem_euclid(std::f64::consts::TAU).into();
-        (end.distance(center) <= 2.0 * SAME_CENTER * radius).then(sweep).flatten().map(|sweep: f64| (i, sweep))
-    });
-    ends.min_by(|a, b| a.1.total_cmp(&b.1))
+fn steps(sweep: f64) -> usize {
+    (sweep / ARC_STEP).ceil().max(1.0) as usize
 }
 
 /// Points between both ends of an arc that runs clockwise.
-fn arc(center: DVec2, from: DVec2, sweep: f64) -> Vec<DVec2> {
-    let steps = (sweep / ARC_STEP).ceil().max(1.0) as usize;
+fn arc(center: DVec2, from: DVec2, sweep: f64, steps: usize) -> impl Iterator<Item = DVec2> {
     let spoke = from - center;
-    (1..steps).map(|k| center + DVec2::from_angle(-sweep * k as f64 / steps as f64).rotate(spoke)).collect()
+    (1..steps).map(move |k| center + DVec2::from_angle(-sweep * k as f64 / steps as f64).rotate(spoke))
+}
+
+/// Whether the cutter reaches into what bounds it in another position: through a neck narrower than itself, from both
+/// sides.
+fn have_crossing_arcs(cycles: &[Cycle], radius: f64) -> bool {
+    let mut edges: Vec<Edge> = cycles.iter().flat_map(|c| c.edges.iter().copied()).collect();
+    edges.sort_by(|a, b| a.center.x.total_cmp(&b.center.x).then(a.center.y.total_cmp(&b.center.y)));
+    edges.iter().enumerate().any(|(i, a)| {
+        let near = edges[i + 1..].iter().take_while(|b| b.center.x - a.center.x < 2.0 * radius);
+        near.into_iter().any(|b| do_cross(a, b, radius))
+    })
+}
+
+fn do_cross(a: &Edge, b: &Edge, radius: f64) -> bool {
+    /// Angle from either end within which arcs only meet (rad).
+    const MEETING: f64 = 1e-5;
+    let between = b.center - a.center;
+    let (off, ratio) = (between.length(), between.length() / (2.0 * radius));
+    if off <= 2.0 * SAME_CENTER * radius || ratio >= 1.0 {
+        return false;
+    }
+    let is_within = |edge: &Edge, direction: f64| {
+        let along = (edge.from - direction).rem_euclid(TAU);
+        along > MEETING && along < edge.sweep - MEETING
+    };
+    [1.0, -1.0].into_iter().any(|sign| {
+        let (of_a, of_b) = (sign * ratio.acos(), std::f64::consts::PI - sign * ratio.acos());
+        is_within(a, between.to_angle() + of_a) && is_within(b, between.to_angle() + of_b)
+    })
 }
 
 /// Outer boundaries with the holes in them.
-fn nested(cycles: Vec<Cycle>) -> Vec<UncutPiece> {
+fn nested(cycles: Vec<Cycle>, radius: f64) -> Vec<UncutPiece> {
     let (mut outer, holes): (Vec<Cycle>, Vec<Cycle>) = cycles.into_iter().partition(|c| c.outline.area() > 0.0);
     outer.sort_by(|a, b| a.outline.area().total_cmp(&b.outline.area()));
-    let mut own: Vec<Vec<Cycle>> = outer.iter().map(|_| Vec::new()).collect();
-    for hole in holes {
-        let p = hole.outline.points()[0];
-        // The smallest that holds it; what none holds is the air around the block.
-        if let Some(i) = outer.iter().position(|o| o.outline.winding(p) != 0) {
-            own[i].push(hole);
+    let mut own: Vec<Vec<usize>> = outer.iter().map(|_| Vec::new()).collect();
+    for (k, hole) in holes.iter().enumerate() {
+        let [p, q] = hole.outline.longest_side();
+        let beside = p.midpoint(q);
+        // The smallest that holds it; what none holds is the air around the block. Where the cutter reaches through a
+        // neck from both sides its two positions bound no hole: there is nothing around it.
+        let around = |cycles: &[Cycle]| cycles.iter().map(|c| c.outline.winding(beside)).sum::<i32>();
+        if let Some(i) = outer.iter().position(|o| o.outline.winding(beside) != 0)
+            && around(&outer) + around(&holes[..k]) + around(&holes[k + 1..]) > 0
+        {
+            own[i].push(k);
         }
     }
-    outer.into_iter().zip(own).map(|(outer, holes)| piece(outer, holes)).collect()
+    let mut holes: Vec<Option<Cycle>> = holes.into_iter().map(Some).collect();
+    let mut taken = |of: Vec<usize>| of.into_iter().filter_map(|k| holes[k].take()).collect();
+    outer.into_iter().zip(own).map(|(outer, of)| piece(outer, taken(of), radius)).collect()
 }
 
-fn piece(outer: Cycle, holes: Vec<Cycle>) -> UncutPiece {
+fn piece(outer: Cycle, holes: Vec<Cycle>, radius: f64) -> UncutPiece {
     let cycles = || std::iter::once(&outer).chain(&holes);
-    let centers: Vec<DVec2> = cycles().flat_map(|c| c.centers.iter().copied()).collect();
     let area = cycles().map(|c| c.area).sum();
-    let segments: Vec<Vec<DVec2>> = cycles().flat_map(|c| c.chains.iter().cloned()).collect();
-    let depth = depth(&segments, &centers, &outer);
+    let chains = || cycles().flat_map(|c| &c.chains);
+    let segments: Vec<Vec<DVec2>> = chains().filter(|c| c.is_outline).map(|c| c.points.clone()).collect();
+    let centers: Vec<DVec2> = cycles().flat_map(|c| c.edges.iter().map(|e| e.center)).collect();
+    let envelopes: Vec<&Chain> = chains().filter(|c| !c.is_outline).collect();
+    let depth = depth(&segments, &centers, &envelopes, radius);
     UncutPiece { area, depth, segments, boundary: std::iter::once(outer).chain(holes).map(|c| c.outline).collect() }
 }
 
-/// How far a point of the stretches is from the cutter in all its critical positions, at most.
-fn depth(segments: &[Vec<DVec2>], centers: &[DVec2], outer: &Cycle) -> f64 {
-    let Some(&[a, ..]) = outer.chains.first().map(Vec::as_slice) else { return f64::INFINITY };
-    let Some(&center) = outer.centers.first() else { return f64::INFINITY };
-    let radius = a.distance(center);
-    let off = |p: DVec2| centers.iter().map(|c| p.distance(*c) - radius).fold(f64::INFINITY, f64::min);
+/// How far a point of the stretches is from the cutter where its edge bounds what is left, at most.
+fn depth(segments: &[Vec<DVec2>], centers: &[DVec2], envelopes: &[&Chain], radius: f64) -> f64 {
+    let off_envelope = |p: DVec2| {
+        let sides = envelopes.iter().flat_map(|c| c.points.windows(2));
+        sides.map(|w| off_segment(p, w[0], w[1])).fold(f64::INFINITY, f64::min)
+    };
+    let off = |p: DVec2| centers.iter().map(|c| p.distance(*c) - radius).fold(off_envelope(p), f64::min);
     let between = |w: &[DVec2]| {
         let (p, q) = (w[0], w[1]);
         (0..=DEPTH_STEPS).map(move |k| p.lerp(q, f64::from(k) / f64::from(DEPTH_STEPS)))
     };
     segments.iter().flat_map(|s| s.windows(2)).flat_map(between).map(off).fold(0.0, f64::max)
+}
+
+/// The pieces within cycles whose arcs cross: what they wind around.
+fn resolved(cycles: &[Cycle], radius: f64) -> Vec<UncutPiece> {
+    let outlines: Vec<Outline> = cycles.iter().map(|c| c.outline.clone()).collect();
+    let chains = || cycles.iter().flat_map(|c| &c.chains);
+    let outer: Vec<&Chain> = chains().filter(|c| c.is_outline).collect();
+    let envelopes: Vec<&Chain> = chains().filter(|c| !c.is_outline).collect();
+    let centers: Vec<DVec2> = cycles.iter().flat_map(|c| c.edges.iter().map(|e| e.center)).collect();
+    let piece = |boundary: Vec<Outline>| {
+        let [low, high] = plane::extent(&boundary);
+        let bounds = |[p, q]: &[DVec2; 2]| {
+            let beside = p.midpoint(*q) + (*q - *p).normalize_or_zero().perp() * BESIDE;
+            beside.cmpge(low).all() && beside.cmple(high).all() && plane::holds(&boundary, beside)
+        };
+        let mut segments = Vec::new();
+        for chain in &outer {
+            let mut sides: Vec<[DVec2; 2]> = chain.points.windows(2).map(|w| [w[0], w[1]]).collect();
+            let mut is_chosen: Vec<bool> = sides.iter().map(bounds).collect();
+            // An open stretch has no side from its end to its beginning.
+            sides.extend(chain.centers.map(|_| [DVec2::ZERO; 2]));
+            is_chosen.extend(chain.centers.map(|_| false));
+            segments.extend(runs(&sides, &is_chosen));
+        }
+        let depth = depth(&segments, &centers, &envelopes, radius);
+        UncutPiece { area: plane::area(&boundary), depth, segments, boundary }
+    };
+    plane::union(&outlines, &[]).into_iter().map(piece).collect()
 }
 
 #[cfg(test)]
@@ -455,5 +391,91 @@ mod tests {
         let left = |radius: f64| totals(&uncut_pieces(&block_with(&outline), radius, 0.0)).1;
         let areas: Vec<f64> = (1..30).map(|k| left(0.25 * f64::from(k))).collect();
         assert!(areas.windows(2).all(|w| w[1] >= w[0] - 1e-9), "{areas:?}");
+    }
+
+    /// A wall with a gap of 1 mm in it: the disc sinks into the gap from both sides. Where the wall is thin both
+    /// positions cross, and two bits beside the gap's walls are left; where it is sharp nothing is.
+    #[test]
+    fn a_gap_that_the_disc_reaches_into_from_both_sides() {
+        let (radius, half_gap) = (2.0f64, 0.5);
+        let sunk = radius - (radius * radius - half_gap * half_gap).sqrt();
+        let left = |half_wall: f64| {
+            let mut outlines = block_with(&rectangle(40.0, 20.0));
+            for sign in [-1.0, 1.0] {
+                // From the gap into the pocket's wall, both ends overlapping nothing.
+                let (near, far) = (sign * half_gap, sign * 5.4);
+                let mut wall = vec![[-half_wall, near], [half_wall, near], [half_wall, far], [-half_wall, far]];
+                if sign < 0.0 {
+                    wall.reverse();
+                }
+                outlines.push(Outline::new(wall.into_iter().map(DVec2::from).collect()).unwrap());
+            }
+            uncut_pieces(&outlines, radius, 1e-4)
+        };
+        let at_gap = |pieces: &[UncutPiece]| {
+            let near = |p: &&UncutPiece| p.extent().iter().all(|e| e.y.abs() < 0.6 && e.x.abs() < 1.0);
+            let of: Vec<UncutPiece> = pieces.iter().filter(near).cloned().collect();
+            totals(&of)
+        };
+        // Between the circle and the gap's wall, from the edge of the gap to the middle of the wall.
+        for half_wall in [0.02f64, 0.9 * sunk, 1.1 * sunk, 0.4] {
+            let (count, area, length) = at_gap(&left(half_wall));
+            let is_thin = half_wall < sunk;
+            let steps = 20_000;
+            let height = |k: i32| {
+                // The disc stands so that it touches both edges of the gap; how far its edge is from the axis here.
+                let x = half_wall * (f64::from(k) + 0.5) / f64::from(steps);
+                let off = (radius * radius - half_gap * half_gap).sqrt() + half_wall - x;
+                half_gap - (radius * radius - off * off).max(0.0).sqrt().min(half_gap)
+            };
+            let exact = 4.0 * half_wall / f64::from(steps) * (0..steps).map(height).sum::<f64>();
+            assert_eq!(count, if is_thin { 2 } else { 1 }, "{half_wall}");
+            assert!((area - exact).abs() < 2e-3 * exact + 3e-4, "{half_wall}: {area} {exact}");
+            assert!((length - 4.0 * half_wall).abs() < 1e-5, "{half_wall}: {length}");
+        }
+    }
+
+    /// A holder is kept off by an island that is too high for it: a ring is left around the island.
+    #[test]
+    fn what_a_holder_cannot_come_near_to_is_left() {
+        let (radius, holder) = (1.0, 6.0);
+        let island = rectangle(4.0, 4.0).into_iter().map(DVec2::from).collect::<Vec<_>>();
+        let island = [Outline::new(island).unwrap()];
+        let ring = |outlines: &[Outline]| {
+            let obstacle = Obstacle { outlines: &island, distance: holder };
+            uncut_with_holder(outlines, radius, Some(obstacle), 1e-3)
+        };
+        let pieces = ring(&island);
+        let off: f64 = holder - radius;
+        let exact = 4.0 * 4.0 * off + PI * off * off;
+        assert_eq!((pieces.len(), pieces[0].boundary.len()), (1, 2));
+        assert!((pieces[0].area - exact).abs() < 1e-6 && (pieces[0].segment_length() - 16.0).abs() < 1e-9);
+        assert!((pieces[0].depth - off).abs() < 1e-6, "{}", pieces[0].depth);
+        // A pocket's wall 6.5 mm from the island on one side: between both the cutter does not pass.
+        let mut outlines = block_with(&[[-8.5, -30.0], [30.0, -30.0], [30.0, 30.0], [-8.5, 30.0]]);
+        outlines.extend(island.iter().cloned());
+        let pieces = ring(&outlines);
+        let joined = pieces.iter().find(|p| p.area > 10.0).unwrap();
+        assert!(pieces.len() == 5 && joined.segments.len() == 2 && joined.area > exact, "{}", joined.area);
+        let sampled = sampled_holder(&outlines, &island, [radius, holder], [-8.5, -9.0], [8.0, 9.0]);
+        assert!((joined.area / sampled - 1.0).abs() < 0.04, "{} {sampled}", joined.area);
+    }
+
+    /// As [`sampled_closing`], for a cutter whose centre keeps off the island by more.
+    fn sampled_holder(outlines: &[Outline], high: &[Outline], keep: [f64; 2], min: [f64; 2], max: [f64; 2]) -> f64 {
+        let step = 0.2;
+        let in_material = |o: &[Outline], p: DVec2| o.iter().map(|o| o.winding(p)).sum::<i32>() > 0;
+        let is_free = |c: DVec2| {
+            !in_material(outlines, c) && off_outlines(outlines, c) >= keep[0] && off_outlines(high, c) >= keep[1]
+        };
+        let places = |margin: f64| {
+            let count = |k: usize| ((max[k] - min[k] + 2.0 * margin) / step) as usize;
+            let at =
+                move |i: usize, j: usize| DVec2::from(min) - margin + step * DVec2::new(i as f64 + 0.5, j as f64 + 0.5);
+            (0..count(0)).flat_map(|i| (0..count(1)).map(move |j| (i, j))).map(|(i, j)| at(i, j)).collect::<Vec<_>>()
+        };
+        let free: Vec<DVec2> = places(keep[0]).into_iter().filter(|&c| is_free(c)).collect();
+        let is_left = |p: &DVec2| !in_material(outlines, *p) && free.iter().all(|c| c.distance(*p) > keep[0]);
+        places(0.0).iter().filter(|p| is_left(p)).count() as f64 * step * step
     }
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::machine_file::{is_file, machine_table};
 use super::paths::{absolute, relative};
 use crate::blisk::electrode::{ElectrodeParams, EnterSide, Sizing};
 use crate::blisk::options::BliskOptions;
@@ -12,7 +13,6 @@ use crate::export::choice::{Channels, DrawnPictures, MeshFrame, WrittenFiles};
 use crate::export::nc::NcSettings;
 use crate::feed::genetic::{GeneticParams, ReductionMode};
 use crate::feed::machine::MachineParams;
-use crate::feed::machine_model::{is_file, machine_table};
 use crate::feed::plan_params::PlanParams;
 use crate::feed::search::{Constraint, Strategy};
 use crate::feed::verify::VerifyOptions;

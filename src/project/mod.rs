@@ -1,13 +1,15 @@
-//! Floor 5: the document. What a user chooses for a whole job, with undo, files and autosave. It holds no results:
-//! the same parameters and seed give the same results again, byte by byte.
+//! Floor 5: the document. What a user chooses for a whole job, with undo, files and autosave; and the machines that a
+//! job names. It holds no results: the same parameters and seed give the same results again, byte by byte.
 
 mod autosave;
+pub mod cutter_file;
 mod document;
 mod field_table;
 mod fields;
 mod history;
 mod job_file;
 mod kept_plan;
+pub mod machine_file;
 mod paths;
 mod project_file;
 mod recent;

@@ -40,7 +40,7 @@ pub fn machine_bodies(simulation: &Simulation) -> Vec<MachineBody> {
         carrier: body.carrier,
         is_in_the_way: simulation.is_in_the_way(&body.name),
     };
-    simulation.bodies.iter().map(body).collect()
+    simulation.bodies().iter().map(body).collect()
 }
 
 /// A whole motion along its way: millimetres of slide or degrees of turn, whichever are more.
@@ -112,33 +112,15 @@ fn way_between(from: &Pose, to: &Pose) -> f64 {
 mod tests {
     use super::*;
     use crate::export::fixtures;
-    use crate::feed::simulation::Visit;
-
-    fn simulation(turn: f64) -> Simulation {
-        let first = fixtures::path().rows[0].pose;
-        Simulation {
-            path_digest: String::new(),
-            copying_digest: None,
-            approach: vec![Pose { x: first.x - 10.0, ..first }, first],
-            visits: vec![Visit { channel: 3, turn: 0.0 }, Visit { channel: 4, turn }],
-            out_of_reach: vec![],
-            pairs: vec![],
-            travel: None,
-            minutes: 1.0,
-            model_digest: String::new(),
-            period_error: None,
-            bodies: vec![],
-        }
-    }
 
     #[test]
     fn the_whole_motion_is_stepped_through_without_a_jump() {
         let (feed, turn) = (fixtures::path(), 6f64.to_radians());
-        let motion = WholeMotion::new(&simulation(turn), &feed, None);
+        let motion = WholeMotion::new(&Simulation::made_up(fixtures::simulation()), &feed, None);
         let phases: Vec<_> = motion.phases().collect();
         assert_eq!(phases.len(), 7);
         assert!(phases.windows(2).all(|pair| pair[0].2[1] == pair[1].2[0]));
-        assert_eq!(phases[0].2, [0.0, 10.0]);
+        assert_eq!(phases[0].2, [0.0, 30.0], "20 mm down and 10 mm in");
         let index = phases[3];
         assert!(
             index.0 == Phase::Index && (index.2[1] - index.2[0] - 6.0).abs() < 1e-9,
@@ -146,7 +128,7 @@ mod tests {
         );
         let (pose, phase, channel) = motion.at(2.5).unwrap();
         assert_eq!((phase, channel), (Phase::Approach, 3));
-        assert!((pose.x - (feed.rows[0].pose.x - 7.5)).abs() < 1e-9);
+        assert!((pose.z - (feed.rows[0].pose.z + 17.5)).abs() < 1e-9);
         // The end of the second feed is the final pose of the next channel.
         let (pose, phase, channel) = motion.at(phases[5].2[1]).unwrap();
         assert_eq!((phase, channel), (Phase::Feed, 4));

@@ -3,11 +3,11 @@
 use super::common::{easy_blisk, mesh};
 use super::{easy_job, plan};
 use sparkpath::feed::machine::MachineParams;
-use sparkpath::feed::machine_model::{BUILT_IN, machine_table, read_machine};
 use sparkpath::feed::search::Strategy;
 use sparkpath::feed::simulation::{Scenario, Simulation, SimulationOptions, simulate};
 use sparkpath::jobs::plan::PlanOutcome;
 use sparkpath::progress::{Cancel, Progress};
+use sparkpath::project::machine_file::{BUILT_IN, machine_table, read_machine};
 
 fn machine(name: &str) -> MachineParams {
     let params: MachineParams = toml::Value::Table(machine_table(name).unwrap()).try_into().unwrap();
@@ -49,7 +49,7 @@ fn strategies_give_certified_plans_that_nothing_collides_on_with_fewer_and_more_
             assert!(outcome.is_verified(), "{name}: {}", outcome.electrodes[0].plan.verdict(&outcome.channel));
             let simulation = simulated(&outcome, &machine, vec![outcome.channel.index]);
             assert!(simulation.holds(), "{name}: {}", simulation.sentence());
-            assert!(simulation.pairs.iter().any(|p| p.moving == "spindle" && p.fixed == "faceplate"));
+            assert!(simulation.pairs().iter().any(|p| p.moving == "spindle" && p.fixed == "faceplate"));
         }
     }
 }
@@ -60,7 +60,7 @@ fn channels_of_a_parametric_blisk_are_reached_by_indexing() {
     let channels = outcome.channel.blades;
     let simulation = simulated(outcome, &machine("xyzac"), (0..channels).step_by(7).collect());
     assert!(simulation.holds(), "{}", simulation.sentence());
-    assert_eq!((simulation.visits.len(), simulation.out_of_reach.len()), (channels.div_ceil(7), 0));
+    assert_eq!((simulation.visits().len(), simulation.out_of_reach().len()), (channels.div_ceil(7), 0));
     // The parametric blisk is the same from every channel, but for the rounding of its coordinates and of A in files.
-    assert!(simulation.period_error.unwrap() < 1e-5, "{:?}", simulation.period_error);
+    assert!(simulation.period_error().unwrap() < 1e-5, "{:?}", simulation.period_error());
 }

@@ -33,9 +33,10 @@ fn random_blisk(rng: &mut ChaCha8Rng) -> (ParametricBlisk, Mesh) {
     }
 }
 
-/// How many of `count` blisks each of genetic, centreline and global found a way for.
-fn ways_found(count: usize) -> [usize; 3] {
-    let mut found = [0; 3];
+/// How many of `count` blisks the global search found a way for. Where it finds none, no other search may: they are
+/// tried there only.
+fn ways_found(count: usize) -> usize {
+    let mut found = 0;
     for seed in 0..count as u64 {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let (blisk, mesh) = random_blisk(&mut rng);
@@ -47,7 +48,7 @@ fn ways_found(count: usize) -> [usize; 3] {
         let mut inputs = PlanInputs { blisk: mesh.into(), own_electrode: None, job };
         let (silent, never) = (Progress::silent(), Cancel::default());
         let ready = prepare(&inputs, &silent, &never).unwrap();
-        let verified = [Strategy::Genetic, Strategy::Centreline, Strategy::Global].map(|strategy| {
+        let mut finds = |strategy: Strategy| {
             inputs.job.plan.strategy = strategy;
             match run_feeds(&ready, &inputs, &silent, &never) {
                 Ok(outcome) => outcome.is_verified(),
@@ -55,25 +56,25 @@ fn ways_found(count: usize) -> [usize; 3] {
                 Err(PlanJobError::Electrode(_)) => false,
                 Err(other) => panic!("blisk {seed}, {strategy:?}: {other}"),
             }
-        });
-        println!("blisk {seed}: {reduction:.3} of {pitch_deg:.2} deg, genetic, centreline, global {verified:?}");
-        let [genetic, centreline, global] = verified;
-        assert!(global || !(genetic || centreline), "blisk {seed} {verified:?}, {reduction} deg: {blisk:?}");
-        verified.into_iter().enumerate().for_each(|(i, yes)| found[i] += usize::from(yes));
+        };
+        let global = finds(Strategy::Global);
+        let others = [Strategy::Genetic, Strategy::Centreline].map(|other| !global && finds(other));
+        println!("blisk {seed}: {reduction:.3} of {pitch_deg:.2} deg: global {global}, others where not {others:?}");
+        assert_eq!(others, [false; 2], "genetic, centreline on blisk {seed}, {reduction} deg: {blisk:?}");
+        found += usize::from(global);
     }
     found
 }
 
 #[test]
 fn the_global_search_finds_a_way_wherever_another_does() {
-    let [genetic, centreline, global] = ways_found(1);
-    assert!(global >= genetic.max(centreline) && global > 0, "{genetic} {centreline} {global}");
+    assert_eq!(ways_found(1), 1);
 }
 
 #[test]
 #[ignore = "takes a quarter of an hour"]
 fn the_global_search_finds_a_way_wherever_another_does_on_fifty_blisks() {
     let found = ways_found(50);
-    println!("of 50: genetic, centreline, global {found:?}");
-    assert!(found[2] > 10, "{found:?}");
+    println!("ways for {found} of 50");
+    assert!(found > 10, "{found}");
 }

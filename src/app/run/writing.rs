@@ -5,10 +5,10 @@ use std::path::Path;
 use super::SparkpathApp;
 use crate::app::dialogs::Dialog;
 use crate::export::post::Post;
-use crate::feed::machine_model::read_machine;
 use crate::jobs::pipeline::{EventKind, ExportWork};
 use crate::jobs::plan_files;
 use crate::progress::{Cancel, Progress};
+use crate::project::machine_file::read_machine;
 use crate::project::{Field, Stage, job_as_json, with_value};
 use crate::render::scene::Scene;
 

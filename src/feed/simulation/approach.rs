@@ -3,7 +3,10 @@
 use super::Scenario;
 use crate::feed::machine::MachineParams;
 use crate::feed::pose::{Axis, Pose};
-use crate::feed::quantise::quantise;
+use crate::feed::quantise::{quantise, quantise_mm};
+
+/// What files round lengths to (mm).
+const STEP: f64 = 1e-5;
 
 /// Straight moves from a clear position to the first row of the feed.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -23,10 +26,17 @@ pub(super) fn candidates(scenario: &Scenario, clear: f64) -> Vec<Approach> {
     [vec![up, out, first], vec![out, first], vec![first]].map(shortened).to_vec()
 }
 
-/// `value` as far as the travel of `axis` goes, seen from `from`, which may itself be beyond it.
+/// `value` (mm), rounded as files are, as far as the travel of `axis` goes, seen from `from`, which may itself be beyond
+/// it.
 fn within(machine: &MachineParams, axis: Axis, value: f64, from: f64) -> f64 {
     let [least, most] = machine.travel(axis);
-    value.clamp(least.min(from), most.max(from))
+    let [least, most] = [least.min(from), most.max(from)];
+    let rounded = quantise_mm(value.clamp(least, most));
+    if (least..=most).contains(&rounded) {
+        return rounded;
+    }
+    // The step of files nearest to the end of travel is beyond it; the one before is not.
+    quantise_mm(rounded + STEP.copysign(from - rounded))
 }
 
 /// How far the electrode has to rise from `pose` to be above the blisk by `clear` (mm).

@@ -29,6 +29,7 @@ impl<'a> Copies<'a> {
         }
         let mut all = Mesh::default();
         for visit in visits {
+            cancel.check()?;
             let (turn, start) = (DMat3::from_rotation_x(-visit.turn), all.vertices.len() as u32);
             all.vertices.extend(body.vertices.iter().map(|&p| turn * p));
             all.triangles.extend(body.triangles.iter().map(|t| t.map(|v| v + start)));
@@ -37,9 +38,18 @@ impl<'a> Copies<'a> {
     }
 
     /// The visit whose copy the point `p` of the copies is on, and where it is on the body itself.
-    pub fn visit_at(&self, p: DVec3) -> Option<(Visit, DVec3)> {
-        let on_body = |visit: &Visit| (*visit, DMat3::from_rotation_x(visit.turn) * p);
-        self.visits.iter().map(on_body).find(|(_, q)| self.is_on_body(*q))
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn visit_at(&self, p: DVec3, cancel: &Cancel) -> Result<Option<(Visit, DVec3)>, Cancelled> {
+        for visit in self.visits {
+            cancel.check()?;
+            let on_body = DMat3::from_rotation_x(visit.turn) * p;
+            if self.is_on_body(on_body) {
+                return Ok(Some((*visit, on_body)));
+            }
+        }
+        Ok(None)
     }
 
     fn is_on_body(&self, p: DVec3) -> bool {

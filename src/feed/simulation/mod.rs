@@ -16,25 +16,24 @@
 mod approach;
 mod bodies;
 mod copies;
+mod findings;
 mod periodic;
 mod run;
 #[cfg(test)]
 mod tests;
 mod tour;
 
-use glam::DVec3;
-use serde::Serialize;
-
 use super::certificate::Certificate;
 use super::machine::MachineParams;
-use super::machine_model::{Body, MachineModel};
+use super::machine_model::MachineModel;
 use super::path::FeedPath;
-use super::pose::{Axis, Pose};
 use crate::blisk::electrode::Electrode;
 use crate::geometry::mesh::Mesh;
 use crate::progress::{Cancel, Cancelled, Progress};
 pub use approach::Approach;
 use bodies::Bodies;
+pub(crate) use findings::Findings;
+pub use findings::{OutOfTravel, PairReport, Place, Simulation, Visit};
 use run::Run;
 pub use tour::{Leg, Phase};
 
@@ -67,7 +66,8 @@ pub struct SimulationOptions {
     pub clear_mm: f64,
     /// How close proven bounds come to the smallest clearance met (mm).
     pub resolution_mm: f64,
-    /// The same for bodies that are farther apart than they have to be, as a share of what they are so.
+    /// How close they come for bodies that are farther apart than is asked for, as a share of the distance beyond that,
+    /// where that is more.
     pub resolution_share: f64,
 }
 
@@ -75,193 +75,6 @@ impl SimulationOptions {
     /// The usual ones for these channels.
     pub fn of(channels: Vec<usize>) -> Self {
         Self { channels, clear_mm: 10.0, resolution_mm: 0.005, resolution_share: 0.01 }
-    }
-}
-
-/// Where two bodies are how near, in the words of the whole motion.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Place {
-    /// Distance (mm).
-    pub distance: f64,
-    /// What the machine is doing.
-    pub phase: Phase,
-    /// In which channel, or on the way to which.
-    pub channel: usize,
-    /// Position in the phase: `3.25` is a quarter of the way from pose 3 to pose 4.
-    pub row: f64,
-    /// Axis values.
-    pub pose: Pose,
-    /// The point on the moving body, where it is in the final pose, in W (mm).
-    pub on_moving: DVec3,
-    /// The point on the other body, in the final pose, in W (mm).
-    pub on_fixed: DVec3,
-}
-
-/// The clearance of two bodies over the whole motion.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct PairReport {
-    /// The body that moves.
-    pub moving: String,
-    /// The other.
-    pub fixed: String,
-    /// In which part of the motion, if not in all.
-    pub during: Option<&'static str>,
-    /// Clearance asked for (mm).
-    pub required: f64,
-    /// Proven clearance (mm).
-    pub certified: f64,
-    /// The smallest clearance met.
-    pub least: Place,
-    /// The first instant at which they touch, if they do.
-    pub contact: Option<Place>,
-}
-
-impl PairReport {
-    /// Whether the clearance is proven to be what is asked for.
-    pub fn holds(&self) -> bool {
-        self.certified > 0.0 && self.certified >= self.required
-    }
-}
-
-/// An axis that would have to go beyond its travel.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct OutOfTravel {
-    /// The axis.
-    pub axis: Axis,
-    /// Doing what.
-    pub phase: Phase,
-    /// In which channel.
-    pub channel: usize,
-    /// Where it would have to go (mm or rad).
-    pub value: f64,
-    /// Where its travel ends (mm or rad).
-    pub limit: f64,
-}
-
-/// A channel of the motion.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Visit {
-    /// Which.
-    pub channel: usize,
-    /// What is added to A there (rad).
-    pub turn: f64,
-}
-
-/// What was found out about the whole motion.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Simulation {
-    /// [`FeedPath::digest`] of the feed that was simulated.
-    pub path_digest: String,
-    /// The same of the copying motion, if there is one.
-    pub copying_digest: Option<String>,
-    /// Poses from the clear position to the first row of the feed; the retraction goes back through them.
-    pub approach: Vec<Pose>,
-    /// The channels in the order in which they are burnt.
-    pub visits: Vec<Visit>,
-    /// Channels that were asked for and that A does not reach.
-    pub out_of_reach: Vec<usize>,
-    /// Every pair of bodies, the ones that come nearest to what is asked for first.
-    pub pairs: Vec<PairReport>,
-    /// The first pose beyond the travel of an axis.
-    pub travel: Option<OutOfTravel>,
-    /// Least time of the whole motion at the axes' greatest speeds, without burning (min).
-    pub minutes: f64,
-    /// How far apart the blisk's mesh and itself are when it is turned by channels (mm); none if they differ.
-    pub period_error: Option<f64>,
-    /// [`MachineModel::digest`] of the bodies.
-    pub model_digest: String,
-    /// The bodies of the machine in W, where they are in the final pose.
-    #[serde(skip)]
-    pub bodies: Vec<Body>,
-}
-
-impl Simulation {
-    /// Whether everything keeps its clearance within the travel of the axes, in every channel that was asked for.
-    pub fn holds(&self) -> bool {
-        self.pairs.iter().all(PairReport::holds) && self.travel.is_none() && self.out_of_reach.is_empty()
-    }
-
-    /// Of the pairs that do not keep what is asked for the worst; if there are none, of those with a body of the machine
-    /// the one that comes nearest to it.
-    pub fn tightest(&self) -> Option<&PairReport> {
-        let failing = self.pairs.iter().filter(|p| !p.holds());
-        let bodies = self.pairs.iter().filter(|p| p.during.is_none());
-        failing.chain(bodies).next()
-    }
-
-    /// The legs of the whole motion in order, for showing.
-    pub fn legs(&self, feed: &FeedPath, copying: Option<&FeedPath>) -> Vec<Leg> {
-        tour::whole(&self.approach, feed, copying, &self.visits)
-    }
-
-    /// Whether the body called `name` is in a pair that does not keep what is asked for.
-    pub fn is_in_the_way(&self, name: &str) -> bool {
-        self.pairs.iter().any(|p| !p.holds() && (p.moving == name || p.fixed == name))
-    }
-
-    /// What was found, in a sentence or two.
-    pub fn sentence(&self) -> String {
-        let channels = match self.visits.len() {
-            1 => "one channel".to_owned(),
-            n => format!("{n} channels"),
-        };
-        let mut text = match self.tightest() {
-            None => format!("The machine has no bodies; the electrode stays clear of the blisk in {channels}."),
-            Some(pair) if pair.holds() => format!(
-                "Nothing collides in {channels}: {} clearances of bodies are proven, the least of the machine's own, of {} and \
-                 {}, {} mm of {:.3} mm. The blisk is taken as finished.",
-                self.pairs.len(),
-                pair.moving,
-                pair.fixed,
-                floored(pair.certified),
-                pair.required
-            ),
-            Some(pair) => self.pairs.iter().find(|p| p.contact.is_some()).unwrap_or(pair).complaint(),
-        };
-        if !self.out_of_reach.is_empty() {
-            let list: Vec<String> = self.out_of_reach.iter().map(usize::to_string).collect();
-            text += &format!(" The travel of A does not reach channel {}.", list.join(", "));
-        }
-        if let Some(beyond) = &self.travel {
-            let of = |value: f64| if beyond.axis.is_rotary() { value.to_degrees() } else { value };
-            let (letter, unit) = (beyond.axis.letter(), if beyond.axis.is_rotary() { "deg" } else { "mm" });
-            text += &format!(
-                " Axis {letter} would go to {:.3} {unit} in the {} of channel {}, beyond its travel to {:.3} {unit}.",
-                of(beyond.value),
-                beyond.phase.name(),
-                beyond.channel,
-                of(beyond.limit)
-            );
-        }
-        text
-    }
-}
-
-/// A proven clearance (mm) to three decimals, never rounded up.
-fn floored(mm: f64) -> String {
-    format!("{:.3}", (mm * 1e3).floor() / 1e3)
-}
-
-impl PairReport {
-    fn complaint(&self) -> String {
-        let Self { moving, fixed, required, certified, .. } = self;
-        match &self.contact {
-            Some(at) => format!(
-                "COLLISION: {moving} meets {fixed} in the {} of channel {}, at row {:.3}.",
-                at.phase.name(),
-                at.channel,
-                at.row
-            ),
-            None => format!(
-                "TOO CLOSE: {moving} and {fixed} are proven to stay apart by {} mm only, of {required:.3} mm; \
-                 the least, {:.3} mm, is in the {} of channel {}, at row {:.3}.",
-                floored(*certified),
-                self.least.distance,
-                self.least.phase.name(),
-                self.least.channel,
-                self.least.row
-            ),
-        }
     }
 }
 
@@ -278,16 +91,23 @@ pub fn simulate(
     progress.report("simulation", 0.0, "bodies");
     let bodies = Bodies::new(scenario, cancel)?;
     let (visits, out_of_reach) = tour::visits(scenario, &options.channels);
-    let run = Run { scenario, options, bodies: &bodies, cancel };
-    let approach = run.approach()?;
     let period_error = periodic::error_of(scenario.blisk, visits.iter().map(|v| v.turn), cancel)?;
-    let mut pairs = run.feed_pairs(period_error.unwrap_or(0.0));
-    pairs.extend(run.all(&approach, &visits, period_error, progress)?);
+    let run = Run { scenario, options, bodies: &bodies, visits: &visits, period_error, cancel };
+    let copies = run.copies()?;
+    let approach = run.approach(&copies)?;
+    let mut pairs = Vec::new();
+    // Without a feed there is nothing to say of any pair.
+    if !scenario.feed.0.rows.is_empty() {
+        pairs.extend(run.feed_pairs());
+        pairs.extend(run.all(&approach, &copies, progress)?);
+    }
     pairs.sort_by(|p, q| (p.certified - p.required).total_cmp(&(q.certified - q.required)));
     let legs = tour::whole(&approach.poses, scenario.feed.0, scenario.copying.map(|c| c.0), &visits);
-    Ok(Simulation {
+    Ok(Simulation::of(Findings {
         path_digest: scenario.feed.0.digest(),
         copying_digest: scenario.copying.map(|(path, _)| path.digest()),
+        blisk_digest: scenario.blisk.digest(),
+        electrode_digest: scenario.electrode.mesh.digest(),
         travel: tour::out_of_travel(&legs, scenario.machine),
         minutes: tour::minutes(&legs, scenario.machine),
         approach: approach.poses,
@@ -296,6 +116,9 @@ pub fn simulate(
         pairs,
         period_error,
         model_digest: scenario.model.digest(),
+        with_bodies: scenario.machine.has_bodies(),
+        body_clearance_mm: scenario.machine.body_clearance_mm,
+        enters_from: scenario.electrode.enters_from,
         bodies: bodies::placed(scenario),
-    })
+    }))
 }

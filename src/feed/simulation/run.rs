@@ -2,13 +2,14 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use glam::DMat3;
 use rayon::prelude::*;
 
 use super::bodies::{self, Bodies, Mover, Obstacle};
 use super::copies::Copies;
-use super::tour::{self, Leg, Phase};
+use super::tour::{self, Leg, Legs, Phase};
 use super::{Approach, PairReport, Place, Scenario, SimulationOptions, Visit, approach};
-use crate::feed::certificate::Certificate;
+use crate::feed::certificate::{Certificate, Contact};
 use crate::feed::machine_model::Carrier;
 use crate::feed::path::FeedPath;
 use crate::feed::pose::Pose;
@@ -21,17 +22,17 @@ struct Test<'a> {
     moving: &'a Mover,
     fixed: &'a Obstacle,
     /// Copies that stand for the body in every channel, and the legs that are then enough, indexing apart.
-    copies: Option<(&'a Copies<'a>, Vec<Leg>)>,
+    copies: Option<(&'a Copies<'a>, &'a [Leg])>,
     during: Option<&'static str>,
     required: f64,
-    legs: Vec<Leg>,
+    legs: Vec<&'a Leg>,
     /// What is taken off for legs that stand for others (mm).
     allowance: f64,
 }
 
 impl<'a> Test<'a> {
     /// A pair on `legs`, with nothing to be said of them.
-    fn new(moving: &'a Mover, fixed: &'a Obstacle, required: f64, legs: Vec<Leg>) -> Self {
+    fn new(moving: &'a Mover, fixed: &'a Obstacle, required: f64, legs: Vec<&'a Leg>) -> Self {
         Self { moving, fixed, copies: None, during: None, required, legs, allowance: 0.0 }
     }
 }
@@ -41,84 +42,123 @@ pub(super) struct Run<'a> {
     pub scenario: &'a Scenario<'a>,
     pub options: &'a SimulationOptions,
     pub bodies: &'a Bodies,
+    pub visits: &'a [Visit],
+    /// How far the blisk is from itself in other channels (mm); none if its channels differ.
+    pub period_error: Option<f64>,
     pub cancel: &'a Cancel,
 }
 
 impl<'a> Run<'a> {
-    /// The first way to the first row on which everything keeps its clearance; if there is none, the last one tried.
-    pub fn approach(&self) -> Result<Approach, Cancelled> {
+    /// The first way to the first row on which everything keeps its clearance in every channel; if there is none, the
+    /// first that does in one of them, and then the first of all.
+    pub fn approach(&self, copies: &[Option<Copies>]) -> Result<Approach, Cancelled> {
         let candidates = approach::candidates(self.scenario, self.options.clear_mm);
-        for approach in &candidates {
-            let leg = Leg { phase: Phase::Approach, channel: self.scenario.own_channel, poses: approach.poses.clone() };
-            let tools = self.pairs().filter(|(moving, _)| !moving.on_table);
-            let test =
-                |(moving, fixed)| Test::new(moving, fixed, self.required_outside(moving, fixed), vec![leg.clone()]);
-            let tests: Vec<Test> = tools.map(test).collect();
-            let results: Result<Vec<_>, Cancelled> = tests.par_iter().map(|test| self.test(test)).collect();
-            if results?.iter().flatten().all(PairReport::holds) {
-                return Ok(approach.clone());
+        let one = [self.representative()];
+        for (visits, copies) in [(self.visits, copies), (&one[..], &[][..])] {
+            for approach in &candidates {
+                if self.is_clear(approach, visits, copies)? {
+                    return Ok(approach.clone());
+                }
             }
         }
         Ok(candidates.into_iter().next().unwrap_or_default())
     }
 
-    fn pairs(&self) -> impl Iterator<Item = (&'a Mover, &'a Obstacle)> + use<'a> {
+    /// Whether the tool keeps its clearances on the approach to `visits` and between them.
+    fn is_clear(&self, approach: &Approach, visits: &[Visit], copies: &[Option<Copies>]) -> Result<bool, Cancelled> {
+        let legs = Legs::new(&approach.poses, &[], self.scenario.own_channel, visits);
+        let tests: Vec<Test> = self.tests(&legs, copies).into_iter().filter(|test| !test.moving.on_table).collect();
+        let results: Result<Vec<_>, Cancelled> = tests.par_iter().map(|test| self.test(test, &legs)).collect();
+        Ok(results?.iter().flatten().all(PairReport::holds))
+    }
+
+    /// The channel that reports name for what was tested in the channel of the plan: that one if it is burnt, otherwise
+    /// the first that is.
+    fn representative(&self) -> Visit {
+        let own = Visit { channel: self.scenario.own_channel, turn: 0.0 };
+        let visited = self.visits.iter().find(|visit| visit.turn == 0.0).or(self.visits.first());
+        visited.copied().unwrap_or(own)
+    }
+
+    /// Every pair that could meet, with the number of the body that stands still.
+    fn pairs(&self) -> impl Iterator<Item = (&'a Mover, usize, &'a Obstacle)> + use<'a> {
         let bodies = self.bodies;
-        let pairs = bodies.movers.iter().flat_map(|moving| bodies.obstacles.iter().map(move |fixed| (moving, fixed)));
-        pairs.filter(|(moving, fixed)| moving.could_meet(fixed))
+        let with_all = |moving| bodies.obstacles.iter().enumerate().map(move |(i, fixed)| (moving, i, fixed));
+        bodies.movers.iter().flat_map(with_all).filter(|(moving, _, fixed)| moving.could_meet(fixed))
     }
 
     /// The clearance asked for outside the feed (mm). The electrode starts its feed where the plan withdrew it to, which
-    /// may be nearer than bodies shall come.
-    fn required_outside(&self, moving: &Mover, fixed: &Obstacle) -> f64 {
+    /// may be nearer than bodies shall come; `allowance` is taken off what is proven there (mm).
+    fn required_outside(&self, moving: &Mover, fixed: &Obstacle, allowance: f64) -> f64 {
         let usual = self.scenario.machine.body_clearance_mm;
         if moving.is_electrode && fixed.is_blisk() {
             let at_start = self.scenario.feed.1.row_clearance().first().copied().unwrap_or(0.0);
-            return usual.min(at_start - 2.0 * self.options.resolution_mm);
+            return usual.min(at_start - 2.0 * self.options.resolution_mm - allowance);
         }
         usual
     }
 
+    /// Whether `certificate` holds and is that of this very path and these very meshes.
+    fn is_proven(&self, path: &FeedPath, certificate: &Certificate) -> bool {
+        let Scenario { blisk, electrode, .. } = self.scenario;
+        certificate.keeps_clearance()
+            && certificate.path_digest() == path.digest()
+            && certificate.blisk_digest() == blisk.digest()
+            && certificate.electrode_digest() == electrode.mesh.digest()
+    }
+
     /// What the certificates of feed and copying motion say of the electrode in its channel. On a blisk whose channels
-    /// are alike to `error` (mm) it is said of all of them.
-    pub fn feed_pairs(&self, error: f64) -> Vec<PairReport> {
+    /// are alike it is said of all of them; otherwise of nothing, if that channel is not burnt. A certificate that proves
+    /// nothing of this motion is always told, with a clearance of 0.
+    pub fn feed_pairs(&self) -> Vec<PairReport> {
+        let is_burnt = self.period_error.is_some() || self.representative().turn == 0.0;
+        let error = self.period_error.unwrap_or(0.0);
         let feed = [(Phase::Feed, self.scenario.feed)];
         let copying = self.scenario.copying.map(|copying| (Phase::Copying, copying));
-        let report = |(phase, (_, c)): (Phase, (&FeedPath, &Certificate))| PairReport {
-            moving: "electrode".to_owned(),
-            fixed: "blisk".to_owned(),
-            during: Some(phase.name()),
-            required: c.required() - c.tolerance(),
-            certified: (c.certified() - error).max(0.0),
-            least: Place {
-                distance: c.least().distance,
-                phase,
-                channel: self.scenario.own_channel,
-                row: c.least().row,
-                pose: c.least().pose,
-                on_moving: c.least().on_electrode,
-                on_fixed: c.least().on_blisk,
-            },
-            contact: None,
+        let place = |phase, least: &Contact| Place {
+            distance: least.distance,
+            phase,
+            channel: self.scenario.own_channel,
+            row: least.row,
+            pose: least.pose,
+            on_moving: least.on_electrode,
+            on_fixed: least.on_blisk,
         };
-        feed.into_iter().chain(copying).map(report).collect()
+        let report = |(phase, (path, c)): (Phase, (&FeedPath, &Certificate))| {
+            let is_proven = self.is_proven(path, c);
+            (is_burnt || !is_proven).then(|| PairReport {
+                moving: "electrode".to_owned(),
+                fixed: "blisk".to_owned(),
+                during: Some(phase.name()),
+                required: c.required() - c.tolerance(),
+                certified: if is_proven { (c.certified() - error).max(0.0) } else { 0.0 },
+                least: self.visited(place(phase, c.least()), true, self.representative()),
+                contact: None,
+            })
+        };
+        feed.into_iter().chain(copying).filter_map(report).collect()
+    }
+
+    /// Copies of every table for all channels, in the order of the bodies that stand still.
+    pub fn copies(&self) -> Result<Vec<Option<Copies<'a>>>, Cancelled> {
+        let of = |table: &'a Mesh| Copies::new(table, self.visits, self.cancel);
+        let tables = self.bodies.obstacles.iter().map(|o| o.table.as_ref());
+        tables.map(|table| table.map_or(Ok(None), of)).collect()
     }
 
     /// What is found out about every pair.
     pub fn all(
         &self,
         approach: &Approach,
-        visits: &[Visit],
-        period_error: Option<f64>,
+        copies: &[Option<Copies>],
         progress: &Progress,
     ) -> Result<Vec<PairReport>, Cancelled> {
-        let of = |table: &'a Mesh| Copies::new(table, visits, self.cancel);
-        let tables = self.bodies.obstacles.iter().map(|o| o.table.as_ref());
-        let copies: Vec<_> = tables.map(|t| t.map_or(Ok(None), of)).collect::<Result<_, _>>()?;
-        let tests = self.tests(approach, visits, period_error, &copies);
+        let paths = tour::paths(self.scenario.feed.0, self.scenario.copying.map(|c| c.0));
+        let legs = Legs::new(&approach.poses, &paths, self.scenario.own_channel, self.visits);
+        let tests = self.tests(&legs, copies);
         let done = AtomicUsize::new(0);
         let result = |test: &Test| {
-            let result = self.test(test);
+            let result = self.test(test, &legs);
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             progress.report("simulation", done as f64 / tests.len() as f64, &test.moving.name);
             result
@@ -127,67 +167,58 @@ impl<'a> Run<'a> {
         Ok(results?.into_iter().flatten().collect())
     }
 
-    /// Every pair with the legs that it has to be tested on.
-    fn tests<'t>(
-        &self,
-        approach: &Approach,
-        visits: &[Visit],
-        period_error: Option<f64>,
-        copies: &'t [Option<Copies<'t>>],
-    ) -> Vec<Test<'t>>
+    /// Every pair with those of `legs` that it has to be tested on.
+    fn tests<'t>(&self, legs: &'t Legs, copies: &'t [Option<Copies<'t>>]) -> Vec<Test<'t>>
     where
         'a: 't,
     {
-        let own = Visit { channel: self.scenario.own_channel, turn: 0.0 };
-        let (feed, copying) = (self.scenario.feed.0, self.scenario.copying.map(|c| c.0));
-        // The retraction keeps the clearances of the way in.
-        let mut all = tour::whole(&approach.poses, feed, copying, visits);
-        all.retain(|leg| leg.phase != Phase::Retract);
-        let own_legs = tour::channel_legs(&approach.poses, feed, copying, &own);
-        let in_feed = |leg: &Leg| matches!(leg.phase, Phase::Feed | Phase::Copying);
         let mut tests = Vec::new();
-        let turned = tour::turned_leg(&all);
-        for (moving, fixed) in self.pairs() {
+        for (moving, at, fixed) in self.pairs() {
+            let (mut on, allowance) = self.legs_against(fixed, legs);
+            let required = self.required_outside(moving, fixed, allowance);
             if moving.on_table {
-                let required = self.required_outside(moving, fixed);
-                tests.extend(turned.clone().map(|leg| Test::new(moving, fixed, required, vec![leg])));
+                tests.extend(legs.turned.iter().map(|leg| Test::new(moving, fixed, required, vec![leg])));
                 continue;
             }
-            let at = self.bodies.obstacles.iter().position(|o| std::ptr::eq(o, fixed));
-            let copies = at.and_then(|i| copies[i].as_ref());
-            let is_feed_pair = moving.is_electrode && fixed.is_blisk();
-            let (mut legs, allowance) = match fixed.carrier {
-                // A moves a tool neither against the bed nor against the head.
-                Some(Carrier::Bed | Carrier::Head) => (own_legs.clone(), 0.0),
-                Some(_) => (all.clone(), 0.0),
-                None => match period_error {
-                    Some(error) => (
-                        own_legs.iter().cloned().chain(tour::widest_index_leg(&approach.poses, visits)).collect(),
-                        error,
-                    ),
-                    None => (all.clone(), 0.0),
-                },
-            };
-            if is_feed_pair {
-                let required = self.scenario.feed.1.required() - self.scenario.feed.1.tolerance();
-                let in_channel: Vec<Leg> =
-                    legs.iter().filter(|l| in_feed(l) && l.channel != own.channel).cloned().collect();
-                legs.retain(|leg| !in_feed(leg));
-                if !in_channel.is_empty() {
+            let mut during = None;
+            if moving.is_electrode && fixed.is_blisk() {
+                // In its own channel it is the matter of the certificates.
+                let (in_feed, outside): (Vec<_>, Vec<_>) =
+                    on.into_iter().partition(|leg| matches!(leg.phase, Phase::Feed | Phase::Copying));
+                let elsewhere: Vec<_> =
+                    in_feed.into_iter().filter(|leg| leg.channel != self.scenario.own_channel).collect();
+                if !elsewhere.is_empty() {
+                    let required = self.scenario.feed.1.required() - self.scenario.feed.1.tolerance();
                     let during = Some("feed in other channels");
-                    tests.push(Test { during, ..Test::new(moving, fixed, required, in_channel) });
+                    tests.push(Test { during, ..Test::new(moving, fixed, required, elsewhere) });
                 }
+                (on, during) = (outside, Some("moves outside"));
             }
-            let during = is_feed_pair.then_some("moves outside");
-            let required = self.required_outside(moving, fixed);
-            let copies = copies.map(|copies| (copies, own_legs.clone()));
-            tests.push(Test { moving, fixed, copies, during, required, legs, allowance });
+            let copies = copies.get(at).and_then(Option::as_ref).map(|copies| (copies, &legs.own[..]));
+            tests.push(Test { copies, during, allowance, ..Test::new(moving, fixed, required, on) });
         }
         tests
     }
 
+    /// Those of `legs` that a tool has to be tested on against `fixed`, and what is taken off because they stand for
+    /// others (mm).
+    fn legs_against<'t>(&self, fixed: &Obstacle, legs: &'t Legs) -> (Vec<&'t Leg>, f64) {
+        match (fixed.carrier, self.period_error) {
+            // A moves a tool neither against the bed nor against the head.
+            (Some(Carrier::Bed | Carrier::Head), _) => (legs.own.iter().collect(), 0.0),
+            (None, Some(error)) => {
+                let index = legs.widest_index();
+                // Two ways between channels are alike since each is like one about the plan's channel: what channels
+                // differ by counts twice.
+                let steps = if index.is_some() { 2.0 } else { 1.0 };
+                (legs.own.iter().chain(index).collect(), steps * error)
+            }
+            _ => (legs.all.iter().collect(), 0.0),
+        }
+    }
+
     /// The clearance of a pair over its legs; none if one of the two has no surface.
-    fn test(&self, test: &Test) -> Result<Option<PairReport>, Cancelled> {
+    fn test(&self, test: &Test, legs: &Legs) -> Result<Option<PairReport>, Cancelled> {
         let pair = Pair {
             moving: &test.moving.solid,
             fixed: &test.fixed.solid,
@@ -204,28 +235,64 @@ impl<'a> Run<'a> {
         if may_be_joined && self.are_joined(&pair)? {
             return Ok(None);
         }
-        let mut known: Option<Known> = None;
-        if let Some((copies, legs)) = &test.copies {
-            known = self.over(legs.iter(), &Pair { fixed: &copies.solid, ..pair }, test, None)?;
-            let place = known.as_mut().map(|k| &mut k.place);
-            if let Some((place, (visit, on_body))) = place.and_then(|p| copies.visit_at(p.on_fixed).map(|at| (p, at))) {
-                (place.channel, place.pose.a, place.on_fixed) = (visit.channel, place.pose.a + visit.turn, on_body);
+        let (mut known, mut is_found): (Option<Known>, _) = (None, true);
+        if let Some((copies, own)) = test.copies {
+            known = self.over(own.iter(), &Pair { fixed: &copies.solid, ..pair }, test, None)?;
+            if let Some(Known { place, .. }) = &mut known {
+                let found = copies.visit_at(place.on_fixed, self.cancel)?;
+                is_found = found.is_some();
+                if let Some((visit, on_body)) = found {
+                    (place.channel, place.pose.a, place.on_fixed) = (visit.channel, place.pose.a + visit.turn, on_body);
+                }
             }
         }
         let is_left = |leg: &&Leg| test.copies.is_none() || leg.phase == Phase::Index;
-        let known = self.over(test.legs.iter().filter(is_left), &pair, test, known)?;
+        let known = self.over(test.legs.iter().copied().filter(is_left), &pair, test, known)?;
         let Some(Known { clearance: PairClearance { certified, .. }, place: least }) = known else { return Ok(None) };
         let contact =
-            if certified <= 0.0 || certified < pair.resolution { self.first_contact(&pair, test)? } else { None };
+            if certified <= 0.0 || certified < pair.resolution { self.first_contact(&pair, test, legs)? } else { None };
+        // Inside a copy no point tells which one it is; the first contact does.
+        let least = contact.filter(|_| !is_found).unwrap_or(least);
+        let in_tour = |place: Place| match test.moving.on_table {
+            true => passed(place, legs),
+            false => self.visited(place, test.fixed.is_blisk(), self.representative()),
+        };
         Ok(Some(PairReport {
             moving: test.moving.name.clone(),
             fixed: test.fixed.name.clone(),
             during: test.during,
             required: test.required,
             certified: (certified - test.allowance).max(0.0),
-            least,
-            contact,
+            least: in_tour(least),
+            contact: contact.map(|place| self.first_in_tour(place, test)),
         }))
+    }
+
+    /// A contact in the channel that it comes about in first: what is tested in the channel of the plan for all of them
+    /// happens in every one.
+    fn first_in_tour(&self, place: Place, test: &Test) -> Place {
+        let is_for_all = match test.fixed.carrier {
+            Some(Carrier::Head | Carrier::Bed) => !test.moving.on_table,
+            Some(_) => false,
+            None => self.period_error.is_some(),
+        };
+        let first = self.visits.first().copied().filter(|_| is_for_all);
+        first.map_or(place, |visit| self.visited(place, test.fixed.is_blisk(), visit))
+    }
+
+    /// `place` told of `visit`, if it is in the channel of the plan. The blisk looks the same from there, with another
+    /// point in its place, and what A does not move is as near.
+    fn visited(&self, place: Place, is_on_blisk: bool, visit: Visit) -> Place {
+        if visit.turn == 0.0 || place.phase == Phase::Index || place.channel != self.scenario.own_channel {
+            return place;
+        }
+        let turned = DMat3::from_rotation_x(visit.turn) * place.on_fixed;
+        Place {
+            channel: visit.channel,
+            pose: Pose { a: place.pose.a + visit.turn, ..place.pose },
+            on_fixed: if is_on_blisk { turned } else { place.on_fixed },
+            ..place
+        }
     }
 
     /// Whether two bodies touch in the final pose already: the one turns in the other, as in a bearing.
@@ -247,7 +314,7 @@ impl<'a> Run<'a> {
         for leg in feeds.into_iter().chain(others) {
             let poses = bodies::relative(&leg.poses, test.moving, test.fixed);
             let before = known.as_ref().map(|k| k.clearance);
-            let Some(clearance) = pair.clearance(&poses, before, self.cancel)? else { return Ok(None) };
+            let Some(clearance) = pair.clearance(&poses, before, self.cancel)? else { continue };
             let place = match known {
                 Some(k) if k.clearance.least == clearance.least => k.place,
                 _ => place(leg, &clearance.least),
@@ -257,8 +324,11 @@ impl<'a> Run<'a> {
         Ok(known)
     }
 
-    fn first_contact(&self, pair: &Pair, test: &Test) -> Result<Option<Place>, Cancelled> {
-        for leg in &test.legs {
+    /// The first contact in the order of time. What A turns is tested over all that A goes through, in one go that knows
+    /// no order, so that the tour itself is walked.
+    fn first_contact(&self, pair: &Pair, test: &Test, legs: &Legs) -> Result<Option<Place>, Cancelled> {
+        let tour: Vec<&Leg> = if test.moving.on_table { legs.all.iter().collect() } else { test.legs.clone() };
+        for leg in tour {
             let poses = bodies::relative(&leg.poses, test.moving, test.fixed);
             if let Some(near) = pair.first_contact(&poses, self.cancel)? {
                 return Ok(Some(place(leg, &near)));
@@ -272,6 +342,14 @@ impl<'a> Run<'a> {
 struct Known {
     clearance: PairClearance,
     place: Place,
+}
+
+/// Where the whole motion first takes A to where `place` has it: what only A moves is there as near.
+fn passed(place: Place, legs: &Legs) -> Place {
+    match legs.passing(place.pose.a) {
+        Some((leg, row)) => Place { phase: leg.phase, channel: leg.channel, row, pose: leg.pose_at(row), ..place },
+        None => place,
+    }
 }
 
 /// Where `near`, on the poses of `leg` relative to a pair of bodies, is in the whole motion.

@@ -70,19 +70,22 @@ fn rows(path: &FeedPath) -> impl DoubleEndedIterator<Item = Pose> {
     path.rows.iter().map(|row| row.pose)
 }
 
-/// Approach, feed and copying in a channel. The retraction goes back the same way and keeps the same clearances.
-pub(super) fn channel_legs(approach: &[Pose], feed: &FeedPath, copying: Option<&FeedPath>, visit: &Visit) -> Vec<Leg> {
+/// Approach and `paths` in a channel. The retraction goes back the same way and keeps the same clearances.
+fn channel_legs(approach: &[Pose], paths: &[(Phase, &FeedPath)], visit: &Visit) -> Vec<Leg> {
     let leg = |phase, poses| Leg { phase, channel: visit.channel, poses };
-    let mut legs = vec![
-        leg(Phase::Approach, turned(approach.iter().copied(), visit.turn)),
-        leg(Phase::Feed, turned(rows(feed), visit.turn)),
-    ];
-    legs.extend(copying.map(|path| leg(Phase::Copying, turned(rows(path), visit.turn))));
-    legs
+    let first = leg(Phase::Approach, turned(approach.iter().copied(), visit.turn));
+    let others = paths.iter().map(|(phase, path)| leg(*phase, turned(rows(path), visit.turn)));
+    std::iter::once(first).chain(others).collect()
+}
+
+/// What is done in every channel, with the ways between them.
+fn through(approach: &[Pose], visits: &[Visit], in_channel: impl Fn(&Visit) -> Vec<Leg>) -> Vec<Leg> {
+    let mut index = index_legs(approach, visits).into_iter();
+    visits.iter().flat_map(|visit| in_channel(visit).into_iter().chain(index.next())).collect()
 }
 
 /// The ways between the channels, at the clear position.
-pub(super) fn index_legs(approach: &[Pose], visits: &[Visit]) -> Vec<Leg> {
+fn index_legs(approach: &[Pose], visits: &[Visit]) -> Vec<Leg> {
     let Some(clear) = approach.first() else { return Vec::new() };
     let at = |visit: &Visit| if visit.turn == 0.0 { *clear } else { Pose { a: clear.a + visit.turn, ..*clear } };
     let leg =
@@ -90,27 +93,65 @@ pub(super) fn index_legs(approach: &[Pose], visits: &[Visit]) -> Vec<Leg> {
     visits.windows(2).map(leg).collect()
 }
 
-/// The longest way between two channels, from the first turned to 0: on a blisk whose channels are alike the others are
-/// parts of it.
-pub(super) fn widest_index_leg(approach: &[Pose], visits: &[Visit]) -> Option<Leg> {
-    let widest = visits.windows(2).max_by(|p, q| (p[1].turn - p[0].turn).total_cmp(&(q[1].turn - q[0].turn)))?;
-    let from = Visit { turn: 0.0, ..widest[0] };
-    let to = Visit { turn: widest[1].turn - widest[0].turn, ..widest[1] };
-    index_legs(approach, &[from, to]).pop()
+/// The feed and, if there is one, the copying motion.
+pub(super) fn paths<'a>(feed: &'a FeedPath, copying: Option<&'a FeedPath>) -> Vec<(Phase, &'a FeedPath)> {
+    std::iter::once((Phase::Feed, feed)).chain(copying.map(|path| (Phase::Copying, path))).collect()
+}
+
+/// The legs that pairs of bodies are tested on.
+pub(super) struct Legs {
+    /// The whole motion but the retractions, which keep the clearances of the way in.
+    pub all: Vec<Leg>,
+    /// What is done in the channel of the plan, whether it is burnt or not.
+    pub own: Vec<Leg>,
+    /// All that A goes through, for bodies that nothing else moves.
+    pub turned: Option<Leg>,
+}
+
+impl Legs {
+    /// Approach and `paths` in `visits`; `own_channel` is that of the plan.
+    pub fn new(approach: &[Pose], paths: &[(Phase, &FeedPath)], own_channel: usize, visits: &[Visit]) -> Self {
+        let all = through(approach, visits, |visit| channel_legs(approach, paths, visit));
+        let own = channel_legs(approach, paths, &Visit { channel: own_channel, turn: 0.0 });
+        Self { turned: turned_leg(&all), all, own }
+    }
+
+    /// The longest way between two channels: on a blisk whose channels are alike it passes whatever the others pass.
+    pub fn widest_index(&self) -> Option<&Leg> {
+        let width = |leg: &Leg| leg.poses.last().zip(leg.poses.first()).map_or(0.0, |(to, from)| to.a - from.a);
+        let index = self.all.iter().filter(|leg| leg.phase == Phase::Index);
+        // Of ways as wide as each other the first.
+        index.rev().max_by(|p, q| width(p).total_cmp(&width(q)))
+    }
+
+    /// The first leg that takes A to `a`, and the row where it does.
+    pub fn passing(&self, a: f64) -> Option<(&Leg, f64)> {
+        self.all.iter().find_map(|leg| Some((leg, row_at(&leg.poses, a)?)))
+    }
+}
+
+/// Where A is at `a` for the first time.
+fn row_at(poses: &[Pose], a: f64) -> Option<f64> {
+    /// What rounding may take from either end (rad).
+    const ROUNDING: f64 = 1e-12;
+    poses.windows(2).enumerate().find_map(|(i, pair)| {
+        let [from, to] = [pair[0].a, pair[1].a];
+        let passes = a >= from.min(to) - ROUNDING && a <= from.max(to) + ROUNDING;
+        let share = if from == to { 0.0 } else { ((a - from) / (to - from)).clamp(0.0, 1.0) };
+        passes.then_some(i as f64 + share)
+    })
 }
 
 /// The whole motion in order.
 pub(super) fn whole(approach: &[Pose], feed: &FeedPath, copying: Option<&FeedPath>, visits: &[Visit]) -> Vec<Leg> {
-    let mut index = index_legs(approach, visits).into_iter();
-    let mut legs = Vec::new();
-    for visit in visits {
-        legs.extend(channel_legs(approach, feed, copying, visit));
+    let paths = paths(feed, copying);
+    through(approach, visits, |visit| {
+        let mut legs = channel_legs(approach, &paths, visit);
         // The last pose of the approach is the first of the feed.
         let back = rows(feed).rev().chain(approach.iter().rev().skip(1).copied());
         legs.push(Leg { phase: Phase::Retract, channel: visit.channel, poses: turned(back, visit.turn) });
-        legs.extend(index.next());
-    }
-    legs
+        legs
+    })
 }
 
 /// The turns of A to the `channels`, in rising order, and the channels that A does not reach. A channel may be reached
@@ -150,7 +191,7 @@ pub(super) fn out_of_travel(legs: &[Leg], machine: &MachineParams) -> Option<Out
 
 /// All that A goes through in `legs`, for bodies that nothing else moves: it is continuous, so that they take every
 /// place between the least and the greatest.
-pub(super) fn turned_leg(legs: &[Leg]) -> Option<Leg> {
+fn turned_leg(legs: &[Leg]) -> Option<Leg> {
     const STEP: f64 = 0.1;
     let last = legs.last()?;
     let turns = || legs.iter().flat_map(|leg| &leg.poses).map(|pose| pose.a);

@@ -39,8 +39,7 @@ impl Solid {
         let about = mesh.mapped(|p| p - origin);
         let tree = Bvh::new(&about, cancel)?;
         let reach = tree.triangles().iter().flatten().map(|u| u.length()).fold(0.0, f64::max);
-        cancel.check()?;
-        Ok(Self { tree, parts: inside::point_of_each_part(&about), origin, reach })
+        Ok(Self { tree, parts: inside::point_of_each_part(&about, cancel)?, origin, reach })
     }
 }
 
@@ -102,18 +101,26 @@ impl Pair<'_> {
     }
 
     /// A point of the one body inside the other at `pose`.
-    fn one_inside_the_other(&self, pose: &Pose) -> Option<DVec3> {
+    fn one_inside_the_other(&self, pose: &Pose, cancel: &Cancel) -> Result<Option<DVec3>, Cancelled> {
         let (rotation, shift) = self.placement(pose);
         let back = rotation.transpose();
         let moved = self.moving.parts.iter().map(|&u| rotation * u + shift);
-        inside::first_inside(self.fixed.tree.triangles(), moved).or_else(|| {
-            let fixed = self.fixed.parts.iter().map(|&p| back * (p - shift));
-            inside::first_inside(self.moving.tree.triangles(), fixed).map(|u| rotation * u + shift)
-        })
+        if let Some(p) = inside::first_inside(self.fixed.tree.triangles(), moved, cancel)? {
+            return Ok(Some(p));
+        }
+        let fixed = self.fixed.parts.iter().map(|&p| back * (p - shift));
+        let found = inside::first_inside(self.moving.tree.triangles(), fixed, cancel)?;
+        Ok(found.map(|u| rotation * u + shift))
     }
 
     fn resolution_at(&self, clearance: f64) -> f64 {
         self.resolution.max(self.share * (clearance - self.required))
+    }
+
+    /// The resolution of a look at a motion: a little finer, so that a clearance which turns out a little smaller
+    /// between the poses asks for no other look.
+    fn resolution_for_a_look(&self, clearance: f64) -> f64 {
+        self.resolution.max(0.9 * self.share * (clearance - self.required))
     }
 
     /// Bounds the clearance over the continuous motion through `poses`, all axes linear between them; none if there is
@@ -131,7 +138,7 @@ impl Pair<'_> {
         let (true, Some(first)) = (!self.moving.tree.is_empty() && !self.fixed.tree.is_empty(), poses.first()) else {
             return Ok(None);
         };
-        if let Some(p) = self.one_inside_the_other(first) {
+        if let Some(p) = self.one_inside_the_other(first, cancel)? {
             return Ok(Some(PairClearance { certified: 0.0, least: self.near(0.0, *first, (0.0, p, p)) }));
         }
         let mut least = match before {
@@ -142,36 +149,37 @@ impl Pair<'_> {
                 before.map(|b| b.least).filter(|b| b.distance <= here.distance).unwrap_or(here)
             }
         };
-        let resolution = self.resolution_at(least.distance);
-        let found = self.over(poses, before, &mut least, resolution, cancel)?;
-        let short = found < self.required && self.required < least.distance;
+        let mut resolution = self.resolution_for_a_look(least.distance);
+        let mut lower = self.over(poses, &mut least, resolution, cancel)?;
         // What came nearer between the poses than at them needs a finer look.
-        let resolution = self.resolution_at(least.distance);
-        let certified = if short { self.over(poses, before, &mut least, resolution, cancel)? } else { found };
+        while lower + self.resolution_at(least.distance) < least.distance {
+            let finer = self.resolution_for_a_look(least.distance);
+            if finer >= resolution {
+                break;
+            }
+            resolution = finer;
+            lower = self.over(poses, &mut least, resolution, cancel)?;
+        }
+        // What is proven lies below what is met by what rounding may take.
+        let own = lower.min(least.distance) - ROUNDING;
+        let certified = before.map_or(own, |before| before.certified.min(own)).max(0.0);
         Ok(Some(PairClearance { certified, least }))
     }
 
-    /// The bound over `poses` to within `resolution` (mm); `least` takes in what is met.
-    fn over(
-        &self,
-        poses: &[Pose],
-        before: Option<PairClearance>,
-        least: &mut Near,
-        resolution: f64,
-        cancel: &Cancel,
-    ) -> Result<f64, Cancelled> {
+    /// The bound over `poses` to within `resolution` (mm), infinite for a single one; `least` takes in what is met.
+    fn over(&self, poses: &[Pose], least: &mut Near, resolution: f64, cancel: &Cancel) -> Result<f64, Cancelled> {
         let question = Question { known: least.distance, resolution, stop_below: f64::NEG_INFINITY };
         let bound = |i: usize| self.bound(&poses[i], &poses[i + 1], &question, cancel);
         let answers: Result<Vec<_>, Cancelled> = (0..poses.len() - 1).into_par_iter().map(bound).collect();
-        let mut certified = before.map_or(least.distance, |before| before.certified + ROUNDING);
+        let mut lower = f64::INFINITY;
         for (i, answer) in answers?.into_iter().enumerate() {
-            certified = certified.min(answer.lower);
+            lower = lower.min(answer.lower);
             if let Some((points, t)) = answer.found.filter(|(points, _)| points.distance < least.distance) {
                 let pose = poses[i].lerp(&poses[i + 1], t);
                 *least = self.near(i as f64 + t, pose, (points.distance, points.first, points.second));
             }
         }
-        Ok((certified - ROUNDING).max(0.0))
+        Ok(lower)
     }
 
     fn least_at_poses(&self, poses: &[Pose], cancel: &Cancel) -> Result<Near, Cancelled> {
@@ -215,7 +223,7 @@ impl Pair<'_> {
         if self.moving.tree.is_empty() || self.fixed.tree.is_empty() {
             return Ok(None);
         }
-        if let Some(p) = self.one_inside_the_other(first) {
+        if let Some(p) = self.one_inside_the_other(first, cancel)? {
             return Ok(Some(self.near(0.0, *first, (0.0, p, p))));
         }
         for i in 0..poses.len().saturating_sub(1) {
@@ -298,6 +306,37 @@ mod tests {
         assert!((found.least.distance - 1.0).abs() < 1e-6 && (found.certified - 1.0).abs() < 2e-6, "{found:?}");
         let instant = 4f64.atan2(3.0) / 1.2;
         assert!((found.least.row - instant).abs() < 2e-3, "{} {instant}", found.least.row);
+    }
+
+    #[test]
+    fn a_single_pose_counts_beside_what_is_known_before() {
+        let cube = cuboid(DVec3::ONE);
+        let never = Cancel::default();
+        let [moving, fixed] = solids(&cube, &cube, DVec3::ZERO);
+        let pair = Pair { moving: &moving, fixed: &fixed, resolution: 1e-6, required: 0.0, share: 0.0 };
+        let clearance = |poses: &[Pose], before| pair.clearance(poses, before, &never).unwrap();
+        let before = clearance(&[at(-9.0, 0.3, 0.2), at(-6.0, 0.3, 0.2)], None);
+        for (x, least) in [(-3.0, 2.0), (-8.0, 5.0)] {
+            let found = clearance(&[at(x, 0.3, 0.2)], before).unwrap();
+            let is_proven = found.certified <= least && found.certified > least - 2e-6;
+            assert!((found.least.distance - least).abs() < 1e-9 && is_proven, "{found:?}");
+        }
+    }
+
+    /// From far away past the other by a little and far away again: the little counts, however far the ends are.
+    #[test]
+    fn far_ends_do_not_blur_what_is_near_between_them() {
+        let cube = cuboid(DVec3::ONE);
+        let never = Cancel::default();
+        let [moving, fixed] = solids(&cube, &cube, DVec3::ZERO);
+        for (required, aside) in [(0.0, 0.2), (0.1, 0.2), (0.0, 0.02), (1.0, 4.0)] {
+            let pair = Pair { moving: &moving, fixed: &fixed, resolution: 1e-4, required, share: 0.01 };
+            let way = [at(-60.0, 1.0 + aside, 0.3), at(70.0, 1.0 + aside, 0.3)];
+            let found = pair.clearance(&way, None, &never).unwrap().unwrap();
+            let blur = f64::max(1e-4, 0.01 * (aside - required));
+            assert!(found.certified <= aside && found.certified >= aside - blur - 1e-8, "{aside}: {found:?}");
+            assert!(found.least.distance >= aside - 1e-9 && found.least.distance <= aside + blur, "{aside}: {found:?}");
+        }
     }
 
     #[test]

@@ -34,6 +34,10 @@ const ON_PLANE: f64 = 1e-5;
 const SETTLED: f64 = 1e-5;
 /// How much lower than where another descent would start makes that one needless, as a share of the radius.
 const FAR_LOWER: f64 = 0.5;
+/// The longest step of a descent, and the shortest that it looks ahead, as shares of the radius.
+const LONGEST_STEP: f64 = 0.25;
+/// See [`LONGEST_STEP`].
+const SHORTEST_STEP: f64 = 0.01;
 /// Steps of descent after which it is left at that; every one of them is a valid position.
 const MOST_STEPS: usize = 24;
 
@@ -75,7 +79,7 @@ impl BallReach {
 
     /// The lowest position that descent from a free `center` leads to; none if it does not come to cover `p`.
     fn descend(&self, p: DVec2, mut center: DVec3) -> Option<Lowest> {
-        let step = 0.25 * self.radius;
+        let mut step = LONGEST_STEP * self.radius;
         let mut planes = Vec::new();
         for _ in 0..MOST_STEPS {
             self.planes_around(center, step, &mut planes);
@@ -84,6 +88,8 @@ impl BallReach {
             let moved = way * (step / way.length()).min(1.0);
             let before = self.height_over(p, center);
             center += moved;
+            // What is farther off than some such steps is not met by the next one.
+            step = (4.0 * moved.length()).clamp(SHORTEST_STEP * self.radius, LONGEST_STEP * self.radius);
             let is_there = before.zip(self.height_over(p, center)).is_some_and(|(a, b)| a - b < SETTLED * self.radius);
             if is_there || moved.length() < SETTLED * self.radius {
                 break;
@@ -131,12 +137,15 @@ impl BallReach {
     /// The best centre between `planes` for what is left over `p`, as seen from `center`; none if that is one already.
     fn lowest_between(&self, planes: &[HalfSpace], p: DVec2, center: DVec3) -> Option<DVec3> {
         let r = self.radius;
-        let Some(height) = self.height_over(p, center) else { return nearest(planes, p.extend(center.z)) };
+        let Some(height) = self.height_over(p, center) else {
+            return nearest(planes, p.extend(center.z), &mut Vec::new());
+        };
+        let mut held = Vec::new();
         // The centre nearest to a point over p is as far from it as the radius where the cutter's surface is.
-        let mut z = height - r;
+        let mut z = height - 1.5 * LONGEST_STEP * r;
         let mut best = None;
         for _ in 0..32 {
-            let at = nearest(planes, p.extend(z))?;
+            let at = nearest(planes, p.extend(z), &mut held)?;
             let off = at - p.extend(z);
             let distance = off.length();
             best = Some(at);

@@ -3,6 +3,8 @@
 //! Every such face is divided until what is left over it is told well enough by its values at the corners of the parts.
 //! Parts along which the cutter slides unhindered are not looked at further.
 
+use std::collections::HashMap;
+
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -16,10 +18,21 @@ pub struct Fineness {
     pub tolerance: f64,
     /// Length of edges at which a part is looked at (mm).
     pub coarse: f64,
+    /// Length of edges that are not divided any more where the residue begins to count (mm).
+    pub border: f64,
     /// Length of edges that are not divided any more (mm).
     pub fine: f64,
-    /// Error of a part's volume at which it is not divided any more, as a share of `fine` cubed.
+    /// Error of a part's volume at which it is not divided any more (mm^3).
     pub error: f64,
+}
+
+impl Fineness {
+    /// What a ball of `radius` (mm) asks for.
+    pub fn of_ball(radius: f64, tolerance: f64) -> Self {
+        // On a plane the residue of a ball begins with the square of the way from where the ball touches.
+        let border = (0.6 * (2.0 * radius * tolerance).sqrt()).min(0.25 * radius);
+        Self { tolerance, coarse: radius / 3.0, border, fine: radius / 48.0, error: 2e-4 * radius.powi(3) }
+    }
 }
 
 /// A part of a face with something left over it.
@@ -54,7 +67,8 @@ pub fn columns(
     let of_face = |i: usize| {
         let corners = mesh.corners(i);
         let normal = unit_normal(corners);
-        let mut division = Division { remainder, fineness, cancel, face: i as u32, normal, found: Vec::new() };
+        let mut division =
+            Division { remainder, fineness, cancel, face: i as u32, normal, found: Vec::new(), known: HashMap::new() };
         if normal.z > UPWARD {
             division.part(corners, [None; 3])?;
         }
@@ -74,6 +88,8 @@ struct Division<'a, R> {
     face: u32,
     normal: DVec3,
     found: Vec<Column>,
+    /// What is left over places that two parts have in common.
+    known: HashMap<[u64; 3], f64>,
 }
 
 impl<R: Remainder> Division<'_, R> {
@@ -83,7 +99,7 @@ impl<R: Remainder> Division<'_, R> {
         let (longest, length) = longest_edge(&corners);
         let reach = corners.iter().map(|c| c.distance(middle)).fold(0.0, f64::max);
         if length > 16.0 * self.fineness.coarse {
-            return self.halves(corners, known, longest, None);
+            return self.halves(corners, known, longest);
         }
         if known.iter().all(Option::is_none) {
             self.cancel.check()?;
@@ -91,22 +107,23 @@ impl<R: Remainder> Division<'_, R> {
                 return Ok(());
             }
             if length > self.fineness.coarse {
-                return self.halves(corners, known, longest, None);
+                return self.halves(corners, known, longest);
             }
         }
-        let left: [f64; 3] = std::array::from_fn(|k| known[k].unwrap_or_else(|| self.left(corners[k])));
+        let left: [f64; 3] = std::array::from_fn(|k| known[k].unwrap_or_else(|| self.left_at_corner(corners[k])));
         let over = |left: f64, at: DVec3| (left - at.z).max(0.0);
         let all: [f64; 3] = std::array::from_fn(|k| over(left[k], corners[k]));
         let counts = |residue: f64| residue * self.normal.z > self.fineness.tolerance;
-        if length > self.fineness.fine {
+        if length > self.fineness.fine.min(self.fineness.border) {
             let at_middle = over(self.left(middle), middle);
             let flat = all.iter().sum::<f64>() / 3.0;
             let plan = 0.5 * (corners[1] - corners[0]).cross(corners[2] - corners[0]).z;
             let some = counts(at_middle) || all.iter().any(|r| counts(*r));
             let every = counts(at_middle) && all.iter().all(|r| counts(*r));
-            let is_rough = (at_middle - flat).abs() * plan > self.fineness.error * self.fineness.fine.powi(3);
-            if some && (is_rough || !every) {
-                return self.halves(corners, left.map(Some), longest, None);
+            let is_border = some && !every && length > self.fineness.border;
+            let is_rough = (at_middle - flat).abs() * plan > self.fineness.error && length > self.fineness.fine;
+            if is_border || (some && is_rough) {
+                return self.halves(corners, left.map(Some), longest);
             }
         }
         if all.iter().any(|r| counts(*r)) {
@@ -119,17 +136,21 @@ impl<R: Remainder> Division<'_, R> {
         self.remainder.height(at.truncate())
     }
 
+    fn left_at_corner(&mut self, at: DVec3) -> f64 {
+        let key = at.to_array().map(f64::to_bits);
+        if let Some(known) = self.known.get(&key) {
+            return *known;
+        }
+        let left = self.left(at);
+        self.known.insert(key, left);
+        left
+    }
+
     /// Both halves of a part, divided in the middle of its edge from corner `k`.
-    fn halves(
-        &mut self,
-        corners: [DVec3; 3],
-        known: [Option<f64>; 3],
-        k: usize,
-        middle: Option<f64>,
-    ) -> Result<(), Cancelled> {
+    fn halves(&mut self, corners: [DVec3; 3], known: [Option<f64>; 3], k: usize) -> Result<(), Cancelled> {
         let [a, b, c] = [k, (k + 1) % 3, (k + 2) % 3];
         let at = (corners[a] + corners[b]) * 0.5;
-        let between = if known.iter().any(Option::is_some) { middle.or_else(|| Some(self.left(at))) } else { None };
+        let between = if known.iter().any(Option::is_some) { Some(self.left_at_corner(at)) } else { None };
         self.part([corners[a], at, corners[c]], [known[a], between, known[c]])?;
         self.part([at, corners[b], corners[c]], [between, known[b], known[c]])
     }
@@ -156,7 +177,9 @@ impl Column {
                 cut.push((p, a));
             }
             if (a > least) != (b > least) {
-                cut.push((p.lerp(q, (least - a) / (b - a)), least));
+                // Where a ball touches the residue begins as a square.
+                let share = (least.sqrt() - a.sqrt()) / (b.sqrt() - a.sqrt());
+                cut.push((p.lerp(q, share), least));
             }
         }
         let Some(&(o, at_o)) = cut.first() else { return (0.0, 0.0) };

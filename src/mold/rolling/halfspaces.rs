@@ -23,19 +23,32 @@ const ROUNDING: f64 = 1e-10;
 /// Exchanges of planes after which the search gives up; each takes the point farther away, so that none comes twice.
 const MOST_EXCHANGES: usize = 64;
 
-/// The point of all `spaces` that is nearest to `p`; none if they have no point in common, or hardly one.
+/// The half-spaces whose planes hold the nearest point: a start for the next search among the same ones.
+pub type Held = Vec<HalfSpace>;
+
+/// The point of all `spaces` that is nearest to `p`; none if they have no point in common, or hardly one. `held` is what
+/// held the nearest point of another `p`, or empty.
 ///
 /// At most three planes hold it. Whenever a further plane is violated, the nearest point of the four is that of one to
 /// three of them, the new one among them; this is the scheme of linear programming in few dimensions
 /// (M. Sharir, E. Welzl, A combinatorial bound for linear programming and related problems, STACS 1992).
-pub fn nearest(spaces: &[HalfSpace], p: DVec3) -> Option<DVec3> {
-    let mut held: Vec<HalfSpace> = Vec::with_capacity(4);
+pub fn nearest(spaces: &[HalfSpace], p: DVec3, held: &mut Held) -> Option<DVec3> {
     let mut at = p;
+    // What held another point may hold this one too: put in again one by one.
+    let others = std::mem::take(held);
+    for space in others.iter().filter(|_| others.len() < 4) {
+        if space.depth(at) < -ROUNDING {
+            held.push(*space);
+            (at, *held) = nearest_of_few(held, p)?;
+        }
+    }
     for _ in 0..MOST_EXCHANGES {
-        let worst = spaces.iter().min_by(|a, b| a.depth(at).total_cmp(&b.depth(at)));
-        let Some(worst) = worst.filter(|w| w.depth(at) < -ROUNDING) else { return Some(at) };
+        let worst = spaces.iter().map(|s| (s.depth(at), s)).fold(None, |worst: Option<(f64, &HalfSpace)>, next| {
+            if worst.is_none_or(|w| next.0 < w.0) { Some(next) } else { worst }
+        });
+        let Some((_, worst)) = worst.filter(|w| w.0 < -ROUNDING) else { return Some(at) };
         held.push(*worst);
-        (at, held) = nearest_of_few(&held, p)?;
+        (at, *held) = nearest_of_few(held, p)?;
     }
     None
 }
@@ -109,7 +122,7 @@ mod tests {
             let spaces: Vec<HalfSpace> = normals.iter().map(|(n, d)| HalfSpace { normal: *n, offset: d * 0.5 }).collect();
             let p = DVec3::from(p);
             let is_in = |q: DVec3, by: f64| spaces.iter().all(|s| s.depth(q) >= by);
-            match nearest(&spaces, p) {
+            match nearest(&spaces, p, &mut Vec::new()) {
                 Some(at) => {
                     prop_assert!(is_in(at, -1e-8));
                     for q in others.iter().map(|q| DVec3::from(*q)).filter(|q| is_in(*q, 0.0)) {
@@ -124,10 +137,10 @@ mod tests {
     #[test]
     fn in_a_corner_three_planes_hold_it() {
         let spaces = [DVec3::X, DVec3::Y, DVec3::Z].map(|normal| HalfSpace { normal, offset: 1.0 });
-        assert_eq!(nearest(&spaces, DVec3::ZERO), Some(DVec3::ONE));
-        assert_eq!(nearest(&spaces, DVec3::new(2.0, 0.0, 5.0)), Some(DVec3::new(2.0, 1.0, 5.0)));
-        assert_eq!(nearest(&[], DVec3::X), Some(DVec3::X));
+        assert_eq!(nearest(&spaces, DVec3::ZERO, &mut Vec::new()), Some(DVec3::ONE));
+        assert_eq!(nearest(&spaces, DVec3::new(2.0, 0.0, 5.0), &mut Vec::new()), Some(DVec3::new(2.0, 1.0, 5.0)));
+        assert_eq!(nearest(&[], DVec3::X, &mut Vec::new()), Some(DVec3::X));
         let apart = [HalfSpace { normal: DVec3::X, offset: 1.0 }, HalfSpace { normal: -DVec3::X, offset: 1.0 }];
-        assert_eq!(nearest(&apart, DVec3::ZERO), None);
+        assert_eq!(nearest(&apart, DVec3::ZERO, &mut Vec::new()), None);
     }
 }

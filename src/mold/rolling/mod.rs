@@ -12,3 +12,5 @@ mod halfspaces;
 pub mod joined;
 mod lattice;
 mod obstacles;
+#[cfg(test)]
+mod tests;

@@ -4,7 +4,7 @@ use crate::geometry::mesh::tests::cuboid;
 use crate::progress::{Cancel, Progress};
 use std::f64::consts::PI;
 
-fn read(name: &str) -> Result<MachineModel, MachineModelError> {
+fn read(name: &str) -> Result<MachineModel, MachineFileError> {
     read_machine(name, &Progress::silent(), &Cancel::default())
 }
 
@@ -103,34 +103,4 @@ fn meshes_are_read_beside_the_machine_and_must_be_closed() {
     assert!((bounds.size() - DVec3::new(20.0, 30.0, 40.0)).length() < 1e-5);
     crate::mesh_io::write_stl(&ram, &Mesh { triangles: mesh.triangles[1..].to_vec(), ..mesh }).unwrap();
     assert!(read(file.to_str().unwrap()).unwrap_err().to_string().contains("not closed"));
-}
-
-#[test]
-fn the_machine_stands_where_the_electrode_comes_from() {
-    let electrode = cuboid(DVec3::new(40.0, 4.0, 10.0)).mapped(|p| p + DVec3::new(-20.0, -2.0, 95.0));
-    let blisk = cuboid(DVec3::new(26.0, 200.0, 200.0)).mapped(|p| p - DVec3::new(10.0, 100.0, 100.0));
-    let o = DVec3::new(0.0, 0.0, 100.0);
-    let body = |carrier| Body { name: String::new(), carrier, mesh: cuboid(DVec3::new(2.0, 3.0, 4.0)) };
-    let placed = |side, carrier| Station::new(&electrode, o, side, &blisk).placed(&body(carrier)).bounds();
-    for (side, carrier, min, max) in [
-        (EntrySide::PlusX, Carrier::Electrode, [20.0, 0.0, 100.0], [22.0, 3.0, 104.0]),
-        (EntrySide::MinusX, Carrier::Electrode, [-22.0, -3.0, 100.0], [-20.0, 0.0, 104.0]),
-        (EntrySide::MinusX, Carrier::Head, [-2.0, -3.0, 100.0], [0.0, 0.0, 104.0]),
-        (EntrySide::PlusX, Carrier::Table, [-10.0, 0.0, 0.0], [-8.0, 3.0, 4.0]),
-        (EntrySide::MinusX, Carrier::Bed, [14.0, -3.0, 0.0], [16.0, 0.0, 4.0]),
-    ] {
-        let bounds = placed(side, carrier);
-        let off = (bounds.min - DVec3::from_array(min)).length() + (bounds.max - DVec3::from_array(max)).length();
-        assert!(off < 1e-12, "{side:?} {carrier:?}: {bounds:?}");
-    }
-}
-
-#[test]
-fn a_body_that_has_moved_makes_another_machine() {
-    let machine = |x: f64| {
-        let mesh = crate::geometry::mesh::tests::cuboid(DVec3::ONE).mapped(|p| p + DVec3::X * x);
-        MachineModel { bodies: vec![Body { name: "stop".to_owned(), carrier: Carrier::Bed, mesh }] }
-    };
-    assert_eq!(machine(1.0).digest(), machine(1.0).digest());
-    assert_ne!(machine(1.0).digest(), machine(1.000001).digest());
 }

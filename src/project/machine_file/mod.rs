@@ -1,20 +1,96 @@
-//! Machine files.
+//! Machine files: what a [`MachineModel`] and the keys of `[machine]` of a job are read from.
+//!
+//! A machine is a URDF file (see `urdf.rs`) or a TOML file: axes, travels and speeds under the keys of `[machine]` of a
+//! job, and a list of bodies.
+//!
+//! ```toml
+//! axes = "XYZAC"
+//! travel_x_mm = [-250.0, 250.0]
+//!
+//! [[bodies]]
+//! name = "chuck"
+//! carried_by = "electrode"
+//! shape = "box"
+//! size_mm = [30.0, 36.0, 36.0]
+//! centre_mm = [15.0, 0.0, 0.0]
+//! ```
+
+mod builtin;
+mod shape;
+#[cfg(test)]
+mod tests;
+mod urdf;
 
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use serde::Deserialize;
 
-use super::urdf::{self, Look, UrdfBody};
-use super::{Body, Carrier, MOST_BODIES, MOST_TRIANGLES, MachineModel, MachineModelError, builtin, shape};
+use crate::feed::machine_model::{Body, Carrier, MachineModel};
 use crate::geometry::mesh::Mesh;
 use crate::mesh_io::{ImportError, ImportOptions, Units, import_file};
-use crate::progress::{Cancel, Progress};
+use crate::progress::{Cancel, Cancelled, Progress};
+pub use builtin::BUILT_IN;
+use urdf::{Look, UrdfBody};
 
+/// The most bodies that a machine may have, and the most triangles of all of them.
+const MOST_BODIES: usize = 64;
+/// See [`MOST_BODIES`].
+const MOST_TRIANGLES: usize = 500_000;
 /// Greatest size and coordinate of a body (mm).
 const LARGEST: f64 = 1e4;
 /// The largest file that is read (bytes).
 const LARGEST_FILE: u64 = 4 << 20;
+
+/// Why a machine cannot be had.
+#[derive(Debug, thiserror::Error)]
+pub enum MachineFileError {
+    /// It cannot be read.
+    #[error("{file}: cannot be read ({source}); check the path")]
+    Unreadable {
+        /// The file.
+        file: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// There is no built-in machine of that name.
+    #[error("name = {name:?}: there is no such machine; there are {}, and files that end in .toml or .urdf", BUILT_IN.join(", "))]
+    NoSuchMachine {
+        /// The name.
+        name: String,
+    },
+    /// It is not what a machine file has to be.
+    #[error("{file}: {problem}")]
+    Invalid {
+        /// The file or the name.
+        file: String,
+        /// What is wrong and what to do, in one line.
+        problem: String,
+    },
+    /// A body is not possible.
+    #[error("{file}: body {body}: {problem}")]
+    Body {
+        /// The file or the name of the machine.
+        file: String,
+        /// The body's name, or its number if it has none.
+        body: String,
+        /// What is wrong and what to do, in one line.
+        problem: String,
+    },
+    /// The mesh of a body cannot be read.
+    #[error("{file}: body {body}: {source}")]
+    Mesh {
+        /// The file or the name of the machine.
+        file: String,
+        /// The body's name.
+        body: String,
+        /// Why.
+        source: Box<ImportError>,
+    },
+    /// It was told to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
 
 /// A body as the file has it.
 #[derive(Debug, Clone, Deserialize)]
@@ -58,18 +134,18 @@ fn is_urdf(name: &str) -> bool {
 }
 
 /// A machine's text, and the folder that paths in it are relative to.
-fn text_of(name: &str) -> Result<(String, PathBuf), MachineModelError> {
+fn text_of(name: &str) -> Result<(String, PathBuf), MachineFileError> {
     if !is_file(name) {
         let text = builtin::text_of(name);
-        let text = text.ok_or_else(|| MachineModelError::NoSuchMachine { name: name.to_owned() })?;
+        let text = text.ok_or_else(|| MachineFileError::NoSuchMachine { name: name.to_owned() })?;
         return Ok((text.to_owned(), PathBuf::new()));
     }
     let file = PathBuf::from(name);
-    let unreadable = |source| MachineModelError::Unreadable { file: file.clone(), source };
+    let unreadable = |source| MachineFileError::Unreadable { file: file.clone(), source };
     let about = std::fs::metadata(&file).map_err(unreadable)?;
     if !about.is_file() || about.len() > LARGEST_FILE {
         let problem = "is no file, or larger than a machine file can be; check the path".to_owned();
-        return Err(MachineModelError::Invalid { file: name.to_owned(), problem });
+        return Err(MachineFileError::Invalid { file: name.to_owned(), problem });
     }
     let text = std::fs::read_to_string(&file).map_err(unreadable)?;
     Ok((text, file.parent().map(Path::to_owned).unwrap_or_default()))
@@ -78,8 +154,8 @@ fn text_of(name: &str) -> Result<(String, PathBuf), MachineModelError> {
 /// Axes, travels and speeds of the machine `name`, a built-in one or a file, under the keys of `[machine]` of a job.
 ///
 /// # Errors
-/// [`MachineModelError`].
-pub fn machine_table(name: &str) -> Result<toml::Table, MachineModelError> {
+/// [`MachineFileError`].
+pub fn machine_table(name: &str) -> Result<toml::Table, MachineFileError> {
     let text = text_of(name)?.0;
     if is_urdf(name) {
         return urdf::table(&text).map_err(|e| invalid(name, &e));
@@ -95,8 +171,8 @@ pub fn machine_table(name: &str) -> Result<toml::Table, MachineModelError> {
 /// The bodies of the machine `name`, a built-in one or a file.
 ///
 /// # Errors
-/// [`MachineModelError`].
-pub fn read_machine(name: &str, progress: &Progress, cancel: &Cancel) -> Result<MachineModel, MachineModelError> {
+/// [`MachineFileError`].
+pub fn read_machine(name: &str, progress: &Progress, cancel: &Cancel) -> Result<MachineModel, MachineFileError> {
     let (text, folder) = text_of(name)?;
     if is_urdf(name) {
         return read_urdf(name, &text, &folder, progress, cancel);
@@ -114,7 +190,7 @@ pub fn read_machine(name: &str, progress: &Progress, cancel: &Cancel) -> Result<
     for (i, value) in bodies.into_iter().enumerate() {
         let name_of = |value: &toml::Value| value.get("name").and_then(|n| n.as_str()).map(str::to_owned);
         let called = name_of(&value).unwrap_or_else(|| (i + 1).to_string());
-        let wrong = |problem: String| MachineModelError::Body { file: name.to_owned(), body: called.clone(), problem };
+        let wrong = |problem: String| MachineFileError::Body { file: name.to_owned(), body: called.clone(), problem };
         let entry: BodyEntry = value.try_into().map_err(|e: toml::de::Error| wrong(one_line(e.message())))?;
         if entry.name.trim().is_empty() || model.bodies.iter().any(|b| b.name == entry.name) {
             return Err(wrong("every body needs a name of its own".to_owned()));
@@ -149,14 +225,14 @@ fn read_urdf(
     folder: &Path,
     progress: &Progress,
     cancel: &Cancel,
-) -> Result<MachineModel, MachineModelError> {
+) -> Result<MachineModel, MachineFileError> {
     let bodies = urdf::bodies(text, folder).map_err(|e| invalid(name, &e))?;
     if bodies.len() > MOST_BODIES {
         return Err(invalid(name, &format!("{} bodies are more than {MOST_BODIES}; join some", bodies.len())));
     }
     let mut model = MachineModel::default();
     for UrdfBody { name: called, carrier, look } in bodies {
-        let wrong = |problem: String| MachineModelError::Body { file: name.to_owned(), body: called.clone(), problem };
+        let wrong = |problem: String| MachineFileError::Body { file: name.to_owned(), body: called.clone(), problem };
         let mesh = match look {
             Look::Made(mesh) => mesh,
             // Its numbers are taken as they are; what brings metres to mm is a part of the placement.
@@ -175,7 +251,7 @@ fn read_urdf(
     Ok(model)
 }
 
-fn parse(name: &str, text: &str) -> Result<toml::Table, MachineModelError> {
+fn parse(name: &str, text: &str) -> Result<toml::Table, MachineFileError> {
     toml::from_str(text).map_err(|error: toml::de::Error| {
         let line = error.span().map(|span| text[..span.start.min(text.len())].matches('\n').count() + 1);
         let place = line.map_or(String::new(), |line| format!("line {line}: "));
@@ -183,8 +259,8 @@ fn parse(name: &str, text: &str) -> Result<toml::Table, MachineModelError> {
     })
 }
 
-fn invalid(name: &str, problem: &str) -> MachineModelError {
-    MachineModelError::Invalid { file: name.to_owned(), problem: problem.to_owned() }
+fn invalid(name: &str, problem: &str) -> MachineFileError {
+    MachineFileError::Invalid { file: name.to_owned(), problem: problem.to_owned() }
 }
 
 fn one_line(message: &str) -> String {
@@ -244,20 +320,20 @@ fn closed_mesh(
     place: &dyn Fn(DVec3) -> DVec3,
     progress: &Progress,
     cancel: &Cancel,
-) -> Result<Mesh, MachineModelError> {
+) -> Result<Mesh, MachineFileError> {
     let (machine, body) = (machine.to_owned(), body.to_owned());
     let options = ImportOptions { units, ..Default::default() };
     let imported = match import_file(file, &options, progress, cancel) {
         Ok(imported) => imported,
         Err(ImportError::Cancelled(cancelled)) => return Err(cancelled.into()),
-        Err(source) => return Err(MachineModelError::Mesh { file: machine, body, source: source.into() }),
+        Err(source) => return Err(MachineFileError::Mesh { file: machine, body, source: source.into() }),
     };
     if !imported.mesh.is_watertight() {
         let problem = format!(
             "the surface of {} is not closed, so that it has no inside; close it in the program it came from",
             file.display()
         );
-        return Err(MachineModelError::Body { file: machine, body, problem });
+        return Err(MachineFileError::Body { file: machine, body, problem });
     }
     Ok(imported.mesh.mapped(place))
 }
@@ -268,9 +344,9 @@ fn read_mesh(
     entry: &BodyEntry,
     progress: &Progress,
     cancel: &Cancel,
-) -> Result<Mesh, MachineModelError> {
+) -> Result<Mesh, MachineFileError> {
     let wrong =
-        |problem: String| MachineModelError::Body { file: machine.to_owned(), body: entry.name.clone(), problem };
+        |problem: String| MachineFileError::Body { file: machine.to_owned(), body: entry.name.clone(), problem };
     if entry.size_mm.is_some() || entry.radius_mm.is_some() || entry.length_mm.is_some() || entry.axis.is_some() {
         return Err(wrong("size_mm, radius_mm, length_mm and axis do not belong to shape = \"mesh\"".to_owned()));
     }

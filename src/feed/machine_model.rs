@@ -1,19 +1,5 @@
 //! The bodies of a machine: what may collide besides electrode and blisk.
 //!
-//! A machine is a URDF file (see [`urdf`]) or a TOML file: axes, travels and speeds under the keys of `[machine]` of a job, and a list of bodies.
-//!
-//! ```toml
-//! axes = "XYZAC"
-//! travel_x_mm = [-250.0, 250.0]
-//!
-//! [[bodies]]
-//! name = "chuck"
-//! carried_by = "electrode"
-//! shape = "box"
-//! size_mm = [30.0, 36.0, 36.0]
-//! centre_mm = [15.0, 0.0, 0.0]
-//! ```
-//!
 //! Bodies are given where they stand in the final pose, in directions of the machine that turn with the side of entry:
 //! +x points away from the blisk, the way the electrode is withdrawn, +z is the machine's Z, which at the channel
 //! points away from the blisk's axis, and y makes them right-handed. An electrode that enters from the other side
@@ -29,31 +15,12 @@
 //! In the machine frame, which is W in the final pose, the tool is moved by `O + (x, y, z) + Rz(c) Ry(b) (p - O)`, and
 //! the blisk and its table are turned by `Rx(-a)`.
 
-mod builtin;
-mod file;
-mod shape;
-#[cfg(test)]
-mod tests;
-mod urdf;
-
-use std::path::PathBuf;
-
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-pub use builtin::BUILT_IN;
-pub use file::{is_file, machine_table, read_machine};
-
 use crate::blisk::electrode::EntrySide;
 use crate::geometry::mesh::Mesh;
-use crate::mesh_io::ImportError;
-use crate::progress::Cancelled;
-
-/// The most bodies that a machine may have, and the most triangles of all of them.
-pub const MOST_BODIES: usize = 64;
-/// See [`MOST_BODIES`].
-pub const MOST_TRIANGLES: usize = 500_000;
 
 /// What a body goes with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -99,7 +66,8 @@ impl MachineModel {
     pub fn digest(&self) -> String {
         let mut hash = Sha256::new();
         for Body { name, carrier, mesh } in &self.bodies {
-            hash.update(format!("{name}\0{carrier:?}\0{}\0", mesh.digest()));
+            // With its length no name can pass for the end of one body and the start of another.
+            hash.update(format!("{}\0{name}\0{carrier:?}\0{}\0", name.len(), mesh.digest()));
         }
         hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
     }
@@ -140,52 +108,43 @@ impl Station {
     }
 }
 
-/// Why a machine cannot be had.
-#[derive(Debug, thiserror::Error)]
-pub enum MachineModelError {
-    /// It cannot be read.
-    #[error("{file}: cannot be read ({source}); check the path")]
-    Unreadable {
-        /// The file.
-        file: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// There is no built-in machine of that name.
-    #[error("[machine] name = {name:?}: there is no such machine; there are {}, and files that end in .toml or .urdf", BUILT_IN.join(", "))]
-    NoSuchMachine {
-        /// The name.
-        name: String,
-    },
-    /// It is not what a machine file has to be.
-    #[error("{file}: {problem}")]
-    Invalid {
-        /// The file or the name.
-        file: String,
-        /// What is wrong and what to do, in one line.
-        problem: String,
-    },
-    /// A body is not possible.
-    #[error("{file}: body {body}: {problem}")]
-    Body {
-        /// The file or the name of the machine.
-        file: String,
-        /// The body's name, or its number if it has none.
-        body: String,
-        /// What is wrong and what to do, in one line.
-        problem: String,
-    },
-    /// The mesh of a body cannot be read.
-    #[error("{file}: body {body}: {source}")]
-    Mesh {
-        /// The file or the name of the machine.
-        file: String,
-        /// The body's name.
-        body: String,
-        /// Why.
-        source: Box<ImportError>,
-    },
-    /// It was told to stop.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::mesh::tests::cuboid;
+
+    #[test]
+    fn the_machine_stands_where_the_electrode_comes_from() {
+        let electrode = cuboid(DVec3::new(40.0, 4.0, 10.0)).mapped(|p| p + DVec3::new(-20.0, -2.0, 95.0));
+        let blisk = cuboid(DVec3::new(26.0, 200.0, 200.0)).mapped(|p| p - DVec3::new(10.0, 100.0, 100.0));
+        let o = DVec3::new(0.0, 0.0, 100.0);
+        let body = |carrier| Body { name: String::new(), carrier, mesh: cuboid(DVec3::new(2.0, 3.0, 4.0)) };
+        let placed = |side, carrier| Station::new(&electrode, o, side, &blisk).placed(&body(carrier)).bounds();
+        for (side, carrier, min, max) in [
+            (EntrySide::PlusX, Carrier::Electrode, [20.0, 0.0, 100.0], [22.0, 3.0, 104.0]),
+            (EntrySide::MinusX, Carrier::Electrode, [-22.0, -3.0, 100.0], [-20.0, 0.0, 104.0]),
+            (EntrySide::MinusX, Carrier::Head, [-2.0, -3.0, 100.0], [0.0, 0.0, 104.0]),
+            (EntrySide::PlusX, Carrier::Table, [-10.0, 0.0, 0.0], [-8.0, 3.0, 4.0]),
+            (EntrySide::MinusX, Carrier::Bed, [14.0, -3.0, 0.0], [16.0, 0.0, 4.0]),
+        ] {
+            let bounds = placed(side, carrier);
+            let off = (bounds.min - DVec3::from_array(min)).length() + (bounds.max - DVec3::from_array(max)).length();
+            assert!(off < 1e-12, "{side:?} {carrier:?}: {bounds:?}");
+        }
+    }
+
+    #[test]
+    fn a_body_that_has_moved_makes_another_machine() {
+        let machine = |x: f64| {
+            let mesh = cuboid(DVec3::ONE).mapped(|p| p + DVec3::X * x);
+            MachineModel { bodies: vec![Body { name: "stop".to_owned(), carrier: Carrier::Bed, mesh }] }
+        };
+        assert_eq!(machine(1.0).digest(), machine(1.0).digest());
+        assert_ne!(machine(1.0).digest(), machine(1.000001).digest());
+        // A name that reads like the end of one body and the start of another.
+        let [first, second] = ["a", "b"].map(|name| Body { name: name.to_owned(), ..machine(1.0).bodies[0].clone() });
+        let name = format!("a\0Bed\0{}\0b", first.mesh.digest());
+        let one = MachineModel { bodies: vec![Body { name, ..first.clone() }] };
+        assert_ne!(one.digest(), MachineModel { bodies: vec![first, second] }.digest());
+    }
 }

@@ -2,7 +2,9 @@
 //!
 //! The joints that move are the machine's axes and are called after them: `x`, `y`, `z` prismatic, `a`, `b`, `c`
 //! revolute or continuous, in either case, alone or at the end of a name (`joint_x`). All stand at zero in the final
-//! pose. What a link goes with follows from the joints between it and the root:
+//! pose. They go along and about the root's own axes, in the sense that the machine counts them: `+x`, `+y`, `+z`, `b`
+//! about `+y`, `c` about `+z`, and `a`, which turns the table by `Rx(-a)`, about `-x`. An `<axis>` may be left out;
+//! one that says otherwise is refused. What a link goes with follows from the joints between it and the root:
 //!
 //! | joints on the way to the link | goes with |
 //! | --- | --- |
@@ -22,8 +24,9 @@ use std::path::{Path, PathBuf};
 use glam::{DAffine3, DMat3, DVec3};
 use roxmltree::{Document, Node};
 
-use super::{Carrier, shape};
+use super::shape;
 use crate::feed::machine::AxisSet;
+use crate::feed::machine_model::Carrier;
 use crate::feed::pose::Axis;
 use crate::geometry::mesh::Mesh;
 
@@ -31,6 +34,8 @@ use crate::geometry::mesh::Mesh;
 const MM: f64 = 1e3;
 /// Links from the root to any other at most.
 const DEEPEST: usize = 64;
+/// How far the unit vectors of two directions that are taken for the same may be apart.
+const SAME_DIRECTION: f64 = 1e-6;
 
 /// What a body looks like.
 pub(super) enum Look {
@@ -73,7 +78,9 @@ fn read<T>(text: &str, with: impl FnOnce(&Tree) -> Result<T, String>) -> Result<
     if robot.tag_name().name() != "robot" {
         return Err("the outermost element must be robot".to_owned());
     }
-    with(&Tree::new(robot)?)
+    let tree = Tree::new(robot)?;
+    tree.check_joints()?;
+    with(&tree)
 }
 
 /// Axes, travels and speeds under the keys of `[machine]` of a job.
@@ -164,6 +171,34 @@ impl<'a> Tree<'a> {
         }
     }
 
+    /// Makes sure that every joint that moves is of the right type and goes the way that the machine counts its axis.
+    fn check_joints(&self) -> Result<(), String> {
+        let mut joints: Vec<_> = self.joints.iter().collect();
+        joints.sort_by_key(|(_, joint)| joint.node.id().get());
+        for (link, joint) in joints {
+            let Some(axis) = joint.axis else { continue };
+            let wrong = |what: String| format!("joint {}: {what}", joint.node.attribute("name").unwrap_or_default());
+            let (kind, fits) = match axis.is_rotary() {
+                true => ("revolute or continuous", ["revolute", "continuous"]),
+                false => ("prismatic", ["prismatic"; 2]),
+            };
+            let given = attribute(joint.node, "type")?;
+            if !fits.contains(&given) {
+                return Err(wrong(format!("its type is {given:?}; that of {} must be {kind}", axis.letter())));
+            }
+            let own = own_direction(axis);
+            let along = child(joint.node, "axis").map_or(Ok(own), |n| vector(n, "xyz", DVec3::X)).map_err(&wrong)?;
+            let is_turned = (self.place(link)?.at.matrix3 * along.normalize_or_zero()).distance(own) > SAME_DIRECTION;
+            if is_turned {
+                let [x, y, z] = own.to_array();
+                return Err(wrong(format!(
+                    "it must go along or about {x} {y} {z} of the root; turn its origin or its axis there"
+                )));
+            }
+        }
+        Ok(())
+    }
+
     fn axes(&self) -> Result<AxisSet, String> {
         let has = |axis| self.joints.values().filter(|j| j.axis == Some(axis)).count();
         let counts = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C].map(has);
@@ -200,6 +235,16 @@ impl<'a> Tree<'a> {
             }
             Carrier::Electrode => Err("there is no link interface, which the electrode would be held at".to_owned()),
         }
+    }
+}
+
+/// The way that a machine counts `axis`, in the root's frame.
+fn own_direction(axis: Axis) -> DVec3 {
+    match axis {
+        Axis::X => DVec3::X,
+        Axis::Y | Axis::B => DVec3::Y,
+        Axis::Z | Axis::C => DVec3::Z,
+        Axis::A => DVec3::NEG_X,
     }
 }
 
@@ -369,5 +414,32 @@ mod tests {
             "go round",
         );
         refused("</robot>", "", "root node");
+        refused(r#""X" type="prismatic""#, r#""X" type="revolute""#, "that of X must be prismatic");
+        refused("continuous", "prismatic", "that of A must be revolute or continuous");
+        let along = |from: &str, to: &str, axis: &str| refused(from, to, &format!("along or about {axis} of the root"));
+        let (slide, axis) = (r#"<parent link="bed"/><child link="slide_x"/>"#, |xyz| format!("<axis xyz=\"{xyz}\"/>"));
+        along(slide, &(axis("-1 0 0") + slide), "1 0 0");
+        along(slide, &(axis("0 0 0") + slide), "1 0 0");
+        let table = r#"<parent link="bed"/><child link="table"/>"#;
+        along(table, &(axis("1 0 0") + table), "-1 0 0");
+        along(r#"<origin xyz="0 0 0.4"/>"#, r#"<origin xyz="0 0 0.4" rpy="0 0 1.5707963267948966"/>"#, "1 0 0");
+        along(r#"<origin xyz="0.05 0 -0.2"/>"#, r#"<origin xyz="0.05 0 -0.2" rpy="0.01 0 0"/>"#, "0 0 1");
+    }
+
+    #[test]
+    fn axes_that_go_the_way_that_the_machine_counts_them_may_be_given() {
+        let with_axis = |text: String, child: &str, xyz: &str| {
+            let carried = format!(r#"<child link="{child}"/>"#);
+            assert!(text.contains(&carried), "{child}");
+            text.replace(&carried, &format!(r#"{carried}<axis xyz="{xyz}"/>"#))
+        };
+        let text =
+            [("table", "-1 0 0"), ("slide_x", "1 0 0"), ("slide_y", "0 1 0"), ("ram", "0 0 2"), ("spindle", "0 0 1")]
+                .into_iter()
+                .fold(MACHINE.to_owned(), |text, (child, xyz)| with_axis(text, child, xyz));
+        assert_eq!(table(&text).unwrap(), table(MACHINE).unwrap());
+        // Turned about its own axis C is the same.
+        let turned = r#"<origin xyz="0.05 0 -0.2" rpy="0 0 0.7"/>"#;
+        table(&MACHINE.replace(r#"<origin xyz="0.05 0 -0.2"/>"#, turned)).unwrap();
     }
 }

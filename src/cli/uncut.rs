@@ -1,0 +1,84 @@
+//! `sparkpath uncut`: what milling cutters leave of a mold.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::{Answer, Session, unit};
+use crate::export::files::write_atomically;
+use crate::jobs::uncut::{UncutParams, uncut as find_uncut};
+use crate::jobs::uncut_report::UncutReport;
+use crate::mesh_io::Units;
+use crate::mold::cutter::{Cutter, CutterLibrary};
+use crate::mold::opening::Opening;
+use crate::project::cutter_file::{read_cutters, standard_cutters};
+
+#[derive(Debug, Args)]
+pub(super) struct UncutArguments {
+    /// The mold: STL, OBJ, glTF or GLB.
+    mesh: PathBuf,
+    /// The cutters, with commas between: kind:radius, or kind:radius/reach/holder radius, as in flat:1,ball:0.5/20/12; a
+    /// bull-nose is bull:radius:corner.
+    #[arg(long, value_name = "CUTTERS", value_delimiter = ',', conflicts_with = "library")]
+    cutters: Vec<Cutter>,
+    /// A library of cutters (TOML) [default: the built-in one].
+    #[arg(long, value_name = "FILE")]
+    library: Option<PathBuf>,
+    /// The direction in which the mold's opening looks, from where the cutters come: +x, -x, +y, -y, +z, -z.
+    #[arg(long, value_name = "AXIS", default_value = "+z", allow_hyphen_values = true)]
+    opening: Opening,
+    /// Thickness of the residue up to which it counts as cut (mm).
+    #[arg(long, value_name = "MM", default_value_t = 0.02, allow_negative_numbers = true)]
+    tolerance: f64,
+    /// Distance of layers (mm), no others between them [default: as it has to be].
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    layers: Option<f64>,
+    /// Step of the field of heights (mm) [default: as fine as it has to be].
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    step: Option<f64>,
+    /// Unit of the mesh: auto, mm, cm, m, inch.
+    #[arg(long, value_name = "UNIT", default_value = "auto", value_parser = unit)]
+    units: Units,
+    /// Folder for uncut.json and uncut.txt, made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// Finds what the cutters leave, prints it and writes it into the folder if there is one. The answer is no where the mesh
+/// is not whole.
+pub(super) fn uncut(arguments: &UncutArguments, session: &Session) -> anyhow::Result<Answer> {
+    let library = match &arguments.library {
+        _ if !arguments.cutters.is_empty() => CutterLibrary { cutter: arguments.cutters.clone() },
+        Some(file) => read_cutters(file)?,
+        None => standard_cutters()?,
+    };
+    let mut params = UncutParams { opening: arguments.opening, ..UncutParams::of(library) };
+    (params.tolerance_mm, params.grid_step_mm) = (arguments.tolerance, arguments.step);
+    if let Some(spacing) = arguments.layers {
+        params.layers.is_fixed = true;
+        params.layers.spacing_mm = spacing;
+        params.layers.least_spacing_mm = params.layers.least_spacing_mm.min(spacing);
+    }
+    let imported = session.import(&arguments.mesh, arguments.units)?;
+    let found = find_uncut(&imported.mesh, &params, &session.progress, &session.cancel)
+        .map_err(|e| anyhow::anyhow!("{}: {e}", arguments.mesh.display()))?;
+    let report = UncutReport::of(&found);
+    let json = serde_json::to_string_pretty(&serde_json::json!({
+        "sha256": imported.sha256, "import": imported.report, "uncut": report,
+    }))?;
+    if let Some(folder) = &arguments.out {
+        write(folder, &json, &report.text())?;
+    }
+    super::terminal::finish();
+    let text = report.text();
+    say!("{}", if session.json { &json } else { text.trim_end() });
+    Ok(if report.is_whole { Answer::Yes } else { Answer::No })
+}
+
+fn write(folder: &Path, json: &str, text: &str) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder)
+        .map_err(|e| anyhow::anyhow!("{}: the folder cannot be made ({e}); give another", folder.display()))?;
+    write_atomically(&folder.join("uncut.json"), json.as_bytes())?;
+    write_atomically(&folder.join("uncut.txt"), text.as_bytes())?;
+    Ok(())
+}

@@ -1,0 +1,141 @@
+//! Sets of the plane and their unions, intersections and differences, on a fixed grid (i_overlay).
+
+use glam::DVec2;
+use i_overlay::core::fill_rule::FillRule;
+use i_overlay::core::overlay::Overlay;
+use i_overlay::core::overlay_rule::OverlayRule;
+use i_overlay::i_float::int::point::IntPoint;
+
+use super::outline::Outline;
+
+/// Squares of the grid per mm: finer than any file's rounding.
+const SCALE: f64 = (1u64 << 30) as f64;
+/// How far from the origin points may lie (mm), so that no product of two coordinates overflows.
+const FURTHEST: f64 = 1e8;
+
+/// A connected set of the plane: its outer boundary, counter-clockwise, then its holes, clockwise.
+pub type Shape = Vec<Outline>;
+
+type Ring = Vec<IntPoint<i64>>;
+
+/// Points around which either of the sets winds at least once.
+pub fn union(a: &[Outline], b: &[Outline]) -> Vec<Shape> {
+    overlay(a, b, OverlayRule::Union)
+}
+
+/// Points around which both wind at least once.
+pub fn intersection(a: &[Outline], b: &[Outline]) -> Vec<Shape> {
+    overlay(a, b, OverlayRule::Intersect)
+}
+
+/// Points around which `a` winds at least once and `b` does not.
+pub fn difference(a: &[Outline], b: &[Outline]) -> Vec<Shape> {
+    overlay(a, b, OverlayRule::Difference)
+}
+
+/// The set within outlines grown by `by` (mm; shrunk if negative), with corners kept as they are. What is shrunk
+/// must be thicker than twice as much everywhere, as a grown set is.
+pub fn grown(outlines: &[Outline], by: f64) -> Vec<Shape> {
+    /// How much further a corner may move than a side.
+    const FURTHEST: f64 = 8.0;
+    let moved = |outline: &Outline| {
+        let points = outline.points();
+        let n = points.len();
+        let corner = |i: usize| {
+            let [a, b, c] = [points[(i + n - 1) % n], points[i], points[(i + 1) % n]];
+            let [before, after] = [b - a, c - b].map(|d| -d.normalize_or_zero().perp());
+            b + (before + after) / (1.0 + before.dot(after)).max(2.0 / (FURTHEST * FURTHEST)) * by
+        };
+        Outline::new((0..n).map(corner).collect())
+    };
+    let moved: Vec<Outline> = outlines.iter().filter_map(moved).collect();
+    union(&moved, &[])
+}
+
+/// Area within outlines whose holes run the other way (mm^2).
+pub fn area(outlines: &[Outline]) -> f64 {
+    outlines.iter().map(Outline::area).sum()
+}
+
+/// Whether `p` is within outlines whose holes run the other way.
+pub fn holds(outlines: &[Outline], p: DVec2) -> bool {
+    outlines.iter().map(|o| o.winding(p)).sum::<i32>() > 0
+}
+
+/// Least and greatest coordinates.
+pub fn extent(outlines: &[Outline]) -> [DVec2; 2] {
+    let points = outlines.iter().flat_map(Outline::points);
+    points.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[low, high], p| [low.min(*p), high.max(*p)])
+}
+
+fn overlay(a: &[Outline], b: &[Outline], rule: OverlayRule) -> Vec<Shape> {
+    // Points too far for the grid or not finite: there is no such mold, and nothing is found.
+    let (Some(a), Some(b)) = (on_grid(a), on_grid(b)) else { return Vec::new() };
+    let mut overlay = Overlay::<i64>::from_subj_and_clip(&a, &b);
+    let shapes = overlay.overlay(rule, FillRule::Positive);
+    let point = |p: IntPoint<i64>| DVec2::new(p.x as f64, p.y as f64) / SCALE;
+    let outline = |ring: Ring| Outline::new(ring.into_iter().map(point).collect());
+    let shape = |rings: Vec<Ring>| {
+        let mut rings = rings.into_iter().map(outline);
+        let outer = rings.next().flatten()?;
+        Some(std::iter::once(outer).chain(rings.flatten()).collect())
+    };
+    shapes.into_iter().filter_map(shape).collect()
+}
+
+fn on_grid(outlines: &[Outline]) -> Option<Vec<Ring>> {
+    let point = |p: &DVec2| {
+        let place = (p.abs().max_element() <= FURTHEST && p.is_finite()).then(|| (*p * SCALE).round())?;
+        Some(IntPoint { x: place.x as i64, y: place.y as i64 })
+    };
+    outlines.iter().map(|o| o.points().iter().map(point).collect()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(x: f64, y: f64, side: f64) -> Outline {
+        let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+        Outline::new(corners.map(|(u, v)| DVec2::new(x + side * u, y + side * v)).to_vec()).unwrap()
+    }
+
+    fn turned(outline: &Outline) -> Outline {
+        Outline::new(outline.points().iter().rev().copied().collect()).unwrap()
+    }
+
+    #[test]
+    fn sets_of_squares_have_the_areas_of_squares() {
+        let (a, b) = ([square(0.0, 0.0, 2.0)], [square(1.0, 1.0, 2.0)]);
+        let of = |shapes: Vec<Shape>| shapes.iter().map(|s| area(s)).sum::<f64>();
+        assert!((of(union(&a, &b)) - 7.0).abs() < 1e-7);
+        assert!((of(intersection(&a, &b)) - 1.0).abs() < 1e-7);
+        assert!((of(difference(&a, &b)) - 3.0).abs() < 1e-7);
+        assert!(intersection(&a, &[]).is_empty() && union(&[], &[]).is_empty());
+        assert!(intersection(&a, &[square(5.0, 0.0, 1.0)]).is_empty());
+    }
+
+    #[test]
+    fn growing_and_shrinking_keeps_squares_and_closes_gaps() {
+        let by = 1e-5;
+        let grown_square: f64 = grown(&[square(0.0, 0.0, 2.0)], by).iter().map(|s| area(s)).sum();
+        assert!((grown_square - (2.0 + 2.0 * by).powi(2)).abs() < 1e-7, "{grown_square}");
+        let halves = [square(0.0, 0.0, 2.0), square(2.0 + by, 0.0, 2.0)];
+        let closed: Vec<Outline> = grown(&halves, by).into_iter().flatten().collect();
+        let back = grown(&closed, -by);
+        assert!(back.len() == 1 && (area(&back[0]) - 8.0 - 2.0 * by).abs() < 1e-7, "{back:?}");
+    }
+
+    #[test]
+    fn holes_run_the_other_way_and_what_winds_the_wrong_way_is_no_set() {
+        let ring = [square(0.0, 0.0, 4.0), turned(&square(1.0, 1.0, 1.0))];
+        let shapes = union(&ring, &[]);
+        assert_eq!((shapes.len(), shapes[0].len()), (1, 2));
+        assert!(shapes[0][0].area() > 0.0 && shapes[0][1].area() < 0.0);
+        assert!((area(&shapes[0]) - 15.0).abs() < 1e-7 && (area(&ring) - 15.0).abs() < 1e-7);
+        assert!(union(&[turned(&square(0.0, 0.0, 1.0))], &[]).is_empty());
+        assert!(holds(&ring, DVec2::splat(0.5)) && !holds(&ring, DVec2::splat(1.5)));
+        let far = [Outline::new(vec![DVec2::ZERO, DVec2::X * 1e300, DVec2::Y * 1e300]).unwrap()];
+        assert!(union(&far, &ring).is_empty());
+    }
+}

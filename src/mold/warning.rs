@@ -1,0 +1,70 @@
+//! What a user should know about an answer: where the mold is not what the answer presumes.
+
+use serde::Serialize;
+
+/// See the module's text.
+#[derive(Debug, Clone, PartialEq, Serialize, thiserror::Error)]
+#[serde(rename_all = "kebab-case", tag = "warning")]
+pub enum MoldWarning {
+    /// No layer has material.
+    #[error("the mold has no material at any height: it has no triangles that enclose a volume")]
+    Empty,
+    /// The mesh has edges with a face on one side only.
+    #[error("the surface is not closed: {edges} edges have no face on one side; repair the mesh")]
+    NotClosed {
+        /// How many edges.
+        edges: usize,
+    },
+    /// The mesh has gaps: what they open is missing.
+    #[error(
+        "the surface is open in {layers} layers from z = {from:.3} to {to:.3} mm, first at x = {:.3}, y = {:.3}: what is \
+         left uncut there is not known; repair the mesh",
+        place[0], place[1]
+    )]
+    Open {
+        /// In how many layers.
+        layers: usize,
+        /// The lowest of them (mm).
+        from: f64,
+        /// The highest of them (mm).
+        to: f64,
+        /// Where a piece of an outline ends in the lowest (mm).
+        place: [f64; 2],
+    },
+    /// Outlines cross or lie in each other the wrong way; all that any of them encloses counts as material.
+    #[error(
+        "the surface crosses itself or is inside out in {layers} layers from z = {from:.3} to {to:.3} mm: all that it \
+         encloses counts as material there; repair the mesh"
+    )]
+    Crossing {
+        /// In how many layers.
+        layers: usize,
+        /// The lowest of them (mm).
+        from: f64,
+        /// The highest of them (mm).
+        to: f64,
+    },
+    /// The mold is open downwards.
+    #[error("the mold has no floor over {area:.3} mm^2: cutters pass through it, and what is left ends at its bottom")]
+    NoFloor {
+        /// Area of the openings at the bottom (mm^2).
+        area: f64,
+    },
+    /// Pieces in single shallow corners, as between the facets of a round.
+    #[error(
+        "{pieces} pieces lie in single corners up to {depth:.4} mm deep: if these are facets of a round, set the depth \
+         tolerance above that"
+    )]
+    ShallowCorners {
+        /// How many pieces of layers.
+        pieces: usize,
+        /// The deepest (mm).
+        depth: f64,
+    },
+    /// Slabs that should have been halved were not.
+    #[error("{layers} layers are the most that are allowed: between them less is known than was asked for")]
+    TooFewLayers {
+        /// How many layers there are.
+        layers: usize,
+    },
+}

@@ -1,0 +1,95 @@
+//! Molds from the command line.
+
+use std::f64::consts::PI;
+use std::path::Path;
+
+use glam::DVec3;
+use sparkpath::geometry::mesh::Mesh;
+use sparkpath::mesh_io::write_stl;
+
+use super::{sparkpath, text};
+
+/// A block of 20 x 20 x 10 mm with a pocket of 8 x 6 x 4 mm.
+fn pocket() -> Mesh {
+    let ring = |x: f64, y: f64, z: f64| [[-x, -y], [x, -y], [x, y], [-x, y]].map(|[x, y]| DVec3::new(x, y, z));
+    let rings = [ring(10.0, 10.0, -10.0), ring(10.0, 10.0, 0.0), ring(4.0, 3.0, 0.0), ring(4.0, 3.0, -4.0)];
+    let mut triangles = vec![[0, 2, 1], [0, 3, 2], [12, 13, 14], [12, 14, 15]];
+    for (k, i) in (0..3).flat_map(|k| (0..4).map(move |i| (k, i))) {
+        let [a, b] = [4 * k + i, 4 * k + (i + 1) % 4];
+        triangles.extend([[a, b, b + 4], [a, b + 4, a + 4]]);
+    }
+    Mesh { vertices: rings.concat(), triangles }
+}
+
+fn answer(file: &Path, arguments: &[&str]) -> (Option<i32>, serde_json::Value) {
+    let file = file.to_str().unwrap();
+    let output = sparkpath(&[&["uncut", file, "--json", "--units", "mm"], arguments].concat());
+    let json = serde_json::from_slice(&output.stdout).unwrap_or_default();
+    (output.status.code(), json)
+}
+
+#[test]
+fn the_corners_of_a_pocket_are_left_whichever_way_it_opens() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("mold.stl");
+    let mesh = pocket();
+    assert!(mesh.is_watertight() && mesh.volume() > 0.0);
+    let exact = 4.0 * (1.0 - PI / 4.0) * 4.0;
+    for (opening, turned) in [("+z", mesh.clone()), ("-x", mesh.mapped(|p| DVec3::new(-p.z, p.y, p.x)))] {
+        write_stl(&file, &turned).unwrap();
+        let out = folder.path().join("out");
+        let flat = ["--cutters", "flat:1", "--opening", opening, "--out", out.to_str().unwrap()];
+        let (code, json) = answer(&file, &flat);
+        assert_eq!(code, Some(0), "{json}");
+        let left = &json["uncut"];
+        assert_eq!(left["regions"].as_array().unwrap().len(), 4);
+        let [layers, field] = ["layers", "field"].map(|way| left["agreement"][way]["volume_mm3"].as_f64().unwrap());
+        assert!((layers / exact - 1.0).abs() < 1e-3 && (field / exact - 1.0).abs() < 0.03, "{layers} {field} {exact}");
+        let said = std::fs::read_to_string(out.join("uncut.txt")).unwrap();
+        assert!(said.starts_with("The cutters leave 4 regions of 3.43"), "{said}");
+    }
+}
+
+#[test]
+fn a_ball_leaves_the_edges_of_a_floor_and_both_together_the_corners() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("mold.stl");
+    write_stl(&file, &pocket()).unwrap();
+    let regions = |cutters: &str| answer(&file, &["--cutters", cutters]).1["uncut"]["regions"].clone();
+    let ball = regions("ball:1");
+    assert_eq!(ball.as_array().unwrap().len(), 1);
+    // Fillets along the straight edges of the floor, the columns in the corners above them, and what an eighth of the
+    // ball leaves of a cube in each corner between.
+    let fillet = 1.0 - PI / 4.0;
+    let exact = fillet * (2.0 * (6.0 + 4.0) + 4.0 * 3.0) + 4.0 * (1.0 - PI / 6.0);
+    let volume = ball[0]["volume_mm3"].as_f64().unwrap();
+    assert!((volume / exact - 1.0).abs() < 0.02, "{volume} {exact}");
+    assert_eq!(regions("flat:1,ball:1").as_array().unwrap().len(), 4);
+}
+
+#[test]
+fn wrong_questions_are_answered_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("mold.stl");
+    let mut open = pocket();
+    // Without the walls of the pocket.
+    open.triangles.truncate(20);
+    write_stl(&file, &open).unwrap();
+    let (code, json) = answer(&file, &["--cutters", "flat:1"]);
+    assert_eq!(code, Some(3));
+    let said = json["uncut"]["sentence"].as_str().unwrap();
+    assert!(said.contains("not whole") && !json["uncut"]["warnings"].as_array().unwrap().is_empty(), "{said}");
+    for (arguments, words) in [
+        (["--cutters", "flat:0"], "diameter_mm is 0 mm"),
+        (["--cutters", "cone:1"], "is no cutter"),
+        (["--opening", "up"], "expected +x"),
+        (["--tolerance", "-1"], "tolerance_mm is -1"),
+        (["--layers", "0"], "spacing_mm is 0"),
+        (["--library", "nowhere.toml"], "cannot be read"),
+    ] {
+        let output = sparkpath(&[&["uncut", file.to_str().unwrap()], &arguments[..]].concat());
+        let error = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?} {error}");
+        assert!(error.contains(words) && error.trim().lines().count() == 1, "{arguments:?} {error}");
+    }
+}
