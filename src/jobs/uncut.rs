@@ -111,18 +111,20 @@ impl Uncut {
 
     /// Whether the mesh is such that the answer holds for all of it.
     pub fn is_whole(&self) -> bool {
-        let breaks =
-            |w: &MoldWarning| matches!(w, MoldWarning::Empty | MoldWarning::Open { .. } | MoldWarning::Crossing { .. });
+        let breaks = |w: &MoldWarning| {
+            use MoldWarning::{Crossing, Empty, NotClosed, Open};
+            matches!(w, Empty | NotClosed { .. } | Open { .. } | Crossing { .. })
+        };
         !self.stack.warnings.iter().any(breaks)
     }
 }
 
 fn by_layers(regions: &[region::UncutRegion]) -> Found {
-    Found { regions: regions.len(), volume_mm3: regions.iter().map(|r| r.volume).sum() }
+    Found { regions: regions.len(), volume_mm3: regions.iter().fold(0.0, |sum, r| sum + r.volume) }
 }
 
 fn by_field(regions: &[height_field::UncutRegion]) -> Found {
-    Found { regions: regions.len(), volume_mm3: regions.iter().map(|r| r.volume).sum() }
+    Found { regions: regions.len(), volume_mm3: regions.iter().fold(0.0, |sum, r| sum + r.volume) }
 }
 
 /// What the cutters of `params` leave of `mesh`.
