@@ -27,6 +27,8 @@ pub struct NearestOnCurve {
 impl NurbsCurve {
     /// Places looked at on each piece before feet are approached from those nearer than their neighbours.
     const LOOKS: usize = 6;
+    /// Share of the curve's extent by which a point may be nearer than the one that [`Self::nearest`] answers.
+    pub const NEAR: f64 = 1e-4;
 
     /// The curve with these control points and weights.
     ///
@@ -98,22 +100,70 @@ impl NurbsCurve {
         middles.flat_map(|m| rule.map(|(x, w)| w * half * self.at(m + half * x)[1].length())).sum()
     }
 
-    /// The point of the curve nearest to `p`, exact to rounding unless the curve winds so much within a piece that two
-    /// feet lie between neighbouring places looked at. The ends count as points of the curve.
+    /// The point of the curve nearest to `p`: a foot exact to rounding, or an end. Another foot is nearer by at most
+    /// [`Self::NEAR`] of the curve's greatest extent: stretches are looked at until the greatest speed along them
+    /// forbids more.
     pub fn nearest(&self, p: DVec3) -> NearestOnCurve {
-        let joints = self.knots.joints();
-        let looks: Vec<f64> = joints
-            .windows(2)
-            .flat_map(|w| (0..Self::LOOKS).map(|k| w[0] + (w[1] - w[0]) * k as f64 / Self::LOOKS as f64))
-            .chain(joints.last().copied())
-            .collect();
-        let distances: Vec<f64> = looks.iter().map(|u| self.point(*u).distance_squared(p)).collect();
+        let mut looks: Vec<f64> = self.knots.joints().windows(2).flat_map(|w| places(w, Self::LOOKS)).collect();
+        looks.dedup();
+        let distances: Vec<f64> = looks.iter().map(|u| self.point(*u).distance(p)).collect();
         let last = looks.len() - 1;
         let around = |i: usize| [i.saturating_sub(1), (i + 1).min(last)];
         let is_least = |i: &usize| around(*i).iter().all(|j| distances[*j] >= distances[*i]);
         let feet = (0..=last).filter(is_least).map(|i| self.nearest_between(p, looks[i], around(i).map(|j| looks[j])));
         let none = NearestOnCurve { u: looks[0], point: self.point(looks[0]), distance: f64::INFINITY };
-        feet.fold(none, |best, foot| if foot.distance < best.distance { foot } else { best })
+        let found = feet.fold(none, |best, foot| if foot.distance < best.distance { foot } else { best });
+        let near = Self::NEAR * self.extent();
+        (1..=last).fold(found, |best, i| {
+            let speed = self.greatest_speed(0.5 * (looks[i - 1] + looks[i]));
+            self.nearer_on(p, speed, near, [looks[i - 1], looks[i]], [distances[i - 1], distances[i]], best)
+        })
+    }
+
+    /// `best`, or a point of the stretch that is more than `near` nearer to `p`. `ends` are the distances at the ends of
+    /// the stretch: between them no point is nearer than half their sum less half the greatest length between.
+    fn nearer_on(
+        &self,
+        p: DVec3,
+        speed: f64,
+        near: f64,
+        within: [f64; 2],
+        ends: [f64; 2],
+        best: NearestOnCurve,
+    ) -> NearestOnCurve {
+        let possible = 0.5 * (ends[0] + ends[1] - speed * (within[1] - within[0]));
+        let middle = 0.5 * (within[0] + within[1]);
+        if possible >= best.distance - near || middle <= within[0] || middle >= within[1] {
+            return best;
+        }
+        let there = self.point(middle).distance(p);
+        let foot = if there < best.distance - near { self.nearest_between(p, middle, within) } else { best };
+        let best = if foot.distance < best.distance { foot } else { best };
+        let best = self.nearer_on(p, speed, near, [within[0], middle], [ends[0], there], best);
+        self.nearer_on(p, speed, near, [middle, within[1]], [there, ends[1]], best)
+    }
+
+    /// Diagonal of the control points' box; the curve lies within it.
+    pub fn extent(&self) -> f64 {
+        let corners = |pick: fn(DVec3, DVec3) -> DVec3| self.points.iter().map(|q| q.truncate() / q.w).reduce(pick);
+        corners(DVec3::max).zip(corners(DVec3::min)).map_or(0.0, |(high, low)| high.distance(low))
+    }
+
+    /// No less than the speed anywhere on the piece around `u`. With the origin among the piece's control points, none
+    /// of them farther than `r`, the quotient rule gives |C'| <= (|A'| + |w'| r)/w, and A' and w' lie among the control
+    /// points of the derivative.
+    fn greatest_speed(&self, u: f64) -> f64 {
+        let (first, steps) = self.knots.slope_steps(u);
+        let points = &self.points[first..=first + self.knots.degree()];
+        let origin = points.iter().map(|q| q.truncate() / q.w).sum::<DVec3>() / points.len() as f64;
+        let moved = |q: &DVec4| (q.truncate() - origin * q.w).extend(q.w);
+        let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+        let radius = most(&mut points.iter().map(|q| (q.truncate() / q.w).distance(origin)));
+        let slopes: Vec<DVec4> =
+            points.windows(2).zip(steps).map(|(w, step)| (moved(&w[1]) - moved(&w[0])) * step).collect();
+        let heaviest = most(&mut slopes.iter().map(|s| s.truncate().length()));
+        let weights = most(&mut slopes.iter().map(|s| s.w.abs()));
+        (heaviest + weights * radius) / points.iter().map(|q| q.w).fold(f64::INFINITY, f64::min)
     }
 
     /// The foot of `p` on the stretch `within` of the curve, approached from `start`; an end of the stretch if there is
@@ -146,4 +196,11 @@ impl NurbsCurve {
         }
         u
     }
+}
+
+/// `parts + 1` places evenly over the stretch between the two `ends`.
+fn places(ends: &[f64], parts: usize) -> impl Iterator<Item = f64> {
+    let (from, by) = (ends[0], (ends[1] - ends[0]) / parts as f64);
+    let to = ends[1];
+    (0..parts).map(move |k| from + by * k as f64).chain(std::iter::once(to))
 }

@@ -110,6 +110,14 @@ impl KnotVector {
         Basis { first: span - p, orders }
     }
 
+    /// The first control point of the piece around `u`, and by how much the difference of each two neighbouring ones of
+    /// that piece counts in the slope.
+    pub(super) fn slope_steps(&self, u: f64) -> (usize, impl Iterator<Item = f64> + '_) {
+        let first = self.span(u) - self.degree;
+        let step = move |i: usize| self.degree as f64 / (self.knots[i + self.degree + 1] - self.knots[i + 1]);
+        (first, (first..first + self.degree).map(step))
+    }
+
     /// Values of the functions of `degree` that are not zero on the piece `span`.
     fn values(&self, span: usize, u: f64, degree: usize) -> [f64; MAX_DEGREE + 1] {
         let mut values = [0.0; MAX_DEGREE + 1];
