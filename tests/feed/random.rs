@@ -4,6 +4,7 @@ use super::*;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use sparkpath::feed::search::Strategy;
+use std::ops::Range;
 
 /// A blisk that can be made, of some 20 to 60 blades with channels of 10 to 20 mm depth.
 fn random_blisk(rng: &mut ChaCha8Rng) -> (ParametricBlisk, Mesh) {
@@ -33,11 +34,11 @@ fn random_blisk(rng: &mut ChaCha8Rng) -> (ParametricBlisk, Mesh) {
     }
 }
 
-/// How many of `count` blisks the global search found a way for. Where it finds none, no other search may: they are
+/// How many of the blisks with these seeds the global search found a way for. Where it finds none, no other search may: they are
 /// tried there only.
-fn ways_found(count: usize) -> usize {
+fn ways_found(seeds: Range<u64>) -> usize {
     let mut found = 0;
-    for seed in 0..count as u64 {
+    for seed in seeds {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let (blisk, mesh) = random_blisk(&mut rng);
         let mut job = PlanJob::demonstration();
@@ -68,13 +69,21 @@ fn ways_found(count: usize) -> usize {
 
 #[test]
 fn the_global_search_finds_a_way_wherever_another_does() {
-    assert_eq!(ways_found(1), 1);
+    assert_eq!(ways_found(0..1), 1);
 }
 
 #[test]
 #[ignore = "takes a quarter of an hour"]
-fn the_global_search_finds_a_way_wherever_another_does_on_fifty_blisks() {
-    let found = ways_found(50);
-    println!("ways for {found} of 50");
-    assert!(found > 10, "{found}");
+fn the_global_search_finds_a_way_wherever_another_does_on_fifty_blisks_the_first_half() {
+    let found = ways_found(0..25);
+    println!("ways for {found} of 25");
+    assert!(found > 5, "{found}");
+}
+
+#[test]
+#[ignore = "takes a quarter of an hour"]
+fn the_global_search_finds_a_way_wherever_another_does_on_fifty_blisks_the_second_half() {
+    let found = ways_found(25..50);
+    println!("ways for {found} of 25");
+    assert!(found > 5, "{found}");
 }
