@@ -15,7 +15,9 @@ pub mod region;
 pub mod rolling;
 pub mod section;
 pub mod stack;
+pub mod surface;
 pub mod uncut_layer;
+pub mod uncut_region;
 pub mod warning;
 
 mod capsule;
@@ -23,4 +25,4 @@ mod edge_grid;
 mod way;
 
 #[cfg(test)]
-mod test_molds;
+pub(crate) mod test_molds;
