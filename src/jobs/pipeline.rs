@@ -235,6 +235,8 @@ impl Pipeline {
         let work = move |reporter: &Reporter<PartialPlan, Found>, p: &Progress, c: &Cancel| {
             let inputs = PlanInputs { blisk: part.mesh.clone(), own_electrode: part.own_electrode.clone(), job };
             let text = |e: PlanJobError| e.to_string();
+            simulate::check_machine(&inputs.job, p, c).map_err(text)?;
+            simulate::check_channels(&inputs.job, &channel.channel).map_err(text)?;
             let ready = prepared.get(&channel, inputs.job.plan.field_cell_mm, p, c).map_err(text)?;
             let shapes = Shapes::default();
             let observe = |electrode: &Arc<Electrode>, nodes: &[Node], convergence: &[Convergence]| {
