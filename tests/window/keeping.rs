@@ -91,11 +91,18 @@ fn sizes_are_of_the_parameters_that_they_were_found_with() {
     });
     desk.open_step(Stage::Electrode);
     desk.press("Find sizes");
+    desk.open_step(Stage::Verify);
+    desk.assert_shows("Sizes: ");
+    desk.open_step(Stage::Electrode);
     desk.until("there is a size", |d| !d.app().core().tuning.sizes().0.is_empty());
     desk.press("Stop sizing");
     desk.press("Take size 1");
     desk.until_idle();
     let row = desk.app().core().tuning.sizes().0[0].clone();
+    let limit = row.limit.as_ref().unwrap();
+    assert_eq!((limit.electrode, limit.electrodes), (1, 1));
+    assert!(limit.clause().starts_with(&format!("limited at node {}, ", limit.node)), "{}", limit.clause());
+    assert!(limit.surface.contains("wall") || limit.surface == "hub", "{}", limit.clause());
     let of_other = "These sizes are of other parameters; find them again to take one.";
     let electrode = desk.app().core().document.job().electrode.clone();
     assert_eq!(electrode.circumferential_reduction_deg, row.reduction_deg);
