@@ -136,8 +136,8 @@ impl Core {
             colouring: Worker::start(wake.clone())?,
             swept: Swept::start(wake.clone())?,
             bodies: MachineBodies::start(wake.clone())?,
+            kept: KeptRuns::start(wake.clone())?,
             tuning: Tuning::start(wake)?,
-            kept: KeptRuns::default(),
             machine: MachineMotion::default(),
             coloured: None,
             colours_asked: None,
@@ -184,6 +184,7 @@ impl Core {
         self.machine.follow(self.pipeline.plan(), self.cursor.electrode);
         self.follow_moment();
         self.follow_leftover();
+        self.follow_kept();
         self.follow_bodies();
         self.follow_colours();
         self.follow_swept();
@@ -246,14 +247,23 @@ impl Core {
     /// Whether the present plan can be kept to compare with: its strategy is known while no parameter has changed.
     pub fn can_keep(&self) -> bool {
         self.pipeline.state(Stage::Plan) == StageState::Done
-            && self.pipeline.plan().is_some_and(|plan| self.kept.can_keep(plan))
+            && self.pipeline.plan().is_some_and(|plan| self.kept.can_keep(plan, &self.document))
     }
 
     /// Keeps the present plan, which [`can_keep`](Self::can_keep) says can be.
     pub fn keep(&mut self) {
-        if let Some(plan) = self.pipeline.plan() {
-            let name = self.kept.keep(plan, self.document.job());
+        let (Some(plan), Some(part)) = (self.pipeline.plan(), self.pipeline.part()) else { return };
+        if let Some(name) = self.kept.keep(plan, &mut self.document, &part.content()) {
             self.say(EventKind::Done, format!("{name} is kept for comparison"));
+        }
+    }
+
+    /// Has the runs made that came with the document.
+    fn follow_kept(&mut self) {
+        let p = &self.pipeline;
+        let found = p.channel().filter(|_| p.state(Stage::Channel) == StageState::Done);
+        for why in self.kept.follow(&self.document, (p.part(), found)) {
+            self.say(EventKind::Cancelled, why);
         }
     }
 

@@ -8,7 +8,7 @@ use super::plots::{legend, round_steps, round_text};
 use super::stepper::notice;
 use super::theme::palette;
 use crate::jobs::pipeline::StageState;
-use crate::jobs::sizing::SizeRow;
+use crate::jobs::sizing::{SizeRow, TOLERANCE_DEG};
 use crate::project::{PlanJob, Stage};
 
 /// Width of a form in which columns may stand wide apart (points).
@@ -100,7 +100,11 @@ fn table(ui: &mut Ui, core: &Core, rows: &[SizeRow], current: bool) -> Option<Si
 /// What is known of a row beside its figures.
 fn hint(row: &SizeRow) -> String {
     let limit = row.limit.as_ref().map(|limit| format!("; {}", limit.clause())).unwrap_or_default();
-    format!("certified {:.4} mm{limit}", row.certified_mm)
+    let raised = match row.raised_deg {
+        0.0 => String::new(),
+        more => format!(", with {more:.2} deg more for the certificate"),
+    };
+    format!("certified {:.4} mm{limit}; found to {TOLERANCE_DEG} deg{raised}", row.certified_mm)
 }
 
 fn is_applied(job: &PlanJob, row: &SizeRow) -> bool {
@@ -149,8 +153,8 @@ fn plot(ui: &mut Ui, rows: &[SizeRow]) {
         .allow_boxed_zoom(false)
         .show_background(false)
         .grid_color(c.faint.gamma_multiply(0.35))
-        .x_grid_spacer(|input| few_steps(input))
-        .y_grid_spacer(|input| few_steps(input))
+        .x_grid_spacer(few_steps)
+        .y_grid_spacer(few_steps)
         .custom_x_axes(vec![axis(AxisHints::new_x(), "reduction (deg)", Rangef::new(30.0, 40.0))])
         .custom_y_axes(vec![axis(AxisHints::new_y(), "thickness (mm)", Rangef::new(14.0, 18.0)).min_thickness(36.0)])
         .show(ui, |plot| {

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::plan::{PlanInputs, PlanJobError, PlanOutcome, run_feeds, settings_of};
 use super::prepared_blisk::PreparedBlisk;
+use crate::blisk::channel::Surface;
 use crate::blisk::electrode::{EnterSide, EntrySide, Sizing as SizeMode, own_turns};
 use crate::feed::genetic::ReductionMode;
 use crate::feed::plan_params::PlanError;
@@ -41,6 +42,8 @@ pub struct SizeRow {
     pub certified_mm: f64,
     /// What keeps them from being thicker.
     pub limit: Option<SizeLimit>,
+    /// What the certificate asked for beyond the reductions that the search needs (deg).
+    pub raised_deg: f64,
 }
 
 /// The electrode of a row that needs its reductions, and the narrowest place of its way out.
@@ -76,7 +79,7 @@ impl SizeLimit {
 }
 
 /// Reductions are found to this angle (deg).
-const TOLERANCE_DEG: f64 = 0.03;
+pub const TOLERANCE_DEG: f64 = 0.03;
 /// Greatest reduction that is tried (deg).
 const MOST_DEG: f64 = 10.0;
 /// Where the search begins (deg).
@@ -244,7 +247,7 @@ impl Sizing<'_> {
             inputs.job.electrode.circumferential_reduction_deg = reduction;
             let outcome = run_feeds(self.prepared, &inputs, self.progress, self.cancel)?;
             if let Some(row) = row_of(&outcome, parts, enter, reduction) {
-                return Ok(Some(SizeRow { limit: limit_of(&outcome, limiting), ..row }));
+                return Ok(Some(SizeRow { limit: limit_of(&outcome, limiting), raised_deg: more, ..row }));
             }
         }
         Ok(None)
@@ -266,22 +269,27 @@ fn row_of(outcome: &PlanOutcome, parts: usize, enter: EnterSide, reduction_deg: 
         volume_mm3: electrodes().map(|e| e.electrode.volume_mm3).sum(),
         certified_mm: certified.fold(f64::INFINITY, f64::min),
         limit: None,
+        raised_deg: 0.0,
     })
 }
 
-/// Where electrode number `limiting` from 0 of a plan is closest on its way out, which keeps it from being thicker.
+/// Where electrode number `limiting` from 0 of a plan is closest to a wall on its way out: of walls it is drawn in, and so
+/// they keep it from being thicker. Without such a place that of its least clearance.
 fn limit_of(outcome: &PlanOutcome, limiting: usize) -> Option<SizeLimit> {
     let electrode = outcome.electrodes.get(limiting)?;
     let planned = electrode.plan.path.as_ref()?;
-    let least = planned.certificate.least();
-    let row = planned.path.rows.get(least.row.round() as usize)?;
+    let (c, rows) = (&planned.certificate, &planned.path.rows);
+    let places = rows.iter().zip(c.row_surface()).zip(c.row_clearance());
+    let walls = places.filter(|((_, surface), _)| matches!(surface, Surface::LowWall | Surface::HighWall));
+    let nearest = walls.min_by(|p, q| p.1.total_cmp(q.1)).map(|((row, surface), _)| (row, *surface));
+    let (row, surface) = nearest.or_else(|| Some((rows.get(c.least().row.round() as usize)?, c.least().surface)))?;
     Some(SizeLimit {
         electrode: limiting + 1,
         electrodes: outcome.electrodes.len(),
         enters_from: electrode.electrode.enters_from,
         node: row.node,
-        s_mm: least.s,
-        surface: outcome.channel.surface_name(least.surface).to_owned(),
+        s_mm: row.s,
+        surface: outcome.channel.surface_name(surface).to_owned(),
     })
 }
 

@@ -62,7 +62,21 @@ fn a_kept_run_stands_in_the_comparison_until_it_is_removed() {
     desk.press("Keep for comparison");
     desk.assert_shows("1 genetic");
     desk.assert_shows("2 max-min-distance");
+    // What is kept is in the project, and made anew from it.
+    assert!(desk.app().core().document.is_unsaved());
+    let project = home.path("kept.sparkpath");
+    desk.window.state_mut().core_mut().document.save_as(&project).unwrap();
+    assert!(!desk.app().core().document.is_unsaved());
+    desk.window.state_mut().open(&project);
+    desk.until("the runs are there again", |d| {
+        d.app().core().document.runs().len() == 2 && d.shows("2 max-min-distance")
+    });
+    desk.until_idle();
+    assert!(!desk.app().core().document.is_unsaved() && !desk.app().core().can_keep(), "{:#?}", desk.log());
+    desk.open_step(Stage::Plan);
+    desk.pictures("kept_axes");
     desk.press("Comparison");
+    desk.pictures("comparison");
     let before = count(&desk, Role::Label, &genetic);
     desk.press("Remove 1 genetic");
     assert!(!has(&desk, Role::Label, "1 genetic"));

@@ -35,15 +35,12 @@ fn bodies(desk: &Desk) -> Vec<Object> {
 
 /// Waits until all is done, and looks in every frame whether the plan passes for a good one before it is checked.
 fn until_checked(desk: &mut Desk) {
-    let mut frames = 0;
-    while desk.app().core().pipeline.is_busy() || frames < 4 {
-        std::thread::sleep(std::time::Duration::from_millis(5));
-        desk.window.step();
-        frames += 1;
+    desk.until("the machine is checked", |desk| {
         let checked = matches!(desk.state(Stage::Verify), StageState::Failed(_));
         assert!(checked || !desk.step_says(Stage::Plan, "done"), "nothing is known of the machine yet");
-    }
-    desk.settle();
+        checked
+    });
+    desk.until_idle();
 }
 
 #[test]
@@ -101,7 +98,6 @@ fn the_collision(desk: &mut Desk) {
     desk.window.state_mut().core_mut().preferences.theme = ThemeChoice::Dark;
     desk.press("Fit");
     desk.picture("machine_dark");
-    desk.open_step(Stage::Plan);
     desk.key(Key::End);
     assert!(desk.app().core().moment().is_none(), "the timeline above has the word again");
 }
