@@ -22,6 +22,7 @@ use super::viewport::Viewport;
 use super::{forms::Request, inspector, menu, status, stepper, theme, timeline};
 use crate::jobs::pipeline::EventKind;
 use crate::project::{Autosave, Document, PlanJob, Recovery};
+use crate::render::camera::Camera;
 use crate::render::scene::Scene;
 
 /// Where the program keeps what is its own.
@@ -153,6 +154,11 @@ impl SparkpathApp {
         self.viewport.picture().0
     }
 
+    /// Where that is seen from.
+    pub fn camera(&self) -> &Camera {
+        self.viewport.picture().1
+    }
+
     /// Longest time that a frame has taken to lay out since the last call, drawing apart (s).
     pub fn take_slowest_frame(&mut self) -> f64 {
         std::mem::take(&mut self.slowest_frame)
@@ -193,7 +199,8 @@ impl SparkpathApp {
             self.intend(Intent::Quit, ctx);
         }
         if matches!(self.dialog, Dialog::None) {
-            Command::pressed(ctx).into_iter().for_each(|c| self.core.push(c));
+            // The field that is typed in gives up the focus with Escape before anyone hears of it.
+            Command::pressed(ctx, self.palette.is_open()).into_iter().for_each(|c| self.core.push(c));
         }
     }
 

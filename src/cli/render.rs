@@ -181,6 +181,7 @@ fn project_picture(part: &Part, found: &FoundChannel, shown: &Shown, arguments: 
         track: shown.track.as_ref(),
         s: shown.track.as_ref().map_or(0.0, Track::length),
         contact: None,
+        trouble: None,
         values: None,
         leftover: None,
         layers: &layers,

@@ -15,8 +15,8 @@ mod values;
 
 pub use camera::{NamedView, bodies, into_channel, standard};
 pub use colours::mesh_colour;
-pub use leftover::{LeftoverShape, leftover_legend};
-pub use machine::{MachineBody, WholeMotion, machine_bodies};
+pub use leftover::{LeftoverShape, colour_limit, leftover_legend};
+pub use machine::{BodyShape, MachineBody, Moment, WholeMotion, body_shapes, meeting};
 pub use pictures::{PICTURE_SIZE, PlanPicture, PlanToShow, plan_pictures};
 pub use scene::{Layer, Layers, Look, SceneInputs, build, layer_id, layer_of};
 pub use shapes::{ChannelShapes, channel_shapes};
