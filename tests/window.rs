@@ -18,5 +18,7 @@ mod journey;
 mod keeping;
 #[path = "window/looks.rs"]
 mod looks;
+#[path = "window/mold.rs"]
+mod mold;
 #[path = "window/saving.rs"]
 mod saving;

@@ -10,6 +10,7 @@ use super::commands::Command;
 pub use super::cursor::Cursor;
 use super::kept_runs::KeptRuns;
 use super::machine_motion::MachineMotion;
+use super::mold::MoldDesk;
 use super::preferences::Preferences;
 use super::swept::Swept;
 use super::tuning::Tuning;
@@ -60,6 +61,8 @@ pub struct Core {
     pub tuning: Tuning,
     /// The whole motion on the machine.
     pub machine: MachineMotion,
+    /// The workspace of molds.
+    pub mold: MoldDesk,
     /// Plans that are kept to compare with.
     pub kept: KeptRuns,
     /// Withdrawn distances at which ghosts of the electrode are pinned (mm).
@@ -131,7 +134,8 @@ impl Core {
             pipeline: Pipeline::start(wake.clone())?,
             colouring: Worker::start(wake.clone())?,
             swept: Swept::start(wake.clone())?,
-            tuning: Tuning::start(wake)?,
+            tuning: Tuning::start(wake.clone())?,
+            mold: MoldDesk::start(wake)?,
             kept: KeptRuns::default(),
             machine: MachineMotion::default(),
             coloured: None,
@@ -167,6 +171,10 @@ impl Core {
 
     /// Takes in what the worker has said. Answers what has happened.
     pub fn follow(&mut self) -> Vec<Event> {
+        // Nothing is made of a blisk that nobody has looked at.
+        if self.mold.is_shown && self.pipeline.state(Stage::Part) == StageState::Missing {
+            return Vec::new();
+        }
         let events = self.pipeline.follow(&mut self.document);
         for event in &events {
             let text = format!("{}: {}", event.stage.name(), event.text);

@@ -23,6 +23,14 @@ pub enum Purpose {
     Machine,
     /// Where the picture is saved.
     Picture,
+    /// The mesh of a mold.
+    Mold,
+    /// A library of cutters.
+    Cutters,
+    /// Another one to compare with.
+    OtherCutters,
+    /// Where the cutters are saved.
+    SaveCutters,
     /// The mesh that was at this path.
     MovedMesh(PathBuf),
 }
@@ -69,6 +77,10 @@ impl Purpose {
             Self::Post => "Your own NC post",
             Self::Machine => "Your own machine",
             Self::Picture => "Save picture",
+            Self::Mold => "Open a mold",
+            Self::Cutters => "Load cutters",
+            Self::OtherCutters => "Load cutters to compare with",
+            Self::SaveCutters => "Save cutters",
             Self::MovedMesh(_) => "Find the mesh",
         }
     }
@@ -77,11 +89,12 @@ impl Purpose {
     pub fn ending(&self) -> Option<&'static str> {
         match self {
             Self::SaveProject => Some(".sparkpath"),
-            Self::SaveJob => Some(".toml"),
+            Self::SaveJob | Self::SaveCutters => Some(".toml"),
             Self::Picture => Some(".png"),
             Self::Open | Self::ExportFolder | Self::ElectrodeMesh | Self::Post | Self::Machine | Self::MovedMesh(_) => {
                 None
             }
+            Self::Mold | Self::Cutters | Self::OtherCutters => None,
         }
     }
 
@@ -126,7 +139,7 @@ impl FileDialogs {
                     .add_filter("Projects and meshes", &[&MESHES[..], &["sparkpath"]].concat())
                     .add_filter("All files", &["*"])
                     .pick_file(),
-                Purpose::MovedMesh(_) | Purpose::ElectrodeMesh => dialog
+                Purpose::MovedMesh(_) | Purpose::ElectrodeMesh | Purpose::Mold => dialog
                     .set_title(purpose.title())
                     .add_filter("Meshes", &MESHES)
                     .add_filter("All files", &["*"])
@@ -141,6 +154,12 @@ impl FileDialogs {
                 }
                 Purpose::Picture => {
                     dialog.set_title(purpose.title()).add_filter("PNG", &["png"]).set_file_name(name).save_file()
+                }
+                Purpose::Cutters | Purpose::OtherCutters => {
+                    dialog.set_title(purpose.title()).add_filter("Cutters", &["toml"]).pick_file()
+                }
+                Purpose::SaveCutters => {
+                    dialog.set_title(purpose.title()).add_filter("Cutters", &["toml"]).set_file_name(name).save_file()
                 }
                 Purpose::Machine => dialog.set_title(purpose.title()).add_filter("Machine", &["toml"]).pick_file(),
                 Purpose::Post => dialog.set_title(purpose.title()).add_filter("Post", &["toml"]).pick_file(),

@@ -41,6 +41,19 @@ impl UncutParams {
         let (opening, layers) = (Opening::default(), LayerSettings::default());
         Self { library, opening, tolerance_mm: 0.02, grid_step_mm: None, layers }
     }
+
+    /// Whether they can be asked.
+    ///
+    /// # Errors
+    /// [`UncutError`].
+    pub fn validate(&self) -> Result<(), UncutError> {
+        self.library.validate()?;
+        self.layers.validate()?;
+        if !(1e-4..=10.0).contains(&self.tolerance_mm) {
+            return Err(UncutError::Tolerance(self.tolerance_mm));
+        }
+        Ok(())
+    }
 }
 
 /// Why a mold has no answer.
@@ -132,11 +145,7 @@ fn by_field(regions: &[height_field::UncutRegion]) -> Found {
 /// # Errors
 /// [`UncutError`].
 pub fn uncut(mesh: &Mesh, params: &UncutParams, progress: &Progress, cancel: &Cancel) -> Result<Uncut, UncutError> {
-    params.library.validate()?;
-    params.layers.validate()?;
-    if !(1e-4..=10.0).contains(&params.tolerance_mm) {
-        return Err(UncutError::Tolerance(params.tolerance_mm));
-    }
+    params.validate()?;
     if mesh.triangles.is_empty() {
         return Err(UncutError::Field(HeightFieldError::NoMaterial));
     }

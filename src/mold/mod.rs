@@ -15,6 +15,7 @@ pub mod region;
 pub mod rolling;
 pub mod section;
 pub mod stack;
+pub mod surface;
 pub mod uncut_layer;
 pub mod warning;
 

@@ -29,7 +29,7 @@ impl Desk {
     }
 
     /// The picture `name` in dark and in light.
-    fn pictures(&mut self, name: &str) {
+    pub fn pictures(&mut self, name: &str) {
         for (theme, choice) in [("light", ThemeChoice::Light), ("dark", ThemeChoice::Dark)] {
             self.window.state_mut().core_mut().preferences.theme = choice;
             self.settle();

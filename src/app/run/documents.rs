@@ -45,6 +45,7 @@ impl SparkpathApp {
             autosave.discard();
         }
         self.core.document = document;
+        self.core.mold.is_shown = false;
         self.given_up = None;
         self.core.pipeline.reset();
         self.core.tuning.forget_sizes();
@@ -87,6 +88,9 @@ impl SparkpathApp {
 
     /// The folder that a file dialog starts in.
     pub(super) fn folder(&self) -> Option<PathBuf> {
+        if self.core.mold.is_shown {
+            return self.core.mold.params.mesh.as_deref().and_then(Path::parent).map(Path::to_owned);
+        }
         let path = self.core.document.file().or(self.core.document.job().blisk.mesh.as_deref());
         path.and_then(Path::parent).map(Path::to_owned)
     }
@@ -175,6 +179,9 @@ impl SparkpathApp {
                 job.electrode.mesh = Some(path);
                 self.core.edit("Own electrode", job, false);
             }
+            Purpose::Mold => self.open_mold(&path),
+            Purpose::Cutters | Purpose::OtherCutters => self.load_cutters(&path, purpose == Purpose::OtherCutters),
+            Purpose::SaveCutters => self.save_cutters(&path),
             Purpose::Post => self.take_post(&path),
             Purpose::Machine => self.take_machine(&path),
             Purpose::MovedMesh(old) => {
