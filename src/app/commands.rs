@@ -236,7 +236,7 @@ impl Command {
             Self::FindUncut => mold.work.mold_state(&mold.params) == StageState::Done,
             Self::CompareCutters => mold.state() == StageState::Done,
             Self::FlyToRegion | Self::Isolate => mold.selected.is_some(),
-            Self::Layers => mold.found().is_some_and(|found| !found.uncut.stack.layers.is_empty()),
+            Self::Layers => mold.found().is_some_and(|found| !found.uncut.layers.is_empty()),
             Self::Undo => core.document.undo_label().is_some(),
             Self::Redo => core.document.redo_label().is_some(),
             // A job file names a mesh file.

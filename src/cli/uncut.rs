@@ -59,6 +59,7 @@ pub(super) fn uncut(arguments: &UncutArguments, session: &Session) -> anyhow::Re
         params.layers.spacing_mm = spacing;
         params.layers.least_spacing_mm = params.layers.least_spacing_mm.min(spacing);
     }
+    params.validate()?;
     let imported = session.import(&arguments.mesh, arguments.units)?;
     let found = find_uncut(&imported.mesh, &params, &session.progress, &session.cancel)
         .map_err(|e| anyhow::anyhow!("{}: {e}", arguments.mesh.display()))?;

@@ -18,6 +18,5 @@ pub mod stages;
 pub mod uncut;
 pub mod uncut_compare;
 pub mod uncut_preview;
-pub mod uncut_regions;
 pub mod uncut_report;
 pub mod worker;

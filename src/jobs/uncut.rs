@@ -3,22 +3,27 @@
 //! Flat cutters are followed exactly, layer by layer. Where a library has rounded cutters too, what all of them leave is
 //! told by the field of heights. What flat cutters leave is always found both ways, and how far the two agree is told.
 
+use glam::DVec3;
+use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::geometry::mesh::Mesh;
 use crate::mold::cutter::{Cutter, CutterError, CutterKind, CutterLibrary};
-use crate::mold::height_field::{self, HeightField, HeightFieldError};
+use crate::mold::height_field::{self, Closing, Covered, FieldRegion, HeightField, HeightFieldError};
 use crate::mold::layers::{LayerSettings, LayerSettingsError};
 use crate::mold::opening::Opening;
-use crate::mold::region::{self, regions};
-use crate::mold::stack::{UncutStack, uncut_stack};
+use crate::mold::piece::UncutPiece;
+use crate::mold::region::regions;
+use crate::mold::stack::{UncutLayer, UncutStack, uncut_stack};
+use crate::mold::surface::{SurfacePiece, segments_at, uncut_surface};
+use crate::mold::uncut_region::{Regions, UncutRegion};
 use crate::mold::warning::MoldWarning;
 use crate::progress::{Cancel, Cancelled, Progress};
 
 /// Cells of the field of heights that a smallest radius is divided into, where memory allows.
 const CELLS_PER_RADIUS: f64 = 40.0;
-/// Cells of the field of heights, at most, unless its step is given.
-const MOST_CELLS: f64 = 12e6;
+/// Cells of the field of heights, at most, unless its step is given: some 20 bytes each.
+const MOST_CELLS: f64 = 36e6;
 
 /// What is asked.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -45,14 +50,17 @@ impl UncutParams {
     /// Whether they can be asked.
     ///
     /// # Errors
-    /// [`UncutError`].
+    /// [`UncutError::Cutters`], [`UncutError::Layers`], [`UncutError::Tolerance`], [`UncutError::Field`].
     pub fn validate(&self) -> Result<(), UncutError> {
         self.library.validate()?;
         self.layers.validate()?;
         if !(1e-4..=10.0).contains(&self.tolerance_mm) {
             return Err(UncutError::Tolerance(self.tolerance_mm));
         }
-        Ok(())
+        match self.grid_step_mm.filter(|step| !(step.is_finite() && *step > 0.0)) {
+            Some(step) => Err(UncutError::Field(HeightFieldError::BadStep(step))),
+            None => Ok(()),
+        }
     }
 }
 
@@ -94,19 +102,32 @@ pub struct Found {
     pub volume_mm3: f64,
 }
 
-/// What is left of a mold.
+/// What is left in one layer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LayerFound {
+    /// Its height (mm).
+    pub z: f64,
+    /// Area of what is left (mm^2).
+    pub area: f64,
+    /// Length of the mold's outline that no cutter touches (mm).
+    pub segment_length: f64,
+}
+
+/// What is left of a mold. Everything stands upright: the opening looks along +Z.
 #[derive(Debug, Clone)]
 pub struct Uncut {
     /// What was asked.
     pub params: UncutParams,
-    /// What the flat cutters leave, layer by layer, with the invert faces; the opening looks along +Z.
+    /// What the flat cutters leave, layer by layer, with the invert faces.
     pub stack: UncutStack,
-    /// The regions that the flat cutters leave.
-    pub flat_regions: Vec<region::UncutRegion>,
+    /// What all cutters leave in the same layers.
+    pub layers: Vec<LayerFound>,
+    /// The regions that all cutters leave, the largest first.
+    pub regions: Vec<UncutRegion>,
+    /// The parts of the surface that bound them.
+    pub surface: Vec<SurfacePiece>,
     /// Step of the field of heights (mm).
     pub grid_step: f64,
-    /// The regions that all cutters leave, by the field of heights.
-    pub field_regions: Vec<height_field::UncutRegion>,
     /// What flat cutters leave by layers and by the field of heights; none without flat cutters.
     pub agreement: Option<[Found; 2]>,
 }
@@ -119,7 +140,19 @@ impl Uncut {
 
     /// Regions and volume of what the whole library leaves.
     pub fn found(&self) -> Found {
-        if self.is_of_flats() { by_layers(&self.flat_regions) } else { by_field(&self.field_regions) }
+        found(self.regions.iter().map(|r| r.volume))
+    }
+
+    /// The segments of the layer nearest to a height that no cutter touches, as runs of points (mm): exact where only flat
+    /// cutters count, else at that very height as fine as the surface is split.
+    pub fn segments(&self, z: f64) -> Vec<Vec<DVec3>> {
+        if !self.is_of_flats() {
+            return segments_at(&self.surface, z).into_iter().map(|(_, ends)| ends.to_vec()).collect();
+        }
+        let off = |layer: &&UncutLayer| (layer.z - z).abs();
+        let nearest = self.stack.layers.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+        let runs = nearest.into_iter().flat_map(|l| l.pieces.iter().flat_map(|p| &p.segments).map(|run| (l.z, run)));
+        runs.map(|(z, run)| run.iter().map(|p| p.extend(z)).collect()).collect()
     }
 
     /// Whether the mesh is such that the answer holds for all of it.
@@ -132,12 +165,8 @@ impl Uncut {
     }
 }
 
-fn by_layers(regions: &[region::UncutRegion]) -> Found {
-    Found { regions: regions.len(), volume_mm3: regions.iter().fold(0.0, |sum, r| sum + r.volume) }
-}
-
-fn by_field(regions: &[height_field::UncutRegion]) -> Found {
-    Found { regions: regions.len(), volume_mm3: regions.iter().fold(0.0, |sum, r| sum + r.volume) }
+fn found(volumes: impl ExactSizeIterator<Item = f64>) -> Found {
+    Found { regions: volumes.len(), volume_mm3: volumes.fold(0.0, |sum, v| sum + v) }
 }
 
 /// What the cutters of `params` leave of `mesh`.
@@ -162,24 +191,71 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, progress: &Progress, cancel: &Ca
     let grid_step = params.grid_step_mm.unwrap_or_else(|| usual_step(&upright, &needed));
     progress.report("field of heights", 0.0, "");
     let field = HeightField::raster(&upright, grid_step, cancel)?;
-    let of = |library: &CutterLibrary| -> Result<Vec<height_field::UncutRegion>, UncutError> {
+    let of = |library: &CutterLibrary| -> Result<(Closing, Vec<FieldRegion>), UncutError> {
         let closing = height_field::closing(&field, library, cancel)?;
-        Ok(height_field::regions(&field, &closing, params.tolerance_mm, cancel)?)
+        let regions = height_field::regions(&field, &closing, params.tolerance_mm, cancel)?;
+        Ok((closing, regions))
     };
-    let field_regions = of(&params.library)?;
-    progress.report("field of heights", 0.7, "");
+    let (closing, of_field) = of(&params.library)?;
+    progress.report("field of heights", 0.6, "");
+    let is_of_flats = flats.len() == needed.len();
     let agreement = if flats.is_empty() {
         None
     } else {
-        let with_flats = if flats.len() == needed.len() {
-            by_field(&field_regions)
-        } else {
-            by_field(&of(&CutterLibrary { cutter: flats.into_iter().cloned().collect() })?)
-        };
-        Some([by_layers(&flat_regions), with_flats])
+        let volumes = |regions: &[FieldRegion]| found(regions.iter().map(|r| r.volume));
+        let only_flats = || CutterLibrary { cutter: flats.iter().copied().cloned().collect() };
+        let with_flats = if is_of_flats { volumes(&of_field) } else { volumes(&of(&only_flats())?.1) };
+        Some([found(flat_regions.iter().map(|r| r.volume)), with_flats])
     };
-    progress.report("field of heights", 1.0, "");
-    Ok(Uncut { params: params.clone(), stack, flat_regions, grid_step, field_regions, agreement })
+    progress.report("surface", 0.0, "");
+    let pieces = uncut_surface(&upright, &Covered::new(&field, &closing, &of_field), cancel)?;
+    let all = if is_of_flats {
+        Regions::of_layers(&stack.layers, &flat_regions, (&field, &closing), &of_field, params.tolerance_mm)
+    } else {
+        Regions::of_field(&of_field)
+    };
+    let (regions, surface) = all.with_surface(pieces);
+    let layers =
+        if is_of_flats { of_layers(&stack) } else { of_surface(&stack, (&field, &closing), &of_field, &surface) };
+    progress.report("surface", 1.0, "");
+    Ok(Uncut { params: params.clone(), stack, layers, regions, surface, grid_step, agreement })
+}
+
+/// What flat cutters leave in each layer.
+fn of_layers(stack: &UncutStack) -> Vec<LayerFound> {
+    let found = |layer: &UncutLayer| LayerFound {
+        z: layer.z,
+        area: layer.pieces.iter().map(|p| p.area).sum(),
+        segment_length: layer.pieces.iter().map(UncutPiece::segment_length).sum(),
+    };
+    stack.layers.iter().map(found).collect()
+}
+
+/// What all cutters leave in each layer, by cells and by the surface.
+fn of_surface(
+    stack: &UncutStack,
+    (field, closing): (&HeightField, &Closing),
+    regions: &[FieldRegion],
+    surface: &[SurfacePiece],
+) -> Vec<LayerFound> {
+    let heights: Vec<f64> = stack.layers.iter().map(|l| l.z).collect();
+    // Cells that begin and end below each layer: what is left between layers adds up to what is left in each.
+    let mut change = vec![0i64; heights.len() + 1];
+    for cell in regions.iter().flat_map(|r| &r.cells).map(|c| *c as usize) {
+        let Some(low) = field.height(cell) else { continue };
+        let high = low + closing.residue(field, cell);
+        change[heights.partition_point(|z| *z <= low)] += 1;
+        change[heights.partition_point(|z| *z < high)] -= 1;
+    }
+    let counts = change.iter().scan(0i64, |sum, by| {
+        *sum += by;
+        Some(*sum)
+    });
+    let length = |z: f64| segments_at(surface, z).iter().map(|(_, [a, b])| a.distance(*b)).sum::<f64>();
+    let lengths: Vec<f64> = heights.par_iter().map(|z| length(*z)).collect();
+    let area = |count: i64| count as f64 * field.step() * field.step();
+    let figures = heights.iter().zip(counts).zip(lengths);
+    figures.map(|((z, count), segment_length)| LayerFound { z: *z, area: area(count), segment_length }).collect()
 }
 
 /// Edges that have no face on one side, or more on one than on the other.
@@ -188,14 +264,24 @@ fn open_edges(mesh: &Mesh) -> usize {
     directed.iter().filter(|((a, b), count)| directed.get(&(*b, *a)).copied().unwrap_or(0) < **count).count()
 }
 
-/// As fine as the smallest radius asks for, but with no more cells than a computer holds with ease.
+/// As fine as the smallest cutter asks for, but with no more cells than a computer holds with ease, and such that every
+/// cutter is close to a whole number of cells wide: the grid takes it for that.
 fn usual_step(mesh: &Mesh, cutters: &[&Cutter]) -> f64 {
-    let smallest = cutters.iter().map(|c| c.radius()).fold(f64::INFINITY, f64::min);
+    let least = cutters.iter().map(|c| c.diameter_mm).fold(f64::INFINITY, f64::min);
     let widest = cutters.iter().map(|c| c.holder().map_or(c.radius(), |(holder, _)| holder)).fold(0.0, f64::max);
     let size = mesh.bounds().size().truncate() + 2.0 * widest;
     let coarsest = (size.x * size.y / MOST_CELLS).sqrt();
-    // Round figures, so that the step is one to speak of.
-    (1e4 * (smallest / CELLS_PER_RADIUS).max(coarsest)).ceil() / 1e4
+    let most = (2.0 * CELLS_PER_RADIUS).min(least / coarsest).floor();
+    if most < 2.0 {
+        return coarsest;
+    }
+    // Off a whole number, in shares of a cell, at worst.
+    let off = |count: f64| {
+        let widths = cutters.iter().map(|c| c.diameter_mm / least * count);
+        widths.map(|w| (w - w.round()).abs()).fold(0.0, f64::max)
+    };
+    let counts = (0..=(most / 5.0) as usize).map(|k| most - k as f64).filter(|count| *count >= 2.0);
+    least / counts.fold(most, |best, count| if off(count) < off(best) - 0.02 { count } else { best })
 }
 
 #[cfg(test)]
@@ -204,6 +290,7 @@ mod tests {
 
     use super::*;
     use crate::geometry::mesh::tests::cuboid;
+    use crate::mold::test_molds::{pocket, rectangle};
 
     fn answer(mesh: &Mesh, cutters: Vec<Cutter>) -> Result<Uncut, UncutError> {
         let params = UncutParams::of(CutterLibrary { cutter: cutters });
@@ -217,6 +304,52 @@ mod tests {
         assert_eq!(left.found(), Found::default());
         assert!(left.is_whole() && !left.is_of_flats());
         assert_eq!(left.agreement, Some([Found::default(); 2]));
+    }
+
+    #[test]
+    fn a_pocket_keeps_its_corners_with_the_walls_and_the_floor_beside_them() {
+        let sides = rectangle(12.0, 9.0);
+        let mesh = pocket(&rectangle(20.0, 20.0), &sides, &sides, [10.0, 8.0]);
+        let corner = 1.0 - std::f64::consts::FRAC_PI_4;
+        let by_flat = answer(&mesh, vec![Cutter::flat(1.0)]).unwrap();
+        assert!(by_flat.is_of_flats());
+        let by_both = answer(&mesh, vec![Cutter::flat(1.0), Cutter::ball(2.0)]).unwrap();
+        for (left, share) in [(&by_flat, 1e-3), (&by_both, 0.03)] {
+            assert_eq!(left.regions.len(), 4);
+            for region in &left.regions {
+                assert!((region.volume - 8.0 * corner).abs() < share * 8.0 * corner, "{region:?}");
+                assert!((region.plan_area - corner).abs() < 0.05 * corner, "{region:?}");
+                assert!((region.depth - 8.0).abs() < 0.01, "{region:?}");
+                // Two walls, and the floor by one triangle or both.
+                assert!((3..=6).contains(&region.faces.len()), "{region:?}");
+                assert!((1.5 * 8.0..=2.0 * 8.0 + 2.0 * corner).contains(&region.surface_area), "{region:?}");
+                assert!(region.nearest_cutter.is_some_and(|k| k < left.params.library.cutter.len()));
+            }
+            let layer = left.layers.iter().find(|l| (5.0..7.0).contains(&l.z)).unwrap();
+            assert!((layer.area - 4.0 * corner).abs() < share.max(0.01) * 4.0 * corner, "{layer:?}");
+            assert!((5.0..=8.001).contains(&layer.segment_length), "{layer:?}");
+            let drawn: f64 =
+                left.segments(layer.z).iter().flat_map(|run| run.windows(2)).map(|w| w[0].distance(w[1])).sum();
+            assert!((drawn - layer.segment_length).abs() < 1e-9);
+        }
+        let middle = by_flat.layers.iter().find(|l| (5.0..7.0).contains(&l.z)).unwrap();
+        assert!((middle.segment_length - 8.0).abs() < 1e-6, "two radii at each corner: {middle:?}");
+    }
+
+    #[test]
+    fn the_grid_fits_the_cutters() {
+        let mesh = cuboid(DVec3::new(100.0, 80.0, 3.0));
+        let step = |cutters: &[Cutter]| usual_step(&mesh, &cutters.iter().collect::<Vec<_>>());
+        assert_eq!(step(&[Cutter::flat(1.0)]), 0.025);
+        for cutters in [vec![Cutter::ball(0.5)], vec![Cutter::flat(1.3), Cutter::ball(1.0)], vec![Cutter::flat(1e-2)]] {
+            let step = step(&cutters);
+            assert!(8000.0 / (step * step) <= 1.1 * MOST_CELLS, "{step}");
+        }
+        let step = step(&[Cutter::flat(1.3), Cutter::ball(1.0)]);
+        for diameter in [2.6, 2.0] {
+            let cells = diameter / step;
+            assert!((cells - f64::round(cells)).abs() < 0.05, "{cells} cells");
+        }
     }
 
     #[test]

@@ -2,15 +2,33 @@
 
 use glam::DVec3;
 
-use super::uncut_regions::Left;
+use super::uncut::Uncut;
 use crate::geometry::exact::ExactMesh;
 use crate::geometry::mesh::{Bounds, Mesh};
+use crate::mold::surface::SurfacePiece;
+use crate::mold::uncut_region::UncutRegion;
 use crate::progress::{Cancel, Cancelled};
 
 /// Pieces of a region's surface that are asked to whom they belong.
 const ASKED: usize = 64;
 /// How far apart two surfaces of the same mold may lie and still be one, in parts of the diagonal.
 const SAME: f64 = 1e-3;
+
+/// What a library leaves.
+#[derive(Debug, Clone, Copy)]
+pub struct Left<'a> {
+    /// The regions.
+    pub regions: &'a [UncutRegion],
+    /// The surface under them.
+    pub surface: &'a [SurfacePiece],
+}
+
+impl<'a> Left<'a> {
+    /// What is left by the answer `uncut`.
+    pub fn of(uncut: &'a Uncut) -> Self {
+        Self { regions: &uncut.regions, surface: &uncut.surface }
+    }
+}
 
 /// What becomes of the regions that the present library leaves.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,8 +77,8 @@ impl Comparison {
 ///
 /// # Errors
 /// [`Cancelled`].
-pub fn compare(now: &Left, other: &Left, cancel: &Cancel) -> Result<Comparison, Cancelled> {
-    let volume = |left: &Left| left.regions.iter().fold(0.0, |sum, r| sum + r.volume);
+pub fn compare(now: Left, other: Left, cancel: &Cancel) -> Result<Comparison, Cancelled> {
+    let volume = |left: Left| left.regions.iter().fold(0.0, |sum, r| sum + r.volume);
     let mut comparison = Comparison {
         remains: vec![0.0; now.regions.len()],
         volumes: [volume(now), volume(other)],
@@ -69,14 +87,16 @@ pub fn compare(now: &Left, other: &Left, cancel: &Cancel) -> Result<Comparison, 
     };
     let known = Owners::new(now);
     let mut places: Vec<Vec<DVec3>> = vec![Vec::new(); other.regions.len()];
-    for piece in &other.surface {
+    for piece in other.surface {
         if let Some(own) = places.get_mut(piece.region as usize) {
             own.push(piece.corners.iter().sum::<DVec3>() / 3.0);
         }
     }
     for (region, places) in other.regions.iter().zip(&places) {
         cancel.check()?;
-        match known.as_ref().and_then(|known| known.of(places)) {
+        let owner =
+            if places.is_empty() { around(now.regions, region) } else { known.as_ref().and_then(|k| k.of(places)) };
+        match owner {
             Some(owner) => comparison.remains[owner] += region.volume,
             None => comparison.new_regions += 1,
         }
@@ -84,15 +104,26 @@ pub fn compare(now: &Left, other: &Left, cancel: &Cancel) -> Result<Comparison, 
     Ok(comparison)
 }
 
+/// The smallest of `regions` whose box holds the middle of that of a region which is too small to have a surface.
+fn around(regions: &[UncutRegion], region: &UncutRegion) -> Option<usize> {
+    let middle = region.bounds.center();
+    let holds = |i: &usize| {
+        let Bounds { min, max } = regions[*i].bounds;
+        min.cmple(middle).all() && middle.cmple(max).all()
+    };
+    let size = |i: usize| regions[i].bounds.size().element_product();
+    (0..regions.len()).filter(holds).min_by(|&a, &b| size(a).total_cmp(&size(b)))
+}
+
 /// The surface under regions, to be asked whose a place is.
 struct Owners<'a> {
-    left: &'a Left,
+    left: Left<'a>,
     surface: ExactMesh,
     reach: f64,
 }
 
 impl<'a> Owners<'a> {
-    fn new(left: &'a Left) -> Option<Self> {
+    fn new(left: Left<'a>) -> Option<Self> {
         let vertices: Vec<DVec3> = left.surface.iter().flat_map(|p| p.corners).collect();
         let reach = SAME * Bounds::of(vertices.iter().copied()).size().length();
         let triangles = (0..left.surface.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
@@ -121,40 +152,55 @@ impl<'a> Owners<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::jobs::uncut_regions::LeftRegion;
-    use crate::mold::surface::SurfacePiece;
 
-    /// Triangles at places along X, each with the volume of its region.
-    fn left(places: &[(f64, f64)]) -> Left {
-        let region = |volume| LeftRegion {
-            volume,
+    /// Regions with a triangle each at places along X and with their volumes.
+    fn left(places: &[(f64, f64)]) -> (Vec<UncutRegion>, Vec<SurfacePiece>) {
+        let corners = |x: f64| [DVec3::ZERO, DVec3::X, DVec3::Y].map(|p| p + x * DVec3::X);
+        let region = |(x, volume): &(f64, f64)| UncutRegion {
+            volume: *volume,
             plan_area: 1.0,
+            surface_area: 0.5,
             depth: 1.0,
-            bounds: Bounds::of([DVec3::ZERO]),
+            thickness: 1.0,
+            bounds: Bounds::of(corners(*x)),
+            faces: vec![0],
             nearest_cutter: None,
+            pieces: Vec::new(),
         };
         let piece = |(i, (x, _)): (usize, &(f64, f64))| SurfacePiece {
-            corners: [DVec3::ZERO, DVec3::X, DVec3::Y].map(|p| p + x * DVec3::X),
+            corners: corners(*x),
             face: 0,
             region: i as u32,
             depth: [1.0; 3],
         };
-        let regions = places.iter().map(|(_, volume)| region(*volume)).collect();
-        Left { regions, surface: places.iter().enumerate().map(piece).collect() }
+        (places.iter().map(region).collect(), places.iter().enumerate().map(piece).collect())
+    }
+
+    fn compared(now: &[(f64, f64)], other: &[(f64, f64)]) -> Comparison {
+        let (now, other) = (left(now), left(other));
+        let [now, other] = [&now, &other].map(|(regions, surface)| Left { regions, surface });
+        compare(now, other, &Cancel::default()).unwrap()
     }
 
     #[test]
     fn what_vanishes_what_remains_and_what_is_new_is_told_apart() {
-        let now = left(&[(0.0, 4.0), (10.0, 3.0), (20.0, 2.0)]);
-        let other = left(&[(20.0, 1.5), (0.0, 1.0), (50.0, 0.5)]);
-        let compared = compare(&now, &other, &Cancel::default()).unwrap();
-        assert_eq!(compared.remains, [1.0, 0.0, 1.5]);
-        assert_eq!((compared.vanishing(), compared.vanishes(1), compared.new_regions), (1, true, 1));
-        assert_eq!(compared.sentence(), "6.000 mm³ of 9.000 mm³ would be cut; 1 region vanishes, and 1 region is new.");
-        let nothing = compare(&now, &left(&[]), &Cancel::default()).unwrap();
+        let now = [(0.0, 4.0), (10.0, 3.0), (20.0, 2.0)];
+        let found = compared(&now, &[(20.0, 1.5), (0.0, 1.0), (50.0, 0.5)]);
+        assert_eq!(found.remains, [1.0, 0.0, 1.5]);
+        assert_eq!((found.vanishing(), found.vanishes(1), found.new_regions), (1, true, 1));
+        assert_eq!(found.sentence(), "6.000 mm³ of 9.000 mm³ would be cut; 1 region vanishes, and 1 region is new.");
+        let nothing = compared(&now, &[]);
         assert_eq!((nothing.vanishing(), nothing.volumes), (3, [9.0, 0.0]));
-        let worse = compare(&left(&[]), &now, &Cancel::default()).unwrap();
+        let worse = compared(&[], &now);
         assert_eq!((worse.new_regions, worse.vanishing()), (3, 0));
         assert!(worse.sentence().starts_with("9.000 mm³ more"));
+    }
+
+    #[test]
+    fn what_is_too_small_for_a_surface_belongs_where_it_lies() {
+        let (now, other) = (left(&[(0.0, 4.0), (10.0, 3.0)]), left(&[(10.0, 0.1)]));
+        let now = Left { regions: &now.0, surface: &now.1 };
+        let found = compare(now, Left { regions: &other.0, surface: &[] }, &Cancel::default()).unwrap();
+        assert_eq!((found.remains, found.new_regions), (vec![0.0, 0.1], 0));
     }
 }

@@ -4,9 +4,8 @@ use glam::{DVec2, DVec3};
 
 use super::uncut::{UncutError, UncutParams};
 use crate::geometry::mesh::{Bounds, Mesh};
-use crate::mold::cutter::CutterLibrary;
 use crate::mold::height_field::{self, HeightField, HeightFieldError};
-use crate::mold::opening::Opening;
+use crate::mold::surface::SurfacePiece;
 use crate::progress::Cancel;
 
 /// Cells of the field of heights of a quick look.
@@ -21,6 +20,14 @@ pub struct CoarseCell {
     pub corners: [DVec3; 4],
     /// Height of what is left above it (mm).
     pub depth: f32,
+}
+
+impl CoarseCell {
+    /// It as two triangles of the surface of a `region`, of no face of the mesh.
+    pub fn pieces(&self, region: u32) -> [SurfacePiece; 2] {
+        let [a, b, c, d] = self.corners;
+        [[a, b, c], [a, c, d]].map(|corners| SurfacePiece { corners, face: u32::MAX, region, depth: [self.depth; 3] })
+    }
 }
 
 /// A connected piece of what is left, as coarse as the grid.
@@ -62,27 +69,15 @@ impl Preview {
 /// [`UncutError`].
 pub fn preview(mesh: &Mesh, params: &UncutParams, cancel: &Cancel) -> Result<Preview, UncutError> {
     params.validate()?;
-    look(mesh, params.opening, &params.library, params.tolerance_mm, CELLS, cancel)
-}
-
-/// The same with about so many `cells`.
-pub(super) fn look(
-    mesh: &Mesh,
-    opening: Opening,
-    library: &CutterLibrary,
-    tolerance: f64,
-    cells: f64,
-    cancel: &Cancel,
-) -> Result<Preview, UncutError> {
-    let upright = opening.upright_mesh(mesh);
+    let upright = params.opening.upright_mesh(mesh);
     let size = upright.bounds().size();
-    let step = (size.x * size.y / cells).sqrt();
+    let step = (size.x * size.y / CELLS).sqrt();
     if !(step.is_finite() && step > 0.0) {
         return Err(UncutError::Field(HeightFieldError::NoMaterial));
     }
     let field = HeightField::raster(&upright, step, cancel)?;
-    let closing = height_field::closing(&field, library, cancel)?;
-    let found = height_field::regions(&field, &closing, tolerance, cancel)?;
+    let closing = height_field::closing(&field, &params.library, cancel)?;
+    let found = height_field::regions(&field, &closing, params.tolerance_mm, cancel)?;
     let mut regions = Vec::with_capacity(found.len());
     for region in found {
         cancel.check()?;
@@ -117,7 +112,8 @@ fn corners(field: &HeightField, cells: &[u32], i: usize) -> [DVec3; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mold::cutter::Cutter;
+    use crate::mold::cutter::{Cutter, CutterLibrary};
+    use crate::mold::opening::Opening;
     use crate::mold::test_molds::{pocket, rectangle};
 
     #[test]

@@ -4,9 +4,8 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use super::uncut::{Found, Uncut};
-use crate::geometry::mesh::Bounds;
-use crate::mold::piece::UncutPiece;
+use super::uncut::{Found, LayerFound, Uncut};
+use crate::mold::uncut_region::UncutRegion;
 
 /// What `uncut.json` holds. Places are in the axes of the mesh.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -31,7 +30,7 @@ pub struct UncutReport {
     pub regions: Vec<RegionReport>,
     /// What flat cutters leave by layers and by the field of heights; none without flat cutters.
     pub agreement: Option<AgreementReport>,
-    /// What flat cutters leave in each layer, from the bottom.
+    /// What the cutters leave in each layer, from the bottom.
     pub layers: Vec<LayerReport>,
 }
 
@@ -52,10 +51,16 @@ pub struct RegionReport {
     pub volume_mm3: f64,
     /// Area seen from the cutter (mm^2); of the largest layer where the regions are those of layers.
     pub plan_area_mm2: f64,
+    /// Area of the mold's surface that bounds it, walls and floors (mm^2).
+    pub surface_area_mm2: f64,
     /// Greatest height (mm).
     pub height_mm: f64,
+    /// Greatest thickness across the mold's surface (mm).
+    pub thickness_mm: f64,
     /// Corners of the box around it (mm).
     pub bounds_mm: [[f64; 3]; 2],
+    /// The faces of the mesh that bound it, wholly or in part, counted from 0.
+    pub faces: Vec<u32>,
     /// The cutter that comes nearest.
     pub nearest_cutter: Option<String>,
 }
@@ -70,12 +75,11 @@ pub struct AgreementReport {
     pub field_step_mm: f64,
 }
 
-/// What flat cutters leave in a layer.
+/// What the cutters leave in a layer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct LayerReport {
     pub z_mm: f64,
-    pub pieces: usize,
     pub area_mm2: f64,
     /// Length of the outline that no cutter touches (mm).
     pub segment_length_mm: f64,
@@ -87,12 +91,7 @@ impl UncutReport {
         let library = &uncut.params.library;
         let agreement =
             uncut.agreement.map(|[layers, field]| AgreementReport { layers, field, field_step_mm: uncut.grid_step });
-        let layer = |layer: &crate::mold::stack::UncutLayer| LayerReport {
-            z_mm: layer.z,
-            pieces: layer.pieces.len(),
-            area_mm2: layer.pieces.iter().map(|p| p.area).sum(),
-            segment_length_mm: layer.pieces.iter().map(UncutPiece::segment_length).sum(),
-        };
+        let layer = |l: &LayerFound| LayerReport { z_mm: l.z, area_mm2: l.area, segment_length_mm: l.segment_length };
         Self {
             sentence: sentence(uncut),
             is_whole: uncut.is_whole(),
@@ -104,7 +103,7 @@ impl UncutReport {
             invert: InvertReport { faces: uncut.stack.invert.triangles.len(), area_mm2: uncut.stack.invert.area },
             regions: regions(uncut),
             agreement,
-            layers: uncut.stack.layers.iter().map(layer).collect(),
+            layers: uncut.layers.iter().map(layer).collect(),
         }
     }
 
@@ -131,18 +130,19 @@ impl UncutReport {
         if !self.regions.is_empty() {
             let _ = writeln!(
                 text,
-                "{:>4} {:>12} {:>12} {:>10}   {:<40} nearest",
-                "", "volume mm3", "area mm2", "height mm", "at"
+                "{:>4} {:>12} {:>12} {:>12} {:>10} {:>12} {:>6}   {:<40} nearest",
+                "", "volume mm3", "plan mm2", "surface mm2", "height mm", "thickness mm", "faces", "at"
             );
         }
         for r in &self.regions {
             let [low, high] = r.bounds_mm;
             let at: Vec<String> = (0..3).map(|k| format!("{:.2}..{:.2}", low[k], high[k])).collect();
             let nearest = r.nearest_cutter.as_deref().unwrap_or("-");
-            let (index, volume, area, height) = (r.index, r.volume_mm3, r.plan_area_mm2, r.height_mm);
+            let (index, volume, plan, surface) = (r.index, r.volume_mm3, r.plan_area_mm2, r.surface_area_mm2);
+            let (height, thickness, faces) = (r.height_mm, r.thickness_mm, r.faces.len());
             let _ = writeln!(
                 text,
-                "{index:>4} {volume:>12.4} {area:>12.4} {height:>10.3}   {:<40} {nearest}",
+                "{index:>4} {volume:>12.4} {plan:>12.4} {surface:>12.3} {height:>10.3} {thickness:>12.3} {faces:>6}   {:<40} {nearest}",
                 at.join(" ")
             );
         }
@@ -160,43 +160,21 @@ fn sentence(uncut: &Uncut) -> String {
     }
 }
 
-/// What is known of a region by either way.
-struct Figures<'a> {
-    volume: f64,
-    plan_area: f64,
-    height: f64,
-    bounds: &'a Bounds,
-    nearest: Option<usize>,
-}
-
 fn regions(uncut: &Uncut) -> Vec<RegionReport> {
-    let of_layers = uncut.flat_regions.iter().map(|r| Figures {
-        volume: r.volume,
-        plan_area: r.plan_area,
-        height: r.height,
-        bounds: &r.bounds,
-        nearest: None,
-    });
-    let of_field = uncut.field_regions.iter().map(|r| Figures {
-        volume: r.volume,
-        plan_area: r.plan_area,
-        height: r.depth,
-        bounds: &r.bounds,
-        nearest: Some(r.nearest_cutter),
-    });
-    let mut all: Vec<Figures> = if uncut.is_of_flats() { of_layers.collect() } else { of_field.collect() };
-    all.sort_by(|a, b| b.volume.total_cmp(&a.volume));
     let cutters = &uncut.params.library.cutter;
-    let report = |(i, r): (usize, &Figures)| {
+    let report = |(i, r): (usize, &UncutRegion)| {
         let ends = [r.bounds.min, r.bounds.max].map(|p| uncut.params.opening.in_mesh(p));
         RegionReport {
             index: i + 1,
             volume_mm3: r.volume,
             plan_area_mm2: r.plan_area,
-            height_mm: r.height,
+            surface_area_mm2: r.surface_area,
+            height_mm: r.depth,
+            thickness_mm: r.thickness,
             bounds_mm: [ends[0].min(ends[1]).to_array(), ends[0].max(ends[1]).to_array()],
-            nearest_cutter: r.nearest.and_then(|k| cutters.get(k)).map(|c| c.label()),
+            faces: r.faces.clone(),
+            nearest_cutter: r.nearest_cutter.and_then(|k| cutters.get(k)).map(|c| c.label()),
         }
     };
-    all.iter().enumerate().map(report).collect()
+    uncut.regions.iter().enumerate().map(report).collect()
 }

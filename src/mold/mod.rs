@@ -17,6 +17,7 @@ pub mod section;
 pub mod stack;
 pub mod surface;
 pub mod uncut_layer;
+pub mod uncut_region;
 pub mod warning;
 
 mod capsule;
@@ -24,4 +25,4 @@ mod edge_grid;
 mod way;
 
 #[cfg(test)]
-mod test_molds;
+pub(crate) mod test_molds;

@@ -19,7 +19,7 @@ const DRIFT: f64 = 0.15;
 
 /// A connected part of what the cutters leave.
 #[derive(Debug, Clone, PartialEq)]
-pub struct UncutRegion {
+pub struct LayerRegion {
     /// Its pieces: layer and place in the layer, in order.
     pub pieces: Vec<[usize; 2]>,
     /// Volume (mm^3).
@@ -34,7 +34,7 @@ pub struct UncutRegion {
     pub corner_depth: f64,
 }
 
-impl UncutRegion {
+impl LayerRegion {
     /// How thick the residue is across the mold's surface, about (mm): upright it is as deep as the corner, lying as
     /// it is high.
     pub fn residue(&self) -> f64 {
@@ -44,7 +44,7 @@ impl UncutRegion {
 
 /// The regions of layers in rising order, by height and then by place of their first pieces; those whose residue is no
 /// thicker than `tolerance` (mm) left out.
-pub fn regions(layers: &[UncutLayer], tolerance: f64) -> Vec<UncutRegion> {
+pub fn regions(layers: &[UncutLayer], tolerance: f64) -> Vec<LayerRegion> {
     let first: Vec<usize> = layers
         .iter()
         .scan(0, |sum, layer| {
@@ -78,7 +78,7 @@ pub fn regions(layers: &[UncutLayer], tolerance: f64) -> Vec<UncutRegion> {
             members[region].push([k, i]);
         }
     }
-    let mut regions: Vec<UncutRegion> = members.into_par_iter().map(|pieces| region(layers, pieces)).collect();
+    let mut regions: Vec<LayerRegion> = members.into_par_iter().map(|pieces| region(layers, pieces)).collect();
     regions.retain(|region| region.residue() > tolerance);
     regions
 }
@@ -91,9 +91,9 @@ fn find(root: &mut [usize], mut i: usize) -> usize {
     i
 }
 
-fn region(layers: &[UncutLayer], pieces: Vec<[usize; 2]>) -> UncutRegion {
+fn region(layers: &[UncutLayer], pieces: Vec<[usize; 2]>) -> LayerRegion {
     let z = |k: usize| layers[k.min(layers.len() - 1)].z;
-    let mut region = UncutRegion {
+    let mut region = LayerRegion {
         volume: 0.0,
         plan_area: 0.0,
         bounds: Bounds::EMPTY,

@@ -248,7 +248,7 @@ mod tests {
 
     use super::*;
     use crate::geometry::mesh::tests::cuboid;
-    use crate::mold::region::{UncutRegion, regions};
+    use crate::mold::region::{LayerRegion, regions};
     use crate::mold::test_molds::{frame, pocket, polygon, rectangle, with};
 
     fn stack(mesh: &Mesh, cutters: &[Cutter], settings: &LayerSettings) -> UncutStack {
@@ -256,7 +256,7 @@ mod tests {
         uncut_stack(mesh, &cutters, None, settings, &Progress::silent(), &Cancel::default()).unwrap()
     }
 
-    fn found(mesh: &Mesh, cutters: &[Cutter]) -> (Vec<UncutRegion>, f64) {
+    fn found(mesh: &Mesh, cutters: &[Cutter]) -> (Vec<LayerRegion>, f64) {
         let regions = regions(&stack(mesh, cutters, &LayerSettings::default()).layers, 1e-3);
         let volume = regions.iter().map(|r| r.volume).sum();
         (regions, volume)

@@ -1,16 +1,214 @@
-//! The surface of a mold under what is left.
+//! The surface of a mold where it bounds what is left: triangles, split along the boundary.
+//!
+//! Floors lie under what is left, walls beside it: a point of the surface belongs to a region if the grid's cell just
+//! outside it does and the point is no higher than the cutters leave there. A triangle is halved until all of it does,
+//! none of it does, or it is as small as two cells: the boundary is that fine. Faces that look down are never uncut: they
+//! are invert.
 
 use glam::DVec3;
+use rayon::prelude::*;
+
+use super::height_field::{Cover, Covered};
+use crate::geometry::mesh::{Mesh, unit_normal};
+use crate::progress::{Cancel, Cancelled};
+
+/// Longest side of the smallest triangles, in cells.
+const FINENESS: f64 = 2.0;
+/// How far outside the surface the grid is asked, in cells times the horizontal part of the normal.
+const BESIDE: f64 = 0.75;
+/// By how many cells a point may lie below the material of the cell beside it, which has one height for all of the cell.
+const BELOW: f64 = 2.5;
+/// The z component of the unit normal below which a face is a wall, which may stand out of what is left.
+const WALL: f64 = 0.5;
+/// The z component of the unit normal below which a face looks down.
+const INVERT: f64 = -1e-3;
+/// Halvings at most: a triangle of a kilometre comes down to a micrometre.
+const MOST_HALVINGS: usize = 60;
 
 /// Part of a mold's triangle that bounds what is left.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfacePiece {
-    /// Its corners, counter-clockwise seen from outside (mm), the opening looking along +Z.
+    /// Its corners, turning as those of the triangle do (mm).
     pub corners: [DVec3; 3],
-    /// Triangle of the mesh.
+    /// The triangle of the mesh that it is of.
     pub face: u32,
-    /// Place in the list of regions.
+    /// The region that it bounds: its place in the list.
     pub region: u32,
     /// Height of what is left above each corner (mm).
     pub depth: [f32; 3],
+}
+
+impl SurfacePiece {
+    /// Its area (mm^2).
+    pub fn area(&self) -> f64 {
+        let [a, b, c] = self.corners;
+        0.5 * (b - a).cross(c - a).length()
+    }
+}
+
+/// Where the pieces of a surface pass the height `z` (mm): the segments of that layer that the cutters do not touch, each
+/// with its region.
+pub fn segments_at(pieces: &[SurfacePiece], z: f64) -> Vec<(u32, [DVec3; 2])> {
+    let crossing = |a: DVec3, b: DVec3| ((a.z < z) != (b.z < z)).then(|| a.lerp(b, (z - a.z) / (b.z - a.z)));
+    let segment = |piece: &SurfacePiece| {
+        let [a, b, c] = piece.corners;
+        let mut ends = [crossing(a, b), crossing(b, c), crossing(c, a)].into_iter().flatten();
+        Some((piece.region, [ends.next()?, ends.next()?]))
+    };
+    pieces.iter().filter_map(segment).collect()
+}
+
+/// The parts of `mesh`, which opens along +Z, that bound regions, in order of its triangles.
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn uncut_surface(mesh: &Mesh, covered: &Covered, cancel: &Cancel) -> Result<Vec<SurfacePiece>, Cancelled> {
+    let of_face = |face: usize| -> Result<Vec<SurfacePiece>, Cancelled> {
+        cancel.check()?;
+        let corners = mesh.corners(face);
+        let normal = unit_normal(corners);
+        let mut pieces = Vec::new();
+        if normal.is_finite() && normal.z >= INVERT {
+            let face =
+                Face { covered, normal, beside: normal.with_z(0.0) * BESIDE * covered.step(), face: face as u32 };
+            face.split(corners, MOST_HALVINGS, &mut pieces);
+        }
+        Ok(pieces)
+    };
+    let pieces: Vec<Vec<SurfacePiece>> =
+        (0..mesh.triangles.len()).into_par_iter().map(of_face).collect::<Result<_, _>>()?;
+    Ok(pieces.concat())
+}
+
+struct Face<'a> {
+    covered: &'a Covered<'a>,
+    normal: DVec3,
+    /// From the surface to where the grid is asked (mm).
+    beside: DVec3,
+    face: u32,
+}
+
+impl Face<'_> {
+    fn split(&self, corners: [DVec3; 3], halvings: usize, pieces: &mut Vec<SurfacePiece>) {
+        let [a, b, c] = corners;
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        let cover = self.covered.over((low + self.beside).truncate(), (high + self.beside).truncate());
+        let whole = match cover {
+            Cover::Nothing => return,
+            Cover::Partly => None,
+            // What is left over a floor reaches above it everywhere, beside a wall it may end halfway up.
+            Cover::Wholly { region, least } => (self.normal.z >= WALL || least >= high.z).then_some(region),
+        };
+        let middle = (a + b + c) / 3.0;
+        let is_visible = || [a, b, c, middle].iter().all(|p| self.left_at(*p).is_some());
+        if let Some(region) = whole.filter(|_| is_visible()) {
+            pieces.push(self.piece(corners, region));
+            return;
+        }
+        let sides = [b - a, c - b, a - c].map(DVec3::length);
+        let longest = (0..3).max_by(|i, j| sides[*i].total_cmp(&sides[*j])).unwrap_or(0);
+        if sides[longest] <= FINENESS * self.covered.step() || halvings == 0 {
+            pieces.extend(self.left_at(middle).map(|(region, _)| self.piece(corners, region)));
+            return;
+        }
+        let [from, to, tip] = [0, 1, 2].map(|k| corners[(longest + k) % 3]);
+        let half = 0.5 * (from + to);
+        self.split([from, half, tip], halvings - 1, pieces);
+        self.split([half, to, tip], halvings - 1, pieces);
+    }
+
+    /// The region that a point of the surface bounds, and how far what is left reaches above it (mm).
+    fn left_at(&self, p: DVec3) -> Option<(usize, f64)> {
+        let left = self.covered.at((p + self.beside).truncate())?;
+        let is_hidden = p.z < left.low - BELOW * self.covered.step();
+        (!is_hidden && p.z <= left.high).then_some((left.region, left.high - p.z))
+    }
+
+    fn piece(&self, corners: [DVec3; 3], region: usize) -> SurfacePiece {
+        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let top = self.left_at(middle).map_or(middle.z, |(_, depth)| middle.z + depth);
+        // A corner on the boundary may lie over a cell of which nothing is left.
+        let depth = |p: DVec3| self.left_at(p).map_or((top - p.z).max(0.0), |(_, depth)| depth) as f32;
+        SurfacePiece { corners, face: self.face, region: region as u32, depth: corners.map(depth) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mold::cutter::{Cutter, CutterLibrary};
+    use crate::mold::height_field::{FieldRegion, HeightField, closing, regions};
+    use crate::mold::test_molds::{dish, pocket, rectangle};
+
+    const STEP: f64 = 0.05;
+
+    fn surface(mesh: &Mesh, cutter: Cutter) -> (Vec<SurfacePiece>, Vec<FieldRegion>) {
+        let cancel = Cancel::default();
+        let field = HeightField::raster(mesh, STEP, &cancel).unwrap();
+        let closing = closing(&field, &CutterLibrary { cutter: vec![cutter] }, &cancel).unwrap();
+        let found = regions(&field, &closing, 0.02, &cancel).unwrap();
+        let pieces = uncut_surface(mesh, &Covered::new(&field, &closing, &found), &cancel).unwrap();
+        (pieces, found)
+    }
+
+    /// Area of the pieces whose normals look this steeply upwards.
+    fn area(mesh: &Mesh, pieces: &[SurfacePiece], upness: std::ops::RangeInclusive<f64>) -> f64 {
+        let upright = |p: &&SurfacePiece| upness.contains(&unit_normal(mesh.corners(p.face as usize)).z);
+        pieces.iter().filter(upright).map(SurfacePiece::area).sum()
+    }
+
+    #[test]
+    fn floor_and_walls_of_a_slot_too_narrow_for_the_cutter_are_uncut_whole() {
+        let slot = rectangle(10.0, 1.9);
+        let mesh = pocket(&rectangle(20.0, 12.0), &slot, &slot, [9.0, 6.0]);
+        let (pieces, found) = surface(&mesh, Cutter::flat(1.0));
+        assert_eq!(found.len(), 1);
+        let (floor, walls) = (area(&mesh, &pieces, 0.9..=1.0), area(&mesh, &pieces, -0.1..=0.1));
+        // Each side ends within two cells of where it should.
+        assert!((floor - 19.0).abs() < 2.0 * STEP * 23.8, "{floor}");
+        assert!((walls - 23.8 * 6.0).abs() < 2.0 * STEP * 23.8, "{walls}");
+        let depths = pieces.iter().flat_map(|p| p.corners.iter().zip(p.depth));
+        depths.for_each(|(p, depth)| assert!((9.0 - p.z - f64::from(depth)).abs() < 1e-4, "{p} {depth}"));
+        let length: f64 = segments_at(&pieces, 6.0).iter().map(|(_, [a, b])| a.distance(*b)).sum();
+        assert!((length - 23.8).abs() < 16.0 * STEP, "{length}");
+        assert!(segments_at(&pieces, 2.9).is_empty() && segments_at(&pieces, 9.1).is_empty());
+    }
+
+    #[test]
+    fn in_the_corners_of_a_pocket_they_end_where_the_residue_is_thinner_than_the_tolerance() {
+        let sides = rectangle(10.0, 8.0);
+        let mesh = pocket(&rectangle(20.0, 16.0), &sides, &sides, [9.0, 6.0]);
+        let (pieces, found) = surface(&mesh, Cutter::flat(2.0));
+        assert_eq!(found.len(), 4);
+        let floor = area(&mesh, &pieces, 0.9..=1.0);
+        let corner = 4.0 * (1.0 - std::f64::consts::FRAC_PI_4);
+        assert!((floor - 4.0 * corner).abs() < 0.05 * 4.0 * corner, "{floor}");
+        // Beside a wall the cutter's circle comes as near as a cell at sqrt(2 R cell) before it touches.
+        let walls = area(&mesh, &pieces, -0.1..=0.1) / (4.0 * 2.0 * 6.0);
+        let lost = |cells: f64| (2.0 * 2.0 * cells * STEP).sqrt();
+        assert!((2.0 - lost(2.0)..=2.0 - lost(0.4)).contains(&walls), "{walls}");
+        let own: Vec<_> = (0..4).map(|r| pieces.iter().filter(|p| p.region == r).count()).collect();
+        assert!(own.iter().all(|n| *n > 10), "{own:?}");
+        for piece in &pieces {
+            let [a, b, c] = mesh.corners(piece.face as usize);
+            let normal = unit_normal([a, b, c]);
+            assert!(piece.corners.iter().all(|p| (*p - a).dot(normal).abs() < 1e-9), "it lies on its triangle");
+            assert!(unit_normal(piece.corners).dot(normal) > 1.0 - 1e-6, "it turns as its triangle");
+            let bounds = found[piece.region as usize].bounds.grown(3.0 * STEP);
+            assert!(piece.corners.iter().all(|p| p.clamp(bounds.min, bounds.max) == *p), "{piece:?}");
+        }
+    }
+
+    #[test]
+    fn sloping_walls_are_split_where_the_cutter_begins_to_touch() {
+        // A groove of 90 degrees, 4 mm wide: a flat cutter of radius 1 stops 1 mm above its ground.
+        let level = |half: f64| rectangle(12.0 + 2.0 * half, 2.0 * half);
+        let mesh = dish(&rectangle(30.0, 12.0), &[(level(2.0), 5.0), (level(1e-3), 3.001)], 3.001);
+        let (pieces, _) = surface(&mesh, Cutter::flat(1.0));
+        let slopes: Vec<_> = pieces.iter().filter(|p| p.corners.iter().all(|q| q.x.abs() < 5.0)).collect();
+        let highest = slopes.iter().flat_map(|p| p.corners).map(|p| p.z).fold(0.0, f64::max);
+        assert!((highest - 4.0).abs() < 3.0 * STEP, "{highest}");
+        let length: f64 = segments_at(&pieces, 3.5).iter().map(|(_, [a, b])| a.distance(*b)).sum();
+        assert!((length - 2.0 * (13.0 + 1.0)).abs() < 0.3, "both slopes and both ends: {length}");
+    }
 }

@@ -19,8 +19,8 @@ pub use colours::mesh_colour;
 pub use leftover::{LeftoverShape, leftover_legend};
 pub use machine::{MachineBody, WholeMotion, machine_bodies};
 pub use mold::{
-    MoldPart, MoldScene, RegionColours, RegionShape, build_mold, depth_legend, faces_shape, mold_part, region_colour,
-    region_shapes,
+    MoldLayer, MoldPart, MoldScene, RegionColours, RegionShape, build_mold, depth_legend, faces_shape, mold_part,
+    region_colour, region_shapes,
 };
 pub use pictures::{PICTURE_SIZE, PlanPicture, PlanToShow, plan_pictures};
 pub use scene::{Layer, Layers, Look, SceneInputs, build, layer_id, layer_of};

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::colours::{BAD, STEEL};
 use crate::geometry::mesh::{Mesh, normal_times_two_areas};
 use crate::mold::opening::Opening;
-use crate::mold::stack::UncutLayer;
+use crate::mold::piece::UncutPiece;
 use crate::mold::surface::SurfacePiece;
 use crate::render::colour::{Colour, Theme};
 use crate::render::colour_map::{ColourMap, Legend};
@@ -114,7 +114,7 @@ pub fn region_colour(i: usize) -> Colour {
 
 /// What the colours by depth mean, up to the `deepest` (mm).
 pub fn depth_legend(deepest: f64) -> Legend {
-    let (title, unit) = ("Left, height".to_owned(), "mm".to_owned());
+    let (title, unit) = ("Height left".to_owned(), "mm".to_owned());
     let max = if deepest > 0.0 { deepest } else { 1.0 };
     Legend { title, unit, map: ColourMap::Sequential, min: 0.0, max, threshold: None }
 }
@@ -150,10 +150,23 @@ pub struct MoldScene<'a> {
     pub invert: Option<&'a Arc<RenderMesh>>,
     /// What a quick look found, in place of the regions.
     pub glance: Option<&'a Arc<RenderMesh>>,
-    /// A layer, with the opening that it looks to.
-    pub layer: Option<(&'a UncutLayer, Opening)>,
+    /// A layer.
+    pub layer: Option<MoldLayer<'a>>,
     /// Colours of the surroundings.
     pub theme: Theme,
+}
+
+/// A layer of a mold. All of it stands upright, the opening looking along +Z.
+#[derive(Debug, Clone, Copy)]
+pub struct MoldLayer<'a> {
+    /// Its height (mm).
+    pub z: f64,
+    /// What is left in it, as far as that is known.
+    pub pieces: &'a [UncutPiece],
+    /// What no cutter touches of the mold's outline (mm).
+    pub segments: &'a [Vec<DVec3>],
+    /// Where the mold opens to.
+    pub opening: Opening,
 }
 
 /// What a click met.
@@ -196,23 +209,23 @@ pub fn build_mold(inputs: &MoldScene) -> Scene {
             scene.objects.push(object);
         }
     }
-    if let Some((layer, opening)) = inputs.layer {
-        let diagonal = inputs.mold.bounds().size().length();
-        let at = |p: DVec2, z: f64| opening.in_mesh(p.extend(z));
-        let z = layer.z + ABOVE * diagonal;
-        scene.section = Some(SectionPlane { point: at(DVec2::ZERO, z), normal: opening.in_mesh(DVec3::Z) });
-        scene.lines.extend(layer_lines(layer, |p| at(p, z), inputs.theme));
+    if let Some(layer) = &inputs.layer {
+        let z = layer.z + ABOVE * inputs.mold.bounds().size().length();
+        let normal = layer.opening.in_mesh(DVec3::Z);
+        scene.section = Some(SectionPlane { point: z * normal, normal });
+        scene.lines.extend(layer_lines(layer, z, inputs.theme));
     }
     scene.grid = Grid::below(&inputs.mold.bounds());
     scene
 }
 
 /// The bounds of what is left in a layer, thin, and what no cutter touches of the mold's outline, in red.
-fn layer_lines(layer: &UncutLayer, at: impl Fn(DVec2) -> DVec3, theme: Theme) -> [LineSet; 2] {
-    let lines = |points: &[DVec2]| points.iter().map(|p| at(*p)).collect::<Vec<_>>();
+fn layer_lines(layer: &MoldLayer, z: f64, theme: Theme) -> [LineSet; 2] {
+    let at = |p: DVec2| layer.opening.in_mesh(p.extend(z));
     let closed = |points: &[DVec2]| points.iter().chain(points.first()).map(|p| at(*p)).collect::<Vec<_>>();
     let bounds = layer.pieces.iter().flat_map(|p| &p.boundary).map(|o| closed(o.points())).collect();
-    let segments = layer.pieces.iter().flat_map(|p| &p.segments).filter(|s| s.len() > 1).map(|s| lines(s)).collect();
+    let line = |points: &Vec<DVec3>| points.iter().map(|p| at(p.truncate())).collect::<Vec<_>>();
+    let segments = layer.segments.iter().filter(|points| points.len() > 1).map(line).collect();
     let thin = LineSet { width_px: 1.0, on_top: true, ..LineSet::new(bounds, theme.section) };
     [thin, LineSet { width_px: 3.5, on_top: true, ..LineSet::new(segments, BAD) }]
 }
@@ -249,8 +262,9 @@ mod tests {
         let mold = Arc::new(RenderMesh::new(&cuboid(DVec3::new(2.0, 4.0, 4.0))));
         let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)].map(|(x, y)| DVec2::new(x, y)).to_vec();
         let boundary = vec![Outline::new(square.clone()).unwrap()];
-        let pieces = vec![UncutPiece { boundary, area: 0.5, segments: vec![square, Vec::new()], depth: 0.2 }];
-        let layer = UncutLayer { z: 1.5, pieces };
+        let segments = [square.iter().map(|p| p.extend(1.4)).collect(), Vec::new()];
+        let pieces = [UncutPiece { boundary, area: 0.5, segments: Vec::new(), depth: 0.2 }];
+        let layer = MoldLayer { z: 1.5, pieces: &pieces, segments: &segments, opening: Opening::PlusX };
         let shapes = region_shapes(mold.source(), &[piece(0, 0.0, 3.0), piece(1, 1.0, 1.0)], 2, Opening::PlusX);
         let inputs = MoldScene {
             mold: &mold,
@@ -262,7 +276,7 @@ mod tests {
             is_faint: false,
             invert: None,
             glance: None,
-            layer: Some((&layer, Opening::PlusX)),
+            layer: Some(layer),
             theme: Theme::DARK,
         };
         let scene = build_mold(&inputs);

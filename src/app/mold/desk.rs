@@ -5,11 +5,12 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::list::Column;
+use crate::geometry::mesh::Bounds;
 use crate::jobs::mold::{FoundUncut, MoldEvent, MoldWork};
 use crate::jobs::pipeline::StageState;
-use crate::jobs::uncut_regions::LeftRegion;
+use crate::jobs::uncut::LayerFound;
 use crate::mold::cutter::CutterLibrary;
-use crate::mold::stack::UncutLayer;
+use crate::mold::uncut_region::UncutRegion;
 use crate::project::MoldParams;
 use crate::views::RegionColours;
 
@@ -160,7 +161,7 @@ impl MoldDesk {
         self.shown = now.cloned();
         (self.selected, self.isolated, self.fly_to) = (None, false, None);
         self.layer = height.and_then(|z| {
-            let layers = &self.shown.as_ref()?.uncut.stack.layers;
+            let layers = &self.shown.as_ref()?.uncut.layers;
             let off = |i: &usize| (layers[*i].z - z).abs();
             (0..layers.len()).min_by(|a, b| off(a).total_cmp(&off(b)))
         });
@@ -172,21 +173,27 @@ impl MoldDesk {
     }
 
     /// The regions that are left.
-    pub fn regions(&self) -> &[LeftRegion] {
-        self.shown.as_ref().map_or(&[], |found| &found.left.regions)
+    pub fn regions(&self) -> &[UncutRegion] {
+        self.shown.as_ref().map_or(&[], |found| &found.uncut.regions)
+    }
+
+    /// The box around a region in the axes of the mesh (mm).
+    pub fn bounds(&self, region: usize) -> Option<Bounds> {
+        let uncut = &self.shown.as_ref()?.uncut;
+        let Bounds { min, max } = uncut.regions.get(region)?.bounds;
+        Some(Bounds::of([min, max].map(|p| uncut.params.opening.in_mesh(p))))
     }
 
     /// The layer that is looked at, and its number.
-    pub fn layer(&self) -> Option<(&UncutLayer, usize)> {
+    pub fn layer(&self) -> Option<(&LayerFound, usize)> {
         let number = self.layer?;
-        Some((self.shown.as_ref()?.uncut.stack.layers.get(number)?, number))
+        Some((self.shown.as_ref()?.uncut.layers.get(number)?, number))
     }
 
     /// Begins or ends to look at layers, with the one where most is left.
     pub fn toggle_layers(&mut self) {
-        let area = |layer: &UncutLayer| layer.pieces.iter().map(|p| p.area).sum::<f64>();
-        let layers = self.shown.as_ref().map_or(&[][..], |found| &found.uncut.stack.layers);
-        let fullest = (0..layers.len()).rev().max_by(|&a, &b| area(&layers[a]).total_cmp(&area(&layers[b])));
+        let layers = self.shown.as_ref().map_or(&[][..], |found| &found.uncut.layers);
+        let fullest = (0..layers.len()).rev().max_by(|&a, &b| layers[a].area.total_cmp(&layers[b].area));
         self.layer = if self.layer.is_some() { None } else { fullest };
     }
 
@@ -216,7 +223,7 @@ impl MoldDesk {
     }
 
     /// The cutter that comes nearest to a region, as it is called.
-    pub fn nearest(&self, region: &LeftRegion) -> String {
+    pub fn nearest(&self, region: &UncutRegion) -> String {
         let library = self.shown.as_ref().map(|found| &found.uncut.params.library);
         let cutter = region.nearest_cutter.and_then(|i| library?.cutter.get(i));
         cutter.map_or("\u{2013}".to_owned(), |c| c.label())

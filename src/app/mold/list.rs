@@ -8,7 +8,7 @@ use super::super::core::Core;
 use super::super::stepper::{command_button, fact};
 use super::super::theme::{palette, tick};
 use super::desk::MoldDesk;
-use crate::jobs::uncut_regions::LeftRegion;
+use crate::mold::uncut_region::UncutRegion;
 use crate::views::region_colour;
 
 /// A column of the list.
@@ -31,7 +31,7 @@ impl Column {
     }
 
     /// What a region, which is number `i`, is sorted by.
-    pub fn key(self, region: &LeftRegion, i: usize) -> f64 {
+    pub fn key(self, region: &UncutRegion, i: usize) -> f64 {
         match self {
             Self::Index => i as f64,
             Self::Volume => region.volume,
@@ -60,7 +60,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
         tick(ui, &mut core.mold.only_vanishing, "Only what the other cutters would take away");
     }
     // What is known of the selected region stands below, whatever room the list takes.
-    let below = if core.mold.selected.is_some() { 190.0 } else { 0.0 };
+    let below = if core.mold.selected.is_some() { 264.0 } else { 0.0 };
     let height = (ui.available_height() - below).max(80.0);
     ui.allocate_ui(vec2(ui.available_width(), height), |ui| table(ui, &mut core.mold, &listed));
     if let Some(selected) = core.mold.selected {
@@ -75,10 +75,10 @@ fn table(ui: &mut Ui, mold: &mut MoldDesk, listed: &[usize]) {
         .striped(true)
         .sense(Sense::click())
         .cell_layout(Layout::right_to_left(Align::Center))
-        .column(Width::exact(44.0))
+        .column(Width::exact(40.0))
+        .column(Width::remainder().at_least(82.0))
         .column(Width::remainder().at_least(68.0))
-        .column(Width::remainder().at_least(58.0))
-        .column(Width::exact(52.0))
+        .column(Width::exact(50.0))
         .column(Width::remainder().at_least(64.0))
         .min_scrolled_height(0.0)
         .auto_shrink([false, false]);
@@ -167,9 +167,12 @@ fn details(ui: &mut Ui, core: &mut Core, selected: usize) {
     });
     fact(ui, "Volume", format!("{:.4} mm³", region.volume));
     fact(ui, "Plan area", format!("{:.4} mm²", region.plan_area));
+    fact(ui, "Surface", format!("{:.4} mm²", region.surface_area));
     fact(ui, "Greatest height", length.show(region.depth, 3));
+    fact(ui, "Across the surface", length.show(region.thickness, 3));
+    let Some(bounds) = core.mold.bounds(selected) else { return };
     for (axis, name) in ["X", "Y", "Z"].into_iter().enumerate() {
-        let [low, high] = [region.bounds.min, region.bounds.max].map(|p| p.to_array()[axis]);
+        let [low, high] = [bounds.min, bounds.max].map(|p| p.to_array()[axis]);
         fact(ui, name, format!("{low:.2} to {high:.2} mm"));
     }
     let remains = core.mold.work.other().and_then(|other| other.1.remains.get(selected).copied());

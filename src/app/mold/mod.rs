@@ -30,7 +30,7 @@ pub fn show(ui: &mut Ui, core: &mut Core, view: &mut MoldView) -> Option<Purpose
         .show(ui, |ui| panel::show(ui, core))
         .inner;
     if wide {
-        let list = Panel::right("regions").default_size(322.0).size_range(260.0..=460.0);
+        let list = Panel::right("regions").default_size(348.0).size_range(300.0..=480.0);
         list.show(ui, |ui| list::show(ui, core));
     }
     egui::CentralPanel::no_frame().show(ui, |ui| view.show(ui, core));

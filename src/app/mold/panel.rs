@@ -9,6 +9,7 @@ use super::super::status::grouped;
 use super::super::stepper::{command_button, fact, notice};
 use super::super::theme::{palette, tick};
 use super::{compare, cutters};
+use crate::jobs::mold::FoundUncut;
 use crate::jobs::pipeline::{EventKind, StageState};
 use crate::mesh_io::Units;
 use crate::mold::opening::Opening;
@@ -38,9 +39,12 @@ fn section(ui: &mut Ui, name: &str, open: bool, body: impl FnOnce(&mut Ui)) {
 /// A name before what is chosen, as in the forms of the other workspace.
 fn named<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui, egui::Id) -> R) -> R {
     let row = ui.horizontal(|ui| {
-        let label = ui
-            .add_sized(vec2(84.0, 22.0), egui::Label::new(name).truncate().selectable(false).halign(egui::Align::LEFT));
-        add(ui, label.id)
+        let layout = egui::Layout::left_to_right(egui::Align::Center);
+        let label = ui.allocate_ui_with_layout(vec2(84.0, 22.0), layout, |ui| {
+            ui.set_min_width(84.0);
+            ui.label(name).id
+        });
+        add(ui, label.inner)
     });
     row.inner
 }
@@ -165,19 +169,20 @@ fn uncut(ui: &mut Ui, core: &mut Core) {
         _ => {}
     }
     if let Some(found) = core.mold.found().cloned() {
-        answer(ui, core, &found.report);
+        answer(ui, core, &found);
     }
 }
 
 /// What was found, in words and figures.
-fn answer(ui: &mut Ui, core: &mut Core, report: &crate::jobs::uncut_report::UncutReport) {
+fn answer(ui: &mut Ui, core: &mut Core, found: &FoundUncut) {
+    let report = &found.report;
     let colours = palette(ui);
     let colour = match (report.is_whole, report.regions.is_empty()) {
         (false, _) => colours.warning,
         (true, true) => colours.good,
         (true, false) => colours.accent,
     };
-    notice(ui, colour, &report.sentence);
+    notice(ui, colour, &found.sentence());
     for warning in &report.warnings {
         notice(ui, colours.warning, warning);
     }

@@ -4,19 +4,18 @@ use egui::{Rect, RichText, Slider, Ui, UiBuilder, vec2};
 
 use super::super::core::Core;
 use super::super::theme::palette;
-use crate::mold::piece::UncutPiece;
 
 /// Draws it, if layers are looked at.
 pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core) {
     let Some(found) = core.mold.found().cloned() else { return };
-    let (layers, Some(number)) = (&found.uncut.stack.layers, core.mold.layer) else { return };
+    let (layers, Some(number)) = (&found.uncut.layers, core.mold.layer) else { return };
     let Some(layer) = layers.get(number) else { return };
     let width = (rect.width() - 16.0).min(620.0);
     let area = Rect::from_min_size(rect.left_bottom() + vec2(8.0, -40.0), vec2(width, 32.0));
     let layout = egui::Layout::left_to_right(egui::Align::Center);
     let mut child = ui.new_child(UiBuilder::new().max_rect(area.shrink2(vec2(8.0, 0.0))).layout(layout));
     child.painter().rect_filled(area, 5.0, child.visuals().window_fill.gamma_multiply(0.92));
-    child.spacing_mut().slider_width = (0.36 * width).max(60.0);
+    child.spacing_mut().slider_width = (width - 390.0).clamp(60.0, 260.0);
     let label = child.label(RichText::new("Layer").color(palette(&child).faint));
     let mut at = number;
     let last = layers.len() - 1;
@@ -29,11 +28,11 @@ pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core) {
     }
     core.mold.layer = Some(at);
     child.label(RichText::new(format!("z {:.3} mm", layer.z)).monospace());
-    if child.available_width() > 190.0 {
-        let length: f64 = layer.pieces.iter().map(UncutPiece::segment_length).sum();
-        let area: f64 = layer.pieces.iter().map(|p| p.area).sum();
-        let text = format!("{:.2} mm not touched, {area:.3} mm²", length);
+    if child.available_width() > 150.0 {
+        let text = format!("{:.2} mm, {:.3} mm² left", layer.segment_length, layer.area);
         let said = child.label(RichText::new(text).small().color(palette(&child).faint));
-        said.on_hover_text("Of the mold's outline in this layer by any flat cutter, and the area that they leave");
+        said.on_hover_text(
+            "How much of the mold's outline no cutter touches in this layer, and the area that they leave",
+        );
     }
 }

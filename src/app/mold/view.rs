@@ -10,12 +10,11 @@ use super::super::overlay;
 use super::super::theme::palette;
 use super::super::viewport::Viewport;
 use super::strip;
-use crate::geometry::mesh::Bounds;
 use crate::jobs::pipeline::StageState;
 use crate::render::colour::Theme;
 use crate::render::scene::Scene;
 use crate::render::view::StandardView;
-use crate::views::{MoldPart, MoldScene, RegionColours, build_mold, depth_legend, mold_part};
+use crate::views::{MoldLayer, MoldPart, MoldScene, RegionColours, build_mold, depth_legend, mold_part};
 
 /// State of the view.
 #[derive(Default)]
@@ -62,6 +61,8 @@ impl SceneKey {
         let theme = if self.dark { Theme::DARK } else { Theme::LIGHT };
         let Some(loaded) = core.mold.work.mold() else { return Scene { triad: false, ..Scene::new(theme) } };
         let found = core.mold.found();
+        let layer = core.mold.layer();
+        let segments = found.zip(layer).map_or_else(Vec::new, |(f, (layer, _))| f.uncut.segments(layer.z));
         let opening = found.map_or(core.mold.params.opening, |f| f.uncut.params.opening);
         build_mold(&MoldScene {
             mold: &loaded.shape,
@@ -73,7 +74,13 @@ impl SceneKey {
             is_faint: self.is_faint,
             invert: found.and_then(|f| f.invert.as_ref()).filter(|_| self.shows_invert),
             glance: core.mold.work.glanced().map(|glance| &glance.shape),
-            layer: core.mold.layer().map(|(layer, _)| (layer, opening)),
+            layer: found.zip(layer).map(|(found, (layer, number))| MoldLayer {
+                z: layer.z,
+                // The layers know what flat cutters leave.
+                pieces: if found.uncut.is_of_flats() { &found.uncut.stack.layers[number].pieces } else { &[] },
+                segments: &segments,
+                opening,
+            }),
             theme,
         })
     }
@@ -87,10 +94,8 @@ impl MoldView {
             self.scene = Arc::new(key.scene(core));
             self.key = Some(key);
         }
-        if let Some(region) = core.mold.fly_to.take().and_then(|i| core.mold.regions().get(i)) {
-            let Bounds { min, max } = region.bounds;
-            let room = region.bounds.grown(0.6 * (max - min).length());
-            self.viewport.fly_into(&room, ui.input(|i| i.time));
+        if let Some(bounds) = core.mold.fly_to.take().and_then(|i| core.mold.bounds(i)) {
+            self.viewport.fly_into(&bounds.grown(0.6 * bounds.size().length()), ui.input(|i| i.time));
         }
         let fitted_to = core.mold.work.mold().map_or(0, |mold| Arc::as_ptr(mold) as usize);
         let navigation = core.preferences.navigation;
@@ -136,13 +141,11 @@ fn caption(ui: &mut Ui, rect: Rect, core: &Core) {
     let colours = palette(ui);
     let found = core.mold.found();
     let (colour, text) = match (core.mold.state(), core.mold.work.glanced(), found) {
-        (StageState::Done, _, Some(found)) if found.report.regions.is_empty() && found.report.is_whole => {
-            (colours.good, found.report.sentence.clone())
-        }
-        (StageState::Done, _, Some(found)) => (colours.accent, found.report.sentence.clone()),
+        // The panel says it.
+        (StageState::Done, ..) => return,
         (_, Some(glance), _) => (colours.warning, glance.preview.sentence()),
         (StageState::Running, ..) => return,
-        (_, None, Some(found)) => (colours.warning, format!("Stale: {}", found.report.sentence)),
+        (_, None, Some(found)) => (colours.warning, format!("Stale: {}", found.sentence())),
         _ => return,
     };
     let above = if core.mold.layer.is_some() { 50.0 } else { 10.0 };

@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use super::{LoadedMold, Question};
 use crate::jobs::uncut_preview::{Preview, preview};
-use crate::jobs::uncut_regions::pieces;
 use crate::jobs::worker::{Ended, Message, Reporter, Worker};
 use crate::progress::{Cancel, Progress};
 use crate::render::mesh::RenderMesh;
@@ -60,7 +59,7 @@ impl Glancer {
         self.worker.submit(0, move |_: &Reporter<(), Glance>, _: &Progress, cancel: &Cancel| {
             let preview = preview(&mold.mesh, &params, cancel).map_err(|e| e.to_string())?;
             let cells = preview.regions.iter().flat_map(|r| &r.cells);
-            let surface: Vec<_> = cells.flat_map(|cell| pieces(cell, 0)).collect();
+            let surface: Vec<_> = cells.flat_map(|cell| cell.pieces(0)).collect();
             let shape = region_shapes(&mold.mesh, &surface, 1, params.opening).swap_remove(0).shape;
             Ok(Glance { preview, shape })
         });

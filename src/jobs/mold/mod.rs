@@ -158,7 +158,7 @@ impl MoldWork {
         }
         if self.found.is_of(task) {
             let ended = done(ended, |made| if let Made::Found(found) = made { Some(*found) } else { None });
-            return self.found.end(ended, |found| found.report.sentence.clone());
+            return self.found.end(ended, FoundUncut::sentence);
         }
         let ended = done(ended, |made| if let Made::Other(other) = made { Some(*other) } else { None });
         self.other.end(ended, |(_, comparison)| comparison.sentence())

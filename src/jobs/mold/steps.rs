@@ -5,8 +5,7 @@ use std::sync::Arc;
 
 use crate::geometry::mesh::Mesh;
 use crate::jobs::uncut::{Uncut, UncutError, UncutParams, uncut};
-use crate::jobs::uncut_compare::{self, Comparison};
-use crate::jobs::uncut_regions::{Left, left};
+use crate::jobs::uncut_compare::{Comparison, Left, compare as compare_left};
 use crate::jobs::uncut_report::UncutReport;
 use crate::mesh_io::{ImportOptions, ImportReport, Units, import_file};
 use crate::progress::{Cancel, Progress};
@@ -43,14 +42,19 @@ pub struct FoundUncut {
     pub uncut: Uncut,
     /// The same in figures and words.
     pub report: UncutReport,
-    /// Its regions with their surface.
-    pub left: Left,
     /// The regions for the screen.
     pub shapes: Vec<RegionShape>,
     /// The faces that look away from the cutters, for the screen.
     pub invert: Option<Arc<RenderMesh>>,
     /// The greatest height of what is left (mm).
     pub deepest: f64,
+}
+
+impl FoundUncut {
+    /// What was found, in a sentence.
+    pub fn sentence(&self) -> String {
+        self.report.sentence.replace("mm3", "mm³")
+    }
 }
 
 /// Reads a mold from its file.
@@ -80,13 +84,11 @@ pub(super) fn find(
 ) -> Result<FoundUncut, String> {
     let text = |e: UncutError| e.to_string();
     let found = uncut(&mold.mesh, params, progress, cancel).map_err(text)?;
-    progress.report("surface of what is left", 0.0, "");
-    let left = left(&found, &mold.mesh, cancel).map_err(text)?;
-    let shapes = region_shapes(&mold.mesh, &left.surface, left.regions.len(), params.opening);
+    let shapes = region_shapes(&mold.mesh, &found.surface, found.regions.len(), params.opening);
     let invert = faces_shape(&mold.mesh, &found.stack.invert.triangles);
-    let deepest = left.regions.iter().fold(0.0, |most: f64, r| most.max(r.depth));
+    let deepest = found.regions.iter().fold(0.0, |most: f64, r| most.max(r.depth));
     cancel.check().map_err(|e| e.to_string())?;
-    Ok(FoundUncut { report: UncutReport::of(&found), uncut: found, left, shapes, invert, deepest })
+    Ok(FoundUncut { report: UncutReport::of(&found), uncut: found, shapes, invert, deepest })
 }
 
 /// Finds what other cutters leave, and how that compares with what was found.
@@ -101,6 +103,6 @@ pub(super) fn compare(
     cancel: &Cancel,
 ) -> Result<(FoundUncut, Comparison), String> {
     let other = find(mold, params, progress, cancel)?;
-    let comparison = uncut_compare::compare(&found.left, &other.left, cancel).map_err(|e| e.to_string())?;
+    let comparison = compare_left(Left::of(&found.uncut), Left::of(&other.uncut), cancel).map_err(|e| e.to_string())?;
     Ok((other, comparison))
 }

@@ -11,6 +11,7 @@
 
 mod blocks;
 mod closing;
+mod covered;
 mod element;
 mod raster;
 mod regions;
@@ -19,7 +20,8 @@ mod sweep;
 mod tests;
 
 pub use closing::{Closing, closing};
-pub use regions::{UncutRegion, regions};
+pub use covered::{Cover, Covered, Left};
+pub use regions::{FieldRegion, regions};
 
 use glam::{DVec2, DVec3};
 

@@ -8,7 +8,7 @@ use crate::progress::Cancel;
 
 /// A connected piece of uncut material.
 #[derive(Debug, Clone, PartialEq)]
-pub struct UncutRegion {
+pub struct FieldRegion {
     /// Its cells, in order.
     pub cells: Vec<u32>,
     /// Area in plan (mm^2).
@@ -37,15 +37,15 @@ pub fn regions(
     closing: &Closing,
     tolerance: f64,
     cancel: &Cancel,
-) -> Result<Vec<UncutRegion>, HeightFieldError> {
+) -> Result<Vec<FieldRegion>, HeightFieldError> {
     let (expected, found) = (field.heights.len(), closing.heights.len());
     if expected != found {
         return Err(HeightFieldError::OtherGrid { expected, found });
     }
     let pieces = Pieces::of(field, closing, tolerance, cancel)?;
-    let mut regions: Vec<UncutRegion> =
+    let mut regions: Vec<FieldRegion> =
         pieces.cells().into_iter().map(|cells| measured(field, closing, cells)).collect();
-    let place = |r: &UncutRegion| r.bounds.min;
+    let place = |r: &FieldRegion| r.bounds.min;
     regions.sort_by(|a, b| {
         let by_volume = b.volume.total_cmp(&a.volume);
         by_volume.then(place(a).x.total_cmp(&place(b).x)).then(place(a).y.total_cmp(&place(b).y))
@@ -173,10 +173,10 @@ fn normal_residue(field: &HeightField, closing: &Closing, cell: usize) -> f64 {
     if left > 0.0 { f64::from(left) * f64::from(field.upness[cell]) / UPNESS_ONE } else { 0.0 }
 }
 
-fn measured(field: &HeightField, closing: &Closing, cells: Vec<u32>) -> UncutRegion {
+fn measured(field: &HeightField, closing: &Closing, cells: Vec<u32>) -> FieldRegion {
     let cell_area = field.step * field.step;
     let half = DVec3::new(0.5, 0.5, 0.0) * field.step;
-    let mut region = UncutRegion {
+    let mut region = FieldRegion {
         plan_area: cells.len() as f64 * cell_area,
         volume: 0.0,
         depth: 0.0,

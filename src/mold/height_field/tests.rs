@@ -23,7 +23,7 @@ fn left_by(field: &HeightField, cutters: &[Cutter]) -> Closing {
     closing(field, &CutterLibrary { cutter: cutters.to_vec() }, &Cancel::default()).unwrap()
 }
 
-fn regions_of(field: &HeightField, cutters: &[Cutter]) -> Vec<UncutRegion> {
+fn regions_of(field: &HeightField, cutters: &[Cutter]) -> Vec<FieldRegion> {
     regions(field, &left_by(field, cutters), 0.02, &Cancel::default()).unwrap()
 }
 
@@ -129,7 +129,7 @@ fn a_flat_cutter_leaves_the_corners_of_a_pocket() {
         let field = raster(&pocket([2.5; 2], 2.0, turn), STEP);
         let found = regions_of(&field, &[Cutter::ball(2.0), Cutter::flat(1.0)][1..]);
         assert_eq!(found.len(), 4);
-        let total = |f: fn(&UncutRegion) -> f64| found.iter().map(f).sum::<f64>();
+        let total = |f: fn(&FieldRegion) -> f64| found.iter().map(f).sum::<f64>();
         let (area, volume) = (total(|r| r.plan_area), total(|r| r.volume));
         assert!((area / (4.0 * CORNER) - 1.0).abs() < within, "{area}");
         assert!((volume / (8.0 * CORNER) - 1.0).abs() < within, "{volume}");

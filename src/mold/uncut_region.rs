@@ -1,0 +1,170 @@
+//! Regions of what is left, by all that is known of them.
+//!
+//! The grid of heights knows every kind of cutter, the layers know flat ones better. Where only flat cutters count, a
+//! region's extent and volume are those of the layers; what the layers find and the grid does not is kept unless it is
+//! so thin that it may be within the tolerance. Where rounded cutters count too, regions are those of the grid.
+
+use glam::DVec2;
+
+use super::height_field::{Closing, FieldRegion, HeightField};
+use super::plane;
+use super::region::LayerRegion;
+use super::stack::UncutLayer;
+use super::surface::SurfacePiece;
+use crate::geometry::mesh::Bounds;
+
+/// Cells of a region of the grid that are looked for among the layers' regions, at most.
+const LOOKS: usize = 64;
+
+/// A connected part of what the cutters leave.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UncutRegion {
+    /// Volume (mm^3).
+    pub volume: f64,
+    /// Area seen from the cutter (mm^2).
+    pub plan_area: f64,
+    /// Area of the mold's surface that bounds it, walls and floors (mm^2).
+    pub surface_area: f64,
+    /// Greatest height of what is left above the material (mm).
+    pub depth: f64,
+    /// Greatest thickness across the mold's surface (mm).
+    pub thickness: f64,
+    /// The box around it (mm), upright.
+    pub bounds: Bounds,
+    /// The triangles that bound it, wholly or in part, in order.
+    pub faces: Vec<u32>,
+    /// The cutter that leaves least in most of it: its place in the library.
+    pub nearest_cutter: Option<usize>,
+    /// Its pieces in layers: layer and place in the layer; none where the region is one of the grid.
+    pub pieces: Vec<[usize; 2]>,
+}
+
+impl UncutRegion {
+    fn of_field(region: &FieldRegion) -> Self {
+        Self {
+            volume: region.volume,
+            plan_area: region.plan_area,
+            surface_area: 0.0,
+            depth: region.depth,
+            thickness: region.normal_depth,
+            bounds: region.bounds,
+            faces: Vec::new(),
+            nearest_cutter: Some(region.nearest_cutter),
+            pieces: Vec::new(),
+        }
+    }
+
+    fn of_layers(layers: &[UncutLayer], region: &LayerRegion, of_field: &[&FieldRegion]) -> Self {
+        let greatest = |value: fn(&FieldRegion) -> f64| of_field.iter().map(|r| value(r)).fold(0.0, f64::max);
+        let main = of_field.iter().max_by(|a, b| a.volume.total_cmp(&b.volume));
+        Self {
+            volume: region.volume,
+            plan_area: plan_area(layers, region).unwrap_or_else(|| of_field.iter().map(|r| r.plan_area).sum()),
+            surface_area: 0.0,
+            depth: if main.is_some() { greatest(|r| r.depth) } else { region.height },
+            thickness: if main.is_some() { greatest(|r| r.normal_depth) } else { region.residue() },
+            bounds: region.bounds,
+            faces: Vec::new(),
+            nearest_cutter: main.map(|r| r.nearest_cutter),
+            pieces: region.pieces.clone(),
+        }
+    }
+}
+
+/// Regions, the largest volume first, and for each of the grid's which of them it is; none if it is in none.
+pub struct Regions {
+    /// They.
+    pub regions: Vec<UncutRegion>,
+    /// Where those of the grid are.
+    pub places: Vec<Option<usize>>,
+}
+
+impl Regions {
+    /// The regions of the grid, which come with the largest first.
+    pub fn of_field(found: &[FieldRegion]) -> Self {
+        Self {
+            regions: found.iter().map(UncutRegion::of_field).collect(),
+            places: (0..found.len()).map(Some).collect(),
+        }
+    }
+
+    /// The regions of layers, with what the grid knows of them.
+    pub fn of_layers(
+        layers: &[UncutLayer],
+        flat: &[LayerRegion],
+        (field, closing): (&HeightField, &Closing),
+        found: &[FieldRegion],
+        tolerance: f64,
+    ) -> Self {
+        let owner = |region: &FieldRegion| owner(layers, flat, (field, closing), region);
+        let owners: Vec<Option<usize>> = found.iter().map(owner).collect();
+        let parts = |l: usize| found.iter().zip(&owners).filter(move |(_, owner)| **owner == Some(l)).map(|(r, _)| r);
+        // What the grid misses may be within the tolerance if it is thinner than that and a cell together.
+        let is_kept = |l: &usize| parts(*l).next().is_some() || flat[*l].residue() > tolerance + field.step();
+        let mut kept: Vec<usize> = (0..flat.len()).filter(is_kept).collect();
+        kept.sort_by(|a, b| flat[*b].volume.total_cmp(&flat[*a].volume).then(a.cmp(b)));
+        let region = |l: &usize| UncutRegion::of_layers(layers, &flat[*l], &parts(*l).collect::<Vec<_>>());
+        let place = |owner: &Option<usize>| owner.and_then(|l| kept.iter().position(|k| *k == l));
+        Self { regions: kept.iter().map(region).collect(), places: owners.iter().map(place).collect() }
+    }
+
+    /// The pieces of the surface that bound a region, which are numbered as the regions of the grid, numbered as the
+    /// regions; these learn their faces and areas.
+    pub fn with_surface(mut self, pieces: Vec<SurfacePiece>) -> (Vec<UncutRegion>, Vec<SurfacePiece>) {
+        let mut numbered = Vec::with_capacity(pieces.len());
+        for piece in pieces {
+            let Some(place) = self.places[piece.region as usize] else { continue };
+            let region = &mut self.regions[place];
+            region.surface_area += piece.area();
+            if region.faces.last() != Some(&piece.face) {
+                region.faces.push(piece.face);
+            }
+            numbered.push(SurfacePiece { region: place as u32, ..piece });
+        }
+        (self.regions, numbered)
+    }
+}
+
+/// The area of a region whose pieces are the same in all layers, as between vertical walls (mm^2). Where they are not,
+/// what is thinner than the tolerance does not count, and only the grid knows it.
+fn plan_area(layers: &[UncutLayer], region: &LayerRegion) -> Option<f64> {
+    let mut pieces = region.pieces.iter().map(|&[k, i]| &layers[k].pieces[i]);
+    let first = pieces.next()?;
+    pieces.all(|piece| piece.boundary == first.boundary).then_some(first.area)
+}
+
+/// The region of layers that holds most of the looked at cells of a region of the grid.
+fn owner(
+    layers: &[UncutLayer],
+    flat: &[LayerRegion],
+    (field, closing): (&HeightField, &Closing),
+    region: &FieldRegion,
+) -> Option<usize> {
+    let slack = field.step();
+    let near: Vec<usize> =
+        (0..flat.len()).filter(|l| flat[*l].bounds.grown(slack).intersects(&region.bounds)).collect();
+    if let [only] = near[..] {
+        return Some(only);
+    }
+    let mut counts = vec![0usize; near.len()];
+    for cell in region.cells.iter().step_by(region.cells.len().div_ceil(LOOKS).max(1)).map(|c| *c as usize) {
+        let Some(low) = field.height(cell) else { continue };
+        let heights = [low, low + closing.residue(field, cell)];
+        let at = field.center(cell);
+        for (count, l) in counts.iter_mut().zip(&near) {
+            *count += usize::from(holds(layers, &flat[*l], at, heights, slack));
+        }
+    }
+    let most = (0..near.len()).rev().max_by_key(|i| counts[*i])?;
+    (counts[most] > 0).then_some(near[most])
+}
+
+/// Whether a piece of the region between the heights holds a place of the plan.
+fn holds(layers: &[UncutLayer], region: &LayerRegion, at: DVec2, [low, high]: [f64; 2], slack: f64) -> bool {
+    let place = at.extend(0.5 * (low + high));
+    let bounds = region.bounds.grown(slack);
+    let is_in_box =
+        bounds.min.truncate().cmple(place.truncate()).all() && place.truncate().cmple(bounds.max.truncate()).all();
+    let mut own = region.pieces.iter().filter(|[k, _]| (low - slack..=high + slack).contains(&layers[*k].z));
+    is_in_box && own.any(|&[k, i]| plane::holds(&layers[k].pieces[i].boundary, at))
+}
