@@ -262,7 +262,7 @@ impl Command {
             C::FindUncut | C::CompareCutters | C::FlyToRegion => of_molds,
             C::Isolate | C::Layers | C::DepthColours | C::FaintMold => of_molds,
             C::Open | C::Reload | C::Quit | C::Preferences | C::Cancel | C::Fit | C::View(_) | C::Projection => true,
-            C::BliskWorkspace | C::MoldWorkspace => true,
+            C::BliskWorkspace | C::MoldWorkspace | C::Save | C::SaveAs => true,
             C::Screenshot | C::Theme | C::Palette | C::Log | C::About => true,
             _ => !of_molds,
         }

@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
+use crate::project::mold_file::ENDING;
+
 /// What a chosen path is for.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Purpose {
@@ -29,6 +31,8 @@ pub enum Purpose {
     Cutters,
     /// Another one to compare with.
     OtherCutters,
+    /// Where the mold is saved.
+    SaveMold,
     /// Where the cutters are saved.
     SaveCutters,
     /// The mesh that was at this path.
@@ -80,6 +84,7 @@ impl Purpose {
             Self::Mold => "Open a mold",
             Self::Cutters => "Load cutters",
             Self::OtherCutters => "Load cutters to compare with",
+            Self::SaveMold => "Save mold",
             Self::SaveCutters => "Save cutters",
             Self::MovedMesh(_) => "Find the mesh",
         }
@@ -89,6 +94,7 @@ impl Purpose {
     pub fn ending(&self) -> Option<&'static str> {
         match self {
             Self::SaveProject => Some(".sparkpath"),
+            Self::SaveMold => Some(ENDING),
             Self::SaveJob | Self::SaveCutters => Some(".toml"),
             Self::Picture => Some(".png"),
             Self::Open | Self::ExportFolder | Self::ElectrodeMesh | Self::Post | Self::Machine | Self::MovedMesh(_) => {
@@ -139,7 +145,7 @@ impl FileDialogs {
                     .add_filter("Projects and meshes", &[&MESHES[..], &["sparkpath"]].concat())
                     .add_filter("All files", &["*"])
                     .pick_file(),
-                Purpose::MovedMesh(_) | Purpose::ElectrodeMesh | Purpose::Mold => dialog
+                Purpose::MovedMesh(_) | Purpose::ElectrodeMesh => dialog
                     .set_title(purpose.title())
                     .add_filter("Meshes", &MESHES)
                     .add_filter("All files", &["*"])
@@ -157,6 +163,14 @@ impl FileDialogs {
                 }
                 Purpose::Cutters | Purpose::OtherCutters => {
                     dialog.set_title(purpose.title()).add_filter("Cutters", &["toml"]).pick_file()
+                }
+                Purpose::Mold => dialog
+                    .set_title(purpose.title())
+                    .add_filter("Molds and meshes", &[&MESHES[..], &["sparkmold"]].concat())
+                    .add_filter("All files", &["*"])
+                    .pick_file(),
+                Purpose::SaveMold => {
+                    dialog.set_title(purpose.title()).add_filter("Mold", &["sparkmold"]).set_file_name(name).save_file()
                 }
                 Purpose::SaveCutters => {
                     dialog.set_title(purpose.title()).add_filter("Cutters", &["toml"]).set_file_name(name).save_file()

@@ -82,7 +82,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<std::path::PathBuf> {
 /// What the window is about, and before it the switch between its workspaces.
 fn title(ui: &mut Ui, core: &mut Core) {
     if core.mold.is_shown {
-        ui.label(RichText::new(core.mold.params.name()).strong());
+        ui.label(RichText::new(core.mold.name()).strong());
     } else {
         document(ui, core);
     }

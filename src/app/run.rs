@@ -295,7 +295,7 @@ impl SparkpathApp {
 
     fn retitle(&mut self, ctx: &egui::Context) {
         let mark = if self.core.document.is_unsaved() { "*" } else { "" };
-        let name = if self.core.mold.is_shown { self.core.mold.params.name() } else { self.core.document.name() };
+        let name = if self.core.mold.is_shown { self.core.mold.name() } else { self.core.document.name() };
         let title = format!("{name}{mark} - Sparkpath");
         if title != self.title {
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));

@@ -9,7 +9,7 @@ use crate::mold::surface::SurfacePiece;
 use crate::mold::uncut_region::UncutRegion;
 use crate::progress::{Cancel, Cancelled};
 
-/// Pieces of a region's surface that are asked to whom they belong.
+/// How many of the largest pieces of a region's surface are asked to whom they belong.
 const ASKED: usize = 64;
 /// How far apart two surfaces of the same mold may lie and still be one, in parts of the diagonal.
 const SAME: f64 = 1e-3;
@@ -86,12 +86,14 @@ pub fn compare(now: Left, other: Left, cancel: &Cancel) -> Result<Comparison, Ca
         new_regions: 0,
     };
     let known = Owners::new(now);
-    let mut places: Vec<Vec<DVec3>> = vec![Vec::new(); other.regions.len()];
+    let mut places: Vec<Vec<&SurfacePiece>> = vec![Vec::new(); other.regions.len()];
     for piece in other.surface {
         if let Some(own) = places.get_mut(piece.region as usize) {
-            own.push(piece.corners.iter().sum::<DVec3>() / 3.0);
+            own.push(piece);
         }
     }
+    // Along its boundary a surface is split finely, and where the two boundaries lie is as coarse as either grid.
+    places.iter_mut().for_each(|own| own.sort_by(|a, b| b.area().total_cmp(&a.area())));
     for (region, places) in other.regions.iter().zip(&places) {
         cancel.check()?;
         let owner =
@@ -132,12 +134,12 @@ impl<'a> Owners<'a> {
         Some(Self { left, surface, reach })
     }
 
-    /// The region on which most of some of `places` lie; none if most lie on none.
-    fn of(&self, places: &[DVec3]) -> Option<usize> {
+    /// The region on which most of the first of `pieces` lie; none if most lie on none.
+    fn of(&self, pieces: &[&SurfacePiece]) -> Option<usize> {
         let mut votes = vec![0usize; self.left.regions.len()];
         let mut strangers = 0;
-        for place in places.iter().step_by(places.len().div_ceil(ASKED).max(1)) {
-            let nearest = self.surface.nearest(*place);
+        for piece in pieces.iter().take(ASKED) {
+            let nearest = self.surface.nearest(piece.corners.iter().sum::<DVec3>() / 3.0);
             let owner = self.left.surface.get(nearest.triangle as usize).map(|p| p.region as usize);
             match owner.filter(|_| nearest.signed_distance.abs() <= self.reach).and_then(|i| votes.get_mut(i)) {
                 Some(votes) => *votes += 1,

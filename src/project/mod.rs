@@ -10,6 +10,7 @@ mod history;
 mod job_file;
 mod kept_plan;
 pub mod machine_file;
+pub mod mold_file;
 mod mold_params;
 mod paths;
 mod project_file;

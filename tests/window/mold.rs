@@ -1,9 +1,10 @@
 //! The workspace of molds: from a mesh to what is left of it, and what other cutters would take away.
 
 use std::f64::consts::FRAC_PI_4;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use egui::{Key, Role, vec2};
+use egui::{Key, Modifiers, Role, vec2};
 use egui_kittest::kittest::{By, Queryable as _};
 use glam::DVec3;
 use sparkpath::app::{MoldDesk, Opening};
@@ -31,6 +32,20 @@ fn stepped() -> Mesh {
 /// What a flat cutter of this radius leaves in one corner of so many mm of height (mm^3).
 fn corner(radius: f64, height: f64) -> f64 {
     (1.0 - FRAC_PI_4) * radius * radius * height
+}
+
+/// A file that is dropped on the window.
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|e| e.to_string())
+    }
 }
 
 impl Home {
@@ -189,7 +204,7 @@ fn cutters_are_added_saved_and_loaded() {
     desk.press("Add");
     desk.press("Duplicate");
     desk.enter("Diameter of cutter 10", "0");
-    desk.assert_shows("Diameter_mm is 0 mm");
+    desk.assert_shows("diameter_mm is 0 mm");
     desk.press("Remove");
     let nine = desk.mold().params.library.clone();
     assert_eq!((nine.cutter.len(), nine.cutter[8].diameter_mm), (9, 2.0));
@@ -200,6 +215,77 @@ fn cutters_are_added_saved_and_loaded() {
     desk.press("Load…");
     desk.type_path(&home.path("mine.toml"));
     assert_eq!(desk.mold().params.library, nine);
+}
+
+#[test]
+fn a_mold_is_saved_and_dropped_on_either_workspace() {
+    let home = Home::new();
+    let mut desk = home.start(Opening::Mold(Some(home.mold())));
+    desk.take_cutters(&[Cutter::flat(1.5)]);
+    let saved = desk.mold().params.clone();
+    desk.key_with(Modifiers::COMMAND, Key::S);
+    desk.type_path(&home.path("mine"));
+    desk.take_cutters(&[Cutter::ball(1.5)]);
+    assert_eq!(desk.mold().name(), "mine \u{2022}");
+    desk.press_role(Role::Tab, "Blisk workspace");
+    let app = desk.window.state_mut();
+    app.open(&home.path("mine.sparkmold"));
+    desk.until_loaded();
+    assert!(desk.mold().is_shown && desk.mold().params == saved && desk.mold().name() == "mine");
+    // While molds are shown a mesh is one, whatever blisk there is.
+    let other = home.path("other.stl");
+    write_stl(&other, &stepped()).unwrap();
+    desk.window.input_mut().dropped_files.push(Arc::new(Dropped(other.clone())));
+    desk.settle();
+    assert_eq!(desk.mold().params.mesh.as_deref(), Some(&*other));
+    assert!(desk.app().core().document.job().blisk.mesh.is_none());
+}
+
+#[test]
+fn temporary_timing() {
+    let n = 3000;
+    let ring = |r: f64, z: f64| -> Vec<DVec3> {
+        (0..n)
+            .map(|k| {
+                let a = k as f64 / n as f64 * std::f64::consts::TAU;
+                let r = r * (1.0 + 0.15 * (5.0 * a).cos());
+                DVec3::new(r * a.cos(), r * a.sin(), z)
+            })
+            .collect()
+    };
+    let rings = [ring(45.0, 0.0), ring(45.0, 20.0), ring(30.0, 20.0), ring(28.0, 12.0), ring(20.0, 11.0)];
+    let mut mesh = Mesh { vertices: rings.concat(), triangles: Vec::new() };
+    mesh.vertices.extend([DVec3::ZERO, DVec3::new(0.0, 0.0, 11.0)]);
+    let n = n as u32;
+    for k in 0..4 {
+        for i in 0..n {
+            let [a, b] = [n * k + i, n * k + (i + 1) % n];
+            mesh.triangles.extend([[a, b, b + n], [a, b + n, a + n]]);
+        }
+    }
+    for i in 0..n {
+        let j = (i + 1) % n;
+        mesh.triangles.push([5 * n, j, i]);
+        mesh.triangles.push([5 * n + 1, 4 * n + i, 4 * n + j]);
+    }
+    println!("{} triangles {}", mesh.triangles.len(), mesh.is_watertight());
+    use sparkpath::jobs::uncut::{UncutParams, uncut};
+    use sparkpath::progress::{Cancel, Progress};
+    let standard = sparkpath::project::cutter_file::standard_cutters().unwrap();
+    for library in [CutterLibrary { cutter: vec![Cutter::flat(2.0)] }, standard] {
+        let params = UncutParams::of(library);
+        for _ in 0..3 {
+            let t = std::time::Instant::now();
+            let p = sparkpath::jobs::uncut_preview::preview(&mesh, &params, &Cancel::default()).unwrap();
+            println!("preview {:?} {}", t.elapsed(), p.sentence());
+        }
+        let t = std::time::Instant::now();
+        let u = uncut(&mesh, &params, &Progress::silent(), &Cancel::default()).unwrap();
+        println!("exact {:?} {:?} pieces {}", t.elapsed(), u.found(), u.surface.len());
+        let t = std::time::Instant::now();
+        let s = sparkpath::views::region_shapes(&mesh, &u.surface, u.regions.len(), params.opening);
+        println!("shapes {:?} {}", t.elapsed(), s.len());
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The state of the workspace: the question, the answer, and how it is looked at.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -55,6 +55,8 @@ pub struct MoldDesk {
     pub follows: bool,
     /// The region that the view is to fly to.
     pub fly_to: Option<usize>,
+    /// The file of the mold, with what it holds.
+    pub file: Option<(PathBuf, MoldParams)>,
     /// When something was last changed of which the answer is not known.
     edited: Option<Instant>,
     /// The answer that the present selection belongs to.
@@ -87,6 +89,7 @@ impl MoldDesk {
             only_vanishing: false,
             follows: true,
             fly_to: None,
+            file: None,
             edited: None,
             shown: None,
         })
@@ -94,12 +97,25 @@ impl MoldDesk {
 
     /// Takes `mesh` for the mold. The cutters stay.
     pub fn open(&mut self, mesh: &Path) {
-        if self.params.mesh.as_deref() == Some(mesh) {
+        let params = MoldParams { mesh: Some(mesh.to_owned()), ..self.params.clone() };
+        self.replace(params, None);
+    }
+
+    /// Takes all of `params`, which are those of `file` if there is one.
+    pub fn replace(&mut self, params: MoldParams, file: Option<&Path>) {
+        if self.params.mesh == params.mesh {
             self.work.reload();
         }
-        self.params.mesh = Some(mesh.to_owned());
-        self.edited = None;
+        self.file = file.map(|file| (file.to_owned(), params.clone()));
+        (self.params, self.edited) = (params, None);
         self.work.forget_glance();
+    }
+
+    /// What to call the mold: after its file, or else its mesh. With a dot if the file holds something else.
+    pub fn name(&self) -> String {
+        let Some((file, saved)) = &self.file else { return self.params.name() };
+        let name = file.file_stem().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        if *saved == self.params { name } else { format!("{name} \u{2022}") }
     }
 
     /// Takes other parameters. While they go on changing they are looked at quickly.
@@ -193,7 +209,8 @@ impl MoldDesk {
     /// Begins or ends to look at layers, with the one where most is left.
     pub fn toggle_layers(&mut self) {
         let layers = self.shown.as_ref().map_or(&[][..], |found| &found.uncut.layers);
-        let fullest = (0..layers.len()).rev().max_by(|&a, &b| layers[a].area.total_cmp(&layers[b].area));
+        // Of equals the highest: less of the mold is cut away.
+        let fullest = (0..layers.len()).max_by(|&a, &b| layers[a].area.total_cmp(&layers[b].area));
         self.layer = if self.layer.is_some() { None } else { fullest };
     }
 

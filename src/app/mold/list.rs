@@ -61,8 +61,11 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
     }
     // What is known of the selected region stands below, whatever room the list takes.
     let below = if core.mold.selected.is_some() { 264.0 } else { 0.0 };
-    let height = (ui.available_height() - below).max(80.0);
-    ui.allocate_ui(vec2(ui.available_width(), height), |ui| table(ui, &mut core.mold, &listed));
+    let room = vec2(ui.available_width(), (ui.available_height() - below).max(80.0));
+    ui.allocate_ui(room, |ui| {
+        ui.set_max_height(room.y);
+        table(ui, &mut core.mold, &listed);
+    });
     if let Some(selected) = core.mold.selected {
         ui.separator();
         details(ui, core, selected);

@@ -27,7 +27,7 @@ pub fn show(ui: &mut Ui, core: &mut Core, view: &mut MoldView) -> Option<Purpose
     let asked = Panel::left("mold")
         .default_size(left)
         .size_range(left.min(356.0)..=left.max(520.0).min(0.55 * room.x).max(left))
-        .show(ui, |ui| panel::show(ui, core))
+        .show(ui, |ui| panel::show(ui, core, !wide))
         .inner;
     if wide {
         let list = Panel::right("regions").default_size(348.0).size_range(300.0..=480.0);

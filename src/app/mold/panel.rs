@@ -8,21 +8,29 @@ use super::super::files::Purpose;
 use super::super::status::grouped;
 use super::super::stepper::{command_button, fact, notice};
 use super::super::theme::{palette, tick};
-use super::{compare, cutters};
+use super::{compare, cutters, list};
 use crate::jobs::mold::FoundUncut;
 use crate::jobs::pipeline::{EventKind, StageState};
 use crate::mesh_io::Units;
 use crate::mold::opening::Opening;
 use crate::project::cutter_file::standard_cutters;
 
-/// Draws it. Answers what a path is wanted for.
-pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
+/// Height of the list of regions where it has no panel of its own (points).
+const LIST: f32 = 420.0;
+
+/// Draws it, `with_list` also the list of regions. Answers what a path is wanted for.
+pub fn show(ui: &mut Ui, core: &mut Core, with_list: bool) -> Option<Purpose> {
     let mut asked = None;
     egui::ScrollArea::vertical().id_salt("mold form").auto_shrink([false, false]).show(ui, |ui| {
         ui.add_space(2.0);
         section(ui, "Mold", true, |ui| asked = mold(ui, core));
         section(ui, "Cutters", true, |ui| asked = library(ui, core).or(asked.take()));
         section(ui, "Uncut", true, |ui| uncut(ui, core));
+        if with_list {
+            section(ui, "Regions", true, |ui| {
+                ui.allocate_ui(vec2(ui.available_width(), LIST), |ui| list::show(ui, core));
+            });
+        }
         section(ui, "Compare cutters", false, |ui| asked = compare::show(ui, core).or(asked.take()));
     });
     asked

@@ -24,6 +24,7 @@ impl SparkpathApp {
             Command::Quit => self.intend(Intent::Quit, ctx),
             Command::Reload if self.core.mold.is_shown => self.core.mold.work.reload(),
             Command::Reload => self.core.pipeline.reload(),
+            Command::Save | Command::SaveAs if self.core.mold.is_shown => self.save_mold(command == Command::Save, ctx),
             Command::Save => self.save(ctx),
             Command::SaveAs => self.ask_where_to_save(ctx),
             Command::SaveJob => {

@@ -6,9 +6,11 @@ use super::SparkpathApp;
 use crate::app::commands::Command;
 use crate::app::core::LogLine;
 use crate::app::dialogs::{Dialog, Intent};
+use crate::app::files::Purpose;
 use crate::app::viewport::Viewport;
 use crate::jobs::pipeline::EventKind;
 use crate::project::cutter_file::{read_cutters, write_cutters};
+use crate::project::mold_file::{ENDING, is_mold_file, read_mold, write_mold};
 use crate::views::RegionColours;
 
 impl SparkpathApp {
@@ -25,7 +27,9 @@ impl SparkpathApp {
     /// theirs.
     pub(super) fn open_here(&mut self, path: PathBuf, ctx: &egui::Context) {
         let is = |ending| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending));
-        if !self.core.mold.is_shown || is("sparkpath") {
+        if is_mold_file(&path) {
+            self.open(&path);
+        } else if !self.core.mold.is_shown || is("sparkpath") {
             self.intend(Intent::Open(path), ctx);
         } else if is("toml") {
             self.load_cutters(&path, false);
@@ -34,10 +38,44 @@ impl SparkpathApp {
         }
     }
 
-    /// Takes the mesh at `path` for the mold.
+    /// Takes the mesh at `path`, or the mold that was saved there.
     pub fn open_mold(&mut self, path: &Path) {
-        self.core.mold.open(path);
+        if is_mold_file(path) {
+            match read_mold(path) {
+                Ok(params) => self.core.mold.replace(params, Some(path)),
+                Err(e) => {
+                    self.core.preferences.recent.remove(path);
+                    self.dialog = Dialog::Error("This mold cannot be opened".to_owned(), e.to_string());
+                    return;
+                }
+            }
+        } else {
+            self.core.mold.open(path);
+        }
         self.core.preferences.recent.add(path);
+    }
+
+    /// Saves the mold, in its file if it has one and that will do.
+    pub(super) fn save_mold(&mut self, in_its_file: bool, ctx: &egui::Context) {
+        match self.core.mold.file.as_ref().map(|(file, _)| file.clone()).filter(|_| in_its_file) {
+            Some(file) => self.write_mold(&file),
+            None => {
+                let name = format!("{}{ENDING}", self.core.mold.params.name());
+                self.ask(Purpose::SaveMold, &name, ctx);
+            }
+        }
+    }
+
+    pub(super) fn write_mold(&mut self, file: &Path) {
+        let params = self.core.mold.params.clone();
+        match write_mold(file, &params) {
+            Ok(()) => {
+                self.core.mold.file = Some((file.to_owned(), params));
+                self.core.preferences.recent.add(file);
+                self.core.say(EventKind::Done, format!("saved as {}", file.display()));
+            }
+            Err(e) => self.dialog = Dialog::Error("The mold was not saved".to_owned(), e.to_string()),
+        }
     }
 
     pub(super) fn load_cutters(&mut self, path: &Path, are_others: bool) {
