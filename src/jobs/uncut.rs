@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::geometry::mesh::Mesh;
+use crate::mold::ball_agreement::{BallAgreement, ball_agreement};
 use crate::mold::cutter::{Cutter, CutterError, CutterKind, CutterLibrary};
 use crate::mold::height_field::{self, Closing, Covered, FieldRegion, HeightField, HeightFieldError};
 use crate::mold::layers::{LayerSettings, LayerSettingsError};
@@ -130,6 +131,8 @@ pub struct Uncut {
     pub grid_step: f64,
     /// What flat cutters leave by layers and by the field of heights; none without flat cutters.
     pub agreement: Option<[Found; 2]>,
+    /// How far the field of heights and the exact search agree on what balls leave; none where they count nowhere.
+    pub ball_agreement: Option<BallAgreement>,
 }
 
 impl Uncut {
@@ -207,6 +210,7 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, progress: &Progress, cancel: &Ca
         let with_flats = if is_of_flats { volumes(&of_field) } else { volumes(&of(&only_flats())?.1) };
         Some([found(flat_regions.iter().map(|r| r.volume)), with_flats])
     };
+    let ball_agreement = ball_agreement(&upright, &params.library, (&field, &closing), &of_field, cancel)?;
     progress.report("surface", 0.0, "");
     let pieces = uncut_surface(&upright, &Covered::new(&field, &closing, &of_field), cancel)?;
     let all = if is_of_flats {
@@ -218,7 +222,7 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, progress: &Progress, cancel: &Ca
     let layers =
         if is_of_flats { of_layers(&stack) } else { of_surface(&stack, (&field, &closing), &of_field, &surface) };
     progress.report("surface", 1.0, "");
-    Ok(Uncut { params: params.clone(), stack, layers, regions, surface, grid_step, agreement })
+    Ok(Uncut { params: params.clone(), stack, layers, regions, surface, grid_step, agreement, ball_agreement })
 }
 
 /// What flat cutters leave in each layer.
@@ -325,6 +329,7 @@ mod tests {
                 assert!((1.5 * 8.0..=2.0 * 8.0 + 2.0 * corner).contains(&region.surface_area), "{region:?}");
                 assert!(region.nearest_cutter.is_some_and(|k| k < left.params.library.cutter.len()));
             }
+            assert!(left.ball_agreement.is_none_or(|a| a.median_mm < left.grid_step), "{:?}", left.ball_agreement);
             let layer = left.layers.iter().find(|l| (5.0..7.0).contains(&l.z)).unwrap();
             assert!((layer.area - 4.0 * corner).abs() < share.max(0.01) * 4.0 * corner, "{layer:?}");
             assert!((5.0..=8.001).contains(&layer.segment_length), "{layer:?}");
@@ -334,6 +339,18 @@ mod tests {
         }
         let middle = by_flat.layers.iter().find(|l| (5.0..7.0).contains(&l.z)).unwrap();
         assert!((middle.segment_length - 8.0).abs() < 1e-6, "two radii at each corner: {middle:?}");
+    }
+
+    #[test]
+    fn what_balls_leave_is_found_twice() {
+        let sides = rectangle(12.0, 9.0);
+        let mesh = pocket(&rectangle(20.0, 20.0), &sides, &sides, [10.0, 4.0]);
+        let left = answer(&mesh, vec![Cutter::ball(1.0)]).unwrap();
+        let agreement = left.ball_agreement.unwrap();
+        assert!(agreement.places > 300, "{agreement:?}");
+        // Over the fillet along the walls; a cell at the wall's foot may take the wall for half a cell off.
+        assert!(agreement.median_mm < 0.2 * left.grid_step, "{agreement:?}");
+        assert!(agreement.ninetieth_mm < 2.0 * left.grid_step, "{agreement:?}");
     }
 
     #[test]

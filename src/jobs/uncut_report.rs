@@ -5,6 +5,7 @@ use std::fmt::Write;
 use serde::Serialize;
 
 use super::uncut::{Found, LayerFound, Uncut};
+use crate::mold::ball_agreement::BallAgreement;
 use crate::mold::uncut_region::UncutRegion;
 
 /// What `uncut.json` holds. Places are in the axes of the mesh.
@@ -30,6 +31,8 @@ pub struct UncutReport {
     pub regions: Vec<RegionReport>,
     /// What flat cutters leave by layers and by the field of heights; none without flat cutters.
     pub agreement: Option<AgreementReport>,
+    /// How far the field of heights and the exact search agree on what balls leave; none where they count nowhere.
+    pub ball_agreement: Option<BallAgreement>,
     /// What the cutters leave in each layer, from the bottom.
     pub layers: Vec<LayerReport>,
 }
@@ -103,6 +106,7 @@ impl UncutReport {
             invert: InvertReport { faces: uncut.stack.invert.triangles.len(), area_mm2: uncut.stack.invert.area },
             regions: regions(uncut),
             agreement,
+            ball_agreement: uncut.ball_agreement,
             layers: uncut.layers.iter().map(layer).collect(),
         }
     }
@@ -125,6 +129,12 @@ impl UncutReport {
                 text,
                 "Flat cutters by layers: {} regions, {:.3} mm3; by heights {field_step_mm} mm apart: {} regions, {:.3} mm3.",
                 layers.regions, layers.volume_mm3, field.regions, field.volume_mm3
+            );
+        }
+        if let Some(BallAgreement { places, median_mm, ninetieth_mm }) = self.ball_agreement {
+            let _ = writeln!(
+                text,
+                "Ball cutters by heights and by exact search, at {places} places: half within {median_mm:.4} mm, nine of ten within {ninetieth_mm:.4} mm."
             );
         }
         if !self.regions.is_empty() {

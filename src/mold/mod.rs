@@ -3,6 +3,7 @@
 //! A mold stands with its opening upwards: cutters come down along -Z. What is left uncut is defined by the closing of
 //! the mold's height by each cutter; the answer is the least of them over the library.
 
+pub mod ball_agreement;
 pub mod cutter;
 pub mod height_field;
 pub mod invert;

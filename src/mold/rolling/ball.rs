@@ -6,13 +6,13 @@ use super::halfspaces::{HalfSpace, nearest};
 use super::lattice::Lattice;
 use super::obstacles::Obstacles;
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Cancelled};
 
 /// A ball-end cutter over a mold.
 pub struct BallReach {
     obstacles: Obstacles,
-    lattice: Lattice,
     radius: f64,
+    /// Where balls lie that rest on nothing (mm).
+    floor: f64,
 }
 
 /// A position of the cutter and what it leaves at a place.
@@ -28,8 +28,6 @@ pub struct Lowest {
 const LATTICE: f64 = 0.25;
 /// How much farther than the radius counts as covered, as a share of its square: coordinates of single precision.
 const COVERED: f64 = 4e-6;
-/// Height over a plane up to which a corner counts as on it (mm).
-const ON_PLANE: f64 = 1e-5;
 /// Gain of a step at which the descent is over, as a share of the radius.
 const SETTLED: f64 = 1e-5;
 /// How much lower than where another descent would start makes that one needless, as a share of the radius.
@@ -43,14 +41,9 @@ const MOST_STEPS: usize = 24;
 
 impl BallReach {
     /// A ball of `radius` (mm) over `mesh`.
-    ///
-    /// # Errors
-    /// [`Cancelled`].
-    pub fn new(mesh: &Mesh, radius: f64, cancel: &Cancel) -> Result<Self, Cancelled> {
-        let obstacles = Obstacles::new(mesh, radius);
+    pub fn new(mesh: &Mesh, radius: f64) -> Self {
         let floor = mesh.bounds().min.z - 4.0 * radius;
-        let lattice = Lattice::new(&obstacles, radius, LATTICE * radius, floor, cancel)?;
-        Ok(Self { obstacles, lattice, radius })
+        Self { obstacles: Obstacles::new(mesh, radius), radius, floor }
     }
 
     /// The position in which the cutter comes lowest over `p`.
@@ -58,7 +51,9 @@ impl BallReach {
         let r = self.radius;
         let mut inside = Lowest { height: f64::INFINITY, center: DVec3::INFINITY };
         let mut beside = inside;
-        self.lattice.within(p, r * (1.0 + 1.5 * LATTICE), |at, z| {
+        let reach = r * (1.0 + 1.5 * LATTICE);
+        let lattice = Lattice::around(&self.obstacles, r, p, reach, LATTICE * r, self.floor);
+        lattice.for_each(|at, z| {
             let rise = r * r - at.distance_squared(p);
             let best = if rise >= 0.0 { &mut inside } else { &mut beside };
             let height = z - rise.max(0.0).sqrt();
@@ -96,21 +91,6 @@ impl BallReach {
             }
         }
         self.height_over(p, center).map(|height| Lowest { height, center })
-    }
-
-    /// How far (mm) the cutter that touches a face at `p` with this `normal` can move along the face, in every direction,
-    /// before anything stops it, if no more than `most`.
-    pub fn slack(&self, p: DVec3, normal: DVec3, most: f64) -> f64 {
-        let center = p + normal * self.radius;
-        let reach = self.radius + most;
-        let mut slack = most;
-        self.obstacles.near(center - reach, center + reach, |face| {
-            // What does not rise over the face's plane stops nothing that moves along it.
-            if face.corners.iter().any(|v| normal.dot(*v - p) > ON_PLANE) {
-                slack = slack.min(center.distance(face.nearest(center)) - self.radius);
-            }
-        });
-        slack
     }
 
     fn height_over(&self, p: DVec2, center: DVec3) -> Option<f64> {
@@ -159,15 +139,5 @@ impl BallReach {
             }
         }
         best
-    }
-}
-
-impl super::columns::Remainder for BallReach {
-    fn height(&self, p: DVec2) -> f64 {
-        self.lowest(p).height
-    }
-
-    fn slack(&self, p: DVec3, normal: DVec3, most: f64) -> f64 {
-        Self::slack(self, p, normal, most)
     }
 }

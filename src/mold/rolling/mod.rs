@@ -4,12 +4,10 @@
 //! radius; what it leaves at a place is told by the free centre that comes lowest there. That centre is found by
 //! descent: at a free centre every near face is shut off by a plane between it and the ball, the best centre between
 //! these planes is found exactly, and from there anew. Every centre on the way is free, so that no residue is ever told
-//! too small; where to start is told by a lattice of centres at rest.
+//! too small; where to start is told by a lattice of balls at rest around the place.
 
 pub mod ball;
-pub mod columns;
 mod halfspaces;
-pub mod joined;
 mod lattice;
 mod obstacles;
 #[cfg(test)]

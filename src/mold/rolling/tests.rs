@@ -5,10 +5,7 @@ use std::f64::consts::PI;
 use glam::{DVec2, DVec3};
 
 use super::ball::BallReach;
-use super::columns::{Fineness, columns};
-use super::joined::remnants;
 use crate::geometry::mesh::Mesh;
-use crate::progress::Cancel;
 
 /// A block of 20 x 20 x 10 mm with its top at 0 and a pocket of 8 x 6 x 4 mm.
 fn pocket() -> Mesh {
@@ -24,7 +21,7 @@ fn pocket() -> Mesh {
 
 #[test]
 fn over_a_floor_the_ball_leaves_a_fillet_along_the_wall() {
-    let ball = BallReach::new(&pocket(), 1.0, &Cancel::default()).unwrap();
+    let ball = BallReach::new(&pocket(), 1.0);
     for k in 0..=40 {
         let off_wall = 0.05 * f64::from(k);
         let left = ball.lowest(DVec2::new(4.0 - off_wall, 0.3)).height;
@@ -39,17 +36,14 @@ fn over_a_floor_the_ball_leaves_a_fillet_along_the_wall() {
 
 #[test]
 fn a_pocket_keeps_fillets_and_corners() {
-    let (mesh, tolerance) = (pocket(), 1e-3);
-    let ball = BallReach::new(&mesh, 1.0, &Cancel::default()).unwrap();
-    let fineness = Fineness::of_ball(1.0, tolerance);
-    let found = columns(&mesh, &ball, &fineness, &Cancel::default()).unwrap();
-    let pieces = remnants(&mesh, &found, fineness.fine, tolerance);
+    let ball = BallReach::new(&pocket(), 1.0);
+    // A quarter of the pocket by the midpoint rule.
+    let step = 0.1;
+    let places = (0..30).flat_map(|y| (0..40).map(move |x| DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) * step));
+    let volume: f64 = places.map(|p| 4.0 * (ball.lowest(p).height + 4.0) * step * step).sum();
     let fillet = 1.0 - PI / 4.0;
     let exact = fillet * (2.0 * (6.0 + 4.0) + 4.0 * 3.0) + 4.0 * (1.0 - PI / 6.0);
-    let volume: f64 = pieces.iter().map(|p| p.volume).sum();
-    assert_eq!(pieces.len(), 1);
-    assert!((volume / exact - 1.0).abs() < 0.02, "{volume} {exact}");
-    assert!((pieces[0].height - 4.0).abs() < 0.02 && pieces[0].bounds.min.z == -4.0);
+    assert!((volume / exact - 1.0).abs() < 0.03, "{volume} {exact}");
 }
 
 /// A groove of half angle `angle`: what a ball leaves in it is R^2 (cot a - (pi/2 - a)) for each mm.
@@ -68,9 +62,9 @@ fn a_ball_in_a_groove_leaves_what_lies_below_it() {
             triangles.extend([[i, j + n, j], [i, i + n, j + n]]);
         }
         let mesh = Mesh { vertices: ends.concat(), triangles };
-        let ball = BallReach::new(&mesh, radius, &Cancel::default()).unwrap();
+        let ball = BallReach::new(&mesh, radius);
         // Across the middle of the groove, where its ends are far.
-        let (steps, width) = (4000, radius * angle.cos());
+        let (steps, width) = (600, radius * angle.cos());
         let step = 2.0 * width / f64::from(steps);
         let area: f64 = (0..steps)
             .map(|k| {
