@@ -20,5 +20,7 @@ mod keeping;
 mod looks;
 #[path = "window/machine.rs"]
 mod machine;
+#[path = "window/mold.rs"]
+mod mold;
 #[path = "window/saving.rs"]
 mod saving;

@@ -45,6 +45,16 @@ pub enum Command {
     Colours,
     /// Shows the stock left in the channel as colours.
     Leftover,
+    /// Shows blisks or molds.
+    BliskWorkspace,
+    MoldWorkspace,
+    FindUncut,
+    CompareCutters,
+    FlyToRegion,
+    Isolate,
+    Layers,
+    DepthColours,
+    FaintMold,
     Screenshot,
     Theme,
     Palette,
@@ -85,6 +95,15 @@ impl Command {
             C::Measure,
             C::Colours,
             C::Leftover,
+            C::BliskWorkspace,
+            C::MoldWorkspace,
+            C::FindUncut,
+            C::CompareCutters,
+            C::FlyToRegion,
+            C::Isolate,
+            C::Layers,
+            C::DepthColours,
+            C::FaintMold,
             C::Screenshot,
             C::Theme,
             C::Preferences,
@@ -131,6 +150,15 @@ impl Command {
             Self::Measure => "Measure",
             Self::Colours => "Clearance colours",
             Self::Leftover => "Stock left as colours",
+            Self::BliskWorkspace => "Workspace: blisk feed",
+            Self::MoldWorkspace => "Workspace: mold",
+            Self::FindUncut => "Find what is left uncut",
+            Self::CompareCutters => "Compare with other cutters",
+            Self::FlyToRegion => "Fly to the region",
+            Self::Isolate => "Show only this region",
+            Self::Layers => "Layers of the mold",
+            Self::DepthColours => "Regions by depth or by number",
+            Self::FaintMold => "Mold faint or solid",
             Self::Screenshot => "Save picture…",
             Self::Theme => "Dark or light",
             Self::Palette => "Commands…",
@@ -157,6 +185,10 @@ impl Command {
             Self::Redo => (both, Key::Z),
             Self::Preferences => (CTRL, Key::Comma),
             Self::Plan => (NONE, Key::F5),
+            Self::FindUncut => (NONE, Key::F6),
+            Self::Isolate => (NONE, Key::I),
+            Self::Layers => (NONE, Key::L),
+            Self::DepthColours => (NONE, Key::D),
             Self::Cancel => (NONE, Key::Escape),
             Self::Export => (CTRL, Key::E),
             Self::Play => (NONE, Key::Space),
@@ -184,7 +216,7 @@ impl Command {
 
     /// Whether its keys are those that text fields and sliders need for themselves.
     fn yields_to_focus(self) -> bool {
-        self.shortcut().is_some_and(|s| s.modifiers == Modifiers::NONE && s.logical_key != Key::F5)
+        self.shortcut().is_some_and(|s| s.modifiers == Modifiers::NONE && !matches!(s.logical_key, Key::F5 | Key::F6))
     }
 
     /// Its name with its keys, for a tooltip.
@@ -197,7 +229,14 @@ impl Command {
 
     /// Whether it can be done now.
     pub fn is_enabled(self, core: &Core) -> bool {
+        let mold = &core.mold;
         match self {
+            _ if !self.is_of_workspace(mold.is_shown) => false,
+            Self::Cancel if mold.is_shown => mold.work.is_busy(),
+            Self::FindUncut => mold.work.mold_state(&mold.params) == StageState::Done,
+            Self::CompareCutters => mold.state() == StageState::Done,
+            Self::FlyToRegion | Self::Isolate => mold.selected.is_some(),
+            Self::Layers => mold.found().is_some_and(|found| !found.uncut.layers.is_empty()),
             Self::Undo => core.document.undo_label().is_some(),
             Self::Redo => core.document.redo_label().is_some(),
             // A job file names a mesh file.
@@ -217,10 +256,24 @@ impl Command {
         }
     }
 
+    /// Whether it means something while molds are shown, or else blisks.
+    fn is_of_workspace(self, of_molds: bool) -> bool {
+        use Command as C;
+        match self {
+            C::FindUncut | C::CompareCutters | C::FlyToRegion => of_molds,
+            C::Isolate | C::Layers | C::DepthColours | C::FaintMold => of_molds,
+            C::Open | C::Reload | C::Quit | C::Preferences | C::Cancel | C::Fit | C::View(_) | C::Projection => true,
+            C::BliskWorkspace | C::MoldWorkspace | C::Save | C::SaveAs => true,
+            C::Screenshot | C::Theme | C::Palette | C::Log | C::About => true,
+            _ => !of_molds,
+        }
+    }
+
     /// Why it is disabled, where that is not plain to see.
     pub fn needs(self) -> Option<&'static str> {
         match self {
             Self::SaveJob => Some("A job names a mesh file, which the demonstration blisk has not"),
+            Self::CompareCutters => Some("First find what the present cutters leave"),
             Self::Keep => Some("A finished plan of the present parameters, each once, six at most"),
             _ => None,
         }

@@ -11,6 +11,7 @@ pub use super::cursor::Cursor;
 use super::kept_runs::KeptRuns;
 use super::machine_bodies::MachineBodies;
 use super::machine_motion::MachineMotion;
+use super::mold::MoldDesk;
 use super::preferences::Preferences;
 use super::swept::Swept;
 use super::tuning::Tuning;
@@ -59,6 +60,8 @@ pub struct Core {
     /// The whole motion on the machine.
     pub machine: MachineMotion,
     bodies: MachineBodies,
+    /// The workspace of molds.
+    pub mold: MoldDesk,
     /// Plans that are kept to compare with.
     pub kept: KeptRuns,
     /// Withdrawn distances at which ghosts of the electrode are pinned (mm).
@@ -137,7 +140,8 @@ impl Core {
             swept: Swept::start(wake.clone())?,
             bodies: MachineBodies::start(wake.clone())?,
             kept: KeptRuns::start(wake.clone())?,
-            tuning: Tuning::start(wake)?,
+            tuning: Tuning::start(wake.clone())?,
+            mold: MoldDesk::start(wake)?,
             machine: MachineMotion::default(),
             coloured: None,
             colours_asked: None,
@@ -173,6 +177,10 @@ impl Core {
 
     /// Takes in what the worker has said. Answers what has happened.
     pub fn follow(&mut self) -> Vec<Event> {
+        // Nothing is made of a blisk that nobody has looked at.
+        if self.mold.is_shown && self.pipeline.state(Stage::Part) == StageState::Missing {
+            return Vec::new();
+        }
         let events = self.pipeline.follow(&mut self.document);
         for event in &events {
             let text = format!("{}: {}", event.stage.name(), event.text);

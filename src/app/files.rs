@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
+use crate::project::mold_file::ENDING;
+
 /// What a chosen path is for.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Purpose {
@@ -23,6 +25,16 @@ pub enum Purpose {
     Machine,
     /// Where the picture is saved.
     Picture,
+    /// The mesh of a mold.
+    Mold,
+    /// A library of cutters.
+    Cutters,
+    /// Another one to compare with.
+    OtherCutters,
+    /// Where the mold is saved.
+    SaveMold,
+    /// Where the cutters are saved.
+    SaveCutters,
     /// The mesh that was at this path.
     MovedMesh(PathBuf),
 }
@@ -69,6 +81,11 @@ impl Purpose {
             Self::Post => "Your own NC post",
             Self::Machine => "Your own machine",
             Self::Picture => "Save picture",
+            Self::Mold => "Open a mold",
+            Self::Cutters => "Load cutters",
+            Self::OtherCutters => "Load cutters to compare with",
+            Self::SaveMold => "Save mold",
+            Self::SaveCutters => "Save cutters",
             Self::MovedMesh(_) => "Find the mesh",
         }
     }
@@ -77,11 +94,13 @@ impl Purpose {
     pub fn ending(&self) -> Option<&'static str> {
         match self {
             Self::SaveProject => Some(".sparkpath"),
-            Self::SaveJob => Some(".toml"),
+            Self::SaveMold => Some(ENDING),
+            Self::SaveJob | Self::SaveCutters => Some(".toml"),
             Self::Picture => Some(".png"),
             Self::Open | Self::ExportFolder | Self::ElectrodeMesh | Self::Post | Self::Machine | Self::MovedMesh(_) => {
                 None
             }
+            Self::Mold | Self::Cutters | Self::OtherCutters => None,
         }
     }
 
@@ -141,6 +160,20 @@ impl FileDialogs {
                 }
                 Purpose::Picture => {
                     dialog.set_title(purpose.title()).add_filter("PNG", &["png"]).set_file_name(name).save_file()
+                }
+                Purpose::Cutters | Purpose::OtherCutters => {
+                    dialog.set_title(purpose.title()).add_filter("Cutters", &["toml"]).pick_file()
+                }
+                Purpose::Mold => dialog
+                    .set_title(purpose.title())
+                    .add_filter("Molds and meshes", &[&MESHES[..], &["sparkmold"]].concat())
+                    .add_filter("All files", &["*"])
+                    .pick_file(),
+                Purpose::SaveMold => {
+                    dialog.set_title(purpose.title()).add_filter("Mold", &["sparkmold"]).set_file_name(name).save_file()
+                }
+                Purpose::SaveCutters => {
+                    dialog.set_title(purpose.title()).add_filter("Cutters", &["toml"]).set_file_name(name).save_file()
                 }
                 Purpose::Machine => dialog.set_title(purpose.title()).add_filter("Machine", &["toml"]).pick_file(),
                 Purpose::Post => dialog.set_title(purpose.title()).add_filter("Post", &["toml"]).pick_file(),

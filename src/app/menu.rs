@@ -1,10 +1,9 @@
 //! The menu bar and the workspace switch.
 
-use egui::{RichText, Ui};
+use egui::{RichText, Role, Ui, WidgetInfo};
 
 use super::commands::Command;
 use super::core::Core;
-use super::theme::palette;
 use crate::render::view::StandardView;
 
 /// Draws it. Answers a file to be opened from the list of recent ones.
@@ -34,11 +33,28 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<std::path::PathBuf> {
             ui.separator();
             item(ui, core, Command::Preferences);
         });
-        ui.menu_button("Plan", |ui| {
-            for command in [Command::Plan, Command::Cancel, Command::Keep, Command::Approve, Command::Withdraw] {
-                item(ui, core, command);
-            }
-        });
+        if !core.mold.is_shown {
+            ui.menu_button("Plan", |ui| {
+                for command in [Command::Plan, Command::Cancel, Command::Keep, Command::Approve, Command::Withdraw] {
+                    item(ui, core, command);
+                }
+            });
+        }
+        if core.mold.is_shown {
+            ui.menu_button("Mold", |ui| {
+                for command in [Command::FindUncut, Command::CompareCutters, Command::Cancel] {
+                    item(ui, core, command);
+                }
+                ui.separator();
+                for command in [Command::Layers, Command::DepthColours, Command::FaintMold] {
+                    item(ui, core, command);
+                }
+                ui.separator();
+                for command in [Command::FlyToRegion, Command::Isolate] {
+                    item(ui, core, command);
+                }
+            });
+        }
         ui.menu_button("View", |ui| {
             item(ui, core, Command::Fit);
             for view in StandardView::ALL {
@@ -63,11 +79,28 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<std::path::PathBuf> {
     open
 }
 
-fn title(ui: &mut Ui, core: &Core) {
+/// What the window is about, and before it the switch between its workspaces.
+fn title(ui: &mut Ui, core: &mut Core) {
+    if core.mold.is_shown {
+        ui.label(RichText::new(core.mold.name()).strong());
+    } else {
+        document(ui, core);
+    }
+    ui.separator();
+    let [blisk, mold] = [Command::BliskWorkspace, Command::MoldWorkspace];
+    for (name, command, on) in [("Mold", mold, core.mold.is_shown), ("Blisk", blisk, !core.mold.is_shown)] {
+        let response = ui.selectable_label(on, name).on_hover_text(command.hint(ui.ctx()));
+        response.widget_info(|| WidgetInfo::selected(Role::Tab, true, on, format!("{name} workspace")));
+        if response.clicked() {
+            core.push(command);
+        }
+    }
+}
+
+fn document(ui: &mut Ui, core: &Core) {
     let dot = if core.document.is_unsaved() { " •" } else { "" };
     ui.label(RichText::new(format!("{}{dot}", core.document.name())).strong())
         .on_hover_text(if core.document.is_unsaved() { "There is unsaved work" } else { "Saved" });
-    ui.label(RichText::new("Blisk feed").color(palette(ui).accent));
 }
 
 fn recent(ui: &mut Ui, core: &mut Core, open: &mut Option<std::path::PathBuf>) {

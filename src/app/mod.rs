@@ -13,6 +13,7 @@ mod kept_runs;
 mod machine_bodies;
 mod machine_motion;
 mod menu;
+mod mold;
 mod node_table;
 mod overlay;
 mod palette;
@@ -33,6 +34,7 @@ mod tuning;
 mod viewport;
 mod viewport_gpu;
 
+pub use mold::{Column, MoldDesk};
 pub use preferences::{Preferences, ThemeChoice};
 pub use run::{Folders, Opening, SparkpathApp};
 pub use startup::{Window, preflight, run_window};

@@ -16,7 +16,19 @@ use crate::render::view::StandardView;
 
 /// Draws all of it.
 pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core, viewport: &mut Viewport) {
-    buttons(ui, rect, core);
+    let views = [
+        ("Fit", Command::Fit, false),
+        ("Iso", Command::View(StandardView::Isometric), false),
+        ("Front", Command::View(StandardView::Front), false),
+        ("Right", Command::View(StandardView::Right), false),
+        ("Top", Command::View(StandardView::Top), false),
+        ("Channel", Command::IntoChannel, false),
+        ("Blisk", Command::WholeBlisk, false),
+        ("Section", Command::Section, core.section.is_some()),
+        ("Measure", Command::Measure, core.measuring),
+        ("Clearance", Command::Colours, core.colours),
+    ];
+    buttons(ui, rect, core, &views);
     gizmo(ui, rect, viewport);
     if core.section.is_some() {
         section(ui, rect, core);
@@ -35,7 +47,7 @@ pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core, viewport: &mut Viewport) {
 }
 
 /// The bar of colours with round values beside it and a mark at the value that counts.
-fn legend(ui: &Ui, rect: Rect, legend: &Legend) {
+pub fn legend(ui: &Ui, rect: Rect, legend: &Legend) {
     let size = vec2(14.0, (rect.height() - 150.0).clamp(50.0, 180.0));
     let bar = Rect::from_min_size(pos2(rect.left() + 18.0, rect.top() + 78.0), size);
     let colours = palette(ui);
@@ -84,29 +96,19 @@ fn legend(ui: &Ui, rect: Rect, legend: &Legend) {
     }
 }
 
-fn buttons(ui: &mut Ui, rect: Rect, core: &mut Core) {
+/// A row of commands with their short names, and whether they are on.
+pub fn buttons(ui: &mut Ui, rect: Rect, core: &mut Core, views: &[(&str, Command, bool)]) {
     let area = Rect::from_min_size(rect.min + vec2(8.0, 8.0), vec2((rect.width() - 120.0).max(60.0), 26.0));
     let mut child =
         ui.new_child(UiBuilder::new().max_rect(area).layout(egui::Layout::left_to_right(egui::Align::Center)));
     child.spacing_mut().item_spacing.x = 3.0;
     child.set_clip_rect(rect.intersect(ui.clip_rect()));
-    let views = [
-        ("Fit", Command::Fit, false),
-        ("Iso", Command::View(StandardView::Isometric), false),
-        ("Front", Command::View(StandardView::Front), false),
-        ("Right", Command::View(StandardView::Right), false),
-        ("Top", Command::View(StandardView::Top), false),
-        ("Channel", Command::IntoChannel, false),
-        ("Blisk", Command::WholeBlisk, false),
-        ("Section", Command::Section, core.section.is_some()),
-        ("Measure", Command::Measure, core.measuring),
-        ("Clearance", Command::Colours, core.colours),
-    ];
-    let mut left = views.into_iter().peekable();
+    let last = views.last().map_or("", |(name, ..)| name);
+    let mut left = views.iter().copied().peekable();
     // What finds no room beside the axes is in a menu behind the rest.
     let needed = |name: &str, rest: f32| 12.0 + 8.0 * name.len() as f32 + rest;
     while let Some((name, command, on)) =
-        left.next_if(|(name, ..)| child.available_width() > needed(name, if *name == "Clearance" { 0.0 } else { 30.0 }))
+        left.next_if(|(name, ..)| child.available_width() > needed(name, if *name == last { 0.0 } else { 30.0 }))
     {
         view_button(&mut child, core, name, command, on);
     }
@@ -126,7 +128,7 @@ fn view_button(ui: &mut Ui, core: &mut Core, name: &str, command: Command, on: b
 }
 
 /// Three axes that turn with the view; a click on an end looks from there.
-fn gizmo(ui: &mut Ui, rect: Rect, viewport: &mut Viewport) {
+pub fn gizmo(ui: &mut Ui, rect: Rect, viewport: &mut Viewport) {
     const RADIUS: f32 = 34.0;
     let centre = pos2(rect.right() - 52.0, rect.top() + 52.0);
     let rotation = viewport.camera().0.view_rotation();
@@ -251,17 +253,21 @@ fn answer(ui: &Ui, core: &Core) -> Option<(Color32, String)> {
 /// The answer in one line at the bottom of the view.
 fn verdict(ui: &mut Ui, rect: Rect, core: &Core) {
     let Some((colour, text)) = answer(ui, core) else { return };
-    let text = super::stepper::sentence(&text);
-    let width = (rect.width() - 140.0).max(120.0);
-    let galley = ui.painter().layout(text.clone(), FontId::proportional(13.0), colour, width);
-    let size = galley.size() + vec2(20.0, 10.0);
     let above = if core.section.is_some() { 50.0 } else { 10.0 };
+    caption(ui, rect, above, colour, &super::stepper::sentence(&text));
+}
+
+/// A framed sentence so far `above` the bottom of the view (points).
+pub fn caption(ui: &mut Ui, rect: Rect, above: f32, colour: Color32, text: &str) {
+    let width = (rect.width() - 140.0).max(120.0);
+    let galley = ui.painter().layout(text.to_owned(), FontId::proportional(13.0), colour, width);
+    let size = galley.size() + vec2(20.0, 10.0);
     let area = Rect::from_min_size(pos2(rect.center().x - 0.5 * size.x, rect.bottom() - size.y - above), size);
     ui.painter().rect_filled(area, 6.0, ui.visuals().window_fill.gamma_multiply(0.92));
     ui.painter().rect_stroke(area, 6.0, egui::Stroke::new(1.0, colour), egui::StrokeKind::Inside);
     ui.painter().galley(area.min + vec2(10.0, 5.0), galley, colour);
     let response = ui.interact(area, ui.scope_id().with("verdict"), Sense::hover());
-    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &text));
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, text));
 }
 
 /// The measured distance beside its line.

@@ -2,6 +2,7 @@
 
 mod commands;
 mod documents;
+mod molds;
 mod writing;
 
 use std::path::PathBuf;
@@ -14,6 +15,7 @@ use super::commands::Command;
 use super::core::Core;
 use super::dialogs::{self, Dialog, Intent};
 use super::files::{Chosen, FileDialogs, Purpose};
+use super::mold::{self, MoldView};
 use super::palette::CommandPalette;
 use super::pictures::Pictures;
 use super::plots::{self, Curves, Tab};
@@ -50,6 +52,8 @@ pub enum Opening {
     Demonstration,
     /// A project file or a mesh.
     File(PathBuf),
+    /// The workspace of molds, on this mesh if there is one.
+    Mold(Option<PathBuf>),
 }
 
 /// How long unsaved work may be without a copy.
@@ -59,6 +63,7 @@ const AUTOSAVE: Duration = Duration::from_secs(2);
 pub struct SparkpathApp {
     core: Core,
     viewport: Viewport,
+    mold_view: MoldView,
     curves: Curves,
     tab: Tab,
     palette: CommandPalette,
@@ -104,6 +109,7 @@ impl SparkpathApp {
         let mut app = Self {
             core,
             viewport: Viewport::default(),
+            mold_view: MoldView::default(),
             curves: Curves::default(),
             tab: Tab::Positions,
             palette: CommandPalette::default(),
@@ -127,8 +133,13 @@ impl SparkpathApp {
             let text = format!("{} draws in software: moving views are drawn lighter and sharpen at rest", info.name);
             app.core.say(EventKind::Done, text);
         }
-        if let Opening::File(path) = opening {
-            app.open(path);
+        match opening {
+            Opening::Demonstration => {}
+            Opening::File(path) => app.open(path),
+            Opening::Mold(path) => {
+                app.core.mold.is_shown = true;
+                path.iter().for_each(|path| app.open_mold(path));
+            }
         }
         app.apply_preferences(&cc.egui_ctx);
         Ok(app)
@@ -151,12 +162,12 @@ impl SparkpathApp {
 
     /// What the 3-D view shows.
     pub fn scene(&self) -> &Scene {
-        self.viewport.picture().0
+        self.seen().picture().0
     }
 
-    /// Where that is seen from.
+    /// From where it is seen.
     pub fn camera(&self) -> &Camera {
-        self.viewport.picture().1
+        self.seen().picture().1
     }
 
     /// Longest time that a frame has taken to lay out since the last call, drawing apart (s).
@@ -182,7 +193,7 @@ impl SparkpathApp {
     fn inputs(&mut self, ctx: &egui::Context) {
         let dropped: Vec<PathBuf> = ctx.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_owned()).collect());
         if let Some(path) = dropped.into_iter().next() {
-            self.intend(Intent::Open(path), ctx);
+            self.open_here(path, ctx);
         }
         match self.files.chosen() {
             Some(Chosen::Path(purpose, path)) => self.named(purpose, path, Named::Chosen, ctx),
@@ -207,9 +218,15 @@ impl SparkpathApp {
     fn panels(&mut self, ui: &mut Ui) {
         let opened = Panel::top("menu").show(ui, |ui| menu::show(ui, &mut self.core)).inner;
         if let Some(path) = opened {
-            self.intend(Intent::Open(path), &ui.ctx().clone());
+            self.open_here(path, &ui.ctx().clone());
         }
         Panel::bottom("status").exact_size(26.0).show(ui, |ui| status::show(ui, &mut self.core));
+        if self.core.mold.is_shown {
+            if let Some(purpose) = mold::show(ui, &mut self.core, &mut self.mold_view) {
+                self.ask(purpose, "cutters.toml", &ui.ctx().clone());
+            }
+            return;
+        }
         // In a small window, or one drawn large, the view comes first: what can be spared gives way to it.
         let room = ui.available_size();
         let (wide, tall) = (room.x > 900.0, room.y > 480.0);
@@ -279,7 +296,8 @@ impl SparkpathApp {
 
     fn retitle(&mut self, ctx: &egui::Context) {
         let mark = if self.core.document.is_unsaved() { "*" } else { "" };
-        let title = format!("{}{mark} - Sparkpath", self.core.document.name());
+        let name = if self.core.mold.is_shown { self.core.mold.name() } else { self.core.document.name() };
+        let title = format!("{name}{mark} - Sparkpath");
         if title != self.title {
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
             self.title = title;
@@ -292,6 +310,7 @@ impl eframe::App for SparkpathApp {
         let started = Instant::now();
         let ctx = ui.ctx().clone();
         self.core.follow();
+        self.follow_mold(&ctx);
         self.plan_at_rest(&ctx);
         self.follow_pictures();
         let elapsed = Duration::from_secs_f32(ctx.input(|i| i.stable_dt).clamp(0.0, 0.1));
@@ -314,7 +333,7 @@ impl eframe::App for SparkpathApp {
         if self.core.document.is_unsaved() {
             ctx.request_repaint_after(AUTOSAVE);
         }
-        if self.core.pipeline.is_busy() {
+        if self.core.pipeline.is_busy() || self.core.mold.work.is_busy() {
             // Time left and elapsed go on even while nothing is reported.
             ctx.request_repaint_after(Duration::from_millis(250));
         }

@@ -11,7 +11,9 @@ use crate::jobs::pipeline::EventKind;
 /// Draws it.
 pub fn show(ui: &mut Ui, core: &mut Core) {
     ui.horizontal(|ui| {
-        if let Some(running) = core.pipeline.running().cloned() {
+        if core.mold.is_shown {
+            mold(ui, core);
+        } else if let Some(running) = core.pipeline.running().cloned() {
             ui.label(RichText::new(format!("{}: {}", running.stage.name(), running.doing)));
             let bar = ProgressBar::new(running.fraction as f32).desired_width(140.0).desired_height(8.0);
             let response = ui.add(bar);
@@ -48,6 +50,16 @@ fn sizing(ui: &mut Ui, core: &mut Core) {
     ui.separator();
 }
 
+/// What is being done for a mold.
+fn mold(ui: &mut Ui, core: &mut Core) {
+    let Some(doing) = core.mold.work.doing() else { return };
+    ui.label(format!("{}: {}", doing.what, doing.stage));
+    ui.add(ProgressBar::new(doing.fraction as f32).desired_width(140.0).desired_height(8.0));
+    let elapsed = doing.since.elapsed().as_secs();
+    ui.label(RichText::new(format!("{elapsed} s")).color(palette(ui).faint));
+    ui.separator();
+}
+
 fn message(ui: &mut Ui, core: &mut Core) {
     if let Some((text, left)) = core.passing() {
         ui.ctx().request_repaint_after(left);
@@ -76,9 +88,11 @@ fn facts(ui: &mut Ui, core: &Core) {
         super::preferences::LengthUnit::Inch => "inch",
     };
     ui.label(RichText::new(unit).color(palette(ui).faint));
-    if let Some(part) = core.pipeline.part() {
+    let of_mold = core.mold.work.mold().map(|mold| mold.mesh.triangles.len());
+    let of_part = core.pipeline.part().map(|part| part.mesh.triangles.len());
+    if let Some(count) = if core.mold.is_shown { of_mold } else { of_part } {
         ui.separator();
-        let count = grouped(part.mesh.triangles.len());
+        let count = grouped(count);
         ui.label(RichText::new(format!("{count} triangles")).color(palette(ui).faint));
     }
 }

@@ -12,11 +12,12 @@ use super::theme::palette;
 use super::viewport_gpu::Picture;
 use crate::blisk::electrode::EntrySide;
 use crate::feed::pose::Pose;
+use crate::geometry::mesh::Bounds;
 use crate::jobs::pipeline::StageState;
 use crate::project::Stage;
 use crate::render::camera::{Camera, OrbitStyle, Projection};
 use crate::render::colour::Theme;
-use crate::render::pick::pick;
+use crate::render::pick::{Pick, pick};
 use crate::render::renderer::Quality;
 use crate::render::scene::{LineSet, Marker, Scene};
 use crate::render::view::StandardView;
@@ -124,7 +125,7 @@ impl Viewport {
         self.click(ui, &response, core);
         self.fly(ui);
         self.follow(ui, core);
-        let quality = self.quality(ui, core);
+        let quality = self.quality(ui, core.pipeline.partial_plan().is_some(), core.cursor.playing);
         let (scene, camera) = (self.scene.clone(), self.camera);
         let picture = Picture { scene, camera, size: self.size, quality };
         ui.painter().add(eframe::egui_wgpu::Callback::new_paint_callback(rect, picture));
@@ -132,6 +133,34 @@ impl Viewport {
         if core.pipeline.part().is_none() {
             empty(ui, rect, &core.pipeline.state(Stage::Part));
         }
+    }
+
+    /// Draws a scene that another workspace has made, moved by the same hands, and fits it in when `fitted_to` changes.
+    /// Answers where it is, and what was clicked if something was: nothing may have been met.
+    pub fn show_scene(
+        &mut self,
+        ui: &mut Ui,
+        navigation: Navigation,
+        scene: &Arc<Scene>,
+        fitted_to: usize,
+    ) -> (Rect, Option<Option<Pick>>) {
+        let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "3D viewport"));
+        let scale = ui.pixels_per_point();
+        self.size = [rect.width(), rect.height()].map(|s| (s * scale).round().max(1.0) as u32);
+        self.scene = scene.clone();
+        if self.fitted_to != Some(fitted_to) {
+            self.fitted_to = Some(fitted_to);
+            self.fit(true);
+        }
+        self.navigate(ui, &response, navigation);
+        let at = response.interact_pointer_pos().filter(|_| response.clicked());
+        let clicked = at.map(|at| pick(&self.scene, &self.camera, self.pixel(ui, rect, at), self.size));
+        self.fly(ui);
+        let quality = self.quality(ui, false, false);
+        let picture = Picture { scene: self.scene.clone(), camera: self.camera, size: self.size, quality };
+        ui.painter().add(eframe::egui_wgpu::Callback::new_paint_callback(rect, picture));
+        (rect, clicked)
     }
 
     fn pixel(&self, ui: &Ui, rect: Rect, at: egui::Pos2) -> DVec2 {
@@ -224,11 +253,11 @@ impl Viewport {
     /// Draws with less care while something moves, and once more with all care when it rests. A search moves the
     /// electrode from node to node: drawn with all care in software, it would keep the window from its keys and
     /// from saying that they were heard.
-    fn quality(&mut self, ui: &Ui, core: &Core) -> Quality {
-        if core.pipeline.partial_plan().is_some() {
+    fn quality(&mut self, ui: &Ui, is_searching: bool, is_playing: bool) -> Quality {
+        if is_searching {
             self.moved = Some(Instant::now());
         }
-        if self.flight.is_some() || core.cursor.playing {
+        if self.flight.is_some() || is_playing {
             return Quality::Moving;
         }
         let Some(since) = self.moved.map(|m| m.elapsed()).filter(|e| *e < REST) else { return Quality::Full };
@@ -258,6 +287,13 @@ impl Viewport {
     /// Turns to a standard view of everything.
     pub fn look(&mut self, view: StandardView, now: f64) {
         let camera = standard(view, &self.scene, self.camera, self.aspect());
+        self.fly_to(camera, now);
+    }
+
+    /// Moves so that `bounds` fills the view, from the present direction.
+    pub fn fly_into(&mut self, bounds: &Bounds, now: f64) {
+        let mut camera = self.camera;
+        camera.fit(bounds, self.aspect());
         self.fly_to(camera, now);
     }
 

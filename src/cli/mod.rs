@@ -106,6 +106,11 @@ enum Command {
     },
     /// What milling cutters that come from above leave of a mold.
     Uncut(uncut::UncutArguments),
+    /// Opens the window on a mold.
+    Mold {
+        /// Its mesh: STL, OBJ, glTF or GLB.
+        mesh: Option<PathBuf>,
+    },
     /// Certifies a feed path file, whoever made it.
     Verify(VerifyArguments),
     /// A picture of a project or of meshes as a PNG file, without a window.
@@ -283,7 +288,8 @@ pub fn run() -> ExitCode {
     let cancel = Cancel::default();
     let (flag, cancelled) = (cancel.clone(), cancel.clone());
     // The window looks at no flag: it shall end as any window does, and its unsaved work is kept by autosave.
-    let handled = arguments.command.as_ref().map_or(Ok(()), |_| ctrlc::set_handler(move || flag.cancel()));
+    let is_window = matches!(arguments.command, None | Some(Command::Mold { .. }));
+    let handled = if is_window { Ok(()) } else { ctrlc::set_handler(move || flag.cancel()) };
     if let Err(error) = handled {
         return report(&anyhow::Error::new(Internal(error.to_string())), arguments.json);
     }
@@ -327,6 +333,12 @@ fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> 
         Command::Compare { job, out, strategies } => compare::compare(job, out, strategies, session),
         Command::Simulate { job, channels, out } => simulate::simulate(job, channels.as_ref(), out.as_deref(), session),
         Command::Uncut(arguments) => uncut::uncut(arguments, session),
+        Command::Mold { mesh } => {
+            if let Some(file) = mesh.as_ref().filter(|f| !f.exists()) {
+                anyhow::bail!("{}: there is no file of that name", file.display());
+            }
+            run_window(Opening::Mold(mesh.clone())).map(|()| Answer::Yes).map_err(anyhow::Error::msg)
+        }
         Command::Verify(arguments) => verify::verify(arguments, session),
         Command::Render(arguments) => render::render(arguments, session),
         Command::Inspect(arguments) => inspect::inspect(arguments, session),

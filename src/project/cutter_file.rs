@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::mesh_io::atomic_write;
 use crate::mold::cutter::{CutterError, CutterLibrary};
 
 /// The largest file that is read (bytes).
@@ -60,6 +61,18 @@ pub fn read_cutters(file: &Path) -> Result<CutterLibrary, CutterFileError> {
     parsed(file, &std::fs::read_to_string(file).map_err(unreadable)?)
 }
 
+/// Writes `library` as a TOML file that [`read_cutters`] reads.
+///
+/// # Errors
+/// [`CutterFileError`], also of a library that could not be read again.
+pub fn write_cutters(file: &Path, library: &CutterLibrary) -> Result<(), CutterFileError> {
+    let invalid = |problem: String| CutterFileError::Invalid { file: file.to_owned(), problem };
+    library.validate().map_err(|source| CutterFileError::Cutter { file: file.to_owned(), source })?;
+    let text = toml::to_string_pretty(library).map_err(|e| invalid(e.to_string()))?;
+    let unwritable = |e: std::io::Error| invalid(format!("cannot be written ({e}); choose another place"));
+    atomic_write(file, |out| out.write_all(text.as_bytes())).map_err(unwritable)
+}
+
 fn parsed(file: &Path, text: &str) -> Result<CutterLibrary, CutterFileError> {
     let invalid = |problem: String| CutterFileError::Invalid { file: file.to_owned(), problem };
     let library: CutterLibrary = toml::from_str(text).map_err(|e| {
@@ -83,6 +96,20 @@ mod tests {
         let library = standard_cutters().unwrap();
         let count = |kind| library.cutter.iter().filter(|c| c.kind() == kind).count();
         assert_eq!((count(CutterKind::Flat), count(CutterKind::Ball), count(CutterKind::BullNose)), (4, 4, 0));
+    }
+
+    #[test]
+    fn a_library_is_read_as_it_was_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("mine.toml");
+        let mut library = standard_cutters().unwrap();
+        library.cutter[0].name = "roughing \"big\"".to_owned();
+        library.cutter[1].reach_mm = Some(12.5);
+        library.cutter[1].holder_diameter_mm = Some(20.0);
+        write_cutters(&file, &library).unwrap();
+        assert_eq!(read_cutters(&file).unwrap(), library);
+        assert!(write_cutters(&file, &CutterLibrary::default()).unwrap_err().to_string().contains("no cutter"));
+        assert_eq!(read_cutters(&file).unwrap(), library, "what cannot be written takes nothing away");
     }
 
     #[test]

@@ -6,6 +6,7 @@ mod caps;
 mod colours;
 mod leftover;
 mod machine;
+mod mold;
 mod pictures;
 mod scene;
 mod shapes;
@@ -17,6 +18,10 @@ pub use camera::{NamedView, bodies, into_channel, standard};
 pub use colours::mesh_colour;
 pub use leftover::{LeftoverShape, colour_limit, leftover_legend};
 pub use machine::{BodyShape, MachineBody, Moment, WholeMotion, body_shapes, meeting};
+pub use mold::{
+    MoldLayer, MoldPart, MoldScene, RegionColours, RegionShape, build_mold, depth_legend, faces_shape, mold_part,
+    region_colour, region_shapes,
+};
 pub use pictures::{PICTURE_SIZE, PlanPicture, PlanToShow, plan_pictures};
 pub use scene::{Layer, Layers, Look, SceneInputs, build, layer_id, layer_of};
 pub use shapes::{ChannelShapes, channel_shapes};

@@ -79,7 +79,7 @@ fn the_demonstration_keeps_its_plan_and_its_channels_are_reached_by_indexing() {
     let found = KeptPlan { inputs: KeptPlan::inputs_of(&job, ""), electrodes: kept(&outcome).unwrap() };
     if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
         let file = std::path::Path::new("assets/demonstration.sparkpath");
-        ProjectFile { job, meshes: Vec::new(), plan: Some(found) }.write(file).unwrap();
+        ProjectFile { job, meshes: Vec::new(), plan: Some(found), runs: Vec::new() }.write(file).unwrap();
     } else {
         same_nodes(&ProjectFile::demonstration().plan.unwrap(), &found);
     }

@@ -19,9 +19,12 @@ impl SparkpathApp {
         let now = ctx.input(|i| i.time);
         match command {
             Command::NewDemonstration => self.intend(Intent::Demonstration, ctx),
+            Command::Open if self.core.mold.is_shown => self.ask(Purpose::Mold, "", ctx),
             Command::Open => self.intend(Intent::AskOpen, ctx),
             Command::Quit => self.intend(Intent::Quit, ctx),
+            Command::Reload if self.core.mold.is_shown => self.core.mold.work.reload(),
             Command::Reload => self.core.pipeline.reload(),
+            Command::Save | Command::SaveAs if self.core.mold.is_shown => self.save_mold(command == Command::Save, ctx),
             Command::Save => self.save(ctx),
             Command::SaveAs => self.ask_where_to_save(ctx),
             Command::SaveJob => {
@@ -32,13 +35,15 @@ impl SparkpathApp {
             Command::Redo => drop(self.core.document.redo()),
             Command::Preferences => self.dialog = Dialog::Preferences,
             Command::Plan => self.plan(),
+            Command::Cancel if self.core.mold.is_shown => self.core.mold.work.cancel(),
             Command::Cancel => self.core.pipeline.cancel(),
             Command::Approve => self.approve(),
             Command::Withdraw => self.core.pipeline.withdraw(),
             Command::Export => self.dialog = Dialog::Export,
             Command::Step(stage) => self.core.step = stage,
             Command::Screenshot => {
-                let name = format!("{}.png", self.core.document.name());
+                let mold = self.core.mold.is_shown.then(|| self.core.mold.params.name());
+                let name = format!("{}.png", mold.unwrap_or_else(|| self.core.document.name()));
                 self.ask(Purpose::Picture, &name, ctx);
             }
             Command::Theme => {
@@ -50,9 +55,9 @@ impl SparkpathApp {
             Command::About => self.dialog = Dialog::About,
             Command::Keep => self.core.keep(),
             Command::Ghost => self.core.toggle_ghost(),
-            Command::Fit => self.viewport.fit(false),
-            Command::View(view) => self.viewport.look(view, now),
-            Command::Projection => self.viewport.toggle_projection(),
+            Command::Fit => self.seen_mut().fit(false),
+            Command::View(view) => self.seen_mut().look(view, now),
+            Command::Projection => self.seen_mut().toggle_projection(),
             Command::IntoChannel => {
                 self.core.layers.into_channel();
                 self.viewport.look_into_channel(&self.core, now);
@@ -61,6 +66,16 @@ impl SparkpathApp {
                 self.core.layers.whole_blisk();
                 self.viewport.look(crate::render::view::StandardView::Isometric, now);
             }
+            Command::BliskWorkspace | Command::MoldWorkspace => {
+                self.core.mold.is_shown = command == Command::MoldWorkspace;
+            }
+            Command::FindUncut
+            | Command::CompareCutters
+            | Command::FlyToRegion
+            | Command::Isolate
+            | Command::Layers
+            | Command::DepthColours
+            | Command::FaintMold => self.run_on_mold(command),
             Command::Section => self.toggle_section(),
             Command::Measure => {
                 self.core.measuring = !self.core.measuring;

@@ -7,6 +7,7 @@ use super::SparkpathApp;
 use crate::app::dialogs::{Answer, Dialog, Intent};
 use crate::app::files::Purpose;
 use crate::jobs::pipeline::EventKind;
+use crate::project::mold_file::is_mold_file;
 use crate::project::{Document, OpenError, Recovery, Stage};
 
 /// How a path was named.
@@ -21,6 +22,10 @@ pub(super) enum Named {
 impl SparkpathApp {
     /// Opens a project or a mesh, in whose place there was no unsaved work.
     pub fn open(&mut self, path: &Path) {
+        if is_mold_file(path) {
+            self.core.mold.is_shown = true;
+            return self.open_mold(path);
+        }
         if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("sparkpath")) {
             match Document::open(path) {
                 Ok(document) => self.replace(document),
@@ -45,6 +50,7 @@ impl SparkpathApp {
             autosave.discard();
         }
         self.core.document = document;
+        self.core.mold.is_shown = false;
         self.given_up = None;
         self.core.pipeline.reset();
         self.core.tuning.forget_sizes();
@@ -87,6 +93,9 @@ impl SparkpathApp {
 
     /// The folder that a file dialog starts in.
     pub(super) fn folder(&self) -> Option<PathBuf> {
+        if self.core.mold.is_shown {
+            return self.core.mold.params.mesh.as_deref().and_then(Path::parent).map(Path::to_owned);
+        }
         let path = self.core.document.file().or(self.core.document.job().blisk.mesh.as_deref());
         path.and_then(Path::parent).map(Path::to_owned)
     }
@@ -175,6 +184,10 @@ impl SparkpathApp {
                 job.electrode.mesh = Some(path);
                 self.core.edit("Own electrode", job, false);
             }
+            Purpose::Mold => self.open_mold(&path),
+            Purpose::Cutters | Purpose::OtherCutters => self.load_cutters(&path, purpose == Purpose::OtherCutters),
+            Purpose::SaveCutters => self.save_cutters(&path),
+            Purpose::SaveMold => self.write_mold(&path),
             Purpose::Post => self.take_post(&path),
             Purpose::Machine => self.take_machine(&path),
             Purpose::MovedMesh(old) => {

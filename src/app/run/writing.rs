@@ -69,7 +69,7 @@ impl SparkpathApp {
     }
 
     pub(super) fn write_picture(&mut self, path: &Path) {
-        let (scene, camera) = self.viewport.picture();
+        let (scene, camera) = self.seen().picture();
         // A picture has nothing else that tells the axes.
         let scene = Scene { triad: true, ..(**scene).clone() };
         self.pictures.write(path, scene, *camera);

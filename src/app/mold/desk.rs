@@ -1,0 +1,248 @@
+//! The state of the workspace: the question, the answer, and how it is looked at.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::list::Column;
+use crate::geometry::mesh::Bounds;
+use crate::jobs::mold::{FoundUncut, MoldEvent, MoldWork};
+use crate::jobs::pipeline::StageState;
+use crate::jobs::uncut::LayerFound;
+use crate::mold::cutter::CutterLibrary;
+use crate::mold::uncut_region::UncutRegion;
+use crate::project::MoldParams;
+use crate::views::RegionColours;
+
+/// How long nothing may change before what was seen at a glance is found exactly.
+const REST: Duration = Duration::from_millis(300);
+
+/// See the module's page.
+pub struct MoldDesk {
+    /// Whether molds are what the window shows.
+    pub is_shown: bool,
+    /// The mold and what is asked about it.
+    pub params: MoldParams,
+    /// What has been made of it.
+    pub work: MoldWork,
+    /// The row of the table of cutters that is selected.
+    pub cutter: usize,
+    /// The region that is selected.
+    pub selected: Option<usize>,
+    /// The region that the list was scrolled to.
+    pub scrolled_to: Option<usize>,
+    /// Whether no other region is shown.
+    pub isolated: bool,
+    /// What the regions' colours say.
+    pub colours: RegionColours,
+    /// Whether the mold gives way to what is left on it.
+    pub is_faint: bool,
+    /// Whether the faces that look away from the cutters are shown in a colour of their own.
+    pub shows_invert: bool,
+    /// The layer that is looked at.
+    pub layer: Option<usize>,
+    /// What the list is sorted by, and whether the greatest comes first.
+    pub sort: (Column, bool),
+    /// Regions of less volume are not shown (mm^3).
+    pub least_volume: f64,
+    /// The cutters that are compared with.
+    pub other: CutterLibrary,
+    /// The row of their table that is selected.
+    pub other_cutter: usize,
+    /// Whether only regions are shown of which the other cutters would leave nothing.
+    pub only_vanishing: bool,
+    /// Whether the exact answer follows a change by itself, once there was one.
+    pub follows: bool,
+    /// The region that the view is to fly to.
+    pub fly_to: Option<usize>,
+    /// The file of the mold, with what it holds.
+    pub file: Option<(PathBuf, MoldParams)>,
+    /// When something was last changed of which the answer is not known.
+    edited: Option<Instant>,
+    /// The answer that the present selection belongs to.
+    shown: Option<Arc<FoundUncut>>,
+}
+
+impl MoldDesk {
+    /// An empty workspace.
+    ///
+    /// # Errors
+    /// If the system gives no thread to work on.
+    pub fn start(wake: impl Fn() + Send + Sync + Clone + 'static) -> std::io::Result<Self> {
+        let params = MoldParams::default();
+        Ok(Self {
+            is_shown: false,
+            other: params.library.clone(),
+            params,
+            work: MoldWork::start(wake)?,
+            cutter: 0,
+            selected: None,
+            scrolled_to: None,
+            isolated: false,
+            colours: RegionColours::default(),
+            is_faint: false,
+            shows_invert: true,
+            layer: None,
+            sort: (Column::Volume, true),
+            least_volume: 0.0,
+            other_cutter: 0,
+            only_vanishing: false,
+            follows: true,
+            fly_to: None,
+            file: None,
+            edited: None,
+            shown: None,
+        })
+    }
+
+    /// Takes `mesh` for the mold. The cutters stay.
+    pub fn open(&mut self, mesh: &Path) {
+        let params = MoldParams { mesh: Some(mesh.to_owned()), ..self.params.clone() };
+        self.replace(params, None);
+    }
+
+    /// Takes all of `params`, which are those of `file` if there is one.
+    pub fn replace(&mut self, params: MoldParams, file: Option<&Path>) {
+        if self.params.mesh == params.mesh {
+            self.work.reload();
+        }
+        self.file = file.map(|file| (file.to_owned(), params.clone()));
+        (self.params, self.edited) = (params, None);
+        self.work.forget_glance();
+    }
+
+    /// What to call the mold: after its file, or else its mesh. With a dot if the file holds something else.
+    pub fn name(&self) -> String {
+        let Some((file, saved)) = &self.file else { return self.params.name() };
+        let name = file.file_stem().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        if *saved == self.params { name } else { format!("{name} \u{2022}") }
+    }
+
+    /// Takes other parameters. While they go on changing they are looked at quickly.
+    pub fn edit(&mut self, params: MoldParams) {
+        if params != self.params {
+            self.params = params;
+            self.edited = Some(Instant::now());
+        }
+    }
+
+    /// How the answer for the present parameters stands.
+    pub fn state(&self) -> StageState {
+        self.work.state(&self.params)
+    }
+
+    /// Begins to look for what is left.
+    ///
+    /// # Errors
+    /// One line why it cannot be looked for.
+    pub fn find(&mut self) -> Result<(), String> {
+        self.edited = None;
+        self.work.find(&self.params)
+    }
+
+    /// Takes in what has been made. `is_held` while a button of the mouse is down: what is dragged is not at rest.
+    /// Answers what has happened, and after how long there is something to be done again.
+    pub fn follow(&mut self, is_held: bool) -> (Vec<MoldEvent>, Option<Duration>) {
+        let mut events = self.work.follow(&self.params);
+        self.follow_answer();
+        let state = self.state();
+        if state == StageState::Done {
+            self.edited = None;
+            self.work.forget_glance();
+        }
+        let Some(edited) = self.edited else { return (events, None) };
+        self.work.glance(&self.params);
+        let can_follow = self.follows && state == StageState::Stale && self.params.library.validate().is_ok();
+        if !can_follow || is_held {
+            return (events, None);
+        }
+        let wait = REST.saturating_sub(edited.elapsed());
+        if wait.is_zero() {
+            if let Err(text) = self.find() {
+                events.push(MoldEvent { kind: crate::jobs::pipeline::EventKind::Failed, text, took: None });
+            }
+            return (events, None);
+        }
+        (events, Some(wait))
+    }
+
+    /// What belongs to another answer is selected no more.
+    fn follow_answer(&mut self) {
+        let now = self.work.found();
+        if now.map(Arc::as_ptr) == self.shown.as_ref().map(Arc::as_ptr) {
+            return;
+        }
+        // A layer of the same mold is looked for again at about the same height.
+        let height = self.layer().map(|(layer, _)| layer.z);
+        self.shown = now.cloned();
+        (self.selected, self.isolated, self.fly_to) = (None, false, None);
+        self.layer = height.and_then(|z| {
+            let layers = &self.shown.as_ref()?.uncut.layers;
+            let off = |i: &usize| (layers[*i].z - z).abs();
+            (0..layers.len()).min_by(|a, b| off(a).total_cmp(&off(b)))
+        });
+    }
+
+    /// The answer that is shown: of the present parameters or of earlier ones.
+    pub fn found(&self) -> Option<&Arc<FoundUncut>> {
+        self.shown.as_ref()
+    }
+
+    /// The regions that are left.
+    pub fn regions(&self) -> &[UncutRegion] {
+        self.shown.as_ref().map_or(&[], |found| &found.uncut.regions)
+    }
+
+    /// The box around a region in the axes of the mesh (mm).
+    pub fn bounds(&self, region: usize) -> Option<Bounds> {
+        let uncut = &self.shown.as_ref()?.uncut;
+        let Bounds { min, max } = uncut.regions.get(region)?.bounds;
+        Some(Bounds::of([min, max].map(|p| uncut.params.opening.in_mesh(p))))
+    }
+
+    /// The layer that is looked at, and its number.
+    pub fn layer(&self) -> Option<(&LayerFound, usize)> {
+        let number = self.layer?;
+        Some((self.shown.as_ref()?.uncut.layers.get(number)?, number))
+    }
+
+    /// Begins or ends to look at layers, with the one where most is left.
+    pub fn toggle_layers(&mut self) {
+        let layers = self.shown.as_ref().map_or(&[][..], |found| &found.uncut.layers);
+        // Of equals the highest: less of the mold is cut away.
+        let fullest = (0..layers.len()).max_by(|&a, &b| layers[a].area.total_cmp(&layers[b].area));
+        self.layer = if self.layer.is_some() { None } else { fullest };
+    }
+
+    /// The numbers of the regions in the list, in its order.
+    pub fn listed(&self) -> Vec<usize> {
+        let regions = self.regions();
+        let other = self.work.other().filter(|_| self.only_vanishing);
+        let is_listed =
+            |i: &usize| regions[*i].volume >= self.least_volume && other.is_none_or(|other| other.1.vanishes(*i));
+        let mut listed: Vec<usize> = (0..regions.len()).filter(is_listed).collect();
+        let (column, falls) = self.sort;
+        listed.sort_by(|&a, &b| {
+            let by_column = column.key(&regions[a], a).total_cmp(&column.key(&regions[b], b));
+            if falls { by_column.reverse() } else { by_column }
+        });
+        listed
+    }
+
+    /// For each region whether the view shows it.
+    pub fn is_visible(&self) -> Vec<bool> {
+        let mut visible = vec![false; self.regions().len()];
+        self.listed().into_iter().for_each(|i| visible[i] = true);
+        if let (true, Some(selected)) = (self.isolated, self.selected) {
+            visible.iter_mut().enumerate().for_each(|(i, visible)| *visible = i == selected);
+        }
+        visible
+    }
+
+    /// The cutter that comes nearest to a region, as it is called.
+    pub fn nearest(&self, region: &UncutRegion) -> String {
+        let library = self.shown.as_ref().map(|found| &found.uncut.params.library);
+        let cutter = region.nearest_cutter.and_then(|i| library?.cutter.get(i));
+        cutter.map_or("\u{2013}".to_owned(), |c| c.label())
+    }
+}

@@ -1,0 +1,217 @@
+//! The left panel: the mold, its cutters, what they leave, and what others would leave.
+
+use egui::{CollapsingHeader, ComboBox, DragValue, ProgressBar, RichText, Ui, vec2};
+
+use super::super::commands::Command;
+use super::super::core::Core;
+use super::super::files::Purpose;
+use super::super::status::grouped;
+use super::super::stepper::{command_button, fact, notice};
+use super::super::theme::{palette, tick};
+use super::{compare, cutters, list};
+use crate::jobs::mold::FoundUncut;
+use crate::jobs::pipeline::{EventKind, StageState};
+use crate::mesh_io::Units;
+use crate::mold::opening::Opening;
+use crate::project::cutter_file::standard_cutters;
+
+/// Height of the list of regions where it has no panel of its own (points).
+const LIST: f32 = 420.0;
+
+/// Draws it, `with_list` also the list of regions. Answers what a path is wanted for.
+pub fn show(ui: &mut Ui, core: &mut Core, with_list: bool) -> Option<Purpose> {
+    let mut asked = None;
+    egui::ScrollArea::vertical().id_salt("mold form").auto_shrink([false, false]).show(ui, |ui| {
+        ui.add_space(2.0);
+        section(ui, "Mold", true, |ui| asked = mold(ui, core));
+        section(ui, "Cutters", true, |ui| asked = library(ui, core).or(asked.take()));
+        section(ui, "Uncut", true, |ui| uncut(ui, core));
+        if with_list {
+            section(ui, "Regions", true, |ui| {
+                ui.allocate_ui(vec2(ui.available_width(), LIST), |ui| list::show(ui, core));
+            });
+        }
+        section(ui, "Compare cutters", false, |ui| asked = compare::show(ui, core).or(asked.take()));
+    });
+    asked
+}
+
+fn section(ui: &mut Ui, name: &str, open: bool, body: impl FnOnce(&mut Ui)) {
+    let title = RichText::new(name).strong();
+    CollapsingHeader::new(title).id_salt(name).default_open(open).show_unindented(ui, |ui| {
+        body(ui);
+        ui.add_space(6.0);
+    });
+}
+
+/// A name before what is chosen, as in the forms of the other workspace.
+fn named<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui, egui::Id) -> R) -> R {
+    let row = ui.horizontal(|ui| {
+        let layout = egui::Layout::left_to_right(egui::Align::Center);
+        let label = ui.allocate_ui_with_layout(vec2(84.0, 22.0), layout, |ui| {
+            ui.set_min_width(84.0);
+            ui.label(name).id
+        });
+        add(ui, label.inner)
+    });
+    row.inner
+}
+
+fn mold(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
+    let mut asked = None;
+    let state = core.mold.work.mold_state(&core.mold.params);
+    ui.horizontal(|ui| {
+        if ui.button("Open mold…").on_hover_text(Command::Open.hint(ui.ctx())).clicked() {
+            asked = Some(Purpose::Mold);
+        }
+        match &state {
+            StageState::Missing => drop(ui.label(RichText::new("or drop a mesh here").color(palette(ui).faint))),
+            _ => drop(ui.add(egui::Label::new(RichText::new(core.mold.params.name()).strong()).truncate())),
+        }
+    });
+    if let StageState::Failed(why) = &state {
+        notice(ui, palette(ui).bad, why);
+    }
+    let mut params = core.mold.params.clone();
+    named(ui, "Unit", |ui, label| {
+        let name = |units: Units| match units {
+            Units::Auto => "as the file says, or guessed",
+            Units::Mm => "mm",
+            Units::Cm => "cm",
+            Units::M => "m",
+            Units::Inch => "inch",
+            Units::Um => "µm",
+        };
+        let combo = ComboBox::from_id_salt("mold unit").selected_text(name(params.units)).width(190.0);
+        let shown = combo.show_ui(ui, |ui| {
+            for units in [Units::Auto, Units::Mm, Units::Cm, Units::M, Units::Um, Units::Inch] {
+                ui.selectable_value(&mut params.units, units, name(units));
+            }
+        });
+        shown.response.labelled_by(label);
+    });
+    named(ui, "Opens to", |ui, _| {
+        for opening in Opening::ALL {
+            let response = ui.selectable_label(params.opening == opening, opening.name());
+            if response.on_hover_text("Cutters come from there").clicked() {
+                params.opening = opening;
+            }
+        }
+    });
+    named(ui, "Tolerance", |ui, label| {
+        let field = DragValue::new(&mut params.tolerance_mm).range(1e-4..=10.0).speed(0.001).max_decimals(4);
+        let field = ui.add_sized(vec2(74.0, 22.0), field).labelled_by(label);
+        field.on_hover_text("Thickness of what is left, across the mold's surface, up to which it counts as cut");
+        ui.label(RichText::new("mm").color(palette(ui).faint));
+    });
+    core.mold.edit(params);
+    facts(ui, core);
+    asked
+}
+
+fn facts(ui: &mut Ui, core: &Core) {
+    let Some(mold) = core.mold.work.mold() else { return };
+    let length = core.preferences.length;
+    let size = mold.shape.bounds().size();
+    fact(ui, "Size", format!("{:.2} × {:.2} × {}", size.x, size.y, length.show(size.z, 2)));
+    fact(ui, "Volume", format!("{:.1} mm³", mold.volume));
+    fact(ui, "Triangles", grouped(mold.mesh.triangles.len()));
+    let surface = if mold.report.watertight { "watertight" } else { "open" };
+    fact(ui, "Surface", format!("{surface}, read in {}", mold.report.unit.name()));
+    if !mold.report.unit_certain {
+        let text = RichText::new(&mold.report.unit_reason).small().color(palette(ui).faint);
+        ui.add(egui::Label::new(text).wrap());
+    }
+    for warning in &mold.report.warnings {
+        notice(ui, palette(ui).warning, warning);
+    }
+}
+
+fn library(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
+    let mut asked = None;
+    let mut params = core.mold.params.clone();
+    cutters::table(ui, &mut params.library, &mut core.mold.cutter, "cutter");
+    ui.horizontal_wrapped(|ui| {
+        cutters::buttons(ui, &mut params.library, &mut core.mold.cutter);
+        ui.separator();
+        if ui.button("Load…").on_hover_text("A library of cutters (TOML)").clicked() {
+            asked = Some(Purpose::Cutters);
+        }
+        let can_save = params.library.validate().is_ok();
+        if ui.add_enabled(can_save, egui::Button::new("Save…")).on_hover_text("As a TOML file").clicked() {
+            asked = Some(Purpose::SaveCutters);
+        }
+        if ui.button("Standard").on_hover_text("The library that the program brings along").clicked() {
+            match standard_cutters() {
+                Ok(library) => params.library = library,
+                Err(error) => core.say(EventKind::Failed, error.to_string()),
+            }
+        }
+    });
+    core.mold.edit(params);
+    asked
+}
+
+fn uncut(ui: &mut Ui, core: &mut Core) {
+    let state = core.mold.state();
+    ui.horizontal(|ui| {
+        command_button(ui, core, Command::FindUncut, "Find", state != StageState::Done);
+        tick(ui, &mut core.mold.follows, "again after a change").on_hover_text("Once something was found");
+    });
+    if let Some(doing) = core.mold.work.doing().cloned() {
+        ui.horizontal(|ui| {
+            let bar = ui.add(ProgressBar::new(doing.fraction as f32).desired_width(150.0).desired_height(8.0));
+            let percent = format!("{} {:.0} %", doing.stage, 100.0 * doing.fraction);
+            bar.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &percent));
+            ui.add(egui::Label::new(RichText::new(&doing.stage).color(palette(ui).faint)).truncate());
+            if ui.small_button("Cancel").on_hover_text(Command::Cancel.hint(ui.ctx())).clicked() {
+                core.push(Command::Cancel);
+            }
+        });
+    }
+    match &state {
+        StageState::Failed(why) => notice(ui, palette(ui).bad, why),
+        StageState::Stale => {
+            notice(ui, palette(ui).warning, "What is shown belongs to other parameters.");
+        }
+        _ => {}
+    }
+    if let Some(found) = core.mold.found().cloned() {
+        answer(ui, core, &found);
+    }
+}
+
+/// What was found, in words and figures.
+fn answer(ui: &mut Ui, core: &mut Core, found: &FoundUncut) {
+    let report = &found.report;
+    let colours = palette(ui);
+    let colour = match (report.is_whole, report.regions.is_empty()) {
+        (false, _) => colours.warning,
+        (true, true) => colours.good,
+        (true, false) => colours.accent,
+    };
+    notice(ui, colour, &found.sentence());
+    for warning in &report.warnings {
+        notice(ui, colours.warning, warning);
+    }
+    if let Some(agreement) = &report.agreement {
+        let [layers, field] = [&agreement.layers, &agreement.field];
+        let hint = "Flat cutters are followed exactly, layer by layer, and found again by heights over a grid";
+        ui.label(RichText::new("What flat cutters leave, found twice").small().color(colours.faint))
+            .on_hover_text(hint);
+        let figures = |found: &crate::jobs::uncut::Found| {
+            let plural = if found.regions == 1 { "" } else { "s" };
+            format!("{} region{plural}, {:.3} mm³", found.regions, found.volume_mm3)
+        };
+        fact(ui, "By layers", figures(layers));
+        fact(ui, &format!("By heights {} mm apart", agreement.field_step_mm), figures(field));
+    }
+    if report.invert.faces > 0 {
+        tick(
+            ui,
+            &mut core.mold.shows_invert,
+            format!("{} faces ({:.1} mm²) look away from the cutters", report.invert.faces, report.invert.area_mm2),
+        )
+        .on_hover_text("For another set-up or a slide. Shown in a colour of their own.");
+    }
+}

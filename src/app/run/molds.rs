@@ -1,0 +1,138 @@
+//! What the window does for the workspace of molds.
+
+use std::path::{Path, PathBuf};
+
+use super::SparkpathApp;
+use crate::app::commands::Command;
+use crate::app::core::LogLine;
+use crate::app::dialogs::{Dialog, Intent};
+use crate::app::files::Purpose;
+use crate::app::viewport::Viewport;
+use crate::jobs::pipeline::EventKind;
+use crate::project::cutter_file::{read_cutters, write_cutters};
+use crate::project::mold_file::{ENDING, is_mold_file, read_mold, write_mold};
+use crate::views::RegionColours;
+
+impl SparkpathApp {
+    /// The view of the workspace that is shown.
+    pub(super) fn seen(&self) -> &Viewport {
+        if self.core.mold.is_shown { &self.mold_view.viewport } else { &self.viewport }
+    }
+
+    pub(super) fn seen_mut(&mut self) -> &mut Viewport {
+        if self.core.mold.is_shown { &mut self.mold_view.viewport } else { &mut self.viewport }
+    }
+
+    /// Opens a file in the workspace where it belongs: while molds are shown a mesh is one, and a table of cutters is
+    /// theirs.
+    pub(super) fn open_here(&mut self, path: PathBuf, ctx: &egui::Context) {
+        let is = |ending| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending));
+        if is_mold_file(&path) {
+            self.open(&path);
+        } else if !self.core.mold.is_shown || is("sparkpath") {
+            self.intend(Intent::Open(path), ctx);
+        } else if is("toml") {
+            self.load_cutters(&path, false);
+        } else {
+            self.open_mold(&path);
+        }
+    }
+
+    /// Takes the mesh at `path`, or the mold that was saved there.
+    pub fn open_mold(&mut self, path: &Path) {
+        if is_mold_file(path) {
+            match read_mold(path) {
+                Ok(params) => self.core.mold.replace(params, Some(path)),
+                Err(e) => {
+                    self.core.preferences.recent.remove(path);
+                    self.dialog = Dialog::Error("This mold cannot be opened".to_owned(), e.to_string());
+                    return;
+                }
+            }
+        } else {
+            self.core.mold.open(path);
+        }
+        self.core.preferences.recent.add(path);
+    }
+
+    /// Saves the mold, in its file if it has one and that will do.
+    pub(super) fn save_mold(&mut self, in_its_file: bool, ctx: &egui::Context) {
+        match self.core.mold.file.as_ref().map(|(file, _)| file.clone()).filter(|_| in_its_file) {
+            Some(file) => self.write_mold(&file),
+            None => {
+                let name = format!("{}{ENDING}", self.core.mold.params.name());
+                self.ask(Purpose::SaveMold, &name, ctx);
+            }
+        }
+    }
+
+    pub(super) fn write_mold(&mut self, file: &Path) {
+        let params = self.core.mold.params.clone();
+        match write_mold(file, &params) {
+            Ok(()) => {
+                self.core.mold.file = Some((file.to_owned(), params));
+                self.core.preferences.recent.add(file);
+                self.core.say(EventKind::Done, format!("saved as {}", file.display()));
+            }
+            Err(e) => self.dialog = Dialog::Error("The mold was not saved".to_owned(), e.to_string()),
+        }
+    }
+
+    pub(super) fn load_cutters(&mut self, path: &Path, are_others: bool) {
+        match read_cutters(path) {
+            Ok(library) if are_others => self.core.mold.other = library,
+            Ok(library) => {
+                let mut params = self.core.mold.params.clone();
+                params.library = library;
+                self.core.mold.edit(params);
+            }
+            Err(error) => self.dialog = Dialog::Error("This is no library of cutters".to_owned(), error.to_string()),
+        }
+    }
+
+    pub(super) fn save_cutters(&mut self, path: &Path) {
+        match write_cutters(path, &self.core.mold.params.library) {
+            Ok(()) => self.core.say(EventKind::Done, format!("cutters saved as {}", path.display())),
+            Err(e) => self.dialog = Dialog::Error("The cutters were not saved".to_owned(), e.to_string()),
+        }
+    }
+
+    /// Keeps the answer up with the parameters, and the log with both.
+    pub(super) fn follow_mold(&mut self, ctx: &egui::Context) {
+        let is_held = ctx.input(|i| i.pointer.any_down());
+        let (events, wait) = self.core.mold.follow(is_held);
+        for event in events {
+            let at = std::time::SystemTime::now();
+            self.core.log.push(LogLine { at, kind: event.kind, stage: None, text: event.text, took: event.took });
+        }
+        if let Some(wait) = wait {
+            ctx.request_repaint_after(wait);
+        }
+    }
+
+    pub(super) fn run_on_mold(&mut self, command: Command) {
+        let mold = &mut self.core.mold;
+        let done = match command {
+            Command::FindUncut => mold.find(),
+            Command::CompareCutters => mold.work.compare(&mold.params, &mold.other),
+            _ => {
+                match command {
+                    Command::FlyToRegion => mold.fly_to = mold.selected,
+                    Command::Isolate => mold.isolated = !mold.isolated,
+                    Command::Layers => mold.toggle_layers(),
+                    Command::FaintMold => mold.is_faint = !mold.is_faint,
+                    _ => {
+                        mold.colours = match mold.colours {
+                            RegionColours::ByRegion => RegionColours::ByDepth,
+                            RegionColours::ByDepth => RegionColours::ByRegion,
+                        }
+                    }
+                }
+                Ok(())
+            }
+        };
+        if let Err(why) = done {
+            self.core.say(EventKind::Failed, why);
+        }
+    }
+}

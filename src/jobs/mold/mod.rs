@@ -1,0 +1,313 @@
+//! The work on a mold behind the window: the mesh, what its cutters leave, a quick look while a cutter is changed, and
+//! what other cutters would leave.
+
+mod glance;
+mod kept;
+mod steps;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::pipeline::{EventKind, StageState};
+use super::uncut::UncutParams;
+use super::uncut_compare::Comparison;
+use super::worker::{Ended, Message, Reporter, TaskId, Worker};
+use crate::mesh_io::Units;
+use crate::mold::cutter::CutterLibrary;
+use crate::progress::{Cancel, Progress};
+use crate::project::MoldParams;
+pub use glance::Glance;
+use glance::Glancer;
+use kept::Kept;
+pub use steps::{FoundUncut, LoadedMold};
+
+/// What a mesh is read from: the file, its unit, how often it was asked for.
+type MeshKey = (PathBuf, Units, u64);
+/// What is asked of a mold: what tells the mesh from any other, and the question.
+type Question = (String, UncutParams);
+
+/// What a task has made.
+enum Made {
+    Mold(Box<LoadedMold>),
+    Found(Box<FoundUncut>),
+    Other(Box<(FoundUncut, Comparison)>),
+}
+
+/// What is being worked on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Doing {
+    /// What it is for.
+    pub what: &'static str,
+    /// What is being done, in the words of the computation.
+    pub stage: String,
+    /// How much of that is done, 0 to 1.
+    pub fraction: f64,
+    /// When it began.
+    pub since: Instant,
+}
+
+/// Something for the log.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MoldEvent {
+    /// What became of it.
+    pub kind: EventKind,
+    /// In one sentence.
+    pub text: String,
+    /// How long it was worked on.
+    pub took: Option<Duration>,
+}
+
+/// What the places in the queue are for; a later one is of no use once an earlier one is asked anew.
+const LOAD: u32 = 0;
+const FIND: u32 = 1;
+const COMPARE: u32 = 2;
+
+/// See the module's page.
+pub struct MoldWork {
+    worker: Worker<(), Made>,
+    glancer: Glancer,
+    mold: Kept<MeshKey, LoadedMold>,
+    found: Kept<Question, FoundUncut>,
+    other: Kept<(Question, CutterLibrary), (FoundUncut, Comparison)>,
+    doing: Option<Doing>,
+    reloads: u64,
+}
+
+impl MoldWork {
+    /// Starts the workers; `wake` is called from them whenever something has happened.
+    ///
+    /// # Errors
+    /// If the system gives no thread.
+    pub fn start(wake: impl Fn() + Send + Sync + Clone + 'static) -> std::io::Result<Self> {
+        Ok(Self {
+            worker: Worker::start(wake.clone())?,
+            glancer: Glancer::start(wake)?,
+            mold: Kept::default(),
+            found: Kept::default(),
+            other: Kept::default(),
+            doing: None,
+            reloads: 0,
+        })
+    }
+
+    /// Takes in what the workers have said, and loads the mesh that `params` name. Answers what has happened.
+    pub fn follow(&mut self, params: &MoldParams) -> Vec<MoldEvent> {
+        let messages = self.worker.messages();
+        let events = messages.into_iter().filter_map(|m| self.take(m)).collect();
+        self.glancer.follow();
+        // What other parameters leave is of no use to anybody.
+        let question = self.question(params);
+        let is_other = |of: &Question| question.as_ref() != Some(of);
+        if self.found.running.as_ref().is_some_and(|(_, of)| is_other(of)) {
+            self.worker.cancel_from(FIND);
+        }
+        if self.other.running.as_ref().is_some_and(|(_, (of, _))| is_other(of)) {
+            self.worker.cancel_from(COMPARE);
+        }
+        let Some(path) = &params.mesh else { return events };
+        let key = (path.clone(), params.units, self.reloads);
+        if matches!(self.mold.state(&key), StageState::Missing | StageState::Stale) {
+            let (path, units) = (path.clone(), params.units);
+            let work = move |_: &Reporter<(), Made>, p: &Progress, c: &Cancel| {
+                steps::load(&path, units, p, c).map(|mold| Made::Mold(Box::new(mold)))
+            };
+            let id = self.worker.submit(LOAD, work);
+            self.mold.running = Some((id, key));
+        }
+        events
+    }
+
+    fn take(&mut self, message: Message<(), Made>) -> Option<MoldEvent> {
+        match message {
+            Message::Started(task) => {
+                let what = self.what(task)?;
+                self.doing = Some(Doing { what, stage: String::new(), fraction: 0.0, since: Instant::now() });
+                None
+            }
+            Message::Progress { task, stage, fraction, .. } => {
+                self.what(task)?;
+                let doing = self.doing.as_mut()?;
+                (doing.stage, doing.fraction) = (stage, fraction);
+                None
+            }
+            Message::Partial(..) => None,
+            Message::Finished(task, ended) => {
+                let what = self.what(task)?;
+                let took = self.doing.take_if(|d| d.what == what).map(|d| d.since.elapsed());
+                let (kind, text) = self.finish(task, ended)?;
+                Some(MoldEvent { kind, text: format!("{what}: {text}"), took })
+            }
+        }
+    }
+
+    fn what(&self, task: TaskId) -> Option<&'static str> {
+        if self.mold.is_of(task) {
+            Some("Mold")
+        } else if self.found.is_of(task) {
+            Some("Uncut")
+        } else {
+            self.other.is_of(task).then_some("Compare")
+        }
+    }
+
+    fn finish(&mut self, task: TaskId, ended: Ended<Made>) -> Option<(EventKind, String)> {
+        if self.mold.is_of(task) {
+            let ended = done(ended, |made| if let Made::Mold(mold) = made { Some(*mold) } else { None });
+            return self.mold.end(ended, LoadedMold::sentence);
+        }
+        if self.found.is_of(task) {
+            let ended = done(ended, |made| if let Made::Found(found) = made { Some(*found) } else { None });
+            return self.found.end(ended, FoundUncut::sentence);
+        }
+        let ended = done(ended, |made| if let Made::Other(other) = made { Some(*other) } else { None });
+        self.other.end(ended, |(_, comparison)| comparison.sentence())
+    }
+
+    /// Reads the mesh again.
+    pub fn reload(&mut self) {
+        self.reloads += 1;
+    }
+
+    /// How the mesh of `params` stands.
+    pub fn mold_state(&self, params: &MoldParams) -> StageState {
+        let Some(path) = &params.mesh else { return StageState::Missing };
+        self.mold.state(&(path.clone(), params.units, self.reloads))
+    }
+
+    /// The mold that was loaded last.
+    pub fn mold(&self) -> Option<&Arc<LoadedMold>> {
+        self.mold.value.as_ref().map(|(_, mold)| mold)
+    }
+
+    /// The mold of `params`, if it is there.
+    fn current_mold(&self, params: &MoldParams) -> Option<&Arc<LoadedMold>> {
+        (self.mold_state(params) == StageState::Done).then(|| self.mold()).flatten()
+    }
+
+    fn question(&self, params: &MoldParams) -> Option<Question> {
+        let question = UncutParams {
+            opening: params.opening,
+            tolerance_mm: params.tolerance_mm,
+            ..UncutParams::of(params.library.clone())
+        };
+        self.current_mold(params).map(|mold| (mold.sha256.clone(), question))
+    }
+
+    /// How the answer for `params` stands.
+    pub fn state(&self, params: &MoldParams) -> StageState {
+        match self.question(params) {
+            Some(question) => self.found.state(&question),
+            None if self.found.value.is_some() => StageState::Stale,
+            None => StageState::Missing,
+        }
+    }
+
+    /// What was found last, for whatever parameters: see [`state`](Self::state).
+    pub fn found(&self) -> Option<&Arc<FoundUncut>> {
+        let (question, found) = self.found.value.as_ref()?;
+        // What is left of another mold cannot be shown on this one.
+        self.mold().filter(|mold| mold.sha256 == question.0).map(|_| found)
+    }
+
+    /// Looks for what the cutters leave.
+    ///
+    /// # Errors
+    /// One line if it cannot be asked.
+    pub fn find(&mut self, params: &MoldParams) -> Result<(), String> {
+        let (Some(question), Some(mold)) = (self.question(params), self.current_mold(params).cloned()) else {
+            return Err("load a mold first".to_owned());
+        };
+        question.1.validate().map_err(|e| e.to_string())?;
+        let asked = question.1.clone();
+        let work = move |_: &Reporter<(), Made>, p: &Progress, c: &Cancel| {
+            steps::find(&mold, &asked, p, c).map(|found| Made::Found(Box::new(found)))
+        };
+        let id = self.worker.submit(FIND, work);
+        self.found.failure = None;
+        self.found.running = Some((id, question));
+        Ok(())
+    }
+
+    /// Looks for what `library` would leave, to compare it with what was found for `params`.
+    ///
+    /// # Errors
+    /// One line if it cannot be asked.
+    pub fn compare(&mut self, params: &MoldParams, library: &CutterLibrary) -> Result<(), String> {
+        let (Some(question), Some(mold)) = (self.question(params), self.current_mold(params).cloned()) else {
+            return Err("load a mold first".to_owned());
+        };
+        let Some(found) = self.found().filter(|_| self.found.state(&question) == StageState::Done).cloned() else {
+            return Err("find what the present cutters leave first".to_owned());
+        };
+        let asked = UncutParams { library: library.clone(), ..question.1.clone() };
+        asked.validate().map_err(|e| e.to_string())?;
+        let work = move |_: &Reporter<(), Made>, p: &Progress, c: &Cancel| {
+            steps::compare(&mold, &found, &asked, p, c).map(|other| Made::Other(Box::new(other)))
+        };
+        let id = self.worker.submit(COMPARE, work);
+        self.other.failure = None;
+        self.other.running = Some((id, (question, library.clone())));
+        Ok(())
+    }
+
+    /// How the comparison of `params` with `library` stands.
+    pub fn comparison_state(&self, params: &MoldParams, library: &CutterLibrary) -> StageState {
+        match self.question(params) {
+            Some(question) => self.other.state(&(question, library.clone())),
+            None => StageState::Missing,
+        }
+    }
+
+    /// What the other library leaves and how that compares with what is shown; none of another answer.
+    pub fn other(&self) -> Option<&Arc<(FoundUncut, Comparison)>> {
+        let ((question, _), other) = self.other.value.as_ref()?;
+        self.found.value.as_ref().filter(|(of, _)| of == question).map(|_| other)
+    }
+
+    /// Looks quickly at what the cutters leave, unless that is known or being looked at. While it is asked again and
+    /// again with other cutters every look comes to its end, and the last one is of the last.
+    pub fn glance(&mut self, params: &MoldParams) {
+        if let (Some(question), Some(mold)) = (self.question(params), self.current_mold(params).cloned()) {
+            self.glancer.ask(question, mold);
+        }
+    }
+
+    /// Forgets what was seen at a glance.
+    pub fn forget_glance(&mut self) {
+        self.glancer.forget();
+    }
+
+    /// What was seen at the last glance.
+    pub fn glanced(&self) -> Option<&Arc<Glance>> {
+        self.glancer.seen()
+    }
+
+    /// What is being worked on.
+    pub fn doing(&self) -> Option<&Doing> {
+        self.doing.as_ref()
+    }
+
+    /// Whether anything waits or runs.
+    pub fn is_busy(&self) -> bool {
+        self.worker.is_busy() || self.glancer.is_busy()
+    }
+
+    /// Stops what runs.
+    pub fn cancel(&mut self) {
+        self.worker.cancel_from(LOAD);
+    }
+}
+
+/// What has ended, which `mine` takes out of what any task may have made.
+fn done<T>(ended: Ended<Made>, mine: impl Fn(Made) -> Option<T>) -> Ended<T> {
+    match ended {
+        Ended::Done(made) => match mine(made) {
+            Some(mine) => Ended::Done(mine),
+            None => Ended::Failed("internal error: one task answered with the result of another".to_owned()),
+        },
+        Ended::Cancelled => Ended::Cancelled,
+        Ended::Failed(text) => Ended::Failed(text),
+        Ended::Panicked(text) => Ended::Panicked(text),
+    }
+}

@@ -1,0 +1,306 @@
+//! The workspace of molds: from a mesh to what is left of it, and what other cutters would take away.
+
+use std::f64::consts::FRAC_PI_4;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use egui::{Key, Modifiers, Role, vec2};
+use egui_kittest::kittest::{By, Queryable as _};
+use glam::DVec3;
+use sparkpath::app::{MoldDesk, Opening};
+use sparkpath::geometry::mesh::Mesh;
+use sparkpath::jobs::pipeline::StageState;
+use sparkpath::mesh_io::{Units, write_stl};
+use sparkpath::mold::cutter::{Cutter, CutterLibrary};
+
+use crate::desk::{Desk, Home};
+
+/// A block of 40 x 30 x 12 mm with a pocket of 28 x 18 mm, 5 mm deep, and in its floor one of 16 x 10 mm, 4 mm deep.
+fn stepped() -> Mesh {
+    let ring = |x: f64, y: f64, z: f64| [[-x, -y], [x, -y], [x, y], [-x, y]].map(|[x, y]| DVec3::new(x, y, z));
+    let rings =
+        [(20.0, 15.0, 0.0), (20.0, 15.0, 12.0), (14.0, 9.0, 12.0), (14.0, 9.0, 7.0), (8.0, 5.0, 7.0), (8.0, 5.0, 3.0)];
+    let vertices: Vec<DVec3> = rings.into_iter().flat_map(|(x, y, z)| ring(x, y, z)).collect();
+    let mut triangles = vec![[0, 2, 1], [0, 3, 2], [20, 21, 22], [20, 22, 23]];
+    for (k, i) in (0..5).flat_map(|k| (0..4).map(move |i| (k, i))) {
+        let [a, b] = [4 * k + i, 4 * k + (i + 1) % 4];
+        triangles.extend([[a, b, b + 4], [a, b + 4, a + 4]]);
+    }
+    Mesh { vertices, triangles }
+}
+
+/// What a flat cutter of this radius leaves in one corner of so many mm of height (mm^3).
+fn corner(radius: f64, height: f64) -> f64 {
+    (1.0 - FRAC_PI_4) * radius * radius * height
+}
+
+/// A file that is dropped on the window.
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|e| e.to_string())
+    }
+}
+
+impl Home {
+    fn mold(&self) -> PathBuf {
+        let file = self.path("stepped.stl");
+        write_stl(&file, &stepped()).unwrap();
+        file
+    }
+}
+
+impl Desk {
+    fn mold(&self) -> &MoldDesk {
+        &self.app().core().mold
+    }
+
+    fn take_cutters(&mut self, cutters: &[Cutter]) {
+        let mold = &mut self.window.state_mut().core_mut().mold;
+        let mut params = mold.params.clone();
+        params.library = CutterLibrary { cutter: cutters.to_vec() };
+        params.units = Units::Mm;
+        mold.edit(params);
+        self.settle();
+    }
+
+    fn until_found(&mut self) {
+        self.until("what is left is found", |d| d.mold().state() == StageState::Done);
+        self.until("the mold is at rest", |d| !d.mold().work.is_busy());
+    }
+
+    fn until_loaded(&mut self) {
+        self.until("the mold is loaded", |d| d.mold().work.mold_state(&d.mold().params) == StageState::Done);
+    }
+
+    fn volume(&self) -> f64 {
+        self.mold().regions().iter().map(|r| r.volume).sum()
+    }
+
+    fn visible(&self) -> usize {
+        self.mold().is_visible().into_iter().filter(|v| *v).count()
+    }
+}
+
+/// A window on the mold with one flat cutter of 6 mm, and what it leaves found.
+fn found(home: &Home) -> Desk {
+    let mut desk = home.start(Opening::Mold(Some(home.mold())));
+    desk.take_cutters(&[Cutter::flat(3.0)]);
+    desk.until_loaded();
+    desk.press("Find");
+    desk.until_found();
+    desk
+}
+
+#[test]
+fn what_is_left_is_found_listed_selected_and_cut_into_layers() {
+    let home = Home::new();
+    let mut desk = found(&home);
+    desk.assert_shows("The cutters leave 8 regions");
+    let exact = 4.0 * corner(3.0, 5.0) + 4.0 * corner(3.0, 4.0);
+    assert!((desk.volume() / exact - 1.0).abs() < 1e-3, "{} {exact}", desk.volume());
+    // The blisk was not worked on behind it.
+    assert!(desk.app().core().pipeline.part().is_none());
+
+    desk.press_role(Role::Row, "Region 3");
+    assert_eq!(desk.mold().selected, Some(2));
+    desk.press_role(Role::Button, "Isolate");
+    assert_eq!(desk.visible(), 1);
+    desk.press_role(Role::Button, "Show all");
+    // A click in the view on the middle of another region's box, seen from above.
+    desk.key(Key::Num7);
+    desk.until("the view has turned", |d| d.app().camera().backward().z > 0.9999);
+    let region = &desk.mold().regions()[6];
+    let view = desk.window.get(By::new().role(Role::Image).label("3D viewport")).rect();
+    let size = [view.width() as u32, view.height() as u32];
+    let center = region.bounds.center();
+    // What is left fills the outer part of the corner.
+    let at = center + (0.2 * region.bounds.size() * center.signum()).with_z(0.0);
+    let seen = desk.app().camera().project(at, size).unwrap().pixel;
+    let at = view.min + vec2(seen.x as f32, seen.y as f32);
+    desk.window.hover_at(at);
+    desk.window.drag_at(at);
+    desk.window.drop_at(at);
+    desk.settle();
+    assert_eq!(desk.mold().selected, Some(6));
+
+    // Four corners lie in the lower pocket and four in the upper one.
+    desk.window.state_mut().core_mut().mold.least_volume = 0.5 * (corner(3.0, 5.0) + corner(3.0, 4.0));
+    desk.settle();
+    assert_eq!((desk.visible(), desk.shows("4 of 8")), (4, true));
+
+    desk.key(Key::L);
+    let (top, z) = (desk.mold().layer.unwrap(), desk.mold().layer().unwrap().0.z);
+    desk.slide("Layer", 0.6, 4);
+    let (layer, number) = desk.mold().layer().unwrap();
+    assert!(number != top && layer.z != z && (3.0..=12.0).contains(&layer.z), "{number} {}", layer.z);
+    desk.assert_shows(&format!("z {:.3} mm", layer.z));
+    let not_touched = layer.segment_length;
+    assert!((not_touched - 4.0 * 6.0).abs() < 1e-6, "two radii in every corner: {not_touched}");
+    assert!(desk.app().scene().section.is_some() && desk.app().scene().lines[1].polylines.len() == 4);
+
+    // The other workspace, and back: everything is as it was.
+    desk.press_role(Role::Tab, "Blisk workspace");
+    desk.until("the blisk is begun", |d| d.app().core().pipeline.part().is_some());
+    assert!(!desk.shows("Regions"));
+    desk.press_role(Role::Tab, "Mold workspace");
+    assert_eq!((desk.mold().selected, desk.mold().layer), (Some(6), Some(number)));
+    assert_eq!(desk.mold().state(), StageState::Done);
+}
+
+#[test]
+fn a_change_of_a_cutter_is_seen_at_a_glance_and_found_exactly_at_rest() {
+    let home = Home::new();
+    let mut desk = found(&home);
+    desk.mold_mut().follows = false;
+    desk.enter("Diameter of cutter 1", "4");
+    assert_eq!(desk.mold().params.library.cutter[0].diameter_mm, 4.0);
+    desk.until("it is looked at", |d| d.mold().work.glanced().is_some());
+    desk.assert_shows("belongs to other parameters");
+    let glance = desk.mold().work.glanced().unwrap().preview.clone();
+    let exact = 4.0 * (corner(2.0, 5.0) + corner(2.0, 4.0));
+    let coarse: f64 = glance.regions.iter().map(|r| r.volume).sum();
+    assert!(glance.regions.len() == 8 && (coarse / exact - 1.0).abs() < 0.2, "{coarse} {exact}");
+    desk.assert_shows("At a glance");
+    // Nothing is found by itself as long as that is not wanted.
+    assert_eq!(desk.mold().state(), StageState::Stale);
+    desk.mold_mut().follows = true;
+    desk.until_found();
+    assert!((desk.volume() / exact - 1.0).abs() < 1e-3 && desk.mold().work.glanced().is_none());
+}
+
+#[test]
+fn other_cutters_are_compared_region_by_region() {
+    let home = Home::new();
+    let mut desk = found(&home);
+    // It reaches the corners of the upper pocket only.
+    let short = Cutter { reach_mm: Some(5.0), ..Cutter::flat(0.05) };
+    desk.mold_mut().other.cutter = vec![Cutter::flat(3.0), Cutter { holder_diameter_mm: Some(20.0), ..short }];
+    desk.press_role(Role::DisclosureTriangle, "Compare cutters");
+    desk.press("Compare");
+    desk.until("it is compared", |d| d.mold().work.other().is_some() && !d.mold().work.is_busy());
+    let comparison = &desk.mold().work.other().unwrap().1;
+    let vanish: Vec<bool> = (0..8).map(|i| comparison.vanishes(i)).collect();
+    let high: Vec<bool> = desk.mold().regions().iter().map(|r| r.bounds.min.z > 5.0).collect();
+    assert_eq!((vanish, comparison.new_regions), (high, 0));
+    desk.assert_shows("4 regions vanish");
+    desk.mold_mut().only_vanishing = true;
+    desk.settle();
+    assert_eq!(desk.visible(), 4);
+}
+
+#[test]
+fn cutters_are_added_saved_and_loaded() {
+    let home = Home::new();
+    let mut desk = home.start(Opening::Mold(None));
+    assert!(desk.app().scene().objects.is_empty());
+    let standard = desk.mold().params.library.clone();
+    desk.press("Add");
+    desk.press("Duplicate");
+    desk.enter("Diameter of cutter 10", "0");
+    desk.assert_shows("diameter_mm is 0 mm");
+    desk.press("Remove");
+    let nine = desk.mold().params.library.clone();
+    assert_eq!((nine.cutter.len(), nine.cutter[8].diameter_mm), (9, 2.0));
+    desk.press("Save…");
+    desk.type_path(&home.path("mine"));
+    desk.press("Standard");
+    assert_eq!(desk.mold().params.library, standard);
+    desk.press("Load…");
+    desk.type_path(&home.path("mine.toml"));
+    assert_eq!(desk.mold().params.library, nine);
+}
+
+#[test]
+fn a_mold_is_saved_and_dropped_on_either_workspace() {
+    let home = Home::new();
+    let mut desk = home.start(Opening::Mold(Some(home.mold())));
+    desk.take_cutters(&[Cutter::flat(1.5)]);
+    let saved = desk.mold().params.clone();
+    desk.key_with(Modifiers::COMMAND, Key::S);
+    desk.type_path(&home.path("mine"));
+    desk.take_cutters(&[Cutter::ball(1.5)]);
+    assert_eq!(desk.mold().name(), "mine \u{2022}");
+    desk.press_role(Role::Tab, "Blisk workspace");
+    let app = desk.window.state_mut();
+    app.open(&home.path("mine.sparkmold"));
+    desk.until_loaded();
+    assert!(desk.mold().is_shown && desk.mold().params == saved && desk.mold().name() == "mine");
+    // While molds are shown a mesh is one, whatever blisk there is.
+    let other = home.path("other.stl");
+    write_stl(&other, &stepped()).unwrap();
+    desk.window.input_mut().dropped_files.push(Arc::new(Dropped(other.clone())));
+    desk.settle();
+    assert_eq!(desk.mold().params.mesh.as_deref(), Some(&*other));
+    assert!(desk.app().core().document.job().blisk.mesh.is_none());
+}
+
+#[test]
+fn temporary_timing() {
+    let n = 3000;
+    let ring = |r: f64, z: f64| -> Vec<DVec3> {
+        (0..n)
+            .map(|k| {
+                let a = k as f64 / n as f64 * std::f64::consts::TAU;
+                let r = r * (1.0 + 0.15 * (5.0 * a).cos());
+                DVec3::new(r * a.cos(), r * a.sin(), z)
+            })
+            .collect()
+    };
+    let rings = [ring(45.0, 0.0), ring(45.0, 20.0), ring(30.0, 20.0), ring(28.0, 12.0), ring(20.0, 11.0)];
+    let mut mesh = Mesh { vertices: rings.concat(), triangles: Vec::new() };
+    mesh.vertices.extend([DVec3::ZERO, DVec3::new(0.0, 0.0, 11.0)]);
+    let n = n as u32;
+    for k in 0..4 {
+        for i in 0..n {
+            let [a, b] = [n * k + i, n * k + (i + 1) % n];
+            mesh.triangles.extend([[a, b, b + n], [a, b + n, a + n]]);
+        }
+    }
+    for i in 0..n {
+        let j = (i + 1) % n;
+        mesh.triangles.push([5 * n, j, i]);
+        mesh.triangles.push([5 * n + 1, 4 * n + i, 4 * n + j]);
+    }
+    println!("{} triangles {}", mesh.triangles.len(), mesh.is_watertight());
+    use sparkpath::jobs::uncut::{UncutParams, uncut};
+    use sparkpath::progress::{Cancel, Progress};
+    let standard = sparkpath::project::cutter_file::standard_cutters().unwrap();
+    for library in [CutterLibrary { cutter: vec![Cutter::flat(2.0)] }, standard] {
+        let params = UncutParams::of(library);
+        for _ in 0..3 {
+            let t = std::time::Instant::now();
+            let p = sparkpath::jobs::uncut_preview::preview(&mesh, &params, &Cancel::default()).unwrap();
+            println!("preview {:?} {}", t.elapsed(), p.sentence());
+        }
+        let t = std::time::Instant::now();
+        let u = uncut(&mesh, &params, &Progress::silent(), &Cancel::default()).unwrap();
+        println!("exact {:?} {:?} pieces {}", t.elapsed(), u.found(), u.surface.len());
+        let t = std::time::Instant::now();
+        let s = sparkpath::views::region_shapes(&mesh, &u.surface, u.regions.len(), params.opening);
+        println!("shapes {:?} {}", t.elapsed(), s.len());
+    }
+}
+
+#[test]
+fn how_a_mold_looks() {
+    let home = Home::new();
+    let mut desk = found(&home);
+    desk.press_role(Role::Row, "Region 3");
+    desk.pictures("mold");
+    desk.key(Key::L);
+    desk.key(Key::D);
+    desk.pictures("mold_layer");
+}
+
+impl Desk {
+    fn mold_mut(&mut self) -> &mut MoldDesk {
+        &mut self.window.state_mut().core_mut().mold
+    }
+}
