@@ -176,8 +176,8 @@ fn a_jam_answers_3_with_reasons_and_removes_an_older_program() {
     let electrode = "circumferential_reduction_deg = [0.0, 0.0]\nradial_reduction_mm = 0.0";
     let file = job_for(&curved_blisk(), folder.path(), electrode);
     add(&file, NO_PICTURES);
-    let genetic = std::fs::read_to_string(&file).unwrap().replace("[plan]", "[plan]\nstrategy = \"genetic\"");
-    std::fs::write(&file, genetic).unwrap();
+    let greedy = std::fs::read_to_string(&file).unwrap().replace("[plan]", "[plan]\nstrategy = \"free-travel\"");
+    std::fs::write(&file, greedy).unwrap();
     let out = folder.path().join("out");
     std::fs::create_dir(&out).unwrap();
     std::fs::write(out.join("path_1.nc"), "an older program").unwrap();

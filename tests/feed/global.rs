@@ -16,6 +16,13 @@ fn job_with(strategy: Strategy, reduction_deg: f64) -> PlanJob {
     job
 }
 
+/// The same with a coarse search, for what takes many of them.
+fn coarse_job(reduction_deg: f64) -> PlanJob {
+    let mut job = job_with(Strategy::Global, reduction_deg);
+    (job.plan.step_mm, job.plan.global.poses) = (2.0, 8);
+    job
+}
+
 fn planned(strategy: Strategy, reduction_deg: f64) -> PlanOutcome {
     plan_easy(job_with(strategy, reduction_deg))
 }
@@ -88,7 +95,7 @@ fn it_is_the_same_on_any_number_of_threads() {
 /// Too thick an electrode: the verdict names the place and what would help, and that does help.
 fn where_there_is_no_way_the_reduction_that_is_named_opens_one() {
     const TOO_LITTLE: f64 = 0.05;
-    let inputs = easy_inputs(job_with(Strategy::Global, TOO_LITTLE));
+    let inputs = easy_inputs(coarse_job(TOO_LITTLE));
     let outcome = run_prepared(ready(), &inputs, &|_, _, _| (), &Progress::silent(), &Cancel::default()).unwrap();
     let jam = only(&outcome).plan.jam.expect("it jams");
     assert!(matches!(jam.cause, JamCause::Contact(_)), "{jam:?}");
@@ -97,12 +104,13 @@ fn where_there_is_no_way_the_reduction_that_is_named_opens_one() {
     assert!(both > 0.0);
     assert!(only(&outcome).plan.verdict(&outcome.channel).contains("more reduction opens a way"));
     // Up to what the fields are wrong by.
-    let more = planned(Strategy::Global, TOO_LITTLE + both.to_degrees() + 0.1);
+    let more = plan_easy(coarse_job(TOO_LITTLE + both.to_degrees() + 0.1));
     assert!(more.is_verified(), "{}", only(&more).plan.verdict(&more.channel));
 }
 
 fn sizes_are_certified_and_what_is_sized_is_what_a_plan_makes() {
-    let base = easy_inputs(job_with(Strategy::Genetic, 2.0));
+    let mut base = easy_inputs(coarse_job(2.0));
+    base.job.plan.strategy = Strategy::Genetic;
     let shown = std::sync::Mutex::new(Vec::new());
     let found = |row: &_| shown.lock().unwrap().push(Clone::clone(row));
     let range = SizingRange { from: 1, to: 1 };
@@ -112,7 +120,7 @@ fn sizes_are_certified_and_what_is_sized_is_what_a_plan_makes() {
     assert_eq!(*shown.lock().unwrap(), rows, "no row is shown that is thrown away");
     assert!(row.reduction_deg[0] < 2.0 && row.reduction_deg[0] == row.reduction_deg[1], "{row:?}");
     assert!(row.certified_mm >= 0.1 - 0.002);
-    let mut job = job_with(Strategy::Global, 0.0);
+    let mut job = coarse_job(0.0);
     job.electrode.circumferential_reduction_deg = row.reduction_deg;
     let inputs = easy_inputs(job);
     let plan = run_feeds(ready(), &inputs, &Progress::silent(), &Cancel::default()).unwrap();
