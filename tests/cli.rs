@@ -3,6 +3,8 @@
 mod common;
 #[path = "cli/compare.rs"]
 mod compare;
+#[path = "cli/pictures.rs"]
+mod pictures;
 #[path = "cli/sections.rs"]
 mod sections;
 #[path = "cli/simulate.rs"]
@@ -28,7 +30,21 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// Writes the easy blisk and a job with a small search for it, with `electrode` among its keys.
+/// Runs the program where nothing can draw: on an interface to the graphics that Linux does not have.
+#[cfg(target_os = "linux")]
+fn blind(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sparkpath"));
+    command.args(arguments).env("WGPU_BACKEND", "dx12").stdin(Stdio::null()).output().unwrap()
+}
+
+/// Writes the easy blisk.
+fn part(folder: &Path) -> String {
+    let file = folder.join("part.stl");
+    write_stl(&file, &mesh(&easy_blisk())).unwrap();
+    file.to_str().unwrap().to_owned()
+}
+
+/// Writes the easy blisk and a job with a coarse search for it, with `electrode` among its keys.
 fn job(folder: &Path, electrode: &str) -> String {
     job_for(&easy_blisk(), folder, electrode)
 }
@@ -38,7 +54,7 @@ fn job_for(blisk: &ParametricBlisk, folder: &Path, electrode: &str) -> String {
     let file = folder.join("job.toml");
     let text = format!(
         "[blisk]\nmesh = \"part.stl\"\nunits = \"mm\"\n[electrode]\nenter = \"-x\"\n{electrode}\n\
-         [plan]\nstep_mm = 0.8\n[genetic]\npopulation = 16\ngenerations = 6\n"
+         [plan]\nstep_mm = 1.6\nfield_cell_mm = 0.5\n[genetic]\npopulation = 16\ngenerations = 6\n"
     );
     std::fs::write(&file, text).unwrap();
     file.to_str().unwrap().to_owned()
@@ -46,7 +62,16 @@ fn job_for(blisk: &ParametricBlisk, folder: &Path, electrode: &str) -> String {
 
 const COMES_OUT: &str = "circumferential_reduction_deg = [2.0, 2.0]";
 
-/// A finished plan, shared by the tests that read it.
+/// Of what a job writes all but pictures.
+const NO_PICTURES: &str = "[export.files]\npictures = false\n[export.pictures]\nwhole = false\nfinal_pose = false\n\
+                           sweep = false\nclosest = false\nleftover = false\n";
+
+/// Adds lines to a job file.
+fn add(file: &str, lines: &str) {
+    std::fs::write(file, std::fs::read_to_string(file).unwrap() + lines).unwrap();
+}
+
+/// A finished plan, shared by those that read it.
 fn planned() -> &'static (TempDir, Output) {
     static PLAN: OnceLock<(TempDir, Output)> = OnceLock::new();
     PLAN.get_or_init(|| {
@@ -62,7 +87,18 @@ fn path(name: &str) -> String {
     planned().0.path().join(name).to_str().unwrap().to_owned()
 }
 
+/// All that reads one and the same plan, which is made once: tests run in processes of their own.
 #[test]
+fn one_plan_is_read_by_everyone() {
+    a_plan_writes_everything_and_answers_0();
+    a_written_plan_passes_verify_and_a_tampered_one_does_not();
+    a_verification_judges_travel_if_limits_are_given_and_leaves_the_plans_report_alone();
+    an_electrode_in_w_is_told_from_a_collision();
+    pictures::the_report_shows_the_very_pictures_that_lie_beside_it();
+    pictures::meshes_are_drawn_in_the_size_asked_for_and_each_in_its_own_colour();
+    an_electrode_of_ones_own_is_planned_like_a_derived_one();
+}
+
 fn a_plan_writes_everything_and_answers_0() {
     let (folder, output) = planned();
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
@@ -85,10 +121,9 @@ fn a_plan_writes_everything_and_answers_0() {
 #[test]
 fn a_job_says_which_files_are_written() {
     let folder = tempfile::tempdir().unwrap();
-    let choices = "[export]\nframe = \"w\"\n[export.files]\nnc = false\npictures = false\n[export.pictures]\nwhole = false\n\
-                   final_pose = false\nsweep = false\nclosest = false\nleftover = false\n";
     let file = job(folder.path(), COMES_OUT);
-    std::fs::write(&file, std::fs::read_to_string(&file).unwrap() + choices).unwrap();
+    let choices = NO_PICTURES.replace("pictures = false", "nc = false\npictures = false");
+    add(&file, &("[export]\nframe = \"w\"\n".to_owned() + &choices));
     let out = folder.path().join("out");
     let output = sparkpath(&["plan", &file, "--out", out.to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
@@ -103,7 +138,6 @@ fn a_job_says_which_files_are_written() {
     assert_eq!(report["written"]["not_asked_for"], serde_json::json!(["nc", "pictures"]));
 }
 
-#[test]
 fn a_written_plan_passes_verify_and_a_tampered_one_does_not() {
     let (blisk, electrode, csv) = (path("part.stl"), path("out/electrode_1.stl"), path("out/path_1.csv"));
     let verify = |csv: &str, gap: &str| {
@@ -141,6 +175,9 @@ fn a_jam_answers_3_with_reasons_and_removes_an_older_program() {
     // A curved electrode that fills its channel.
     let electrode = "circumferential_reduction_deg = [0.0, 0.0]\nradial_reduction_mm = 0.0";
     let file = job_for(&curved_blisk(), folder.path(), electrode);
+    add(&file, NO_PICTURES);
+    let genetic = std::fs::read_to_string(&file).unwrap().replace("[plan]", "[plan]\nstrategy = \"genetic\"");
+    std::fs::write(&file, genetic).unwrap();
     let out = folder.path().join("out");
     std::fs::create_dir(&out).unwrap();
     std::fs::write(out.join("path_1.nc"), "an older program").unwrap();
@@ -156,14 +193,17 @@ fn a_jam_answers_3_with_reasons_and_removes_an_older_program() {
     assert!(!out.join("path_1.nc").exists(), "no program stays that does not belong to these results");
 }
 
-#[test]
 fn an_electrode_of_ones_own_is_planned_like_a_derived_one() {
     let folder = tempfile::tempdir().unwrap();
     let own = path("out/electrode_1.stl");
     let file = job(folder.path(), &format!("mesh = '{own}'"));
     let out = folder.path().join("out");
+    #[cfg(target_os = "linux")]
+    let sparkpath = blind;
     let output = sparkpath(&["plan", &file, "--out", out.to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    #[cfg(target_os = "linux")]
+    pictures::without_a_graphics_driver_a_plan_is_written_all_the_same(&out);
     let read = |folder: &Path, name: &str| std::fs::read(folder.join(name)).unwrap();
     assert_eq!(read(&out, "electrode_1.stl").len(), std::fs::read(&own).unwrap().len(), "as many triangles");
     let report: serde_json::Value = serde_json::from_slice(&read(&out, "report.json")).unwrap();
@@ -181,7 +221,6 @@ fn an_electrode_of_ones_own_is_planned_like_a_derived_one() {
     assert_eq!(verified.status.code(), Some(0), "{}{}", text(&verified.stdout), text(&verified.stderr));
 }
 
-#[test]
 fn a_verification_judges_travel_if_limits_are_given_and_leaves_the_plans_report_alone() {
     let out = tempfile::tempdir().unwrap();
     let folder = out.path().to_str().unwrap().to_owned();
@@ -206,7 +245,6 @@ fn a_verification_judges_travel_if_limits_are_given_and_leaves_the_plans_report_
     assert!(out.path().join("verify.html").is_file());
 }
 
-#[test]
 fn an_electrode_in_w_is_told_from_a_collision() {
     let folder = tempfile::tempdir().unwrap();
     let (blisk, csv, right) = (path("part.stl"), path("out/path_1.csv"), path("out/electrode_1.stl"));
@@ -261,27 +299,17 @@ fn interrupting_answers_130_and_writes_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let file = job(folder.path(), COMES_OUT);
     let out = folder.path().join("out");
-    let child = Command::new(env!("CARGO_BIN_EXE_sparkpath"))
-        .args(["plan", &file, "--out", out.to_str().unwrap()])
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
     // Until the first line of progress it may not yet listen.
-    let mut child = child;
-    let mut stderr = std::io::BufReader::new(child.stderr.take().unwrap());
-    std::io::BufRead::read_line(&mut stderr, &mut String::new()).unwrap();
-    // The shell's own: a small system has no other.
-    let interrupt = format!("kill -INT {}", child.id());
-    assert!(Command::new("sh").args(["-c", &interrupt]).status().unwrap().success());
-    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let (code, _) = simulate::interrupted_at("", &["plan", &file, "--out", out.to_str().unwrap()]);
+    assert_eq!(code, Some(130));
     assert!(!out.exists());
 }
 
 #[test]
 fn progress_and_answer_are_json_when_asked_for() {
-    let output = sparkpath(&["inspect", &path("part.stl"), "--json", "--threads", "1"]);
+    let folder = tempfile::tempdir().unwrap();
+    let part = part(folder.path());
+    let output = sparkpath(&["inspect", &part, "--json", "--threads", "1"]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(answer["blisk"]["channel"]["shrouded"], true);
@@ -319,174 +347,6 @@ fn inspect_names_the_arguments_that_help() {
     let output = sparkpath(&["inspect", cube.to_str().unwrap()]);
     let (said, error) = (text(&output.stdout), text(&output.stderr));
     assert!(error.contains("--axis") && !error.contains("[blisk]") && !said.contains("[blisk]"), "{said}{error}");
-}
-
-/// The pixels of a PNG file, which must have more than one colour.
-fn picture(png: &[u8]) -> image::RgbImage {
-    let image = image::load_from_memory_with_format(png, image::ImageFormat::Png).unwrap().into_rgb8();
-    let first = *image.get_pixel(0, 0);
-    assert!(image.pixels().any(|p| *p != first), "nothing is drawn");
-    image
-}
-
-/// Colours of a picture that are clearly more red than blue: copper, not steel nor the background.
-fn copper(image: &image::RgbImage) -> usize {
-    image.pixels().filter(|p| i32::from(p[0]) > i32::from(p[2]) + 40).count()
-}
-
-#[test]
-fn meshes_are_drawn_in_the_size_asked_for_and_each_in_its_own_colour() {
-    let folder = tempfile::tempdir().unwrap();
-    let png = folder.path().join("a.png");
-    let (blisk, electrode) = (path("part.stl"), path("out/electrode_1.stl"));
-    let draw = |meshes: &[&str], rest: &[&str]| {
-        let output = sparkpath(&[&["render", "--units", "mm", "--png", png.to_str().unwrap()], meshes, rest].concat());
-        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-        picture(&std::fs::read(&png).unwrap())
-    };
-    let alone = draw(&[&blisk], &["--size", "320x200"]);
-    assert_eq!(alone.dimensions(), (320, 200));
-    let both = draw(&[&blisk, &electrode], &["--size", "320x200", "--view", "Left"]);
-    let other = draw(&[&blisk], &["--size", "320x200", "--view", "left"]);
-    assert!(copper(&both) > copper(&other) + 50, "the second mesh has another colour");
-    let again = draw(&[&blisk, &electrode], &["--size", "320x200", "--view", "left"]);
-    assert!(both == again, "the same picture again");
-    let dark = draw(&[&blisk], &["--size", "320x200", "--theme", "dark"]);
-    let brightness = |image: &image::RgbImage| image.get_pixel(0, 0).0.iter().map(|c| u32::from(*c)).sum::<u32>();
-    assert!(brightness(&dark) < 300 && brightness(&alone) > 600);
-}
-
-#[test]
-fn a_project_is_drawn_in_its_final_pose_and_at_a_node() {
-    let folder = tempfile::tempdir().unwrap();
-    let job = sparkpath::project::PlanJob::read(&planned().0.path().join("job.toml")).unwrap();
-    let project = folder.path().join("a.sparkpath");
-    sparkpath::project::Document::new(job).save_as(&project).unwrap();
-    let png = folder.path().join("a.png");
-    let draw = |rest: &[&str]| {
-        let files = ["render", project.to_str().unwrap(), "--png", png.to_str().unwrap(), "--size", "400x260"];
-        sparkpath(&[&files, rest].concat())
-    };
-    let drawn = |rest: &[&str]| {
-        let output = draw(rest);
-        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-        picture(&std::fs::read(&png).unwrap())
-    };
-    let into_channel = drawn(&["--view", "channel"]);
-    assert!(copper(&into_channel) > 500);
-    let withdrawn = drawn(&["--node", "5"]);
-    let changed = withdrawn.pixels().zip(into_channel.pixels()).filter(|(a, b)| a[0].abs_diff(b[0]) > 20).count();
-    assert!(changed > 500, "4 mm withdrawn the electrode stands elsewhere: {changed} pixels");
-    let room = drawn(&["--node", "5", "--swept", "--electrode", "1"]);
-    let coloured = room.pixels().zip(withdrawn.pixels()).filter(|(a, b)| a[0].abs_diff(b[0]) > 8).count();
-    assert!(coloured > 300, "the room that it passes through is shown: {coloured} pixels");
-    std::fs::remove_file(&png).unwrap();
-    let second = draw(&["--electrode", "2"]);
-    assert_eq!(second.status.code(), Some(2));
-    assert!(text(&second.stderr).contains("1 electrode, counted from 1"), "{}", text(&second.stderr));
-    let beyond = draw(&["--node", "100000"]);
-    assert_eq!(beyond.status.code(), Some(2));
-    assert!(text(&beyond.stderr).contains("nodes 0 to"), "{}", text(&beyond.stderr));
-    assert!(!png.exists());
-}
-
-#[test]
-fn what_cannot_be_drawn_is_one_line_with_code_2() {
-    let folder = tempfile::tempdir().unwrap();
-    let at = |name: &str, content: &str| {
-        let file = folder.path().join(name);
-        std::fs::write(&file, content).unwrap();
-        file.to_str().unwrap().to_owned()
-    };
-    let (cube, project) = (at("cube.stl", CUBE), at("a.sparkpath", "{}"));
-    let png = folder.path().join("a.png").to_str().unwrap().to_owned();
-    let nowhere = folder.path().join("absent/a.png").to_str().unwrap().to_owned();
-    let render = |arguments: &[&str]| sparkpath(&[&["render"], arguments].concat());
-    for (output, named) in [
-        (
-            render(&[&cube, "--png", &png, "--view", "sideways"]),
-            "front, back, left, right, top, bottom, isometric, channel",
-        ),
-        (render(&[&cube, "--png", &png, "--view", "channel"]), ".sparkpath"),
-        (render(&[&cube, "--png", &png, "--size", "0x5"]), "1400x900"),
-        (render(&[&cube, "--png", &png, "--size", "8192x8192"]), "million"),
-        (render(&[&cube, "--png", &png, "--theme", "pink"]), "dark or light"),
-        (render(&[&cube, "--png", &png, "--node", "3"]), ".sparkpath"),
-        (render(&[&cube, "--png", &png, "--swept"]), ".sparkpath"),
-        (render(&[&cube, "--png", &png, "--electrode", "2"]), ".sparkpath"),
-        (render(&[&cube, "--png", &png, "--electrode", "0"]), "1.."),
-        (render(&[&cube, "--png", &nowhere]), "absent"),
-        (render(&[&cube, "--png", "picture.jpg"]), ".png"),
-        (render(&[&cube, "--png", folder.path().to_str().unwrap()]), "folder"),
-        (render(&[&cube, &project, "--png", &png]), "alone"),
-        (render(&[&project, "--png", &png]), "no Sparkpath project"),
-        (render(&["absent.stl", "--png", &png]), "absent.stl"),
-        (render(&["--png", &png]), "PROJECT|MESH"),
-        (render(&[&cube]), "--png"),
-    ] {
-        let message = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{message}");
-        let errors: Vec<&str> = message.lines().filter(|l| !l.ends_with(" ...")).collect();
-        assert_eq!(errors.len(), 1, "{message}");
-        assert!(errors[0].contains(named) && errors[0].starts_with("error: "), "{message}");
-    }
-    assert!(!Path::new(&png).exists());
-}
-
-/// The bytes that RFC 4648 base 64 stands for.
-fn decoded(base64: &str) -> Vec<u8> {
-    let digit = |c: u8| match c {
-        b'A'..=b'Z' => c - b'A',
-        b'a'..=b'z' => c - b'a' + 26,
-        b'0'..=b'9' => c - b'0' + 52,
-        b'+' => 62,
-        b'/' => 63,
-        other => panic!("{other} is no digit"),
-    };
-    let digits: Vec<u8> = base64.trim_end_matches('=').bytes().map(digit).collect();
-    let group = |four: &[u8]| {
-        let bits = (0..4).fold(0u32, |bits, i| bits << 6 | u32::from(four.get(i).copied().unwrap_or(0)));
-        bits.to_be_bytes()[1..four.len()].to_vec()
-    };
-    digits.chunks(4).flat_map(group).collect()
-}
-
-#[test]
-fn the_report_shows_the_very_pictures_that_lie_beside_it() {
-    let html = std::fs::read_to_string(path("out/report.html")).unwrap();
-    let sources = html.split("<img ").skip(1);
-    let shown: Vec<Vec<u8>> = sources
-        .map(|tag| decoded(tag.split_once("src=\"data:image/png;base64,").unwrap().1.split_once('"').unwrap().0))
-        .collect();
-    let names = ["view_1_whole", "view_2_leftover", "electrode_1_final", "electrode_1_sweep", "electrode_1_closest"];
-    let files = names.map(|name| std::fs::read(path(&format!("out/{name}.png"))).unwrap());
-    assert!(shown == files, "{} pictures are shown", shown.len());
-    for (png, name) in files.iter().zip(names).filter(|(_, name)| *name != "view_2_leftover") {
-        assert!(copper(&picture(png)) > 500, "the electrode is seen in {name}");
-    }
-    assert_eq!(html.matches("<figcaption>").count(), 5);
-}
-
-#[cfg(target_os = "linux")]
-#[test]
-fn without_a_graphics_driver_a_plan_is_written_all_the_same() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = job(folder.path(), COMES_OUT);
-    let out = folder.path().join("out");
-    // An interface that Linux does not have.
-    let blind = |arguments: &[&str]| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_sparkpath"));
-        command.args(arguments).env("WGPU_BACKEND", "dx12").stdin(Stdio::null()).output().unwrap()
-    };
-    let output = blind(&["plan", &file, "--out", out.to_str().unwrap()]);
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    let html = std::fs::read_to_string(out.join("report.html")).unwrap();
-    assert!(html.contains("no pictures") && html.contains("driver") && !html.contains("<img"));
-    assert!(out.join("path_1.nc").is_file() && !out.join("view_1_whole.png").exists());
-    let part = folder.path().join("part.stl");
-    let output = blind(&["render", part.to_str().unwrap(), "--png", "a.png"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(text(&output.stderr).contains("mesa-vulkan-drivers"), "{}", text(&output.stderr));
 }
 
 /// A cube of 20 mm as ASCII STL.

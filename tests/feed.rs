@@ -34,23 +34,42 @@ use sparkpath::feed::jam::JamCause;
 use sparkpath::feed::plan::{PlanSettings, PlanningSpace, plan_feed};
 use sparkpath::feed::pose::{Axis, Pose};
 use sparkpath::feed::search::{Constraint, Strategy};
-use sparkpath::feed::verify::Verifier;
+use sparkpath::feed::verify::{Verifier, VerifyOptions};
 use sparkpath::geometry::exact::ExactMesh;
 use sparkpath::geometry::frame::Cylindrical;
 use sparkpath::geometry::mesh::Mesh;
 use sparkpath::jobs::plan::{PlanInputs, PlanJobError, PlanOutcome, prepare, run, run_feeds};
+use sparkpath::jobs::prepared_blisk::PreparedBlisk;
 use sparkpath::progress::{Cancel, Progress};
 use sparkpath::project::PlanJob;
 
-/// A small search for the easy blisk, withdrawn towards -X.
+/// A small genetic search for the easy blisk, withdrawn towards -X; the global search has tests of its own.
 fn easy_job() -> PlanJob {
     let mut job = PlanJob::demonstration();
+    job.plan.strategy = Strategy::Genetic;
     job.electrode.enter = EnterSide::MinusX;
     job.electrode.circumferential_reduction_deg = [2.0, 2.0];
     job.genetic.population = 16;
     job.genetic.generations = 6;
     job.plan.step_mm = 0.8;
+    job.plan.field_cell_mm = 0.5;
     job
+}
+
+fn easy_inputs(job: PlanJob) -> PlanInputs {
+    PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrode: None, job }
+}
+
+/// The easy blisk, made ready once.
+fn ready() -> &'static PreparedBlisk {
+    static READY: OnceLock<PreparedBlisk> = OnceLock::new();
+    let make = || prepare(&easy_inputs(easy_job()), &Progress::silent(), &Cancel::default()).unwrap();
+    READY.get_or_init(make)
+}
+
+/// The feeds of a job on the easy blisk.
+fn plan_easy(job: PlanJob) -> PlanOutcome {
+    run_feeds(ready(), &easy_inputs(job), &Progress::silent(), &Cancel::default()).unwrap()
 }
 
 /// The feeds alone, where copying motions and leftover do not matter.
@@ -71,9 +90,13 @@ fn whole_easy_plan() -> &'static PlanOutcome {
     PLAN.get_or_init(|| whole_plan(mesh(&easy_blisk()), easy_job()))
 }
 
+fn threads(count: usize) -> rayon::ThreadPool {
+    rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap()
+}
+
 fn easy_plan() -> &'static PlanOutcome {
     static PLAN: OnceLock<PlanOutcome> = OnceLock::new();
-    PLAN.get_or_init(|| plan(mesh(&easy_blisk()), easy_job()))
+    PLAN.get_or_init(|| threads(2).install(|| plan_easy(easy_job())))
 }
 
 /// All that compares with one and the same plan, which is made once.
@@ -85,6 +108,10 @@ fn one_plan_seen_from_all_sides() {
     another_seed_gives_another_path();
     moving_and_scaling_the_mesh_changes_nothing_in_w();
     every_row_is_within_the_travel_of_its_axis();
+    mend::a_spoiled_path_is_mended_without_another_search();
+    replay::the_plan_itself_is_taken_up_with_the_same_path();
+    replay::a_kept_plan_that_no_search_makes_is_refused();
+    replay::a_job_that_cannot_be_planned_can_neither_be_taken_up();
 }
 
 fn a_plan_is_certified_from_outside_to_the_final_pose_and_may_be_approved() {
@@ -100,7 +127,14 @@ fn a_plan_is_certified_from_outside_to_the_final_pose_and_may_be_approved() {
     assert!(Approved::new(planned.path.clone(), certificate.clone(), &blisk, body).is_ok());
 }
 
+/// All that needs one and the same whole plan.
 #[test]
+fn one_whole_plan_is_finished_and_written() {
+    the_copying_motion_is_certified_and_brings_the_walls_to_their_gap();
+    files::a_folder_holds_the_programs_of_the_last_plan_only();
+    files::what_cannot_be_replaced_is_named_and_no_program_lies_beside_it();
+}
+
 fn the_copying_motion_is_certified_and_brings_the_walls_to_their_gap() {
     let outcome = whole_easy_plan();
     let copying = outcome.copying(0).unwrap();
@@ -137,21 +171,17 @@ fn dense_sampling_with_the_librarys_distance_never_finds_less_than_the_certifica
 }
 
 fn the_same_seed_gives_the_same_bytes_on_one_thread_and_on_two() {
-    let digest = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let outcome = pool.install(|| plan(mesh(&easy_blisk()), easy_job()));
-        let planned = outcome.electrodes[0].plan.path.clone().unwrap();
-        (planned.path.digest(), planned.certificate)
-    };
-    let (one, two) = (digest(1), digest(2));
-    assert!(one == two);
-    assert_eq!(one.0, easy_plan().electrodes[0].plan.path.as_ref().unwrap().path.digest());
+    // From the mesh on: nothing that was made ready on two is taken.
+    let one = threads(1).install(|| plan(mesh(&easy_blisk()), easy_job()));
+    let [one, two] = [&one, easy_plan()].map(|o| o.electrodes[0].plan.path.as_ref().unwrap());
+    assert_eq!(one.path.digest(), two.path.digest());
+    assert!(one.certificate == two.certificate);
 }
 
 fn another_seed_gives_another_path() {
     let mut job = easy_job();
     job.genetic.seed = 2;
-    let other = plan(mesh(&easy_blisk()), job);
+    let other = plan_easy(job);
     let digest = |o: &PlanOutcome| o.electrodes[0].plan.path.as_ref().map(|p| p.path.digest());
     assert_ne!(digest(&other), digest(easy_plan()));
 }
@@ -177,15 +207,11 @@ fn moving_and_scaling_the_mesh_changes_nothing_in_w() {
         Verifier::new(&moved.in_frame(&there.channel.frame), &b.mesh, b.reference_point, &Cancel::default()).unwrap();
     let mut path = planned.path.clone();
     path.reference_point = b.reference_point;
-    let options = here_options();
+    let options = VerifyOptions::default();
     let surface = |_| sparkpath::blisk::channel::Surface::Elsewhere;
     let certificate = verifier.verify(&path, &surface, &options, &Progress::silent(), &Cancel::default()).unwrap();
     let difference = certificate.least().distance - planned.certificate.least().distance;
     assert!(difference.abs() < 1e-3, "{difference}");
-}
-
-fn here_options() -> sparkpath::feed::verify::VerifyOptions {
-    Default::default()
 }
 
 #[test]
@@ -218,9 +244,9 @@ fn job_that_needs_h() -> PlanJob {
 fn a_searched_reduction_makes_a_thinner_electrode_that_comes_out_where_the_given_one_jams() {
     let mut given = job_that_needs_h();
     given.genetic.h = ReductionMode::Given;
-    let jammed = plan(mesh(&easy_blisk()), given);
+    let jammed = plan_easy(given);
     assert!(jammed.electrodes[0].plan.jam.is_some(), "h = 0 is no answer");
-    let outcome = plan(mesh(&easy_blisk()), job_that_needs_h());
+    let outcome = plan_easy(job_that_needs_h());
     let electrode = &outcome.electrodes[0];
     assert!(outcome.is_verified(), "{}", electrode.plan.verdict(&outcome.channel));
     let h = electrode.plan.h.to_degrees();
@@ -263,7 +289,7 @@ fn a_searched_reduction_that_leaves_no_metal_is_an_answer_and_not_bad_input() {
 fn under_the_angle_constraint_every_node_is_between_the_surfaces_and_the_verifier_has_the_last_word() {
     let mut job = easy_job();
     job.plan.constraint = Constraint::Angle;
-    let outcome = plan(mesh(&easy_blisk()), job);
+    let outcome = plan_easy(job);
     let (plan, channel) = (&outcome.electrodes[0].plan, &outcome.channel);
     // The angle test is blind to edges and to what lies beside the walls: it leads away from the final pose, but
     // whether all the way out is not promised. Whatever it hands out has been judged by exact distances.
@@ -298,7 +324,7 @@ fn under_the_angle_constraint_every_node_is_between_the_surfaces_and_the_verifie
 fn a_margin_is_kept_on_the_way() {
     let mut job = easy_job();
     job.plan.margin_mm = 0.05;
-    let outcome = plan(mesh(&easy_blisk()), job);
+    let outcome = plan_easy(job);
     let planned = outcome.electrodes[0].plan.path.as_ref().unwrap();
     assert!(outcome.is_verified());
     // In the final pose only the spark gap is open; 5 % of the way later there is room for the margin too.
@@ -383,7 +409,7 @@ fn every_row_is_within_the_travel_of_its_axis() {
     (job.machine.travel_y_mm, job.machine.travel_z_mm) = (half(Axis::Y), half(Axis::Z));
     job.machine.travel_c_deg = half(Axis::C).map(f64::to_degrees);
     let limits = job.machine.clone();
-    let outcome = plan(mesh(&easy_blisk()), job);
+    let outcome = plan_easy(job);
     let plan = &outcome.electrodes[0].plan;
     assert!(plan.path.is_some(), "{}", plan.verdict(&outcome.channel));
     let planned = plan.path.as_ref().unwrap();
@@ -403,7 +429,7 @@ fn travel_that_ends_before_the_way_out_is_named() {
         let mut job = easy_job();
         job.plan.strategy = strategy;
         job.machine.travel_x_mm = [-4.0, 250.0];
-        let outcome = plan(mesh(&easy_blisk()), job);
+        let outcome = plan_easy(job);
         let jam = outcome.electrodes[0].plan.jam.expect("4 mm are not enough to leave a blisk of 20 mm");
         let JamCause::Travel { axis: Axis::X, value, limit: -4.0 } = jam.cause else { panic!("{jam:?}") };
         assert!((-4.81..-4.0).contains(&value), "{value}");
@@ -415,7 +441,7 @@ fn travel_that_ends_before_the_way_out_is_named() {
 fn entry_from_the_other_side_withdraws_to_the_other_side() {
     let mut job = easy_job();
     job.electrode.enter = EnterSide::PlusX;
-    let outcome = plan(mesh(&easy_blisk()), job);
+    let outcome = plan_easy(job);
     let electrode = &outcome.electrodes[0];
     assert_eq!(electrode.electrode.enters_from, EntrySide::PlusX);
     assert!(outcome.is_verified(), "{}", electrode.plan.verdict(&outcome.channel));
@@ -427,7 +453,7 @@ fn two_parts_are_two_electrodes_that_share_their_overlap() {
     let mut job = easy_job();
     job.electrode.parts = 2;
     job.electrode.enter = EnterSide::Auto;
-    let outcome = plan(mesh(&easy_blisk()), job);
+    let outcome = plan_easy(job);
     assert_eq!(outcome.electrodes.len(), 2);
     assert!(outcome.is_verified());
     let burning = |e: &sparkpath::blisk::electrode::Electrode| {

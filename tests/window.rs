@@ -18,6 +18,8 @@ mod journey;
 mod keeping;
 #[path = "window/looks.rs"]
 mod looks;
+#[path = "window/machine.rs"]
+mod machine;
 #[path = "window/mold.rs"]
 mod mold;
 #[path = "window/saving.rs"]

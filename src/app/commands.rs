@@ -246,11 +246,12 @@ impl Command {
             Self::Keep => core.can_keep(),
             Self::Approve => core.pipeline.can_approve() && !core.pipeline.is_approved(),
             Self::Withdraw | Self::Export => core.pipeline.is_approved(),
-            Self::Ghost | Self::Play | Self::NextNode | Self::PreviousNode | Self::FirstNode | Self::LastNode => {
+            Self::Ghost => !core.track().is_empty() && core.feed_cursor().is_some(),
+            Self::Play | Self::NextNode | Self::PreviousNode | Self::FirstNode | Self::LastNode => {
                 !core.track().is_empty()
             }
             Self::Colours => core.pipeline.state(Stage::Electrode) != StageState::Missing,
-            Self::Leftover => core.pipeline.leftover_shape().is_some(),
+            Self::Leftover => core.leftover_shape().is_some(),
             _ => true,
         }
     }
@@ -278,9 +279,9 @@ impl Command {
         }
     }
 
-    /// The commands whose keys were pressed.
-    pub fn pressed(ctx: &egui::Context) -> Vec<Self> {
-        let typing = ctx.egui_wants_keyboard_input() || egui::Popup::is_any_open(ctx);
+    /// The commands whose keys were pressed; `taken` tells that someone else takes keys without Ctrl.
+    pub fn pressed(ctx: &egui::Context, taken: bool) -> Vec<Self> {
+        let typing = taken || ctx.egui_wants_keyboard_input() || egui::Popup::is_any_open(ctx);
         // More modifiers first: Ctrl+Shift+S must not be taken for Ctrl+S.
         let mut commands = Self::all();
         commands.retain(|c| c.shortcut().is_some() && !(typing && c.yields_to_focus()));

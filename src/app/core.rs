@@ -1,31 +1,29 @@
 //! What every panel sees: the document, its steps, the cursor, and what is shown. Panels draw it and push
 //! [`Command`]s; nothing else changes it.
 
-use std::sync::Arc;
-use std::time::{Duration, SystemTime};
+mod shown;
 
-use glam::DVec3;
+use std::sync::Arc;
+use std::time::{Duration, Instant, SystemTime};
 
 use super::commands::Command;
 pub use super::cursor::Cursor;
 use super::kept_runs::KeptRuns;
+use super::machine_bodies::MachineBodies;
 use super::machine_motion::MachineMotion;
 use super::mold::MoldDesk;
 use super::preferences::Preferences;
 use super::swept::Swept;
 use super::tuning::Tuning;
-use crate::blisk::electrode::Electrode;
 use crate::feed::pose::Pose;
 use crate::feed::search::Strategy;
-use crate::geometry::distance_field::DistanceField;
-use crate::jobs::pipeline::{Event, EventKind, PartialPlan, Pipeline, StageState};
+use crate::jobs::pipeline::{Event, EventKind, Pipeline, StageState};
 use crate::jobs::plan::ElectrodeOutcome;
 use crate::jobs::worker::{Ended, Message, Worker};
 use crate::project::{Document, PlanJob, Stage};
-use crate::render::colour_map::{ColourMap, Legend};
 use crate::render::mesh::RenderMesh;
-use crate::render::scene::{SectionPlane, SurfaceValues};
-use crate::views::{Layer, Layers, Track, clearance_at_vertices, leftover_legend};
+use crate::render::scene::SectionPlane;
+use crate::views::{Layer, Layers, Track, clearance_at_vertices};
 
 /// See the module's page.
 pub struct Core {
@@ -61,6 +59,7 @@ pub struct Core {
     pub tuning: Tuning,
     /// The whole motion on the machine.
     pub machine: MachineMotion,
+    bodies: MachineBodies,
     /// The workspace of molds.
     pub mold: MoldDesk,
     /// Plans that are kept to compare with.
@@ -73,12 +72,17 @@ pub struct Core {
     pub span: Option<[f32; 2]>,
     /// Everything that has been said.
     pub log: Vec<LogLine>,
+    /// A word that passes, and since when it is there.
+    passing: Option<(String, Instant)>,
     /// The track of the electrode that is looked at; made again when its source changes.
     track: Arc<Track>,
     track_of: TrackSource,
     commands: Vec<Command>,
     gesture: u64,
 }
+
+/// How long a word that passes is to be seen.
+const PASSING: Duration = Duration::from_secs(8);
 
 /// What colours were computed for.
 #[derive(Clone)]
@@ -134,9 +138,10 @@ impl Core {
             pipeline: Pipeline::start(wake.clone())?,
             colouring: Worker::start(wake.clone())?,
             swept: Swept::start(wake.clone())?,
+            bodies: MachineBodies::start(wake.clone())?,
+            kept: KeptRuns::start(wake.clone())?,
             tuning: Tuning::start(wake.clone())?,
             mold: MoldDesk::start(wake)?,
-            kept: KeptRuns::default(),
             machine: MachineMotion::default(),
             coloured: None,
             colours_asked: None,
@@ -152,6 +157,7 @@ impl Core {
             measuring: false,
             span: None,
             log: Vec::new(),
+            passing: None,
             track: Arc::default(),
             track_of: TrackSource::default(),
             commands: Vec::new(),
@@ -184,6 +190,10 @@ impl Core {
         self.follow_tuning();
         self.follow_track();
         self.machine.follow(self.pipeline.plan(), self.cursor.electrode);
+        self.follow_moment();
+        self.follow_leftover();
+        self.follow_kept();
+        self.follow_bodies();
         self.follow_colours();
         self.follow_swept();
         events
@@ -192,6 +202,18 @@ impl Core {
     /// Adds a line to the log.
     pub fn say(&mut self, kind: EventKind, text: impl Into<String>) {
         self.log.push(LogLine { at: SystemTime::now(), kind, stage: None, text: text.into(), took: None });
+    }
+
+    /// Says `text` for a moment, in place of what was said last: it is no news that the log should hold.
+    pub fn say_in_passing(&mut self, text: impl Into<String>) {
+        self.passing = Some((text.into(), Instant::now()));
+    }
+
+    /// What was said in passing, and how long it is still to be seen.
+    pub fn passing(&self) -> Option<(&str, Duration)> {
+        let (text, since) = self.passing.as_ref()?;
+        let left = PASSING.checked_sub(since.elapsed()).filter(|left| !left.is_zero())?;
+        Some((text, left))
     }
 
     /// What was said last, unless it is of a failure that is none any more.
@@ -233,14 +255,23 @@ impl Core {
     /// Whether the present plan can be kept to compare with: its strategy is known while no parameter has changed.
     pub fn can_keep(&self) -> bool {
         self.pipeline.state(Stage::Plan) == StageState::Done
-            && self.pipeline.plan().is_some_and(|plan| self.kept.can_keep(plan))
+            && self.pipeline.plan().is_some_and(|plan| self.kept.can_keep(plan, &self.document))
     }
 
     /// Keeps the present plan, which [`can_keep`](Self::can_keep) says can be.
     pub fn keep(&mut self) {
-        if let Some(plan) = self.pipeline.plan() {
-            let name = self.kept.keep(plan, self.document.job());
+        let (Some(plan), Some(part)) = (self.pipeline.plan(), self.pipeline.part()) else { return };
+        if let Some(name) = self.kept.keep(plan, &mut self.document, &part.content()) {
             self.say(EventKind::Done, format!("{name} is kept for comparison"));
+        }
+    }
+
+    /// Has the runs made that came with the document.
+    fn follow_kept(&mut self) {
+        let p = &self.pipeline;
+        let found = p.channel().filter(|_| p.state(Stage::Channel) == StageState::Done);
+        for why in self.kept.follow(&self.document, (p.part(), found)) {
+            self.say(EventKind::Cancelled, why);
         }
     }
 
@@ -358,87 +389,6 @@ impl Core {
         }
     }
 
-    /// The pose that the electrode is shown in.
-    fn shown_pose(&self) -> Pose {
-        self.track.at(self.cursor.s).filter(|_| self.is_live() || !self.is_tuning()).map(|s| s.pose).unwrap_or_default()
-    }
-
-    /// The electrode's clearance as colours, as far as it is computed.
-    pub fn colour_values(&self) -> Option<SurfaceValues> {
-        let (_, shape) = self.shown_electrode()?;
-        let (_, values) = self.coloured.as_ref().filter(|(key, _)| self.colours && key.is_of(shape))?;
-        let legend = self.colour_legend();
-        let range = [legend.min as f32, legend.max as f32];
-        Some(SurfaceValues { values: values.clone(), map: legend.map, range })
-    }
-
-    /// The stock left on the surfaces of the channel with its colours, if it is to be seen and known.
-    pub fn leftover_values(&self) -> Option<(&Arc<RenderMesh>, SurfaceValues)> {
-        let is_shown = self.leftover && !self.is_tuning() && !self.plan_is_stale();
-        let shape = self.pipeline.leftover_shape().filter(|_| is_shown)?;
-        Some((&shape.shape, shape.values(self.document.job().electrode.spark_gap_mm)))
-    }
-
-    /// What the colours of the stock left mean.
-    pub fn leftover_legend(&self) -> Legend {
-        leftover_legend(self.document.job().electrode.spark_gap_mm)
-    }
-
-    /// Shows the stock left in the channel, or the electrode again.
-    pub fn toggle_leftover(&mut self) {
-        self.leftover = !self.leftover;
-        if self.leftover {
-            self.layers.into_channel();
-        }
-        self.layers.get_mut(Layer::Electrode).visible = !self.leftover;
-    }
-
-    /// What the colours mean.
-    pub fn colour_legend(&self) -> Legend {
-        let gap = self.document.job().electrode.spark_gap_mm;
-        // While the electrode moves its colours come after it.
-        let is_current = self.coloured.as_ref().is_some_and(|(key, _)| key.pose == self.shown_pose());
-        Legend {
-            title: if is_current { "Clearance" } else { "Clearance a moment ago" }.to_owned(),
-            unit: "mm".to_owned(),
-            map: ColourMap::Threshold,
-            min: 0.0,
-            max: 2.0 * gap,
-            threshold: Some(gap),
-        }
-    }
-
-    /// Whether the electrode is being tuned, so that the plan there may be is not its own.
-    pub fn is_tuning(&self) -> bool {
-        let changed = self.pipeline.state(Stage::Plan) != StageState::Done;
-        self.is_live() || (changed && self.step <= Stage::Electrode)
-    }
-
-    /// Whether the poses are those of a quick look.
-    pub fn is_live(&self) -> bool {
-        matches!(self.track_of, TrackSource::Live(_))
-    }
-
-    /// The electrode that is shown and its shape: while parameters are tuned as it would be, not as it was planned.
-    pub fn shown_electrode(&self) -> Option<(&Electrode, &Arc<RenderMesh>)> {
-        let (p, i) = (&self.pipeline, self.cursor.electrode);
-        if let Some((electrode, shape)) = self.searched().and_then(|partial| partial.electrode.as_ref()) {
-            return Some((electrode, shape));
-        }
-        if let Some((electrode, shape)) = self.tuning.other_electrode().filter(|_| self.is_live()) {
-            return Some((electrode, shape));
-        }
-        let planned = self.outcome().map(|o| &o.electrode).zip(p.plan_shapes().and_then(|s| s.get(i)));
-        let tuned = p.electrodes().and_then(|e| e.electrodes.get(i).zip(e.shapes.get(i)));
-        if self.is_tuning() { tuned.or(planned) } else { planned.or(tuned) }
-    }
-
-    /// The plan that is being made, if its nodes are those of the track.
-    fn searched(&self) -> Option<&PartialPlan> {
-        let is_shown = matches!(self.track_of, TrackSource::Partial(_));
-        self.pipeline.partial_plan().filter(|partial| is_shown && !partial.nodes.is_empty())
-    }
-
     /// Pins a ghost of the electrode where the cursor stands, or takes the one there away.
     pub fn toggle_ghost(&mut self) {
         let s = self.cursor.s;
@@ -465,42 +415,5 @@ impl Core {
             self.cursor.playing = false;
         }
         self.cursor.playing
-    }
-
-    /// Where the electrode comes closest or jams, in one point of the electrode in its final pose and one of the
-    /// blisk, both in W.
-    pub fn contact(&self) -> Option<[DVec3; 2]> {
-        let plan = &self.outcome().filter(|_| self.searched().is_none())?.plan;
-        if let Some(jam) = &plan.jam {
-            return jam.contact().map(|c| [c.on_electrode, c.on_blisk]);
-        }
-        let least = plan.path.as_ref()?.certificate.least();
-        Some([least.on_electrode, least.on_blisk])
-    }
-
-    /// Withdrawn distance at which that is (mm).
-    pub fn contact_s(&self) -> Option<f64> {
-        let plan = &self.outcome().filter(|_| self.searched().is_none())?.plan;
-        plan.jam.map(|j| j.s).or_else(|| Some(plan.path.as_ref()?.certificate.least().s))
-    }
-
-    /// The clearance that is required, and how much less of it still counts as kept (mm): of the path that is shown, or
-    /// of the present parameters.
-    pub fn required(&self) -> [f64; 2] {
-        let path = self.outcome().filter(|_| self.track.is_path).and_then(|o| o.plan.path.as_ref());
-        let job = self.document.job();
-        let of_job = [job.electrode.spark_gap_mm, job.verify.tolerance_mm];
-        path.map_or(of_job, |p| [p.certificate.required(), p.certificate.tolerance()])
-    }
-
-    /// The least clearance that counts as kept (mm). That of nodes is as exact as the field that they were searched in.
-    pub fn least_wanted(&self) -> f64 {
-        let [required, tolerance] = self.required();
-        required - tolerance - if self.track.is_path { 0.0 } else { DistanceField::ACCURACY }
-    }
-
-    /// Whether what is shown of the plan belongs to other parameters.
-    pub fn plan_is_stale(&self) -> bool {
-        self.pipeline.state(Stage::Plan) == StageState::Stale
     }
 }

@@ -130,7 +130,8 @@ fn contents(ui: &mut Ui, core: &mut Core, dialog: &mut Dialog, adapter: &str) ->
         Dialog::About => about(ui, adapter),
         Dialog::Error(_, text) => {
             ui.label(&*text);
-            buttons(ui, &[("Close", Answer::Close)])
+            let closed = ui.input(|i| i.key_pressed(egui::Key::Enter)).then_some(Answer::Close);
+            buttons(ui, &[("Close", Answer::Close)]).or(closed)
         }
     }
 }

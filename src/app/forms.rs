@@ -1,5 +1,7 @@
 //! The form of a step, made from the table of parameters: label, value, unit, default, and what is wrong in place.
 
+use std::cell::RefCell;
+
 use egui::{DragValue, Response, RichText, Slider, SliderClamping, Ui, vec2};
 use serde_json::Value;
 
@@ -49,6 +51,8 @@ enum Change {
     Along(Value),
     /// A file is to be chosen.
     Choose,
+    /// None: what was typed is no number.
+    NoNumber(String),
 }
 
 /// What a form asks for that it cannot do itself.
@@ -83,6 +87,7 @@ pub fn show(ui: &mut Ui, core: &mut Core, stage: Stage) -> Option<Request> {
                     Some(Change::To(value)) => change(core, field, &job, value, false),
                     Some(Change::Along(value)) => change(core, field, &job, value, true),
                     Some(Change::Choose) => request = Some(request_of(field)),
+                    Some(Change::NoNumber(text)) => core.say_in_passing(no_number(field, field.get(&job), &text)),
                     None => {}
                 }
             }
@@ -202,6 +207,19 @@ fn shows_number(kind: Kind, value: &Value) -> bool {
     }
 }
 
+/// Says that `text`, which was typed into `field`, is no number, and what is asked for.
+fn no_number(field: &Field, value: &Value, text: &str) -> String {
+    let unit = if field.unit.is_empty() { String::new() } else { format!(" {}", field.unit) };
+    let asked = match field.range() {
+        Some(Range(least, greatest)) if greatest.is_finite() => format!("a number from {least} to {greatest}{unit}"),
+        Some(Range(least, _)) => format!("a number of at least {least}{unit}"),
+        None => "a number".to_owned(),
+    };
+    let stays = shown(value).map(|now| format!("; it stays {now}{unit}")).unwrap_or_default();
+    let typed: String = text.trim().chars().take(24).collect();
+    format!("{}: \"{typed}\" is no number; {asked} is asked for{stays}", field.label)
+}
+
 /// A place of fixed width in a row.
 fn cell<R>(ui: &mut Ui, width: f32, add: impl FnOnce(&mut Ui) -> R) -> R {
     let layout = egui::Layout::left_to_right(egui::Align::Center);
@@ -225,12 +243,7 @@ fn tooltip(ui: &mut Ui, field: &Field, default: &Value) {
     ui.strong(format!("{}{symbol}", field.label));
     ui.label(field.help);
     let unit = if field.unit.is_empty() { String::new() } else { format!(" {}", field.unit) };
-    let range = match field.kind {
-        Kind::Number(r, _) | Kind::Slider(r, ..) | Kind::Integer(r) | Kind::AutoNumber(r, ..) => Some(r),
-        Kind::AutoInteger(r, _) => Some(r),
-        _ => None,
-    };
-    if let Some(Range(least, greatest)) = range {
+    if let Some(Range(least, greatest)) = field.range() {
         let upper = if greatest.is_finite() { format!(" to {greatest}") } else { " or more".to_owned() };
         ui.weak(format!("Range {least}{upper}{unit}"));
     }
@@ -258,39 +271,31 @@ fn widget(ui: &mut Ui, field: &Field, value: &Value, label: egui::Id, columns: C
     match field.kind {
         Kind::Number(_, decimals) => {
             no_slider(ui, columns);
-            let mut number = value.as_f64().unwrap_or_default();
-            let response = drag(ui, &mut number, decimals).labelled_by(label);
-            along(&response, number.into())
+            number(ui, value, decimals, label)
         }
         Kind::Slider(_, Range(least, greatest), decimals) => {
-            let mut number = value.as_f64().unwrap_or_default();
+            let mut to = value.as_f64().unwrap_or_default();
             let slid = (columns.middle > 0.0).then(|| {
-                let slider = Slider::new(&mut number, least..=greatest)
+                let slider = Slider::new(&mut to, least..=greatest)
                     .clamping(SliderClamping::Never)
                     .show_value(false)
                     .step_by(10f64.powi(-(decimals as i32)));
                 ui.spacing_mut().slider_width = columns.middle;
                 ui.add(slider).labelled_by(label)
             });
-            let typed = drag(ui, &mut number, decimals).labelled_by(label);
-            slid.and_then(|slid| along(&slid, number.into())).or(along(&typed, number.into()))
+            let slid = slid.and_then(|slid| along(&slid, to.into()));
+            number(ui, &to.into(), decimals, label).or(slid)
         }
         Kind::Integer(_) => {
             no_slider(ui, columns);
-            let mut number = value.as_u64().unwrap_or_default();
-            let response = whole(ui, &mut number).labelled_by(label);
-            along(&response, number.into())
+            whole(ui, value, label)
         }
-        Kind::AutoNumber(_, decimals, start) => auto(ui, value, start.into(), label, columns, |ui, given| {
-            let mut number = given.as_f64().unwrap_or_default();
-            let response = drag(ui, &mut number, decimals).labelled_by(label);
-            along(&response, number.into())
-        }),
-        Kind::AutoInteger(_, start) => auto(ui, value, start.into(), label, columns, |ui, given| {
-            let mut number = given.as_u64().unwrap_or_default();
-            let response = whole(ui, &mut number).labelled_by(label);
-            along(&response, number.into())
-        }),
+        Kind::AutoNumber(_, decimals, start) => {
+            auto(ui, value, start.into(), label, columns, |ui, given| number(ui, given, decimals, label))
+        }
+        Kind::AutoInteger(_, start) => {
+            auto(ui, value, start.into(), label, columns, |ui, given| whole(ui, given, label))
+        }
         Kind::Choice(words) => choice(ui, field, words, value, label, columns.wide(ui)),
         Kind::ChoiceOrFile(words) => choice(ui, field, words, value, label, columns.wide(ui)),
         Kind::Flag => {
@@ -303,16 +308,29 @@ fn widget(ui: &mut Ui, field: &Field, value: &Value, label: egui::Id, columns: C
     }
 }
 
-fn drag(ui: &mut Ui, number: &mut f64, decimals: usize) -> Response {
+/// A number that is dragged or typed.
+fn number(ui: &mut Ui, value: &Value, decimals: usize, label: egui::Id) -> Option<Change> {
     let speed = 10f64.powi(-(decimals as i32)) * 5.0;
-    let value = DragValue::new(number)
+    let mut number = value.as_f64().unwrap_or_default();
+    let wrong = RefCell::default();
+    let field = DragValue::new(&mut number)
         .speed(speed)
         .max_decimals(decimals.max(6))
         .min_decimals(decimals.min(3))
         .custom_formatter(short)
-        .custom_parser(parsed)
+        .custom_parser(|text| parsed_or(text, &wrong))
         .update_while_editing(false);
-    ui.add_sized(vec2(VALUE_WIDTH, HEIGHT), value)
+    let response = ui.add_sized(vec2(VALUE_WIDTH, HEIGHT), field).labelled_by(label);
+    wrong.into_inner().map(Change::NoNumber).or(along(&response, number.into()))
+}
+
+/// A typed number; what is none goes into `wrong`.
+fn parsed_or(text: &str, wrong: &RefCell<Option<String>>) -> Option<f64> {
+    let number = parsed(text);
+    if number.is_none() && !text.trim().is_empty() {
+        *wrong.borrow_mut() = Some(text.to_owned());
+    }
+    number
 }
 
 /// A number in the room that a field has: one that is far out of every range is written with an exponent.
@@ -331,8 +349,15 @@ fn parsed(text: &str) -> Option<f64> {
     plain.replace(',', ".").replace('\u{2212}', "-").parse().ok().filter(|n: &f64| n.is_finite())
 }
 
-fn whole(ui: &mut Ui, number: &mut u64) -> Response {
-    ui.add_sized(vec2(VALUE_WIDTH, HEIGHT), DragValue::new(number).speed(0.2).update_while_editing(false))
+fn whole(ui: &mut Ui, value: &Value, label: egui::Id) -> Option<Change> {
+    let mut number = value.as_u64().unwrap_or_default();
+    let wrong = RefCell::default();
+    let field = DragValue::new(&mut number)
+        .speed(0.2)
+        .custom_parser(|text| parsed_or(text, &wrong))
+        .update_while_editing(false);
+    let response = ui.add_sized(vec2(VALUE_WIDTH, HEIGHT), field).labelled_by(label);
+    wrong.into_inner().map(Change::NoNumber).or(along(&response, number.into()))
 }
 
 fn along(response: &Response, value: Value) -> Option<Change> {

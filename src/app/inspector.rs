@@ -73,22 +73,34 @@ fn selected(ui: &mut Ui, core: &Core) {
 }
 
 fn pose(ui: &mut Ui, core: &Core) {
-    let Some(station) = core.track().at(core.cursor.s) else { return };
+    let moment = core.moment();
+    let station = core.feed_cursor().and_then(|s| core.track().at(s));
+    let Some(pose) = moment.map(|moment| moment.pose).or(station.map(|station| station.pose)) else { return };
     let length = core.preferences.length;
     heading(ui, "Pose of the electrode");
     if core.plan_is_stale() {
         ui.label(RichText::new("of a stale plan").small().color(palette(ui).warning));
     }
-    let what = station.node.map_or("between nodes".to_owned(), |n| format!("node {n} from the final pose"));
-    fact(ui, "Place", what);
-    fact(ui, "Withdrawn", length.show(station.s, 3));
-    for axis in core.document.job().machine.axes.axes() {
-        let value = station.pose.get(*axis);
+    if let Some(moment) = moment {
+        fact(ui, "Phase", moment.name());
+    }
+    if let Some(station) = station {
+        let what = station.node.map_or("between nodes".to_owned(), |n| format!("node {n} from the final pose"));
+        fact(ui, "Place", what);
+        fact(ui, "Withdrawn", length.show(station.s, 3));
+    }
+    // A table turns to other channels even where the feed does not need it.
+    let moves = core.document.job().machine.axes.axes();
+    let shown = |axis: &Axis| moves.contains(axis) || pose.get(*axis) != 0.0;
+    for axis in Axis::ALL.into_iter().filter(shown) {
+        let value = pose.get(axis);
         let text = if axis.is_rotary() { format!("{:.4} deg", value.to_degrees()) } else { length.show(value, 4) };
         fact(ui, &axis.letter().to_string(), text);
     }
-    let name = if core.track().is_path { "Clearance" } else { "Clearance (search)" };
-    fact(ui, name, length.show(station.clearance, 4));
+    if let Some(station) = station {
+        let name = if core.track().is_path { "Clearance" } else { "Clearance (search)" };
+        fact(ui, name, length.show(station.clearance, 4));
+    }
 }
 
 fn contact(ui: &mut Ui, core: &mut Core) {

@@ -10,18 +10,25 @@ use crate::export::comparison::{AxisCourse, Run, RunElectrode};
 use crate::export::report::Smoothness;
 use crate::feed::pose::Axis;
 use crate::feed::smoothness::axis_smoothness;
-use crate::jobs::compare::run_of;
-use crate::jobs::plan::PlanOutcome;
-use crate::project::PlanJob;
+use crate::jobs::compare::{kept_run, run_of};
+use crate::jobs::plan::{PlanOutcome, kept};
+use crate::jobs::stages::{FoundChannel, Part};
+use crate::jobs::worker::{Message, Worker};
+use crate::project::{self, Document, KeptPlan};
 
-/// The runs that are kept.
-#[derive(Default)]
+/// The runs that are kept: what the document holds of them, made to be looked at.
 pub struct KeptRuns {
     runs: Vec<KeptRun>,
-    /// Runs kept so far, removed ones counted too.
-    kept: usize,
-    /// Step that differences of all of them are taken over, that of the first (mm).
-    step: f64,
+    /// Makes those that came with a file anew.
+    opener: Worker<Opened, ()>,
+    /// Numbers of those that were given to it.
+    asked: Vec<usize>,
+}
+
+/// A run that came with a file, and its plan or why there is none.
+struct Opened {
+    of: project::KeptRun,
+    outcome: Result<Box<PlanOutcome>, String>,
 }
 
 /// A run that is kept.
@@ -56,41 +63,105 @@ impl KeptRuns {
     /// Most runs that are kept.
     pub const MOST: usize = 6;
 
+    /// None yet; `wake` is called whenever one that came with a file is made.
+    ///
+    /// # Errors
+    /// If the system gives no thread.
+    pub fn start(wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
+        Ok(Self { runs: Vec::new(), opener: Worker::start(wake)?, asked: Vec::new() })
+    }
+
     /// Those that are kept, in the order of keeping.
     pub fn all(&self) -> &[KeptRun] {
         &self.runs
     }
 
-    /// Whether one more can be kept, and `plan` is not kept already.
-    pub fn can_keep(&self, plan: &PlanOutcome) -> bool {
-        self.runs.len() < Self::MOST
+    /// Whether one more can be kept, and `plan`, which must be certified, is not kept already.
+    pub fn can_keep(&self, plan: &PlanOutcome, document: &Document) -> bool {
+        plan.is_verified()
+            && document.runs().len() < Self::MOST
             && !self.runs.iter().any(|run| run.paths.iter().map(String::as_str).eq(paths(plan)))
     }
 
-    /// Keeps `plan`, which was made by `job`. Answers its name.
-    pub fn keep(&mut self, plan: &Arc<PlanOutcome>, job: &PlanJob) -> String {
-        if self.runs.is_empty() {
-            self.step = job.plan.step_mm;
-        }
-        let mut run = run_of(job.plan.strategy, plan);
+    /// Keeps `plan`, which was made by the parameters of `document` of meshes with this content. Answers its name.
+    pub fn keep(&mut self, plan: &PlanOutcome, document: &mut Document, content: &str) -> Option<String> {
+        let job = document.job().clone();
+        let plan_kept = KeptPlan { inputs: KeptPlan::inputs_of(&job, content), electrodes: kept(plan)? };
+        let number = document.runs().iter().map(|run| run.number).max().unwrap_or(0) + 1;
+        let is_free = |colour: &usize| document.runs().iter().all(|run| run.colour != *colour);
+        let colour = (0..Self::MOST).find(is_free).unwrap_or(0);
+        let of = project::KeptRun { number, colour, job, plan: plan_kept };
+        document.keep_run(of.clone());
+        self.asked.push(number);
+        self.add(&of, plan, step_of(document));
+        self.runs.last().map(KeptRun::name)
+    }
+
+    fn add(&mut self, of: &project::KeptRun, plan: &PlanOutcome, step: f64) {
+        let mut run = run_of(of.job.plan.strategy, plan);
         // Differences over other steps could not be compared.
         for (kept, electrode) in run.electrodes.iter_mut().zip(&plan.electrodes) {
             let Some(planned) = &electrode.plan.path else { continue };
-            let figures = Axis::ALL.map(|axis| axis_smoothness(&planned.curves, axis, self.step));
+            let figures = Axis::ALL.map(|axis| axis_smoothness(&planned.curves, axis, step));
             kept.smoothness = Smoothness::of(&figures);
         }
-        self.kept += 1;
-        let is_free = |colour: &usize| self.runs.iter().all(|run| run.colour != *colour);
-        let colour = (0..Self::MOST).find(is_free).unwrap_or(0);
-        let kept = KeptRun { number: self.kept, colour, run, paths: paths(plan).map(str::to_owned).collect() };
-        let name = kept.name();
-        self.runs.push(kept);
-        name
+        // A file may name any colour.
+        let colour = of.colour % Self::MOST;
+        let paths = paths(plan).map(str::to_owned).collect();
+        self.runs.push(KeptRun { number: of.number, colour, run, paths });
+        self.runs.sort_by_key(|run| run.number);
     }
 
-    fn remove(&mut self, number: usize) {
-        self.runs.retain(|run| run.number != number);
+    /// Keeps up with `document`: makes the runs that came with its file, once part and channel are there. Answers why some
+    /// are not shown.
+    pub fn follow(
+        &mut self,
+        document: &Document,
+        (part, found): (Option<&Arc<Part>>, Option<&Arc<FoundChannel>>),
+    ) -> Vec<String> {
+        let mut problems = Vec::new();
+        for message in self.opener.messages() {
+            let Message::Partial(_, Opened { of, outcome }) = message else { continue };
+            match outcome {
+                Ok(plan) if document.runs().contains(&of) => self.add(&of, &plan, step_of(document)),
+                Ok(_) => {}
+                Err(why) => problems.push(format!("the kept run {} is not shown: {why}", of.number)),
+            }
+        }
+        let (Some(part), Some(found)) = (part.cloned(), found.cloned()) else { return problems };
+        let lacking = |run: &&project::KeptRun| !self.asked.contains(&run.number);
+        let wanted: Vec<project::KeptRun> = document.runs().iter().filter(lacking).cloned().collect();
+        if !wanted.is_empty() {
+            self.asked.extend(wanted.iter().map(|run| run.number));
+            let now = document.job().clone();
+            self.opener.submit(0, move |reporter, progress, cancel| {
+                for of in wanted {
+                    let made = kept_run(&of, &now, &part, &found, progress, cancel);
+                    cancel.check().map_err(|e| e.to_string())?;
+                    reporter.partial(Opened { of, outcome: made.map(Box::new).map_err(|e| e.to_string()) });
+                }
+                Ok(())
+            });
+        }
+        problems
     }
+
+    /// Forgets them: another document is there.
+    pub fn forget(&mut self) {
+        self.opener.cancel_from(0);
+        let _ = self.opener.messages();
+        (self.runs, self.asked) = Default::default();
+    }
+
+    fn remove(&mut self, number: usize, document: &mut Document) {
+        self.runs.retain(|run| run.number != number);
+        document.drop_run(number);
+    }
+}
+
+/// The step that differences of all runs are taken over, that of the first (mm).
+fn step_of(document: &Document) -> f64 {
+    document.runs().first().map_or(document.job().plan.step_mm, |run| run.job.plan.step_mm)
 }
 
 /// Digests of the paths of `plan`.
@@ -101,12 +172,14 @@ fn paths(plan: &PlanOutcome) -> impl Iterator<Item = &str> {
 /// Draws the figures of the kept runs for the electrode that is looked at, with a button to remove each.
 pub fn show(ui: &mut Ui, core: &mut Core) {
     let axes: Vec<Axis> = core.document.job().machine.axes.axes().iter().copied().filter(|a| *a != Axis::X).collect();
-    let (electrode, step) = (core.cursor.electrode, core.kept.step);
+    let (electrode, step) = (core.cursor.electrode, step_of(&core.document));
     let mut removed = None;
-    let caption = format!("Second differences over steps of {step:.2} mm: root mean square and greatest");
+    let caption = format!(
+        "Second differences over steps of {step:.2} mm, root mean square and greatest: of slides in mm, of turns in deg"
+    );
     egui::ScrollArea::both().id_salt("comparison").auto_shrink([false, false]).show(ui, |ui| {
         ui.label(RichText::new(caption).small().color(palette(ui).faint));
-        egui::Grid::new("kept runs").spacing([14.0, 3.0]).striped(true).show(ui, |ui| {
+        egui::Grid::new("kept runs").spacing([9.0, 3.0]).striped(true).show(ui, |ui| {
             heads(ui, &axes);
             for run in core.kept.all() {
                 if named(ui, run) {
@@ -118,13 +191,12 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
         });
     });
     if let Some(number) = removed {
-        core.kept.remove(number);
+        core.kept.remove(number, &mut core.document);
     }
 }
 
 fn heads(ui: &mut Ui, axes: &[Axis]) {
-    let unit = |axis: &Axis| if axis.is_rotary() { "deg" } else { "mm" };
-    let of_axis = |axis: &Axis| ["RMS", "max"].map(|what| format!("{} {what} {}", axis.letter(), unit(axis)));
+    let of_axis = |axis: &Axis| ["RMS", "max"].map(|what| format!("{} {what}", axis.letter()));
     let heads = ["run", "", "certified mm", "search s"].map(str::to_owned);
     for head in heads.into_iter().chain(axes.iter().flat_map(of_axis)) {
         ui.label(RichText::new(head).small().color(palette(ui).faint));
@@ -140,7 +212,7 @@ fn named(ui: &mut Ui, run: &KeptRun) -> bool {
         ui.painter().hline(rect.x_range(), rect.center().y, egui::Stroke::new(2.0, colour));
         ui.label(run.name());
     });
-    let response = ui.add(egui::Button::new("Remove").small());
+    let response = ui.add(egui::Button::new("×").small()).on_hover_text("Remove it from the comparison");
     let name = format!("Remove {}", run.name());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
     response.clicked()
@@ -155,9 +227,14 @@ fn figures(ui: &mut Ui, found: Option<&RunElectrode>, axes: &[Axis]) {
     number(ui, found.filter(|e| e.certified).and_then(|e| e.certified_clearance_mm), 4);
     // A plan that was opened was not searched.
     number(ui, found.map(|e| e.search_seconds).filter(|seconds| *seconds > 0.0), 2);
+    // Three digits that count are enough to compare.
+    let difference = |ui: &mut Ui, value: Option<f64>| {
+        let decimals = value.map_or(3.0, |v| (2.0 - v.abs().max(1e-6).log10().floor()).clamp(2.0, 6.0));
+        number(ui, value, decimals as usize);
+    };
     for axis in axes {
         let smooth = found.and_then(|e| e.smoothness.iter().find(|a| a.axis == axis.letter()));
-        number(ui, smooth.map(|a| a.rms_second_difference), 5);
-        number(ui, smooth.map(|a| a.max_second_difference), 5);
+        difference(ui, smooth.map(|a| a.rms_second_difference));
+        difference(ui, smooth.map(|a| a.max_second_difference));
     }
 }

@@ -3,15 +3,14 @@
 use std::sync::Arc;
 
 use egui::{Align2, FontId, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
+use glam::DVec3;
 
 use super::core::Core;
-use super::stepper::fact;
 use super::theme::palette;
 use crate::feed::copying::Copying;
-use crate::feed::pose::Pose;
 use crate::feed::simulation::{Phase, Simulation};
 use crate::jobs::plan::PlanOutcome;
-use crate::views::WholeMotion;
+use crate::views::{Moment, WholeMotion, meeting};
 
 /// Where the machine stands in its whole motion.
 #[derive(Default)]
@@ -19,6 +18,19 @@ pub struct MachineMotion {
     /// The way that it has gone; none while the timeline above says where the electrode stands.
     way: Option<f64>,
     motion: Option<(Arc<Simulation>, WholeMotion)>,
+    /// Where something comes too close first.
+    trouble: Option<Trouble>,
+}
+
+/// Where something comes too close.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Trouble {
+    /// The way to it.
+    way: f64,
+    /// Withdrawn distance on the feed (mm), if it is there.
+    pub s: Option<f64>,
+    /// The two points that come too close, in W at that instant.
+    pub points: [DVec3; 2],
 }
 
 impl MachineMotion {
@@ -34,16 +46,24 @@ impl MachineMotion {
         self.motion = simulation.zip(planned).map(|(simulation, planned)| {
             (simulation.clone(), WholeMotion::new(simulation, &planned.path, copying.map(|c| &c.path)))
         });
+        let o = planned.map(|p| p.path.reference_point);
+        self.trouble = self.motion.as_ref().zip(o).and_then(|((simulation, motion), o)| {
+            let (place, points) = meeting(simulation, o)?;
+            let way = motion.way_to(&place)?;
+            // The way back passes the same places; where it is told of is the way in.
+            let s = motion.at(way).filter(|moment| moment.phase == Phase::Feed).and_then(|moment| moment.s);
+            Some(Trouble { way, s, points })
+        });
     }
 
-    /// The pose in the whole motion, and what is done there in which channel, if it is looked at.
-    pub fn shown(&self) -> Option<(Pose, Phase, usize)> {
+    /// The moment of the whole motion that is looked at, if it is that and not the timeline above.
+    pub fn shown(&self) -> Option<Moment> {
         self.motion.as_ref()?.1.at(self.way?)
     }
 
     /// What was found out about it.
-    pub fn simulation(&self) -> Option<&Simulation> {
-        self.motion.as_ref().map(|(simulation, _)| &**simulation)
+    pub fn simulation(&self) -> Option<&Arc<Simulation>> {
+        self.motion.as_ref().map(|(simulation, _)| simulation)
     }
 
     /// Goes to `way`, or back to the timeline above.
@@ -58,11 +78,9 @@ impl MachineMotion {
         Some(now + way < length)
     }
 
-    /// The way to where something comes too close.
-    fn trouble(&self) -> Option<f64> {
-        let (simulation, motion) = self.motion.as_ref()?;
-        let pair = simulation.tightest().filter(|pair| !pair.holds())?;
-        motion.way_to(pair.contact.as_ref().unwrap_or(&pair.least))
+    /// Where something comes too close first.
+    pub fn trouble(&self) -> Option<&Trouble> {
+        self.trouble.as_ref()
     }
 }
 
@@ -86,8 +104,8 @@ pub fn strip(ui: &mut Ui, core: &mut Core) {
             painter.text(part.center(), Align2::CENTER_CENTER, phase.name(), font, ui.visuals().text_color());
         }
     }
-    if let Some(way) = core.machine.trouble() {
-        painter.vline(x_of(way), rect.y_range(), egui::Stroke::new(2.0, colours.bad));
+    if let Some(trouble) = core.machine.trouble() {
+        painter.vline(x_of(trouble.way), rect.y_range(), egui::Stroke::new(2.0, colours.bad));
     }
     if let Some(way) = core.machine.way {
         painter.vline(x_of(way), rect.y_range(), egui::Stroke::new(2.0, colours.accent));
@@ -95,12 +113,11 @@ pub fn strip(ui: &mut Ui, core: &mut Core) {
     }
     if let Some(pointer) = response.interact_pointer_pos() {
         let t = f64::from((pointer.x - inner.left()) / inner.width()).clamp(0.0, 1.0);
-        core.cursor.playing = false;
-        core.machine.go_to(Some(length * t));
+        core.go_to_moment(length * t);
     }
 }
 
-/// What was found out about the whole motion, and where it stands.
+/// What was found out about the whole motion.
 pub fn facts(ui: &mut Ui, core: &mut Core) {
     let Some(simulation) = core.machine.simulation() else { return };
     ui.add_space(6.0);
@@ -108,13 +125,9 @@ pub fn facts(ui: &mut Ui, core: &mut Core) {
     ui.label(egui::RichText::new("Whole motion on the machine").small().color(palette(ui).faint));
     let colour = if simulation.holds() { ui.visuals().text_color() } else { palette(ui).bad };
     ui.add(egui::Label::new(egui::RichText::new(simulation.sentence()).color(colour)).wrap());
-    if let Some((_, phase, channel)) = core.machine.shown() {
-        fact(ui, "Shown", format!("{}, channel {channel}", phase.name()));
-    }
-    if let Some(way) = core.machine.trouble()
+    if let Some(way) = core.machine.trouble().map(|trouble| trouble.way)
         && ui.button("Go to the collision").clicked()
     {
-        core.cursor.playing = false;
-        core.machine.go_to(Some(way));
+        core.go_to_moment(way);
     }
 }

@@ -10,6 +10,7 @@ mod files;
 mod forms;
 mod inspector;
 mod kept_runs;
+mod machine_bodies;
 mod machine_motion;
 mod menu;
 mod mold;

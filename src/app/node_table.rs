@@ -12,7 +12,7 @@ use crate::views::Station;
 pub fn show(ui: &mut Ui, core: &mut Core) {
     let track = core.shared_track();
     let nodes: Vec<_> = track.nodes().copied().collect();
-    let current = track.nearest_node(core.cursor.s);
+    let current = core.feed_cursor().and_then(|s| track.nearest_node(s));
     let gap = core.least_wanted();
     let colours = palette(ui);
     let axes = core.document.job().machine.axes.axes();

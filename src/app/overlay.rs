@@ -39,8 +39,8 @@ pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core, viewport: &mut Viewport) {
         verdict(ui, rect, core);
     }
     measured(ui, rect, viewport, core);
-    if core.leftover_values().is_some() {
-        legend(ui, rect, &core.leftover_legend());
+    if let Some(shown) = core.leftover_legend().filter(|_| core.leftover) {
+        legend(ui, rect, &shown);
     } else if core.colour_values().is_some() {
         legend(ui, rect, &core.colour_legend());
     }
@@ -71,12 +71,14 @@ pub fn legend(ui: &Ui, rect: Rect, legend: &Legend) {
         painter.rect_filled(cell, 0.0, Color32::from_rgb(c.r, c.g, c.b));
     }
     let y = |value: f64| bar.bottom() - size.y * legend.place(value) as f32;
+    // Enough decimals for a hundredth of the range.
+    let decimals = (2.0 - (legend.max - legend.min).abs().max(1e-6).log10().ceil()).clamp(2.0, 5.0) as usize;
     for value in legend.ticks(if size.y < 100.0 { 2 } else { 5 }) {
         let at = pos2(bar.right() + 6.0, y(value));
         painter.text(
             at,
             Align2::LEFT_CENTER,
-            format!("{value:.2}"),
+            format!("{value:.decimals$}"),
             FontId::monospace(11.0),
             ui.visuals().text_color(),
         );
@@ -228,20 +230,29 @@ fn section_handle(ui: &mut Ui, rect: Rect, core: &mut Core, viewport: &Viewport)
     }
 }
 
-/// The answer of the plan in one line at the bottom of the view.
-fn verdict(ui: &mut Ui, rect: Rect, core: &Core) {
-    let (Some(plan), Some(outcome)) = (core.pipeline.plan(), core.outcome()) else { return };
-    let colours = palette(ui);
-    let collision = plan.finishing().and_then(|finishing| finishing.collision());
-    let (colour, text) = match core.pipeline.state(Stage::Plan) {
-        StageState::Running => return,
-        StageState::Done if collision.is_some() => {
-            (colours.bad, collision.map(Simulation::sentence).unwrap_or_default())
+/// The answer of the plan, and of the check of its motion on the machine, and its colour.
+fn answer(ui: &Ui, core: &Core) -> Option<(Color32, String)> {
+    let (plan, outcome, colours) = (core.pipeline.plan()?, core.outcome()?, palette(ui));
+    let verdict = || outcome.plan.verdict(&plan.channel);
+    let collision = plan.finishing().and_then(|finishing| finishing.collision()).map(Simulation::sentence);
+    Some(match (core.pipeline.state(Stage::Plan), core.pipeline.state(Stage::Verify)) {
+        (StageState::Running, _) => return None,
+        (StageState::Stale, _) => (colours.warning, format!("stale: {}", collision.unwrap_or_else(verdict))),
+        (StageState::Done, _) if collision.is_some() => (colours.bad, collision.unwrap_or_default()),
+        _ if !outcome.plan.is_verified() => (colours.bad, verdict()),
+        (StageState::Done, StageState::Running) => {
+            (colours.accent, format!("{}; its motion on the machine is being simulated", verdict()))
         }
-        StageState::Stale => (colours.warning, format!("stale: {}", outcome.plan.verdict(&plan.channel))),
-        _ if outcome.plan.is_verified() => (colours.good, outcome.plan.verdict(&plan.channel)),
-        _ => (colours.bad, outcome.plan.verdict(&plan.channel)),
-    };
+        (StageState::Done, StageState::Failed(_)) if plan.may_be_approved() => {
+            (colours.warning, format!("{}; its motion on the machine is not known", verdict()))
+        }
+        _ => (colours.good, verdict()),
+    })
+}
+
+/// The answer in one line at the bottom of the view.
+fn verdict(ui: &mut Ui, rect: Rect, core: &Core) {
+    let Some((colour, text)) = answer(ui, core) else { return };
     let above = if core.section.is_some() { 50.0 } else { 10.0 };
     caption(ui, rect, above, colour, &super::stepper::sentence(&text));
 }

@@ -20,6 +20,11 @@ impl CommandPalette {
         *self = Self { open: !self.open, ..Self::default() };
     }
 
+    /// Whether it is open, and keys are its own.
+    pub fn is_open(&self) -> bool {
+        self.open
+    }
+
     /// Draws it if it is open.
     pub fn show(&mut self, ctx: &egui::Context, core: &mut Core) {
         if !self.open {

@@ -143,7 +143,7 @@ fn unit_note(tab: Tab) -> &'static str {
 }
 
 /// What the lines of a plot are, above it: over it they would hide each other.
-fn legend<'a>(ui: &mut Ui, entries: impl IntoIterator<Item = (Color32, &'a str)>) {
+pub(super) fn legend<'a>(ui: &mut Ui, entries: impl IntoIterator<Item = (Color32, &'a str)>) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = egui::vec2(4.0, 0.0);
         ui.add_space(4.0);
@@ -164,7 +164,7 @@ fn over_distance<'a>(
     build: impl FnOnce(&mut egui_plot::PlotUi<'a>) + 'a,
 ) {
     let (colour, grid) = (palette(ui).accent, palette(ui).faint.gamma_multiply(0.35));
-    let cursor = core.cursor.s;
+    let cursor = core.feed_cursor();
     let plot = Plot::new(name)
         .invert_x(true)
         .allow_drag(false)
@@ -181,7 +181,9 @@ fn over_distance<'a>(
         .y_axis_min_width(44.0);
     let response = plot.show(ui, move |plot| {
         build(plot);
-        plot.vline(VLine::new("", cursor).color(colour).width(1.5).allow_hover(false));
+        if let Some(cursor) = cursor {
+            plot.vline(VLine::new("", cursor).color(colour).width(1.5).allow_hover(false));
+        }
         plot.pointer_coordinate()
     });
     response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Plot {name}")));
@@ -196,14 +198,14 @@ fn over_distance<'a>(
 }
 
 /// The number of a line, with as many decimals as its step has.
-fn round_text(mark: GridMark) -> String {
+pub(super) fn round_text(mark: GridMark) -> String {
     let decimals = (-mark.step_size.log10()).ceil().clamp(0.0, 9.0) as usize;
     // `+ 0.0` takes the sign from a zero.
     format!("{:.decimals$}", (mark.value / mark.step_size).round() * mark.step_size + 0.0)
 }
 
 /// About `count` lines at round values, each with its number.
-fn round_steps(input: GridInput, count: f64) -> Vec<GridMark> {
+pub(super) fn round_steps(input: GridInput, count: f64) -> Vec<GridMark> {
     let (low, high) = input.bounds;
     let rough = (high - low) / count;
     if !(rough > 0.0 && rough.is_finite()) {

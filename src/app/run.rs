@@ -210,7 +210,8 @@ impl SparkpathApp {
             self.intend(Intent::Quit, ctx);
         }
         if matches!(self.dialog, Dialog::None) {
-            Command::pressed(ctx).into_iter().for_each(|c| self.core.push(c));
+            // The field that is typed in gives up the focus with Escape before anyone hears of it.
+            Command::pressed(ctx, self.palette.is_open()).into_iter().for_each(|c| self.core.push(c));
         }
     }
 

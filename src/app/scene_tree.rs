@@ -31,11 +31,12 @@ fn exists(core: &Core, layer: Layer) -> bool {
         Layer::Blisk | Layer::Grid => core.pipeline.part().is_some(),
         Layer::Unshrouded | Layer::LowWall | Layer::HighWall => core.pipeline.channel().is_some(),
         Layer::Centreline => core.pipeline.channel().is_some_and(|found| found.centreline.is_some()),
-        Layer::Machine => !core.pipeline.plan_bodies(core.cursor.electrode).is_empty(),
+        Layer::Machine => !core.machine_bodies().is_empty(),
         Layer::Electrode => core.pipeline.electrodes().is_some(),
         Layer::Ghosts | Layer::Sweep | Layer::Paths => !core.track().is_empty(),
         Layer::Contact => {
-            core.contact().is_some() && core.pipeline.state(Stage::Plan) != crate::jobs::pipeline::StageState::Missing
+            (core.contact().is_some() || core.trouble().is_some())
+                && core.pipeline.state(Stage::Plan) != crate::jobs::pipeline::StageState::Missing
         }
     }
 }

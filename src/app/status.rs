@@ -32,9 +32,22 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
             }
             ui.separator();
         }
+        sizing(ui, core);
         message(ui, core);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| facts(ui, core));
     });
+}
+
+/// Sizing goes on beside everything else, whichever step is open.
+fn sizing(ui: &mut Ui, core: &mut Core) {
+    let Some(doing) = core.tuning.sizing().map(str::to_owned) else { return };
+    let found = core.tuning.sizes().0.len();
+    ui.label(format!("Sizes: {doing}")).on_hover_text("The table grows in the step Electrode");
+    ui.label(RichText::new(format!("{found} found")).color(palette(ui).faint));
+    if ui.small_button("Stop").on_hover_text("Stop sizing; what was found stays").clicked() {
+        core.tuning.stop_sizing();
+    }
+    ui.separator();
 }
 
 /// What is being done for a mold.
@@ -48,6 +61,13 @@ fn mold(ui: &mut Ui, core: &mut Core) {
 }
 
 fn message(ui: &mut Ui, core: &mut Core) {
+    if let Some((text, left)) = core.passing() {
+        ui.ctx().request_repaint_after(left);
+        let room = (ui.available_width() - 260.0).max(60.0);
+        let label = egui::Label::new(RichText::new(text).color(palette(ui).warning)).truncate();
+        ui.allocate_ui(vec2(room, 18.0), |ui| ui.add(label)).inner.on_hover_text(text);
+        return;
+    }
     let Some(line) = core.last_said() else {
         ui.label(RichText::new("Ready").color(palette(ui).faint));
         return;

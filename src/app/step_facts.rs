@@ -5,7 +5,7 @@ use egui::{RichText, Ui};
 use super::commands::Command;
 use super::core::Core;
 use super::status::grouped;
-use super::stepper::{command_button, fact, notice};
+use super::stepper::{Standing, command_button, fact, notice};
 use super::theme::palette;
 use crate::blisk::channel::Channel;
 use crate::blisk::electrode::EntrySide;
@@ -132,12 +132,13 @@ fn plan(ui: &mut Ui, core: &mut Core) {
     super::sizes::live(ui, core);
     let Some(plan) = core.pipeline.plan().cloned() else { return };
     for (i, outcome) in plan.electrodes.iter().enumerate() {
-        let colour = if core.plan_is_stale() {
-            palette(ui).warning
-        } else if outcome.plan.is_verified() {
-            palette(ui).good
-        } else {
-            palette(ui).bad
+        let colour = match Standing::of(core, Stage::Plan) {
+            Standing::Done => palette(ui).good,
+            Standing::Working => palette(ui).accent,
+            Standing::Stale | Standing::Unchecked => palette(ui).warning,
+            // The feed may be good where the machine's motion about it is not.
+            _ if outcome.plan.is_verified() => palette(ui).warning,
+            _ => palette(ui).bad,
         };
         let name = if plan.electrodes.len() > 1 { format!("Electrode {}: ", i + 1) } else { String::new() };
         // A plan that failed says so above the form.
@@ -184,6 +185,10 @@ fn verify(ui: &mut Ui, core: &mut Core) {
         let c = &planned.certificate;
         let (colour, text) = if core.plan_is_stale() {
             (palette(ui).warning, "This certificate is of other parameters.".to_owned())
+        } else if c.holds() && plan.simulation(index).is_some_and(|simulation| !simulation.holds()) {
+            let text =
+                "Certified: the feed keeps the spark gap, within the tolerance; its motion on the machine does not.";
+            (palette(ui).warning, text.to_owned())
         } else if c.holds() {
             (palette(ui).good, "Certified: the whole motion keeps the spark gap, within the tolerance.".to_owned())
         } else {

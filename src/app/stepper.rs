@@ -46,7 +46,7 @@ fn list_of_steps(ui: &mut Ui, core: &mut Core) {
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
         for stage in Stage::ALL {
-            if step(ui, stage, &core.pipeline.state(stage), core.step == stage).clicked() {
+            if step(ui, stage, Standing::of(core, stage), core.step == stage).clicked() {
                 core.step = stage;
             }
         }
@@ -59,17 +59,17 @@ fn row_of_steps(ui: &mut Ui, core: &mut Core) {
         ui.spacing_mut().item_spacing.x = 2.0;
         let width = (ui.available_width() - 10.0) / Stage::ALL.len() as f32;
         for stage in Stage::ALL {
-            let (state, open) = (core.pipeline.state(stage), core.step == stage);
+            let (state, open) = (Standing::of(core, stage), core.step == stage);
             let (rect, response) = ui.allocate_exact_size(vec2(width, 26.0), Sense::click());
             background(ui, rect, open, &response);
-            let (_, colour) = word(ui, &state);
-            badge(ui, rect.center(), stage, &state, colour);
-            if told(response, stage, &state, open).clicked() {
+            let (_, colour) = word(ui, state);
+            badge(ui, rect.center(), stage, state, colour);
+            if told(response, stage, state, open).clicked() {
                 core.step = stage;
             }
         }
     });
-    let (word, colour) = word(ui, &core.pipeline.state(core.step));
+    let (word, colour) = word(ui, Standing::of(core, core.step));
     ui.horizontal(|ui| {
         ui.strong(format!("{} {}", core.step.number(), core.step.name()));
         ui.label(RichText::new(word).color(colour));
@@ -116,7 +116,7 @@ pub fn notice(ui: &mut Ui, colour: Color32, text: &str) {
 }
 
 /// One line of the stepper.
-fn step(ui: &mut Ui, stage: Stage, state: &StageState, open: bool) -> egui::Response {
+fn step(ui: &mut Ui, stage: Stage, state: Standing, open: bool) -> egui::Response {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 26.0), Sense::click());
     let (word, colour) = word(ui, state);
     background(ui, rect, open, &response);
@@ -130,26 +130,67 @@ fn step(ui: &mut Ui, stage: Stage, state: &StageState, open: bool) -> egui::Resp
     told(response, stage, state, open)
 }
 
+/// How a step stands for who looks at it: a plan is not good before what belongs to it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Standing {
+    /// Nothing has been done.
+    Missing,
+    /// It, or what decides about it, is being worked on.
+    Working,
+    /// Its result is that of the present parameters.
+    Done,
+    /// Its result is that of other parameters.
+    Stale,
+    /// It could not be done.
+    Failed,
+    /// There is a plan, which must not be driven.
+    Unsafe,
+    /// There is a plan, of which it is not known whether it may be driven.
+    Unchecked,
+}
+
+impl Standing {
+    /// How `stage` stands.
+    pub fn of(core: &Core, stage: Stage) -> Self {
+        let may_be_driven = || core.pipeline.plan().is_some_and(|plan| plan.may_be_approved());
+        match (core.pipeline.state(stage), stage) {
+            (StageState::Done, Stage::Plan) => match core.pipeline.state(Stage::Verify) {
+                StageState::Running => Self::Working,
+                StageState::Failed(_) if may_be_driven() => Self::Unchecked,
+                StageState::Failed(_) => Self::Unsafe,
+                StageState::Missing | StageState::Done | StageState::Stale => Self::Done,
+            },
+            (StageState::Missing, _) => Self::Missing,
+            (StageState::Running, _) => Self::Working,
+            (StageState::Done, _) => Self::Done,
+            (StageState::Stale, _) => Self::Stale,
+            (StageState::Failed(_), _) => Self::Failed,
+        }
+    }
+}
+
 /// How a step stands, in a word and a colour.
-fn word(ui: &Ui, state: &StageState) -> (&'static str, Color32) {
+fn word(ui: &Ui, state: Standing) -> (&'static str, Color32) {
     let colours = palette(ui);
     let colour = match state {
-        StageState::Missing => colours.faint,
-        StageState::Running => colours.accent,
-        StageState::Done => colours.good,
-        StageState::Stale => colours.warning,
-        StageState::Failed(_) => colours.bad,
+        Standing::Missing => colours.faint,
+        Standing::Working => colours.accent,
+        Standing::Done => colours.good,
+        Standing::Stale | Standing::Unchecked => colours.warning,
+        Standing::Failed | Standing::Unsafe => colours.bad,
     };
     (word_of(state), colour)
 }
 
-fn word_of(state: &StageState) -> &'static str {
+fn word_of(state: Standing) -> &'static str {
     match state {
-        StageState::Missing => "",
-        StageState::Running => "working",
-        StageState::Done => "done",
-        StageState::Stale => "stale",
-        StageState::Failed(_) => "failed",
+        Standing::Missing => "",
+        Standing::Working => "working",
+        Standing::Done => "done",
+        Standing::Stale => "stale",
+        Standing::Failed => "failed",
+        Standing::Unsafe => "not safe",
+        Standing::Unchecked => "unchecked",
     }
 }
 
@@ -163,7 +204,7 @@ fn background(ui: &Ui, rect: Rect, open: bool, response: &egui::Response) {
 }
 
 /// Names a step for whoever hears the window or points at it.
-fn told(response: egui::Response, stage: Stage, state: &StageState, open: bool) -> egui::Response {
+fn told(response: egui::Response, stage: Stage, state: Standing, open: bool) -> egui::Response {
     let name = format!("{} {}", stage.number(), stage.name());
     let said = match word_of(state) {
         "" => name,
@@ -174,10 +215,10 @@ fn told(response: egui::Response, stage: Stage, state: &StageState, open: bool) 
 }
 
 /// The number of a step in a circle that shows its state; a hook when it is done.
-fn badge(ui: &Ui, centre: egui::Pos2, stage: Stage, state: &StageState, colour: Color32) {
+fn badge(ui: &Ui, centre: egui::Pos2, stage: Stage, state: Standing, colour: Color32) {
     let painter = ui.painter();
     let stroke = egui::Stroke::new(1.5, colour);
-    if *state == StageState::Done {
+    if state == Standing::Done {
         painter.circle_filled(centre, 9.0, colour);
         let ink = egui::Stroke::new(1.8, ui.visuals().panel_fill);
         let hook = [vec2(-4.0, 0.2), vec2(-1.2, 3.0), vec2(4.0, -3.0)].map(|d| centre + d);
@@ -187,7 +228,7 @@ fn badge(ui: &Ui, centre: egui::Pos2, stage: Stage, state: &StageState, colour: 
     painter.circle_stroke(centre, 8.5, stroke);
     let number = stage.number().to_string();
     painter.text(centre, Align2::CENTER_CENTER, number, FontId::proportional(11.5), colour);
-    if *state == StageState::Running {
+    if state == Standing::Working {
         let angle = (ui.input(|i| i.time) * 4.0) as f32;
         let point = centre + 8.5 * egui::Vec2::angled(angle);
         painter.circle_filled(point, 2.5, colour);

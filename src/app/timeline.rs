@@ -75,11 +75,18 @@ fn which_electrode(ui: &mut Ui, core: &mut Core) {
 }
 
 fn readout(ui: &mut Ui, core: &Core) {
-    let Some(station) = core.track().at(core.cursor.s) else { return };
+    let Some(s) = core.feed_cursor() else {
+        let name = core.moment().map(|moment| moment.name()).unwrap_or_default();
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.add(egui::Label::new(RichText::new(name).color(palette(ui).accent)).truncate());
+        });
+        return;
+    };
+    let Some(station) = core.track().at(s) else { return };
     let length = core.preferences.length;
     // Numbers count from the final pose, which is node 0, as in verdicts and files.
     let nodes: Vec<_> = core.track().nodes().map(|n| n.node.unwrap_or_default()).collect();
-    let node = core.track().nearest_node(core.cursor.s).map_or(0, |i| nodes[i]);
+    let node = core.track().nearest_node(s).map_or(0, |i| nodes[i]);
     let last = nodes.iter().copied().max().unwrap_or_default();
     let room = ui.available_width();
     let [with_clearance, with_place, with_words] = READOUT.map(|least| room > least);
@@ -134,19 +141,24 @@ fn strip(ui: &mut Ui, core: &mut Core) {
         let x = x_of(node.s);
         painter.vline(x, rect.bottom() - 10.0..=rect.bottom() - 3.0, egui::Stroke::new(1.0, colour));
     }
-    let x = x_of(core.cursor.s.clamp(0.0, length));
-    scale(&painter, inner, rect, length, colours.faint, x);
+    let pin = core.feed_cursor().map(|s| x_of(s.clamp(0.0, length)));
+    scale(&painter, inner, rect, length, colours.faint, pin);
     for s in &core.ghosts {
         painter.circle_stroke(pos2(x_of(*s), rect.bottom() - 7.0), 3.5, egui::Stroke::new(1.5, colours.accent));
     }
-    if let Some(s) = core.contact_s() {
+    // Where the machine collides off the feed the strip below has the mark.
+    let mark = core.trouble().map_or_else(|| core.contact_s(), |trouble| trouble.s);
+    if let Some(s) = mark {
         let tip = pos2(x_of(s), rect.bottom() - 10.0);
         let triangle = vec![tip, tip + vec2(-4.0, -6.0), tip + vec2(4.0, -6.0)];
-        let colour = if core.outcome().is_some_and(|o| o.plan.is_verified()) { colours.warning } else { colours.bad };
+        let holds = core.trouble().is_none() && core.outcome().is_some_and(|o| o.plan.is_verified());
+        let colour = if holds { colours.warning } else { colours.bad };
         painter.add(egui::Shape::convex_polygon(triangle, colour, egui::Stroke::NONE));
     }
-    painter.vline(x, rect.y_range(), egui::Stroke::new(2.0, colours.accent));
-    painter.circle_filled(pos2(x, rect.top() + 5.0), 5.0, colours.accent);
+    if let Some(x) = pin {
+        painter.vline(x, rect.y_range(), egui::Stroke::new(2.0, colours.accent));
+        painter.circle_filled(pos2(x, rect.top() + 5.0), 5.0, colours.accent);
+    }
     if let Some(pointer) = response.interact_pointer_pos() {
         core.cursor.playing = false;
         let t = f64::from((pointer.x - inner.left()) / inner.width()).clamp(0.0, 1.0);
@@ -163,15 +175,15 @@ fn strip(ui: &mut Ui, core: &mut Core) {
     }
 }
 
-/// Round distances along the strip, except where the cursor at `cursor` would hide them.
-fn scale(painter: &egui::Painter, inner: Rect, rect: Rect, length: f64, colour: egui::Color32, cursor: f32) {
+/// Round distances along the strip, except where the cursor, if it is shown, would hide them.
+fn scale(painter: &egui::Painter, inner: Rect, rect: Rect, length: f64, colour: egui::Color32, cursor: Option<f32>) {
     let most = f64::from((inner.width() / 42.0).clamp(2.0, 14.0));
     for s in marks(length, most) {
         let x = inner.left() + inner.width() * (1.0 - (s / length) as f32);
         let text = if s == 0.0 { "final".to_owned() } else { format!("{s}") };
         // The last one may not stick out on the right.
         let x = x.min(rect.right() - 14.0);
-        if (x - cursor).abs() > 16.0 {
+        if cursor.is_none_or(|cursor| (x - cursor).abs() > 16.0) {
             painter.text(pos2(x, rect.top() + 8.0), Align2::CENTER_CENTER, text, FontId::proportional(10.0), colour);
         }
     }

@@ -67,7 +67,7 @@ pub struct Viewport {
 /// Everything that the scene depends on.
 #[derive(Debug, Clone, PartialEq)]
 struct SceneKey {
-    sources: [usize; 8],
+    sources: [usize; 9],
     s: f64,
     pose: Option<Pose>,
     ghosts: Vec<f64>,
@@ -77,6 +77,7 @@ struct SceneKey {
     dark: bool,
     tuning: bool,
     contact: Option<[DVec3; 2]>,
+    trouble: Option<[DVec3; 2]>,
     probe: Option<Probe>,
     first_point: Option<DVec3>,
 }
@@ -345,11 +346,12 @@ impl Viewport {
             core.colour_values().map_or(0, |v| Arc::as_ptr(&v.values) as usize),
             address(core.swept.shape(&core.shared_track())),
             core.leftover_values().map_or(0, |(_, v)| Arc::as_ptr(&v.values) as usize),
+            Arc::as_ptr(core.machine_bodies()) as usize,
         ];
         SceneKey {
             sources,
             s: core.cursor.s,
-            pose: core.machine.shown().map(|(pose, ..)| pose),
+            pose: core.moment().map(|moment| moment.pose),
             ghosts: core.ghosts.clone(),
             layers: core.layers.clone(),
             selected: core.selected,
@@ -357,6 +359,7 @@ impl Viewport {
             dark: ui.visuals().dark_mode,
             tuning: core.is_tuning(),
             contact: core.contact(),
+            trouble: core.trouble().map(|trouble| trouble.points),
             probe: self.probe.clone(),
             first_point: self.first_point,
         }
@@ -406,12 +409,13 @@ pub fn scene(core: &Core, theme: Theme) -> Scene {
         channel: p.channel().map(|f| (&*f.channel, &f.shapes)),
         electrode: core.shown_electrode(),
         track: (!track.is_empty() && (core.is_live() || !fresh)).then_some(&*track),
-        machine: if fresh { &[] } else { p.plan_bodies(core.cursor.electrode) },
-        pose: core.machine.shown().map(|(pose, ..)| pose).filter(|_| !fresh),
+        machine: core.machine_bodies(),
+        pose: core.moment().map(|moment| moment.pose),
         s: core.cursor.s,
         ghosts: &core.ghosts,
         swept: core.swept.shape(&track),
         contact: core.contact().filter(|_| !fresh),
+        trouble: core.trouble().filter(|_| !fresh).map(|trouble| trouble.points),
         values: values.as_ref(),
         leftover: leftover.as_ref().map(|(shape, values)| (*shape, values)),
         layers: &core.layers,

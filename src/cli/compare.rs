@@ -6,7 +6,6 @@ use super::{Answer, Session};
 use crate::export::comparison::{Comparison, Run};
 use crate::feed::pose::Axis;
 use crate::feed::strategy::Strategy;
-use crate::jobs::plan::prepare;
 use crate::jobs::{compare as job, plan_files};
 
 /// The strategy called `name`.
@@ -31,7 +30,7 @@ pub(super) fn compare(
             wanted.push(strategy);
         }
     }
-    let prepared = prepare(&inputs, &session.progress, &session.cancel)?;
+    let (prepared, inputs) = super::plan::ready(inputs, session)?;
     super::terminal::finish();
     if !session.json {
         say!("strategy          electrode  from  certified mm  nodes    rows  search s  certificate s  sum objective");

@@ -7,7 +7,7 @@
 //! | 1 | internal error |
 //! | 2 | bad usage, bad input or unreadable file: one line on standard error |
 //! | 3 | the answer is no: no path, or a check failed; results are written all the same |
-//! | 130 | cancelled: nothing is written |
+//! | 130 | cancelled: nothing is written, or what was certified by then, without a program |
 
 /// Prints a line on standard output, like `println!`, but survives a closed one.
 macro_rules! say {
@@ -233,6 +233,8 @@ enum Answer {
     Yes,
     /// The question has the answer no.
     No,
+    /// This stage was stopped; what was certified before is written.
+    Stopped(&'static str),
 }
 
 /// What a command works with.
@@ -300,6 +302,11 @@ pub fn run() -> ExitCode {
     match outcome {
         Ok(Ok(Answer::Yes)) => ExitCode::SUCCESS,
         Ok(Ok(Answer::No)) => ExitCode::from(3),
+        Ok(Ok(Answer::Stopped(stage))) => {
+            let line =
+                format!("cancelled: the {stage} was stopped; the certified plan was written, without an NC program");
+            fail(&line, 130, arguments.json)
+        }
         // What a computation answers once it has been told to stop is that it stopped.
         Ok(Err(_)) if cancelled.is_cancelled() => fail("cancelled; nothing was written", 130, arguments.json),
         Ok(Err(error)) => report(&error, arguments.json),

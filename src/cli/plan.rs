@@ -8,17 +8,19 @@ use crate::blisk::parametric::{MeshResolution, ParametricBlisk};
 use crate::export::post::Post;
 use crate::export::report::{InputFile, Report};
 use crate::jobs::auto_size::sized;
-use crate::jobs::plan::{PlanInputs, PlanOutcome, prepare, run_finished};
+use crate::jobs::finish::finish_as_far_as_possible;
+use crate::jobs::plan::{PlanInputs, PlanOutcome, prepare, run_prepared};
 use crate::jobs::plan_files;
 use crate::jobs::prepared_blisk::PreparedBlisk;
 use crate::jobs::stages::input_file;
 use crate::mesh_io::Units;
+use crate::progress::Cancel;
 use crate::project::PlanJob;
 
 /// Plans the job in the file `job_file` and writes its results into `out`.
 pub(super) fn plan(job_file: &Path, out: &Path, session: &Session) -> anyhow::Result<Answer> {
     let (inputs, files) = load(job_file, session)?;
-    finish(&inputs, files, out, session)
+    finish(inputs, files, out, session)
 }
 
 /// Reads a job file and its meshes, and what a report says of these.
@@ -59,28 +61,42 @@ pub(super) fn demo(out: &Path, session: &Session) -> anyhow::Result<Answer> {
         unit_reason: "made by this program".to_owned(),
         ..Default::default()
     };
-    finish(&PlanInputs { blisk: blisk.into(), own_electrode: None, job }, vec![file], out, session)
+    finish(PlanInputs { blisk: blisk.into(), own_electrode: None, job }, vec![file], out, session)
 }
 
-fn finish(inputs: &PlanInputs, files: Vec<InputFile>, out: &Path, session: &Session) -> anyhow::Result<Answer> {
+fn finish(inputs: PlanInputs, files: Vec<InputFile>, out: &Path, session: &Session) -> anyhow::Result<Answer> {
     // What would stop the results should be found out before the work.
     Post::named(&inputs.job.export.post)?;
     plan_files::prepare(out)?;
     let Session { progress, cancel, .. } = session;
-    let prepared = prepare(inputs, progress, cancel)?;
-    let inputs = match inputs.job.electrode.size {
-        Sizing::Given => inputs,
-        Sizing::Auto => &auto(&prepared, inputs, session)?,
-    };
-    let outcome = run_finished(&prepared, inputs, progress, cancel)?;
-    let (report, written) = plan_files::export(out, &outcome, inputs, files, progress, cancel)?;
+    let (prepared, inputs) = ready(inputs, session)?;
+    let outcome = run_prepared(&prepared, &inputs, &|_, _, _| (), progress, cancel)?;
+    let stopped = finish_as_far_as_possible(&outcome, &inputs, prepared.blisk(), progress, cancel)?.stopped;
+    // What was certified before the work was stopped is written all the same.
+    let writing = if stopped.is_some() { &Cancel::default() } else { cancel };
+    let (report, written) = plan_files::export(out, &outcome, &inputs, files, progress, writing)?;
     super::terminal::finish();
     if session.json {
         say!("{}", report.json()?);
     } else {
         print_summary(&report, &outcome, &written, out);
     }
-    Ok(if outcome.may_be_approved() { Answer::Yes } else { Answer::No })
+    Ok(match stopped {
+        Some(stage) => Answer::Stopped(stage),
+        None if outcome.may_be_approved() => Answer::Yes,
+        None => Answer::No,
+    })
+}
+
+/// The blisk of `inputs` made ready for planning, and `inputs` with the sizes that are found where the job leaves them
+/// open.
+pub(super) fn ready(inputs: PlanInputs, session: &Session) -> anyhow::Result<(PreparedBlisk, PlanInputs)> {
+    let prepared = prepare(&inputs, &session.progress, &session.cancel)?;
+    let inputs = match inputs.job.electrode.size {
+        Sizing::Given => inputs,
+        Sizing::Auto => auto(&prepared, &inputs, session)?,
+    };
+    Ok((prepared, inputs))
 }
 
 /// The job with the size that is found for it, which is said.

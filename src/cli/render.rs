@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::{Answer, RenderArguments, Session};
 use crate::blisk::electrode::Electrode;
 use crate::export::files::write_atomically;
-use crate::jobs::plan::{PlanInputs, run};
+use crate::jobs::plan::{PlanInputs, run_prepared};
 use crate::jobs::stages::{self, FoundChannel, Part};
 use crate::project::{PlanJob, ProjectFile};
 use crate::render::camera::Camera;
@@ -181,6 +181,7 @@ fn project_picture(part: &Part, found: &FoundChannel, shown: &Shown, arguments: 
         track: shown.track.as_ref(),
         s: shown.track.as_ref().map_or(0.0, Track::length),
         contact: None,
+        trouble: None,
         values: None,
         leftover: None,
         layers: &layers,
@@ -213,7 +214,8 @@ fn read_project(file: &Path) -> anyhow::Result<PlanJob> {
 /// asked for.
 fn planned(arguments: &RenderArguments, part: &Part, job: PlanJob, session: &Session) -> anyhow::Result<Shown> {
     let inputs = PlanInputs { blisk: part.mesh.clone(), own_electrode: part.own_electrode.clone(), job };
-    let outcome = run(&inputs, &session.progress, &session.cancel)?;
+    let (prepared, inputs) = super::plan::ready(inputs, session)?;
+    let outcome = run_prepared(&prepared, &inputs, &|_, _, _| (), &session.progress, &session.cancel)?;
     let count = outcome.electrodes.len();
     let chosen = outcome.electrodes.get(index(arguments)).ok_or_else(|| no_such(arguments, count))?;
     let (electrode, plan) = (chosen.electrode.clone(), &chosen.plan);

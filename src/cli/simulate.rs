@@ -8,7 +8,7 @@ use super::{Answer, Session};
 use crate::export::choice::Channels;
 use crate::export::files::write_atomically;
 use crate::export::simulation_report::SimulationReport;
-use crate::jobs::plan::{PlanOutcome, run};
+use crate::jobs::plan::{PlanOutcome, run_finished};
 
 /// What `simulation.json` holds.
 #[derive(Serialize)]
@@ -51,7 +51,8 @@ pub(super) fn simulate(
             let _ = std::fs::remove_file(folder.join(name));
         }
     }
-    let outcome = run(&inputs, &session.progress, &session.cancel)?;
+    let (prepared, inputs) = super::plan::ready(inputs, session)?;
+    let outcome = run_finished(&prepared, &inputs, &session.progress, &session.cancel)?;
     let answers = answers(&outcome);
     let (json, text) = (serde_json::to_string_pretty(&answers)?, text(&answers));
     if let Some(folder) = out {

@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::{Answer, Session, unit};
 use crate::export::files::write_atomically;
+use crate::export::uncut_ply::surface_as_ply;
 use crate::jobs::uncut::{UncutParams, uncut as find_uncut};
 use crate::jobs::uncut_report::UncutReport;
 use crate::mesh_io::Units;
@@ -39,7 +40,7 @@ pub(super) struct UncutArguments {
     /// Unit of the mesh: auto, mm, cm, m, inch.
     #[arg(long, value_name = "UNIT", default_value = "auto", value_parser = unit)]
     units: Units,
-    /// Folder for uncut.json and uncut.txt, made if it is not there.
+    /// Folder for uncut.json, uncut.txt and uncut.ply, made if it is not there.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -68,7 +69,7 @@ pub(super) fn uncut(arguments: &UncutArguments, session: &Session) -> anyhow::Re
         "sha256": imported.sha256, "import": imported.report, "uncut": report,
     }))?;
     if let Some(folder) = &arguments.out {
-        write(folder, &json, &report.text())?;
+        write(folder, &json, &report.text(), &surface_as_ply(&found.surface, params.opening))?;
     }
     super::terminal::finish();
     let text = report.text();
@@ -76,10 +77,11 @@ pub(super) fn uncut(arguments: &UncutArguments, session: &Session) -> anyhow::Re
     Ok(if report.is_whole { Answer::Yes } else { Answer::No })
 }
 
-fn write(folder: &Path, json: &str, text: &str) -> anyhow::Result<()> {
+fn write(folder: &Path, json: &str, text: &str, surface: &[u8]) -> anyhow::Result<()> {
     std::fs::create_dir_all(folder)
         .map_err(|e| anyhow::anyhow!("{}: the folder cannot be made ({e}); give another", folder.display()))?;
     write_atomically(&folder.join("uncut.json"), json.as_bytes())?;
     write_atomically(&folder.join("uncut.txt"), text.as_bytes())?;
+    write_atomically(&folder.join("uncut.ply"), surface)?;
     Ok(())
 }

@@ -98,7 +98,7 @@ impl DrawnPictures {
 
 /// `channels` of `[export]`: which channels the motion is simulated in and the program burns.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(try_from = "ChannelWords", into = "String")]
+#[serde(try_from = "toml::Value", into = "String")]
 pub enum Channels {
     /// The one that was planned in.
     #[default]
@@ -109,22 +109,22 @@ pub enum Channels {
     These(Vec<usize>),
 }
 
-/// As files have them: a word, numbers with commas between, or a list.
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum ChannelWords {
-    Text(String),
-    List(Vec<usize>),
-}
+/// What to write for them, where something else was.
+const CHANNELS_FORM: &str = "give \"own\", \"all\", or numbers as in [0, 1, 2] or \"0,1,2\"";
 
-impl TryFrom<ChannelWords> for Channels {
+impl TryFrom<toml::Value> for Channels {
     type Error = String;
 
-    fn try_from(words: ChannelWords) -> Result<Self, String> {
-        match words {
-            ChannelWords::Text(text) => text.parse(),
-            ChannelWords::List(list) if !list.is_empty() => Ok(Self::These(list)),
-            ChannelWords::List(_) => Err("channels: the list is empty; give \"own\", \"all\" or numbers".to_owned()),
+    /// As files have them: a word, numbers with commas between, a number, or a list.
+    fn try_from(value: toml::Value) -> Result<Self, String> {
+        let wrong = || format!("channels = {value}: {CHANNELS_FORM}");
+        let number = |v: &toml::Value| v.as_integer().and_then(|n| usize::try_from(n).ok()).ok_or_else(wrong);
+        match &value {
+            toml::Value::String(text) => text.parse(),
+            toml::Value::Array(list) if !list.is_empty() => {
+                list.iter().map(number).collect::<Result<_, _>>().map(Self::These)
+            }
+            other => number(other).map(|n| Self::These(vec![n])),
         }
     }
 }
@@ -132,14 +132,17 @@ impl TryFrom<ChannelWords> for Channels {
 impl std::str::FromStr for Channels {
     type Err = String;
 
+    /// The same in a text, where a list may stand in brackets.
     fn from_str(text: &str) -> Result<Self, String> {
-        let number = |n: &str| n.trim().parse::<usize>().map_err(|_| ());
+        let number = |n: &str| n.trim().parse::<usize>();
         match text.trim() {
             "own" => Ok(Self::Own),
             "all" => Ok(Self::All),
-            list => list.split(',').map(number).collect::<Result<_, _>>().map(Self::These).map_err(|()| {
-                format!("channels {list:?}: give \"own\", \"all\" or numbers with commas between, as in \"0,1,2\"")
-            }),
+            list => {
+                let inner = list.strip_prefix('[').and_then(|l| l.strip_suffix(']')).unwrap_or(list);
+                let numbers = inner.split(',').map(number).collect::<Result<_, _>>();
+                numbers.map(Self::These).map_err(|_| format!("channels = {list:?}: {CHANNELS_FORM}"))
+            }
         }
     }
 }
@@ -190,11 +193,15 @@ mod tests {
         let read = |text: &str| toml::from_str::<toml::Table>(text).unwrap()["c"].clone().try_into::<Channels>();
         assert_eq!(read("c = \"all\"").unwrap().numbers(4, 2), Ok(vec![0, 1, 2, 3]));
         assert_eq!(read("c = \"own\"").unwrap().numbers(4, 2), Ok(vec![2]));
-        for text in ["c = [3, 1, 3]", "c = \"3, 1,3\""] {
+        for text in ["c = [3, 1, 3]", "c = \"3, 1,3\"", "c = \"[3, 1]\""] {
             let channels = read(text).unwrap();
             assert_eq!(channels.numbers(4, 0), Ok(vec![1, 3]));
             assert!(channels.numbers(3, 0).unwrap_err().contains("no channel 3"));
         }
-        assert!(read("c = \"some\"").is_err() && read("c = []").is_err());
+        assert_eq!(read("c = 3").unwrap(), Channels::These(vec![3]));
+        for wrong in ["c = \"some\"", "c = []", "c = [-1]", "c = [0.5]", "c = \"\"", "c = true"] {
+            let error = read(wrong).unwrap_err().to_string();
+            assert!(error.contains("[0, 1, 2]") && error.contains("\"0,1,2\""), "{error}");
+        }
     }
 }

@@ -259,6 +259,7 @@ fn verified(path: &FeedPath) -> ElectrodeReport {
         extractable: true,
         verified: true,
         required_clearance_mm: certificate.required(),
+        tolerance_mm: certificate.tolerance(),
         certified_clearance_mm: Some(certificate.certified()),
         least_clearance_mm: Some(certificate.least().distance),
         least_clearance_at: Some(ClearancePlace::of(certificate.least(), "pressure wall")),
@@ -287,6 +288,7 @@ fn jammed() -> ElectrodeReport {
         index: 2,
         enters_from: "+x".to_owned(),
         required_clearance_mm: 0.1,
+        tolerance_mm: 0.002,
         volume_mm3: 8790.2,
         failure: Some(Failure {
             node: 14,

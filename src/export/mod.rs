@@ -21,6 +21,7 @@ mod report_html;
 mod report_tables;
 pub mod simulation_report;
 pub mod svg_plot;
+pub mod uncut_ply;
 pub mod verify_report;
 
 pub(crate) use crate::feed::quantise;

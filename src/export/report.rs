@@ -46,9 +46,9 @@ pub struct Report {
     pub inputs: Vec<InputFile>,
     /// What was found in the blisk.
     pub blisk: BliskSummary,
-    /// Every parameter of the job, defaults included.
+    /// The parameters of the job, defaults included, but for those of strategies that were not followed.
     pub parameters: serde_json::Value,
-    /// The papers' symbols.
+    /// The papers' symbols, and the parameters of the strategy.
     pub symbols: Vec<Symbol>,
     /// One per electrode.
     pub electrodes: Vec<ElectrodeReport>,
@@ -71,7 +71,7 @@ pub struct Report {
 /// How a job ended.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Verdict {
-    /// The program's exit code: 0 done and verified, 3 the answer is no.
+    /// The program's exit code: 0 done and verified, 3 the answer is no, 130 the work was stopped.
     pub exit_code: i32,
     /// The answer in a sentence.
     pub sentence: String,
@@ -316,6 +316,8 @@ pub struct ElectrodeReport {
     pub verified: bool,
     /// Spark gap (mm).
     pub required_clearance_mm: f64,
+    /// How far below the spark gap is still accepted (mm).
+    pub tolerance_mm: f64,
     /// Proven lower bound over the whole motion (mm).
     pub certified_clearance_mm: Option<f64>,
     /// Smallest clearance met: an upper bound of the least (mm).

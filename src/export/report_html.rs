@@ -118,18 +118,18 @@ fn electrode(out: &mut String, e: &ElectrodeReport) {
 }
 
 fn verdict(e: &ElectrodeReport) -> (&'static str, &'static str, String) {
-    let required = e.required_clearance_mm;
+    let required = format!("{:.4} mm less the tolerance of {:.4} mm", e.required_clearance_mm, e.tolerance_mm);
     match (e.extractable, e.verified, e.certified_clearance_mm) {
         (true, true, Some(certified)) => {
             let sentence = format!(
-                "The whole motion is proven to keep {certified:.4} mm from the finished blisk; {required:.3} mm are required."
+                "The whole motion is proven to keep {certified:.4} mm from the finished blisk; {required} are required."
             );
             ("ok", "Verified.", sentence)
         }
         (true, _, certified) => {
             let proven = certified.map_or("nothing is proven".to_owned(), |c| format!("only {c:.4} mm are proven"));
             let sentence =
-                format!("A path was found, but {proven} where {required:.3} mm are required. It must not be used.");
+                format!("A path was found, but {proven} where {required} are required. It must not be used.");
             ("no", "Not verified.", sentence)
         }
         (false, ..) => {

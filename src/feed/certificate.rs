@@ -112,6 +112,11 @@ impl Certificate {
         self.findings.tolerance
     }
 
+    /// What clearance is asked for, in words: the spark gap less the tolerance.
+    pub fn demand(&self) -> String {
+        format!("{:.4} mm less the tolerance of {:.4} mm are required", self.required(), self.tolerance())
+    }
+
     /// Proven lower bound of the clearance over the whole motion (mm). 0 if the electrode touches or crosses
     /// the blisk or starts inside it, and if the verification stopped at the first violation.
     pub fn certified(&self) -> f64 {

@@ -150,11 +150,11 @@ impl CopyingMotion {
         let parts = [turn("low wall", w.low, r.low), turn("high wall", w.high, r.high), out];
         let c = &self.certificate;
         let verdict = if self.holds() {
-            format!("certified clearance {:.4} mm of {:.4} mm", c.certified(), c.required())
+            format!("certified clearance {:.4} mm; {}", c.certified(), c.demand())
         } else if let TravelVerdict::Beyond(beyond) = c.travel() {
             format!("not exported: {beyond}")
         } else {
-            format!("not exported: only {:.4} mm of {:.4} mm are certified", c.certified(), c.required())
+            format!("not exported: only {:.4} mm are certified; {}", c.certified(), c.demand())
         };
         let limited = if self.is_whole() { "" } else { "; further it would cut too deep" };
         let list = parts.into_iter().flatten().collect::<Vec<_>>().join(", ");

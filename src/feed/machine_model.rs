@@ -15,7 +15,7 @@
 //! In the machine frame, which is W in the final pose, the tool is moved by `O + (x, y, z) + Rz(c) Ry(b) (p - O)`, and
 //! the blisk and its table are turned by `Rx(-a)`.
 
-use glam::{DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -93,18 +93,24 @@ impl Station {
         Self { side, interface: end.center(), reference_point, seat: DVec3::new(seat, 0.0, 0.0) }
     }
 
-    /// A body in W, where it is in the final pose (mm).
-    pub fn placed(&self, body: &Body) -> Mesh {
-        let origin = match body.carrier {
+    /// From the coordinates of `carrier` to W, where its bodies are in the final pose.
+    pub fn placement(&self, carrier: Carrier) -> DAffine3 {
+        let translation = match carrier {
             Carrier::Electrode => self.interface,
             Carrier::Head => self.reference_point,
             Carrier::Table | Carrier::Bed => self.seat,
         };
-        let directions = match self.side {
+        let matrix3 = match self.side {
             EntrySide::PlusX => DMat3::IDENTITY,
             EntrySide::MinusX => DMat3::from_diagonal(DVec3::new(-1.0, -1.0, 1.0)),
         };
-        body.mesh.mapped(|p| origin + directions * p)
+        DAffine3 { matrix3, translation }
+    }
+
+    /// A body in W, where it is in the final pose (mm).
+    pub fn placed(&self, body: &Body) -> Mesh {
+        let DAffine3 { matrix3, translation } = self.placement(body.carrier);
+        body.mesh.mapped(|p| translation + matrix3 * p)
     }
 }
 

@@ -138,7 +138,7 @@ impl FeedPlan {
         match (&self.jam, &self.path) {
             (Some(jam), _) => jam.sentence(channel),
             (None, Some(PlannedPath { certificate: c, .. })) if c.holds() => {
-                format!("comes out, certified clearance {:.4} mm of {:.4} mm", c.certified(), c.required())
+                format!("comes out, certified clearance {:.4} mm; {}", c.certified(), c.demand())
             }
             (None, Some(PlannedPath { certificate: c, .. })) if !c.ends_right() => {
                 "comes out of its channel, but the path does not begin wholly outside the blisk; raise exit_clearance_mm".to_owned()
@@ -148,11 +148,11 @@ impl FeedPlan {
                 TravelVerdict::Within | TravelVerdict::NotJudged => "was not verified".to_owned(),
             },
             (None, Some(PlannedPath { certificate: c, .. })) => format!(
-                "comes out, but with only {:.4} mm of {:.4} mm left against the {} {:.2} mm before the final pose",
+                "comes out, but with only {:.4} mm left against the {} {:.2} mm before the final pose; {}",
                 c.least().distance,
-                c.required(),
                 channel.surface_name(c.least().surface),
-                c.least().s
+                c.least().s,
+                c.demand()
             ),
             (None, None) => "was not planned".to_owned(),
         }

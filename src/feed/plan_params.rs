@@ -49,7 +49,7 @@ pub struct PlanParams {
 impl Default for PlanParams {
     fn default() -> Self {
         Self {
-            strategy: Strategy::Genetic,
+            strategy: Strategy::default(),
             constraint: Constraint::Distance,
             step_mm: 0.5,
             exit_clearance_mm: 5.0,

@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "kebab-case")]
 pub enum Strategy {
     /// The adaptive genetic algorithm of P0.
-    #[default]
     Genetic,
     /// The widest way over many poses for each node, then polished as a whole.
+    #[default]
     Global,
     /// Straight on along the main direction as far as it goes (Kang et al. 2018); to compare with.
     FreeTravel,

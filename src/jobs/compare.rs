@@ -5,13 +5,14 @@ use std::path::Path;
 use super::plan::{PlanInputs, PlanJobError, PlanOutcome, run_feeds};
 use super::plan_files::PlanFilesError;
 use super::prepared_blisk::PreparedBlisk;
+use super::stages::{FoundChannel, Part};
 use crate::export::comparison::{Comparison, Run, RunElectrode, SCHEMA};
 use crate::export::files::write_atomically;
 use crate::export::report::InputFile;
 use crate::feed::genetic::ReductionMode;
 use crate::feed::strategy::Strategy;
 use crate::progress::{Cancel, Progress};
-use crate::project::PlanJob;
+use crate::project::{BliskSection, KeptPlan, KeptRun, PlanJob};
 
 /// Plans every electrode of the job by each of `strategies` and shows `finished` each run as it ends. Electrodes are those
 /// that the job gives: none is drawn in further by the genetic search. A strategy that cannot be followed on this job says
@@ -74,6 +75,28 @@ pub fn run_of(strategy: Strategy, outcome: &PlanOutcome) -> Run {
         RunElectrode::of(i + 1, &e.plan, &e.electrode, &outcome.channel)
     };
     Run { strategy, failure: None, electrodes: electrodes.map(of).collect() }
+}
+
+/// The figures of a plan that was kept with the parameters `kept.job`: its nodes are joined and verified anew on the part
+/// and the channel of `now`.
+///
+/// # Errors
+/// If it is of other meshes or of another channel, is none that its parameters allow, or when told to stop.
+pub fn kept_run(
+    kept: &KeptRun,
+    now: &PlanJob,
+    part: &Part,
+    found: &FoundChannel,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<PlanOutcome, PlanJobError> {
+    let blisk = |job: &PlanJob| BliskSection { mesh: None, ..job.blisk.clone() };
+    if kept.plan.inputs != KeptPlan::inputs_of(&kept.job, &part.content()) || blisk(&kept.job) != blisk(now) {
+        return Err(PlanJobError::Job("it is of another part or channel than the present one".to_owned()));
+    }
+    let (blisk, own_electrode) = (part.mesh.clone(), part.own_electrode.clone());
+    let inputs = PlanInputs { blisk, own_electrode, job: kept.job.clone() };
+    super::plan::replay(&inputs, &found.channel, &found.blisk, &found.exact, &kept.plan, progress, cancel)
 }
 
 /// The comparison of `runs` of `job`, whose meshes were read from `files`.

@@ -18,7 +18,7 @@ use crate::feed::pose::Pose;
 use crate::feed::simulation::Simulation;
 use crate::feed::verify::Verifier;
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Progress};
+use crate::progress::{Cancel, Cancelled, Progress};
 use crate::project::PlanJob;
 
 /// How the electrodes of a plan finish the channel once they are in.
@@ -31,6 +31,8 @@ pub struct Finishing {
     pub simulations: Vec<Arc<Simulation>>,
     /// What they leave of the channel, or why that cannot be told.
     pub leftover: Result<Arc<Leftover>, String>,
+    /// Which stage was stopped, if one was: nothing can be approved then.
+    pub stopped: Option<&'static str>,
     /// Times of the stages in order.
     pub times: Vec<StageTime>,
 }
@@ -64,17 +66,47 @@ pub fn finish<'a>(
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<&'a Finishing, PlanJobError> {
-    if let Some(known) = outcome.finishing() {
-        return Ok(known);
+    match outcome.finishing() {
+        Some(known) if known.stopped.is_none() => Ok(known),
+        _ => {
+            let finishing = finishing(outcome, inputs, blisk, progress, cancel)?;
+            let stopped = finishing.stopped.map(|_| Err(Cancelled.into()));
+            stopped.unwrap_or_else(|| Ok(outcome.finished_by(finishing)))
+        }
     }
+}
+
+/// The same, but what is known is kept where it is told to stop after the copying motions: [`Finishing::stopped`].
+///
+/// # Errors
+/// As [`finish`], and when told to stop before.
+pub fn finish_as_far_as_possible<'a>(
+    outcome: &'a PlanOutcome,
+    inputs: &PlanInputs,
+    blisk: &Mesh,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<&'a Finishing, PlanJobError> {
+    match outcome.finishing() {
+        Some(known) => Ok(known),
+        None => Ok(outcome.finished_by(finishing(outcome, inputs, blisk, progress, cancel)?)),
+    }
+}
+
+fn finishing(
+    outcome: &PlanOutcome,
+    inputs: &PlanInputs,
+    blisk: &Mesh,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Finishing, PlanJobError> {
     let channel = &outcome.channel;
     let finder = SurfaceFinder::new(channel.clone())?;
     let junctions = match inputs.own_electrode {
         Some(_) => Junctions::default(),
         None => Junctions::of(channel, &inputs.job.electrode)?,
     };
-    let around = Around { job: &inputs.job, blisk, channel, finder, junctions };
-    Ok(outcome.finished_by(around.finishing(outcome, progress, cancel)?))
+    Around { job: &inputs.job, blisk, channel, finder, junctions }.finishing(outcome, progress, cancel)
 }
 
 impl Around<'_> {
@@ -84,23 +116,37 @@ impl Around<'_> {
         progress: &Progress,
         cancel: &Cancel,
     ) -> Result<Finishing, PlanJobError> {
+        let mut finishing = Finishing {
+            copying: Vec::new(),
+            simulations: Vec::new(),
+            leftover: Err("what stock is left cannot be told before every electrode has a certified path".to_owned()),
+            stopped: None,
+            times: Vec::new(),
+        };
         if !outcome.is_verified() {
-            let why = "what stock is left cannot be told before every electrode has a certified path";
-            let leftover = Err(why.to_owned());
-            return Ok(Finishing { copying: Vec::new(), simulations: Vec::new(), leftover, times: Vec::new() });
+            return Ok(finishing);
         }
         let mut clock = Clock::default();
         let electrodes = &outcome.electrodes;
         let motion = |e| clock.time("copying motion", || copying(self, e, progress, cancel));
-        let copying = electrodes.iter().map(motion).collect::<Result<Vec<_>, _>>()?;
-        let simulations = clock.time("simulation", || simulate(self, electrodes, &copying, progress, cancel))?;
-        let leftover = match clock.time("leftover", || left_by(self, electrodes, &copying, progress, cancel)) {
+        finishing.copying = electrodes.iter().map(motion).collect::<Result<Vec<_>, _>>()?;
+        let (motions, simulations) = (&finishing.copying, &mut finishing.simulations);
+        match clock.time("simulation", || simulate(self, electrodes, motions, simulations, progress, cancel)) {
+            Ok(()) => {}
+            Err(PlanJobError::Cancelled(_)) => finishing.stopped = Some("simulation of the whole motion"),
+            Err(other) => return Err(other),
+        }
+        finishing.leftover = match clock.time("leftover", || left_by(self, electrodes, motions, progress, cancel)) {
             Ok(left) => Ok(Arc::new(left)),
-            Err(LeftoverError::Cancelled(cancelled)) => return Err(cancelled.into()),
+            Err(LeftoverError::Cancelled(_)) => {
+                finishing.stopped.get_or_insert("map of the stock left");
+                Err("what stock is left is not known: the work was stopped".to_owned())
+            }
             // A plan is good without it.
             Err(other) => Err(format!("what stock is left cannot be told: {other}")),
         };
-        Ok(Finishing { copying, simulations, leftover, times: clock.0 })
+        finishing.times = clock.0;
+        Ok(finishing)
     }
 }
 

@@ -37,7 +37,7 @@ use crate::feed::search::{Convergence, Node};
 use crate::progress::{Cancel, Progress};
 use crate::project::{Fingerprint, KeptPlan, PlanJob, Stage};
 use crate::render::mesh::RenderMesh;
-use crate::views::{LeftoverShape, MachineBody, machine_bodies};
+use crate::views::LeftoverShape;
 
 /// What a step has found.
 enum Found {
@@ -62,8 +62,6 @@ struct Planned {
 struct Finished {
     /// What stock is left, or why that cannot be told; and what collides on the machine.
     said: Result<String, String>,
-    /// The bodies of the machine about each electrode.
-    bodies: Vec<Vec<MachineBody>>,
     /// The stock that is left, for the screen.
     leftover: Option<LeftoverShape>,
 }
@@ -75,7 +73,6 @@ impl Finished {
         let said = left.as_ref().map(|left| left.sentence(channel)).map_err(Clone::clone);
         Self {
             said: collision.map_or(said, Err),
-            bodies: finishing.simulations.iter().map(|s| machine_bodies(s)).collect(),
             leftover: left.as_ref().ok().map(|left| LeftoverShape::new(&left.map)),
         }
     }
@@ -235,6 +232,8 @@ impl Pipeline {
         let work = move |reporter: &Reporter<PartialPlan, Found>, p: &Progress, c: &Cancel| {
             let inputs = PlanInputs { blisk: part.mesh.clone(), own_electrode: part.own_electrode.clone(), job };
             let text = |e: PlanJobError| e.to_string();
+            simulate::check_machine(&inputs.job, p, c).map_err(text)?;
+            simulate::check_channels(&inputs.job, &channel.channel).map_err(text)?;
             let ready = prepared.get(&channel, inputs.job.plan.field_cell_mm, p, c).map_err(text)?;
             let shapes = Shapes::default();
             let observe = |electrode: &Arc<Electrode>, nodes: &[Node], convergence: &[Convergence]| {
@@ -276,6 +275,11 @@ impl Pipeline {
     /// Reads the files again.
     pub fn reload(&mut self) {
         self.reloads += 1;
+    }
+
+    /// How often they were read again.
+    pub fn reloads(&self) -> u64 {
+        self.reloads
     }
 
     /// How `stage` stands for the document of the last [`follow`](Self::follow).
@@ -339,11 +343,6 @@ impl Pipeline {
     /// The electrodes of the plan for the screen.
     pub fn plan_shapes(&self) -> Option<&[Arc<RenderMesh>]> {
         self.plan.value.as_ref().map(|(_, v)| &v.shapes[..])
-    }
-
-    /// The bodies of the machine about electrode number `i` of the plan, for the screen.
-    pub fn plan_bodies(&self, i: usize) -> &[MachineBody] {
-        self.finish.value.as_ref().and_then(|(_, v)| v.bodies.get(i)).map_or(&[], Vec::as_slice)
     }
 
     /// The stock that the electrodes of the plan leave, for the screen.

@@ -65,9 +65,15 @@ pub struct PlanOutcome {
 }
 
 impl PlanOutcome {
-    /// Whether every electrode has a verified path and nothing is known to collide on the machine.
+    /// Whether every electrode has a verified path, nothing is known to collide on the machine, and nothing that comes
+    /// after the feeds was stopped.
     pub fn may_be_approved(&self) -> bool {
-        self.is_verified() && self.finishing().is_none_or(|f| f.collision().is_none())
+        self.is_verified() && self.stopped().is_none() && self.finishing().is_none_or(|f| f.collision().is_none())
+    }
+
+    /// Which stage after the feeds was stopped, if one was.
+    pub fn stopped(&self) -> Option<&'static str> {
+        self.finishing()?.stopped
     }
 
     /// Whether every electrode has a verified path.
@@ -195,12 +201,15 @@ pub fn run_finished(
 /// Makes the blisk of a job ready for planning.
 ///
 /// # Errors
-/// If it has no channel, or one that is too large, or when told to stop.
+/// If the machine or its bodies cannot be read, if there is no channel, or one that is too large or not all that are to be
+/// burnt, or when told to stop.
 pub fn prepare(inputs: &PlanInputs, progress: &Progress, cancel: &Cancel) -> Result<PreparedBlisk, PlanJobError> {
     let job = &inputs.job;
     job.validate().map_err(PlanJobError::Job)?;
     let mut clock = Clock::default();
+    simulate::check_machine(job, progress, cancel)?;
     let channel = clock.time("channel", || find_channel(&inputs.blisk, &job.blisk.options, progress, cancel))?;
+    simulate::check_channels(job, &channel)?;
     let blisk = inputs.blisk.in_frame(&channel.frame);
     let exact = clock.time("exact mesh", || ExactMesh::new(&blisk))?;
     let cell = job.plan.field_cell_mm;
@@ -279,9 +288,6 @@ impl JobPlanner<'_> {
         if self.inputs.job.electrode.size == Sizing::Auto {
             let todo = "[electrode] size = \"auto\": find the sizes first and take one, or give the reductions";
             return Err(PlanJobError::Job(todo.to_owned()));
-        }
-        if self.explain {
-            simulate::check(&self.inputs.job, &self.prepared.space.channel, self.progress, self.cancel)?;
         }
         let electrodes = self.electrodes()?;
         let channel = self.prepared.space.channel.clone();

@@ -81,7 +81,11 @@ pub fn export(
     let post = Post::named(&inputs.job.export.post)?;
     prepare(folder)?;
     let mut report = plan_report::report(outcome, &inputs.job, files);
-    plan_pictures::add(&mut report, outcome, inputs, progress, cancel)?;
+    match outcome.stopped() {
+        None => plan_pictures::add(&mut report, outcome, inputs, progress, cancel)?,
+        // Who stops the work does not wait for pictures.
+        Some(_) => report.no_pictures = Some("the work was stopped".to_owned()),
+    }
     let written = write(folder, outcome, inputs, &post, &mut report, cancel)?;
     Ok((report, written))
 }

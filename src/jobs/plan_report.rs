@@ -12,12 +12,11 @@ use crate::export::report::{
 use crate::export::simulation_report::SimulationReport;
 use crate::feed::certificate::TravelVerdict;
 use crate::feed::four_distances::{DistanceGauge, FourDistances};
-use crate::feed::genetic::GeneticParams;
 use crate::feed::genetic::coding::Coding;
 use crate::feed::jam::JamCause;
 use crate::feed::plan::{FeedPlan, PlannedPath};
 use crate::feed::pose::{Axis, Pose};
-use crate::feed::search::Strategy;
+use crate::feed::search::{Constraint, Strategy};
 use crate::progress::Cancel;
 use crate::project::PlanJob;
 
@@ -30,7 +29,7 @@ pub fn report(outcome: &PlanOutcome, job: &PlanJob, inputs: Vec<InputFile>) -> R
         verdict: verdict(outcome),
         inputs,
         blisk: BliskSummary::of(&outcome.channel),
-        parameters: serde_json::to_value(job).unwrap_or_default(),
+        parameters: parameters(job),
         symbols: symbols(outcome, job),
         electrodes,
         leftover: outcome.leftover().map(|l| LeftoverReport::of(l, &outcome.channel)),
@@ -61,8 +60,14 @@ fn verdict(outcome: &PlanOutcome) -> Verdict {
         .collect();
     let left = outcome.leftover().map(|l| l.sentence(&outcome.channel));
     let simulated = outcome.finishing().into_iter().flat_map(|f| &f.simulations).map(|s| s.sentence());
-    let sentence = sentences.into_iter().chain(simulated).chain(left).collect::<Vec<_>>().join(" ");
-    Verdict { exit_code: if outcome.may_be_approved() { 0 } else { 3 }, sentence }
+    let stopped = outcome.stopped().map(|stage| format!("The {stage} was stopped, so that there is no NC program."));
+    let sentence = sentences.into_iter().chain(simulated).chain(stopped).chain(left).collect::<Vec<_>>().join(" ");
+    let exit_code = match (outcome.stopped(), outcome.may_be_approved()) {
+        (Some(_), _) => 130,
+        (None, true) => 0,
+        (None, false) => 3,
+    };
+    Verdict { exit_code, sentence }
 }
 
 fn side_name(side: EntrySide) -> &'static str {
@@ -85,6 +90,7 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
         extractable: certificate.is_some_and(|c| c.ends_right() && c.certified() > 0.0),
         verified: plan.is_verified(),
         required_clearance_mm: job.electrode.spark_gap_mm,
+        tolerance_mm: job.verify.tolerance_mm,
         certified_clearance_mm: certificate.map(|c| c.certified()),
         least_clearance_mm: certificate.map(|c| c.least().distance),
         least_clearance_at: certificate.map(place),
@@ -166,7 +172,7 @@ fn failure(plan: &FeedPlan, channel: &Channel) -> Option<Failure> {
             }
             JamCause::Travel { .. } => "Another machine, less exit_clearance_mm or the other side of entry would help.",
             JamCause::NothingLeft { .. } => "A smaller h_max_deg, more parts or the other side of entry may help.",
-            JamCause::Unknown => "A larger population or a smaller step_mm may find one.",
+            JamCause::Unknown => "A smaller step_mm, more poses or a larger population may find one.",
         };
         return Some(Failure {
             node: jam.node,
@@ -195,7 +201,25 @@ fn failure(plan: &FeedPlan, channel: &Channel) -> Option<Failure> {
     })
 }
 
-/// The papers' symbols with the values they had.
+/// The parameters of `job` but for those of strategies, and of a constraint, that had no part in its plan.
+fn parameters(job: &PlanJob) -> serde_json::Value {
+    let mut all = serde_json::to_value(job).unwrap_or_default();
+    let strategy = job.plan.strategy;
+    if let Some(sections) = all.as_object_mut().filter(|_| strategy != Strategy::Genetic) {
+        sections.remove("genetic");
+    }
+    let of_others = [
+        ("global", strategy != Strategy::Global),
+        ("centreline", strategy != Strategy::Centreline),
+        ("angle", job.plan.constraint != Constraint::Angle),
+    ];
+    if let Some(plan) = all.get_mut("plan").and_then(serde_json::Value::as_object_mut) {
+        of_others.iter().filter(|(_, other)| *other).for_each(|(section, _)| drop(plan.remove(*section)));
+    }
+    all
+}
+
+/// The papers' symbols, and the parameters of the strategy, with the values they had.
 fn symbols(outcome: &PlanOutcome, job: &PlanJob) -> Vec<Symbol> {
     let symbol = |symbol: &str, meaning: &str, value: String, unit: &str| Symbol {
         symbol: symbol.to_owned(),
@@ -230,42 +254,64 @@ fn symbols(outcome: &PlanOutcome, job: &PlanJob) -> Vec<Symbol> {
     ] {
         list.push(symbol(name, meaning, text(value), "1"));
     }
-    list.push(symbol(
-        "Delta1",
-        "distance kept from hub and shroud by the angle test",
-        text(job.plan.angle.delta1_mm),
-        "mm",
-    ));
-    list.push(symbol("Delta2", "angle kept by the angle test", text(job.plan.angle.delta2_deg), "deg"));
-    for axis in [Axis::Z, Axis::Y, Axis::A, Axis::B, Axis::C] {
-        list.extend(range_symbols(axis, first.plan.ranges[axis as usize], &job.genetic, &symbol));
+    if job.plan.constraint == Constraint::Angle {
+        let angle = &job.plan.angle;
+        list.push(symbol("Delta1", "distance kept from hub and shroud by the angle test", text(angle.delta1_mm), "mm"));
+        list.push(symbol("Delta2", "angle kept by the angle test", text(angle.delta2_deg), "deg"));
     }
-    list.push(symbol("p_c", "k1 = k3: probability of crossover", text(job.genetic.crossover), "1"));
-    list.push(symbol("p_m", "k2 = k4: probability of mutation of a gene", text(job.genetic.mutation), "1"));
+    for axis in [Axis::Z, Axis::Y, Axis::A, Axis::B, Axis::C] {
+        list.extend(range_symbols(axis, first.plan.ranges[axis as usize], job, &symbol));
+    }
+    list.extend(strategy_symbols(job, &symbol));
     list
 }
 
-/// The range of an axis by (7) and the bits it is coded with by (8).
+/// The parameters of the strategy that was followed.
+fn strategy_symbols(job: &PlanJob, symbol: &impl Fn(&str, &str, String, &str) -> Symbol) -> Vec<Symbol> {
+    let (genetic, global, centreline) = (&job.genetic, &job.plan.global, &job.plan.centreline);
+    let mut list = vec![symbol("strategy", "how the path is searched for", job.plan.strategy.name().to_owned(), "")];
+    list.extend(match job.plan.strategy {
+        Strategy::Genetic => vec![
+            symbol("p_c", "k1 = k3: probability of crossover", text(genetic.crossover), "1"),
+            symbol("p_m", "k2 = k4: probability of mutation of a gene", text(genetic.mutation), "1"),
+        ],
+        Strategy::Global => vec![
+            symbol("poses", "poses kept for each node", global.poses.to_string(), "1"),
+            symbol("room", "room up to which a wider way counts as better", text(global.room_mm), "mm"),
+            symbol("room kept", "share of the room that polishing keeps", text(global.room_kept), "1"),
+        ],
+        Strategy::Centreline => {
+            let increase = text(centreline.safety_increase_mm);
+            vec![symbol("increase", "of the gap where the plain one leads to no free motion", increase, "mm")]
+        }
+        Strategy::FreeTravel | Strategy::MaxMinDistance => Vec::new(),
+    });
+    list
+}
+
+/// The range of an axis by (7) and, of a genetic search, the bits it is coded with by (8).
 fn range_symbols(
     axis: Axis,
     range: f64,
-    genetic: &GeneticParams,
+    job: &PlanJob,
     symbol: &impl Fn(&str, &str, String, &str) -> Symbol,
 ) -> Vec<Symbol> {
     if range <= 0.0 {
         return Vec::new();
     }
     let (half, unit, precision) = if axis.is_rotary() {
-        ((0.5 * range).to_degrees(), "deg", genetic.precision_deg)
+        ((0.5 * range).to_degrees(), "deg", job.genetic.precision_deg)
     } else {
-        (0.5 * range, "mm", genetic.precision_mm)
+        (0.5 * range, "mm", job.genetic.precision_mm)
     };
     let letter = axis.letter();
-    let bits = Coding::new(-half, half, precision).bits;
-    vec![
-        symbol(&format!("Delta_{letter}"), "range of motion in one step (7)", format!("+-{}", text(half)), unit),
-        symbol(&format!("N_{letter}"), "bits of the code (8)", bits.to_string(), "bit"),
-    ]
+    let range = format!("+-{}", text(half));
+    let mut list = vec![symbol(&format!("Delta_{letter}"), "range of motion in one step (7)", range, unit)];
+    if job.plan.strategy == Strategy::Genetic {
+        let bits = Coding::new(-half, half, precision).bits;
+        list.push(symbol(&format!("N_{letter}"), "bits of the code (8)", bits.to_string(), "bit"));
+    }
+    list
 }
 
 fn text(value: f64) -> String {
@@ -335,11 +381,40 @@ mod tests {
         assert_eq!((close.s_mm, close.node), (12.0, 6), "where the clearance is least");
         assert!(close.wall.is_some() && close.place == Some([3.0, -4.1, 120.02]));
 
+        let verdict = plan(|f| f.certified = 0.0985).verdict(&channel);
+        assert!(verdict.contains("0.0985 mm; 0.1000 mm less the tolerance of 0.0020 mm are required"), "{verdict}");
+
         let ends = told(&|f| f.ends_right = false).unwrap();
         assert!(ends.sentence.contains("begin wholly outside") && ends.s_mm == 60.0 && ends.place.is_none());
 
         let beyond = BeyondTravel { axis: Axis::C, row: 20, value: 0.4, limit: 0.3 };
         let travel = told(&|f| f.travel = TravelVerdict::Beyond(beyond)).unwrap();
         assert!(travel.sentence.contains("axis C") && travel.s_mm == 50.0 && travel.wall.is_none());
+    }
+
+    #[test]
+    fn only_parameters_that_had_a_part_in_the_plan_are_listed() {
+        let mut job = PlanJob::demonstration();
+        let symbol = |symbol: &str, meaning: &str, value: String, unit: &str| {
+            let [symbol, meaning, unit] = [symbol, meaning, unit].map(str::to_owned);
+            Symbol { symbol, meaning, value, unit }
+        };
+        let of_one = [
+            (Strategy::Genetic, "/genetic", "p_m"),
+            (Strategy::Global, "/plan/global", "poses"),
+            (Strategy::Centreline, "/plan/centreline", "increase"),
+        ];
+        for (strategy, section, named) in of_one {
+            job.plan.strategy = strategy;
+            let listed = parameters(&job);
+            assert!(listed.pointer("/plan/angle").is_none() && listed.pointer("/plan/step_mm").is_some());
+            let symbols = strategy_symbols(&job, &symbol);
+            for (_, other, name) in of_one {
+                assert_eq!(listed.pointer(other).is_some(), other == section, "{strategy:?} {other}");
+                assert_eq!(symbols.iter().any(|s| s.symbol == name), name == named, "{strategy:?} {name}");
+            }
+        }
+        job.plan.constraint = Constraint::Angle;
+        assert!(parameters(&job).pointer("/plan/angle").is_some());
     }
 }

@@ -60,6 +60,11 @@ impl PreparedBlisk {
         Ok(Self { exact, space, cell, clock, fullest: Mutex::default() })
     }
 
+    /// The blisk in W.
+    pub fn blisk(&self) -> &Mesh {
+        &self.space.blisk
+    }
+
     /// Whether it was made with this cell size (mm).
     pub fn has_cell(&self, cell: f64) -> bool {
         self.cell == cell

@@ -30,33 +30,34 @@ pub(super) fn bodies_of(job: &PlanJob, progress: &Progress, cancel: &Cancel) -> 
     }
 }
 
-/// Finds out before the work whether the machine can be read and the channels exist.
-pub(super) fn check(
-    job: &PlanJob,
-    channel: &Channel,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<(), PlanJobError> {
-    job.export.channels.numbers(channel.blades, channel.index).map_err(PlanJobError::Job)?;
+/// Finds out before the work whether the machine of `job`, with every body of it, can be read.
+pub(super) fn check_machine(job: &PlanJob, progress: &Progress, cancel: &Cancel) -> Result<(), PlanJobError> {
     bodies_of(job, progress, cancel).map(drop)
 }
 
-/// The whole motion of every electrode, each with its copying motion, if the machine has bodies or other channels than
-/// that of the plan are burnt; otherwise nothing.
+/// Finds out before the work whether the channels that are burnt exist.
+pub(super) fn check_channels(job: &PlanJob, channel: &Channel) -> Result<(), PlanJobError> {
+    job.export.channels.numbers(channel.blades, channel.index).map(drop).map_err(PlanJobError::Job)
+}
+
+/// Adds to `known` the whole motion of every electrode, each with its copying motion, if the machine has bodies or other
+/// channels than that of the plan are burnt; otherwise nothing. When told to stop, those that are whole are there.
 pub(super) fn simulate(
     around: &Around,
     electrodes: &[ElectrodeOutcome],
     motions: &[Copying],
+    known: &mut Vec<Arc<Simulation>>,
     progress: &Progress,
     cancel: &Cancel,
-) -> Result<Vec<Arc<Simulation>>, PlanJobError> {
+) -> Result<(), PlanJobError> {
     if !is_needed(around.job) {
-        return Ok(Vec::new());
+        return Ok(());
     }
     let model = bodies_of(around.job, progress, cancel)?;
-    let both = electrodes.iter().zip(motions);
-    both.filter_map(|(electrode, motion)| of_electrode(around, electrode, motion, &model, progress, cancel).transpose())
-        .collect()
+    for (electrode, motion) in electrodes.iter().zip(motions) {
+        known.extend(of_electrode(around, electrode, motion, &model, progress, cancel)?);
+    }
+    Ok(())
 }
 
 fn of_electrode(

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::plan::{PlanInputs, PlanJobError, PlanOutcome, run_feeds, settings_of};
 use super::prepared_blisk::PreparedBlisk;
+use crate::blisk::channel::Surface;
 use crate::blisk::electrode::{EnterSide, EntrySide, Sizing as SizeMode, own_turns};
 use crate::feed::genetic::ReductionMode;
 use crate::feed::plan_params::PlanError;
@@ -39,10 +40,46 @@ pub struct SizeRow {
     pub volume_mm3: f64,
     /// Certified clearance of the least of them (mm).
     pub certified_mm: f64,
+    /// What keeps them from being thicker.
+    pub limit: Option<SizeLimit>,
+    /// What the certificate asked for beyond the reductions that the search needs (deg).
+    pub raised_deg: f64,
+}
+
+/// The electrode of a row that needs its reductions, and the narrowest place of its way out.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SizeLimit {
+    /// The electrode, counted from 1.
+    pub electrode: usize,
+    /// Electrodes of the row.
+    pub electrodes: usize,
+    /// The side that it enters from.
+    pub enters_from: EntrySide,
+    /// The node at that place, counted from the final pose.
+    pub node: usize,
+    /// Withdrawn distance there (mm).
+    pub s_mm: f64,
+    /// What it passes there.
+    pub surface: String,
+}
+
+impl SizeLimit {
+    /// In one clause.
+    pub fn clause(&self) -> String {
+        let Self { electrode, electrodes, enters_from, node, s_mm, surface } = self;
+        let who = match electrodes {
+            1 => "limited".to_owned(),
+            n => {
+                let side = if *enters_from == EntrySide::MinusX { "-x" } else { "+x" };
+                format!("limited by electrode {electrode} of {n}, which enters from {side},")
+            }
+        };
+        format!("{who} at node {node}, {s_mm:.1} mm withdrawn, by the {surface}")
+    }
 }
 
 /// Reductions are found to this angle (deg).
-const TOLERANCE_DEG: f64 = 0.03;
+pub const TOLERANCE_DEG: f64 = 0.03;
 /// Greatest reduction that is tried (deg).
 const MOST_DEG: f64 = 10.0;
 /// Where the search begins (deg).
@@ -99,7 +136,7 @@ impl Sizing<'_> {
             let full = self.full(1, 0, side)?;
             let equal = |sizer: &Sizer| sizer.least(FIRST_DEG.to_radians(), &|h| Turns([h, h]));
             let Some(least) = self.sized(&full, equal)? else { continue };
-            let Some(row) = self.certified(1, only(side), [least.angle; 2])? else { continue };
+            let Some(row) = self.certified(1, only(side), [least.angle; 2], 0)? else { continue };
             let least = Least { angle: row.reduction_deg[0].to_radians(), ..least };
             self.show(row, rows);
             if best.as_ref().is_none_or(|(_, known)| least.angle < known.angle) {
@@ -136,12 +173,12 @@ impl Sizing<'_> {
             // Neither can be less: that row is there.
             return Ok(None);
         }
-        self.certified(1, only(side), turns)
+        self.certified(1, only(side), turns, 0)
     }
 
     fn many(&self, parts: usize, rows: &mut Vec<SizeRow>) -> Result<(), PlanJobError> {
         let (enter, columns) = (self.base.job.electrode.enter, self.base.job.electrode.columns);
-        let mut most = 0.0f64;
+        let (mut most, mut limiting) = (0.0f64, 0);
         for number in 0..parts * columns {
             let mut least: Option<Least> = None;
             for side in super::plan::sides(enter, number / columns, parts) {
@@ -155,9 +192,11 @@ impl Sizing<'_> {
                 }
             }
             let Some(least) = least else { return Ok(()) };
-            most = most.max(least.angle);
+            if least.angle > most {
+                (most, limiting) = (least.angle, number);
+            }
         }
-        if let Some(row) = self.certified(parts, enter, [most; 2])? {
+        if let Some(row) = self.certified(parts, enter, [most; 2], limiting)? {
             self.show(row, rows);
         }
         Ok(())
@@ -189,8 +228,15 @@ impl Sizing<'_> {
         })?)
     }
 
-    /// The row for reductions (rad), with a little more where the certificate asks for it.
-    fn certified(&self, parts: usize, enter: EnterSide, turns: [f64; 2]) -> Result<Option<SizeRow>, PlanJobError> {
+    /// The row for reductions (rad), with a little more where the certificate asks for it; electrode number `limiting`
+    /// from 0 needs them.
+    fn certified(
+        &self,
+        parts: usize,
+        enter: EnterSide,
+        turns: [f64; 2],
+        limiting: usize,
+    ) -> Result<Option<SizeRow>, PlanJobError> {
         let mut inputs = self.base.clone();
         inputs.job.electrode.parts = parts;
         inputs.job.electrode.enter = enter;
@@ -201,7 +247,7 @@ impl Sizing<'_> {
             inputs.job.electrode.circumferential_reduction_deg = reduction;
             let outcome = run_feeds(self.prepared, &inputs, self.progress, self.cancel)?;
             if let Some(row) = row_of(&outcome, parts, enter, reduction) {
-                return Ok(Some(row));
+                return Ok(Some(SizeRow { limit: limit_of(&outcome, limiting), raised_deg: more, ..row }));
             }
         }
         Ok(None)
@@ -222,6 +268,28 @@ fn row_of(outcome: &PlanOutcome, parts: usize, enter: EnterSide, reduction_deg: 
         least_thickness_mm: electrodes().map(|e| e.electrode.least_thickness_mm).fold(f64::INFINITY, f64::min),
         volume_mm3: electrodes().map(|e| e.electrode.volume_mm3).sum(),
         certified_mm: certified.fold(f64::INFINITY, f64::min),
+        limit: None,
+        raised_deg: 0.0,
+    })
+}
+
+/// Where electrode number `limiting` from 0 of a plan is closest to a wall on its way out: of walls it is drawn in, and so
+/// they keep it from being thicker. Without such a place that of its least clearance.
+fn limit_of(outcome: &PlanOutcome, limiting: usize) -> Option<SizeLimit> {
+    let electrode = outcome.electrodes.get(limiting)?;
+    let planned = electrode.plan.path.as_ref()?;
+    let (c, rows) = (&planned.certificate, &planned.path.rows);
+    let places = rows.iter().zip(c.row_surface()).zip(c.row_clearance());
+    let walls = places.filter(|((_, surface), _)| matches!(surface, Surface::LowWall | Surface::HighWall));
+    let nearest = walls.min_by(|p, q| p.1.total_cmp(q.1)).map(|((row, surface), _)| (row, *surface));
+    let (row, surface) = nearest.or_else(|| Some((rows.get(c.least().row.round() as usize)?, c.least().surface)))?;
+    Some(SizeLimit {
+        electrode: limiting + 1,
+        electrodes: outcome.electrodes.len(),
+        enters_from: electrode.electrode.enters_from,
+        node: row.node,
+        s_mm: row.s,
+        surface: outcome.channel.surface_name(surface).to_owned(),
     })
 }
 

@@ -131,7 +131,8 @@ pub struct Uncut {
     pub grid_step: f64,
     /// What flat cutters leave by layers and by the field of heights; none without flat cutters.
     pub agreement: Option<[Found; 2]>,
-    /// How far the field of heights and the exact search agree on what balls leave; none where they count nowhere.
+    /// How far the field of heights and the exact search agree on what balls leave; none where they count nowhere, and
+    /// where faces look down.
     pub ball_agreement: Option<BallAgreement>,
 }
 
@@ -210,7 +211,13 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, progress: &Progress, cancel: &Ca
         let with_flats = if is_of_flats { volumes(&of_field) } else { volumes(&of(&only_flats())?.1) };
         Some([found(flat_regions.iter().map(|r| r.volume)), with_flats])
     };
-    let ball_agreement = ball_agreement(&upright, &params.library, (&field, &closing), &of_field, cancel)?;
+    // The exact search would let a ball go sideways under what looks down, where its shaft cannot follow.
+    let has_undercuts = !stack.invert.triangles.is_empty() && stack.invert.area > 0.0;
+    let ball_agreement = if has_undercuts {
+        None
+    } else {
+        ball_agreement(&upright, &params.library, (&field, &closing), &of_field, cancel)?
+    };
     progress.report("surface", 0.0, "");
     let pieces = uncut_surface(&upright, &Covered::new(&field, &closing, &of_field), cancel)?;
     let all = if is_of_flats {

@@ -127,7 +127,7 @@ impl UncutReport {
         if let Some(AgreementReport { layers, field, field_step_mm }) = &self.agreement {
             let _ = writeln!(
                 text,
-                "Flat cutters by layers: {} regions, {:.3} mm3; by heights {field_step_mm} mm apart: {} regions, {:.3} mm3.",
+                "Flat cutters by layers: {} regions, {:.3} mm3; by heights {field_step_mm:.4} mm apart: {} regions, {:.3} mm3.",
                 layers.regions, layers.volume_mm3, field.regions, field.volume_mm3
             );
         }

@@ -21,7 +21,7 @@ pub fn atomic_write(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Resul
     // Temporary files are private to their owner by default; this one becomes an ordinary file, under the umask.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let file = builder.tempfile_in(folder)?;
+    let file = builder.tempfile_in(folder).map_err(without_path)?;
     let mut buffered: BufWriter<&File> = BufWriter::with_capacity(1 << 20, file.as_file());
     write(&mut buffered)?;
     buffered.flush()?;
@@ -29,6 +29,16 @@ pub fn atomic_write(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Resul
     file.as_file().sync_all()?;
     file.persist(path).map_err(|e| e.error)?;
     Ok(())
+}
+
+/// The error without the temporary name that its text ends with: nobody asked for that file.
+fn without_path(error: io::Error) -> io::Error {
+    let text = error.to_string();
+    let cause = text.split_once(" at path ").map(|(cause, _)| cause.to_owned());
+    match cause {
+        Some(cause) => io::Error::new(error.kind(), cause),
+        None => error,
+    }
 }
 
 #[cfg(test)]
@@ -59,6 +69,8 @@ mod tests {
     #[test]
     fn a_missing_folder_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
-        assert!(atomic_write(&folder.path().join("none/part.txt"), |_| Ok(())).is_err());
+        let error = atomic_write(&folder.path().join("none/part.txt"), |_| Ok(())).unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::NotFound);
+        assert!(!error.to_string().contains(".part") && !error.to_string().contains("sparkpath"), "{error}");
     }
 }

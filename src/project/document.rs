@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::history::History;
 use super::job_file::PlanJob;
-use super::kept_plan::KeptPlan;
+use super::kept_plan::{KeptPlan, KeptRun};
 use super::project_file::{MeshReference, MovedMesh, ProjectFile, ProjectFileError};
 
 /// The parameters of a job as a user edits them.
@@ -19,6 +19,9 @@ pub struct Document {
     meshes: Vec<MeshReference>,
     /// The plan that was made last.
     plan: Option<KeptPlan>,
+    /// Plans kept to compare with, and those of them that its file holds.
+    runs: Vec<KeptRun>,
+    saved_runs: Vec<KeptRun>,
 }
 
 /// Why a project file cannot be opened as it stands.
@@ -34,7 +37,7 @@ pub enum OpenError {
 
 impl Default for Document {
     fn default() -> Self {
-        let ProjectFile { job, meshes, plan } = ProjectFile::demonstration();
+        let ProjectFile { job, meshes, plan, .. } = ProjectFile::demonstration();
         Self { meshes, plan, ..Self::new(job) }
     }
 }
@@ -42,7 +45,16 @@ impl Default for Document {
 impl Document {
     /// A new document, not yet saved and without unsaved work.
     pub fn new(job: PlanJob) -> Self {
-        Self { saved: Some(job.clone()), job, history: History::default(), file: None, meshes: Vec::new(), plan: None }
+        Self {
+            saved: Some(job.clone()),
+            job,
+            history: History::default(),
+            file: None,
+            meshes: Vec::new(),
+            plan: None,
+            runs: Vec::new(),
+            saved_runs: Vec::new(),
+        }
     }
 
     /// A new document for the blisk in the mesh file `mesh`, all else by default.
@@ -63,22 +75,22 @@ impl Document {
         if !moved.is_empty() {
             return Err(OpenError::Moved(Box::new(project), moved));
         }
-        let ProjectFile { job, meshes, plan } = project;
-        Ok(Self { file: Some(path.to_owned()), meshes, plan, ..Self::new(job) })
+        let ProjectFile { job, meshes, plan, runs } = project;
+        Ok(Self { file: Some(path.to_owned()), meshes, plan, saved_runs: runs.clone(), runs, ..Self::new(job) })
     }
 
     /// The document of a project file whose user has said what shall stand for its meshes: where that is not what
     /// the file says, there is unsaved work.
     pub fn opened(project: ProjectFile, path: &Path) -> Self {
-        let ProjectFile { job, meshes, plan } = project;
+        let ProjectFile { job, meshes, plan, runs } = project;
         let saved = ProjectFile::read(path).ok().map(|held| held.job);
-        Self { file: Some(path.to_owned()), meshes, plan, saved, ..Self::new(job) }
+        Self { file: Some(path.to_owned()), meshes, plan, saved, saved_runs: runs.clone(), runs, ..Self::new(job) }
     }
 
     /// A document from an autosaved copy: unsaved work, to be saved as `file`.
     pub fn recovered(project: ProjectFile, file: Option<PathBuf>) -> Self {
-        let ProjectFile { job, meshes, plan } = project;
-        Self { file, meshes, plan, saved: None, ..Self::new(job) }
+        let ProjectFile { job, meshes, plan, runs } = project;
+        Self { file, meshes, plan, runs, saved: None, ..Self::new(job) }
     }
 
     /// The parameters.
@@ -100,7 +112,7 @@ impl Document {
 
     /// Whether there are changes that no file holds.
     pub fn is_unsaved(&self) -> bool {
-        self.saved.as_ref() != Some(&self.job)
+        self.saved.as_ref() != Some(&self.job) || self.saved_runs != self.runs
     }
 
     /// Makes `job` the parameters, as one step named `label`; those of one `gesture` (a drag, a number being typed)
@@ -151,6 +163,7 @@ impl Document {
             job: self.job.clone(),
             meshes: self.meshes.iter().filter(used).cloned().collect(),
             plan: self.plan.clone(),
+            runs: self.runs.clone(),
         }
     }
 
@@ -164,6 +177,21 @@ impl Document {
         self.plan = Some(plan);
     }
 
+    /// The plans that are kept to compare with, in the order of keeping.
+    pub fn runs(&self) -> &[KeptRun] {
+        &self.runs
+    }
+
+    /// Keeps a plan to compare with. That is unsaved work: its parameters may be nowhere else.
+    pub fn keep_run(&mut self, run: KeptRun) {
+        self.runs.push(run);
+    }
+
+    /// Keeps the run with this number no longer.
+    pub fn drop_run(&mut self, number: usize) {
+        self.runs.retain(|run| run.number != number);
+    }
+
     /// Saves as `path` and makes it the document's file.
     ///
     /// # Errors
@@ -172,6 +200,7 @@ impl Document {
         self.project_file().write(path)?;
         self.file = Some(path.to_owned());
         self.saved = Some(self.job.clone());
+        self.saved_runs = self.runs.clone();
         Ok(())
     }
 }

@@ -78,6 +78,15 @@ impl Field {
         job.pointer(self.pointer).unwrap_or(&Value::Null)
     }
 
+    /// The numbers that it may be, if it is one.
+    pub fn range(&self) -> Option<Range> {
+        match self.kind {
+            Kind::Number(range, _) | Kind::Slider(range, ..) | Kind::Integer(range) => Some(range),
+            Kind::AutoNumber(range, ..) | Kind::AutoInteger(range, _) => Some(range),
+            Kind::Choice(_) | Kind::ChoiceOrFile(_) | Kind::Flag | Kind::File => None,
+        }
+    }
+
     /// Why `value` cannot be taken, if it cannot.
     pub fn problem(&self, value: &Value) -> Option<String> {
         let (range, number) = match self.kind {

@@ -158,7 +158,9 @@ impl PlanJob {
         }
         if self.plan.strategy != Strategy::Genetic && self.genetic.h == ReductionMode::Variable {
             return Err(
-                "[genetic] h = \"variable\": only the strategy \"genetic\" searches h; use h = \"given\"".to_owned()
+                "[genetic] h = \"variable\": only the strategy \"genetic\" searches h; use h = \"given\", or [plan] strategy = \
+                 \"genetic\""
+                    .to_owned(),
             );
         }
         if self.electrode.size == Sizing::Auto {
@@ -342,9 +344,19 @@ fn machine(mut given: toml::Table, folder: &Path) -> Result<MachineParams, Probl
         true => toml::Table::new(),
         false => machine_table(&name).map_err(|e| Problem::at("[machine] ", &one_line(&e.to_string())))?,
     };
-    table.extend(given);
-    let params: MachineParams = section(table, "machine")?;
-    Ok(MachineParams { name, ..params })
+    let is_from_file = !table.is_empty();
+    table.extend(given.clone());
+    let params = MachineParams { name, ..section(table, "machine")? };
+    let own: MachineParams = section(given, "machine")?;
+    match params.validate() {
+        // What the job itself says is told with the other mistakes of a job.
+        Err(error) if is_from_file && own.validate().is_ok() => {
+            let error = error.to_string();
+            let problem = error.strip_prefix("[machine] ").unwrap_or(&error);
+            Err(Problem::at("[machine] ", &format!("{}: {problem}", params.name)))
+        }
+        _ => Ok(params),
+    }
 }
 
 fn section<T: for<'a> Deserialize<'a>>(table: toml::Table, name: &str) -> Result<T, Problem> {

@@ -11,6 +11,7 @@ fn a_mesh_is_all_a_job_needs() {
     let job = parse("[blisk]\nmesh = \"part.stl\"").unwrap();
     let demonstration = PlanJob::demonstration();
     assert_eq!(job.blisk.mesh.as_deref(), Some(Path::new("jobs/part.stl")));
+    assert_eq!(job.plan.strategy, Strategy::Global);
     assert_eq!(
         (job.plan, job.genetic, job.machine),
         (demonstration.plan, demonstration.genetic, demonstration.machine)
@@ -148,8 +149,7 @@ fn mistakes_are_named_with_their_place() {
 #[test]
 fn the_global_strategy_works_on_distances_alone() {
     let mut job = PlanJob::demonstration();
-    job.plan.strategy = Strategy::Global;
-    assert_eq!(job.validate(), Ok(()));
+    assert_eq!((job.plan.strategy, job.validate()), (Strategy::Global, Ok(())));
     job.plan.constraint = Constraint::Angle;
     assert!(job.validate().unwrap_err().contains("works on distances"));
     job.plan.strategy = Strategy::Genetic;
@@ -184,6 +184,14 @@ fn a_machine_file_is_found_from_the_job_and_written_for_its_folder() {
     assert_eq!(Path::new(&m.name), machine);
     let written = job.to_toml(folder.path()).unwrap();
     assert!(written.contains("name = \"my.toml\""), "{written}");
+    // Mistakes are told of the file that they are in.
+    for (mistake, words) in
+        [("speed_deg_min = -1", "speed_deg_min"), ("travel_x_mm = 3", "travel_x_mm"), ("[a", "line 1")]
+    {
+        std::fs::write(&machine, mistake).unwrap();
+        let Err(problem) = PlanJob::parse(text, folder.path()) else { panic!("{mistake}") };
+        assert!(problem.message.contains("my.toml: ") && problem.message.contains(words), "{}", problem.message);
+    }
     // It says everything itself, and so can be read without the machine's file.
     std::fs::remove_file(&machine).unwrap();
     let again = PlanJob::parse(&written, folder.path()).map_err(|p| p.message).unwrap();

@@ -32,6 +32,19 @@ pub struct KeptElectrode {
     pub nodes: Vec<Node>,
 }
 
+/// A plan that is kept to compare with, and what it was made with.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KeptRun {
+    /// Its number, counted from 1.
+    pub number: usize,
+    /// Which of the window's colours it has.
+    pub colour: usize,
+    /// Its parameters.
+    pub job: PlanJob,
+    /// Its nodes.
+    pub plan: KeptPlan,
+}
+
 /// Why a kept plan is not taken up: it is none that this program makes of the job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the plan kept in the project is not used, because {what}; plan anew")]

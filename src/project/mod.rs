@@ -21,7 +21,7 @@ pub use autosave::{Autosave, Recovery};
 pub use document::{Document, OpenError};
 pub use fields::{Field, Kind, Range, job_as_json, with_value};
 pub use job_file::{BliskSection, ExportSection, JobFileError, PlanJob};
-pub use kept_plan::{KeptElectrode, KeptPlan, KeptPlanError};
+pub use kept_plan::{KeptElectrode, KeptPlan, KeptPlanError, KeptRun};
 pub use mold_params::MoldParams;
 pub use project_file::{MeshReference, MovedMesh, ProjectFile, ProjectFileError};
 pub use recent::RecentFiles;

@@ -76,7 +76,7 @@ mod tests {
     fn a_mold_is_read_as_it_was_written_and_finds_its_mesh_beside_it() {
         let folder = tempfile::tempdir().unwrap();
         let [here, there] = ["here", "there"].map(|name| folder.path().join(name));
-        [&here, &there].map(|f| std::fs::create_dir(f).unwrap());
+        [&here, &there].into_iter().for_each(|f| std::fs::create_dir(f).unwrap());
         let mut params = MoldParams { mesh: Some(here.join("part.stl")), ..MoldParams::default() };
         (params.opening, params.tolerance_mm) = (Opening::MinusX, 0.05);
         params.library.cutter.push(Cutter { reach_mm: Some(12.0), ..Cutter::bull_nose(3.0, 0.5) });

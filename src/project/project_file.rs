@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::job_file::PlanJob;
-use super::kept_plan::KeptPlan;
+use super::kept_plan::{KeptPlan, KeptRun};
 use super::paths::{absolute, relative, without_detours};
 use crate::mesh_io::atomic_write;
 
@@ -25,6 +25,8 @@ pub struct ProjectFile {
     pub meshes: Vec<MeshReference>,
     /// The plan that was made of them, if there was one.
     pub plan: Option<KeptPlan>,
+    /// Plans that are kept to compare with.
+    pub runs: Vec<KeptRun>,
 }
 
 /// A mesh file and what it held.
@@ -76,7 +78,8 @@ pub enum ProjectFileError {
 }
 
 const FORMAT: &str = "sparkpath-project";
-const VERSION: u32 = 1;
+/// The second one may hold runs; without any a file is still of the first.
+const VERSION: u32 = 2;
 /// A project file is a few kilobytes; what is larger is none (bytes).
 const LARGEST: u64 = 16 << 20;
 
@@ -90,6 +93,17 @@ struct Content {
     meshes: Vec<MeshReference>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     plan: Option<KeptPlan>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    runs: Vec<RunContent>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RunContent {
+    number: usize,
+    colour: usize,
+    job: serde_json::Value,
+    plan: KeptPlan,
 }
 
 /// What every version has, to tell a newer file from a broken one.
@@ -117,7 +131,7 @@ impl ProjectFile {
     pub fn demonstration() -> Self {
         let built_in = include_str!("../../assets/demonstration.sparkpath");
         // A test opens it; were it damaged, the demonstration would start without its plan.
-        let bare = || Self { job: PlanJob::demonstration(), meshes: Vec::new(), plan: None };
+        let bare = || Self { job: PlanJob::demonstration(), meshes: Vec::new(), plan: None, runs: Vec::new() };
         Self::parse(built_in, Path::new("")).unwrap_or_else(|_| bare())
     }
 
@@ -135,13 +149,22 @@ impl ProjectFile {
             ));
         }
         let content: Content = serde_json::from_str(text).map_err(|e| format!("the project is damaged: {e}"))?;
-        let mut job = PlanJob::from_json(content.job, folder).map_err(|e| format!("the project is damaged: {e}"))?;
-        for mesh in [&mut job.blisk.mesh, &mut job.electrode.mesh] {
-            *mesh = mesh.take().map(|p| without_detours(&p));
-        }
+        let job_of = |content| {
+            let mut job = PlanJob::from_json(content, folder).map_err(|e| format!("the project is damaged: {e}"))?;
+            for mesh in [&mut job.blisk.mesh, &mut job.electrode.mesh] {
+                *mesh = mesh.take().map(|p| without_detours(&p));
+            }
+            Ok::<_, String>(job)
+        };
+        let job = job_of(content.job)?;
+        let run = |run: RunContent| {
+            let RunContent { number, colour, job, plan } = run;
+            Ok::<_, String>(KeptRun { number, colour, job: job_of(job)?, plan })
+        };
+        let runs = content.runs.into_iter().map(run).collect::<Result<_, _>>()?;
         let path = |m: &MeshReference| without_detours(&folder.join(&m.path));
         let meshes = content.meshes.into_iter().map(|m| MeshReference { path: path(&m), ..m }).collect();
-        Ok(Self { job, meshes, plan: content.plan })
+        Ok(Self { job, meshes, plan: content.plan, runs })
     }
 
     /// Writes the project file, under a temporary name first.
@@ -162,7 +185,18 @@ impl ProjectFile {
             .map(|m| MeshReference { path: relative(&m.path, &folder), sha256: m.sha256.clone() })
             .collect();
         let (job, plan) = (serde_json::to_value(self.job.seen_from(&folder))?, self.plan.clone());
-        let content = Content { format: FORMAT.to_owned(), version: VERSION, job, meshes, plan };
+        let run = |run: &KeptRun| {
+            let KeptRun { number, colour, job, plan } = run.clone();
+            Ok::<_, serde_json::Error>(RunContent {
+                number,
+                colour,
+                job: serde_json::to_value(job.seen_from(&folder))?,
+                plan,
+            })
+        };
+        let runs = self.runs.iter().map(run).collect::<Result<Vec<_>, _>>()?;
+        let version = if runs.is_empty() { 1 } else { VERSION };
+        let content = Content { format: FORMAT.to_owned(), version, job, meshes, plan, runs };
         serde_json::to_string_pretty(&content).map(|text| text + "\n")
     }
 
@@ -184,7 +218,8 @@ impl ProjectFile {
 
     /// Puts `found` in the place of the mesh that was at `path`, whatever it holds.
     pub fn replace_mesh(&mut self, path: &Path, found: &Path) {
-        for mesh in [&mut self.job.blisk.mesh, &mut self.job.electrode.mesh] {
+        let jobs = std::iter::once(&mut self.job).chain(self.runs.iter_mut().map(|run| &mut run.job));
+        for mesh in jobs.flat_map(|job| [&mut job.blisk.mesh, &mut job.electrode.mesh]) {
             if mesh.as_deref() == Some(path) {
                 *mesh = Some(found.to_owned());
             }
@@ -222,7 +257,12 @@ mod tests {
         job.blisk.mesh = Some(mesh.clone());
         job.electrode.circumferential_reduction_deg = [0.1 + 0.2, 1.0 / 3.0];
         job.blisk.options.blades = crate::blisk::options::Auto::Given(60);
-        ProjectFile { job, plan: None, meshes: vec![MeshReference { sha256: sha256_of(&mesh).unwrap(), path: mesh }] }
+        ProjectFile {
+            job,
+            plan: None,
+            runs: Vec::new(),
+            meshes: vec![MeshReference { sha256: sha256_of(&mesh).unwrap(), path: mesh }],
+        }
     }
 
     #[test]
@@ -232,6 +272,11 @@ mod tests {
         let file = folder.path().join("a.sparkpath");
         project.write(&file).unwrap();
         assert_eq!(ProjectFile::read(&file).unwrap(), project);
+        let plan = ProjectFile::demonstration().plan.unwrap();
+        let run = KeptRun { number: 3, colour: 1, job: project.job.clone(), plan };
+        let with_run = ProjectFile { runs: vec![run], ..project.clone() };
+        with_run.write(&file).unwrap();
+        assert_eq!(ProjectFile::read(&file).unwrap(), with_run);
         let mut demonstration = project.clone();
         demonstration.job = PlanJob::demonstration();
         demonstration.write(&file).unwrap();

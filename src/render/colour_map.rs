@@ -113,11 +113,16 @@ impl Legend {
         if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) }
     }
 
-    /// Round values to write beside the bar, from `min` to `max`, about `count` of them.
+    /// Round values to write beside the bar, from `min` to `max`, about `count` of them; of a map with a middle its ends,
+    /// the middle and, where there is room, what lies half way.
     pub fn ticks(&self, count: usize) -> Vec<f64> {
         let span = self.max - self.min;
         if !(span > 0.0 && span.is_finite()) || count == 0 {
             return vec![self.min];
+        }
+        if self.map == ColourMap::Diverging {
+            let parts = if count < 4 { 2u32 } else { 4 };
+            return (0..=parts).map(|i| self.min + span * f64::from(i) / f64::from(parts)).collect();
         }
         let rough = span / count as f64;
         let decade = 10f64.powf(rough.log10().floor());
@@ -212,6 +217,8 @@ mod tests {
         for (tick, expected) in ticks.iter().zip([0.2, 0.4, 0.6, 0.8, 1.0]) {
             assert!((tick - expected).abs() < 1e-12);
         }
+        let both = Legend { map: ColourMap::Diverging, min: -0.5, max: 0.5, ..legend.clone() };
+        assert_eq!((both.ticks(5), both.ticks(2)), (vec![-0.5, -0.25, 0.0, 0.25, 0.5], vec![-0.5, 0.0, 0.5]));
         assert_eq!(Legend { max: 0.07, ..legend }.ticks(5), vec![0.07]);
     }
 }

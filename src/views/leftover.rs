@@ -26,6 +26,8 @@ pub struct LeftoverShape {
     pub shape: Arc<RenderMesh>,
     /// Thickness of the stock left at its vertices (mm).
     pub values: Arc<Vec<f32>>,
+    /// The greatest that is left or cut too deep on any surface, the shroud as well (mm).
+    pub greatest: f64,
 }
 
 impl LeftoverShape {
@@ -39,13 +41,31 @@ impl LeftoverShape {
         let before = |(p, n): (&DVec3, &DVec3)| p + BEFORE * n.normalize_or_zero();
         let vertices = mesh.vertices.iter().zip(&normals).map(before).collect();
         let shape = RenderMesh::new(&Mesh { vertices, triangles: mesh.triangles });
-        Self { shape: Arc::new(shape), values: Arc::new(values) }
+        Self { shape: Arc::new(shape), values: Arc::new(values), greatest: greatest(map) }
     }
 
     /// Its colours, up to `limit` (mm) either way.
     pub fn values(&self, limit: f64) -> SurfaceValues {
         surface_values(self.values.clone(), limit)
     }
+}
+
+/// The greatest deviation of `map` either way (mm).
+pub(super) fn greatest(map: &DeviationMap) -> f64 {
+    map.deviation.iter().filter(|v| v.is_finite()).fold(0.0, |most, v| most.max(f64::from(v.abs())))
+}
+
+/// Where the colours of a map end whose greatest value is `greatest`: the next round value, and no less than the spark
+/// gap (mm).
+pub fn colour_limit(greatest: f64, spark_gap: f64) -> f64 {
+    let most = greatest.max(spark_gap);
+    if !(most > 0.0 && most.is_finite()) {
+        return spark_gap;
+    }
+    let decade = 10f64.powf(most.log10().floor());
+    // Values come in single precision.
+    let round = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0].map(|step| step * decade);
+    round.into_iter().find(|limit| *limit >= most * (1.0 - 1e-6)).unwrap_or(10.0 * decade)
 }
 
 /// What the colours mean, up to `limit` (mm) either way.
@@ -165,8 +185,18 @@ mod tests {
     }
 
     #[test]
+    fn colours_end_at_a_round_value_that_nothing_exceeds() {
+        for (greatest, gap, limit) in
+            [(0.154, 0.1, 0.2), (0.02, 0.1, 0.1), (f64::from(0.2f32), 0.1, 0.2), (0.61, 0.1, 0.8), (0.9, 0.1, 1.0)]
+        {
+            assert!((colour_limit(greatest, gap) - limit).abs() < 1e-9, "{greatest}: {}", colour_limit(greatest, gap));
+        }
+    }
+
+    #[test]
     fn the_shape_leaves_the_shroud_out_and_keeps_the_values() {
         let shape = LeftoverShape::new(&map());
+        assert_eq!(shape.greatest, 11.0, "that of the shroud");
         assert_eq!(*shape.values, (0..9).map(|i| i as f32).collect::<Vec<_>>());
         assert!((shape.shape.bounds().min.z - (100.0 + BEFORE)).abs() < 1e-5);
     }

@@ -16,8 +16,8 @@ mod values;
 
 pub use camera::{NamedView, bodies, into_channel, standard};
 pub use colours::mesh_colour;
-pub use leftover::{LeftoverShape, leftover_legend};
-pub use machine::{MachineBody, WholeMotion, machine_bodies};
+pub use leftover::{LeftoverShape, colour_limit, leftover_legend};
+pub use machine::{BodyShape, MachineBody, Moment, WholeMotion, body_shapes, meeting};
 pub use mold::{
     MoldLayer, MoldPart, MoldScene, RegionColours, RegionShape, build_mold, depth_legend, faces_shape, mold_part,
     region_colour, region_shapes,

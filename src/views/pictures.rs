@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::camera::{bodies, electrode_in_channel, from_entry, onto_section};
-use super::leftover::{leftover_legend, unfolded};
+use super::leftover::{colour_limit, greatest, leftover_legend, unfolded};
 use super::scene::{Layer, Layers, SceneInputs, build, layer_id};
 use super::shapes::{ChannelShapes, channel_shapes};
 use super::sweep::{COARSE, swept_shape};
@@ -139,6 +139,7 @@ impl<'a> Drawn<'a> {
             track: self.tracks.get(i).filter(|t| !t.is_empty()),
             s,
             contact: self.place(i).map(|p| p.points),
+            trouble: None,
             values: None,
             leftover: None,
             layers,
@@ -180,7 +181,7 @@ impl<'a> Drawn<'a> {
     /// What is left on the surfaces of the channel.
     fn leftover(&self, left: &Leftover) -> PlanPicture {
         let channel = self.plan.channel;
-        let limit = self.plan.spark_gap;
+        let limit = colour_limit(greatest(&left.map), self.plan.spark_gap);
         let (objects, around) = unfolded(&left.map, channel, limit);
         let frame = &channel.frame;
         let (at, size) = (frame.to_parent(around.center()), around.size());

@@ -176,6 +176,8 @@ pub struct SceneInputs<'a> {
     pub swept: Option<&'a Arc<RenderMesh>>,
     /// Where it comes closest or jams: a point of the electrode in its final pose and one of the blisk, in W.
     pub contact: Option<[DVec3; 2]>,
+    /// Where two bodies meet on the machine: a point of each, in W at that instant. It is shown instead of the contact.
+    pub trouble: Option<[DVec3; 2]>,
     /// A quantity on the electrode.
     pub values: Option<&'a SurfaceValues>,
     /// What stock is left on the surfaces of the channel.
@@ -263,7 +265,10 @@ pub fn build(inputs: &SceneInputs) -> Scene {
             }
             lines(&mut scene, inputs, electrode, track, to_mesh);
         }
-        contact(&mut scene, inputs, electrode, station, to_mesh);
+        match inputs.trouble {
+            Some(points) => trouble(&mut scene, inputs, points.map(|p| to_mesh.transform_point3(p))),
+            None => contact(&mut scene, inputs, electrode, &pose, to_mesh),
+        }
     }
     scene.section = inputs.section;
     if layers.get(Layer::Grid).visible {
@@ -302,16 +307,9 @@ fn lines(scene: &mut Scene, inputs: &SceneInputs, electrode: &Electrode, track: 
     scene.lines.push(LineSet { on_top: true, width_px: 1.5, ..LineSet::new(polylines, colour) });
 }
 
-fn contact(
-    scene: &mut Scene,
-    inputs: &SceneInputs,
-    electrode: &Electrode,
-    station: Option<Station>,
-    to_mesh: DAffine3,
-) {
+fn contact(scene: &mut Scene, inputs: &SceneInputs, electrode: &Electrode, pose: &Pose, to_mesh: DAffine3) {
     let look = inputs.layers.get(Layer::Contact);
     let (Some([on_electrode, on_blisk]), true) = (inputs.contact, look.visible) else { return };
-    let pose = station.map(|s| s.pose).unwrap_or_default();
     let moved = pose.placement(electrode.reference_point).transform_point3(on_electrode);
     let [a, b] = [moved, on_blisk].map(|p| to_mesh.transform_point3(p));
     scene.markers.push(Marker { at: b, colour: look.colour, radius_px: 5.0 });
@@ -320,6 +318,17 @@ fn contact(
         scene.lines.push(LineSet { on_top: true, width_px: 1.5, ..LineSet::new(vec![vec![a, b]], look.colour) });
         scene.markers.push(Marker { at: a, colour: COPPER, radius_px: 3.5 });
     }
+}
+
+/// Where two bodies meet on the machine.
+fn trouble(scene: &mut Scene, inputs: &SceneInputs, points: [DVec3; 2]) {
+    let look = inputs.layers.get(Layer::Contact);
+    if !look.visible {
+        return;
+    }
+    let [moving, fixed] = points;
+    scene.lines.push(LineSet { on_top: true, width_px: 1.5, ..LineSet::new(vec![vec![moving, fixed]], look.colour) });
+    scene.markers.push(Marker { at: fixed, colour: look.colour, radius_px: 5.0 });
 }
 
 #[cfg(test)]
@@ -349,6 +358,7 @@ mod tests {
                 ghosts: &[],
                 swept: None,
                 contact: None,
+                trouble: None,
                 values: None,
                 layers,
                 selected: None,

@@ -6,7 +6,7 @@ use sparkpath::blisk::find_channel::find_channel;
 use sparkpath::blisk::options::BliskOptions;
 use sparkpath::progress::{Cancel, Progress};
 
-use super::{easy_blisk, mesh, path, sparkpath, text};
+use super::{easy_blisk, mesh, part, sparkpath, text};
 
 /// The walls of the easy blisk as a probe would have measured them, each point `off` mm along the radius.
 fn table(off: f64) -> String {
@@ -28,10 +28,10 @@ fn table(off: f64) -> String {
 #[test]
 fn measured_walls_are_compared_with_the_mesh() {
     let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("sections.csv");
+    let (file, part) = (folder.path().join("sections.csv"), part(folder.path()));
     let inspected = |table: &str| {
         std::fs::write(&file, table).unwrap();
-        sparkpath(&["inspect", &path("part.stl"), "--sections", file.to_str().unwrap(), "--json"])
+        sparkpath(&["inspect", &part, "--sections", file.to_str().unwrap(), "--json"])
     };
     let output = inspected(&table(0.0));
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));

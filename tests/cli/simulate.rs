@@ -1,12 +1,14 @@
 //! Machines with bodies from the command line.
 
-use super::{COMES_OUT, job, sparkpath, text};
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use super::{COMES_OUT, NO_PICTURES, add, job, sparkpath, text};
 
 /// The easy job on a machine, with these keys of `[machine]`.
-fn on_machine(folder: &std::path::Path, machine: &str) -> String {
+fn on_machine(folder: &Path, machine: &str) -> String {
     let file = job(folder, COMES_OUT);
-    let text = std::fs::read_to_string(&file).unwrap() + "[machine]\n" + machine;
-    std::fs::write(&file, text).unwrap();
+    add(&file, &format!("[machine]\n{machine}{NO_PICTURES}"));
     file
 }
 
@@ -49,10 +51,75 @@ fn a_plan_that_collides_is_answered_no_and_has_no_program() {
 #[test]
 fn a_machine_that_cannot_be_read_is_bad_input() {
     let folder = tempfile::tempdir().unwrap();
-    for (machine, words) in [("name = \"mill\"\n", "there is no such machine"), ("", "has no name")] {
+    let body = |lines: &str| format!("[[bodies]]\nname = \"arm\"\ncarried_by = \"head\"\n{lines}");
+    std::fs::write(folder.path().join("mine.toml"), "speed = 3").unwrap();
+    std::fs::write(folder.path().join("bad.toml"), body("shape = \"box\"\nsize_mm = [1, 0, 3]")).unwrap();
+    std::fs::write(folder.path().join("open.toml"), body("shape = \"mesh\"\nfile = \"mine.toml\"")).unwrap();
+    for (machine, words) in [
+        ("name = \"mill\"\n", "there is no such machine"),
+        ("", "has no name"),
+        ("file = \"mine.toml\"\n", "mine.toml: unknown field `speed`"),
+        ("file = \"bad.toml\"\n", "bad.toml: body arm: size_mm is 0"),
+        ("file = \"open.toml\"\n", "open.toml: body arm: "),
+    ] {
         let file = on_machine(folder.path(), machine);
         let output = sparkpath(&["simulate", &file]);
+        let said = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2));
-        assert!(text(&output.stderr).contains(words), "{}", text(&output.stderr));
+        assert!(said.contains(words) && !said.contains("distance field"), "{said}");
     }
+}
+
+/// Runs the program and interrupts it as soon as it says on standard error that it is at `stage`.
+#[cfg(unix)]
+pub fn interrupted_at(stage: &str, arguments: &[&str]) -> (Option<i32>, String) {
+    use std::io::{BufRead as _, BufReader, Read as _};
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sparkpath"));
+    let command = command.args(arguments).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    let mut stderr = BufReader::new(child.stderr.take().unwrap());
+    let mut said = String::new();
+    while !said.lines().any(|line| line.starts_with(stage)) {
+        assert!(stderr.read_line(&mut said).unwrap() > 0, "{said}");
+    }
+    // The shell's own: a small system has no other.
+    let interrupt = format!("kill -INT {}", child.id());
+    assert!(Command::new("sh").args(["-c", &interrupt]).status().unwrap().success());
+    stderr.read_to_string(&mut said).unwrap();
+    (child.wait().unwrap().code(), said)
+}
+
+#[cfg(unix)]
+#[test]
+fn a_plan_that_is_stopped_while_it_is_simulated_is_written_without_a_program() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = on_machine(folder.path(), "name = \"xyzac\"\n");
+    add(&file, "[export]\nchannels = \"all\"\n");
+    let out = folder.path().join("out");
+    std::fs::create_dir(&out).unwrap();
+    std::fs::write(out.join("path_1.nc"), "an older program").unwrap();
+    let (code, said) = interrupted_at("simulation", &["plan", &file, "--out", out.to_str().unwrap()]);
+    assert!(code == Some(130) && said.contains("simulation of the whole motion was stopped"), "{said}");
+    for name in ["path_1.csv", "copying_1.csv", "electrode_1.stl", "report.html"] {
+        assert!(out.join(name).is_file(), "{name}");
+    }
+    assert!(!out.join("path_1.nc").exists(), "not even an older one");
+    let report: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(out.join("report.json")).unwrap()).unwrap();
+    assert_eq!((&report["verdict"]["exit_code"], &report["electrodes"][0]["verified"]), (&130.into(), &true.into()));
+    let sentence = report["verdict"]["sentence"].as_str().unwrap();
+    assert!(sentence.contains("simulation of the whole motion was stopped"), "{sentence}");
+    assert!(report["electrodes"][0]["simulation"].is_null());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_simulation_finds_the_sizes_that_its_job_leaves_open() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = on_machine(folder.path(), "name = \"xyzac\"\n");
+    let open = std::fs::read_to_string(&file).unwrap().replace("[electrode]", "[electrode]\nsize = \"auto\"");
+    std::fs::write(&file, open).unwrap();
+    // What follows is the simulation of any other job, and is not waited for.
+    let (code, said) = interrupted_at("sizing", &["simulate", &file]);
+    assert_eq!(code, Some(130), "{said}");
 }

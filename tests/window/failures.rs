@@ -14,6 +14,9 @@ fn a_wrong_number_is_told_beside_its_field() {
     let mut desk = home.start(Opening::Demonstration);
     desk.until_idle();
     desk.open_step(Stage::Electrode);
+    desk.enter("Spark gap", "abc");
+    desk.assert_shows("Spark gap: \"abc\" is no number; a number from 0.005 to 2 mm is asked for; it stays 0.1 mm");
+    assert_eq!(desk.app().core().document.job().electrode.spark_gap_mm, 0.1);
     desk.enter("Spark gap", "9");
     desk.until_idle();
     desk.assert_shows("Spark gap must be from 0.005 to 2 mm");

@@ -137,6 +137,14 @@ fn verify_and_approve(desk: &mut Desk) {
     desk.press("Show the stock left");
     let core = desk.app().core();
     assert!(core.leftover_values().is_some() && !core.layers.get(Layer::Electrode).visible);
+    let (legend, left) = (core.leftover_legend().unwrap(), core.pipeline.plan().unwrap().leftover().unwrap());
+    let thickest = left.surfaces.iter().map(|s| s.left.depth_mm.max(s.overcut.depth_mm)).fold(0.0, f64::max);
+    assert!(legend.max >= thickest - 1e-6 && legend.min == -legend.max, "{thickest} beyond {legend:?}");
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    desk.settle();
+    let walls = desk.app().scene().objects.iter().find(|o| o.values.is_some()).unwrap().bounds();
+    let from = walls.center().distance(desk.app().camera().target);
+    assert!(from < 0.5 * walls.size().length(), "the view went to the walls, {from} mm off");
     desk.press("Show the electrode");
     assert!(desk.app().core().leftover_values().is_none());
     desk.open_step(Stage::Export);
@@ -170,10 +178,14 @@ fn export(desk: &mut Desk, home: &Home) {
 }
 
 fn an_edit_withdraws_the_approval(desk: &mut Desk) {
+    desk.open_step(Stage::Verify);
+    desk.press("Show the stock left");
     desk.open_step(Stage::Electrode);
     desk.enter("Radial reduction", "1.2");
     desk.until_idle();
-    assert!(!desk.app().core().pipeline.is_approved());
+    let core = desk.app().core();
+    assert!(!core.leftover && core.layers.get(Layer::Electrode).visible, "of this electrode there is no map");
+    assert!(!core.pipeline.is_approved());
     assert!(desk.step_says(Stage::Plan, "stale") && desk.step_says(Stage::Export, "stale"));
     assert!(desk.log().iter().any(|line| line.contains("approval withdrawn: an input changed")));
     desk.assert_shows("Stale: comes out");
@@ -189,6 +201,11 @@ fn commands_are_found_by_a_few_of_their_letters() {
     let mut desk = home.start(Opening::Demonstration);
     desk.settle();
     assert_eq!(desk.app().core().preferences.theme, ThemeChoice::Dark);
+    let field = |desk: &Desk| desk.window.query(By::new().role(Role::TextInput).label("Command")).is_some();
+    desk.key_with(Modifiers::COMMAND, Key::K);
+    assert!(field(&desk));
+    desk.key(Key::Escape);
+    assert!(!field(&desk), "Escape closes it");
     desk.key_with(Modifiers::COMMAND, Key::K);
     desk.window.event(egui::Event::Text("dk light".to_owned()));
     desk.settle();

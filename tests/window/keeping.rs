@@ -62,7 +62,21 @@ fn a_kept_run_stands_in_the_comparison_until_it_is_removed() {
     desk.press("Keep for comparison");
     desk.assert_shows("1 genetic");
     desk.assert_shows("2 max-min-distance");
+    // What is kept is in the project, and made anew from it.
+    assert!(desk.app().core().document.is_unsaved());
+    let project = home.path("kept.sparkpath");
+    desk.window.state_mut().core_mut().document.save_as(&project).unwrap();
+    assert!(!desk.app().core().document.is_unsaved());
+    desk.window.state_mut().open(&project);
+    desk.until("the runs are there again", |d| {
+        d.app().core().document.runs().len() == 2 && d.shows("2 max-min-distance")
+    });
+    desk.until_idle();
+    assert!(!desk.app().core().document.is_unsaved() && !desk.app().core().can_keep(), "{:#?}", desk.log());
+    desk.open_step(Stage::Plan);
+    desk.pictures("kept_axes");
     desk.press("Comparison");
+    desk.pictures("comparison");
     let before = count(&desk, Role::Label, &genetic);
     desk.press("Remove 1 genetic");
     assert!(!has(&desk, Role::Label, "1 genetic"));
@@ -91,11 +105,18 @@ fn sizes_are_of_the_parameters_that_they_were_found_with() {
     });
     desk.open_step(Stage::Electrode);
     desk.press("Find sizes");
+    desk.open_step(Stage::Verify);
+    desk.assert_shows("Sizes: ");
+    desk.open_step(Stage::Electrode);
     desk.until("there is a size", |d| !d.app().core().tuning.sizes().0.is_empty());
     desk.press("Stop sizing");
     desk.press("Take size 1");
     desk.until_idle();
     let row = desk.app().core().tuning.sizes().0[0].clone();
+    let limit = row.limit.as_ref().unwrap();
+    assert_eq!((limit.electrode, limit.electrodes), (1, 1));
+    assert!(limit.clause().starts_with(&format!("limited at node {}, ", limit.node)), "{}", limit.clause());
+    assert!(limit.surface.contains("wall") || limit.surface == "hub", "{}", limit.clause());
     let of_other = "These sizes are of other parameters; find them again to take one.";
     let electrode = desk.app().core().document.job().electrode.clone();
     assert_eq!(electrode.circumferential_reduction_deg, row.reduction_deg);

@@ -21,7 +21,7 @@ impl Desk {
     /// Versions of Mesa differ in the last bit of blended colours and in which side of an edge a pixel on it belongs
     /// to. The first is let pass by the threshold, which is far below what an eye sees; the second by a number of
     /// pixels that is less than one changed word.
-    fn picture(&mut self, name: &str) {
+    pub fn picture(&mut self, name: &str) {
         std::thread::sleep(REST);
         self.settle();
         let options = SnapshotOptions::new().threshold(1.0).max_failed_pixels(120);
@@ -199,37 +199,4 @@ fn wrong_input() {
     desk.enter("Spark gap", "9");
     desk.until_idle();
     desk.pictures("wrong_input");
-}
-
-#[test]
-fn a_machine_that_collides_is_shown_where_it_does() {
-    let home = Home::new();
-    let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
-    desk.until_idle();
-    // A post on the bed where the chuck comes by, on top of a machine that is all right.
-    let post = "[[bodies]]\nname = \"post\"\ncarried_by = \"bed\"\nshape = \"box\"\nsize_mm = [8, 8, 200]\n\
-                centre_mm = [70, 18, 50]\n";
-    let machine = home.path("mine.toml");
-    let built_in = std::fs::read_to_string("assets/machines/xyzac.toml").unwrap();
-    std::fs::write(&machine, built_in + post).unwrap();
-    let mut job = quick(desk.app().core().document.job().clone());
-    job.electrode.circumferential_reduction_deg = [3.0, 3.0];
-    job.machine.name = machine.to_str().unwrap().to_owned();
-    plan(&mut desk, job);
-    let core = desk.app().core();
-    assert!(core.outcome().unwrap().plan.is_verified() && !core.pipeline.can_approve());
-    desk.assert_shows("COLLISION: ");
-    desk.press("Go to the collision");
-    let (_, phase, channel) = desk.app().core().machine.shown().unwrap();
-    desk.assert_shows(&format!("{}, channel {channel}", phase.name()));
-    desk.open_step(Stage::Verify);
-    desk.window.state_mut().core_mut().preferences.theme = ThemeChoice::Dark;
-    desk.press("Fit");
-    desk.picture("machine_dark");
-    desk.open_step(Stage::Plan);
-    desk.key(Key::End);
-    assert!(desk.app().core().machine.shown().is_none(), "the timeline above has the word again");
-    desk.window.state_mut().core_mut().layers.get_mut(Layer::Machine).visible = false;
-    desk.settle();
-    assert!(desk.app().scene().objects.iter().all(|o| sparkpath::views::layer_of(o.id) != Some(Layer::Machine)));
 }

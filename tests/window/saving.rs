@@ -86,9 +86,13 @@ fn what_was_to_follow_a_save_is_off_when_nothing_is_saved() {
     work(&mut desk, 52);
     control(&mut desk, Key::O);
     desk.press("Save");
-    desk.type_path(&home.path("absent/b.sparkpath"));
+    let absent = home.path("absent/b.sparkpath");
+    desk.type_path(&absent);
     desk.assert_shows("The project was not saved");
-    desk.press("Close");
+    desk.assert_shows(&format!("{}: cannot be written (No such file", absent.display()));
+    assert!(!desk.shows(".part"), "nobody asked for a temporary file");
+    desk.key(Key::Enter);
+    assert!(!desk.shows("The project was not saved"), "Return closes what only tells");
     control(&mut desk, Key::S);
     desk.type_path(&home.path("b.sparkpath"));
     assert!(!desk.app().core().document.is_unsaved() && !desk.shows(OPEN));

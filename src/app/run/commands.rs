@@ -81,7 +81,12 @@ impl SparkpathApp {
                 self.core.measuring = !self.core.measuring;
                 self.viewport.clear_probe();
             }
-            Command::Leftover => self.core.toggle_leftover(),
+            Command::Leftover => {
+                self.core.toggle_leftover();
+                if self.core.leftover {
+                    self.viewport.look_into_channel(&self.core, now);
+                }
+            }
             Command::Colours => self.core.colours = !self.core.colours,
             Command::Play | Command::NextNode | Command::PreviousNode | Command::FirstNode | Command::LastNode => {
                 self.step_along(command);

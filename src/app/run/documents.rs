@@ -58,7 +58,7 @@ impl SparkpathApp {
         self.core.cursor.s = 0.0;
         self.core.section = None;
         self.core.ghosts.clear();
-        self.core.kept = Default::default();
+        self.core.kept.forget();
         self.core.layers = Default::default();
         self.viewport.clear_probe();
         // What was said last is of another part.

@@ -17,6 +17,7 @@ mod approach;
 mod bodies;
 mod copies;
 mod findings;
+mod pace;
 mod periodic;
 mod run;
 #[cfg(test)]
@@ -94,6 +95,7 @@ pub fn simulate(
     let period_error = periodic::error_of(scenario.blisk, visits.iter().map(|v| v.turn), cancel)?;
     let run = Run { scenario, options, bodies: &bodies, visits: &visits, period_error, cancel };
     let copies = run.copies()?;
+    progress.report("simulation", 0.0, "approach");
     let approach = run.approach(&copies)?;
     let mut pairs = Vec::new();
     // Without a feed there is nothing to say of any pair.

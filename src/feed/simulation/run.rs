@@ -1,12 +1,11 @@
 //! The tests that a simulation is made of.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use glam::DMat3;
 use rayon::prelude::*;
 
 use super::bodies::{self, Bodies, Mover, Obstacle};
 use super::copies::Copies;
+use super::pace::Pace;
 use super::tour::{self, Leg, Legs, Phase};
 use super::{Approach, PairReport, Place, Scenario, SimulationOptions, Visit, approach};
 use crate::feed::certificate::{Certificate, Contact};
@@ -34,6 +33,17 @@ impl<'a> Test<'a> {
     /// A pair on `legs`, with nothing to be said of them.
     fn new(moving: &'a Mover, fixed: &'a Obstacle, required: f64, legs: Vec<&'a Leg>) -> Self {
         Self { moving, fixed, copies: None, during: None, required, legs, allowance: 0.0 }
+    }
+
+    /// Whether it is tested on `leg`, where copies of the body that stands still do not make that needless.
+    fn is_on(&self, leg: &Leg) -> bool {
+        self.copies.is_none() || leg.phase == Phase::Index
+    }
+
+    /// Number of legs that it is tested on.
+    fn walked(&self) -> usize {
+        let own = self.copies.map_or(0, |(_, own)| own.len());
+        own + self.legs.iter().filter(|leg| self.is_on(leg)).count()
     }
 }
 
@@ -68,7 +78,9 @@ impl<'a> Run<'a> {
     fn is_clear(&self, approach: &Approach, visits: &[Visit], copies: &[Option<Copies>]) -> Result<bool, Cancelled> {
         let legs = Legs::new(&approach.poses, &[], self.scenario.own_channel, visits);
         let tests: Vec<Test> = self.tests(&legs, copies).into_iter().filter(|test| !test.moving.on_table).collect();
-        let results: Result<Vec<_>, Cancelled> = tests.par_iter().map(|test| self.test(test, &legs)).collect();
+        let silent = Progress::silent();
+        let pace = Pace::new(&silent, self.visits, 0);
+        let results: Result<Vec<_>, Cancelled> = tests.par_iter().map(|test| self.test(test, &legs, &pace)).collect();
         Ok(results?.iter().flatten().all(PairReport::holds))
     }
 
@@ -156,14 +168,8 @@ impl<'a> Run<'a> {
         let paths = tour::paths(self.scenario.feed.0, self.scenario.copying.map(|c| c.0));
         let legs = Legs::new(&approach.poses, &paths, self.scenario.own_channel, self.visits);
         let tests = self.tests(&legs, copies);
-        let done = AtomicUsize::new(0);
-        let result = |test: &Test| {
-            let result = self.test(test, &legs);
-            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-            progress.report("simulation", done as f64 / tests.len() as f64, &test.moving.name);
-            result
-        };
-        let results: Result<Vec<_>, Cancelled> = tests.par_iter().map(result).collect();
+        let pace = Pace::new(progress, self.visits, tests.iter().map(Test::walked).sum());
+        let results: Result<Vec<_>, Cancelled> = tests.par_iter().map(|test| self.test(test, &legs, &pace)).collect();
         Ok(results?.into_iter().flatten().collect())
     }
 
@@ -218,7 +224,7 @@ impl<'a> Run<'a> {
     }
 
     /// The clearance of a pair over its legs; none if one of the two has no surface.
-    fn test(&self, test: &Test, legs: &Legs) -> Result<Option<PairReport>, Cancelled> {
+    fn test(&self, test: &Test, legs: &Legs, pace: &Pace) -> Result<Option<PairReport>, Cancelled> {
         let pair = Pair {
             moving: &test.moving.solid,
             fixed: &test.fixed.solid,
@@ -237,7 +243,7 @@ impl<'a> Run<'a> {
         }
         let (mut known, mut is_found): (Option<Known>, _) = (None, true);
         if let Some((copies, own)) = test.copies {
-            known = self.over(own.iter(), &Pair { fixed: &copies.solid, ..pair }, test, None)?;
+            known = self.over(own.iter(), &Pair { fixed: &copies.solid, ..pair }, test, None, pace)?;
             if let Some(Known { place, .. }) = &mut known {
                 let found = copies.visit_at(place.on_fixed, self.cancel)?;
                 is_found = found.is_some();
@@ -246,8 +252,8 @@ impl<'a> Run<'a> {
                 }
             }
         }
-        let is_left = |leg: &&Leg| test.copies.is_none() || leg.phase == Phase::Index;
-        let known = self.over(test.legs.iter().copied().filter(is_left), &pair, test, known)?;
+        let left = test.legs.iter().copied().filter(|leg| test.is_on(leg));
+        let known = self.over(left, &pair, test, known, pace)?;
         let Some(Known { clearance: PairClearance { certified, .. }, place: least }) = known else { return Ok(None) };
         let contact =
             if certified <= 0.0 || certified < pair.resolution { self.first_contact(&pair, test, legs)? } else { None };
@@ -308,13 +314,18 @@ impl<'a> Run<'a> {
         pair: &Pair,
         test: &Test,
         mut known: Option<Known>,
+        pace: &Pace,
     ) -> Result<Option<Known>, Cancelled> {
         // Feeds first: they come nearest, and what is known to be farther off is soon done with.
-        let (feeds, others): (Vec<&Leg>, Vec<&Leg>) = legs.partition(|leg| leg.phase == Phase::Feed);
-        for leg in feeds.into_iter().chain(others) {
+        let (mut legs, others): (Vec<&Leg>, Vec<&Leg>) = legs.partition(|leg| leg.phase == Phase::Feed);
+        legs.extend(others);
+        for leg in &legs {
             let poses = bodies::relative(&leg.poses, test.moving, test.fixed);
             let before = known.as_ref().map(|k| k.clearance);
-            let Some(clearance) = pair.clearance(&poses, before, self.cancel)? else { continue };
+            pace.begin(&test.moving.name, leg, &legs);
+            let clearance = pair.clearance(&poses, before, self.cancel)?;
+            pace.end();
+            let Some(clearance) = clearance else { continue };
             let place = match known {
                 Some(k) if k.clearance.least == clearance.least => k.place,
                 _ => place(leg, &clearance.least),

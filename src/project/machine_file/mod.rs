@@ -26,6 +26,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use serde::Deserialize;
 
+use crate::feed::machine::MachineParams;
 use crate::feed::machine_model::{Body, Carrier, MachineModel};
 use crate::geometry::mesh::Mesh;
 use crate::mesh_io::{ImportError, ImportOptions, Units, import_file};
@@ -162,9 +163,12 @@ pub fn machine_table(name: &str) -> Result<toml::Table, MachineFileError> {
     }
     let mut table = parse(name, &text)?;
     table.remove("bodies");
-    match table.contains_key("name") || table.contains_key("file") {
-        false => Ok(table),
-        true => Err(invalid(name, "a machine file has no keys name and file; those are keys of a job")),
+    if table.contains_key("name") || table.contains_key("file") {
+        return Err(invalid(name, "a machine file has no keys name and file; those are keys of a job"));
+    }
+    match toml::Value::Table(table.clone()).try_into::<MachineParams>() {
+        Ok(_) => Ok(table),
+        Err(error) => Err(invalid(name, &one_line(&error.to_string()))),
     }
 }
 

@@ -1,5 +1,5 @@
 use super::*;
-use crate::feed::machine::{AxisSet, MachineParams};
+use crate::feed::machine::AxisSet;
 use crate::geometry::mesh::tests::cuboid;
 use crate::progress::{Cancel, Progress};
 use std::f64::consts::PI;
@@ -87,6 +87,22 @@ fn mistakes_are_told_in_words() {
         assert!(words.iter().all(|w| error.contains(w)), "{error} does not say {words:?}");
     }
     assert!(read("nowhere/mine.toml").unwrap_err().to_string().contains("cannot be read"));
+}
+
+#[test]
+fn keys_that_a_machine_has_not_are_told_of_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("mine.toml");
+    for (text, words) in [
+        ("travel_q_mm = [-1, 1]", "travel_q_mm"),
+        ("travel_x_mm = 3", "travel_x_mm"),
+        ("axes = \"XYC\"", "XYC"),
+        ("name = \"mine\"", "keys of a job"),
+    ] {
+        std::fs::write(&file, text).unwrap();
+        let error = machine_table(file.to_str().unwrap()).unwrap_err().to_string();
+        assert!(error.contains("mine.toml: ") && error.contains(words) && !error.contains('\n'), "{error}");
+    }
 }
 
 #[test]

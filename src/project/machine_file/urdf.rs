@@ -160,9 +160,13 @@ impl<'a> Tree<'a> {
         }
         let links: Vec<Node> = robot.children().filter(|n| n.has_tag_name("link")).collect();
         let names = links.iter().map(|link| attribute(*link, "name")).collect::<Result<Vec<_>, _>>()?;
+        if links.is_empty() {
+            return Err("it has no link; give the machine's links and joints".to_owned());
+        }
         let loose: Vec<&str> = names.into_iter().filter(|name| !joints.contains_key(name)).collect();
         match loose[..] {
             [_] => Ok(Self { joints, links }),
+            [] => Err("every link is carried by a joint; one must be the root, carried by none".to_owned()),
             _ => Err(format!(
                 "one link must be the root, carried by no joint; there are {}: {}",
                 loose.len(),
@@ -414,6 +418,7 @@ mod tests {
             "go round",
         );
         refused("</robot>", "", "root node");
+        assert!(table("<robot name=\"none\"/>").unwrap_err().contains("it has no link"));
         refused(r#""X" type="prismatic""#, r#""X" type="revolute""#, "that of X must be prismatic");
         refused("continuous", "prismatic", "that of A must be revolute or continuous");
         let along = |from: &str, to: &str, axis: &str| refused(from, to, &format!("along or about {axis} of the root"));
