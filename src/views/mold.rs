@@ -21,8 +21,8 @@ const INVERT: Colour = Colour::rgb(0x9a, 0x78, 0xb8);
 /// How far before the mold's own surface something is shown on it, in parts of the mold's diagonal, so that the one does
 /// not shine through the other.
 const BEFORE: f64 = 3e-4;
-/// How far above a layer the mold is cut, in the same parts: layers lie on horizontal faces.
-const ABOVE: f64 = 1e-6;
+/// How far from a layer the mold is cut, in the same parts: layers lie on horizontal faces, or just below them.
+const OFF: f64 = 1e-6;
 /// Opacity of the mold where it would hide what is looked at.
 const FAINT: f32 = 0.3;
 
@@ -161,6 +161,8 @@ pub struct MoldScene<'a> {
 pub struct MoldLayer<'a> {
     /// Its height (mm).
     pub z: f64,
+    /// That of the next one above, if there is one (mm).
+    pub next: Option<f64>,
     /// What is left in it, as far as that is known.
     pub pieces: &'a [UncutPiece],
     /// What no cutter touches of the mold's outline (mm).
@@ -210,7 +212,9 @@ pub fn build_mold(inputs: &MoldScene) -> Scene {
         }
     }
     if let Some(layer) = &inputs.layer {
-        let z = layer.z + ABOVE * inputs.mold.bounds().size().length();
+        let off = OFF * inputs.mold.bounds().size().length();
+        let is_below_face = layer.next.is_some_and(|next| next - layer.z < 2.0 * off);
+        let z = if is_below_face { layer.z - off } else { layer.z + off };
         let normal = layer.opening.in_mesh(DVec3::Z);
         scene.section = Some(SectionPlane { point: z * normal, normal });
         scene.lines.extend(layer_lines(layer, z, inputs.theme));
@@ -264,7 +268,8 @@ mod tests {
         let boundary = vec![Outline::new(square.clone()).unwrap()];
         let segments = [square.iter().map(|p| p.extend(1.4)).collect(), Vec::new()];
         let pieces = [UncutPiece { boundary, area: 0.5, segments: Vec::new(), depth: 0.2 }];
-        let layer = MoldLayer { z: 1.5, pieces: &pieces, segments: &segments, opening: Opening::PlusX };
+        let layer =
+            MoldLayer { z: 1.5, next: Some(1.6), pieces: &pieces, segments: &segments, opening: Opening::PlusX };
         let shapes = region_shapes(mold.source(), &[piece(0, 0.0, 3.0), piece(1, 1.0, 1.0)], 2, Opening::PlusX);
         let inputs = MoldScene {
             mold: &mold,
@@ -286,6 +291,10 @@ mod tests {
         let section = scene.section.unwrap();
         assert_eq!(section.normal, DVec3::X);
         assert!(section.point.x > 1.5 && section.point.x < 1.5001);
+        let below = MoldLayer { next: Some(1.500_001), ..layer };
+        let section = build_mold(&MoldScene { layer: Some(below), ..inputs }).section.unwrap();
+        assert!(section.point.x < 1.5, "what lies on the face is not of the layer below it");
+        let section = scene.section.unwrap();
         let [bounds, segments] = &scene.lines[..] else { panic!("two sets of lines") };
         assert_eq!((bounds.polylines[0].len(), segments.polylines.len()), (4, 1), "closed, and no line without points");
         assert!(segments.polylines[0].iter().all(|p| (p.x - section.point.x).abs() < 1e-12) && segments.colour == BAD);

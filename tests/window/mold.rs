@@ -193,6 +193,7 @@ fn other_cutters_are_compared_region_by_region() {
     desk.mold_mut().only_vanishing = true;
     desk.settle();
     assert_eq!(desk.visible(), 4);
+    desk.pictures("mold_compared");
 }
 
 #[test]
@@ -242,53 +243,6 @@ fn a_mold_is_saved_and_dropped_on_either_workspace() {
 }
 
 #[test]
-fn temporary_timing() {
-    let n = 3000;
-    let ring = |r: f64, z: f64| -> Vec<DVec3> {
-        (0..n)
-            .map(|k| {
-                let a = k as f64 / n as f64 * std::f64::consts::TAU;
-                let r = r * (1.0 + 0.15 * (5.0 * a).cos());
-                DVec3::new(r * a.cos(), r * a.sin(), z)
-            })
-            .collect()
-    };
-    let rings = [ring(45.0, 0.0), ring(45.0, 20.0), ring(30.0, 20.0), ring(28.0, 12.0), ring(20.0, 11.0)];
-    let mut mesh = Mesh { vertices: rings.concat(), triangles: Vec::new() };
-    mesh.vertices.extend([DVec3::ZERO, DVec3::new(0.0, 0.0, 11.0)]);
-    let n = n as u32;
-    for k in 0..4 {
-        for i in 0..n {
-            let [a, b] = [n * k + i, n * k + (i + 1) % n];
-            mesh.triangles.extend([[a, b, b + n], [a, b + n, a + n]]);
-        }
-    }
-    for i in 0..n {
-        let j = (i + 1) % n;
-        mesh.triangles.push([5 * n, j, i]);
-        mesh.triangles.push([5 * n + 1, 4 * n + i, 4 * n + j]);
-    }
-    println!("{} triangles {}", mesh.triangles.len(), mesh.is_watertight());
-    use sparkpath::jobs::uncut::{UncutParams, uncut};
-    use sparkpath::progress::{Cancel, Progress};
-    let standard = sparkpath::project::cutter_file::standard_cutters().unwrap();
-    for library in [CutterLibrary { cutter: vec![Cutter::flat(2.0)] }, standard] {
-        let params = UncutParams::of(library);
-        for _ in 0..3 {
-            let t = std::time::Instant::now();
-            let p = sparkpath::jobs::uncut_preview::preview(&mesh, &params, &Cancel::default()).unwrap();
-            println!("preview {:?} {}", t.elapsed(), p.sentence());
-        }
-        let t = std::time::Instant::now();
-        let u = uncut(&mesh, &params, &Progress::silent(), &Cancel::default()).unwrap();
-        println!("exact {:?} {:?} pieces {}", t.elapsed(), u.found(), u.surface.len());
-        let t = std::time::Instant::now();
-        let s = sparkpath::views::region_shapes(&mesh, &u.surface, u.regions.len(), params.opening);
-        println!("shapes {:?} {}", t.elapsed(), s.len());
-    }
-}
-
-#[test]
 fn how_a_mold_looks() {
     let home = Home::new();
     let mut desk = found(&home);
@@ -297,6 +251,20 @@ fn how_a_mold_looks() {
     desk.key(Key::L);
     desk.key(Key::D);
     desk.pictures("mold_layer");
+}
+
+/// As little room as there ever is: 640 by 360 points.
+#[test]
+fn a_mold_in_a_window_of_1280_by_720_at_200_percent() {
+    let home = Home::new();
+    let mut desk = home.start_in(Opening::Mold(Some(home.mold())), [1280, 720], 2.0);
+    desk.take_cutters(&[Cutter::flat(3.0)]);
+    desk.until_loaded();
+    desk.key(Key::F6);
+    desk.until_found();
+    desk.press_role(Role::Row, "Region 1");
+    desk.key(Key::L);
+    desk.pictures("mold_small");
 }
 
 impl Desk {

@@ -206,6 +206,13 @@ fn answer(ui: &mut Ui, core: &mut Core, found: &FoundUncut) {
         fact(ui, "By layers", figures(layers));
         fact(ui, &format!("By heights {} mm apart", agreement.field_step_mm), figures(field));
     }
+    if let Some(agreement) = &report.ball_agreement {
+        let hint = "The field of heights against an exact search of where a ball can roll";
+        let text = format!("What balls leave, found twice at {} places", agreement.places);
+        ui.label(RichText::new(text).small().color(colours.faint)).on_hover_text(hint);
+        fact(ui, "Half of them within", format!("{:.4} mm", agreement.median_mm));
+        fact(ui, "Nine of ten within", format!("{:.4} mm", agreement.ninetieth_mm));
+    }
     if report.invert.faces > 0 {
         tick(
             ui,

@@ -76,6 +76,7 @@ impl SceneKey {
             glance: core.mold.work.glanced().map(|glance| &glance.shape),
             layer: found.zip(layer).map(|(found, (layer, number))| MoldLayer {
                 z: layer.z,
+                next: found.uncut.layers.get(number + 1).map(|next| next.z),
                 // The layers know what flat cutters leave.
                 pieces: if found.uncut.is_of_flats() { &found.uncut.stack.layers[number].pieces } else { &[] },
                 segments: &segments,
