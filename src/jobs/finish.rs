@@ -67,8 +67,9 @@ pub fn finish<'a>(
     cancel: &Cancel,
 ) -> Result<&'a Finishing, PlanJobError> {
     match outcome.finishing() {
-        Some(known) if known.stopped.is_none() => Ok(known),
-        _ => {
+        // What was stopped stays so: an outcome is finished once.
+        Some(known) => known.stopped.map_or(Ok(known), |_| Err(Cancelled.into())),
+        None => {
             let finishing = finishing(outcome, inputs, blisk, progress, cancel)?;
             let stopped = finishing.stopped.map(|_| Err(Cancelled.into()));
             stopped.unwrap_or_else(|| Ok(outcome.finished_by(finishing)))

@@ -4,7 +4,6 @@
 //! told by the field of heights. What flat cutters leave is always found both ways, and how far the two agree is told.
 
 use glam::DVec3;
-use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::geometry::mesh::Mesh;
@@ -14,8 +13,8 @@ use crate::mold::height_field::{self, Closing, Covered, FieldRegion, HeightField
 use crate::mold::layers::{LayerSettings, LayerSettingsError};
 use crate::mold::opening::Opening;
 use crate::mold::piece::UncutPiece;
-use crate::mold::region::regions;
-use crate::mold::stack::{UncutLayer, UncutStack, uncut_stack};
+use crate::mold::region::{LayerRegion, regions};
+use crate::mold::stack::{UncutStack, uncut_stack};
 use crate::mold::surface::{SurfacePiece, segments_at, uncut_surface};
 use crate::mold::uncut_region::{Regions, UncutRegion};
 use crate::mold::warning::MoldWarning;
@@ -23,6 +22,10 @@ use crate::progress::{Cancel, Cancelled, Progress};
 
 /// Cells of the field of heights that a smallest radius is divided into, where memory allows.
 const CELLS_PER_RADIUS: f64 = 40.0;
+/// Step of the field of heights beyond which it is too coarse, as a share of a smallest radius.
+const COARSEST: f64 = 0.1;
+/// Cells that a region is thick from which on the field of heights cannot miss it.
+const THIN: f64 = 3.0;
 /// Cells of the field of heights, at most, unless its step is given: some 20 bytes each.
 const MOST_CELLS: f64 = 36e6;
 
@@ -153,10 +156,21 @@ impl Uncut {
         if !self.is_of_flats() {
             return segments_at(&self.surface, z).into_iter().map(|(_, ends)| ends.to_vec()).collect();
         }
-        let off = |layer: &&UncutLayer| (layer.z - z).abs();
-        let nearest = self.stack.layers.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
-        let runs = nearest.into_iter().flat_map(|l| l.pieces.iter().flat_map(|p| &p.segments).map(|run| (l.z, run)));
-        runs.map(|(z, run)| run.iter().map(|p| p.extend(z)).collect()).collect()
+        let layers = &self.stack.layers;
+        let off = |k: &usize| (layers[*k].z - z).abs();
+        let nearest = (0..layers.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
+        let of_layer = |k: usize| {
+            let runs = self.pieces(k).flat_map(|piece| &piece.segments);
+            runs.map(|run| run.iter().map(|p| p.extend(layers[k].z)).collect()).collect()
+        };
+        nearest.map_or_else(Vec::new, of_layer)
+    }
+
+    /// The pieces of a layer, by its place in the stack, that belong to regions; none where regions are those of the field
+    /// of heights.
+    pub fn pieces(&self, layer: usize) -> impl Iterator<Item = &UncutPiece> {
+        let own = self.regions.iter().flat_map(|r| &r.pieces).filter(move |[k, _]| *k == layer);
+        own.map(move |[_, i]| &self.stack.layers[layer].pieces[*i])
     }
 
     /// Whether the mesh is such that the answer holds for all of it.
@@ -185,6 +199,9 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, progress: &Progress, cancel: &Ca
     let upright = params.opening.upright_mesh(mesh);
     let needed = params.library.needed();
     let flats: Vec<&Cutter> = needed.iter().copied().filter(|c| c.kind() == CutterKind::Flat).collect();
+    let grid_step = params.grid_step_mm.unwrap_or_else(|| usual_step(&upright, &needed));
+    progress.report("field of heights", 0.0, "");
+    let field = HeightField::raster(&upright, grid_step, cancel)?;
     let mut stack = uncut_stack(&upright, &flats, None, &params.layers, progress, cancel)?;
     // Where a whole wall is missing every section closes all the same.
     let edges = open_edges(mesh);
@@ -192,9 +209,11 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, progress: &Progress, cancel: &Ca
         stack.warnings.insert(0, MoldWarning::NotClosed { edges });
     }
     let flat_regions = regions(&stack.layers, params.tolerance_mm);
-    let grid_step = params.grid_step_mm.unwrap_or_else(|| usual_step(&upright, &needed));
-    progress.report("field of heights", 0.0, "");
-    let field = HeightField::raster(&upright, grid_step, cancel)?;
+    let least_radius = needed.iter().map(|c| c.radius()).fold(f64::INFINITY, f64::min);
+    if grid_step > 1.001 * COARSEST * least_radius {
+        stack.warnings.push(MoldWarning::CoarseGrid { step: grid_step, radius: least_radius });
+    }
+    progress.report("field of heights", 0.2, "");
     let of = |library: &CutterLibrary| -> Result<(Closing, Vec<FieldRegion>), UncutError> {
         let closing = height_field::closing(&field, library, cancel)?;
         let regions = height_field::regions(&field, &closing, params.tolerance_mm, cancel)?;
@@ -221,25 +240,39 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, progress: &Progress, cancel: &Ca
     progress.report("surface", 0.0, "");
     let pieces = uncut_surface(&upright, &Covered::new(&field, &closing, &of_field), cancel)?;
     let all = if is_of_flats {
-        Regions::of_layers(&stack.layers, &flat_regions, (&field, &closing), &of_field, params.tolerance_mm)
+        Regions::of_layers(&stack.layers, &flat_regions, (&field, &closing), &of_field)
     } else {
+        stack.warnings.extend(too_thin(&flat_regions, &of_field, grid_step));
         Regions::of_field(&of_field)
     };
     let (regions, surface) = all.with_surface(pieces);
-    let layers =
-        if is_of_flats { of_layers(&stack) } else { of_surface(&stack, (&field, &closing), &of_field, &surface) };
+    let layers = if is_of_flats {
+        of_layers(&stack, &regions)
+    } else {
+        of_surface(&stack, (&field, &closing), &of_field, &surface)
+    };
     progress.report("surface", 1.0, "");
     Ok(Uncut { params: params.clone(), stack, layers, regions, surface, grid_step, agreement, ball_agreement })
 }
 
-/// What flat cutters leave in each layer.
-fn of_layers(stack: &UncutStack) -> Vec<LayerFound> {
-    let found = |layer: &UncutLayer| LayerFound {
-        z: layer.z,
-        area: layer.pieces.iter().map(|p| p.area).sum(),
-        segment_length: layer.pieces.iter().map(UncutPiece::segment_length).sum(),
-    };
-    stack.layers.iter().map(found).collect()
+/// Thin regions that flat cutters leave where the grid finds nothing: it cannot tell whether rounded cutters take them.
+fn too_thin(flat: &[LayerRegion], of_field: &[FieldRegion], step: f64) -> Option<MoldWarning> {
+    let is_found = |r: &LayerRegion| of_field.iter().any(|f| f.bounds.grown(step).intersects(&r.bounds));
+    let thin = flat.iter().filter(|r| r.residue() < THIN * step && !is_found(r));
+    let (regions, thickness) = thin.fold((0, 0.0f64), |(count, most), r| (count + 1, most.max(r.residue())));
+    (regions > 0).then_some(MoldWarning::ThinRegions { regions, thickness })
+}
+
+/// What the regions of flat cutters have in each layer.
+fn of_layers(stack: &UncutStack, regions: &[UncutRegion]) -> Vec<LayerFound> {
+    let mut layers: Vec<LayerFound> =
+        stack.layers.iter().map(|l| LayerFound { z: l.z, area: 0.0, segment_length: 0.0 }).collect();
+    for &[k, i] in regions.iter().flat_map(|r| &r.pieces) {
+        let piece = &stack.layers[k].pieces[i];
+        layers[k].area += piece.area;
+        layers[k].segment_length += piece.segment_length();
+    }
+    layers
 }
 
 /// What all cutters leave in each layer, by cells and by the surface.
@@ -262,8 +295,14 @@ fn of_surface(
         *sum += by;
         Some(*sum)
     });
-    let length = |z: f64| segments_at(surface, z).iter().map(|(_, [a, b])| a.distance(*b)).sum::<f64>();
-    let lengths: Vec<f64> = heights.par_iter().map(|z| length(*z)).collect();
+    let mut lengths = vec![0.0; heights.len()];
+    for piece in surface {
+        let own = std::slice::from_ref(piece);
+        let [low, high] = piece.span();
+        for k in heights.partition_point(|z| *z < low)..heights.partition_point(|z| *z <= high) {
+            lengths[k] += segments_at(own, heights[k]).iter().map(|(_, [a, b])| a.distance(*b)).sum::<f64>();
+        }
+    }
     let area = |count: i64| count as f64 * field.step() * field.step();
     let figures = heights.iter().zip(counts).zip(lengths);
     figures.map(|((z, count), segment_length)| LayerFound { z: *z, area: area(count), segment_length }).collect()
@@ -301,7 +340,7 @@ mod tests {
 
     use super::*;
     use crate::geometry::mesh::tests::cuboid;
-    use crate::mold::test_molds::{pocket, rectangle};
+    use crate::mold::test_molds::{pocket, polygon, rectangle};
 
     fn answer(mesh: &Mesh, cutters: Vec<Cutter>) -> Result<Uncut, UncutError> {
         let params = UncutParams::of(CutterLibrary { cutter: cutters });
@@ -336,7 +375,6 @@ mod tests {
                 assert!((1.5 * 8.0..=2.0 * 8.0 + 2.0 * corner).contains(&region.surface_area), "{region:?}");
                 assert!(region.nearest_cutter.is_some_and(|k| k < left.params.library.cutter.len()));
             }
-            assert!(left.ball_agreement.is_none_or(|a| a.median_mm < left.grid_step), "{:?}", left.ball_agreement);
             let layer = left.layers.iter().find(|l| (5.0..7.0).contains(&l.z)).unwrap();
             assert!((layer.area - 4.0 * corner).abs() < share.max(0.01) * 4.0 * corner, "{layer:?}");
             assert!((5.0..=8.001).contains(&layer.segment_length), "{layer:?}");
@@ -346,6 +384,33 @@ mod tests {
         }
         let middle = by_flat.layers.iter().find(|l| (5.0..7.0).contains(&l.z)).unwrap();
         assert!((middle.segment_length - 8.0).abs() < 1e-6, "two radii at each corner: {middle:?}");
+    }
+
+    #[test]
+    fn corners_too_thin_for_the_grid_are_left_all_the_same() {
+        // Twelve corners of 150 degrees: R (1 / cos 15 degrees - 1) = 0.035 mm deep.
+        let round = polygon(12, 8.0);
+        let mesh = pocket(&polygon(12, 12.0), &round, &round, [10.0, 6.0]);
+        for step in [None, Some(0.5)] {
+            let params = UncutParams {
+                grid_step_mm: step,
+                ..UncutParams::of(CutterLibrary { cutter: vec![Cutter::flat(1.0)] })
+            };
+            let left = uncut(&mesh, &params, &Progress::silent(), &Cancel::default()).unwrap();
+            assert_eq!(left.regions.len(), 12, "{step:?}");
+            let (half, deep) = (15f64.to_radians(), 1.0 / 15f64.to_radians().cos() - 1.0);
+            for region in &left.regions {
+                // Where the grid sees a corner it looks up along the walls.
+                assert!(region.thickness > 0.999 * deep, "{region:?}");
+                assert!((region.volume - 6.0 * (half.tan() - half)).abs() < 1e-4, "{region:?}");
+                assert!(region.plan_area > 0.0, "{region:?}");
+            }
+            let is_coarse = left.stack.warnings.iter().any(|w| matches!(w, MoldWarning::CoarseGrid { .. }));
+            assert_eq!(is_coarse, step.is_some());
+        }
+        let both = answer(&mesh, vec![Cutter::flat(1.0), Cutter::ball(2.0)]).unwrap();
+        let thin = both.stack.warnings.iter().any(|w| matches!(w, MoldWarning::ThinRegions { regions: 12, .. }));
+        assert!(thin || both.regions.len() == 12, "{:?}", both.stack.warnings);
     }
 
     #[test]

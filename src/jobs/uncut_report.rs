@@ -52,7 +52,7 @@ pub struct RegionReport {
     pub index: usize,
     /// Volume (mm^3).
     pub volume_mm3: f64,
-    /// Area seen from the cutter (mm^2); of the largest layer where the regions are those of layers.
+    /// Area seen from the cutter (mm^2).
     pub plan_area_mm2: f64,
     /// Area of the mold's surface that bounds it, walls and floors (mm^2).
     pub surface_area_mm2: f64,
@@ -160,13 +160,21 @@ impl UncutReport {
     }
 }
 
+/// Regions up to so many tolerances thick are at the tolerance.
+const AT_TOLERANCE: f64 = 1.5;
+
 fn sentence(uncut: &Uncut) -> String {
     let Found { regions, volume_mm3 } = uncut.found();
     let doubt = if uncut.is_whole() { "" } else { "; the mesh is not whole, so that more may be left than is said" };
+    let limit = AT_TOLERANCE * uncut.params.tolerance_mm;
+    let thin = match uncut.regions.iter().filter(|r| r.thickness <= limit).count() {
+        0 => String::new(),
+        thin => format!(", {thin} of them no thicker than {limit:.3} mm, about the tolerance"),
+    };
     match regions {
         0 => format!("The cutters reach everything{doubt}."),
-        1 => format!("The cutters leave 1 region of {volume_mm3:.3} mm3{doubt}."),
-        _ => format!("The cutters leave {regions} regions of {volume_mm3:.3} mm3 together{doubt}."),
+        1 => format!("The cutters leave 1 region of {volume_mm3:.3} mm3{thin}{doubt}."),
+        _ => format!("The cutters leave {regions} regions of {volume_mm3:.3} mm3 together{thin}{doubt}."),
     }
 }
 

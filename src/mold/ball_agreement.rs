@@ -37,9 +37,9 @@ pub fn ball_agreement(
 ) -> Result<Option<BallAgreement>, Cancelled> {
     let is_ball = |k: usize| library.cutter[k].kind() == CutterKind::Ball && library.cutter[k].reach_mm.is_none();
     let cells = regions.iter().flat_map(|r| &r.cells).map(|cell| *cell as usize);
-    let own: Vec<(usize, usize)> =
-        cells.filter_map(|cell| closing.nearest(cell).filter(|k| is_ball(*k)).map(|k| (cell, k))).collect();
-    let looked_at: Vec<(usize, usize)> = own.iter().step_by(own.len().div_ceil(PLACES).max(1)).copied().collect();
+    let own = cells.filter_map(|cell| closing.nearest(cell).filter(|k| is_ball(*k)).map(|k| (cell, k)));
+    let count = own.clone().count();
+    let looked_at: Vec<(usize, usize)> = own.step_by(count.div_ceil(PLACES).max(1)).collect();
     let mut cutters: Vec<usize> = looked_at.iter().map(|(_, k)| *k).collect();
     cutters.sort_unstable();
     cutters.dedup();

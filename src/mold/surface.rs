@@ -5,7 +5,7 @@
 //! none of it does, or it is as small as two cells: the boundary is that fine. Faces that look down are never uncut: they
 //! are invert.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::height_field::{Cover, Covered};
@@ -39,6 +39,12 @@ pub struct SurfacePiece {
 }
 
 impl SurfacePiece {
+    /// Its least and greatest height (mm).
+    pub fn span(&self) -> [f64; 2] {
+        let heights = self.corners.map(|p| p.z);
+        heights.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| [low.min(*z), high.max(*z)])
+    }
+
     /// Its area (mm^2).
     pub fn area(&self) -> f64 {
         let [a, b, c] = self.corners;
@@ -68,10 +74,11 @@ pub fn uncut_surface(mesh: &Mesh, covered: &Covered, cancel: &Cancel) -> Result<
         let corners = mesh.corners(face);
         let normal = unit_normal(corners);
         let mut pieces = Vec::new();
-        if normal.is_finite() && normal.z >= INVERT {
-            let face =
-                Face { covered, normal, beside: normal.with_z(0.0) * BESIDE * covered.step(), face: face as u32 };
-            face.split(corners, MOST_HALVINGS, &mut pieces);
+        // A face without area has no normal.
+        if normal != DVec3::ZERO && normal.z >= INVERT {
+            let beside = normal.with_z(0.0) * BESIDE * covered.step();
+            let face = Face { covered, cancel, normal, beside, face: face as u32 };
+            face.split(corners, MOST_HALVINGS, &mut pieces)?;
         }
         Ok(pieces)
     };
@@ -82,6 +89,7 @@ pub fn uncut_surface(mesh: &Mesh, covered: &Covered, cancel: &Cancel) -> Result<
 
 struct Face<'a> {
     covered: &'a Covered<'a>,
+    cancel: &'a Cancel,
     normal: DVec3,
     /// From the surface to where the grid is asked (mm).
     beside: DVec3,
@@ -89,32 +97,57 @@ struct Face<'a> {
 }
 
 impl Face<'_> {
-    fn split(&self, corners: [DVec3; 3], halvings: usize, pieces: &mut Vec<SurfacePiece>) {
+    fn split(&self, corners: [DVec3; 3], halvings: usize, pieces: &mut Vec<SurfacePiece>) -> Result<(), Cancelled> {
+        self.cancel.check()?;
         let [a, b, c] = corners;
-        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-        let cover = self.covered.over((low + self.beside).truncate(), (high + self.beside).truncate());
-        let whole = match cover {
-            Cover::Nothing => return,
+        let (low, high) = (a.z.min(b.z).min(c.z), a.z.max(b.z).max(c.z));
+        let slack = BELOW * self.covered.step();
+        let whole = match self.cover(corners) {
+            Cover::Nothing => return Ok(()),
             Cover::Partly => None,
-            // What is left over a floor reaches above it everywhere, beside a wall it may end halfway up.
-            Cover::Wholly { region, least } => (self.normal.z >= WALL || least >= high.z).then_some(region),
+            // Under other material, or above what is left.
+            Cover::Wholly { from, to, .. } if high < from[0] - slack || low > to[1] => return Ok(()),
+            // What is left over a floor reaches above it everywhere unless something else is over it; beside a wall it may
+            // end halfway up.
+            Cover::Wholly { region, from, to } => {
+                let is_whole = if self.normal.z >= WALL { from[1] <= high + slack } else { to[0] >= high };
+                is_whole.then_some(region)
+            }
         };
         let middle = (a + b + c) / 3.0;
         let is_visible = || [a, b, c, middle].iter().all(|p| self.left_at(*p).is_some());
         if let Some(region) = whole.filter(|_| is_visible()) {
             pieces.push(self.piece(corners, region));
-            return;
+            return Ok(());
         }
         let sides = [b - a, c - b, a - c].map(DVec3::length);
         let longest = (0..3).max_by(|i, j| sides[*i].total_cmp(&sides[*j])).unwrap_or(0);
         if sides[longest] <= FINENESS * self.covered.step() || halvings == 0 {
             pieces.extend(self.left_at(middle).map(|(region, _)| self.piece(corners, region)));
-            return;
+            return Ok(());
         }
         let [from, to, tip] = [0, 1, 2].map(|k| corners[(longest + k) % 3]);
         let half = 0.5 * (from + to);
-        self.split([from, half, tip], halvings - 1, pieces);
-        self.split([half, to, tip], halvings - 1, pieces);
+        self.split([from, half, tip], halvings - 1, pieces)?;
+        self.split([half, to, tip], halvings - 1, pieces)
+    }
+
+    /// What is left beside or over a part of the face. A wall that is less than a cell wide in plan is a line there: its box
+    /// would hold what lies behind it.
+    fn cover(&self, corners: [DVec3; 3]) -> Cover {
+        let plan = corners.map(|p| (p + self.beside).truncate());
+        let across = self.normal.truncate().normalize_or_zero();
+        let extent = |direction: DVec2| {
+            let along = plan.map(|p| p.dot(direction));
+            [along[0].min(along[1]).min(along[2]), along[0].max(along[1]).max(along[2])]
+        };
+        let [near, far] = extent(across);
+        if self.normal.z < WALL && far - near < self.covered.step() {
+            let [from, to] = extent(across.perp());
+            let at = |along: f64| across * 0.5 * (near + far) + across.perp() * along;
+            return self.covered.along(at(from), at(to));
+        }
+        self.covered.over(plan[0].min(plan[1]).min(plan[2]), plan[0].max(plan[1]).max(plan[2]))
     }
 
     /// The region that a point of the surface bounds, and how far what is left reaches above it (mm).

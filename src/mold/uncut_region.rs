@@ -1,8 +1,8 @@
 //! Regions of what is left, by all that is known of them.
 //!
 //! The grid of heights knows every kind of cutter, the layers know flat ones better. Where only flat cutters count, a
-//! region's extent and volume are those of the layers; what the layers find and the grid does not is kept unless it is
-//! so thin that it may be within the tolerance. Where rounded cutters count too, regions are those of the grid.
+//! region's extent and volume are those of the layers, and the grid adds what it knows of it, and regions that lie between
+//! layers. Where rounded cutters count too, regions are those of the grid.
 
 use glam::DVec2;
 
@@ -59,7 +59,11 @@ impl UncutRegion {
         let main = of_field.iter().max_by(|a, b| a.volume.total_cmp(&b.volume));
         Self {
             volume: region.volume,
-            plan_area: plan_area(layers, region).unwrap_or_else(|| of_field.iter().map(|r| r.plan_area).sum()),
+            plan_area: if main.is_some() {
+                plan_area(layers, region).unwrap_or_else(|| of_field.iter().map(|r| r.plan_area).sum())
+            } else {
+                region.plan_area
+            },
             surface_area: 0.0,
             depth: if main.is_some() { greatest(|r| r.depth) } else { region.height },
             thickness: if main.is_some() { greatest(|r| r.normal_depth) } else { region.residue() },
@@ -94,18 +98,23 @@ impl Regions {
         flat: &[LayerRegion],
         (field, closing): (&HeightField, &Closing),
         found: &[FieldRegion],
-        tolerance: f64,
     ) -> Self {
         let owner = |region: &FieldRegion| owner(layers, flat, (field, closing), region);
         let owners: Vec<Option<usize>> = found.iter().map(owner).collect();
         let parts = |l: usize| found.iter().zip(&owners).filter(move |(_, owner)| **owner == Some(l)).map(|(r, _)| r);
-        // What the grid misses may be within the tolerance if it is thinner than that and a cell together.
-        let is_kept = |l: &usize| parts(*l).next().is_some() || flat[*l].residue() > tolerance + field.step();
-        let mut kept: Vec<usize> = (0..flat.len()).filter(is_kept).collect();
-        kept.sort_by(|a, b| flat[*b].volume.total_cmp(&flat[*a].volume).then(a.cmp(b)));
-        let region = |l: &usize| UncutRegion::of_layers(layers, &flat[*l], &parts(*l).collect::<Vec<_>>());
-        let place = |owner: &Option<usize>| owner.and_then(|l| kept.iter().position(|k| *k == l));
-        Self { regions: kept.iter().map(region).collect(), places: owners.iter().map(place).collect() }
+        let of_layers =
+            (0..flat.len()).map(|l| UncutRegion::of_layers(layers, &flat[l], &parts(l).collect::<Vec<_>>()));
+        // Layers that lie too far apart may have missed what the grid finds.
+        let missed = (0..found.len()).filter(|f| owners[*f].is_none());
+        let all: Vec<UncutRegion> = of_layers.chain(missed.clone().map(|f| UncutRegion::of_field(&found[f]))).collect();
+        let mut order: Vec<usize> = (0..all.len()).collect();
+        order.sort_by(|a, b| all[*b].volume.total_cmp(&all[*a].volume).then(a.cmp(b)));
+        let mut places = vec![0; all.len()];
+        order.iter().enumerate().for_each(|(place, i)| places[*i] = place);
+        let mut of_missed = flat.len()..;
+        let place = |owner: &Option<usize>| owner.or_else(|| of_missed.next()).map(|i| places[i]);
+        let places = owners.iter().map(place).collect();
+        Self { regions: order.into_iter().map(|i| all[i].clone()).collect(), places }
     }
 
     /// The pieces of the surface that bound a region, which are numbered as the regions of the grid, numbered as the
@@ -140,12 +149,9 @@ fn owner(
     (field, closing): (&HeightField, &Closing),
     region: &FieldRegion,
 ) -> Option<usize> {
-    let slack = field.step();
+    let slack = 1.5 * field.step();
     let near: Vec<usize> =
         (0..flat.len()).filter(|l| flat[*l].bounds.grown(slack).intersects(&region.bounds)).collect();
-    if let [only] = near[..] {
-        return Some(only);
-    }
     let mut counts = vec![0usize; near.len()];
     for cell in region.cells.iter().step_by(region.cells.len().div_ceil(LOOKS).max(1)).map(|c| *c as usize) {
         let Some(low) = field.height(cell) else { continue };
@@ -159,12 +165,11 @@ fn owner(
     (counts[most] > 0).then_some(near[most])
 }
 
-/// Whether a piece of the region between the heights holds a place of the plan.
+/// Whether a piece of the region between the heights holds a place of the plan, or one within `slack` of it (mm).
 fn holds(layers: &[UncutLayer], region: &LayerRegion, at: DVec2, [low, high]: [f64; 2], slack: f64) -> bool {
-    let place = at.extend(0.5 * (low + high));
+    let near = [DVec2::ZERO, DVec2::X, DVec2::NEG_X, DVec2::Y, DVec2::NEG_Y].map(|off| at + slack * off);
     let bounds = region.bounds.grown(slack);
-    let is_in_box =
-        bounds.min.truncate().cmple(place.truncate()).all() && place.truncate().cmple(bounds.max.truncate()).all();
+    let is_in_box = bounds.min.truncate().cmple(at).all() && at.cmple(bounds.max.truncate()).all();
     let mut own = region.pieces.iter().filter(|[k, _]| (low - slack..=high + slack).contains(&layers[*k].z));
-    is_in_box && own.any(|&[k, i]| plane::holds(&layers[k].pieces[i].boundary, at))
+    is_in_box && own.any(|&[k, i]| near.iter().any(|p| plane::holds(&layers[k].pieces[i].boundary, *p)))
 }

@@ -61,6 +61,28 @@ pub enum MoldWarning {
         /// The deepest (mm).
         depth: f64,
     },
+    /// A field of heights that sees too little.
+    #[error(
+        "the field of heights has a step of {step:.4} mm, more than a tenth of the smallest cutter's radius of {radius} mm: \
+         what rounded cutters leave in corners may be missed; leave out the smallest cutters, or cut the mold in parts"
+    )]
+    CoarseGrid {
+        /// Its step (mm).
+        step: f64,
+        /// The smallest radius (mm).
+        radius: f64,
+    },
+    /// Regions that flat cutters leave and the field of heights does not show.
+    #[error(
+        "{regions} regions that flat cutters leave, up to {thickness:.4} mm thick, are too thin for the field of heights: \
+         whether the rounded cutters take them is not known"
+    )]
+    ThinRegions {
+        /// How many.
+        regions: usize,
+        /// The thickest (mm).
+        thickness: f64,
+    },
     /// Slabs that should have been halved were not.
     #[error("{layers} layers are the most that are allowed: between them less is known than was asked for")]
     TooFewLayers {

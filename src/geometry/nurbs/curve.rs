@@ -133,7 +133,9 @@ impl NurbsCurve {
     ) -> NearestOnCurve {
         let possible = 0.5 * (ends[0] + ends[1] - speed * (within[1] - within[0]));
         let middle = 0.5 * (within[0] + within[1]);
-        if possible >= best.distance - near || middle <= within[0] || middle >= within[1] {
+        // What is no number is not nearer.
+        let is_nearer = possible < best.distance - near;
+        if !is_nearer || middle <= within[0] || middle >= within[1] {
             return best;
         }
         let there = self.point(middle).distance(p);

@@ -32,9 +32,9 @@ pub enum Cover {
     Nothing,
     /// Some of it, or several regions.
     Partly,
-    /// One region over every cell; the height of what is left is nowhere less than `least` (mm).
+    /// One region over every cell, with the least and the greatest height (mm) from which on and up to which it is left.
     #[allow(missing_docs)]
-    Wholly { region: usize, least: f64 },
+    Wholly { region: usize, from: [f64; 2], to: [f64; 2] },
 }
 
 /// Where the regions of a grid lie.
@@ -44,8 +44,8 @@ pub struct Covered<'a> {
     closing: &'a Closing,
     /// The region of each cell.
     regions: Vec<u32>,
-    /// The same for blocks of cells, with the least height of what is left.
-    blocks: Vec<(u32, f32)>,
+    /// The same for blocks of cells.
+    blocks: Vec<Part>,
     block_columns: usize,
 }
 
@@ -73,9 +73,7 @@ impl<'a> Covered<'a> {
 
     /// What is left over the cell in which a place of the plan lies; none where nothing is, or off the grid.
     pub fn at(&self, place: DVec2) -> Option<Left> {
-        let at = (place - self.field.corner) / self.field.step;
-        let is_on = at.x >= 0.0 && at.y >= 0.0 && at.x < self.field.columns as f64 && at.y < self.field.rows as f64;
-        let cell = is_on.then(|| at.y as usize * self.field.columns + at.x as usize)?;
+        let cell = self.cell(place)?;
         let height = |of: &[f32]| self.field.base + f64::from(of[cell]);
         let (low, high) = (height(&self.field.heights), height(&self.closing.heights));
         (self.regions[cell] != NONE).then(|| Left { region: self.regions[cell] as usize, low, high })
@@ -91,7 +89,7 @@ impl<'a> Covered<'a> {
         let [from, to] = [from, to].map(|p| p.clamp(DVec2::ZERO, size - 1.0));
         let (columns, rows) = (from.x as usize..=to.x as usize, from.y as usize..=to.y as usize);
         let is_wide = |range: &RangeInclusive<usize>| range.end() - range.start() > 2 * BLOCK;
-        let (region, least) = if is_wide(&columns) || is_wide(&rows) {
+        let part = if is_wide(&columns) || is_wide(&rows) {
             let in_blocks = |range: RangeInclusive<usize>| range.start() / BLOCK..=range.end() / BLOCK;
             let columns = in_blocks(columns);
             let blocks = in_blocks(rows).flat_map(|row| columns.clone().map(move |column| (row, column)));
@@ -99,32 +97,74 @@ impl<'a> Covered<'a> {
         } else {
             summary(self.field, self.closing, &self.regions, columns, rows)
         };
-        match region {
+        self.cover(part)
+    }
+
+    /// What is left over the cells along a line in plan (mm).
+    pub fn along(&self, from: DVec2, to: DVec2) -> Cover {
+        let steps = (2.0 * from.distance(to) / self.field.step).ceil().max(1.0);
+        let places = (0..=steps as usize).map(|k| from.lerp(to, k as f64 / steps));
+        self.cover(joined(places.map(|place| self.cell(place).map_or(Part::NOTHING, |cell| self.part(cell)))))
+    }
+
+    fn cover(&self, part: Part) -> Cover {
+        let height = |above: f32| self.field.base + f64::from(above);
+        match part.region {
             NONE => Cover::Nothing,
             SEVERAL => Cover::Partly,
-            region => Cover::Wholly { region: region as usize, least: self.field.base + f64::from(least) },
+            region => Cover::Wholly { region: region as usize, from: part.from.map(height), to: part.to.map(height) },
         }
+    }
+
+    /// The cell in which a place of the plan lies; none off the grid.
+    fn cell(&self, place: DVec2) -> Option<usize> {
+        let at = (place - self.field.corner) / self.field.step;
+        let is_on = at.x >= 0.0 && at.y >= 0.0 && at.x < self.field.columns as f64 && at.y < self.field.rows as f64;
+        is_on.then(|| at.y as usize * self.field.columns + at.x as usize)
+    }
+
+    fn part(&self, cell: usize) -> Part {
+        part(self.field, self.closing, &self.regions, cell)
     }
 }
 
-/// The region over a rectangle of cells and the least height of what is left.
+/// A part of the grid: its region, the least and the greatest height from which on and up to which it is left.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Part {
+    region: u32,
+    from: [f32; 2],
+    to: [f32; 2],
+}
+
+impl Part {
+    const NOTHING: Self = Self { region: NONE, from: [0.0; 2], to: [0.0; 2] };
+}
+
+fn part(field: &HeightField, closing: &Closing, regions: &[u32], cell: usize) -> Part {
+    Part { region: regions[cell], from: [field.heights[cell]; 2], to: [closing.heights[cell]; 2] }
+}
+
+/// A rectangle of cells as one part.
 fn summary(
     field: &HeightField,
     closing: &Closing,
     regions: &[u32],
     columns: RangeInclusive<usize>,
     rows: RangeInclusive<usize>,
-) -> (u32, f32) {
+) -> Part {
     let cells = rows.flat_map(|row| columns.clone().map(move |column| row * field.columns + column));
-    joined(cells.map(|cell| (regions[cell], closing.heights[cell])))
+    joined(cells.map(|cell| part(field, closing, regions, cell)))
 }
 
-fn joined(mut parts: impl Iterator<Item = (u32, f32)>) -> (u32, f32) {
-    let first = parts.next().unwrap_or((NONE, f32::INFINITY));
-    let both = |a: (u32, f32), b: (u32, f32)| {
-        let region = if a.0 == b.0 { a.0 } else { SEVERAL };
+fn joined(mut parts: impl Iterator<Item = Part>) -> Part {
+    let first = parts.next().unwrap_or(Part::NOTHING);
+    let both = |a: Part, b: Part| {
         // Once parts differ the rest says no more.
-        if region == SEVERAL { Err((SEVERAL, f32::NEG_INFINITY)) } else { Ok((region, a.1.min(b.1))) }
+        if a.region != b.region || a.region == SEVERAL {
+            return Err(Part { region: SEVERAL, ..Part::NOTHING });
+        }
+        let span = |a: [f32; 2], b: [f32; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+        Ok(Part { region: a.region, from: span(a.from, b.from), to: span(a.to, b.to) })
     };
     parts.try_fold(first, both).unwrap_or_else(|several| several)
 }
