@@ -24,6 +24,12 @@ use crate::progress::{Cancel, Cancelled, Progress};
 const CELLS_PER_RADIUS: f64 = 40.0;
 /// Step of the field of heights beyond which it is too coarse, as a share of a smallest radius.
 const COARSEST: f64 = 0.1;
+/// How far heights of the grid may be off: single precision, and a rounded cutter that sags between two places (mm).
+const ROUNDING: f64 = 3e-4;
+/// Tolerances that the field's step is wide, and steps across a mold, at most, that are made for that.
+const STEPS: (f64, f64) = (2.0, 2500.0);
+/// Cells of a smallest diameter at most: time grows with them, for rounded cutters with their square.
+const MOST_ACROSS: [f64; 2] = [400.0, 160.0];
 /// Cells that a region is thick from which on the field of heights cannot miss it.
 const THIN: f64 = 3.0;
 /// Cells of the field of heights, at most, unless its step is given: some 20 bytes each.
@@ -54,7 +60,8 @@ impl UncutParams {
     /// Whether they can be asked.
     ///
     /// # Errors
-    /// [`UncutError::Cutters`], [`UncutError::Layers`], [`UncutError::Tolerance`], [`UncutError::Field`].
+    /// [`UncutError::Cutters`], [`UncutError::Layers`], [`UncutError::Tolerance`], [`UncutError::CoarseStep`],
+    /// [`UncutError::Field`].
     pub fn validate(&self) -> Result<(), UncutError> {
         self.library.validate()?;
         self.layers.validate()?;
@@ -62,7 +69,12 @@ impl UncutParams {
             return Err(UncutError::Tolerance(self.tolerance_mm));
         }
         match self.grid_step_mm.filter(|step| !(step.is_finite() && *step > 0.0)) {
-            Some(step) => Err(UncutError::Field(HeightFieldError::BadStep(step))),
+            Some(step) => return Err(UncutError::Field(HeightFieldError::BadStep(step))),
+            None => {}
+        }
+        let radius = self.library.needed().iter().map(|c| c.radius()).fold(f64::INFINITY, f64::min);
+        match self.grid_step_mm.filter(|step| *step > 0.5 * radius) {
+            Some(step) => Err(UncutError::CoarseStep { step, radius }),
             None => Ok(()),
         }
     }
@@ -80,6 +92,14 @@ pub enum UncutError {
     /// The tolerance is not possible.
     #[error("tolerance_mm is {0}: it must be finite and from 0.0001 to 10 mm")]
     Tolerance(f64),
+    /// A step of the field of heights that shows nothing.
+    #[error("the field of heights: a step of {step} mm is too coarse for a cutter of radius {radius} mm; give at most {} mm", 0.5 * radius)]
+    CoarseStep {
+        /// The step (mm).
+        step: f64,
+        /// The smallest radius (mm).
+        radius: f64,
+    },
     /// The field of heights cannot be had.
     #[error("field of heights: {0}")]
     Field(HeightFieldError),
@@ -173,11 +193,13 @@ impl Uncut {
         own.map(move |[_, i]| &self.stack.layers[layer].pieces[*i])
     }
 
-    /// Whether the mesh is such that the answer holds for all of it.
+    /// Whether mesh and grid are such that the answer holds for all of the mold.
     pub fn is_whole(&self) -> bool {
         let breaks = |w: &MoldWarning| {
             use MoldWarning::{Crossing, Empty, NotClosed, Open};
+            let is_answered_by_grid = || !self.is_of_flats();
             matches!(w, Empty | NotClosed { .. } | Open { .. } | Crossing { .. })
+                || matches!(w, MoldWarning::CoarseGrid { .. }) && is_answered_by_grid()
         };
         !self.stack.warnings.iter().any(breaks)
     }
@@ -199,7 +221,7 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, progress: &Progress, cancel: &Ca
     let upright = params.opening.upright_mesh(mesh);
     let needed = params.library.needed();
     let flats: Vec<&Cutter> = needed.iter().copied().filter(|c| c.kind() == CutterKind::Flat).collect();
-    let grid_step = params.grid_step_mm.unwrap_or_else(|| usual_step(&upright, &needed));
+    let grid_step = params.grid_step_mm.unwrap_or_else(|| usual_step(&upright, &needed, params.tolerance_mm));
     progress.report("field of heights", 0.0, "");
     let field = HeightField::raster(&upright, grid_step, cancel)?;
     let mut stack = uncut_stack(&upright, &flats, None, &params.layers, progress, cancel)?;
@@ -288,8 +310,8 @@ fn of_surface(
     for cell in regions.iter().flat_map(|r| &r.cells).map(|c| *c as usize) {
         let Some(low) = field.height(cell) else { continue };
         let high = low + closing.residue(field, cell);
-        change[heights.partition_point(|z| *z <= low)] += 1;
-        change[heights.partition_point(|z| *z < high)] -= 1;
+        change[first_above(&heights, low)] += 1;
+        change[first_above(&heights, high)] -= 1;
     }
     let counts = change.iter().scan(0i64, |sum, by| {
         *sum += by;
@@ -308,20 +330,35 @@ fn of_surface(
     figures.map(|((z, count), segment_length)| LayerFound { z: *z, area: area(count), segment_length }).collect()
 }
 
+/// The first of the layers that lies above a height of the grid. Layers lie closely below and on horizontal faces, and
+/// heights are a little off: one near such a pair is that of the face.
+fn first_above(layers: &[f64], height: f64) -> usize {
+    let after = layers.partition_point(|z| *z <= height);
+    let is_pair = |k: &usize| {
+        let [below, above] = [layers[*k - 1], layers[*k]];
+        above - below < 0.1 * ROUNDING && (below - ROUNDING..=above + ROUNDING).contains(&height)
+    };
+    let near = after.saturating_sub(1).max(1)..(after + 2).min(layers.len());
+    near.clone().find(is_pair).unwrap_or(after)
+}
+
 /// Edges that have no face on one side, or more on one than on the other.
 fn open_edges(mesh: &Mesh) -> usize {
     let directed = mesh.directed_edges();
     directed.iter().filter(|((a, b), count)| directed.get(&(*b, *a)).copied().unwrap_or(0) < **count).count()
 }
 
-/// As fine as the smallest cutter asks for, but with no more cells than a computer holds with ease, and such that every
+/// As fine as the smallest cutter and the tolerance ask for, but with no more cells than a computer holds with ease, and such that every
 /// cutter is close to a whole number of cells wide: the grid takes it for that.
-fn usual_step(mesh: &Mesh, cutters: &[&Cutter]) -> f64 {
+fn usual_step(mesh: &Mesh, cutters: &[&Cutter], tolerance: f64) -> f64 {
     let least = cutters.iter().map(|c| c.diameter_mm).fold(f64::INFINITY, f64::min);
     let widest = cutters.iter().map(|c| c.holder().map_or(c.radius(), |(holder, _)| holder)).fold(0.0, f64::max);
     let size = mesh.bounds().size().truncate() + 2.0 * widest;
     let coarsest = (size.x * size.y / MOST_CELLS).sqrt();
-    let most = (2.0 * CELLS_PER_RADIUS).min(least / coarsest).floor();
+    let fine = (STEPS.0 * tolerance).max(mesh.bounds().size().truncate().max_element() / STEPS.1);
+    let is_rounded = cutters.iter().any(|c| c.kind() != CutterKind::Flat);
+    let across = (least / fine).min(MOST_ACROSS[usize::from(is_rounded)]).max(2.0 * CELLS_PER_RADIUS);
+    let most = across.min(least / coarsest).floor();
     if most < 2.0 {
         return coarsest;
     }
@@ -387,6 +424,15 @@ mod tests {
     }
 
     #[test]
+    fn heights_of_faces_lie_between_the_layers_below_and_above_them() {
+        let layers = [0.0, 1.0 - 1e-6, 1.0 + 1e-6, 3.0];
+        let at = |height: f64| first_above(&layers, height);
+        assert_eq!([-1.0, 0.5, 2.0, 4.0].map(at), [0, 1, 3, 4]);
+        assert_eq!([1.0 - 1e-4, 1.0 - 5e-7, 1.0, 1.0 + 1e-4].map(at), [2; 4]);
+        assert_eq!(first_above(&[], 1.0), 0);
+    }
+
+    #[test]
     fn corners_too_thin_for_the_grid_are_left_all_the_same() {
         // Twelve corners of 150 degrees: R (1 / cos 15 degrees - 1) = 0.035 mm deep.
         let round = polygon(12, 8.0);
@@ -428,7 +474,7 @@ mod tests {
     #[test]
     fn the_grid_fits_the_cutters() {
         let mesh = cuboid(DVec3::new(100.0, 80.0, 3.0));
-        let step = |cutters: &[Cutter]| usual_step(&mesh, &cutters.iter().collect::<Vec<_>>());
+        let step = |cutters: &[Cutter]| usual_step(&mesh, &cutters.iter().collect::<Vec<_>>(), 0.02);
         assert_eq!(step(&[Cutter::flat(1.0)]), 0.025);
         for cutters in [vec![Cutter::ball(0.5)], vec![Cutter::flat(1.3), Cutter::ball(1.0)], vec![Cutter::flat(1e-2)]] {
             let step = step(&cutters);
@@ -446,6 +492,11 @@ mod tests {
         let mesh = cuboid(DVec3::new(10.0, 8.0, 3.0));
         let refused = |mesh: &Mesh, cutters| answer(mesh, cutters).unwrap_err().to_string();
         assert!(refused(&mesh, Vec::new()).contains("no cutter"));
+        let coarse = UncutParams {
+            grid_step_mm: Some(0.6),
+            ..UncutParams::of(CutterLibrary { cutter: vec![Cutter::flat(1.0)] })
+        };
+        assert!(coarse.validate().unwrap_err().to_string().contains("give at most 0.5 mm"));
         assert!(refused(&mesh, vec![Cutter::flat(-1.0)]).contains("diameter_mm is -2 mm"));
         assert!(refused(&Mesh::default(), vec![Cutter::flat(1.0)]).contains("nothing to cut"));
     }

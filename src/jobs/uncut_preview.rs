@@ -9,7 +9,7 @@ use crate::mold::surface::SurfacePiece;
 use crate::progress::Cancel;
 
 /// Cells of the field of heights of a quick look.
-const CELLS: f64 = 90e3;
+const CELLS: f64 = 250e3;
 /// Steps of the grid by which neighbouring cells may differ in height and still be one surface.
 const STEEP: f64 = 2.0;
 

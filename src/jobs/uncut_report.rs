@@ -165,7 +165,7 @@ const AT_TOLERANCE: f64 = 1.5;
 
 fn sentence(uncut: &Uncut) -> String {
     let Found { regions, volume_mm3 } = uncut.found();
-    let doubt = if uncut.is_whole() { "" } else { "; the mesh is not whole, so that more may be left than is said" };
+    let doubt = if uncut.is_whole() { "" } else { "; see the warnings: more may be left than is said" };
     let limit = AT_TOLERANCE * uncut.params.tolerance_mm;
     let thin = match uncut.regions.iter().filter(|r| r.thickness <= limit).count() {
         0 => String::new(),
@@ -181,7 +181,8 @@ fn sentence(uncut: &Uncut) -> String {
 fn regions(uncut: &Uncut) -> Vec<RegionReport> {
     let cutters = &uncut.params.library.cutter;
     let report = |(i, r): (usize, &UncutRegion)| {
-        let ends = [r.bounds.min, r.bounds.max].map(|p| uncut.params.opening.in_mesh(p));
+        // To a nanometre, so that no zero has a sign.
+        let ends = [r.bounds.min, r.bounds.max].map(|p| (uncut.params.opening.in_mesh(p) * 1e6).round() / 1e6 + 0.0);
         RegionReport {
             index: i + 1,
             volume_mm3: r.volume,

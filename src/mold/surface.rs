@@ -22,6 +22,8 @@ const BELOW: f64 = 2.5;
 const WALL: f64 = 0.5;
 /// The z component of the unit normal below which a face looks down.
 const INVERT: f64 = -1e-3;
+/// How far heights of the grid may be off: single precision, and a rounded cutter that sags between two places (mm).
+const ROUNDING: f64 = 3e-4;
 /// Halvings at most: a triangle of a kilometre comes down to a micrometre.
 const MOST_HALVINGS: usize = 60;
 
@@ -52,10 +54,10 @@ impl SurfacePiece {
     }
 }
 
-/// Where the pieces of a surface pass the height `z` (mm): the segments of that layer that the cutters do not touch, each
+/// Where the pieces of a surface pass just above the height `z` (mm): the segments of that layer that the cutters do not touch, each
 /// with its region.
 pub fn segments_at(pieces: &[SurfacePiece], z: f64) -> Vec<(u32, [DVec3; 2])> {
-    let crossing = |a: DVec3, b: DVec3| ((a.z < z) != (b.z < z)).then(|| a.lerp(b, (z - a.z) / (b.z - a.z)));
+    let crossing = |a: DVec3, b: DVec3| ((a.z <= z) != (b.z <= z)).then(|| a.lerp(b, (z - a.z) / (b.z - a.z)));
     let segment = |piece: &SurfacePiece| {
         let [a, b, c] = piece.corners;
         let mut ends = [crossing(a, b), crossing(b, c), crossing(c, a)].into_iter().flatten();
@@ -106,11 +108,11 @@ impl Face<'_> {
             Cover::Nothing => return Ok(()),
             Cover::Partly => None,
             // Under other material, or above what is left.
-            Cover::Wholly { from, to, .. } if high < from[0] - slack || low > to[1] => return Ok(()),
+            Cover::Wholly { from, to, .. } if high < from[0] - slack || low > to[1] + ROUNDING => return Ok(()),
             // What is left over a floor reaches above it everywhere unless something else is over it; beside a wall it may
             // end halfway up.
             Cover::Wholly { region, from, to } => {
-                let is_whole = if self.normal.z >= WALL { from[1] <= high + slack } else { to[0] >= high };
+                let is_whole = if self.normal.z >= WALL { from[1] <= high + slack } else { to[0] >= high - ROUNDING };
                 is_whole.then_some(region)
             }
         };
@@ -154,7 +156,7 @@ impl Face<'_> {
     fn left_at(&self, p: DVec3) -> Option<(usize, f64)> {
         let left = self.covered.at((p + self.beside).truncate())?;
         let is_hidden = p.z < left.low - BELOW * self.covered.step();
-        (!is_hidden && p.z <= left.high).then_some((left.region, left.high - p.z))
+        (!is_hidden && p.z <= left.high + ROUNDING).then_some((left.region, (left.high - p.z).max(0.0)))
     }
 
     fn piece(&self, corners: [DVec3; 3], region: usize) -> SurfacePiece {
