@@ -20,7 +20,7 @@ pub enum Dialog {
     #[default]
     None,
     /// Unsaved work is about to be lost by this.
-    Unsaved(Intent),
+    Unsaved(Work, Intent),
     /// Work that an earlier program left behind.
     Recover(Vec<Recovery>),
     /// Meshes of a project that are gone or have changed.
@@ -39,6 +39,28 @@ pub enum Dialog {
     Error(String, String),
 }
 
+/// What may be unsaved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Work {
+    /// The parameters of the blisk's plan.
+    Blisk,
+    /// Those of the mold.
+    Mold,
+}
+
+impl Work {
+    /// Both, in the order in which they are asked about.
+    pub const ALL: [Self; 2] = [Self::Blisk, Self::Mold];
+
+    /// Whether there is work of this kind that no file holds.
+    pub fn is_unsaved(self, core: &Core) -> bool {
+        match self {
+            Self::Blisk => core.document.is_unsaved(),
+            Self::Mold => core.mold.is_unsaved(),
+        }
+    }
+}
+
 /// What is done once unsaved work is out of the way.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Intent {
@@ -46,10 +68,23 @@ pub enum Intent {
     Quit,
     /// Opens this file.
     Open(PathBuf),
+    /// Opens this mold, saved or a mesh.
+    OpenMold(PathBuf),
     /// Asks for a file to open.
     AskOpen,
     /// Starts from the demonstration blisk.
     Demonstration,
+}
+
+impl Intent {
+    /// Whether it takes the place of `work`.
+    pub fn endangers(&self, work: Work) -> bool {
+        match self {
+            Self::Quit => true,
+            Self::OpenMold(_) => work == Work::Mold,
+            Self::Open(_) | Self::AskOpen | Self::Demonstration => work == Work::Blisk,
+        }
+    }
 }
 
 /// What the user answered.
@@ -83,7 +118,7 @@ pub enum Answer {
 pub fn show(ctx: &egui::Context, core: &mut Core, dialog: &mut Dialog, adapter: &str) -> Option<Answer> {
     let title = match dialog {
         Dialog::None => return None,
-        Dialog::Unsaved(_) => "Unsaved work",
+        Dialog::Unsaved(..) => "Unsaved work",
         Dialog::Recover(_) => "Recovered work",
         Dialog::Moved(..) => "Meshes of this project",
         Dialog::Preferences => "Preferences",
@@ -117,7 +152,7 @@ pub fn show(ctx: &egui::Context, core: &mut Core, dialog: &mut Dialog, adapter: 
 fn contents(ui: &mut Ui, core: &mut Core, dialog: &mut Dialog, adapter: &str) -> Option<Answer> {
     match dialog {
         Dialog::None => None,
-        Dialog::Unsaved(intent) => unsaved(ui, core, intent),
+        Dialog::Unsaved(work, intent) => unsaved(ui, core, *work, intent),
         Dialog::Recover(copies) => recover(ui, copies),
         Dialog::Moved(_, moved, _) => moved_meshes(ui, moved),
         Dialog::Preferences => preferences(ui, &mut core.preferences),
@@ -155,8 +190,12 @@ fn buttons(ui: &mut Ui, all: &[(&str, Answer)]) -> Option<Answer> {
     answer
 }
 
-fn unsaved(ui: &mut Ui, core: &Core, intent: &Intent) -> Option<Answer> {
-    ui.label(format!("{} has changes that no file holds.", core.document.name()));
+fn unsaved(ui: &mut Ui, core: &Core, work: Work, intent: &Intent) -> Option<Answer> {
+    let name = match work {
+        Work::Blisk => core.document.name(),
+        Work::Mold => format!("The mold {}", core.mold.name()),
+    };
+    ui.label(format!("{name} has changes that no file holds."));
     buttons(
         ui,
         &[

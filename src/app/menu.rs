@@ -82,9 +82,9 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<std::path::PathBuf> {
 /// What the window is about, and before it the switch between its workspaces.
 fn title(ui: &mut Ui, core: &mut Core) {
     if core.mold.is_shown {
-        ui.label(RichText::new(core.mold.name()).strong());
+        document(ui, core.mold.name(), core.mold.is_unsaved());
     } else {
-        document(ui, core);
+        document(ui, core.document.name(), core.document.is_unsaved());
     }
     ui.separator();
     let [blisk, mold] = [Command::BliskWorkspace, Command::MoldWorkspace];
@@ -97,10 +97,13 @@ fn title(ui: &mut Ui, core: &mut Core) {
     }
 }
 
-fn document(ui: &mut Ui, core: &Core) {
-    let dot = if core.document.is_unsaved() { " •" } else { "" };
-    ui.label(RichText::new(format!("{}{dot}", core.document.name())).strong())
-        .on_hover_text(if core.document.is_unsaved() { "There is unsaved work" } else { "Saved" });
+fn document(ui: &mut Ui, name: String, is_unsaved: bool) {
+    let dot = if is_unsaved { " •" } else { "" };
+    ui.label(RichText::new(format!("{name}{dot}")).strong()).on_hover_text(if is_unsaved {
+        "There is unsaved work"
+    } else {
+        "Saved"
+    });
 }
 
 fn recent(ui: &mut Ui, core: &mut Core, open: &mut Option<std::path::PathBuf>) {

@@ -13,7 +13,7 @@ use egui::{Panel, Ui};
 
 use super::commands::Command;
 use super::core::Core;
-use super::dialogs::{self, Dialog, Intent};
+use super::dialogs::{self, Dialog, Intent, Work};
 use super::files::{Chosen, FileDialogs, Purpose};
 use super::mold::{self, MoldView};
 use super::palette::CommandPalette;
@@ -77,8 +77,8 @@ pub struct SparkpathApp {
     autosave: Option<Autosave>,
     autosaved: Instant,
     saved_preferences: Preferences,
-    /// What the user wants done once the project is saved.
-    after_save: Option<Intent>,
+    /// What the user wants done once this is saved.
+    after_save: Option<(Work, Intent)>,
     /// Parameters that the user would not save before choosing what to open.
     given_up: Option<PlanJob>,
     adapter: String,
@@ -145,6 +145,11 @@ impl SparkpathApp {
         Ok(app)
     }
 
+    /// The title of the window.
+    pub fn title(&self) -> &str {
+        &self.title
+    }
+
     /// What every panel sees.
     pub fn core(&self) -> &Core {
         &self.core
@@ -205,7 +210,8 @@ impl SparkpathApp {
             }
             None => {}
         }
-        if ctx.input(|i| i.viewport().close_requested()) && !self.quitting && self.core.document.is_unsaved() {
+        let is_unsaved = Work::ALL.iter().any(|work| work.is_unsaved(&self.core));
+        if ctx.input(|i| i.viewport().close_requested()) && !self.quitting && is_unsaved {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
             self.intend(Intent::Quit, ctx);
         }
@@ -295,8 +301,11 @@ impl SparkpathApp {
     }
 
     fn retitle(&mut self, ctx: &egui::Context) {
-        let mark = if self.core.document.is_unsaved() { "*" } else { "" };
-        let name = if self.core.mold.is_shown { self.core.mold.name() } else { self.core.document.name() };
+        let (name, work) = match self.core.mold.is_shown {
+            true => (self.core.mold.name(), Work::Mold),
+            false => (self.core.document.name(), Work::Blisk),
+        };
+        let mark = if work.is_unsaved(&self.core) { "*" } else { "" };
         let title = format!("{name}{mark} - Sparkpath");
         if title != self.title {
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));

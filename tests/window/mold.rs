@@ -161,9 +161,10 @@ fn a_change_of_a_cutter_is_seen_at_a_glance_and_found_exactly_at_rest() {
     desk.mold_mut().follows = false;
     desk.enter("Diameter of cutter 1", "4");
     assert_eq!(desk.mold().params.library.cutter[0].diameter_mm, 4.0);
-    desk.until("it is looked at", |d| d.mold().work.glanced().is_some());
-    desk.assert_shows("belongs to other parameters");
-    let glance = desk.mold().work.glanced().unwrap().preview.clone();
+    desk.until("it is looked at", |d| d.mold().glanced().is_some());
+    desk.assert_shows("Of other cutters: The cutters leave 8 regions");
+    desk.assert_shows("stale");
+    let glance = desk.mold().glanced().unwrap().preview.clone();
     let exact = 4.0 * (corner(2.0, 5.0) + corner(2.0, 4.0));
     let coarse: f64 = glance.regions.iter().map(|r| r.volume).sum();
     assert!(glance.regions.len() == 8 && (coarse / exact - 1.0).abs() < 0.2, "{coarse} {exact}");
@@ -172,7 +173,8 @@ fn a_change_of_a_cutter_is_seen_at_a_glance_and_found_exactly_at_rest() {
     assert_eq!(desk.mold().state(), StageState::Stale);
     desk.mold_mut().follows = true;
     desk.until_found();
-    assert!((desk.volume() / exact - 1.0).abs() < 1e-3 && desk.mold().work.glanced().is_none());
+    assert!((desk.volume() / exact - 1.0).abs() < 1e-3 && desk.mold().glanced().is_none());
+    assert!(!desk.shows("stale") && !desk.shows("Of other cutters"));
 }
 
 #[test]
@@ -227,12 +229,15 @@ fn a_mold_is_saved_and_dropped_on_either_workspace() {
     desk.key_with(Modifiers::COMMAND, Key::S);
     desk.type_path(&home.path("mine"));
     desk.take_cutters(&[Cutter::ball(1.5)]);
-    assert_eq!(desk.mold().name(), "mine \u{2022}");
+    assert!(desk.mold().name() == "mine" && desk.mold().is_unsaved());
+    desk.assert_shows("mine \u{2022}");
+    assert_eq!(desk.app().title(), "mine* - Sparkpath");
     desk.press_role(Role::Tab, "Blisk workspace");
     let app = desk.window.state_mut();
     app.open(&home.path("mine.sparkmold"));
     desk.until_loaded();
     assert!(desk.mold().is_shown && desk.mold().params == saved && desk.mold().name() == "mine");
+    assert!(!desk.mold().is_unsaved());
     // While molds are shown a mesh is one, whatever blisk there is.
     let other = home.path("other.stl");
     write_stl(&other, &stepped()).unwrap();
@@ -240,6 +245,43 @@ fn a_mold_is_saved_and_dropped_on_either_workspace() {
     desk.settle();
     assert_eq!(desk.mold().params.mesh.as_deref(), Some(&*other));
     assert!(desk.app().core().document.job().blisk.mesh.is_none());
+}
+
+#[test]
+fn changes_of_a_mold_are_not_lost_without_a_word() {
+    const UNSAVED: &str = "has changes that no file holds";
+    let home = Home::new();
+    let [mold, other, file] = [home.mold(), home.path("other.stl"), home.path("mine.sparkmold")];
+    write_stl(&other, &stepped()).unwrap();
+    let mut desk = home.start(Opening::Mold(None));
+    // Cutters that are chosen first stay when the mold comes, and are unsaved all along.
+    desk.take_cutters(&[Cutter::flat(1.5)]);
+    let drop_on = |desk: &mut Desk, path: &Path| {
+        desk.window.input_mut().dropped_files.push(Arc::new(Dropped(path.to_owned())));
+        desk.settle();
+    };
+    drop_on(&mut desk, &mold);
+    assert!(!desk.shows(UNSAVED) && desk.mold().is_unsaved());
+    assert_eq!(desk.mold().params.library.cutter, [Cutter::flat(1.5)]);
+    drop_on(&mut desk, &other);
+    desk.assert_shows("The mold stepped has changes that no file holds");
+    desk.press("Cancel");
+    assert_eq!(desk.mold().params.mesh.as_ref(), Some(&mold));
+    // The end of the program is asked about too; saved work goes on to it.
+    desk.key_with(Modifiers::COMMAND, Key::Q);
+    desk.assert_shows(UNSAVED);
+    desk.press("Cancel");
+    drop_on(&mut desk, &other);
+    desk.press("Save");
+    desk.type_path(&file);
+    assert!(file.exists() && !desk.shows(UNSAVED));
+    assert_eq!(desk.mold().params.mesh.as_ref(), Some(&other));
+    desk.take_cutters(&[Cutter::flat(2.5)]);
+    drop_on(&mut desk, &file);
+    desk.press("Don't save");
+    assert_eq!((desk.mold().params.mesh.as_ref(), desk.mold().name().as_str()), (Some(&mold), "mine"));
+    drop_on(&mut desk, &other);
+    assert!(!desk.shows(UNSAVED) && desk.mold().params.mesh.as_ref() == Some(&other), "nothing was changed");
 }
 
 #[test]

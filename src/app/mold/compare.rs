@@ -34,13 +34,17 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
         ui.separator();
         command_button(ui, core, Command::CompareCutters, "Compare", false);
     });
-    match core.mold.work.comparison_state(&core.mold.params, &core.mold.other) {
-        StageState::Failed(why) => notice(ui, palette(ui).bad, &why),
-        StageState::Stale => notice(ui, palette(ui).warning, "What is shown belongs to other parameters."),
-        _ => {}
+    let (mold, colours) = (&core.mold, palette(ui));
+    if let StageState::Failed(why) = mold.work.comparison_state(&mold.params, &mold.other) {
+        notice(ui, colours.bad, &why);
     }
-    if let Some(other) = core.mold.work.other().cloned() {
-        notice(ui, palette(ui).accent, &other.1.sentence());
+    if let Some(other) = mold.work.other().cloned() {
+        let sentence = other.1.sentence();
+        if mold.work.is_other_of(&mold.params, &mold.other) {
+            notice(ui, colours.accent, &sentence);
+        } else {
+            notice(ui, colours.warning, &format!("Of other parameters: {sentence}"));
+        }
         figures(ui, &other.1);
     }
     asked

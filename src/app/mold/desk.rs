@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::list::Column;
 use crate::geometry::mesh::Bounds;
-use crate::jobs::mold::{FoundUncut, MoldEvent, MoldWork};
+use crate::jobs::mold::{FoundUncut, Glance, MoldEvent, MoldWork};
 use crate::jobs::pipeline::StageState;
 use crate::jobs::uncut::LayerFound;
 use crate::mold::cutter::CutterLibrary;
@@ -55,8 +55,12 @@ pub struct MoldDesk {
     pub follows: bool,
     /// The region that the view is to fly to.
     pub fly_to: Option<usize>,
-    /// The file of the mold, with what it holds.
-    pub file: Option<(PathBuf, MoldParams)>,
+    /// The file of the mold.
+    pub file: Option<PathBuf>,
+    /// What that file holds, or else what the mold was opened with.
+    kept: MoldParams,
+    /// Whether something is being dragged.
+    is_held: bool,
     /// When something was last changed of which the answer is not known.
     edited: Option<Instant>,
     /// The answer that the present selection belongs to.
@@ -73,6 +77,8 @@ impl MoldDesk {
         Ok(Self {
             is_shown: false,
             other: params.library.clone(),
+            kept: params.clone(),
+            is_held: false,
             params,
             work: MoldWork::start(wake)?,
             cutter: 0,
@@ -97,8 +103,14 @@ impl MoldDesk {
 
     /// Takes `mesh` for the mold. The cutters stay.
     pub fn open(&mut self, mesh: &Path) {
-        let params = MoldParams { mesh: Some(mesh.to_owned()), ..self.params.clone() };
-        self.replace(params, None);
+        let mesh = Some(mesh.to_owned());
+        let was_empty = self.params.mesh.is_none();
+        let kept = MoldParams { mesh: mesh.clone(), ..self.kept.clone() };
+        self.replace(MoldParams { mesh, ..self.params.clone() }, None);
+        // Cutters that were chosen before there was a mold are still in no file.
+        if was_empty {
+            self.kept = kept;
+        }
     }
 
     /// Takes all of `params`, which are those of `file` if there is one.
@@ -106,16 +118,25 @@ impl MoldDesk {
         if self.params.mesh == params.mesh {
             self.work.reload();
         }
-        self.file = file.map(|file| (file.to_owned(), params.clone()));
-        (self.params, self.edited) = (params, None);
+        self.file = file.map(Path::to_owned);
+        (self.kept, self.params, self.edited) = (params.clone(), params, None);
         self.work.forget_glance();
     }
 
-    /// What to call the mold: after its file, or else its mesh. With a dot if the file holds something else.
+    /// Notes that `file` holds the present parameters.
+    pub fn saved_as(&mut self, file: &Path) {
+        (self.file, self.kept) = (Some(file.to_owned()), self.params.clone());
+    }
+
+    /// Whether the mold has been changed since it was opened or saved.
+    pub fn is_unsaved(&self) -> bool {
+        self.params != self.kept
+    }
+
+    /// What to call the mold: after its file, or else its mesh.
     pub fn name(&self) -> String {
-        let Some((file, saved)) = &self.file else { return self.params.name() };
-        let name = file.file_stem().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        if *saved == self.params { name } else { format!("{name} \u{2022}") }
+        let name = self.file.as_deref().and_then(Path::file_stem);
+        name.map_or_else(|| self.params.name(), |n| n.to_string_lossy().into_owned())
     }
 
     /// Takes other parameters. While they go on changing they are looked at quickly.
@@ -143,6 +164,7 @@ impl MoldDesk {
     /// Takes in what has been made. `is_held` while a button of the mouse is down: what is dragged is not at rest.
     /// Answers what has happened, and after how long there is something to be done again.
     pub fn follow(&mut self, is_held: bool) -> (Vec<MoldEvent>, Option<Duration>) {
+        self.is_held = is_held;
         let mut events = self.work.follow(&self.params);
         self.follow_answer();
         let state = self.state();
@@ -186,6 +208,18 @@ impl MoldDesk {
     /// The answer that is shown: of the present parameters or of earlier ones.
     pub fn found(&self) -> Option<&Arc<FoundUncut>> {
         self.shown.as_ref()
+    }
+
+    /// Of what else the answer that is shown is, if it is not of the present question.
+    pub fn found_of_others(&self) -> Option<&'static str> {
+        let found = self.shown.as_ref().filter(|_| !self.work.is_found_of(&self.params))?;
+        let is_of_cutters = found.uncut.params.library != self.params.library;
+        Some(if is_of_cutters { "Of other cutters" } else { "Of other parameters" })
+    }
+
+    /// What was seen at a glance of the present parameters, or while they are dragged of the last ones.
+    pub fn glanced(&self) -> Option<&Arc<Glance>> {
+        self.work.glanced(&self.params, self.is_held)
     }
 
     /// The regions that are left.

@@ -51,6 +51,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
         ui.strong("Regions");
         let count = if listed.len() == all { all.to_string() } else { format!("{} of {all}", listed.len()) };
         ui.label(RichText::new(count).color(palette(ui).faint));
+        stale(ui, core);
         let label = ui.label(RichText::new("not below").color(palette(ui).faint));
         let least = DragValue::new(&mut core.mold.least_volume).range(0.0..=1e9).speed(0.01).max_decimals(3);
         ui.add_sized(vec2(58.0, 22.0), least).labelled_by(label.id);
@@ -64,11 +65,30 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
     let room = vec2(ui.available_width(), (ui.available_height() - below).max(80.0));
     ui.allocate_ui(room, |ui| {
         ui.set_max_height(room.y);
+        dim(ui, core);
         table(ui, &mut core.mold, &listed);
     });
     if let Some(selected) = core.mold.selected {
         ui.separator();
-        details(ui, core, selected);
+        ui.scope(|ui| {
+            dim(ui, core);
+            details(ui, core, selected);
+        });
+    }
+}
+
+/// Says in a word that what is shown is not of the present question.
+pub(super) fn stale(ui: &mut Ui, core: &Core) {
+    if let Some(others) = core.mold.found_of_others() {
+        let text = RichText::new("stale").color(palette(ui).warning);
+        ui.label(text).on_hover_text(format!("{others}, not of the present ones"));
+    }
+}
+
+/// Lets what follows stand back if it is not of the present question.
+pub(super) fn dim(ui: &mut Ui, core: &Core) {
+    if core.mold.found_of_others().is_some() {
+        ui.multiply_opacity(0.55);
     }
 }
 

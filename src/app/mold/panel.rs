@@ -169,12 +169,8 @@ fn uncut(ui: &mut Ui, core: &mut Core) {
             }
         });
     }
-    match &state {
-        StageState::Failed(why) => notice(ui, palette(ui).bad, why),
-        StageState::Stale => {
-            notice(ui, palette(ui).warning, "What is shown belongs to other parameters.");
-        }
-        _ => {}
+    if let StageState::Failed(why) = &state {
+        notice(ui, palette(ui).bad, why);
     }
     if let Some(found) = core.mold.found().cloned() {
         answer(ui, core, &found);
@@ -190,7 +186,10 @@ fn answer(ui: &mut Ui, core: &mut Core, found: &FoundUncut) {
         (true, true) => colours.good,
         (true, false) => colours.accent,
     };
-    notice(ui, colour, &found.sentence());
+    match core.mold.found_of_others() {
+        Some(others) => notice(ui, colours.warning, &format!("{others}: {}", found.sentence())),
+        None => notice(ui, colour, &found.sentence()),
+    }
     for warning in &report.warnings {
         notice(ui, colours.warning, warning);
     }

@@ -4,6 +4,7 @@ use egui::{Rect, RichText, Slider, Ui, UiBuilder, vec2};
 
 use super::super::core::Core;
 use super::super::theme::palette;
+use super::list::{dim, stale};
 
 /// Draws it, if layers are looked at.
 pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core) {
@@ -27,6 +28,8 @@ pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core) {
         at += 1;
     }
     core.mold.layer = Some(at);
+    stale(&mut child, core);
+    dim(&mut child, core);
     child.label(RichText::new(format!("z {:.3} mm", layer.z)).monospace());
     if child.available_width() > 150.0 {
         let text = format!("{:.2} mm, {:.3} mm² left", layer.segment_length, layer.area);

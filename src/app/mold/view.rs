@@ -10,6 +10,7 @@ use super::super::overlay;
 use super::super::theme::palette;
 use super::super::viewport::Viewport;
 use super::strip;
+use crate::jobs::mold::{FoundUncut, Glance, LoadedMold};
 use crate::jobs::pipeline::StageState;
 use crate::render::colour::Theme;
 use crate::render::scene::Scene;
@@ -25,11 +26,25 @@ pub struct MoldView {
     key: Option<SceneKey>,
 }
 
+/// Something that a scene was made of. It is held: the next one might else lie at its address.
+#[derive(Debug)]
+struct Source<T>(Option<Arc<T>>);
+
+impl<T> PartialEq for Source<T> {
+    fn eq(&self, other: &Self) -> bool {
+        match (&self.0, &other.0) {
+            (Some(one), Some(other)) => Arc::ptr_eq(one, other),
+            (one, other) => one.is_none() && other.is_none(),
+        }
+    }
+}
+
 /// Everything that the scene depends on.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, PartialEq)]
 struct SceneKey {
-    /// Addresses of the mold, of what was found and of what was seen at a glance.
-    sources: [usize; 3],
+    mold: Source<LoadedMold>,
+    found: Source<FoundUncut>,
+    glance: Source<Glance>,
     shown: Vec<bool>,
     colours: RegionColours,
     selected: Option<usize>,
@@ -41,12 +56,11 @@ struct SceneKey {
 
 impl SceneKey {
     fn of(core: &Core, dark: bool) -> Self {
-        fn address<T>(value: Option<&Arc<T>>) -> usize {
-            value.map_or(0, |v| Arc::as_ptr(v) as usize)
-        }
         let mold = &core.mold;
         Self {
-            sources: [address(mold.work.mold()), address(mold.found()), address(mold.work.glanced())],
+            mold: Source(mold.work.mold().cloned()),
+            found: Source(mold.found().cloned()),
+            glance: Source(mold.glanced().cloned()),
             shown: mold.is_visible(),
             colours: mold.colours,
             selected: mold.selected,
@@ -73,7 +87,7 @@ impl SceneKey {
             selected: self.selected,
             is_faint: self.is_faint,
             invert: found.and_then(|f| f.invert.as_ref()).filter(|_| self.shows_invert),
-            glance: core.mold.work.glanced().map(|glance| &glance.shape),
+            glance: core.mold.glanced().map(|glance| &glance.shape),
             layer: found.zip(layer).map(|(found, (layer, number))| MoldLayer {
                 z: layer.z,
                 next: found.uncut.layers.get(number + 1).map(|next| next.z),
@@ -140,17 +154,15 @@ fn buttons(core: &Core) -> [(&'static str, Command, bool); 9] {
 /// How the answer stands, at the bottom of the view.
 fn caption(ui: &mut Ui, rect: Rect, core: &Core) {
     let colours = palette(ui);
-    let found = core.mold.found();
-    let (colour, text) = match (core.mold.state(), core.mold.work.glanced(), found) {
+    let others = core.mold.found_of_others().zip(core.mold.found());
+    let text = match (core.mold.glanced(), others) {
+        (Some(glance), _) => glance.preview.sentence(),
+        (None, Some((others, found))) => format!("{others}: {}", found.sentence()),
         // The panel says it.
-        (StageState::Done, ..) => return,
-        (_, Some(glance), _) => (colours.warning, glance.preview.sentence()),
-        (StageState::Running, ..) => return,
-        (_, None, Some(found)) => (colours.warning, format!("Stale: {}", found.sentence())),
-        _ => return,
+        (None, None) => return,
     };
     let above = if core.mold.layer.is_some() { 50.0 } else { 10.0 };
-    overlay::caption(ui, rect, above, colour, &text);
+    overlay::caption(ui, rect, above, colours.warning, &text);
 }
 
 fn empty(ui: &Ui, rect: Rect, core: &Core) {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::SparkpathApp;
-use crate::app::dialogs::{Answer, Dialog, Intent};
+use crate::app::dialogs::{Answer, Dialog, Intent, Work};
 use crate::app::files::Purpose;
 use crate::jobs::pipeline::EventKind;
 use crate::project::mold_file::is_mold_file;
@@ -69,11 +69,33 @@ impl SparkpathApp {
     pub(super) fn intend(&mut self, intent: Intent, ctx: &egui::Context) {
         // What was to be done before is not wanted any more.
         (self.after_save, self.given_up) = (None, None);
-        if self.core.document.is_unsaved() {
-            self.dialog = Dialog::Unsaved(intent);
-        } else {
-            self.carry_out(intent, ctx);
+        self.intend_past(&Work::ALL, intent, ctx);
+    }
+
+    /// Does `intent`, after asking about what is unsaved of `work`.
+    fn intend_past(&mut self, work: &[Work], intent: Intent, ctx: &egui::Context) {
+        match work.iter().find(|work| intent.endangers(**work) && work.is_unsaved(&self.core)) {
+            Some(work) => self.dialog = Dialog::Unsaved(*work, intent),
+            None => self.carry_out(intent, ctx),
         }
+    }
+
+    /// Goes on with what was to be done once `work` is out of the way.
+    fn go_on(&mut self, work: Work, intent: Intent, ctx: &egui::Context) {
+        let next = if work == Work::Blisk { &[Work::Mold][..] } else { &[] };
+        self.intend_past(next, intent, ctx);
+    }
+
+    /// Goes on with what was to be done once `work` was saved.
+    pub(super) fn saved(&mut self, work: Work, ctx: &egui::Context) {
+        if let Some((_, intent)) = self.after_save.take_if(|(of, _)| *of == work) {
+            self.go_on(work, intent, ctx);
+        }
+    }
+
+    /// `work` was not saved: what was to be done after that is off.
+    pub(super) fn not_saved(&mut self, work: Work) {
+        self.after_save.take_if(|(of, _)| *of == work);
     }
 
     pub(super) fn carry_out(&mut self, intent: Intent, ctx: &egui::Context) {
@@ -86,6 +108,10 @@ impl SparkpathApp {
                 ctx.send_viewport_cmd(egui::ViewportCommand::Close);
             }
             Intent::Open(path) => self.open(&path),
+            Intent::OpenMold(path) => {
+                self.core.mold.is_shown = true;
+                self.open_mold(&path);
+            }
             Intent::AskOpen => self.ask(Purpose::Open, "", ctx),
             Intent::Demonstration => self.replace(Document::default()),
         }
@@ -122,7 +148,8 @@ impl SparkpathApp {
     /// No path was given for `purpose`: what would have followed is off.
     pub(super) fn cancelled(&mut self, purpose: &Purpose) {
         match purpose {
-            Purpose::SaveProject => self.after_save = None,
+            Purpose::SaveProject => self.not_saved(Work::Blisk),
+            Purpose::SaveMold => self.not_saved(Work::Mold),
             Purpose::Open => self.given_up = None,
             _ => {}
         }
@@ -136,12 +163,10 @@ impl SparkpathApp {
                 }
                 self.core.preferences.recent.add(file);
                 self.core.say(EventKind::Done, format!("saved as {}", file.display()));
-                if let Some(intent) = self.after_save.take() {
-                    self.carry_out(intent, ctx);
-                }
+                self.saved(Work::Blisk, ctx);
             }
             Err(error) => {
-                self.after_save = None;
+                self.not_saved(Work::Blisk);
                 self.dialog = Dialog::Error("The project was not saved".to_owned(), error.to_string());
             }
         }
@@ -167,6 +192,7 @@ impl SparkpathApp {
 
     fn chosen(&mut self, purpose: Purpose, path: PathBuf, ctx: &egui::Context) {
         match purpose {
+            Purpose::Open if is_mold_file(&path) => self.intend(Intent::OpenMold(path), ctx),
             Purpose::Open => {
                 // The window went on while the dialog was open.
                 if self.given_up.take().as_ref() == Some(self.core.document.job()) {
@@ -184,10 +210,10 @@ impl SparkpathApp {
                 job.electrode.mesh = Some(path);
                 self.core.edit("Own electrode", job, false);
             }
-            Purpose::Mold => self.open_mold(&path),
+            Purpose::Mold => self.choose_mold(path, ctx),
             Purpose::Cutters | Purpose::OtherCutters => self.load_cutters(&path, purpose == Purpose::OtherCutters),
             Purpose::SaveCutters => self.save_cutters(&path),
-            Purpose::SaveMold => self.write_mold(&path),
+            Purpose::SaveMold => self.write_mold(&path, ctx),
             Purpose::Post => self.take_post(&path),
             Purpose::Machine => self.take_machine(&path),
             Purpose::MovedMesh(old) => {
@@ -212,13 +238,18 @@ impl SparkpathApp {
     pub(super) fn answer(&mut self, answer: Answer, ctx: &egui::Context) {
         let dialog = std::mem::take(&mut self.dialog);
         match (answer, dialog) {
-            (Answer::SaveThen(intent), _) => {
-                self.after_save = Some(intent);
-                self.save(ctx);
+            (Answer::SaveThen(intent), Dialog::Unsaved(work, _)) => {
+                self.after_save = Some((work, intent));
+                match work {
+                    Work::Blisk => self.save(ctx),
+                    Work::Mold => self.save_mold(true, ctx),
+                }
             }
-            (Answer::Discard(intent), _) => {
-                self.given_up = Some(self.core.document.job().clone());
-                self.carry_out(intent, ctx);
+            (Answer::Discard(intent), Dialog::Unsaved(work, _)) => {
+                if work == Work::Blisk {
+                    self.given_up = Some(self.core.document.job().clone());
+                }
+                self.go_on(work, intent, ctx);
             }
             (Answer::Recover(i), Dialog::Recover(mut copies)) => {
                 let copy = copies.remove(i);

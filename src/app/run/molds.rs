@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::SparkpathApp;
 use crate::app::commands::Command;
 use crate::app::core::LogLine;
-use crate::app::dialogs::{Dialog, Intent};
+use crate::app::dialogs::{Dialog, Intent, Work};
 use crate::app::files::Purpose;
 use crate::app::viewport::Viewport;
 use crate::jobs::pipeline::EventKind;
@@ -28,17 +28,27 @@ impl SparkpathApp {
     pub(super) fn open_here(&mut self, path: PathBuf, ctx: &egui::Context) {
         let is = |ending| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending));
         if is_mold_file(&path) {
-            self.open(&path);
+            self.intend(Intent::OpenMold(path), ctx);
         } else if !self.core.mold.is_shown || is("sparkpath") {
             self.intend(Intent::Open(path), ctx);
         } else if is("toml") {
             self.load_cutters(&path, false);
         } else {
-            self.open_mold(&path);
+            self.choose_mold(path, ctx);
         }
     }
 
-    /// Takes the mesh at `path`, or the mold that was saved there.
+    /// Opens the mold at `path`, after asking about unsaved work.
+    pub(super) fn choose_mold(&mut self, path: PathBuf, ctx: &egui::Context) {
+        if is_mold_file(&path) || self.core.mold.params.mesh.is_some() {
+            self.intend(Intent::OpenMold(path), ctx);
+        } else {
+            // Nothing is lost: the cutters that were chosen stay.
+            self.carry_out(Intent::OpenMold(path), ctx);
+        }
+    }
+
+    /// Takes the mesh at `path`, or the mold that was saved there, in whose place there was no unsaved work.
     pub fn open_mold(&mut self, path: &Path) {
         if is_mold_file(path) {
             match read_mold(path) {
@@ -57,8 +67,8 @@ impl SparkpathApp {
 
     /// Saves the mold, in its file if it has one and that will do.
     pub(super) fn save_mold(&mut self, in_its_file: bool, ctx: &egui::Context) {
-        match self.core.mold.file.as_ref().map(|(file, _)| file.clone()).filter(|_| in_its_file) {
-            Some(file) => self.write_mold(&file),
+        match self.core.mold.file.clone().filter(|_| in_its_file) {
+            Some(file) => self.write_mold(&file, ctx),
             None => {
                 let name = format!("{}{ENDING}", self.core.mold.params.name());
                 self.ask(Purpose::SaveMold, &name, ctx);
@@ -66,15 +76,18 @@ impl SparkpathApp {
         }
     }
 
-    pub(super) fn write_mold(&mut self, file: &Path) {
-        let params = self.core.mold.params.clone();
-        match write_mold(file, &params) {
+    pub(super) fn write_mold(&mut self, file: &Path, ctx: &egui::Context) {
+        match write_mold(file, &self.core.mold.params) {
             Ok(()) => {
-                self.core.mold.file = Some((file.to_owned(), params));
+                self.core.mold.saved_as(file);
                 self.core.preferences.recent.add(file);
                 self.core.say(EventKind::Done, format!("saved as {}", file.display()));
+                self.saved(Work::Mold, ctx);
             }
-            Err(e) => self.dialog = Dialog::Error("The mold was not saved".to_owned(), e.to_string()),
+            Err(e) => {
+                self.not_saved(Work::Mold);
+                self.dialog = Dialog::Error("The mold was not saved".to_owned(), e.to_string());
+            }
         }
     }
 

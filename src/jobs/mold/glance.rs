@@ -50,7 +50,6 @@ impl Glancer {
     }
 
     pub fn ask(&mut self, question: Question, mold: Arc<LoadedMold>) {
-        self.is_forgotten = false;
         if self.asked.is_some() || !self.wants(&question) {
             return;
         }
@@ -70,11 +69,37 @@ impl Glancer {
         self.is_forgotten = self.asked.is_some();
     }
 
-    pub fn seen(&self) -> Option<&Arc<Glance>> {
-        self.seen.as_ref().and_then(|(_, glance)| glance.as_ref())
+    /// What was seen of the mold of `question`, and of its cutters unless those `may_differ`.
+    pub fn seen(&self, question: &Question, may_differ: bool) -> Option<&Arc<Glance>> {
+        let (of, glance) = self.seen.as_ref()?;
+        glance.as_ref().filter(|_| of == question || (may_differ && of.0 == question.0))
     }
 
     pub fn is_busy(&self) -> bool {
         self.worker.is_busy()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::mesh::Mesh;
+    use crate::jobs::uncut::UncutParams;
+    use crate::mold::cutter::{Cutter, CutterLibrary};
+
+    #[test]
+    fn what_was_seen_is_of_its_own_question() {
+        let question = |mold: &str, radius: f64| {
+            let library = CutterLibrary { cutter: vec![Cutter::flat(radius)] };
+            (mold.to_owned(), UncutParams::of(library))
+        };
+        let mut glancer = Glancer::start(|| {}).unwrap();
+        let mesh = Mesh { vertices: Vec::new(), triangles: Vec::new() };
+        let glance =
+            Glance { preview: Preview { step: 1.0, regions: Vec::new() }, shape: Arc::new(RenderMesh::new(&mesh)) };
+        glancer.seen = Some((question("a", 1.0), Some(Arc::new(glance))));
+        let seen = |mold, radius, may_differ| glancer.seen(&question(mold, radius), may_differ).is_some();
+        assert!(seen("a", 1.0, false) && seen("a", 2.0, true));
+        assert!(!seen("a", 2.0, false) && !seen("b", 1.0, false) && !seen("b", 1.0, true));
     }
 }

@@ -142,21 +142,21 @@ impl MoldWork {
     }
 
     fn what(&self, task: TaskId) -> Option<&'static str> {
-        if self.mold.is_of(task) {
+        if self.mold.awaits(task) {
             Some("Mold")
-        } else if self.found.is_of(task) {
+        } else if self.found.awaits(task) {
             Some("Uncut")
         } else {
-            self.other.is_of(task).then_some("Compare")
+            self.other.awaits(task).then_some("Compare")
         }
     }
 
     fn finish(&mut self, task: TaskId, ended: Ended<Made>) -> Option<(EventKind, String)> {
-        if self.mold.is_of(task) {
+        if self.mold.awaits(task) {
             let ended = done(ended, |made| if let Made::Mold(mold) = made { Some(*mold) } else { None });
             return self.mold.end(ended, LoadedMold::sentence);
         }
-        if self.found.is_of(task) {
+        if self.found.awaits(task) {
             let ended = done(ended, |made| if let Made::Found(found) = made { Some(*found) } else { None });
             return self.found.end(ended, FoundUncut::sentence);
         }
@@ -210,6 +210,11 @@ impl MoldWork {
         self.mold().filter(|mold| mold.sha256 == question.0).map(|_| found)
     }
 
+    /// Whether what was [`found`](Self::found) answers `params`, whatever is being worked on.
+    pub fn is_found_of(&self, params: &MoldParams) -> bool {
+        self.question(params).is_some_and(|question| self.found.is_of(&question))
+    }
+
     /// Looks for what the cutters leave.
     ///
     /// # Errors
@@ -259,6 +264,11 @@ impl MoldWork {
         }
     }
 
+    /// Whether the [`other`](Self::other) answer is the comparison of `params` with `library`.
+    pub fn is_other_of(&self, params: &MoldParams, library: &CutterLibrary) -> bool {
+        self.question(params).is_some_and(|question| self.other.is_of(&(question, library.clone())))
+    }
+
     /// What the other library leaves and how that compares with what is shown; none of another answer.
     pub fn other(&self) -> Option<&Arc<(FoundUncut, Comparison)>> {
         let ((question, _), other) = self.other.value.as_ref()?;
@@ -278,9 +288,10 @@ impl MoldWork {
         self.glancer.forget();
     }
 
-    /// What was seen at the last glance.
-    pub fn glanced(&self) -> Option<&Arc<Glance>> {
-        self.glancer.seen()
+    /// What was seen at a glance of `params`; while they go on changing (`is_held`) also of earlier ones, but never of
+    /// another mold.
+    pub fn glanced(&self, params: &MoldParams, is_held: bool) -> Option<&Arc<Glance>> {
+        self.glancer.seen(&self.question(params)?, is_held)
     }
 
     /// What is being worked on.
@@ -293,8 +304,11 @@ impl MoldWork {
         self.worker.is_busy() || self.glancer.is_busy()
     }
 
-    /// Stops what runs.
+    /// Stops what runs, at the user's wish: none of it begins again by itself.
     pub fn cancel(&mut self) {
+        self.mold.give_up();
+        self.found.give_up();
+        self.other.give_up();
         self.worker.cancel_from(LOAD);
     }
 }
