@@ -68,9 +68,8 @@ impl UncutParams {
         if !(1e-4..=10.0).contains(&self.tolerance_mm) {
             return Err(UncutError::Tolerance(self.tolerance_mm));
         }
-        match self.grid_step_mm.filter(|step| !(step.is_finite() && *step > 0.0)) {
-            Some(step) => return Err(UncutError::Field(HeightFieldError::BadStep(step))),
-            None => {}
+        if let Some(step) = self.grid_step_mm.filter(|step| !(step.is_finite() && *step > 0.0)) {
+            return Err(UncutError::Field(HeightFieldError::BadStep(step)));
         }
         let radius = self.library.needed().iter().map(|c| c.radius()).fold(f64::INFINITY, f64::min);
         match self.grid_step_mm.filter(|step| *step > 0.5 * radius) {
