@@ -79,13 +79,14 @@ fn wrong_questions_are_answered_in_one_line() {
     let (code, json) = answer(&file, &["--cutters", "flat:1"]);
     assert_eq!(code, Some(3));
     let said = json["uncut"]["sentence"].as_str().unwrap();
-    assert!(said.contains("not whole") && !json["uncut"]["warnings"].as_array().unwrap().is_empty(), "{said}");
+    assert!(said.contains("more may be left") && !json["uncut"]["warnings"].as_array().unwrap().is_empty(), "{said}");
     for (arguments, words) in [
         (["--cutters", "flat:0"], "diameter_mm is 0 mm"),
         (["--cutters", "cone:1"], "is no cutter"),
         (["--opening", "up"], "expected +x"),
         (["--tolerance", "-1"], "tolerance_mm is -1"),
         (["--layers", "0"], "spacing_mm is 0"),
+        (["--step", "5"], "is too coarse"),
         (["--library", "nowhere.toml"], "cannot be read"),
     ] {
         let output = sparkpath(&[&["uncut", file.to_str().unwrap()], &arguments[..]].concat());
