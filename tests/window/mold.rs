@@ -182,7 +182,7 @@ fn other_cutters_are_compared_region_by_region() {
     let home = Home::new();
     let mut desk = found(&home);
     // It reaches the corners of the upper pocket only.
-    let short = Cutter { reach_mm: Some(5.0), ..Cutter::flat(0.05) };
+    let short = Cutter { reach_mm: Some(5.0), ..Cutter::flat(0.04) };
     desk.mold_mut().other.cutter = vec![Cutter::flat(3.0), Cutter { holder_diameter_mm: Some(20.0), ..short }];
     desk.press_role(Role::DisclosureTriangle, "Compare cutters");
     desk.press("Compare");
