@@ -164,7 +164,7 @@ pub struct MoldLayer<'a> {
     /// That of the next one above, if there is one (mm).
     pub next: Option<f64>,
     /// What is left in it, as far as that is known.
-    pub pieces: &'a [UncutPiece],
+    pub pieces: &'a [&'a UncutPiece],
     /// What no cutter touches of the mold's outline (mm).
     pub segments: &'a [Vec<DVec3>],
     /// Where the mold opens to.
@@ -269,7 +269,7 @@ mod tests {
         let segments = [square.iter().map(|p| p.extend(1.4)).collect(), Vec::new()];
         let pieces = [UncutPiece { boundary, area: 0.5, segments: Vec::new(), depth: 0.2 }];
         let layer =
-            MoldLayer { z: 1.5, next: Some(1.6), pieces: &pieces, segments: &segments, opening: Opening::PlusX };
+            MoldLayer { z: 1.5, next: Some(1.6), pieces: &[&pieces[0]], segments: &segments, opening: Opening::PlusX };
         let shapes = region_shapes(mold.source(), &[piece(0, 0.0, 3.0), piece(1, 1.0, 1.0)], 2, Opening::PlusX);
         let inputs = MoldScene {
             mold: &mold,

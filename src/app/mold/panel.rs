@@ -203,7 +203,7 @@ fn answer(ui: &mut Ui, core: &mut Core, found: &FoundUncut) {
             format!("{} region{plural}, {:.3} mm³", found.regions, found.volume_mm3)
         };
         fact(ui, "By layers", figures(layers));
-        fact(ui, &format!("By heights {} mm apart", agreement.field_step_mm), figures(field));
+        fact(ui, &format!("By heights {} mm apart", (1e4 * agreement.field_step_mm).round() / 1e4), figures(field));
     }
     if let Some(agreement) = &report.ball_agreement {
         let hint = "The field of heights against an exact search of where a ball can roll";

@@ -78,6 +78,8 @@ impl SceneKey {
         let layer = core.mold.layer();
         let segments = found.zip(layer).map_or_else(Vec::new, |(f, (layer, _))| f.uncut.segments(layer.z));
         let opening = found.map_or(core.mold.params.opening, |f| f.uncut.params.opening);
+        let pieces: Vec<_> =
+            found.zip(layer).map_or_else(Vec::new, |(f, (_, number))| f.uncut.pieces(number).collect());
         build_mold(&MoldScene {
             mold: &loaded.shape,
             regions: found.map_or(&[], |f| &f.shapes),
@@ -91,8 +93,7 @@ impl SceneKey {
             layer: found.zip(layer).map(|(found, (layer, number))| MoldLayer {
                 z: layer.z,
                 next: found.uncut.layers.get(number + 1).map(|next| next.z),
-                // The layers know what flat cutters leave.
-                pieces: if found.uncut.is_of_flats() { &found.uncut.stack.layers[number].pieces } else { &[] },
+                pieces: &pieces,
                 segments: &segments,
                 opening,
             }),
