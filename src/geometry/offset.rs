@@ -1,0 +1,97 @@
+//! Surfaces moved outwards, each face by its own distance.
+
+use glam::{DMat3, DVec3};
+use rayon::prelude::*;
+
+use super::mesh::{Mesh, normal_times_two_areas};
+
+/// Normals that differ by less than this are those of one face.
+const SAME: f64 = 2e-4;
+/// Height of a triangle below which its normal is noise (mm).
+const SLIVER: f64 = 1e-5;
+/// A constraint may be missed by this share of its distance.
+const SLACK: f64 = 1e-9;
+/// Normals of a vertex at most that are combined by threes; of more, those of the largest faces go first.
+const MOST: usize = 40;
+
+/// Why a surface cannot be moved.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum OffsetError {
+    /// The faces at a vertex look all ways.
+    #[error("at ({:.3}, {:.3}, {:.3}) faces look in opposite directions (a point or a wall without thickness), so that the surface has no offset there", .0.x, .0.y, .0.z)]
+    Pointed(DVec3),
+}
+
+/// `mesh` with every face moved outwards by at least `distance` of its unit normal (mm), and each vertex as little as that
+/// allows: edges stay sharp, nothing comes closer to its own face. Topology is kept. Where a hollow is narrower than
+/// twice the distance the moved faces cross each other.
+///
+/// # Errors
+/// [`OffsetError`].
+pub fn offset(mesh: &Mesh, distance: impl Fn(DVec3) -> f64 + Sync) -> Result<Mesh, OffsetError> {
+    let normals = vertex_normals(mesh);
+    let moved = |(vertex, own): (&DVec3, &Vec<DVec3>)| {
+        let planes: Vec<(DVec3, f64)> = own.iter().map(|n| (*n, distance(*n))).collect();
+        least_shift(&planes).map(|shift| *vertex + shift).ok_or(OffsetError::Pointed(*vertex))
+    };
+    let vertices = mesh.vertices.par_iter().zip(&normals).map(moved).collect::<Result<_, _>>()?;
+    Ok(Mesh { vertices, triangles: mesh.triangles.clone() })
+}
+
+/// The different normals of the faces around each vertex, those of the largest triangles first.
+fn vertex_normals(mesh: &Mesh) -> Vec<Vec<DVec3>> {
+    let mut around: Vec<Vec<(f64, DVec3)>> = vec![Vec::new(); mesh.vertices.len()];
+    for (triangle, corners) in mesh.triangles.iter().zip(mesh.iter_corners()) {
+        let [a, b, c] = corners;
+        let normal = normal_times_two_areas(corners);
+        let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+        if normal.length() <= SLIVER * longest {
+            continue;
+        }
+        triangle.iter().for_each(|v| around[*v as usize].push((normal.length(), normal.normalize())));
+    }
+    let different = |mut all: Vec<(f64, DVec3)>| {
+        all.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut kept: Vec<DVec3> = Vec::new();
+        for (_, normal) in all {
+            if kept.len() < MOST && kept.iter().all(|k| k.distance_squared(normal) > SAME * SAME) {
+                kept.push(normal);
+            }
+        }
+        kept
+    };
+    around.into_par_iter().map(different).collect()
+}
+
+/// The shortest shift that goes at least each plane's distance along its normal.
+fn least_shift(planes: &[(DVec3, f64)]) -> Option<DVec3> {
+    let holds = |shift: DVec3| planes.iter().all(|(n, d)| n.dot(shift) >= d - SLACK * (1.0 + d.abs()));
+    let mut best: Option<DVec3> = None;
+    let mut offer = |shift: DVec3| {
+        let is_shorter = best.is_none_or(|b| shift.length_squared() < b.length_squared());
+        if shift.is_finite() && is_shorter && holds(shift) {
+            best = Some(shift);
+        }
+    };
+    offer(DVec3::ZERO);
+    // The shortest one is held by one, two or three planes; with fewer it is shorter.
+    planes.iter().for_each(|(n, d)| offer(*n * *d));
+    for (i, (a, da)) in planes.iter().enumerate() {
+        for (b, db) in &planes[..i] {
+            let cos = a.dot(*b);
+            let free = 1.0 - cos * cos;
+            offer((*a * (da - cos * db) + *b * (db - cos * da)) / free);
+        }
+    }
+    for (i, (a, da)) in planes.iter().enumerate() {
+        for (j, (b, db)) in planes[..i].iter().enumerate() {
+            for (c, dc) in &planes[..j] {
+                let rows = DMat3::from_cols(*a, *b, *c).transpose();
+                if rows.determinant().abs() > 1e-12 {
+                    offer(rows.inverse() * DVec3::new(*da, *db, *dc));
+                }
+            }
+        }
+    }
+    best
+}

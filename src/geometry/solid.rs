@@ -1,0 +1,165 @@
+//! Closed solids: prisms and their differences and intersections (boolmesh).
+
+use boolmesh::prelude::{Manifold, OpType, compute_boolean};
+use glam::{DVec2, DVec3};
+
+use super::mesh::Mesh;
+
+/// Why solids cannot be combined.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum SolidError {
+    /// A solid whose surface is not closed.
+    #[error("the surface is not closed, or touches itself: {0}; repair the mesh first")]
+    NotClosed(String),
+    /// The boolean operation itself failed.
+    #[error("two solids cannot be combined: {0}")]
+    Failed(String),
+    /// Outlines that bound no area.
+    #[error("an outline crosses itself or has no area, so that it bounds no solid")]
+    Outline,
+}
+
+/// What the library answers for a solid without any point.
+const NOTHING: &str = "empty pos matrix";
+
+/// The part of `a` outside `b`; a mesh without triangles where there is none.
+///
+/// # Errors
+/// [`SolidError::NotClosed`], [`SolidError::Failed`].
+pub fn difference(a: &Mesh, b: &Mesh) -> Result<Mesh, SolidError> {
+    combine(a, b, OpType::Subtract)
+}
+
+/// The part of `a` inside `b`; a mesh without triangles where there is none.
+///
+/// # Errors
+/// [`SolidError::NotClosed`], [`SolidError::Failed`].
+pub fn intersection(a: &Mesh, b: &Mesh) -> Result<Mesh, SolidError> {
+    combine(a, b, OpType::Intersect)
+}
+
+/// Everything inside `a` or `b`.
+///
+/// # Errors
+/// [`SolidError::NotClosed`], [`SolidError::Failed`].
+pub fn union(a: &Mesh, b: &Mesh) -> Result<Mesh, SolidError> {
+    if a.triangles.is_empty() { Ok(b.clone()) } else { combine(a, b, OpType::Add) }
+}
+
+fn combine(a: &Mesh, b: &Mesh, operation: OpType) -> Result<Mesh, SolidError> {
+    if a.triangles.is_empty() {
+        return Ok(Mesh::default());
+    }
+    match compute_boolean(&manifold(a)?, &manifold(b)?, operation) {
+        Ok(found) => Ok(mesh(&found)),
+        Err(text) if text.contains(NOTHING) => Ok(Mesh::default()),
+        Err(text) => Err(SolidError::Failed(text)),
+    }
+}
+
+fn manifold(mesh: &Mesh) -> Result<Manifold, SolidError> {
+    let points: Vec<f64> = mesh.vertices.iter().flat_map(|p| p.to_array()).collect();
+    let corners: Vec<usize> = mesh.triangles.iter().flatten().map(|i| *i as usize).collect();
+    Manifold::new(&points, &corners).map_err(SolidError::NotClosed)
+}
+
+fn mesh(found: &Manifold) -> Mesh {
+    let vertices = found.ps.iter().map(|p| DVec3::new(p.x, p.y, p.z)).collect();
+    let triangles = found.hs.chunks_exact(3).map(|t| [t[0].tail as u32, t[1].tail as u32, t[2].tail as u32]).collect();
+    Mesh { vertices, triangles }
+}
+
+/// Triangles between the rings of a connected set of the plane, its outer boundary counter-clockwise and first, its holes
+/// clockwise: numbers of their points, all rings counted on, turning counter-clockwise. Every point of a ring is a corner.
+///
+/// # Errors
+/// [`SolidError::Outline`] where rings cross so that the triangles do not fill what they bound.
+pub fn filled(rings: &[&[DVec2]]) -> Result<Vec<[u32; 3]>, SolidError> {
+    let points = rings.iter().flat_map(|ring| ring.iter()).map(|p| p.to_array());
+    let starts = rings.iter().scan(0u32, |count, ring| {
+        *count += ring.len() as u32;
+        Some(*count)
+    });
+    let holes: Vec<u32> = starts.take(rings.len().saturating_sub(1)).collect();
+    let mut corners: Vec<u32> = Vec::new();
+    earcut::Earcut::new().earcut(points, &holes, &mut corners);
+    let all: Vec<DVec2> = rings.concat();
+    let of = |t: &[u32]| {
+        let [a, b, c] = [t[0], t[1], t[2]];
+        let turn = (all[b as usize] - all[a as usize]).perp_dot(all[c as usize] - all[a as usize]);
+        if turn < 0.0 { [a, c, b] } else { [a, b, c] }
+    };
+    let triangles: Vec<[u32; 3]> = corners.chunks_exact(3).map(of).collect();
+    // A closed fill has as many triangles as its corners and holes demand (Euler).
+    let expected = (all.len() + 2 * rings.len()).checked_sub(4);
+    if expected == Some(triangles.len()) && !triangles.is_empty() { Ok(triangles) } else { Err(SolidError::Outline) }
+}
+
+/// The prism over rings (as of [`filled`]) from the height `low` to the height `high` (mm).
+///
+/// # Errors
+/// [`SolidError::Outline`].
+pub fn prism(rings: &[&[DVec2]], low: f64, high: f64) -> Result<Mesh, SolidError> {
+    let caps = filled(rings)?;
+    let count = rings.iter().map(|ring| ring.len() as u32).sum::<u32>();
+    let at = |z: f64| rings.iter().flat_map(move |ring| ring.iter().map(move |p| p.extend(z)));
+    let vertices = at(low).chain(at(high)).collect();
+    let mut triangles: Vec<[u32; 3]> = caps.iter().map(|[a, b, c]| [*a, *c, *b]).collect();
+    triangles.extend(caps.iter().map(|t| t.map(|i| i + count)));
+    let mut first = 0;
+    for ring in rings {
+        let n = ring.len() as u32;
+        for i in 0..n {
+            let (a, b) = (first + i, first + (i + 1) % n);
+            triangles.extend([[a, b, b + count], [a, b + count, a + count]]);
+        }
+        first += n;
+    }
+    Ok(Mesh { vertices, triangles })
+}
+
+/// The connected parts of a mesh, in order of their first triangles. Parts are connected by shared vertices.
+pub fn parts(mesh: &Mesh) -> Vec<Mesh> {
+    let mut root: Vec<u32> = (0..mesh.vertices.len() as u32).collect();
+    fn find(root: &mut [u32], mut i: u32) -> u32 {
+        while root[i as usize] != i {
+            root[i as usize] = root[root[i as usize] as usize];
+            i = root[i as usize];
+        }
+        i
+    }
+    for [a, b, c] in &mesh.triangles {
+        for other in [b, c] {
+            let (x, y) = (find(&mut root, *a), find(&mut root, *other));
+            root[x.max(y) as usize] = x.min(y);
+        }
+    }
+    let mut parts: Vec<(u32, Vec<[u32; 3]>)> = Vec::new();
+    let mut place = std::collections::HashMap::new();
+    for triangle in &mesh.triangles {
+        let part = find(&mut root, triangle[0]);
+        let at = *place.entry(part).or_insert_with(|| {
+            parts.push((part, Vec::new()));
+            parts.len() - 1
+        });
+        parts[at].1.push(*triangle);
+    }
+    parts.into_iter().map(|(_, triangles)| compact(&mesh.vertices, &triangles)).collect()
+}
+
+/// A mesh of these triangles, with no vertex that none of them has.
+pub fn compact(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Mesh {
+    let mut number = vec![u32::MAX; vertices.len()];
+    let mut mesh = Mesh::default();
+    for triangle in triangles {
+        mesh.triangles.push(triangle.map(|i| {
+            let known = &mut number[i as usize];
+            if *known == u32::MAX {
+                *known = mesh.vertices.len() as u32;
+                mesh.vertices.push(vertices[i as usize]);
+            }
+            *known
+        }));
+    }
+    mesh
+}

@@ -1,0 +1,375 @@
+//! Checks that nothing may skip: whether an electrode is closed, enters nothing on its way, leaves nothing, and can be
+//! milled.
+
+use glam::{DAffine3, DMat3, DVec3};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::params::{Orbit, Stage};
+use crate::geometry::exact::{ExactMesh, ExactMeshError};
+use crate::geometry::inside::winding_number;
+use crate::geometry::mesh::{Mesh, unit_normal};
+use crate::mold::cutter::CutterLibrary;
+use crate::mold::height_field::{self, HeightField, HeightFieldError};
+use crate::mold::invert::InvertFaces;
+use crate::progress::{Cancel, Cancelled};
+
+/// By how much an electrode may come closer than the gap (mm): rounding of files, not of sparks.
+pub const GOUGE: f64 = 5e-4;
+/// Places of an orbit that are tried.
+const ORBIT_PLACES: usize = 16;
+/// Cells of the smallest radius on the grid on which it is tried whether an electrode can be milled.
+const MILLING_CELLS: f64 = 20.0;
+/// Area of faces that look away from the cutters up to which it is rounding (mm^2).
+const LEAST_INVERT: f64 = 1e-2;
+/// How near to the burn surface a march along a normal ends (mm).
+const ARRIVED: f64 = 1e-6;
+/// A step of such a march, at least (mm).
+const LEAST_STEP: f64 = 1e-4;
+/// Steps of such a march, at most.
+const STEPS: usize = 200;
+
+/// What a check is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CheckKind {
+    /// The surface is closed.
+    Watertight,
+    /// Where it burns it keeps the gap.
+    Gouge,
+    /// On its way in and out it keeps the gap.
+    Approach,
+    /// What it was made for is burned.
+    Leftover,
+    /// It can be milled.
+    Machinable,
+}
+
+impl CheckKind {
+    /// All of them, in the order in which they are made.
+    pub const ALL: [Self; 5] = [Self::Watertight, Self::Gouge, Self::Approach, Self::Leftover, Self::Machinable];
+
+    /// How it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Watertight => "watertight",
+            Self::Gouge => "gouge",
+            Self::Approach => "approach",
+            Self::Leftover => "leftover",
+            Self::Machinable => "machinable",
+        }
+    }
+}
+
+/// What a check found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Finding {
+    /// What it is about.
+    pub kind: CheckKind,
+    /// Whether it holds.
+    pub holds: bool,
+    /// What was found, in words with its figures.
+    pub text: String,
+    /// Where, in the upright mold (mm).
+    pub place: Option<DVec3>,
+}
+
+impl Finding {
+    fn new(kind: CheckKind, holds: bool, text: String, place: Option<DVec3>) -> Self {
+        Self { kind, holds, text, place }
+    }
+}
+
+/// Whether a surface is closed.
+pub fn watertight(mesh: &Mesh) -> Finding {
+    let volume = mesh.volume();
+    let holds = mesh.is_watertight() && volume > 0.0;
+    let text = if holds {
+        format!("closed; {volume:.2} mm^3")
+    } else if mesh.is_watertight() {
+        format!("its faces look inwards ({volume:.2} mm^3): turn them round")
+    } else {
+        "its surface has open edges: it encloses nothing, and no other check means anything".into()
+    };
+    Finding::new(CheckKind::Watertight, holds, text, None)
+}
+
+/// A mold that electrodes must keep clear of.
+pub struct Obstacle {
+    mesh: ExactMesh,
+    surface: Mesh,
+}
+
+impl Obstacle {
+    /// A mold.
+    ///
+    /// # Errors
+    /// [`ExactMeshError`].
+    pub fn new(mold: &Mesh) -> Result<Self, ExactMeshError> {
+        Ok(Self { mesh: ExactMesh::new(mold)?, surface: mold.clone() })
+    }
+
+    /// The same mold, turned.
+    ///
+    /// # Errors
+    /// [`ExactMeshError`].
+    pub fn turned(&self, by: &DMat3) -> Result<Self, ExactMeshError> {
+        Self::new(&self.surface.mapped(|p| *by * p))
+    }
+
+    /// Distance from a point to its surface (mm).
+    pub fn distance(&self, p: DVec3) -> f64 {
+        self.mesh.nearest(p).signed_distance.abs()
+    }
+
+    /// Distance from a point to its surface, negative within (mm).
+    fn height_above(&self, p: DVec3) -> f64 {
+        self.mesh.nearest(p).signed_distance
+    }
+
+    /// Whether the electrode, which stands where it burns, keeps the gap there and on its way straight up by `lift` (mm).
+    ///
+    /// While a body moves, the boundary of what it sweeps is made of its first and last place and of what its edges
+    /// sweep: these are held against the mold exactly.
+    ///
+    /// # Errors
+    /// [`ExactMeshError`].
+    pub fn clearance(&self, electrode: &Mesh, stage: &Stage, lift: f64) -> Result<[Finding; 2], ExactMeshError> {
+        let needed = stage.gap_mm - GOUGE;
+        let least = |mesh: &Mesh, shift: DVec3| -> Result<f64, ExactMeshError> {
+            Ok(self.mesh.distance_to(&ExactMesh::new(mesh)?, &DAffine3::from_translation(shift)))
+        };
+        let inside = self.inside(electrode);
+        let mut burning = least(electrode, DVec3::ZERO)?;
+        let slack = orbit_slack(stage.orbit);
+        for shift in orbit_places(stage.orbit) {
+            burning = burning.min(least(electrode, shift)? + slack);
+        }
+        let way = least(&swept(electrode, lift), DVec3::ZERO)?;
+        let of = |kind: CheckKind, found: f64, way: &str| {
+            let holds = found >= needed && inside.is_none();
+            let text = if inside.is_some() {
+                format!("{way} it stands inside the mold")
+            } else if holds {
+                format!("{way} it keeps {found:.4} mm from the mold (gap {:.4} mm)", stage.gap_mm)
+            } else {
+                format!("{way} it comes to {found:.4} mm of the mold, the gap is {:.4} mm: too deep a burn", stage.gap_mm)
+            };
+            let place = if holds { None } else { inside.or_else(|| self.nearest_place(electrode)) };
+            Finding::new(kind, holds, text, place)
+        };
+        Ok([of(CheckKind::Gouge, burning, "where it burns"), of(CheckKind::Approach, way, "on its way in and out")])
+    }
+
+    /// A vertex that stands inside the mold.
+    fn inside(&self, electrode: &Mesh) -> Option<DVec3> {
+        let is_inside = |p: &&DVec3| self.distance(**p) > GOUGE && winding_number(&self.mesh, **p) != 0;
+        electrode.vertices.iter().find(is_inside).copied()
+    }
+
+    /// The vertex that comes nearest.
+    fn nearest_place(&self, electrode: &Mesh) -> Option<DVec3> {
+        let nearest = |a: &&DVec3, b: &&DVec3| self.distance(**a).total_cmp(&self.distance(**b));
+        electrode.vertices.iter().min_by(nearest).copied()
+    }
+}
+
+fn orbit_places(orbit: Orbit) -> Vec<DVec3> {
+    let around = |i: usize| glam::DVec2::from_angle(i as f64 * std::f64::consts::TAU / ORBIT_PLACES as f64);
+    match orbit {
+        Orbit::None => Vec::new(),
+        Orbit::Circular { radius_mm } => (0..ORBIT_PLACES).map(|i| (around(i) * radius_mm).extend(0.0)).collect(),
+        Orbit::Square { radius_mm: r } => {
+            [(r, r), (r, -r), (-r, r), (-r, -r)].into_iter().map(|(x, y)| DVec3::new(x, y, 0.0)).collect()
+        }
+    }
+}
+
+/// How much further than all places that are tried an orbit goes (mm).
+fn orbit_slack(orbit: Orbit) -> f64 {
+    match orbit {
+        Orbit::Circular { radius_mm } => -radius_mm * (1.0 - (std::f64::consts::PI / ORBIT_PLACES as f64).cos()),
+        _ => 0.0,
+    }
+}
+
+/// The surfaces that bound what a mesh sweeps on its way straight up.
+fn swept(mesh: &Mesh, lift: f64) -> Mesh {
+    let count = mesh.vertices.len() as u32;
+    let mut soup = mesh.clone();
+    soup.vertices.extend(mesh.vertices.iter().map(|p| *p + DVec3::Z * lift));
+    soup.triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + count)));
+    let mut faces = std::collections::BTreeMap::new();
+    for (i, &[a, b, c]) in mesh.triangles.iter().enumerate() {
+        let up = unit_normal(mesh.corners(i)).z;
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            faces.entry((from.min(to), from.max(to))).or_insert_with(Vec::new).push(up);
+        }
+    }
+    for ((a, b), ups) in faces {
+        // Between two faces that both look up or both down nothing of the boundary is swept.
+        let both = |is: fn(&f64) -> bool| ups.len() == 2 && ups.iter().all(is);
+        let is_upright = mesh.vertices[a as usize].truncate() == mesh.vertices[b as usize].truncate();
+        if !is_upright && !both(|up| *up > 1e-9) && !both(|up| *up < -1e-9) {
+            soup.triangles.extend([[a, b, b + count], [a, b + count, a + count]]);
+        }
+    }
+    soup
+}
+
+/// Whether cutters mill an electrode, turned over so that its tips look up, leaving nothing above `tolerance` (mm).
+///
+/// # Errors
+/// [`HeightFieldError`].
+pub fn machinable(
+    electrode: &Mesh,
+    cutters: &CutterLibrary,
+    tolerance: f64,
+    cancel: &Cancel,
+) -> Result<Finding, HeightFieldError> {
+    let over = electrode.mapped(|p| DVec3::new(p.x, -p.y, -p.z));
+    let radius = cutters.needed().iter().map(|c| c.radius()).fold(f64::INFINITY, f64::min);
+    let field = HeightField::raster(&over, (radius / MILLING_CELLS).min(1.25 * tolerance.max(0.02)), cancel)?;
+    let closing = height_field::closing(&field, cutters, cancel)?;
+    let left = height_field::regions(&field, &closing, tolerance, cancel)?;
+    let invert = InvertFaces::of(&over).area;
+    let back = |p: DVec3| DVec3::new(p.x, -p.y, -p.z);
+    Ok(match left.first() {
+        Some(worst) => {
+            let text = format!(
+                "the cutters leave {} places on it, {:.3} mm^3 in all, up to {:.3} mm thick: divide it there, or add a smaller cutter",
+                left.len(),
+                left.iter().map(|r| r.volume).sum::<f64>(),
+                left.iter().map(|r| r.normal_depth).fold(0.0, f64::max)
+            );
+            Finding::new(CheckKind::Machinable, false, text, Some(back(worst.bounds.center())))
+        }
+        None if invert > LEAST_INVERT => {
+            let text = format!("{invert:.3} mm^2 of it look away from the cutters");
+            Finding::new(CheckKind::Machinable, false, text, None)
+        }
+        None => Finding::new(CheckKind::Machinable, true, "the cutters leave nothing of it".into(), None),
+    })
+}
+
+/// An electrode where it burns.
+pub struct Burning {
+    mesh: ExactMesh,
+    gap: f64,
+    orbit: Orbit,
+}
+
+impl Burning {
+    /// An electrode, placed in the mold, with its gap and orbit.
+    ///
+    /// # Errors
+    /// [`ExactMeshError`].
+    pub fn new(electrode: &Mesh, stage: &Stage) -> Result<Self, ExactMeshError> {
+        Ok(Self { mesh: ExactMesh::new(electrode)?, gap: stage.gap_mm, orbit: stage.orbit })
+    }
+
+    /// How far a point is from what is burned (mm); 0 or less within it. Never too small.
+    pub fn beyond(&self, p: DVec3) -> f64 {
+        let nearest = self.mesh.nearest(p);
+        if nearest.signed_distance <= 0.0 {
+            return -self.gap;
+        }
+        let off = (p - nearest.point).abs();
+        let off = match self.orbit {
+            Orbit::None => off,
+            Orbit::Circular { radius_mm } => {
+                let plan = off.truncate();
+                (plan * (1.0 - radius_mm / plan.length().max(radius_mm).max(f64::MIN_POSITIVE))).extend(off.z)
+            }
+            Orbit::Square { radius_mm } => (off - DVec3::new(radius_mm, radius_mm, 0.0)).max(DVec3::ZERO),
+        };
+        off.length() - self.gap
+    }
+}
+
+/// A part of a mold's surface that cutters leave, as leftovers are looked for on it.
+#[derive(Debug, Clone, Copy)]
+pub struct Sample {
+    /// Its middle (mm).
+    pub point: DVec3,
+    /// Its unit normal.
+    pub normal: DVec3,
+    /// Its area (mm^2).
+    pub area: f64,
+    /// How thick at most the cutters leave it (mm).
+    pub thickest: f64,
+}
+
+/// What burns leave of a region.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct LeftOfRegion {
+    /// Greatest distance from the mold's surface (mm).
+    pub thickness: f64,
+    /// Where.
+    pub place: DVec3,
+    /// Volume (mm^3).
+    pub volume: f64,
+}
+
+/// What `burns` leave on samples of a region's surface.
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn left_by(
+    burns: &[&Burning],
+    samples: &[Sample],
+    mold: &Obstacle,
+    cancel: &Cancel,
+) -> Result<LeftOfRegion, Cancelled> {
+    let of = |sample: &Sample| -> Result<LeftOfRegion, Cancelled> {
+        cancel.check()?;
+        let beyond = |t: f64| {
+            let p = sample.point + sample.normal * t;
+            burns.iter().map(|burn| burn.beyond(p)).fold(f64::INFINITY, f64::min)
+        };
+        // Along an edge a normal runs beside another face: what is left there is as thick as it is far from any face.
+        let (mut along, mut thickness) = (0.0, 0.0f64);
+        for _ in 0..STEPS {
+            let step = beyond(along);
+            if step <= ARRIVED || along >= sample.thickest {
+                break;
+            }
+            let on = f64::min(along + step.max(LEAST_STEP), sample.thickest);
+            let off = mold.height_above(sample.point + sample.normal * on);
+            if off <= 0.0 {
+                break;
+            }
+            along = on;
+            thickness = thickness.max(along.min(off));
+        }
+        // What lies nearer to another face is counted there.
+        let own = if along > ARRIVED { along.min(mold.distance(sample.point + sample.normal * along)) } else { 0.0 };
+        Ok(LeftOfRegion { thickness, place: sample.point, volume: own * sample.area })
+    };
+    let all = samples.par_iter().map(of).collect::<Result<Vec<_>, _>>()?;
+    let worse = |a: LeftOfRegion, b: &LeftOfRegion| {
+        let volume = a.volume + b.volume;
+        LeftOfRegion { volume, ..if b.thickness > a.thickness { *b } else { a } }
+    };
+    Ok(all.iter().fold(LeftOfRegion::default(), worse))
+}
+
+/// The thickness that burns with this gap leave in sharp corners, and what is tolerated beyond it (mm).
+pub fn allowed(stage: &Stage, tolerance: f64) -> f64 {
+    let rounded = match stage.orbit {
+        Orbit::Circular { radius_mm } => radius_mm,
+        _ => 0.0,
+    };
+    (3f64.sqrt() - 1.0) * (stage.gap_mm + rounded) + tolerance
+}
+
+/// The finding for the worst of the regions that an electrode is for.
+pub fn leftover(left: &LeftOfRegion, allowed: f64) -> Finding {
+    let holds = left.thickness <= allowed;
+    let text = if holds {
+        format!("at most {:.4} mm are left ({:.4} mm allowed), {:.4} mm^3", left.thickness, allowed, left.volume)
+    } else {
+        format!("{:.4} mm are left, {allowed:.4} mm are allowed, {:.4} mm^3 in all", left.thickness, left.volume)
+    };
+    Finding::new(CheckKind::Leftover, holds, text, (!holds).then_some(left.place))
+}

@@ -1,0 +1,138 @@
+//! Electrodes, from tips to burns.
+
+use glam::{DVec2, DVec3};
+use serde::Serialize;
+
+use super::check::{Finding, LeftOfRegion};
+use super::division::Cut;
+use super::params::{ElectrodeParams, Method};
+use crate::geometry::mesh::{Bounds, Mesh};
+
+/// Where a part of a region is: the region's place in the list, and the part's among its parts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+pub struct PartId {
+    /// The region.
+    pub region: usize,
+    /// The part of it.
+    pub part: usize,
+}
+
+/// Where an electrode stands when it has burned.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Burn {
+    /// Where the electrode's origin is, in the upright mold (mm).
+    pub position: DVec3,
+    /// How far the electrode is turned about the burn direction (radians).
+    pub turn: f64,
+    /// What it burns.
+    pub parts: Vec<PartId>,
+    /// How deep below the mold's top its lowest point is (mm).
+    pub depth: f64,
+    /// Volume that is burned away (mm^3).
+    pub volume: f64,
+}
+
+/// An electrode: a base with one tip or several. Its origin is the middle of the base's underside, from where the tips
+/// reach down along -Z.
+#[derive(Debug, Clone)]
+pub struct Electrode {
+    /// Its name, which its files carry.
+    pub name: String,
+    /// Its burn: the place in the list of stages.
+    pub stage: usize,
+    /// Its surface, tips and base (mm).
+    pub mesh: Mesh,
+    /// The tips alone, up to the base.
+    pub tips: Mesh,
+    /// Where it burns; each of these alike.
+    pub burns: Vec<Burn>,
+    /// Where the electrode goes, in the upright mold.
+    pub direction: DVec3,
+    /// How its tips were made.
+    pub method: Method,
+    /// Sides of the blank, and its length along Z (mm).
+    pub blank: DVec3,
+    /// The holder: its place in the list, if one is large enough.
+    pub holder: Option<usize>,
+    /// Minutes that all its burns take.
+    pub minutes: f64,
+    /// Area of the tips seen along the burn (mm^2).
+    pub front_area: f64,
+}
+
+impl Electrode {
+    /// Box around it.
+    pub fn bounds(&self) -> Bounds {
+        self.mesh.bounds()
+    }
+}
+
+/// A part of a region after division, as the tree shows it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PartNode {
+    /// The cut that divides it; none for a leaf.
+    pub cut: Option<Cut>,
+    /// H-edges that it has.
+    pub h_edges: usize,
+    /// Its outlines in plan, in the burn frame (mm).
+    pub outlines: Vec<Vec<DVec2>>,
+    /// What it is divided into.
+    pub parts: Vec<PartNode>,
+    /// For a leaf its number among the region's parts.
+    pub part: Option<usize>,
+}
+
+/// How a region is burned.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RegionPlan {
+    /// Its division.
+    pub tree: Option<PartNode>,
+    /// How its tips are made.
+    pub method: Method,
+    /// Where its electrodes go, in the upright mold.
+    pub direction: DVec3,
+    /// Why it has no electrode, or lacks one for a part.
+    pub trouble: Option<String>,
+    /// What all burns and cutters leave of it.
+    pub left: LeftOfRegion,
+}
+
+/// All electrodes for a mold, with what was checked.
+#[derive(Debug, Clone)]
+pub struct ElectrodeSet {
+    /// What was asked.
+    pub params: ElectrodeParams,
+    /// They; those for the first stage first.
+    pub electrodes: Vec<Electrode>,
+    /// What was checked, for each of them.
+    pub checks: Vec<Vec<Finding>>,
+    /// How each region is burned, in the order of the regions.
+    pub regions: Vec<RegionPlan>,
+}
+
+impl ElectrodeSet {
+    /// Whether a check of an electrode fails.
+    pub fn fails(&self, electrode: usize) -> bool {
+        self.checks[electrode].iter().any(|finding| !finding.holds)
+    }
+
+    /// Whether an electrode may not be exported: a check fails and the user did not override it by name.
+    pub fn is_blocked(&self, electrode: usize) -> bool {
+        self.fails(electrode) && !self.params.overrides.contains(&self.electrodes[electrode].name)
+    }
+
+    /// Regions that have no electrode for all of them.
+    pub fn without_electrode(&self) -> Vec<usize> {
+        (0..self.regions.len()).filter(|r| self.regions[*r].trouble.is_some()).collect()
+    }
+
+    /// Whether every region has its electrodes and every check holds.
+    pub fn holds(&self) -> bool {
+        self.without_electrode().is_empty() && (0..self.electrodes.len()).all(|e| !self.fails(e))
+    }
+
+    /// Minutes that all burns take.
+    pub fn minutes(&self) -> f64 {
+        self.electrodes.iter().map(|e| e.minutes).sum()
+    }
+}
