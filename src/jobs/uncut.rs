@@ -123,6 +123,15 @@ pub struct Found {
     pub volume_mm3: f64,
 }
 
+/// The same by a coarser field of heights.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coarser {
+    /// Its step (mm).
+    pub step: f64,
+    /// What it finds.
+    pub found: Found,
+}
+
 /// What is left of a mold. Everything stands upright: the opening looks along +Z.
 #[derive(Debug, Clone)]
 pub struct Uncut {
@@ -138,6 +147,8 @@ pub struct Uncut {
     pub surface: Vec<SurfacePiece>,
     /// Step of the field of heights (mm).
     pub grid_step: f64,
+    /// What a field twice as coarse finds; none where layers are the answer, and where that is too coarse to find it.
+    pub coarser: Option<Coarser>,
     /// What flat cutters leave by layers and by the field of heights; none without flat cutters.
     pub agreement: Option<[Found; 2]>,
     /// How far the field of heights and the exact search agree on what balls leave; none where they count nowhere, and
@@ -211,33 +222,24 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, progress: &Progress, cancel: &Ca
     progress.report("field of heights", 0.0, "");
     let field = HeightField::raster(&upright, grid_step, cancel)?;
     let mut stack = uncut_stack(&upright, &flats, None, &params.layers, progress, cancel)?;
-    // Where a whole wall is missing every section closes all the same.
-    let edges = open_edges(mesh);
-    if edges > 0 {
-        stack.warnings.insert(0, MoldWarning::NotClosed { edges });
-    }
+    doubt(&mut stack, mesh, &needed, grid_step);
     let flat_regions = regions(&stack.layers, params.tolerance_mm);
-    let least_radius = needed.iter().map(|c| c.radius()).fold(f64::INFINITY, f64::min);
-    if grid_step > 1.001 * COARSEST * least_radius {
-        stack.warnings.push(MoldWarning::CoarseGrid { step: grid_step, radius: least_radius });
-    }
     progress.report("field of heights", 0.2, "");
-    let of = |library: &CutterLibrary| -> Result<(Closing, Vec<FieldRegion>), UncutError> {
-        let closing = height_field::closing(&field, library, cancel)?;
-        let regions = height_field::regions(&field, &closing, params.tolerance_mm, cancel)?;
-        Ok((closing, regions))
-    };
-    let (closing, of_field) = of(&params.library)?;
-    progress.report("field of heights", 0.6, "");
+    let (closing, of_field) = on_field(&field, &params.library, params.tolerance_mm, cancel)?;
+    progress.report("field of heights", 0.5, "");
     let is_of_flats = flats.len() == needed.len();
     let agreement = if flats.is_empty() {
         None
     } else {
-        let volumes = |regions: &[FieldRegion]| found(regions.iter().map(|r| r.volume));
         let only_flats = || CutterLibrary { cutter: flats.iter().copied().cloned().collect() };
-        let with_flats = if is_of_flats { volumes(&of_field) } else { volumes(&of(&only_flats())?.1) };
-        Some([found(flat_regions.iter().map(|r| r.volume)), with_flats])
+        let other =
+            if is_of_flats { None } else { Some(on_field(&field, &only_flats(), params.tolerance_mm, cancel)?.1) };
+        let with_flats = other.as_ref().unwrap_or(&of_field);
+        let volumes = [flat_regions.iter().map(|r| r.volume).collect(), with_flats.iter().map(|r| r.volume).collect()];
+        Some(volumes.map(|v: Vec<f64>| found(v.into_iter())))
     };
+    progress.report("field of heights", 0.9, "");
+    let coarser = if is_of_flats { None } else { coarser(&upright, params, grid_step, cancel)? };
     // The exact search would let a ball go sideways under what looks down, where its shaft cannot follow.
     let has_undercuts = !stack.invert.triangles.is_empty() && stack.invert.area > 0.0;
     let ball_agreement = if has_undercuts {
@@ -263,7 +265,44 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, progress: &Progress, cancel: &Ca
         of_surface(&stack, (&field, &closing), &of_field, &surface)
     };
     progress.report("surface", 1.0, "");
-    Ok(Uncut { params: params.clone(), stack, layers, regions, surface, grid_step, agreement, ball_agreement })
+    Ok(Uncut { params: params.clone(), stack, layers, regions, surface, grid_step, coarser, agreement, ball_agreement })
+}
+
+/// Says where mesh and grid are not such that the answer holds.
+fn doubt(stack: &mut UncutStack, mesh: &Mesh, needed: &[&Cutter], grid_step: f64) {
+    // Where a whole wall is missing every section closes all the same.
+    let edges = open_edges(mesh);
+    if edges > 0 {
+        stack.warnings.insert(0, MoldWarning::NotClosed { edges });
+    }
+    let radius = needed.iter().map(|c| c.radius()).fold(f64::INFINITY, f64::min);
+    if grid_step > 1.001 * COARSEST * radius {
+        stack.warnings.push(MoldWarning::CoarseGrid { step: grid_step, radius });
+    }
+}
+
+/// What a library leaves of the heights, and its regions.
+fn on_field(
+    field: &HeightField,
+    library: &CutterLibrary,
+    tolerance: f64,
+    cancel: &Cancel,
+) -> Result<(Closing, Vec<FieldRegion>), UncutError> {
+    let closing = height_field::closing(field, library, cancel)?;
+    let regions = height_field::regions(field, &closing, tolerance, cancel)?;
+    Ok((closing, regions))
+}
+
+/// What is found by heights twice as far apart as `step` (mm); none where that is too coarse for the smallest cutter. The
+/// error falls at least in proportion to the step, so that what this differs by is about as far as `step` is off.
+fn coarser(mesh: &Mesh, params: &UncutParams, step: f64, cancel: &Cancel) -> Result<Option<Coarser>, UncutError> {
+    let coarse = UncutParams { grid_step_mm: Some(2.0 * step), ..params.clone() };
+    if coarse.validate().is_err() {
+        return Ok(None);
+    }
+    let field = HeightField::raster(mesh, 2.0 * step, cancel)?;
+    let (_, regions) = on_field(&field, &params.library, params.tolerance_mm, cancel)?;
+    Ok(Some(Coarser { step: 2.0 * step, found: found(regions.iter().map(|r| r.volume)) }))
 }
 
 /// Thin regions that flat cutters leave where the grid finds nothing: it cannot tell whether rounded cutters take them.

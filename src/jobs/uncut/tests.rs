@@ -140,6 +140,13 @@ fn a_ball_leaves_the_same_askew_to_the_grid() {
     let exact = (1.0 - FRAC_PI_4) * (2.0 * (6.0 + 2.0) + 4.0 * 3.0) + 4.0 * (1.0 - PI / 6.0);
     let Found { regions, volume_mm3 } = left.found();
     assert!(regions == 1 && (volume_mm3 / exact - 1.0).abs() < 0.03, "{volume_mm3} {exact}");
+    // What is said of the error is about as large as the error is.
+    let grid = UncutReport::of(&left).grid.unwrap();
+    assert!(grid.coarser.regions == 1 && grid.coarser_step_mm == 2.0 * left.grid_step);
+    let (off, said) = ((volume_mm3 - exact).abs(), grid.off_mm3);
+    assert!(off < 3.0 * said && said < 0.05 * exact, "{off} {said}");
+    assert!(UncutReport::of(&left).text().contains("the volume may be off by about"));
+    assert!(answer(&mesh, vec![Cutter::flat(1.0)]).unwrap().coarser.is_none());
 }
 
 #[test]
