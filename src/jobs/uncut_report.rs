@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use super::uncut::{Found, LayerFound, Uncut};
+use super::uncut::{Coarser, Found, LayerFound, Uncut};
 use crate::mold::ball_agreement::BallAgreement;
 use crate::mold::uncut_region::UncutRegion;
 
@@ -29,6 +29,8 @@ pub struct UncutReport {
     pub invert: InvertReport,
     /// All regions, the largest volume first.
     pub regions: Vec<RegionReport>,
+    /// How far the volume may be off; none where it is that of the layers, and where it is not known.
+    pub grid: Option<GridReport>,
     /// What flat cutters leave by layers and by the field of heights; none without flat cutters.
     pub agreement: Option<AgreementReport>,
     /// How far the field of heights and the exact search agree on what balls leave; none where they count nowhere.
@@ -68,6 +70,19 @@ pub struct RegionReport {
     pub nearest_cutter: Option<String>,
 }
 
+/// The same by a field of heights twice as coarse.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct GridReport {
+    /// Step of the field that answers (mm).
+    pub step_mm: f64,
+    /// Step of the coarser one (mm).
+    pub coarser_step_mm: f64,
+    /// What that finds.
+    pub coarser: Found,
+    /// By how much the volumes differ (mm^3): the answer's is off by about as much.
+    pub off_mm3: f64,
+}
+
 /// The same found twice.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
@@ -95,6 +110,12 @@ impl UncutReport {
         let agreement =
             uncut.agreement.map(|[layers, field]| AgreementReport { layers, field, field_step_mm: uncut.grid_step });
         let layer = |l: &LayerFound| LayerReport { z_mm: l.z, area_mm2: l.area, segment_length_mm: l.segment_length };
+        let grid = |coarser: Coarser| GridReport {
+            step_mm: uncut.grid_step,
+            coarser_step_mm: coarser.step,
+            coarser: coarser.found,
+            off_mm3: (coarser.found.volume_mm3 - uncut.found().volume_mm3).abs(),
+        };
         Self {
             sentence: sentence(uncut),
             is_whole: uncut.is_whole(),
@@ -105,6 +126,7 @@ impl UncutReport {
             warnings: uncut.stack.warnings.iter().map(ToString::to_string).collect(),
             invert: InvertReport { faces: uncut.stack.invert.triangles.len(), area_mm2: uncut.stack.invert.area },
             regions: regions(uncut),
+            grid: uncut.coarser.map(grid),
             agreement,
             ball_agreement: uncut.ball_agreement,
             layers: uncut.layers.iter().map(layer).collect(),
@@ -129,6 +151,15 @@ impl UncutReport {
                 text,
                 "Flat cutters by layers: {} regions, {:.3} mm3; by heights {field_step_mm:.4} mm apart: {} regions, {:.3} mm3.",
                 layers.regions, layers.volume_mm3, field.regions, field.volume_mm3
+            );
+        }
+        if let Some(GridReport { step_mm, coarser_step_mm, coarser, off_mm3 }) = &self.grid {
+            let volume = self.regions.iter().fold(0.0, |sum, r| sum + r.volume_mm3);
+            let share = if volume > 0.0 { format!(" ({:.1} %)", 100.0 * off_mm3 / volume) } else { String::new() };
+            let _ = writeln!(
+                text,
+                "All cutters by heights {step_mm:.4} mm apart; {coarser_step_mm:.4} mm apart: {} regions, {:.3} mm3. So the volume may be off by about {off_mm3:.3} mm3{share}.",
+                coarser.regions, coarser.volume_mm3
             );
         }
         if let Some(BallAgreement { places, median_mm, ninetieth_mm }) = self.ball_agreement {

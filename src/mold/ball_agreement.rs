@@ -43,7 +43,8 @@ pub fn ball_agreement(
     let mut cutters: Vec<usize> = looked_at.iter().map(|(_, k)| *k).collect();
     cutters.sort_unstable();
     cutters.dedup();
-    let balls: Vec<BallReach> = cutters.iter().map(|k| BallReach::new(mesh, library.cutter[*k].radius())).collect();
+    let ball = |k: &usize| BallReach::new(mesh, library.cutter[*k].radius(), cancel);
+    let balls: Vec<BallReach> = cutters.iter().map(ball).collect::<Result<_, _>>()?;
     let difference = |&(cell, k): &(usize, usize)| -> Result<Option<f64>, Cancelled> {
         cancel.check()?;
         let ball = cutters.iter().position(|c| *c == k).map(|i| &balls[i]);

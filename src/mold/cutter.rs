@@ -51,6 +51,19 @@ pub enum CutterError {
         /// Most that it may be (mm).
         to: f64,
     },
+    /// A rounded edge that is larger than the cutter.
+    #[error(
+        "cutter {cutter}: corner_mm is {corner} mm, more than the cutter's radius of {radius} mm: a bull-nose has a smaller \
+         one, a ball just that; give at most {radius} mm or a larger diameter_mm"
+    )]
+    CornerBeyondRadius {
+        /// The cutter.
+        cutter: String,
+        /// Radius of its rounded edge (mm).
+        corner: f64,
+        /// Its own (mm).
+        radius: f64,
+    },
     /// Text that names no cutter.
     #[error(
         "{0:?} is no cutter; write kind:radius, or kind:radius/reach/holder radius, in mm, as in flat:1, ball:0.5/20/12 or bull:3:0.5"
@@ -115,17 +128,22 @@ impl Cutter {
         }
         match self.kind() {
             CutterKind::Flat => format!("flat {}", self.diameter_mm),
-            CutterKind::Ball => format!("ball {}", self.diameter_mm),
-            CutterKind::BullNose => format!("bull-nose {} r {}", self.diameter_mm, self.corner_mm),
+            // One with too large an edge is no ball.
+            CutterKind::Ball if self.corner_mm <= self.radius() => format!("ball {}", self.diameter_mm),
+            _ => format!("bull-nose {} r {}", self.diameter_mm, self.corner_mm),
         }
     }
 
     /// Whether its lengths are those of a cutter.
     ///
     /// # Errors
-    /// [`CutterError::OutOfRange`].
+    /// [`CutterError::OutOfRange`], [`CutterError::CornerBeyondRadius`].
     pub fn validate(&self) -> Result<(), CutterError> {
         let [least, most] = Self::DIAMETERS;
+        let (corner, radius) = (self.corner_mm, self.radius());
+        if corner > radius && corner.is_finite() && radius > 0.0 {
+            return Err(CutterError::CornerBeyondRadius { cutter: self.label(), corner, radius });
+        }
         let holder = self.holder_diameter_mm.unwrap_or(self.diameter_mm);
         for (name, value, from, to) in [
             ("diameter_mm", self.diameter_mm, least, most),
@@ -226,9 +244,15 @@ mod tests {
         for wrong in ["", "flat", "flat:x", "cone:2", "flat:1/2/3/4", "bull:1", "flat:inf"] {
             assert!(matches!(read(wrong), Err(CutterError::Unreadable(_))), "{wrong}");
         }
-        for wrong in ["flat:0", "ball:-1", "flat:1/-2", "bull:1:2", "flat:5/20/1"] {
+        for wrong in ["flat:0", "ball:-1", "flat:1/-2", "bull:1:-1", "flat:5/20/1"] {
             assert!(matches!(read(wrong), Err(CutterError::OutOfRange { .. })), "{wrong}");
         }
+        let said = read("bull:1:2").unwrap_err().to_string();
+        assert!(
+            said.starts_with("cutter bull-nose 2 r 2: corner_mm is 2 mm") && said.contains("at most 1 mm"),
+            "{said}"
+        );
+        assert_eq!(read("bull:1:1").unwrap().kind(), CutterKind::Ball);
         assert_eq!(CutterLibrary::default().validate(), Err(CutterError::Empty));
     }
 

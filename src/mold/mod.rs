@@ -24,6 +24,7 @@ pub mod warning;
 
 mod capsule;
 mod edge_grid;
+mod groups;
 mod way;
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::groups::Groups;
 use super::layers::LayerSettings;
 use super::piece::UncutPiece;
 use super::plane;
@@ -61,34 +62,15 @@ pub fn regions(layers: &[UncutLayer], tolerance: f64) -> Vec<LayerRegion> {
             pairs.into_iter().map(|[a, b]| [first[k - 1] + a, first[k] + b]).collect()
         })
         .collect();
-    let mut root: Vec<usize> = (0..count).collect();
-    for [a, b] in links.into_iter().flatten() {
-        let (a, b) = (find(&mut root, a), find(&mut root, b));
-        root[a.max(b)] = a.min(b);
-    }
-    let mut region_of: Vec<Option<usize>> = vec![None; count];
-    let mut members: Vec<Vec<[usize; 2]>> = Vec::new();
-    for (k, layer) in layers.iter().enumerate() {
-        for i in 0..layer.pieces.len() {
-            let r = find(&mut root, first[k] + i);
-            let region = *region_of[r].get_or_insert_with(|| {
-                members.push(Vec::new());
-                members.len() - 1
-            });
-            members[region].push([k, i]);
-        }
-    }
+    let mut groups = Groups::of(count);
+    links.into_iter().flatten().for_each(|[a, b]| groups.join(a, b));
+    let (numbers, groups) = groups.numbers();
+    let mut members: Vec<Vec<[usize; 2]>> = vec![Vec::new(); groups];
+    let places = layers.iter().enumerate().flat_map(|(k, layer)| (0..layer.pieces.len()).map(move |i| [k, i]));
+    places.zip(numbers).for_each(|(place, group)| members[group as usize].push(place));
     let mut regions: Vec<LayerRegion> = members.into_par_iter().map(|pieces| region(layers, pieces)).collect();
     regions.retain(|region| region.residue() > tolerance);
     regions
-}
-
-fn find(root: &mut [usize], mut i: usize) -> usize {
-    while root[i] != i {
-        root[i] = root[root[i]];
-        i = root[i];
-    }
-    i
 }
 
 fn region(layers: &[UncutLayer], pieces: Vec<[usize; 2]>) -> LayerRegion {

@@ -3,7 +3,10 @@
 //! Floors lie under what is left, walls beside it: a point of the surface belongs to a region if the grid's cell just
 //! outside it does and the point is no higher than the cutters leave there. A triangle is halved until all of it does,
 //! none of it does, or it is as small as two cells: the boundary is that fine. Faces that look down are never uncut: they
-//! are invert.
+//! are invert. Free forms under a rounded cutter have a boundary everywhere; where their pieces would be too many for a
+//! computer's memory, all of the surface is split half as finely, and so on.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -24,6 +27,8 @@ const WALL: f64 = 0.5;
 const INVERT: f64 = -1e-3;
 /// How far heights of the grid may be off: single precision, and a rounded cutter that sags between two places (mm).
 const ROUNDING: f64 = 3e-4;
+/// Pieces at most, beside one of each triangle: some 100 bytes each, here and once more for the screen.
+const MOST_PIECES: usize = 2_000_000;
 /// Halvings at most: a triangle of a kilometre comes down to a micrometre.
 const MOST_HALVINGS: usize = 60;
 
@@ -66,32 +71,77 @@ pub fn segments_at(pieces: &[SurfacePiece], z: f64) -> Vec<(u32, [DVec3; 2])> {
     pieces.iter().filter_map(segment).collect()
 }
 
-/// The parts of `mesh`, which opens along +Z, that bound regions, in order of its triangles.
+/// The parts of a mold's surface that bound what is left.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UncutSurface {
+    /// They, in the order of the mold's triangles.
+    pub pieces: Vec<SurfacePiece>,
+    /// How far their boundary may be off (mm): the longest side of the smallest triangles.
+    pub fineness: f64,
+    /// Whether that is more than it would be if a computer held any number of pieces.
+    pub is_coarse: bool,
+}
+
+/// The parts of `mesh`, which opens along +Z, that bound regions.
 ///
 /// # Errors
 /// [`Cancelled`].
-pub fn uncut_surface(mesh: &Mesh, covered: &Covered, cancel: &Cancel) -> Result<Vec<SurfacePiece>, Cancelled> {
-    let of_face = |face: usize| -> Result<Vec<SurfacePiece>, Cancelled> {
-        cancel.check()?;
-        let corners = mesh.corners(face);
-        let normal = unit_normal(corners);
-        let mut pieces = Vec::new();
-        // A face without area has no normal.
-        if normal != DVec3::ZERO && normal.z >= INVERT {
-            let beside = normal.with_z(0.0) * BESIDE * covered.step();
-            let face = Face { covered, cancel, normal, beside, face: face as u32 };
-            face.split(corners, MOST_HALVINGS, &mut pieces)?;
+pub fn uncut_surface(mesh: &Mesh, covered: &Covered, cancel: &Cancel) -> Result<UncutSurface, Cancelled> {
+    surface_within(mesh, covered, MOST_PIECES, cancel)
+}
+
+/// The same in no more pieces than `most` and one of each triangle.
+fn surface_within(mesh: &Mesh, covered: &Covered, most: usize, cancel: &Cancel) -> Result<UncutSurface, Cancelled> {
+    let finest = FINENESS * covered.step();
+    let mut split = Split { mesh, covered, cancel, fineness: finest, most: most.saturating_add(mesh.triangles.len()) };
+    // Once the smallest triangles are those of the mesh there is one piece of each at most.
+    loop {
+        if let Some(pieces) = split.pieces()? {
+            let fineness = split.fineness;
+            return Ok(UncutSurface { pieces, fineness, is_coarse: fineness > finest });
         }
-        Ok(pieces)
-    };
-    let pieces: Vec<Vec<SurfacePiece>> =
-        (0..mesh.triangles.len()).into_par_iter().map(of_face).collect::<Result<_, _>>()?;
-    Ok(pieces.concat())
+        split.fineness *= 2.0;
+    }
+}
+
+/// A mold that is split into pieces.
+struct Split<'a> {
+    mesh: &'a Mesh,
+    covered: &'a Covered<'a>,
+    cancel: &'a Cancel,
+    /// Longest side of the smallest triangles (mm).
+    fineness: f64,
+    /// Pieces at most.
+    most: usize,
+}
+
+impl Split<'_> {
+    /// The pieces; none if they are too many.
+    fn pieces(&self) -> Result<Option<Vec<SurfacePiece>>, Cancelled> {
+        let count = AtomicUsize::new(0);
+        let of_face = |face: usize| -> Result<Vec<SurfacePiece>, Cancelled> {
+            self.cancel.check()?;
+            let corners = self.mesh.corners(face);
+            let normal = unit_normal(corners);
+            let mut pieces = Vec::new();
+            // A face without area has no normal.
+            if normal != DVec3::ZERO && normal.z >= INVERT {
+                let beside = normal.with_z(0.0) * BESIDE * self.covered.step();
+                let face = Face { of: self, count: &count, normal, beside, face: face as u32 };
+                face.split(corners, MOST_HALVINGS, &mut pieces)?;
+            }
+            Ok(pieces)
+        };
+        let pieces: Vec<Vec<SurfacePiece>> =
+            (0..self.mesh.triangles.len()).into_par_iter().map(of_face).collect::<Result<_, _>>()?;
+        Ok((count.into_inner() <= self.most).then(|| pieces.concat()))
+    }
 }
 
 struct Face<'a> {
-    covered: &'a Covered<'a>,
-    cancel: &'a Cancel,
+    of: &'a Split<'a>,
+    /// Pieces of all faces so far.
+    count: &'a AtomicUsize,
     normal: DVec3,
     /// From the surface to where the grid is asked (mm).
     beside: DVec3,
@@ -100,10 +150,14 @@ struct Face<'a> {
 
 impl Face<'_> {
     fn split(&self, corners: [DVec3; 3], halvings: usize, pieces: &mut Vec<SurfacePiece>) -> Result<(), Cancelled> {
-        self.cancel.check()?;
+        self.of.cancel.check()?;
+        // What is more will be thrown away.
+        if self.count.load(Ordering::Relaxed) > self.of.most {
+            return Ok(());
+        }
         let [a, b, c] = corners;
         let (low, high) = (a.z.min(b.z).min(c.z), a.z.max(b.z).max(c.z));
-        let slack = BELOW * self.covered.step();
+        let slack = BELOW * self.of.covered.step();
         let whole = match self.cover(corners) {
             Cover::Nothing => return Ok(()),
             Cover::Partly => None,
@@ -119,19 +173,26 @@ impl Face<'_> {
         let middle = (a + b + c) / 3.0;
         let is_visible = || [a, b, c, middle].iter().all(|p| self.left_at(*p).is_some());
         if let Some(region) = whole.filter(|_| is_visible()) {
-            pieces.push(self.piece(corners, region));
+            self.keep(self.piece(corners, region), pieces);
             return Ok(());
         }
         let sides = [b - a, c - b, a - c].map(DVec3::length);
         let longest = (0..3).max_by(|i, j| sides[*i].total_cmp(&sides[*j])).unwrap_or(0);
-        if sides[longest] <= FINENESS * self.covered.step() || halvings == 0 {
-            pieces.extend(self.left_at(middle).map(|(region, _)| self.piece(corners, region)));
+        if sides[longest] <= self.of.fineness || halvings == 0 {
+            if let Some((region, _)) = self.left_at(middle) {
+                self.keep(self.piece(corners, region), pieces);
+            }
             return Ok(());
         }
         let [from, to, tip] = [0, 1, 2].map(|k| corners[(longest + k) % 3]);
         let half = 0.5 * (from + to);
         self.split([from, half, tip], halvings - 1, pieces)?;
         self.split([half, to, tip], halvings - 1, pieces)
+    }
+
+    fn keep(&self, piece: SurfacePiece, pieces: &mut Vec<SurfacePiece>) {
+        self.count.fetch_add(1, Ordering::Relaxed);
+        pieces.push(piece);
     }
 
     /// What is left beside or over a part of the face. A wall that is less than a cell wide in plan is a line there: its box
@@ -144,18 +205,18 @@ impl Face<'_> {
             [along[0].min(along[1]).min(along[2]), along[0].max(along[1]).max(along[2])]
         };
         let [near, far] = extent(across);
-        if self.normal.z < WALL && far - near < self.covered.step() {
+        if self.normal.z < WALL && far - near < self.of.covered.step() {
             let [from, to] = extent(across.perp());
             let at = |along: f64| across * 0.5 * (near + far) + across.perp() * along;
-            return self.covered.along(at(from), at(to));
+            return self.of.covered.along(at(from), at(to));
         }
-        self.covered.over(plan[0].min(plan[1]).min(plan[2]), plan[0].max(plan[1]).max(plan[2]))
+        self.of.covered.over(plan[0].min(plan[1]).min(plan[2]), plan[0].max(plan[1]).max(plan[2]))
     }
 
     /// The region that a point of the surface bounds, and how far what is left reaches above it (mm).
     fn left_at(&self, p: DVec3) -> Option<(usize, f64)> {
-        let left = self.covered.at((p + self.beside).truncate())?;
-        let is_hidden = p.z < left.low - BELOW * self.covered.step();
+        let left = self.of.covered.at((p + self.beside).truncate())?;
+        let is_hidden = p.z < left.low - BELOW * self.of.covered.step();
         (!is_hidden && p.z <= left.high + ROUNDING).then_some((left.region, (left.high - p.z).max(0.0)))
     }
 
@@ -182,8 +243,9 @@ mod tests {
         let field = HeightField::raster(mesh, STEP, &cancel).unwrap();
         let closing = closing(&field, &CutterLibrary { cutter: vec![cutter] }, &cancel).unwrap();
         let found = regions(&field, &closing, 0.02, &cancel).unwrap();
-        let pieces = uncut_surface(mesh, &Covered::new(&field, &closing, &found), &cancel).unwrap();
-        (pieces, found)
+        let surface = uncut_surface(mesh, &Covered::new(&field, &closing, &found), &cancel).unwrap();
+        assert!(!surface.is_coarse && surface.fineness == 2.0 * STEP);
+        (surface.pieces, found)
     }
 
     /// Area of the pieces whose normals look this steeply upwards.
@@ -245,5 +307,31 @@ mod tests {
         assert!((highest - 4.0).abs() < 3.0 * STEP, "{highest}");
         let length: f64 = segments_at(&pieces, 3.5).iter().map(|(_, [a, b])| a.distance(*b)).sum();
         assert!((length - 2.0 * (13.0 + 1.0)).abs() < 0.3, "both slopes and both ends: {length}");
+    }
+
+    #[test]
+    fn where_pieces_are_too_many_all_of_them_are_coarser() {
+        let sides = rectangle(10.0, 8.0);
+        let mesh = pocket(&rectangle(20.0, 16.0), &sides, &sides, [9.0, 6.0]);
+        let cancel = Cancel::default();
+        let field = HeightField::raster(&mesh, STEP, &cancel).unwrap();
+        let closing = closing(&field, &CutterLibrary { cutter: vec![Cutter::ball(2.0)] }, &cancel).unwrap();
+        let found = regions(&field, &closing, 0.02, &cancel).unwrap();
+        let covered = Covered::new(&field, &closing, &found);
+        let within = |most: usize| surface_within(&mesh, &covered, most, &cancel).unwrap();
+        let area = |surface: &UncutSurface| surface.pieces.iter().map(SurfacePiece::area).sum::<f64>();
+        let finest = within(usize::MAX);
+        assert!(finest.pieces.len() > 2000, "{}", finest.pieces.len());
+        assert!(finest == within(finest.pieces.len()) && finest == uncut_surface(&mesh, &covered, &cancel).unwrap());
+        for most in [finest.pieces.len() / 4, 100, 0] {
+            let coarse = within(most);
+            assert!(coarse.is_coarse && coarse.pieces.len() <= most + mesh.triangles.len(), "{most}");
+            // It is the finest that there is room for: halves of halves of what two cells are.
+            let doublings = (coarse.fineness / finest.fineness).log2();
+            assert!(doublings >= 1.0 && doublings.fract() == 0.0, "{}", coarse.fineness);
+            // The boundary of what is left runs once around the floor, and once around the walls.
+            let off = (area(&coarse) - area(&finest)).abs();
+            assert!(off < coarse.fineness * 2.0 * 36.0, "{most}: {off} with pieces of {} mm", coarse.fineness);
+        }
     }
 }

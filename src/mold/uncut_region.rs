@@ -120,17 +120,18 @@ impl Regions {
     /// The pieces of the surface that bound a region, which are numbered as the regions of the grid, numbered as the
     /// regions; these learn their faces and areas.
     pub fn with_surface(mut self, pieces: Vec<SurfacePiece>) -> (Vec<UncutRegion>, Vec<SurfacePiece>) {
-        let mut numbered = Vec::with_capacity(pieces.len());
-        for piece in pieces {
-            let Some(place) = self.places[piece.region as usize] else { continue };
-            let region = &mut self.regions[place];
+        let Self { regions, places } = &mut self;
+        let numbered = |piece: SurfacePiece| {
+            let place = places[piece.region as usize]?;
+            let region = &mut regions[place];
             region.surface_area += piece.area();
             if region.faces.last() != Some(&piece.face) {
                 region.faces.push(piece.face);
             }
-            numbered.push(SurfacePiece { region: place as u32, ..piece });
-        }
-        (self.regions, numbered)
+            Some(SurfacePiece { region: place as u32, ..piece })
+        };
+        let pieces = pieces.into_iter().filter_map(numbered).collect();
+        (self.regions, pieces)
     }
 }
 

@@ -83,6 +83,16 @@ pub enum MoldWarning {
         /// The thickest (mm).
         thickness: f64,
     },
+    /// A surface in coarser pieces than it should have.
+    #[error(
+        "the surface of what is left has more pieces than a computer holds with ease: its boundary is drawn as coarse as \
+         {fineness:.3} mm, and faces, areas of surfaces and lengths of segments are that rough; volumes and plan areas \
+         are as fine as ever"
+    )]
+    CoarseSurface {
+        /// Longest side of its smallest pieces (mm).
+        fineness: f64,
+    },
     /// Slabs that should have been halved were not.
     #[error("{layers} layers are the most that are allowed: between them less is known than was asked for")]
     TooFewLayers {

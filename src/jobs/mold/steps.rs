@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::geometry::mesh::Mesh;
 use crate::jobs::uncut::{Uncut, UncutError, UncutParams, uncut};
-use crate::jobs::uncut_compare::{Comparison, Left, compare as compare_left};
+use crate::jobs::uncut_compare::{Comparison, compare as compare_answers};
 use crate::jobs::uncut_report::UncutReport;
 use crate::mesh_io::{ImportOptions, ImportReport, Units, import_file};
 use crate::progress::{Cancel, Progress};
@@ -103,6 +103,6 @@ pub(super) fn compare(
     cancel: &Cancel,
 ) -> Result<(FoundUncut, Comparison), String> {
     let other = find(mold, params, progress, cancel)?;
-    let comparison = compare_left(Left::of(&found.uncut), Left::of(&other.uncut), cancel).map_err(|e| e.to_string())?;
-    Ok((other, comparison))
+    let comparison = compare_answers(&mold.mesh, &found.uncut, &other.uncut, progress, cancel);
+    Ok((other, comparison.map_err(|e| e.to_string())?))
 }

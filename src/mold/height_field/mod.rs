@@ -12,6 +12,7 @@
 mod blocks;
 mod closing;
 mod covered;
+mod difference;
 mod element;
 mod raster;
 mod regions;
@@ -21,6 +22,7 @@ mod tests;
 
 pub use closing::{Closing, closing};
 pub use covered::{Cover, Covered, Left};
+pub use difference::difference;
 pub use regions::{FieldRegion, regions};
 
 use glam::{DVec2, DVec3};
@@ -116,6 +118,11 @@ impl HeightField {
     /// Height of the topmost material at a cell's centre (mm); none where there is none, or no such cell.
     pub fn height(&self, cell: usize) -> Option<f64> {
         self.heights.get(cell).filter(|h| h.is_finite()).map(|&h| self.base + f64::from(h))
+    }
+
+    /// The point of the surface at a cell's centre (mm); none where there is no material, or no such cell.
+    pub fn surface_point(&self, cell: usize) -> Option<DVec3> {
+        self.height(cell).map(|z| self.center(cell).extend(z))
     }
 
     /// The point of the surface at a cell's centre, whose height is given above the base.

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::{Closing, HeightField, HeightFieldError, UPNESS_ONE};
 use crate::geometry::mesh::Bounds;
+use crate::mold::groups::Groups;
 use crate::progress::Cancel;
 
 /// A connected piece of uncut material.
@@ -61,8 +62,8 @@ struct Pieces<'a> {
     cells: Vec<u32>,
     /// Where the cells of each row begin.
     rows: Vec<usize>,
-    /// For each an earlier one of its piece, or itself.
-    parents: Vec<u32>,
+    /// Which of them are one piece.
+    groups: Groups,
 }
 
 impl<'a> Pieces<'a> {
@@ -72,14 +73,14 @@ impl<'a> Pieces<'a> {
         tolerance: f64,
         cancel: &Cancel,
     ) -> Result<Self, HeightFieldError> {
-        let mut pieces = Self { field, closing, cells: Vec::new(), rows: vec![0], parents: Vec::new() };
+        let mut pieces = Self { field, closing, cells: Vec::new(), rows: vec![0], groups: Groups::of(0) };
         for row in 0..field.rows {
             cancel.check()?;
             let cells = row * field.columns..(row + 1) * field.columns;
             pieces.cells.extend(cells.filter(|&i| normal_residue(field, closing, i) > tolerance).map(|i| i as u32));
             pieces.rows.push(pieces.cells.len());
         }
-        pieces.parents = (0..pieces.cells.len() as u32).collect();
+        pieces.groups = Groups::of(pieces.cells.len());
         for row in 0..field.rows {
             cancel.check()?;
             pieces.join_row(row);
@@ -117,41 +118,25 @@ impl<'a> Pieces<'a> {
             (self.field.heights[cell], self.closing.heights[cell])
         };
         let ((low, high), (other_low, other_high)) = (span(a), span(b));
-        if low > other_high || other_low > high {
-            return;
+        if low <= other_high && other_low <= high {
+            self.groups.join(a, b);
         }
-        let (a, b) = (self.root(a), self.root(b));
-        self.parents[a.max(b)] = a.min(b) as u32;
-    }
-
-    fn root(&mut self, mut i: usize) -> usize {
-        while self.parents[i] as usize != i {
-            self.parents[i] = self.parents[self.parents[i] as usize];
-            i = self.parents[i] as usize;
-        }
-        i
     }
 
     /// The cells of every piece that covers a square of three cells.
     fn cells(mut self) -> Vec<Vec<u32>> {
-        let mut pieces: Vec<(bool, Vec<u32>)> = Vec::new();
-        let mut numbers = vec![0; self.cells.len()];
-        for i in 0..self.cells.len() {
-            let root = self.root(i);
-            if root == i {
-                pieces.push((false, Vec::new()));
-            }
-            numbers[i] = if root == i { pieces.len() - 1 } else { numbers[root] };
-            pieces[numbers[i]].1.push(self.cells[i]);
-        }
-        for i in 0..self.cells.len() {
-            pieces[numbers[i]].0 |= self.is_inner(i, &numbers);
+        let (numbers, count) = std::mem::replace(&mut self.groups, Groups::of(0)).numbers();
+        let mut pieces: Vec<(bool, Vec<u32>)> = vec![(false, Vec::new()); count];
+        for (i, number) in numbers.iter().enumerate() {
+            let (is_wide, cells) = &mut pieces[*number as usize];
+            cells.push(self.cells[i]);
+            *is_wide = *is_wide || self.is_inner(i, &numbers);
         }
         pieces.into_iter().filter(|p| p.0).map(|p| p.1).collect()
     }
 
     /// Whether all eight neighbours belong to the same piece.
-    fn is_inner(&self, i: usize, numbers: &[usize]) -> bool {
+    fn is_inner(&self, i: usize, numbers: &[u32]) -> bool {
         let (cell, columns) = (self.cells[i] as usize, self.field.columns);
         let (row, column) = (cell / columns, cell % columns);
         if row == 0 || row + 1 == self.field.rows || column == 0 || column + 1 == columns {

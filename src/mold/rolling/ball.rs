@@ -6,6 +6,7 @@ use super::halfspaces::{HalfSpace, nearest};
 use super::lattice::Lattice;
 use super::obstacles::Obstacles;
 use crate::geometry::mesh::Mesh;
+use crate::progress::{Cancel, Cancelled};
 
 /// A ball-end cutter over a mold.
 pub struct BallReach {
@@ -41,9 +42,12 @@ const MOST_STEPS: usize = 24;
 
 impl BallReach {
     /// A ball of `radius` (mm) over `mesh`.
-    pub fn new(mesh: &Mesh, radius: f64) -> Self {
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn new(mesh: &Mesh, radius: f64, cancel: &Cancel) -> Result<Self, Cancelled> {
         let floor = mesh.bounds().min.z - 4.0 * radius;
-        Self { obstacles: Obstacles::new(mesh, radius), radius, floor }
+        Ok(Self { obstacles: Obstacles::new(mesh, radius, cancel)?, radius, floor })
     }
 
     /// The position in which the cutter comes lowest over `p`.

@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3, IVec2};
 
 use crate::geometry::mesh::{Mesh, unit_normal};
+use crate::progress::{Cancel, Cancelled};
 
 /// A face of the mold.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,24 +33,31 @@ impl Obstacles {
     const MOST_SQUARES: f64 = 4e6;
 
     /// The faces of `mesh` in squares of size `cell` (mm) or, if these were too many, larger ones.
-    pub fn new(mesh: &Mesh, cell: f64) -> Self {
-        let faces: Vec<Face> = mesh.iter_corners().filter_map(Face::new).collect();
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn new(mesh: &Mesh, cell: f64, cancel: &Cancel) -> Result<Self, Cancelled> {
+        let mut faces: Vec<Face> = Vec::with_capacity(mesh.triangles.len());
+        for corners in mesh.iter_corners() {
+            cancel.check()?;
+            faces.extend(Face::new(corners));
+        }
         let min = faces.iter().fold(DVec3::INFINITY, |m, f| m.min(f.min)).truncate();
         let max = faces.iter().fold(DVec3::NEG_INFINITY, |m, f| m.max(f.max)).truncate();
         let size = (max - min).max(DVec2::ZERO);
         let cell = cell.max((size.x * size.y / Self::MOST_SQUARES).sqrt()).max(size.max_element() / 1e5).max(1e-9);
         let counts = if faces.is_empty() { IVec2::ONE } else { (size / cell).floor().as_ivec2() + 1 };
         let mut grid = Self { faces, origin: min, cell, counts, starts: Vec::new(), listed: Vec::new() };
-        grid.fill();
-        grid
+        grid.fill(cancel)?;
+        Ok(grid)
     }
 
-    fn fill(&mut self) {
+    fn fill(&mut self, cancel: &Cancel) -> Result<(), Cancelled> {
         let squares = (self.counts.x * self.counts.y) as usize;
         let mut starts = vec![0u32; squares + 1];
         let index = |at: IVec2| (at.y * self.counts.x + at.x) as usize;
         for face in &self.faces {
-            self.squares_of(face, |at| starts[index(at) + 1] += 1);
+            self.squares_of(face, cancel, |at| starts[index(at) + 1] += 1)?;
         }
         for i in 0..squares {
             starts[i + 1] += starts[i];
@@ -57,21 +65,23 @@ impl Obstacles {
         let mut listed = vec![0u32; starts[squares] as usize];
         let mut next = starts.clone();
         for (i, face) in self.faces.iter().enumerate() {
-            self.squares_of(face, |at| {
+            self.squares_of(face, cancel, |at| {
                 let at = &mut next[index(at)];
                 listed[*at as usize] = i as u32;
                 *at += 1;
-            });
+            })?;
         }
         (self.starts, self.listed) = (starts, listed);
+        Ok(())
     }
 
     /// Calls `found` with every square that the face lies in, and a few beside it: row by row, since long and narrow
     /// faces that run across would fill many squares with their box.
-    fn squares_of(&self, face: &Face, mut found: impl FnMut(IVec2)) {
+    fn squares_of(&self, face: &Face, cancel: &Cancel, mut found: impl FnMut(IVec2)) -> Result<(), Cancelled> {
         let [from, to] = self.range(face.min.truncate(), face.max.truncate());
         let corners = face.corners.map(DVec3::truncate);
         for y in from.y..=to.y {
+            cancel.check()?;
             let [low, high] = [y, y + 1].map(|row| self.origin.y + f64::from(row) * self.cell);
             let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
             for k in 0..3 {
@@ -89,6 +99,7 @@ impl Obstacles {
             let last = self.square(DVec2::new(most + rounding, low)).x.clamp(from.x, to.x);
             (first..=last).for_each(|x| found(IVec2::new(x, y)));
         }
+        Ok(())
     }
 
     fn square(&self, p: DVec2) -> IVec2 {

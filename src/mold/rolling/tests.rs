@@ -6,6 +6,11 @@ use glam::{DVec2, DVec3};
 
 use super::ball::BallReach;
 use crate::geometry::mesh::Mesh;
+use crate::progress::{Cancel, Cancelled};
+
+fn over(mesh: &Mesh, radius: f64) -> BallReach {
+    BallReach::new(mesh, radius, &Cancel::default()).unwrap()
+}
 
 /// A block of 20 x 20 x 10 mm with its top at 0 and a pocket of 8 x 6 x 4 mm.
 fn pocket() -> Mesh {
@@ -21,7 +26,7 @@ fn pocket() -> Mesh {
 
 #[test]
 fn over_a_floor_the_ball_leaves_a_fillet_along_the_wall() {
-    let ball = BallReach::new(&pocket(), 1.0);
+    let ball = over(&pocket(), 1.0);
     for k in 0..=40 {
         let off_wall = 0.05 * f64::from(k);
         let left = ball.lowest(DVec2::new(4.0 - off_wall, 0.3)).height;
@@ -36,7 +41,7 @@ fn over_a_floor_the_ball_leaves_a_fillet_along_the_wall() {
 
 #[test]
 fn a_pocket_keeps_fillets_and_corners() {
-    let ball = BallReach::new(&pocket(), 1.0);
+    let ball = over(&pocket(), 1.0);
     // A quarter of the pocket by the midpoint rule.
     let step = 0.1;
     let places = (0..30).flat_map(|y| (0..40).map(move |x| DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) * step));
@@ -62,7 +67,7 @@ fn a_ball_in_a_groove_leaves_what_lies_below_it() {
             triangles.extend([[i, j + n, j], [i, i + n, j + n]]);
         }
         let mesh = Mesh { vertices: ends.concat(), triangles };
-        let ball = BallReach::new(&mesh, radius);
+        let ball = over(&mesh, radius);
         // Across the middle of the groove, where its ends are far.
         let (steps, width) = (600, radius * angle.cos());
         let step = 2.0 * width / f64::from(steps);
@@ -76,4 +81,11 @@ fn a_ball_in_a_groove_leaves_what_lies_below_it() {
         let exact = radius * radius * (1.0 / angle.tan() - (PI / 2.0 - angle));
         assert!((area / exact - 1.0).abs() < 1e-3, "{angle_deg}: {area} {exact}");
     }
+}
+
+#[test]
+fn the_mold_is_not_sorted_any_more_once_nobody_waits() {
+    let cancel = Cancel::default();
+    cancel.cancel();
+    assert!(matches!(BallReach::new(&pocket(), 1.0, &cancel), Err(Cancelled)));
 }
