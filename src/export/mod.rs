@@ -1,13 +1,18 @@
-//! Floor 4: results as files: path CSV, NC programs through posts, and reports.
+//! Floor 4: results as files: path CSV, NC programs through posts, electrodes with their burn tables, and reports.
 //!
 //! An NC program can only be made from an [`approved::Approved`] path, and that only from a certificate that
 //! holds for exactly this path. What is verified is exactly what is written, because a path is rounded to the
 //! decimals of the files ([`crate::feed::quantise`]) before it is verified.
 
 pub mod approved;
+pub mod burn_table;
+pub mod burn_template;
 pub mod choice;
 pub mod comparison;
 mod comparison_html;
+pub mod electrode_files;
+pub mod electrode_report;
+mod electrode_report_html;
 pub mod files;
 pub mod leftover_report;
 pub mod nc;
@@ -26,5 +31,7 @@ pub mod verify_report;
 
 pub(crate) use crate::feed::quantise;
 
+#[cfg(test)]
+pub(crate) mod electrode_fixtures;
 #[cfg(test)]
 pub(crate) mod fixtures;

@@ -9,6 +9,7 @@ pub mod mesh;
 pub mod nurbs;
 pub mod offset;
 pub mod raycast;
+pub mod segmentation;
 pub mod smoothing;
 pub mod solid;
 pub mod spline;

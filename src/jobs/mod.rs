@@ -3,6 +3,7 @@
 
 pub mod auto_size;
 pub mod compare;
+pub mod electrodes;
 pub mod finish;
 pub mod live;
 pub mod mold;

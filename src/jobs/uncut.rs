@@ -282,7 +282,7 @@ fn doubt(stack: &mut UncutStack, mesh: &Mesh, needed: &[&Cutter], grid_step: f64
 }
 
 /// What a library leaves of the heights, and its regions.
-fn on_field(
+pub(super) fn on_field(
     field: &HeightField,
     library: &CutterLibrary,
     tolerance: f64,
@@ -314,7 +314,7 @@ fn too_thin(flat: &[LayerRegion], of_field: &[FieldRegion], step: f64) -> Option
 }
 
 /// Edges that have no face on one side, or more on one than on the other.
-fn open_edges(mesh: &Mesh) -> usize {
+pub(super) fn open_edges(mesh: &Mesh) -> usize {
     let directed = mesh.directed_edges();
     directed.iter().filter(|((a, b), count)| directed.get(&(*b, *a)).copied().unwrap_or(0) < **count).count()
 }

@@ -3,7 +3,7 @@
 //! The `tobj` crate reads the file, but sees only what [`Lines`] lets through: it knows no limits, does not say where
 //! a file is wrong, and trusts numbers of vertices that are not there.
 
-use std::io::{self, BufRead, Read};
+use std::io::{self, BufRead, Read, Write};
 use std::iter;
 
 use glam::DVec3;
@@ -270,10 +270,59 @@ fn triangulate(corners: &[u32], vertices: &[DVec3]) -> Vec<[u32; 3]> {
     triangles
 }
 
+/// A named mesh as the text of an OBJ file, coordinates in its own unit (mm), exact to the last bit.
+///
+/// # Errors
+/// `InvalidInput` for coordinates that are not finite, and vertex numbers without a vertex.
+pub fn obj_bytes(name: &str, mesh: &Mesh) -> io::Result<Vec<u8>> {
+    let invalid = |problem: &str| io::Error::new(io::ErrorKind::InvalidInput, problem.to_owned());
+    if !mesh.vertices.iter().all(|p| p.is_finite()) {
+        return Err(invalid("a coordinate is not finite"));
+    }
+    if mesh.triangles.iter().flatten().any(|&v| v as usize >= mesh.vertices.len()) {
+        return Err(invalid("a triangle refers to a vertex that does not exist"));
+    }
+    let name: String = name.chars().map(|c| if c.is_control() || c.is_whitespace() { '_' } else { c }).collect();
+    let mut bytes = format!("# sparkpath, units: mm\no {name}\n").into_bytes();
+    for p in &mesh.vertices {
+        writeln!(bytes, "v {} {} {}", p.x, p.y, p.z)?;
+    }
+    for [a, b, c] in &mesh.triangles {
+        writeln!(bytes, "f {} {} {}", u64::from(*a) + 1, u64::from(*b) + 1, u64::from(*c) + 1)?;
+    }
+    Ok(bytes)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geometry::mesh::Mesh;
+    use crate::geometry::mesh::tests::cuboid;
+    use crate::mesh_io::{ImportOptions, Unit, import_bytes};
+    use crate::progress::{Cancel, Progress};
+
+    #[test]
+    fn what_is_written_is_read_as_it_was() {
+        let mesh = cuboid(DVec3::new(0.1, 1.0 / 3.0, 40.0)).mapped(|p| p - DVec3::new(7.7, 0.0, 1e-7));
+        let bytes = obj_bytes("E 01\nf 1 1 1", &mesh).unwrap();
+        let options = ImportOptions::default();
+        let read = import_bytes("e.obj", &bytes, &options, &Progress::silent(), &Cancel::default()).unwrap();
+        assert!(read.report.watertight && read.report.unit == Unit::Mm);
+        let sorted = |mesh: &Mesh| {
+            let mut corners: Vec<_> = mesh.iter_corners().map(|c| c.map(|p| p.to_array())).collect();
+            // Whichever corner of a triangle comes first.
+            corners.iter_mut().for_each(|c| {
+                let first = (0..3).min_by(|a, b| c[*a].partial_cmp(&c[*b]).unwrap()).unwrap();
+                c.rotate_left(first);
+            });
+            corners.sort_by(|a, b| a.partial_cmp(b).unwrap());
+            corners
+        };
+        assert_eq!(sorted(&read.mesh), sorted(&mesh));
+        let broken = Mesh { vertices: mesh.vertices[..5].to_vec(), ..mesh.clone() };
+        assert!(obj_bytes("x", &broken).is_err());
+        assert!(obj_bytes("x", &mesh.mapped(|p| p / 0.0)).is_err());
+    }
 
     #[test]
     fn a_polygon_with_a_notch_is_filled_without_folds() {

@@ -4,6 +4,7 @@
 mod autosave;
 pub mod cutter_file;
 mod document;
+pub mod electrode_file;
 mod field_table;
 mod fields;
 mod history;

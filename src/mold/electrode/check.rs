@@ -153,7 +153,10 @@ impl Obstacle {
             } else if holds {
                 format!("{way} it keeps {found:.4} mm from the mold (gap {:.4} mm)", stage.gap_mm)
             } else {
-                format!("{way} it comes to {found:.4} mm of the mold, the gap is {:.4} mm: too deep a burn", stage.gap_mm)
+                format!(
+                    "{way} it comes to {found:.4} mm of the mold, the gap is {:.4} mm: too deep a burn",
+                    stage.gap_mm
+                )
             };
             let place = if holds { None } else { inside.or_else(|| self.nearest_place(electrode)) };
             Finding::new(kind, holds, text, place)
@@ -311,40 +314,27 @@ pub struct LeftOfRegion {
     pub volume: f64,
 }
 
-/// What `burns` leave on samples of a region's surface.
+/// Where cutters leave something, known to `within` (mm).
+pub struct Milled<'a> {
+    /// Whether they leave it at a point, or within that distance of it.
+    pub leaves: &'a (dyn Fn(DVec3) -> bool + Sync),
+    /// How far off the answer may be (mm).
+    pub within: f64,
+}
+
+/// What `burns` leave on samples of a region's surface, of what the cutters left.
 ///
 /// # Errors
 /// [`Cancelled`].
 pub fn left_by(
     burns: &[&Burning],
     samples: &[Sample],
-    mold: &Obstacle,
+    (mold, milled): (&Obstacle, &Milled),
     cancel: &Cancel,
 ) -> Result<LeftOfRegion, Cancelled> {
     let of = |sample: &Sample| -> Result<LeftOfRegion, Cancelled> {
         cancel.check()?;
-        let beyond = |t: f64| {
-            let p = sample.point + sample.normal * t;
-            burns.iter().map(|burn| burn.beyond(p)).fold(f64::INFINITY, f64::min)
-        };
-        // Along an edge a normal runs beside another face: what is left there is as thick as it is far from any face.
-        let (mut along, mut thickness) = (0.0, 0.0f64);
-        for _ in 0..STEPS {
-            let step = beyond(along);
-            if step <= ARRIVED || along >= sample.thickest {
-                break;
-            }
-            let on = f64::min(along + step.max(LEAST_STEP), sample.thickest);
-            let off = mold.height_above(sample.point + sample.normal * on);
-            if off <= 0.0 {
-                break;
-            }
-            along = on;
-            thickness = thickness.max(along.min(off));
-        }
-        // What lies nearer to another face is counted there.
-        let own = if along > ARRIVED { along.min(mold.distance(sample.point + sample.normal * along)) } else { 0.0 };
-        Ok(LeftOfRegion { thickness, place: sample.point, volume: own * sample.area })
+        Ok(left_at(burns, sample, mold, milled))
     };
     let all = samples.par_iter().map(of).collect::<Result<Vec<_>, _>>()?;
     let worse = |a: LeftOfRegion, b: &LeftOfRegion| {
@@ -352,6 +342,35 @@ pub fn left_by(
         LeftOfRegion { volume, ..if b.thickness > a.thickness { *b } else { a } }
     };
     Ok(all.iter().fold(LeftOfRegion::default(), worse))
+}
+
+fn left_at(burns: &[&Burning], sample: &Sample, mold: &Obstacle, milled: &Milled) -> LeftOfRegion {
+    let at = |t: f64| sample.point + sample.normal * t;
+    let beyond = |t: f64| burns.iter().map(|burn| burn.beyond(at(t))).fold(f64::INFINITY, f64::min);
+    // Along an edge a normal runs beside another face: what is left there is as thick as it is far from any face.
+    let (mut along, mut thickness) = (0.0, 0.0f64);
+    for _ in 0..STEPS {
+        let step = beyond(along);
+        if step <= ARRIVED || along >= sample.thickest {
+            break;
+        }
+        // Where it is not known to a cell whether the cutters leave it, small steps.
+        let on = f64::min(along + step.clamp(LEAST_STEP, milled.within.max(LEAST_STEP)), sample.thickest);
+        let off = mold.height_above(at(on));
+        if off <= 0.0 {
+            break;
+        }
+        if !(milled.leaves)(at(on)) {
+            let back = 1.5 * milled.within;
+            (along, thickness) = (f64::max(along - back, 0.0), f64::max(thickness - back, 0.0));
+            break;
+        }
+        along = on;
+        thickness = thickness.max(along.min(off));
+    }
+    // What lies nearer to another face is counted there.
+    let own = if along > ARRIVED { along.min(mold.distance(at(along))) } else { 0.0 };
+    LeftOfRegion { thickness, place: sample.point, volume: own * sample.area }
 }
 
 /// The thickness that burns with this gap leave in sharp corners, and what is tolerated beyond it (mm).

@@ -79,7 +79,9 @@ impl Form {
     fn turns_onto(&self, other: &Form) -> Vec<f64> {
         let leads = |f: &&BurningFace| f.normal.truncate().length() > TURNING;
         let quarter = std::f64::consts::FRAC_PI_2;
-        let Some(first) = self.faces.iter().find(leads) else { return (0..4).map(|k| f64::from(k) * quarter).collect() };
+        let Some(first) = self.faces.iter().find(leads) else {
+            return (0..4).map(|k| f64::from(k) * quarter).collect();
+        };
         let fits = |f: &&BurningFace| {
             leads(f) && (f.area - first.area).abs() <= AREAS * first.area && (f.normal.z - first.normal.z).abs() < 1e-3
         };
@@ -93,7 +95,8 @@ impl Form {
         let turned = |v: DVec3| about.rotate(v.truncate()).extend(v.z);
         let mut shift = other.middle - turned(self.middle);
         for _ in 0..3 {
-            let (mut matrix, mut right) = (DMat3::from_diagonal(DVec3::splat(1e-7 * self.area)), shift * 1e-7 * self.area);
+            let (mut matrix, mut right) =
+                (DMat3::from_diagonal(DVec3::splat(1e-7 * self.area)), shift * 1e-7 * self.area);
             let mut found = 0.0;
             for face in &self.faces {
                 let normal = turned(face.normal);
@@ -114,8 +117,7 @@ impl Form {
         let is_met = |face: &BurningFace| {
             let normal = turned(face.normal);
             other.faces.iter().any(|f| {
-                f.normal.distance_squared(normal) < PARALLEL
-                    && (f.offset - face.offset - normal.dot(shift)).abs() < OFF
+                f.normal.distance_squared(normal) < PARALLEL && (f.offset - face.offset - normal.dot(shift)).abs() < OFF
             })
         };
         let met: f64 = self.faces.iter().filter(|f| is_met(f)).map(|f| f.area).sum();

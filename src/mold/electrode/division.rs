@@ -165,9 +165,8 @@ pub fn cut_along(footprint: &Footprint, cut: &Cut, settings: &DivisionSettings) 
     let both = |a: &[Outline], b: &[Outline]| flat(plane::intersection(a, b));
     // What holds nothing of the region is not needed.
     let is_needed = |free: &Shape| !shrunk(&both(free, &footprint.region), NOTHING).is_empty();
-    let with_walls = |free: &Shape, side: &[Outline]| {
-        both(&both(&flat(plane::grown(free, SKIN)), &footprint.outlines), side)
-    };
+    let with_walls =
+        |free: &Shape, side: &[Outline]| both(&both(&flat(plane::grown(free, SKIN)), &footprint.outlines), side);
     let part = |outlines: Vec<Outline>| {
         let (free, region) = (both(&outlines, &footprint.free), both(&outlines, &footprint.region));
         Footprint { outlines, free, region, ..*footprint }
@@ -216,7 +215,8 @@ fn back_over(shape: &Shape, through: DVec2, outward: DVec2, by: f64) -> (f64, Ve
             strips.extend(Outline::new(vec![a + over, back(before, a), back(after, b), b + over]));
         }
     }
-    let turned = |o: Outline| if o.area() > 0.0 { Some(o) } else { Outline::new(o.points().iter().rev().copied().collect()) };
+    let turned =
+        |o: Outline| if o.area() > 0.0 { Some(o) } else { Outline::new(o.points().iter().rev().copied().collect()) };
     (length, strips.into_iter().filter_map(turned).collect())
 }
 

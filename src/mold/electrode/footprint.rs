@@ -15,7 +15,8 @@ pub fn hull(points: &[DVec2]) -> Option<Outline> {
     points.dedup();
     let mut ring: Vec<DVec2> = Vec::new();
     let chain = |ring: &mut Vec<DVec2>, from: usize, p: DVec2| {
-        while ring.len() >= from + 2 && (ring[ring.len() - 1] - ring[ring.len() - 2]).perp_dot(p - ring[ring.len() - 1]) <= 0.0
+        while ring.len() >= from + 2
+            && (ring[ring.len() - 1] - ring[ring.len() - 2]).perp_dot(p - ring[ring.len() - 1]) <= 0.0
         {
             ring.pop();
         }
@@ -38,9 +39,8 @@ fn disc(radius: f64) -> [DVec2; CORNERS] {
 /// Everything within `by` of convex pieces, each given by its corners; at most 1 % further.
 pub fn grown_pieces(pieces: impl Iterator<Item = Vec<DVec2>>, by: f64) -> Vec<Shape> {
     let disc = disc(by);
-    let grown = |corners: Vec<DVec2>| {
-        hull(&corners.iter().flat_map(|p| disc.iter().map(move |d| *p + *d)).collect::<Vec<_>>())
-    };
+    let grown =
+        |corners: Vec<DVec2>| hull(&corners.iter().flat_map(|p| disc.iter().map(move |d| *p + *d)).collect::<Vec<_>>());
     plane::union(&pieces.filter_map(grown).collect::<Vec<_>>(), &[])
 }
 

@@ -78,9 +78,7 @@ fn is_one(edge: &HEdge) -> bool {
 fn joined(found: Vec<HEdge>) -> Vec<HEdge> {
     let mut chains: Vec<HEdge> = Vec::new();
     for edge in found {
-        let same = |c: &&mut HEdge| {
-            c.is_upright() && edge.is_upright() && c.place().distance(edge.place()) < TOGETHER
-        };
+        let same = |c: &&mut HEdge| c.is_upright() && edge.is_upright() && c.place().distance(edge.place()) < TOGETHER;
         match chains.iter_mut().find(same) {
             Some(chain) => {
                 let mut all = [chain.ends[0], chain.ends[1], edge.ends[0], edge.ends[1]];

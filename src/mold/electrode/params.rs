@@ -305,7 +305,9 @@ pub enum ElectrodeParamsError {
     #[error("there is no stage: give at least one burn, with its gap")]
     NoStage,
     /// Stages that cannot be told apart.
-    #[error("two stages are called {0:?}, or a name is empty or holds more than letters, digits, - and _: file names carry it")]
+    #[error(
+        "two stages are called {0:?}, or a name is empty or holds more than letters, digits, - and _: file names carry it"
+    )]
     StageName(String),
     /// No holder.
     #[error("there is no holder, or one without a positive size: {0:?}")]
@@ -362,14 +364,16 @@ impl ElectrodeParams {
         if self.holders.is_empty() {
             return Err(ElectrodeParamsError::Holder("none".into()));
         }
-        let rises = |list: &[f64]| list.iter().all(|v| v.is_finite() && *v > 0.0) && list.windows(2).all(|w| w[0] < w[1]);
+        let rises =
+            |list: &[f64]| list.iter().all(|v| v.is_finite() && *v > 0.0) && list.windows(2).all(|w| w[0] < w[1]);
         let blanks = &self.blanks;
         if !rises(&blanks.sides_mm) || !rises(&blanks.diameters_mm) || !(0.1..=100.0).contains(&blanks.increment_mm) {
             return Err(ElectrodeParamsError::Blanks);
         }
         let r = &self.removal;
         let figures = [r.per_area_mm_min, r.most_mm3_min, r.at_vdi, r.tenfold_vdi];
-        let is_right = figures.iter().all(|v| v.is_finite() && *v > 0.0) && r.setting_min.is_finite() && r.setting_min >= 0.0;
+        let is_right =
+            figures.iter().all(|v| v.is_finite() && *v > 0.0) && r.setting_min.is_finite() && r.setting_min >= 0.0;
         if is_right { Ok(()) } else { Err(ElectrodeParamsError::Removal) }
     }
 }

@@ -5,7 +5,8 @@ use rayon::prelude::*;
 
 use super::base::{Base, INTO_BASE, placed};
 use super::check::{
-    self, Burning, Finding, GOUGE, LeftOfRegion, Obstacle, Sample, allowed, left_by, leftover, machinable, watertight,
+    self, Burning, Finding, GOUGE, LeftOfRegion, Milled, Obstacle, Sample, allowed, left_by, leftover, machinable,
+    watertight,
 };
 use super::combine::{Form, near};
 use super::design::{Burn, Electrode, ElectrodeSet, PartId, PartNode, RegionPlan};
@@ -131,7 +132,7 @@ struct Shared {
 pub fn plan(
     mold: &Mesh,
     regions: &[RegionToBurn],
-    library: &CutterLibrary,
+    (library, milled): (&CutterLibrary, &Milled),
     params: &ElectrodeParams,
     progress: &Progress,
     cancel: &Cancel,
@@ -161,7 +162,7 @@ pub fn plan(
     }
     named(&mut electrodes, params);
     progress.report("checks", 0.7, "");
-    let checks = checked(mold, &electrodes, &mut plans, regions, (cutters, params, &stages), cancel)?;
+    let checks = checked((mold, milled), &electrodes, &mut plans, regions, (cutters, params, &stages), cancel)?;
     progress.report("checks", 1.0, "");
     Ok(ElectrodeSet { params: params.clone(), electrodes, checks, regions: plans })
 }
@@ -299,8 +300,7 @@ fn apply(
 fn node(part: &Part, count: &mut usize) -> PartNode {
     let outlines = part.footprint.free.iter().map(|o| o.points().to_vec()).collect();
     let (cut, h_edges) = (part.divided.as_ref().map(|(cut, _)| *cut), part.h_edges.len());
-    let parts: Vec<PartNode> =
-        part.divided.iter().flat_map(|(_, parts)| parts).map(|p| node(p, count)).collect();
+    let parts: Vec<PartNode> = part.divided.iter().flat_map(|(_, parts)| parts).map(|p| node(p, count)).collect();
     let number = parts.is_empty().then_some(*count);
     *count += usize::from(number.is_some());
     PartNode { cut, h_edges, outlines, parts, part: number }
@@ -324,7 +324,8 @@ fn shared(
             let onto = first.form.onto(&leaf.form);
             onto.into_iter().find(|by| serves(setting, &mold, (first, leaf), *by, regions, params).unwrap_or(false))
         };
-        let found = params.share.then(|| groups.iter().enumerate().find_map(|(g, group)| Some((g, fits(group)?)))).flatten();
+        let found =
+            params.share.then(|| groups.iter().enumerate().find_map(|(g, group)| Some((g, fits(group)?)))).flatten();
         match found {
             Some((g, (turn, shift))) => groups[g].burns.push((turn, shift, vec![i])),
             None => groups.push(Shared { leaves: vec![i], burns: vec![(0.0, DVec3::ZERO, vec![i])] }),
@@ -332,7 +333,8 @@ fn shared(
     }
     let (single, mut several): (Vec<Shared>, Vec<Shared>) = groups.into_iter().partition(|g| g.burns.len() == 1);
     let radius = cutters.needed().iter().map(|c: &&Cutter| c.radius()).fold(f64::INFINITY, f64::min);
-    let boxes: Vec<[DVec2; 2]> = single.iter().map(|g| plane::extent(&leaves[g.leaves[0]].part.footprint.free)).collect();
+    let boxes: Vec<[DVec2; 2]> =
+        single.iter().map(|g| plane::extent(&leaves[g.leaves[0]].part.footprint.free)).collect();
     // A cutter has to pass between two tips.
     for members in near(&boxes, params.together_mm, 2.2 * radius) {
         let all: Vec<usize> = members.iter().flat_map(|m| single[*m].leaves.iter().copied()).collect();
@@ -470,7 +472,7 @@ impl Electrode {
 
 /// The findings for each electrode; what is left of each region goes into its plan.
 fn checked(
-    mold: &Mesh,
+    (mold, milled): (&Mesh, &Milled),
     electrodes: &[Electrode],
     plans: &mut [RegionPlan],
     regions: &[RegionToBurn],
@@ -479,7 +481,9 @@ fn checked(
 ) -> Result<Vec<Vec<Finding>>, ElectrodeError> {
     let last = electrodes.iter().map(|e| e.stage).max().unwrap_or(0);
     let upright = Obstacle::new(mold)?;
-    let left = (0..regions.len()).into_par_iter().map(|r| left_of(&upright, r, electrodes, &regions[r], stages, cancel));
+    let left = (0..regions.len())
+        .into_par_iter()
+        .map(|r| left_of((&upright, milled), r, electrodes, &regions[r], stages, cancel));
     let left: Vec<LeftOfRegion> = left.collect::<Result<_, ElectrodeError>>()?;
     plans.iter_mut().zip(&left).for_each(|(plan, left)| plan.left = *left);
     let most = stages.get(last).map_or(params.tolerance_mm, |stage| allowed(stage, params.tolerance_mm));
@@ -526,7 +530,7 @@ fn placed_first(finding: Finding, electrode: &Electrode) -> Finding {
 
 /// What all burns leave of a region.
 fn left_of(
-    mold: &Obstacle,
+    (mold, milled): (&Obstacle, &Milled),
     number: usize,
     electrodes: &[Electrode],
     region: &RegionToBurn,
@@ -561,7 +565,9 @@ fn left_of(
         in_frame = mold.turned(&turned)?;
         &in_frame
     };
-    let left = left_by(&burns.iter().collect::<Vec<_>>(), &samples, mold, cancel)?;
+    let leaves = |p: DVec3| (milled.leaves)(back * p);
+    let milled = Milled { leaves: &leaves, within: milled.within };
+    let left = left_by(&burns.iter().collect::<Vec<_>>(), &samples, (mold, &milled), cancel)?;
     Ok(LeftOfRegion { place: back * left.place, ..left })
 }
 

@@ -30,7 +30,9 @@ const WALL: f64 = 0.2;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TipError {
     /// The gap leaves no room.
-    #[error("the spark gap leaves no room for a tip: the region is narrower than twice the gap; a smaller gap is needed")]
+    #[error(
+        "the spark gap leaves no room for a tip: the region is narrower than twice the gap; a smaller gap is needed"
+    )]
     NoRoom,
     /// The solids could not be combined.
     #[error(transparent)]
@@ -88,8 +90,9 @@ impl Place {
             }
         }
         let corner = |column: i64, row: i64| DVec2::new(column as f64, row as f64) * side;
-        let rectangle =
-            |[row, from, to]: [i64; 3]| [corner(from, row), corner(to, row), corner(to, row + 1), corner(from, row + 1)];
+        let rectangle = |[row, from, to]: [i64; 3]| {
+            [corner(from, row), corner(to, row), corner(to, row + 1), corner(from, row + 1)]
+        };
         runs.into_iter().map(rectangle).collect()
     }
 
@@ -172,8 +175,7 @@ pub fn footprint(
         let free = plane::difference(outlines, &section.outlines);
         free.into_iter().filter(is_touched).flatten().collect::<Vec<Outline>>()
     };
-    let close: Vec<Outline> =
-        grown_pieces(cells.iter().map(|c| c.to_vec()), margin).into_iter().flatten().collect();
+    let close: Vec<Outline> = grown_pieces(cells.iter().map(|c| c.to_vec()), margin).into_iter().flatten().collect();
     let least = plane::area(&free_of(&close));
     let points: Vec<DVec2> = place.corners.iter().flatten().map(|p| p.truncate()).collect();
     let round = || grown_pieces(std::iter::once(points.clone()), margin).into_iter().flatten().collect();

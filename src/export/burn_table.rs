@@ -1,0 +1,458 @@
+//! The burn table: what is burned with which electrode, where, how deep, and what was checked, as CSV and JSON.
+//!
+//! Positions are in the axes of the upright mold, whose opening looks along +Z. Text of any other form is made from the
+//! same table by [`burn_template`](super::burn_template).
+
+use glam::DVec3;
+use serde::Serialize;
+
+use crate::mold::electrode::base::round_blank;
+use crate::mold::electrode::check::CheckKind;
+use crate::mold::electrode::design::{Burn, Electrode, ElectrodeSet};
+use crate::mold::electrode::params::{Method, Orbit, Shape};
+use crate::mold::opening::Opening;
+
+/// Version of the keys of `burn_table.json`, which templates use too.
+pub const SCHEMA: u32 = 1;
+/// Positions and angles are rounded to as many decimals.
+const DECIMALS: i32 = 4;
+
+/// All electrodes of a mold with their burns. Regions and their parts count from 1.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BurnTable {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// Version of the program.
+    pub program_version: &'static str,
+    /// What the mold is called.
+    pub mold: String,
+    /// The direction in which the mold's opening looks in the axes of its file; along +Z in this table.
+    pub opening: &'static str,
+    /// What electrode files hold.
+    pub shape: Shape,
+    /// What electrodes are made of.
+    pub material: String,
+    /// How far electrodes are lifted (mm).
+    pub lift_mm: f64,
+    /// Minutes that all burns take.
+    pub minutes: f64,
+    /// How many burns there are.
+    pub burns: usize,
+    /// They; those for the first stage first.
+    pub electrodes: Vec<ElectrodeEntry>,
+}
+
+/// An electrode.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ElectrodeEntry {
+    /// Its name.
+    pub name: String,
+    /// What may be done with it.
+    pub state: ElectrodeState,
+    /// Its burn: rough, finish.
+    pub stage: String,
+    /// What it is made of.
+    pub material: String,
+    /// What its file holds.
+    pub shape: Shape,
+    /// Spark gap (mm).
+    pub gap_mm: f64,
+    /// The orbit.
+    pub orbit: OrbitEntry,
+    /// By how much it is smaller than the cavity across an upright wall along X or Y (mm): gap and orbit.
+    pub undersize_wall_mm: f64,
+    /// The same across a level floor (mm).
+    pub undersize_floor_mm: f64,
+    /// How many are made.
+    pub quantity: u32,
+    /// Surface finish to be reached (VDI 3400).
+    pub finish_vdi: f64,
+    /// The same as roughness (Ra, micrometres).
+    pub roughness_um: f64,
+    /// How its tips were made.
+    pub method: Method,
+    /// The blank that it is milled from.
+    pub blank: BlankEntry,
+    /// The holder that takes the blank; none if none is large enough.
+    pub holder: Option<HolderEntry>,
+    /// Unit vector along which it is lifted.
+    pub lift: [f64; 3],
+    /// Area of its tips seen along the burn (mm^2).
+    pub front_area_mm2: f64,
+    /// Volume that all its burns take away (mm^3).
+    pub volume_mm3: f64,
+    /// Minutes that all its burns take.
+    pub minutes: f64,
+    /// Its burns.
+    pub burns: Vec<BurnEntry>,
+    /// Each kind of check.
+    pub checks: Vec<CheckEntry>,
+}
+
+/// What may be done with an electrode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ElectrodeState {
+    /// Every check holds.
+    Ok,
+    /// A check fails, and the user decided by name to use it nevertheless.
+    Overridden,
+    /// A check fails: it has no file.
+    Blocked,
+}
+
+impl ElectrodeState {
+    /// How it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::Overridden => "overridden",
+            Self::Blocked => "blocked",
+        }
+    }
+}
+
+/// An orbit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OrbitEntry {
+    /// none, circular or square.
+    pub pattern: &'static str,
+    /// Its radius or half side (mm).
+    pub radius_mm: f64,
+}
+
+/// A blank.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BlankEntry {
+    /// Sides along X and Y (mm).
+    pub sides_mm: [f64; 2],
+    /// Length along Z (mm).
+    pub length_mm: f64,
+    /// Diameter of the least round blank that would do (mm).
+    pub diameter_mm: Option<f64>,
+}
+
+/// A holder.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HolderEntry {
+    /// Its name.
+    pub name: String,
+    /// Largest blank that it holds (mm).
+    pub size_mm: [f64; 2],
+    /// Its height (mm).
+    pub height_mm: f64,
+}
+
+/// A burn.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BurnEntry {
+    /// Counted from 1 for each electrode.
+    pub number: usize,
+    /// Where the electrode's origin is, the middle of the underside of its base: X (mm).
+    pub x_mm: f64,
+    /// Y (mm).
+    pub y_mm: f64,
+    /// Z (mm).
+    pub z_mm: f64,
+    /// How far it is turned, counter-clockwise seen against the burn (degrees, above -180 up to 180).
+    pub c_deg: f64,
+    /// How deep below the mold's top its lowest point is (mm).
+    pub depth_mm: f64,
+    /// Volume that is burned away (mm^3).
+    pub volume_mm3: f64,
+    /// Minutes that it takes.
+    pub minutes: f64,
+    /// Parts of regions that it burns: `R3.2` is part 2 of region 3. Without the letter spreadsheets would read numbers.
+    pub parts: Vec<String>,
+    /// The regions that these belong to, rising.
+    pub regions: Vec<usize>,
+}
+
+/// What became of a check.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CheckState {
+    /// It holds.
+    Ok,
+    /// It fails, and the electrode is used nevertheless.
+    Overridden,
+    /// It fails.
+    Failed,
+    /// It could not be made, for another one fails.
+    NotMade,
+}
+
+impl CheckState {
+    /// How it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::Overridden => "overridden",
+            Self::Failed => "failed",
+            Self::NotMade => "not-made",
+        }
+    }
+}
+
+/// A check.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CheckEntry {
+    /// What it is about.
+    pub kind: CheckKind,
+    /// What became of it.
+    pub state: CheckState,
+    /// What was found, in words.
+    pub text: String,
+    /// Where, in the upright mold (mm).
+    pub place_mm: Option<[f64; 3]>,
+}
+
+impl BurnTable {
+    /// The table for electrodes of a mold that is called `mold`.
+    pub fn of(set: &ElectrodeSet, mold: &str, opening: Opening) -> Self {
+        let electrodes: Vec<ElectrodeEntry> = (0..set.electrodes.len()).map(|e| entry(set, e)).collect();
+        Self {
+            schema: SCHEMA,
+            program_version: env!("CARGO_PKG_VERSION"),
+            mold: mold.to_owned(),
+            opening: opening.name(),
+            shape: set.params.shape,
+            material: set.params.material.clone(),
+            lift_mm: set.params.lift_mm,
+            minutes: set.minutes(),
+            burns: electrodes.iter().map(|e| e.burns.len()).sum(),
+            electrodes,
+        }
+    }
+
+    /// The table as JSON; a number that is not finite becomes null.
+    ///
+    /// # Errors
+    /// None that is known; the writer's own.
+    pub fn json(&self) -> Result<String, serde_json::Error> {
+        Ok(serde_json::to_string_pretty(self)? + "\n")
+    }
+
+    /// The table as CSV: a row for each burn, with commas between and points as decimal marks. Text with a comma, a
+    /// quote or a line's end stands in quotes.
+    pub fn csv(&self) -> String {
+        let kinds = CheckKind::ALL.map(CheckKind::name);
+        let mut text = [&COLUMNS[..], &kinds].concat().join(",") + "\n";
+        for electrode in &self.electrodes {
+            for burn in &electrode.burns {
+                text += &csv_row(self, electrode, burn).join(",");
+                text.push('\n');
+            }
+        }
+        text
+    }
+}
+
+/// The columns of the CSV before those of the checks.
+const COLUMNS: [&str; 31] = [
+    "electrode",
+    "burn",
+    "x_mm",
+    "y_mm",
+    "z_mm",
+    "c_deg",
+    "depth_mm",
+    "parts",
+    "stage",
+    "material",
+    "shape",
+    "gap_mm",
+    "orbit",
+    "orbit_radius_mm",
+    "undersize_wall_mm",
+    "undersize_floor_mm",
+    "quantity",
+    "finish_vdi",
+    "roughness_um",
+    "method",
+    "blank_x_mm",
+    "blank_y_mm",
+    "blank_length_mm",
+    "holder",
+    "lift_x",
+    "lift_y",
+    "lift_z",
+    "lift_mm",
+    "volume_mm3",
+    "minutes",
+    "state",
+];
+
+fn csv_row(table: &BurnTable, e: &ElectrodeEntry, burn: &BurnEntry) -> Vec<String> {
+    let lift = e.lift.map(|v| number(v, 6));
+    let [lift_x, lift_y, lift_z] = lift;
+    let mut row = vec![
+        quoted(&e.name),
+        burn.number.to_string(),
+        number(burn.x_mm, 4),
+        number(burn.y_mm, 4),
+        number(burn.z_mm, 4),
+        number(burn.c_deg, 4),
+        number(burn.depth_mm, 4),
+        quoted(&burn.parts.join(" ")),
+        quoted(&e.stage),
+        quoted(&e.material),
+        shape_name(e.shape).to_owned(),
+        number(e.gap_mm, 4),
+        e.orbit.pattern.to_owned(),
+        number(e.orbit.radius_mm, 4),
+        number(e.undersize_wall_mm, 4),
+        number(e.undersize_floor_mm, 4),
+        e.quantity.to_string(),
+        number(e.finish_vdi, 1),
+        number(e.roughness_um, 3),
+        method_name(e.method).to_owned(),
+        number(e.blank.sides_mm[0], 3),
+        number(e.blank.sides_mm[1], 3),
+        number(e.blank.length_mm, 3),
+        e.holder.as_ref().map_or(String::new(), |h| quoted(&h.name)),
+        lift_x,
+        lift_y,
+        lift_z,
+        number(table.lift_mm, 3),
+        number(burn.volume_mm3, 4),
+        number(burn.minutes, 2),
+        e.state.name().to_owned(),
+    ];
+    row.extend(e.checks.iter().map(|c| c.state.name().to_owned()));
+    row
+}
+
+/// A field of a CSV file (RFC 4180).
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+}
+
+/// A number of a CSV file; nothing where there is none.
+fn number(value: f64, decimals: usize) -> String {
+    let text = if value.is_finite() { format!("{value:.decimals$}") } else { String::new() };
+    match text.strip_prefix('-') {
+        Some(rest) if rest.bytes().all(|b| b == b'0' || b == b'.') => rest.to_owned(),
+        _ => text,
+    }
+}
+
+/// How a shape is called.
+pub fn shape_name(shape: Shape) -> &'static str {
+    match shape {
+        Shape::Undersized => "undersized",
+        Shape::Net => "net",
+    }
+}
+
+/// How a method is called.
+pub fn method_name(method: Method) -> &'static str {
+    match method {
+        Method::Extruding => "extruding",
+        Method::Cutting => "cutting",
+    }
+}
+
+fn entry(set: &ElectrodeSet, e: usize) -> ElectrodeEntry {
+    let (electrode, params) = (&set.electrodes[e], &set.params);
+    let stage = &params.stages[electrode.stage];
+    let state = match (set.fails(e), set.is_blocked(e)) {
+        (false, _) => ElectrodeState::Ok,
+        (true, false) => ElectrodeState::Overridden,
+        (true, true) => ElectrodeState::Blocked,
+    };
+    let pattern = match stage.orbit {
+        Orbit::None => "none",
+        Orbit::Circular { .. } => "circular",
+        Orbit::Square { .. } => "square",
+    };
+    let DVec3 { x, y, z } = electrode.blank;
+    let diameter_mm = round_blank(electrode.blank.truncate(), &params.blanks);
+    let holder = electrode.holder.and_then(|h| params.holders.get(h));
+    let burns = electrode.burns.iter().enumerate().map(|(i, burn)| {
+        let minutes = params.removal.minutes(burn.volume, electrode.front_area, stage.finish_vdi);
+        burn_entry(i + 1, burn, minutes)
+    });
+    ElectrodeEntry {
+        name: electrode.name.clone(),
+        state,
+        stage: stage.name.clone(),
+        material: params.material.clone(),
+        shape: params.shape,
+        gap_mm: stage.gap_mm,
+        orbit: OrbitEntry { pattern, radius_mm: stage.orbit.radius_mm() },
+        undersize_wall_mm: stage.undersize(DVec3::X),
+        undersize_floor_mm: stage.undersize(DVec3::Z),
+        quantity: stage.quantity,
+        finish_vdi: stage.finish_vdi,
+        roughness_um: stage.roughness_um(),
+        method: electrode.method,
+        blank: BlankEntry { sides_mm: [x, y], length_mm: z, diameter_mm },
+        holder: holder.map(|h| HolderEntry { name: h.name.clone(), size_mm: h.size_mm, height_mm: h.height_mm }),
+        lift: lift(electrode),
+        front_area_mm2: electrode.front_area,
+        volume_mm3: electrode.burns.iter().map(|b| b.volume).sum(),
+        minutes: electrode.minutes,
+        burns: burns.collect(),
+        checks: CheckKind::ALL.map(|kind| check(set, e, kind, state)).to_vec(),
+    }
+}
+
+/// Against the burn; adding 0 takes the sign from a zero.
+fn lift(electrode: &Electrode) -> [f64; 3] {
+    (-electrode.direction).to_array().map(|v| v + 0.0)
+}
+
+fn burn_entry(number: usize, burn: &Burn, minutes: f64) -> BurnEntry {
+    let [x_mm, y_mm, z_mm] = burn.position.to_array().map(rounded);
+    let mut regions: Vec<usize> = burn.parts.iter().map(|p| p.region + 1).collect();
+    regions.sort_unstable();
+    regions.dedup();
+    BurnEntry {
+        number,
+        x_mm,
+        y_mm,
+        z_mm,
+        c_deg: c_deg(burn.turn),
+        depth_mm: burn.depth,
+        volume_mm3: burn.volume,
+        minutes,
+        parts: burn.parts.iter().map(|p| format!("R{}.{}", p.region + 1, p.part + 1)).collect(),
+        regions,
+    }
+}
+
+/// To the decimals of the table, and no zero with a sign.
+fn rounded(value: f64) -> f64 {
+    let scale = 10f64.powi(DECIMALS);
+    (value * scale).round() / scale + 0.0
+}
+
+/// A turn as the machine's C (degrees, above -180 up to 180).
+fn c_deg(turn: f64) -> f64 {
+    let c = rounded(turn.to_degrees().rem_euclid(360.0));
+    if c > 180.0 { rounded(c - 360.0) } else { c }
+}
+
+fn check(set: &ElectrodeSet, e: usize, kind: CheckKind, state: ElectrodeState) -> CheckEntry {
+    let made: Vec<_> = set.checks[e].iter().filter(|finding| finding.kind == kind).collect();
+    let fails = made.iter().any(|finding| !finding.holds);
+    // What holds is of no interest beside what does not.
+    let told: Vec<_> = made.iter().filter(|finding| finding.holds != fails).collect();
+    let state = match (made.is_empty(), fails, state) {
+        (true, ..) => CheckState::NotMade,
+        (_, false, _) => CheckState::Ok,
+        (_, true, ElectrodeState::Overridden) => CheckState::Overridden,
+        _ => CheckState::Failed,
+    };
+    CheckEntry {
+        kind,
+        state,
+        text: told.iter().map(|finding| finding.text.as_str()).collect::<Vec<_>>().join("; "),
+        place_mm: told.iter().find_map(|finding| finding.place).map(|p| p.to_array().map(rounded)),
+    }
+}
+
+#[cfg(test)]
+#[path = "burn_table_tests.rs"]
+mod tests;

@@ -1,0 +1,215 @@
+//! The burn table as text of any form, through a template that users edit.
+//!
+//! Templates are in the language of Jinja; they see the keys of `burn_table.json`. What they name and the table does not
+//! have is an error and no gap in the text, because burn sheets are read by machines too. Beside the filters of the
+//! language there are
+//! - `fixed(decimals)`: a number with so many decimals, `-` where there is none;
+//! - `left(width)` and `right(width)`: text filled up with blanks.
+
+use std::path::Path;
+
+use minijinja::syntax::SyntaxConfig;
+use minijinja::value::{Serde, Value};
+use minijinja::{AutoEscape, Environment, Error, ErrorKind, UndefinedBehavior};
+
+use super::burn_table::BurnTable;
+
+/// The template that the program brings along: a burn sheet for people.
+pub const BURN_SHEET: &str = include_str!("../../assets/burn_table.jinja");
+/// The largest template that is read (bytes).
+const LARGEST_FILE: u64 = 1 << 20;
+/// Steps that a template may take: enough for thousands of electrodes, and little enough to come to an end.
+const MOST_STEPS: u64 = 50_000_000;
+/// The widest column, and the most decimals.
+const WIDEST: usize = 1000;
+const MOST_DECIMALS: usize = 12;
+
+/// Why a template makes no text.
+#[derive(Debug, thiserror::Error)]
+pub enum TemplateError {
+    /// Its file cannot be read.
+    #[error("{template}: cannot be read ({source}); check the path, and that it is text in UTF-8")]
+    Unreadable {
+        /// The file.
+        template: String,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// Its file is no template.
+    #[error("{template}: it has {bytes} bytes; a template has at most {LARGEST_FILE}")]
+    TooLarge {
+        /// The file.
+        template: String,
+        /// Its size.
+        bytes: u64,
+    },
+    /// Something in it is wrong.
+    #[error("{template}: {}{problem}; {remedy}", line.map_or(String::new(), |n| format!("line {n}: ")))]
+    Wrong {
+        /// The template.
+        template: String,
+        /// Where, counted from 1.
+        line: Option<usize>,
+        /// What is wrong.
+        problem: String,
+        /// What to do.
+        remedy: &'static str,
+    },
+}
+
+/// The text that the template in `file` makes of `table`.
+///
+/// # Errors
+/// [`TemplateError`] with the line.
+pub fn render_file(table: &BurnTable, file: &Path) -> Result<String, TemplateError> {
+    let template = file.display().to_string();
+    let unreadable = |source| TemplateError::Unreadable { template: template.clone(), source };
+    let bytes = std::fs::metadata(file).map_err(unreadable)?.len();
+    if bytes > LARGEST_FILE {
+        return Err(TemplateError::TooLarge { template, bytes });
+    }
+    let text = std::fs::read_to_string(file).map_err(unreadable)?;
+    render(table, &text, &template)
+}
+
+/// The text that `template` makes of `table`; errors call it `name`.
+///
+/// # Errors
+/// [`TemplateError::Wrong`] with the line.
+pub fn render(table: &BurnTable, template: &str, name: &str) -> Result<String, TemplateError> {
+    render_within(MOST_STEPS, table, template, name)
+}
+
+fn render_within(steps: u64, table: &BurnTable, template: &str, name: &str) -> Result<String, TemplateError> {
+    let wrong = |error: Error| explained(&error, template, name);
+    let mut environment = Environment::new();
+    let mut syntax = SyntaxConfig::builder();
+    // Lines that hold only a statement leave nothing in the text.
+    syntax.trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true);
+    environment.set_syntax(syntax.build().map_err(wrong)?);
+    environment.set_auto_escape_callback(|_| AutoEscape::None);
+    environment.set_undefined_behavior(UndefinedBehavior::Strict);
+    environment.set_fuel(Some(steps));
+    environment.add_filter("fixed", fixed);
+    environment.add_filter("left", |text: String, width: usize| format!("{text:<width$}", width = width.min(WIDEST)));
+    environment.add_filter("right", |text: String, width: usize| format!("{text:>width$}", width = width.min(WIDEST)));
+    environment.render_named_str(name, template, Value::from(Serde(table))).map_err(wrong)
+}
+
+/// A number with so many decimals.
+fn fixed(value: &Value, decimals: Option<usize>) -> Result<String, Error> {
+    if value.is_none() {
+        return Ok("-".to_owned());
+    }
+    let number = f64::try_from(value.clone()).map_err(|_| {
+        Error::new(ErrorKind::InvalidOperation, format!("fixed is for numbers, not for {}", value.kind()))
+    })?;
+    if !number.is_finite() {
+        return Ok("-".to_owned());
+    }
+    let text = format!("{number:.*}", decimals.unwrap_or(3).min(MOST_DECIMALS));
+    let is_zero = text.bytes().all(|b| b"-0.".contains(&b));
+    Ok(if is_zero { text.trim_start_matches('-').to_owned() } else { text })
+}
+
+fn explained(error: &Error, template: &str, name: &str) -> TemplateError {
+    let mut problem = error.kind().to_string();
+    if let Some(detail) = error.detail() {
+        problem += &format!(": {detail}");
+    }
+    let line = error.line();
+    if let Some(text) = line.and_then(|n| template.lines().nth(n - 1)).map(str::trim).filter(|t| !t.is_empty()) {
+        problem += &format!(", in `{}`", text.chars().take(80).collect::<String>());
+    }
+    let remedy = match error.kind() {
+        ErrorKind::UndefinedError => "the names are those of the keys of burn_table.json",
+        ErrorKind::UnknownFilter => {
+            "filters are fixed, left, right, and those of Jinja: join, upper, default and others"
+        }
+        ErrorKind::OutOfFuel => "the template takes too many steps: are its loops right?",
+        ErrorKind::SyntaxError => "statements stand in {% %}, values in {{ }}, remarks in {# #}",
+        _ => "compare with the standard template",
+    };
+    TemplateError::Wrong { template: name.to_owned(), line, problem: problem.replace(char::is_control, " "), remedy }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::export::electrode_fixtures::set;
+    use crate::mold::opening::Opening;
+
+    fn table() -> BurnTable {
+        BurnTable::of(&set(), "shell", Opening::PlusZ)
+    }
+
+    #[test]
+    fn the_standard_sheet_says_positions_and_what_is_blocked() {
+        let text = render(&table(), BURN_SHEET, "standard").unwrap();
+        let line = |words: &[&str]| text.lines().any(|l| words.iter().all(|w| l.contains(w)));
+        assert!(line(&["SHEET", "shell"]) && line(&["opening", "+z"]), "{text}");
+        assert!(line(&["3 electrodes", "4 burns", "38 min"]), "{text}");
+        assert!(line(&["12.3457", "-4.5000", "20.0000", "90.0000"]), "{text}");
+        assert!(line(&["E03", "BLOCKED"]), "{text}");
+        assert!(line(&["E02", "OVERRIDDEN"]), "{text}");
+        assert!(line(&["gouge", "failed", "too deep a burn"]), "{text}");
+        assert!(!text.contains("none") && !text.contains("{"), "{text}");
+        assert!(text.lines().all(|l| l == l.trim_end()), "{text}");
+    }
+
+    #[test]
+    fn a_users_template_makes_a_format_of_its_own() {
+        let template = "{% for e in electrodes if e.state != 'blocked' %}\n{% for b in e.burns %}\n\
+            ({{ e.name|left(5) }})X{{ b.x_mm|fixed(3) }} C{{ b.c_deg|fixed(1)|right(6) }} H{{ e.holder.name if e.holder }}\n\
+            {% endfor %}\n{% endfor %}\nM30\n";
+        let expected = "(E01  )X12.346 C  90.0 Hholder 25\n(E01  )X-1.000 C-135.0 Hholder 25\n\
+                        (E02-finish)X0.000 C   0.0 H\nM30\n";
+        assert_eq!(render(&table(), template, "mine").unwrap(), expected);
+    }
+
+    #[test]
+    fn text_is_not_escaped_and_nothing_is_dropped_at_the_end() {
+        let mut table = table();
+        table.mold = "<a> & \"b\"".to_owned();
+        assert_eq!(render(&table, "{{ mold }}\n\n", "x.html").unwrap(), "<a> & \"b\"\n\n");
+        assert_eq!(
+            render(&table, "{{ -0.0001|fixed(2) }} {{ none|fixed }} {{ 3|fixed(1) }}", "x").unwrap(),
+            "0.00 - 3.0"
+        );
+    }
+
+    #[test]
+    fn a_wrong_template_is_answered_with_the_line_and_the_remedy() {
+        for (template, line, words) in [
+            ("a\n{% for e in electrodes %}\n{{ e.naem }}\n{% endfor %}", 3, "naem"),
+            ("a\n{{ mold|fixt }}", 2, "fixt"),
+            ("\n\n{{ mold|fixed(2) }}", 3, "fixed is for numbers"),
+            ("{{ missing|fixed(2) }}", 1, "undefined"),
+            ("a\nb\n{% if mold %}\n", 3, "syntax"),
+            ("a\n{{ mold", 2, "syntax"),
+            ("{% for e in electrode %}{% endfor %}", 1, "undefined"),
+            ("{% include 'other' %}", 1, "include"),
+            ("\n{% for a in range(9999) %}{% for b in range(9999) %}{% endfor %}{% endfor %}", 2, "too many steps"),
+        ] {
+            let error = render_within(10_000, &table(), template, "mine.jinja").unwrap_err();
+            let said = error.to_string();
+            let TemplateError::Wrong { line: Some(found), .. } = error else { panic!("{template:?}: {said}") };
+            // The end of a text counts as the line of its last character or as the next.
+            assert!(found == line || found == template.lines().count(), "{template:?}: {said}");
+            assert!(said.starts_with(&format!("mine.jinja: line {found}: ")) && said.contains(words), "{said}");
+            assert_eq!(said.lines().count(), 1);
+        }
+    }
+
+    #[test]
+    fn a_template_is_read_from_its_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("mine.jinja");
+        std::fs::write(&file, "{{ burns }} burns\n").unwrap();
+        assert_eq!(render_file(&table(), &file).unwrap(), "4 burns\n");
+        std::fs::write(&file, [0xff, 0xfe]).unwrap();
+        for wrong in [file, folder.path().join("none")] {
+            assert!(matches!(render_file(&table(), &wrong), Err(TemplateError::Unreadable { .. })));
+        }
+    }
+}

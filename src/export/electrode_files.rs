@@ -1,0 +1,266 @@
+//! Electrodes as mesh files. Those with a check that fails are left out, unless the user overrode it by name.
+//!
+//! A file holds an electrode in its own axes: the origin is the middle of its base's underside, the tips reach down along
+//! -Z. Its name says what a shop needs to know of it, as in `E01_finish_g0.05_copper_x1.stl`.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::files::{WriteError, write_atomically};
+use crate::mesh_io::{glb_bytes, obj_bytes, stl_bytes};
+use crate::mold::electrode::design::{Electrode, ElectrodeSet};
+use crate::mold::electrode::params::{ElectrodeParams, Orbit, Shape};
+
+/// The longest that a part of a file's name may be (characters).
+const LONGEST: usize = 40;
+
+/// A format of electrode files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ElectrodeFormat {
+    /// Binary STL, mm.
+    Stl,
+    /// Wavefront OBJ, mm, exact to the last bit.
+    Obj,
+    /// Binary glTF 2.0.
+    Glb,
+}
+
+impl ElectrodeFormat {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Stl, Self::Obj, Self::Glb];
+
+    /// How file names end, and how it is called.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Stl => "stl",
+            Self::Obj => "obj",
+            Self::Glb => "glb",
+        }
+    }
+
+    /// The bytes of a file of `electrode`.
+    ///
+    /// # Errors
+    /// `InvalidInput` for a mesh that the format cannot hold.
+    pub fn bytes(self, electrode: &Electrode) -> std::io::Result<Vec<u8>> {
+        match self {
+            Self::Stl => stl_bytes(&electrode.mesh),
+            Self::Obj => obj_bytes(&electrode.name, &electrode.mesh),
+            Self::Glb => glb_bytes(&[(&electrode.name, &electrode.mesh)]),
+        }
+    }
+}
+
+/// Why electrodes cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum ElectrodeExportError {
+    /// A mesh that a format cannot hold.
+    #[error("electrode {electrode} as {format}: {source}; choose another format, or plan the electrodes again", format = format.extension())]
+    Mesh {
+        /// The electrode.
+        electrode: String,
+        /// The format.
+        format: ElectrodeFormat,
+        /// What is wrong.
+        source: std::io::Error,
+    },
+    /// The file system's refusal.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}
+
+/// What was written and what was not.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct WrittenElectrodes {
+    /// The files, in the order of the electrodes.
+    pub files: Vec<ElectrodeFile>,
+    /// Electrodes without files.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// A file that was written.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct ElectrodeFile {
+    /// The electrode.
+    pub electrode: String,
+    /// The file.
+    pub path: PathBuf,
+}
+
+/// An electrode that was not written.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct LeftOut {
+    /// The electrode.
+    pub electrode: String,
+    /// Which checks fail, and what to do, in words.
+    pub why: String,
+    /// Files of an earlier export that have its name and were not touched.
+    pub older: Vec<PathBuf>,
+}
+
+/// Writes all electrodes that may be exported into `folder`, each in all `formats`. Each file is written under a temporary
+/// name and renamed.
+///
+/// # Errors
+/// [`ElectrodeExportError`]; files written before it stay.
+pub fn write_electrode_files(
+    folder: &Path,
+    set: &ElectrodeSet,
+    formats: &[ElectrodeFormat],
+) -> Result<WrittenElectrodes, ElectrodeExportError> {
+    let mut written = WrittenElectrodes::default();
+    for (e, (electrode, stem)) in set.electrodes.iter().zip(file_stems(set)).enumerate() {
+        let path = |format: ElectrodeFormat| folder.join(format!("{stem}.{}", format.extension()));
+        let name = electrode.name.clone();
+        if let Some(why) = why_blocked(set, e) {
+            let older = ElectrodeFormat::ALL.map(path).into_iter().filter(|p| p.exists()).collect();
+            written.left_out.push(LeftOut { electrode: name, why, older });
+            continue;
+        }
+        for &format in formats {
+            let wrong = |source| ElectrodeExportError::Mesh { electrode: name.clone(), format, source };
+            write_atomically(&path(format), &format.bytes(electrode).map_err(wrong)?)?;
+            written.files.push(ElectrodeFile { electrode: name.clone(), path: path(format) });
+        }
+    }
+    Ok(written)
+}
+
+/// Why an electrode may not be exported; none if it may.
+pub fn why_blocked(set: &ElectrodeSet, electrode: usize) -> Option<String> {
+    if !set.is_blocked(electrode) {
+        return None;
+    }
+    let failing = set.checks[electrode].iter().filter(|finding| !finding.holds);
+    let told: Vec<String> = failing.map(|finding| format!("{}: {}", finding.kind.name(), finding.text)).collect();
+    Some(format!("{}; mend it, or override it by its name {}", told.join("; "), set.electrodes[electrode].name))
+}
+
+/// Names of the electrodes' files without their endings, all different even where small and large letters are the same.
+pub fn file_stems(set: &ElectrodeSet) -> Vec<String> {
+    let mut stems: Vec<String> = Vec::new();
+    for electrode in &set.electrodes {
+        let plain = file_stem(electrode, &set.params);
+        let is_new = |stem: &String| stems.iter().all(|known| !known.eq_ignore_ascii_case(stem));
+        // One of so many names is not among those that are known.
+        let numbered = (2..stems.len() + 3).map(|n| format!("{plain}_{n}"));
+        let stem = std::iter::once(plain.clone()).chain(numbered).find(is_new);
+        stems.push(stem.unwrap_or(plain));
+    }
+    stems
+}
+
+fn file_stem(electrode: &Electrode, params: &ElectrodeParams) -> String {
+    let stage = &params.stages[electrode.stage];
+    // The name of an electrode ends with its stage where there are several.
+    let name = electrode.name.strip_suffix(&format!("-{}", stage.name)).unwrap_or(&electrode.name);
+    let mut parts = vec![plain(name), plain(&stage.name), format!("g{}", stage.gap_mm)];
+    match stage.orbit {
+        Orbit::None => {}
+        Orbit::Circular { radius_mm } => parts.push(format!("circular{radius_mm}")),
+        Orbit::Square { radius_mm } => parts.push(format!("square{radius_mm}")),
+    }
+    // Who mills it has to know that the gap is still to be taken off.
+    if params.shape == Shape::Net {
+        parts.push("net".to_owned());
+    }
+    parts.extend([plain(&params.material), format!("x{}", stage.quantity)]);
+    parts.join("_")
+}
+
+/// Text as a part of a file's name on every system.
+fn plain(text: &str) -> String {
+    let mut plain = String::new();
+    for c in text.chars() {
+        let c = if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' };
+        if c.is_ascii_alphanumeric() || !plain.ends_with(['-', '.']) {
+            plain.push(c);
+        }
+    }
+    let plain: String = plain.trim_matches(['-', '.']).chars().take(LONGEST).collect();
+    if plain.is_empty() { "unnamed".to_owned() } else { plain }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::export::electrode_fixtures::set;
+    use crate::geometry::mesh::Mesh;
+    use crate::mesh_io::{ImportOptions, import_file};
+    use crate::progress::{Cancel, Progress};
+
+    #[test]
+    fn file_names_say_what_a_shop_needs_and_stay_in_their_folder() {
+        let mut set = set();
+        assert_eq!(
+            file_stems(&set),
+            ["E01_rough_g0.2_circular0.1_Cu-soft_x2", "E02_finish_g0.05_Cu-soft_x1", "E03_finish_g0.05_Cu-soft_x1"]
+        );
+        set.params.material = "copper".to_owned();
+        set.params.shape = Shape::Net;
+        set.electrodes[1].name = "../..\\E3".to_owned();
+        set.electrodes[2].name = "e3-finish".to_owned();
+        assert_eq!(file_stems(&set)[1..], ["E3_finish_g0.05_net_copper_x1", "e3_finish_g0.05_net_copper_x1_2"]);
+        set.electrodes.iter_mut().for_each(|e| (e.name, e.stage) = ("\u{e9}/".to_owned(), 1));
+        let stems = file_stems(&set);
+        assert_eq!(stems[2], "unnamed_finish_g0.05_net_copper_x1_3");
+    }
+
+    #[test]
+    fn what_is_blocked_has_no_file_and_the_reason_is_told() {
+        let folder = tempfile::tempdir().unwrap();
+        let old = folder.path().join("E03_finish_g0.05_Cu-soft_x1.stl");
+        std::fs::write(&old, "old").unwrap();
+        let written = write_electrode_files(folder.path(), &set(), &[ElectrodeFormat::Stl]).unwrap();
+        let names: Vec<&str> = written.files.iter().map(|f| f.electrode.as_str()).collect();
+        assert_eq!(names, ["E01", "E02-finish"], "what is overridden is written");
+        let [left] = &written.left_out[..] else { panic!("{written:?}") };
+        assert!(
+            left.electrode == "E03" && left.why.contains("gouge: ") && left.why.contains("watertight: "),
+            "{left:?}"
+        );
+        assert!(!left.why.contains("approach"), "what holds is no reason: {left:?}");
+        assert_eq!(left.older.iter().collect::<Vec<_>>(), [&old]);
+        assert_eq!(std::fs::read(old).unwrap(), b"old", "files of an earlier export are not ours to delete");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
+    }
+
+    #[test]
+    fn every_format_is_read_back_as_the_same_solid() {
+        let folder = tempfile::tempdir().unwrap();
+        let set = set();
+        let written = write_electrode_files(folder.path(), &set, &ElectrodeFormat::ALL).unwrap();
+        assert_eq!(written.files.len(), 6);
+        for file in &written.files {
+            let electrode = set.electrodes.iter().find(|e| e.name == file.electrode).unwrap();
+            let read =
+                import_file(&file.path, &ImportOptions::default(), &Progress::silent(), &Cancel::default()).unwrap();
+            assert!(read.report.watertight, "{file:?}");
+            assert_eq!(read.mesh.triangles.len(), electrode.mesh.triangles.len());
+            let expected = match file.path.extension().and_then(|e| e.to_str()) {
+                // glTF has Y up.
+                Some("glb") => electrode.mesh.mapped(|p| glam::DVec3::new(p.x, p.z, -p.y)),
+                _ => electrode.mesh.clone(),
+            };
+            assert!((read.mesh.volume() / expected.volume() - 1.0).abs() < 1e-5, "{file:?}: {}", read.mesh.volume());
+            let (found, wanted) = (read.mesh.bounds(), expected.bounds());
+            assert!(found.min.distance(wanted.min) + found.max.distance(wanted.max) < 1e-4, "{file:?}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn a_mesh_that_cannot_be_written_is_told_by_its_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut set = set();
+        set.electrodes[1].mesh = Mesh::default();
+        let error = write_electrode_files(folder.path(), &set, &[ElectrodeFormat::Glb]).unwrap_err().to_string();
+        assert!(error.contains("E02-finish as glb"), "{error}");
+        let nowhere = folder.path().join("none");
+        assert!(matches!(
+            write_electrode_files(&nowhere, &set, &ElectrodeFormat::ALL),
+            Err(ElectrodeExportError::Write(_))
+        ));
+    }
+}

@@ -1,0 +1,227 @@
+//! The report on a mold's electrodes, as `electrodes.json` for programs and `report.html` for people.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::burn_table::{BurnTable, ElectrodeState, method_name};
+use super::electrode_files::why_blocked;
+use super::electrode_report_html;
+use super::files::{WriteError, write_atomically};
+use crate::mold::electrode::design::{Electrode, ElectrodeSet, PartNode, RegionPlan};
+use crate::mold::opening::Opening;
+
+/// Version of the keys of `electrodes.json`.
+pub const SCHEMA: u32 = 1;
+
+/// All that a report says of electrodes. Places are in the axes of the upright mold; regions and parts count from 1.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ElectrodesReport {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// The answer in a sentence.
+    pub sentence: String,
+    /// Whether every region has its electrodes and every check holds.
+    pub holds: bool,
+    /// The burn table.
+    pub table: BurnTable,
+    /// Electrodes that are not exported, and why.
+    pub blocked: Vec<BlockedEntry>,
+    /// Names of electrodes that are exported although a check fails.
+    pub overridden: Vec<String>,
+    /// Names among the overrides that override nothing: no electrode is called so, or all its checks hold.
+    pub idle_overrides: Vec<String>,
+    /// Every region.
+    pub regions: Vec<RegionEntry>,
+    /// Every parameter, defaults included.
+    pub parameters: serde_json::Value,
+}
+
+/// An electrode that is not exported.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BlockedEntry {
+    /// The electrode.
+    pub electrode: String,
+    /// Which checks fail, and what to do.
+    pub why: String,
+}
+
+/// A region and how it is burned.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RegionEntry {
+    /// Counted from 1.
+    pub index: usize,
+    /// How its tips are made.
+    pub method: &'static str,
+    /// Unit vector along which its electrodes go.
+    pub direction: [f64; 3],
+    /// Parts that it is divided into.
+    pub parts: usize,
+    /// Its division; none where there is no footprint.
+    pub division: Option<Division>,
+    /// Electrodes that burn it or parts of it.
+    pub electrodes: Vec<String>,
+    /// Greatest thickness that all burns leave, across the surface (mm).
+    pub left_thickness_mm: f64,
+    /// Where (mm).
+    pub left_at_mm: [f64; 3],
+    /// Volume that they leave (mm^3).
+    pub left_volume_mm3: f64,
+    /// Why it has no electrode, or lacks one for a part.
+    pub trouble: Option<String>,
+}
+
+/// A part of a region and what it is divided into.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Division {
+    /// What it is, in a few words.
+    pub text: String,
+    /// Edges in it that no cutter makes.
+    pub h_edges: usize,
+    /// What it is divided into.
+    pub parts: Vec<Division>,
+}
+
+/// Why a report could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum ElectrodeReportError {
+    /// The figures have no JSON.
+    #[error("the report on electrodes as JSON: {0}")]
+    Json(#[from] serde_json::Error),
+    /// The file system's refusal.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}
+
+impl ElectrodesReport {
+    /// The report on electrodes of a mold that is called `mold`.
+    pub fn of(set: &ElectrodeSet, mold: &str, opening: Opening) -> Self {
+        let table = BurnTable::of(set, mold, opening);
+        let blocked =
+            |e: usize| why_blocked(set, e).map(|why| BlockedEntry { electrode: set.electrodes[e].name.clone(), why });
+        let is = |state: ElectrodeState| table.electrodes.iter().filter(move |e| e.state == state);
+        let overridden: Vec<String> = is(ElectrodeState::Overridden).map(|e| e.name.clone()).collect();
+        let is_idle = |name: &&String| !overridden.contains(name);
+        Self {
+            schema: SCHEMA,
+            sentence: sentence(set, &table),
+            holds: set.holds(),
+            blocked: (0..set.electrodes.len()).filter_map(blocked).collect(),
+            idle_overrides: set.params.overrides.iter().filter(is_idle).cloned().collect(),
+            regions: set.regions.iter().enumerate().map(|(r, plan)| region(set, r, plan)).collect(),
+            parameters: serde_json::to_value(&set.params).unwrap_or_default(),
+            overridden,
+            table,
+        }
+    }
+
+    /// The report as JSON; a number that is not finite becomes null.
+    ///
+    /// # Errors
+    /// None that is known; the writer's own.
+    pub fn json(&self) -> Result<String, serde_json::Error> {
+        Ok(serde_json::to_string_pretty(self)? + "\n")
+    }
+
+    /// The report as one self-contained page with pictures, each a caption and PNG bytes.
+    pub fn html(&self, pictures: &[(String, Vec<u8>)]) -> String {
+        electrode_report_html::page(self, pictures)
+    }
+
+    /// Writes `electrodes.json` and `report.html` into `folder`.
+    ///
+    /// # Errors
+    /// [`ElectrodeReportError`] naming the file.
+    pub fn write(&self, folder: &Path, pictures: &[(String, Vec<u8>)]) -> Result<(), ElectrodeReportError> {
+        write_atomically(&folder.join("electrodes.json"), self.json()?.as_bytes())?;
+        Ok(write_atomically(&folder.join("report.html"), self.html(pictures).as_bytes())?)
+    }
+}
+
+fn counted(n: usize, one: &str) -> String {
+    if n == 1 { format!("1 {one}") } else { format!("{n} {one}s") }
+}
+
+fn sentence(set: &ElectrodeSet, table: &BurnTable) -> String {
+    let regions = set.regions.len();
+    if regions == 0 {
+        return "The cutters leave no region: no electrode is needed.".to_owned();
+    }
+    let mut text = format!(
+        "{} with {} for {}: {:.0} minutes.",
+        counted(table.electrodes.len(), "electrode"),
+        counted(table.burns, "burn"),
+        counted(regions, "region"),
+        table.minutes
+    );
+    let list = |names: Vec<&str>| names.join(", ");
+    let named = |state: ElectrodeState| -> Vec<&str> {
+        table.electrodes.iter().filter(|e| e.state == state).map(|e| e.name.as_str()).collect()
+    };
+    let blocked = named(ElectrodeState::Blocked);
+    if !blocked.is_empty() {
+        text += &format!(" Blocked, as a check fails: {}.", list(blocked));
+    }
+    let overridden = named(ElectrodeState::Overridden);
+    if !overridden.is_empty() {
+        text += &format!(" Used by decision although a check fails: {}.", list(overridden));
+    }
+    let without: Vec<String> = set.without_electrode().iter().map(|r| (r + 1).to_string()).collect();
+    if !without.is_empty() {
+        let what = if without.len() == 1 { "Region" } else { "Regions" };
+        text += &format!(" {what} not burned, or not wholly: {}.", without.join(", "));
+    }
+    if set.holds() {
+        text += " Every check holds.";
+    }
+    text
+}
+
+fn region(set: &ElectrodeSet, r: usize, plan: &RegionPlan) -> RegionEntry {
+    let burns = |e: &&Electrode| e.burns.iter().flat_map(|b| &b.parts).any(|part| part.region == r);
+    RegionEntry {
+        index: r + 1,
+        method: method_name(plan.method),
+        direction: plan.direction.to_array().map(|v| v + 0.0),
+        parts: plan.tree.as_ref().map_or(0, leaves),
+        division: plan.tree.as_ref().map(|tree| division(tree, r)),
+        electrodes: set.electrodes.iter().filter(burns).map(|e| e.name.clone()).collect(),
+        left_thickness_mm: plan.left.thickness,
+        left_at_mm: plan.left.place.to_array().map(|v| rounded(v, 1e6)),
+        left_volume_mm3: plan.left.volume,
+        trouble: plan.trouble.clone(),
+    }
+}
+
+/// To one part in `scale`, and no zero with a sign.
+fn rounded(value: f64, scale: f64) -> f64 {
+    (value * scale).round() / scale + 0.0
+}
+
+fn leaves(node: &PartNode) -> usize {
+    if node.parts.is_empty() { usize::from(node.part.is_some()) } else { node.parts.iter().map(leaves).sum() }
+}
+
+fn division(node: &PartNode, r: usize) -> Division {
+    let edges = match node.h_edges {
+        0 => String::new(),
+        n => format!(", {}", counted(n, "H-edge")),
+    };
+    let text = match (&node.cut, node.part) {
+        (Some(cut), _) => {
+            let (through, outward) = (cut.through, cut.outward);
+            let overlap = if cut.overlaps { ", parts overlap" } else { "" };
+            // A line across its normal, the same whichever way the normal points.
+            let along = rounded(outward.perp().to_angle().to_degrees(), 10.0).rem_euclid(180.0);
+            let [x, y] = through.to_array().map(|v| rounded(v, 1e3));
+            format!("cut through {x:.3}, {y:.3} along {along:.1}\u{b0}{overlap}{edges}")
+        }
+        (None, Some(part)) => format!("part R{}.{}{edges}", r + 1, part + 1),
+        (None, None) => format!("not burned{edges}"),
+    };
+    Division { text, h_edges: node.h_edges, parts: node.parts.iter().map(|part| division(part, r)).collect() }
+}
+
+#[cfg(test)]
+#[path = "electrode_report_tests.rs"]
+mod tests;

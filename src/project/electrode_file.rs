@@ -1,0 +1,309 @@
+//! Files of what is asked of electrodes, and of holders.
+
+use std::path::{Path, PathBuf};
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use crate::mesh_io::atomic_write;
+use crate::mold::cutter::CutterError;
+use crate::mold::electrode::params::{ElectrodeParams, ElectrodeParamsError, Holder};
+
+/// The file that says what holds without one, with remarks: to be copied and changed.
+pub const STANDARD_FILE: &str = include_str!("../../assets/electrodes.toml");
+/// The same for holders.
+pub const STANDARD_HOLDERS: &str = include_str!("../../assets/holders.toml");
+/// What these files are called in a user's folder.
+pub const FILE_NAME: &str = "electrodes.toml";
+/// See [`FILE_NAME`].
+pub const HOLDERS_FILE_NAME: &str = "holders.toml";
+/// The largest file that is read (bytes).
+const LARGEST_FILE: u64 = 1 << 20;
+/// The most holders, and the most of any other list.
+const MOST_HOLDERS: usize = 256;
+const MOST_STAGES: usize = 16;
+const MOST_CUTTERS: usize = 256;
+
+/// Why a file of electrodes or holders cannot be had.
+#[derive(Debug, thiserror::Error)]
+pub enum ElectrodeFileError {
+    /// It cannot be read.
+    #[error("{file}: cannot be read ({source}); check the path")]
+    Unreadable {
+        /// The file.
+        file: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// It cannot be written.
+    #[error("{file}: cannot be written ({source}); choose another place")]
+    Unwritable {
+        /// The file.
+        file: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// It is not what it has to be.
+    #[error("{file}: {}{problem}", line.map_or(String::new(), |n| format!("line {n}: ")))]
+    Invalid {
+        /// The file.
+        file: PathBuf,
+        /// Where, counted from 1.
+        line: Option<usize>,
+        /// What is wrong.
+        problem: String,
+    },
+    /// Values that cannot be used.
+    #[error("{file}: {source}")]
+    Params {
+        /// The file.
+        file: PathBuf,
+        /// Which, and why.
+        source: ElectrodeParamsError,
+    },
+    /// A cutter that is not possible.
+    #[error("{file}: cutters: {source}")]
+    Cutter {
+        /// The file.
+        file: PathBuf,
+        /// Which, and why.
+        source: CutterError,
+    },
+}
+
+/// A file of holders: a list `[[holder]]` with the keys of [`Holder`].
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct HolderLibrary {
+    holder: Vec<Holder>,
+}
+
+/// What is asked of electrodes: `electrodes.toml` in `user_folder` if it is there, else what holds without a file.
+///
+/// # Errors
+/// [`ElectrodeFileError`].
+pub fn load_electrodes(user_folder: Option<&Path>) -> Result<ElectrodeParams, ElectrodeFileError> {
+    match user_file(user_folder, FILE_NAME)? {
+        Some((file, text)) => electrodes_of(&file, &text),
+        None => Ok(ElectrodeParams::default()),
+    }
+}
+
+/// What is asked of electrodes by the TOML file `file`; see [`STANDARD_FILE`].
+///
+/// # Errors
+/// [`ElectrodeFileError`].
+pub fn read_electrodes(file: &Path) -> Result<ElectrodeParams, ElectrodeFileError> {
+    electrodes_of(file, &text_of(file)?)
+}
+
+/// Writes `params` as a TOML file that [`read_electrodes`] reads.
+///
+/// # Errors
+/// [`ElectrodeFileError`], also of parameters that could not be read again; a file already there is then untouched.
+pub fn write_electrodes(file: &Path, params: &ElectrodeParams) -> Result<(), ElectrodeFileError> {
+    check_electrodes(file, params)?;
+    write(file, params)
+}
+
+/// Holders: `holders.toml` in `user_folder` if it is there, else those that the program brings along.
+///
+/// # Errors
+/// [`ElectrodeFileError`].
+pub fn load_holders(user_folder: Option<&Path>) -> Result<Vec<Holder>, ElectrodeFileError> {
+    match user_file(user_folder, HOLDERS_FILE_NAME)? {
+        Some((file, text)) => holders_of(&file, &text),
+        None => holders_of(Path::new(HOLDERS_FILE_NAME), STANDARD_HOLDERS),
+    }
+}
+
+/// The holders in a TOML file: a list `[[holder]]` with the keys of [`Holder`]; see [`STANDARD_HOLDERS`].
+///
+/// # Errors
+/// [`ElectrodeFileError`].
+pub fn read_holders(file: &Path) -> Result<Vec<Holder>, ElectrodeFileError> {
+    holders_of(file, &text_of(file)?)
+}
+
+/// Writes `holders` as a TOML file that [`read_holders`] reads.
+///
+/// # Errors
+/// [`ElectrodeFileError`], also of holders that could not be read again; a file already there is then untouched.
+pub fn write_holders(file: &Path, holders: &[Holder]) -> Result<(), ElectrodeFileError> {
+    check_holders(file, holders)?;
+    write(file, &HolderLibrary { holder: holders.to_vec() })
+}
+
+/// The text of a file in a user's folder; none if there is no such file.
+fn user_file(folder: Option<&Path>, name: &str) -> Result<Option<(PathBuf, String)>, ElectrodeFileError> {
+    let Some(file) = folder.map(|f| f.join(name)) else { return Ok(None) };
+    match text_of(&file) {
+        Ok(text) => Ok(Some((file, text))),
+        Err(ElectrodeFileError::Unreadable { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+fn text_of(file: &Path) -> Result<String, ElectrodeFileError> {
+    let unreadable = |source| ElectrodeFileError::Unreadable { file: file.to_owned(), source };
+    let size = std::fs::metadata(file).map_err(unreadable)?.len();
+    if size > LARGEST_FILE {
+        return Err(invalid(file, format!("it has {size} bytes; such a file has at most {LARGEST_FILE}")));
+    }
+    std::fs::read_to_string(file).map_err(unreadable)
+}
+
+fn invalid(file: &Path, problem: String) -> ElectrodeFileError {
+    ElectrodeFileError::Invalid { file: file.to_owned(), line: None, problem }
+}
+
+fn parsed<T: DeserializeOwned>(file: &Path, text: &str) -> Result<T, ElectrodeFileError> {
+    toml::from_str(text).map_err(|e| {
+        let line = |span: std::ops::Range<usize>| text.bytes().take(span.start).filter(|b| *b == b'\n').count() + 1;
+        let problem = e.message().replace('\n', " ");
+        ElectrodeFileError::Invalid { file: file.to_owned(), line: e.span().map(line), problem }
+    })
+}
+
+fn electrodes_of(file: &Path, text: &str) -> Result<ElectrodeParams, ElectrodeFileError> {
+    let params = parsed(file, text)?;
+    check_electrodes(file, &params)?;
+    Ok(params)
+}
+
+fn check_electrodes(file: &Path, params: &ElectrodeParams) -> Result<(), ElectrodeFileError> {
+    params.validate().map_err(|source| ElectrodeFileError::Params { file: file.to_owned(), source })?;
+    let cutters = params.cutters.as_ref().map_or(0, |library| library.cutter.len());
+    let counts = [
+        ("stages", params.stages.len(), MOST_STAGES),
+        ("holders", params.holders.len(), MOST_HOLDERS),
+        ("cutters", cutters, MOST_CUTTERS),
+    ];
+    if let Some((what, found, most)) = counts.into_iter().find(|(_, found, most)| found > most) {
+        return Err(invalid(file, format!("it has {found} {what}; at most {most} are possible")));
+    }
+    let Some(library) = &params.cutters else { return Ok(()) };
+    library.validate().map_err(|source| ElectrodeFileError::Cutter { file: file.to_owned(), source })
+}
+
+fn holders_of(file: &Path, text: &str) -> Result<Vec<Holder>, ElectrodeFileError> {
+    let library: HolderLibrary = parsed(file, text)?;
+    check_holders(file, &library.holder)?;
+    Ok(library.holder)
+}
+
+/// Holders are possible where parameters with them are.
+fn check_holders(file: &Path, holders: &[Holder]) -> Result<(), ElectrodeFileError> {
+    check_electrodes(file, &ElectrodeParams { holders: holders.to_vec(), ..ElectrodeParams::default() })
+}
+
+fn write(file: &Path, content: &impl Serialize) -> Result<(), ElectrodeFileError> {
+    let text = toml::to_string_pretty(content).map_err(|e| invalid(file, e.to_string()))?;
+    let unwritable = |source| ElectrodeFileError::Unwritable { file: file.to_owned(), source };
+    atomic_write(file, |out| out.write_all(text.as_bytes())).map_err(unwritable)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec2, DVec3};
+
+    use super::*;
+    use crate::mold::cutter::{Cutter, CutterLibrary};
+    use crate::mold::electrode::params::{Edit, Method, Orbit, Shape, Stage};
+
+    #[test]
+    fn the_standard_file_names_everything_and_says_what_holds_without_it() {
+        assert_eq!(electrodes_of(Path::new("standard"), STANDARD_FILE).unwrap(), ElectrodeParams::default());
+        let written: toml::Table = toml::from_str(STANDARD_FILE).unwrap();
+        let all = toml::Table::try_from(ElectrodeParams::default()).unwrap();
+        let keys = |table: &toml::Table| table.keys().cloned().collect::<Vec<String>>();
+        assert_eq!(keys(&all), keys(&written));
+        for key in ["blanks", "removal"] {
+            assert_eq!(keys(all[key].as_table().unwrap()), keys(written[key].as_table().unwrap()));
+        }
+        assert_eq!(load_electrodes(None).unwrap(), ElectrodeParams::default());
+        assert_eq!(electrodes_of(Path::new("empty"), "").unwrap(), ElectrodeParams::default());
+    }
+
+    #[test]
+    fn what_is_asked_is_read_as_it_was_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join(FILE_NAME);
+        let orbits = [Orbit::Circular { radius_mm: 0.1 }, Orbit::Square { radius_mm: 1.0 / 3.0 }, Orbit::None];
+        let stage = |(i, orbit)| Stage { name: format!("s_{i}"), orbit, quantity: 3, ..Stage::finish(0.2) };
+        let place = DVec3::new(0.1, -2.0, 1e-7);
+        let library = CutterLibrary { cutter: vec![Cutter::bull_nose(3.0, 0.5), Cutter::ball(0.25)] };
+        let params = ElectrodeParams {
+            stages: orbits.into_iter().enumerate().map(stage).collect(),
+            shape: Shape::Net,
+            cutters: Some(library),
+            material: "copper \"soft\"".to_owned(),
+            edits: vec![
+                Edit::Merge { places: [place, DVec3::X] },
+                Edit::Split { line: [DVec2::X, DVec2::Y] },
+                Edit::Make { place, method: Method::Cutting },
+                Edit::Burn { place, direction: DVec3::NEG_X },
+            ],
+            overrides: vec!["E03".to_owned()],
+            ..ElectrodeParams::default()
+        };
+        write_electrodes(&file, &params).unwrap();
+        assert_eq!(read_electrodes(&file).unwrap(), params);
+        assert_eq!(load_electrodes(Some(folder.path())).unwrap(), params, "a user's file comes first");
+        let broken = ElectrodeParams { stages: Vec::new(), ..params.clone() };
+        assert!(write_electrodes(&file, &broken).is_err());
+        assert_eq!(read_electrodes(&file).unwrap(), params, "what cannot be written takes nothing away");
+    }
+
+    #[test]
+    fn the_standard_holders_rise_and_a_users_file_comes_first() {
+        let folder = tempfile::tempdir().unwrap();
+        let standard = load_holders(Some(folder.path())).unwrap();
+        assert!(standard.len() >= 4);
+        let area = |h: &Holder| h.size_mm[0] * h.size_mm[1];
+        assert!(standard.windows(2).all(|w| area(&w[0]) < area(&w[1])), "the smallest that fits comes first");
+        assert!(ElectrodeParams::default().holders.iter().all(|h| standard.contains(h)));
+        let own = vec![Holder { name: "mine".to_owned(), size_mm: [30.0, 31.5], height_mm: 12.0 }];
+        let file = folder.path().join(HOLDERS_FILE_NAME);
+        write_holders(&file, &own).unwrap();
+        assert_eq!(load_holders(Some(folder.path())).unwrap(), own);
+        assert_eq!(read_holders(&file).unwrap(), own);
+        assert!(write_holders(&file, &[]).is_err());
+        assert_eq!(load_holders(Some(folder.path())).unwrap(), own);
+    }
+
+    #[test]
+    fn what_is_wrong_is_answered_with_the_place_and_the_reason() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("wrong.toml");
+        for (text, words) in [
+            ("margin_mm = -1.0", "margin_mm is -1 mm"),
+            ("margin_mm = nan", "margin_mm is NaN mm"),
+            ("\nmargin = 1.0", "line 2: unknown field"),
+            ("shape = \"big\"", "line 1: unknown variant"),
+            ("stages = []", "no stage"),
+            ("[[stages]]\nname = \"a b\"\ngap_mm = 0.1\nfinish_vdi = 20.0", "\"a b\""),
+            ("[[stages]]\nname = \"a\"\ngap_mm = 9.0\nfinish_vdi = 20.0", "gap_mm of stage a is 9 mm"),
+            ("[cutters]\n[[cutters.cutter]]\ndiameter_mm = 0.0", "diameter_mm is 0 mm"),
+            ("holders = []", "no holder"),
+            ("[blanks]\nsides_mm = [2.0, 1.0]\nincrement_mm = 5.0", "sides must rise"),
+            ("[[edits]\n", "line 1"),
+        ] {
+            std::fs::write(&file, text).unwrap();
+            let said = read_electrodes(&file).unwrap_err().to_string();
+            assert!(said.contains("wrong.toml") && said.contains(words), "{text:?}: {said}");
+            assert_eq!(said.lines().count(), 1);
+        }
+        for (text, words) in [
+            ("[[holder]]\nname = \"a\"\nsize_mm = [1.0]\nheight_mm = 2.0", "line 3"),
+            ("[[holder]]\nname = \"a\"\nsize_mm = [1.0, -1.0]\nheight_mm = 2.0", "\"a\""),
+            ("holders = []", "unknown field"),
+        ] {
+            std::fs::write(&file, text).unwrap();
+            let said = read_holders(&file).unwrap_err().to_string();
+            assert!(said.contains("wrong.toml") && said.contains(words), "{text:?}: {said}");
+        }
+        let none = folder.path().join("none.toml");
+        assert!(matches!(read_electrodes(&none), Err(ElectrodeFileError::Unreadable { .. })));
+    }
+}
