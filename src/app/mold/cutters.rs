@@ -9,9 +9,9 @@ use crate::mold::cutter::{Cutter, CutterKind, CutterLibrary};
 const HEIGHT: f32 = 22.0;
 /// Widths of kind, diameter, corner, reach and holder (points), the name has what is left; and where room is scarce.
 const WIDTHS: [f32; 5] = [58.0, 50.0, 46.0, 50.0, 50.0];
-const NARROW: [f32; 5] = [50.0, 42.0, 38.0, 38.0, 42.0];
+const NARROW: [f32; 5] = [54.0, 42.0, 36.0, 36.0, 42.0];
 /// Least width of a name, and of the number before it.
-const NAME: f32 = 48.0;
+const NAME: f32 = 36.0;
 const NUMBER: f32 = 22.0;
 
 /// Draws `library`, whose row `selected` is marked, as a table to be edited. `of` is what its cutters are called in the
@@ -19,13 +19,14 @@ const NUMBER: f32 = 22.0;
 pub fn table(ui: &mut Ui, library: &mut CutterLibrary, selected: &mut usize, of: &str) {
     let gaps = 6.0 * 4.0;
     let left_by = |widths: [f32; 5]| ui.available_width() - widths.iter().sum::<f32>() - NUMBER - gaps - 8.0;
-    let widths = if left_by(WIDTHS) < NAME + 20.0 { NARROW } else { WIDTHS };
+    let widths = if left_by(WIDTHS) < NAME + 32.0 { NARROW } else { WIDTHS };
     let name_width = left_by(widths).max(NAME);
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing = vec2(4.0, 2.0);
         let faint = palette(ui).faint;
         egui::Grid::new(of).num_columns(7).min_col_width(0.0).show(ui, |ui| {
-            for head in ["", "name", "kind", "Ø mm", "corner", "reach", "Ø holder"] {
+            let holder = if widths == NARROW { "holder" } else { "Ø holder" };
+            for head in ["", "name", "kind", "Ø mm", "corner", "reach", holder] {
                 ui.label(RichText::new(head).small().color(faint));
             }
             ui.end_row();

@@ -1,6 +1,6 @@
 //! The list of regions: sorted, filtered, selected.
 
-use egui::{Align, DragValue, Layout, RichText, Role, Sense, Ui, WidgetInfo, vec2};
+use egui::{Align, DragValue, Layout, Response, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 use egui_extras::{Column as Width, TableBuilder};
 
 use super::super::commands::Command;
@@ -34,11 +34,11 @@ impl Column {
 
     fn width(self) -> Width {
         match self {
-            Self::Index => Width::exact(44.0),
-            Self::Volume => Width::remainder().at_least(82.0),
-            Self::Area => Width::remainder().at_least(68.0),
-            Self::Height => Width::exact(54.0),
-            Self::Nearest => Width::remainder().at_least(60.0),
+            Self::Index => Width::exact(40.0),
+            Self::Volume => Width::remainder().at_least(80.0),
+            Self::Area => Width::exact(66.0),
+            Self::Height => Width::exact(52.0),
+            Self::Nearest => Width::exact(58.0),
         }
     }
 
@@ -55,7 +55,7 @@ impl Column {
 }
 
 /// Below this width (points) there are the most needed columns only.
-const NARROW: f32 = 300.0;
+const NARROW: f32 = 326.0;
 
 /// Draws it.
 pub fn show(ui: &mut Ui, core: &mut Core) {
@@ -130,7 +130,8 @@ fn table(ui: &mut Ui, mold: &mut MoldDesk, listed: &[usize]) {
     }
     let table = table.header(20.0, |mut header| {
         for &column in columns {
-            header.col(|ui| head(ui, mold, column));
+            let (_, response) = header.col(|ui| head(ui, mold, column));
+            sort(mold, column, response);
         }
     });
     let mut clicked = None;
@@ -155,23 +156,27 @@ fn table(ui: &mut Ui, mold: &mut MoldDesk, listed: &[usize]) {
     }
 }
 
-/// The head of a column, which sorts by it; once more the other way round. All of it can be pressed.
-fn head(ui: &mut Ui, mold: &mut MoldDesk, column: Column) {
+/// The head of a column.
+fn head(ui: &mut Ui, mold: &MoldDesk, column: Column) {
     let (by, falls) = mold.sort;
     let sign = match (by == column, falls) {
         (false, _) => "",
         (true, true) => "\u{23f7}",
         (true, false) => "\u{23f6}",
     };
-    let response = ui.interact(ui.max_rect(), ui.scope_id().with("sort"), Sense::click());
-    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Sort by {}", column.name())));
-    let is_lit = by == column || response.hovered();
+    let is_lit = by == column || ui.response().hovered();
     let colour = if is_lit { ui.visuals().strong_text_color() } else { palette(ui).faint };
     let text = RichText::new(format!("{}{sign}", column.name())).small().color(colour);
-    ui.add(egui::Label::new(text).truncate().selectable(false).sense(Sense::hover()));
-    if response.on_hover_cursor(egui::CursorIcon::PointingHand).clicked() {
+    ui.add(egui::Label::new(text).truncate().selectable(false));
+}
+
+/// Sorts by the column whose head is pressed; once more the other way round. All of a head can be pressed.
+fn sort(mold: &mut MoldDesk, column: Column, head: Response) {
+    head.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Sort by {}", column.name())));
+    if head.on_hover_cursor(egui::CursorIcon::PointingHand).clicked() {
         // Of sizes one looks for the greatest first.
         let falls_first = matches!(column, Column::Volume | Column::Area | Column::Height);
+        let (by, falls) = mold.sort;
         mold.sort = (column, if by == column { !falls } else { falls_first });
     }
 }

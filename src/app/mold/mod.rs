@@ -25,7 +25,7 @@ pub fn show(ui: &mut Ui, core: &mut Core, view: &mut MoldView) -> Option<Purpose
     // In a small window the view comes first: panels get narrower, and the list of regions has none of its own.
     let wide = room > 900.0;
     let asked = if core.mold.shows_panel {
-        let (least, width) = if wide { (320.0, 0.32 * room) } else { (260.0, 0.5 * room) };
+        let (least, width) = if wide { (320.0, 0.32 * room) } else { (300.0, 0.5 * room) };
         let width = width.clamp(least, 412.0);
         let panel = Panel::left("mold").default_size(width).size_range(least..=(0.45 * room).clamp(width, 520.0));
         panel.show(ui, |ui| panel::show(ui, core, !wide)).inner
