@@ -1,6 +1,6 @@
 //! The list of regions: sorted, filtered, selected.
 
-use egui::{Align, DragValue, Layout, Response, RichText, Role, Sense, Ui, WidgetInfo, vec2};
+use egui::{Align, Align2, DragValue, Layout, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, vec2};
 use egui_extras::{Column as Width, TableBuilder};
 
 use super::super::commands::Command;
@@ -32,14 +32,9 @@ impl Column {
         ["#", "volume mm³", "area mm²", "height", "nearest"][self as usize]
     }
 
-    fn width(self) -> Width {
-        match self {
-            Self::Index => Width::exact(40.0),
-            Self::Volume => Width::remainder().at_least(80.0),
-            Self::Area => Width::exact(66.0),
-            Self::Height => Width::exact(52.0),
-            Self::Nearest => Width::exact(58.0),
-        }
+    /// How wide it is (points); none for what the others leave.
+    fn width(self) -> Option<f32> {
+        [Some(40.0), None, Some(66.0), Some(52.0), Some(58.0)][self as usize]
     }
 
     /// What a region, which is number `i`, is sorted by.
@@ -111,6 +106,11 @@ pub(super) fn dim(ui: &mut Ui, core: &Core) {
 
 fn table(ui: &mut Ui, mold: &mut MoldDesk, listed: &[usize]) {
     let columns: &[Column] = if ui.available_width() < NARROW { &Column::NEEDED } else { &Column::ALL };
+    let gap = ui.spacing().item_spacing.x;
+    let taken: f32 = columns.iter().map(|column| column.width().unwrap_or(0.0) + gap).sum();
+    let rest = (ui.available_width() - taken + gap).max(64.0);
+    let widths: Vec<f32> = columns.iter().map(|column| column.width().unwrap_or(rest)).collect();
+    heads(ui, mold, columns, &widths);
     let mut table = TableBuilder::new(ui)
         .id_salt(("regions", columns.len()))
         .striped(true)
@@ -118,8 +118,8 @@ fn table(ui: &mut Ui, mold: &mut MoldDesk, listed: &[usize]) {
         .cell_layout(Layout::right_to_left(Align::Center))
         .min_scrolled_height(0.0)
         .auto_shrink([false, false]);
-    for column in columns {
-        table = table.column(column.width());
+    for width in &widths {
+        table = table.column(Width::exact(*width));
     }
     // One that was clicked in the view may be far down the list.
     let place = mold.selected.and_then(|selected| listed.iter().position(|i| *i == selected));
@@ -128,12 +128,6 @@ fn table(ui: &mut Ui, mold: &mut MoldDesk, listed: &[usize]) {
     {
         table = table.scroll_to_row(row, None);
     }
-    let table = table.header(20.0, |mut header| {
-        for &column in columns {
-            let (_, response) = header.col(|ui| head(ui, mold, column));
-            sort(mold, column, response);
-        }
-    });
     let mut clicked = None;
     table.body(|body| {
         body.rows(19.0, listed.len(), |mut row| {
@@ -156,27 +150,32 @@ fn table(ui: &mut Ui, mold: &mut MoldDesk, listed: &[usize]) {
     }
 }
 
-/// The head of a column.
-fn head(ui: &mut Ui, mold: &MoldDesk, column: Column) {
+/// The heads of the columns. The table's own would catch the clicks on each other.
+fn heads(ui: &mut Ui, mold: &mut MoldDesk, columns: &[Column], widths: &[f32]) {
+    ui.horizontal(|ui| {
+        for (column, width) in columns.iter().zip(widths) {
+            head(ui, mold, *column, *width);
+        }
+    });
+}
+
+/// The head of a column, which sorts by it; once more the other way round. All of it can be pressed.
+fn head(ui: &mut Ui, mold: &mut MoldDesk, column: Column, width: f32) {
     let (by, falls) = mold.sort;
     let sign = match (by == column, falls) {
         (false, _) => "",
         (true, true) => "\u{23f7}",
         (true, false) => "\u{23f6}",
     };
-    let is_lit = by == column || ui.response().hovered();
+    let (rect, response) = ui.allocate_exact_size(vec2(width, 20.0), Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Sort by {}", column.name())));
+    let is_lit = by == column || response.hovered();
     let colour = if is_lit { ui.visuals().strong_text_color() } else { palette(ui).faint };
-    let text = RichText::new(format!("{}{sign}", column.name())).small().color(colour);
-    ui.add(egui::Label::new(text).truncate().selectable(false));
-}
-
-/// Sorts by the column whose head is pressed; once more the other way round. All of a head can be pressed.
-fn sort(mold: &mut MoldDesk, column: Column, head: Response) {
-    head.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Sort by {}", column.name())));
-    if head.on_hover_cursor(egui::CursorIcon::PointingHand).clicked() {
+    let (text, font) = (format!("{}{sign}", column.name()), TextStyle::Small.resolve(ui.style()));
+    ui.painter().text(rect.right_center(), Align2::RIGHT_CENTER, text, font, colour);
+    if response.on_hover_cursor(egui::CursorIcon::PointingHand).clicked() {
         // Of sizes one looks for the greatest first.
         let falls_first = matches!(column, Column::Volume | Column::Area | Column::Height);
-        let (by, falls) = mold.sort;
         mold.sort = (column, if by == column { !falls } else { falls_first });
     }
 }
