@@ -55,6 +55,8 @@ pub enum Command {
     Layers,
     DepthColours,
     FaintMold,
+    FoldPanel,
+    FoldList,
     Screenshot,
     Theme,
     Palette,
@@ -104,6 +106,8 @@ impl Command {
             C::Layers,
             C::DepthColours,
             C::FaintMold,
+            C::FoldPanel,
+            C::FoldList,
             C::Screenshot,
             C::Theme,
             C::Preferences,
@@ -159,6 +163,8 @@ impl Command {
             Self::Layers => "Layers of the mold",
             Self::DepthColours => "Regions by depth or by number",
             Self::FaintMold => "Mold faint or solid",
+            Self::FoldPanel => "Show or fold the mold's panel",
+            Self::FoldList => "Show or fold the list of regions",
             Self::Screenshot => "Save picture…",
             Self::Theme => "Dark or light",
             Self::Palette => "Commands…",
@@ -237,6 +243,7 @@ impl Command {
             Self::CompareCutters => mold.state() == StageState::Done,
             Self::FlyToRegion | Self::Isolate => mold.selected.is_some(),
             Self::Layers => mold.found().is_some_and(|found| !found.uncut.layers.is_empty()),
+            Self::Undo | Self::Redo if mold.is_shown => mold.undo_label(self == Self::Redo).is_some(),
             Self::Undo => core.document.undo_label().is_some(),
             Self::Redo => core.document.redo_label().is_some(),
             // A job file names a mesh file.
@@ -261,9 +268,9 @@ impl Command {
         use Command as C;
         match self {
             C::FindUncut | C::CompareCutters | C::FlyToRegion => of_molds,
-            C::Isolate | C::Layers | C::DepthColours | C::FaintMold => of_molds,
+            C::Isolate | C::Layers | C::DepthColours | C::FaintMold | C::FoldPanel | C::FoldList => of_molds,
             C::Open | C::Reload | C::Quit | C::Preferences | C::Cancel | C::Fit | C::View(_) | C::Projection => true,
-            C::BliskWorkspace | C::MoldWorkspace | C::Save | C::SaveAs => true,
+            C::BliskWorkspace | C::MoldWorkspace | C::Save | C::SaveAs | C::Undo | C::Redo => true,
             C::Screenshot | C::Theme | C::Palette | C::Log | C::About => true,
             _ => !of_molds,
         }

@@ -217,7 +217,7 @@ fn recover(ui: &mut Ui, copies: &[Recovery]) -> Option<Answer> {
             if ui.button("Recover").clicked() {
                 answer = Some(Answer::Recover(i));
             }
-            ui.label(name);
+            ui.label(if copy.is_of_mold() { format!("Mold, {name}") } else { name });
             ui.label(RichText::new(age).color(palette(ui).faint));
         });
     }

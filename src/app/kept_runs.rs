@@ -1,5 +1,6 @@
 //! Plans that the user keeps beside the present one: their figures and the curves of their axes.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use egui::{Color32, RichText, Role, Ui, WidgetInfo};
@@ -10,6 +11,7 @@ use crate::export::comparison::{AxisCourse, Run, RunElectrode};
 use crate::export::report::Smoothness;
 use crate::feed::pose::Axis;
 use crate::feed::smoothness::axis_smoothness;
+use crate::feed::strategy::Strategy;
 use crate::jobs::compare::{kept_run, run_of};
 use crate::jobs::plan::{PlanOutcome, kept};
 use crate::jobs::stages::{FoundChannel, Part};
@@ -23,6 +25,10 @@ pub struct KeptRuns {
     opener: Worker<Opened, ()>,
     /// Numbers of those that were given to it.
     asked: Vec<usize>,
+    /// Why those are not shown that could not be made, by their numbers.
+    refused: BTreeMap<usize, String>,
+    /// The channel that they were to be made for.
+    channel: Option<Arc<FoundChannel>>,
 }
 
 /// A run that came with a file, and its plan or why there is none.
@@ -45,7 +51,7 @@ pub struct KeptRun {
 impl KeptRun {
     /// Its name: its number and strategy.
     pub fn name(&self) -> String {
-        format!("{} {}", self.number, self.run.strategy.name())
+        name(self.number, self.run.strategy)
     }
 
     /// Its colour among those of the theme.
@@ -59,6 +65,10 @@ impl KeptRun {
     }
 }
 
+fn name(number: usize, strategy: Strategy) -> String {
+    format!("{number} {}", strategy.name())
+}
+
 impl KeptRuns {
     /// Most runs that are kept.
     pub const MOST: usize = 6;
@@ -68,12 +78,25 @@ impl KeptRuns {
     /// # Errors
     /// If the system gives no thread.
     pub fn start(wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
-        Ok(Self { runs: Vec::new(), opener: Worker::start(wake)?, asked: Vec::new() })
+        let opener = Worker::start(wake)?;
+        Ok(Self { runs: Vec::new(), opener, asked: Vec::new(), refused: BTreeMap::new(), channel: None })
     }
 
-    /// Those that are kept, in the order of keeping.
+    /// Those that are kept and can be looked at, in the order of keeping.
     pub fn all(&self) -> &[KeptRun] {
         &self.runs
+    }
+
+    /// Those of `document` that cannot be looked at, and why: number, name, reason.
+    fn absent(&self, document: &Document) -> Vec<(usize, String, String)> {
+        let is_absent = |of: &&project::KeptRun| !self.runs.iter().any(|run| run.number == of.number);
+        let reason = |of: &project::KeptRun| match self.refused.get(&of.number) {
+            Some(why) => format!("not compared: {why}"),
+            None if self.asked.contains(&of.number) => "is being made anew".to_owned(),
+            None => "waits for part and channel".to_owned(),
+        };
+        let row = |of: &project::KeptRun| (of.number, name(of.number, of.job.plan.strategy), reason(of));
+        document.runs().iter().filter(is_absent).map(row).collect()
     }
 
     /// Whether one more can be kept, and `plan`, which must be certified, is not kept already.
@@ -123,12 +146,25 @@ impl KeptRuns {
         for message in self.opener.messages() {
             let Message::Partial(_, Opened { of, outcome }) = message else { continue };
             match outcome {
-                Ok(plan) if document.runs().contains(&of) => self.add(&of, &plan, step_of(document)),
-                Ok(_) => {}
-                Err(why) => problems.push(format!("the kept run {} is not shown: {why}", of.number)),
+                _ if !document.runs().contains(&of) => {}
+                Ok(plan) => {
+                    self.refused.remove(&of.number);
+                    self.add(&of, &plan, step_of(document));
+                }
+                Err(why) => {
+                    let before = self.refused.insert(of.number, why.clone());
+                    if before.as_ref() != Some(&why) {
+                        problems.push(format!("the kept run {} is not shown: {why}", of.number));
+                    }
+                }
             }
         }
         let (Some(part), Some(found)) = (part.cloned(), found.cloned()) else { return problems };
+        // What another channel was in the way of may be made of this one.
+        if !self.channel.as_ref().is_some_and(|channel| Arc::ptr_eq(channel, &found)) {
+            self.channel = Some(found.clone());
+            self.asked.retain(|number| !self.refused.contains_key(number));
+        }
         let lacking = |run: &&project::KeptRun| !self.asked.contains(&run.number);
         let wanted: Vec<project::KeptRun> = document.runs().iter().filter(lacking).cloned().collect();
         if !wanted.is_empty() {
@@ -150,11 +186,13 @@ impl KeptRuns {
     pub fn forget(&mut self) {
         self.opener.cancel_from(0);
         let _ = self.opener.messages();
-        (self.runs, self.asked) = Default::default();
+        (self.runs, self.asked, self.refused, self.channel) = Default::default();
     }
 
     fn remove(&mut self, number: usize, document: &mut Document) {
         self.runs.retain(|run| run.number != number);
+        self.asked.retain(|asked| *asked != number);
+        self.refused.remove(&number);
         document.drop_run(number);
     }
 }
@@ -189,6 +227,17 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
                 ui.end_row();
             }
         });
+        // They count towards the most that can be kept: one must be able to make room.
+        for (number, name, reason) in core.kept.absent(&core.document) {
+            ui.horizontal(|ui| {
+                ui.add_space(20.0);
+                ui.label(RichText::new(&name).color(palette(ui).faint));
+                if remove_button(ui, &name) {
+                    removed = Some(number);
+                }
+                ui.label(RichText::new(reason).small().color(palette(ui).warning));
+            });
+        }
     });
     if let Some(number) = removed {
         core.kept.remove(number, &mut core.document);
@@ -212,8 +261,13 @@ fn named(ui: &mut Ui, run: &KeptRun) -> bool {
         ui.painter().hline(rect.x_range(), rect.center().y, egui::Stroke::new(2.0, colour));
         ui.label(run.name());
     });
+    remove_button(ui, &run.name())
+}
+
+/// A button that removes the run called `name`. Tells whether it is pressed.
+fn remove_button(ui: &mut Ui, name: &str) -> bool {
     let response = ui.add(egui::Button::new("×").small()).on_hover_text("Remove it from the comparison");
-    let name = format!("Remove {}", run.name());
+    let name = format!("Remove {name}");
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
     response.clicked()
 }

@@ -26,8 +26,11 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<std::path::PathBuf> {
             item(ui, core, Command::Quit);
         });
         ui.menu_button("Edit", |ui| {
-            let undo = core.document.undo_label().map(|l| format!("Undo {l}"));
-            let redo = core.document.redo_label().map(|l| format!("Redo {l}"));
+            let [undo, redo] = match core.mold.is_shown {
+                true => [false, true].map(|again| core.mold.undo_label(again)),
+                false => [core.document.undo_label(), core.document.redo_label()],
+            };
+            let [undo, redo] = [undo.map(|l| format!("Undo {l}")), redo.map(|l| format!("Redo {l}"))];
             named(ui, core, Command::Undo, undo);
             named(ui, core, Command::Redo, redo);
             ui.separator();
@@ -47,6 +50,10 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<std::path::PathBuf> {
                 }
                 ui.separator();
                 for command in [Command::Layers, Command::DepthColours, Command::FaintMold] {
+                    item(ui, core, command);
+                }
+                ui.separator();
+                for command in [Command::FoldPanel, Command::FoldList] {
                     item(ui, core, command);
                 }
                 ui.separator();
@@ -79,14 +86,8 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<std::path::PathBuf> {
     open
 }
 
-/// What the window is about, and before it the switch between its workspaces.
+/// The switch between the workspaces, always in the same place, and before it what the window is about.
 fn title(ui: &mut Ui, core: &mut Core) {
-    if core.mold.is_shown {
-        document(ui, core.mold.name(), core.mold.is_unsaved());
-    } else {
-        document(ui, core.document.name(), core.document.is_unsaved());
-    }
-    ui.separator();
     let [blisk, mold] = [Command::BliskWorkspace, Command::MoldWorkspace];
     for (name, command, on) in [("Mold", mold, core.mold.is_shown), ("Blisk", blisk, !core.mold.is_shown)] {
         let response = ui.selectable_label(on, name).on_hover_text(command.hint(ui.ctx()));
@@ -95,15 +96,18 @@ fn title(ui: &mut Ui, core: &mut Core) {
             core.push(command);
         }
     }
+    ui.separator();
+    if core.mold.is_shown {
+        document(ui, core.mold.name(), core.mold.is_unsaved());
+    } else {
+        document(ui, core.document.name(), core.document.is_unsaved());
+    }
 }
 
 fn document(ui: &mut Ui, name: String, is_unsaved: bool) {
     let dot = if is_unsaved { " •" } else { "" };
-    ui.label(RichText::new(format!("{name}{dot}")).strong()).on_hover_text(if is_unsaved {
-        "There is unsaved work"
-    } else {
-        "Saved"
-    });
+    let label = egui::Label::new(RichText::new(format!("{name}{dot}")).strong()).truncate();
+    ui.add(label).on_hover_text(if is_unsaved { "There is unsaved work" } else { "Saved" });
 }
 
 fn recent(ui: &mut Ui, core: &mut Core, open: &mut Option<std::path::PathBuf>) {

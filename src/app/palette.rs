@@ -30,7 +30,9 @@ impl CommandPalette {
         if !self.open {
             return;
         }
-        let found: Vec<Command> = Command::all().into_iter().filter(|c| matches(&c.name(), &self.text)).collect();
+        let mut found: Vec<Command> = Command::all().into_iter().filter(|c| matches(&c.name(), &self.text)).collect();
+        // What can be done comes first, and of that what holds the letters as one word.
+        found.sort_by_key(|c| (!c.is_enabled(core), !holds(&c.name(), &self.text)));
         self.chosen = self.chosen.min(found.len().saturating_sub(1));
         let [up, down, enter, escape] = [Key::ArrowUp, Key::ArrowDown, Key::Enter, Key::Escape]
             .map(|key| ctx.input_mut(|i| i.consume_key(egui::Modifiers::NONE, key)));
@@ -96,13 +98,19 @@ fn matches(name: &str, typed: &str) -> bool {
     typed.chars().filter(|c| !c.is_whitespace()).flat_map(char::to_lowercase).all(|c| letters.any(|l| l == c))
 }
 
+/// Whether `name` holds what is `typed` as it stands, case apart.
+fn holds(name: &str, typed: &str) -> bool {
+    name.to_lowercase().contains(&typed.trim().to_lowercase())
+}
+
 #[cfg(test)]
 mod tests {
-    use super::matches;
+    use super::{holds, matches};
 
     #[test]
     fn letters_in_order_are_enough() {
         assert!(matches("Plan feed path", "pfp") && matches("Undo", "") && matches("Save as…", "save AS"));
         assert!(!matches("Undo", "od"));
+        assert!(holds("Find what is left uncut", " find") && !holds("To the final pose", "find"));
     }
 }

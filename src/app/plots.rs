@@ -109,7 +109,7 @@ pub fn show(ui: &mut Ui, core: &mut Core, tab: &mut Tab, curves: &mut Curves, is
     curves.follow(core);
     let is_there = |tab: Tab| match tab {
         Tab::Table => !is_beside,
-        Tab::Comparison => !core.kept.all().is_empty(),
+        Tab::Comparison => !core.document.runs().is_empty(),
         _ => true,
     };
     if !is_there(*tab) {

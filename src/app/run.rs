@@ -339,7 +339,7 @@ impl eframe::App for SparkpathApp {
         if !self.quitting && self.autosaved.elapsed() > AUTOSAVE {
             self.autosave_now();
         }
-        if self.core.document.is_unsaved() {
+        if Work::ALL.iter().any(|work| work.is_unsaved(&self.core)) {
             ctx.request_repaint_after(AUTOSAVE);
         }
         if self.core.pipeline.is_busy() || self.core.mold.work.is_busy() {

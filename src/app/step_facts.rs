@@ -5,13 +5,14 @@ use egui::{RichText, Ui};
 use super::commands::Command;
 use super::core::Core;
 use super::status::grouped;
-use super::stepper::{Standing, command_button, fact, notice};
+use super::stepper::{Standing, command_button, fact, notice, sentence};
 use super::theme::palette;
 use crate::blisk::channel::Channel;
 use crate::blisk::electrode::EntrySide;
 use crate::feed::leftover::Leftover;
 use crate::jobs::pipeline::StageState;
 use crate::jobs::plan::PlanOutcome;
+use crate::jobs::simulate;
 use crate::project::Stage;
 
 /// Draws them.
@@ -215,11 +216,20 @@ fn verify(ui: &mut Ui, core: &mut Core) {
     }
 }
 
+/// What is being worked on before a certified plan can be approved.
+fn awaited(core: &Core) -> &'static str {
+    match core.pipeline.running().filter(|running| running.stage == Stage::Verify).map(|running| &*running.doing) {
+        Some("simulation") => "the whole motion is being simulated on the machine",
+        Some("leftover") => "what stock is left is being worked out",
+        _ => "the copying motions are being worked out",
+    }
+}
+
 /// How the electrodes finish the channel, or how far that is known.
 fn finishing(ui: &mut Ui, core: &mut Core, plan: &PlanOutcome) {
     match core.pipeline.finishing() {
         StageState::Running => {
-            notice(ui, palette(ui).faint, "Working out the copying motions and what stock is left\u{2026}");
+            notice(ui, palette(ui).faint, &format!("{}\u{2026}", sentence(awaited(core))));
         }
         StageState::Failed(why) => {
             let text = format!("It is not known what stock is left, and there are no copying motions: {why}.");
@@ -257,7 +267,12 @@ fn leftover(ui: &mut Ui, core: &mut Core, left: &Leftover, channel: &Channel) {
 fn export(ui: &mut Ui, core: &mut Core) {
     let approved = core.pipeline.is_approved();
     if !approved && core.pipeline.finishing() == StageState::Running {
-        notice(ui, palette(ui).faint, "It can be approved as soon as its copying motions are known.");
+        let unless = if simulate::is_needed(core.document.job()) { ", unless something collides" } else { "" };
+        let text = format!(
+            "{}. The plan can be approved once its copying motions and the stock left are known{unless}.",
+            sentence(awaited(core))
+        );
+        notice(ui, palette(ui).faint, &text);
     } else if !approved && !core.pipeline.can_approve() {
         let collides = core.pipeline.plan().and_then(|plan| plan.finishing()).is_some_and(|f| f.collision().is_some());
         let why = if collides {

@@ -36,6 +36,17 @@ pub enum Message<P, T> {
     Finished(TaskId, Ended<T>),
 }
 
+impl<P, T> Message<P, T> {
+    /// The task that it is about.
+    pub fn task(&self) -> TaskId {
+        match self {
+            Self::Started(task) | Self::Progress { task, .. } | Self::Partial(task, _) | Self::Finished(task, _) => {
+                *task
+            }
+        }
+    }
+}
+
 /// How a task ended.
 #[derive(Debug)]
 pub enum Ended<T> {

@@ -1,25 +1,72 @@
-//! Unsaved work, kept in a folder of the program's own while the document has any, so that it survives a kill.
+//! Unsaved work, kept in a folder of the program's own while there is any, so that it survives a kill.
 //!
-//! Each running program writes one file, `<process>.sparkpath`, beside `<process>.lock`, on which it holds a lock as
-//! long as it lives. A copy whose lock can be taken was left by a program that did not end properly.
+//! Each running program writes `<process>.sparkpath` and `<process>.sparkmold` beside `<process>.lock`, on which it holds
+//! a lock as long as it lives. A copy whose lock can be taken was left by a program that did not end properly.
 
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::MoldParams;
 use super::document::Document;
-use super::project_file::{ProjectFile, ProjectFileError};
+use super::mold_file::{is_mold_file, read_mold, write_mold};
+use super::project_file::ProjectFile;
 use crate::mesh_io::atomic_write;
 
-/// Keeps the copy of one running program.
+/// How the names of copies end: of blisks and of molds.
+const COPIES: [&str; 2] = ["sparkpath", "sparkmold"];
+
+/// Keeps the copies of one running program.
 #[derive(Debug)]
 pub struct Autosave {
-    copy: PathBuf,
-    note: PathBuf,
+    blisk: Kept<ProjectFile>,
+    mold: Kept<MoldParams>,
     lock_path: PathBuf,
     _lock: File,
-    written: Option<ProjectFile>,
+}
+
+/// One copy, and what it holds.
+#[derive(Debug)]
+struct Kept<T> {
+    copy: PathBuf,
+    written: Option<T>,
+}
+
+impl<T: PartialEq> Kept<T> {
+    /// Makes the copy hold `work`, which was to be saved as `file`; `write` writes it.
+    fn update(
+        &mut self,
+        work: T,
+        file: Option<&Path>,
+        write: impl Fn(&T, &Path) -> Result<(), String>,
+    ) -> Result<(), String> {
+        if self.written.as_ref() == Some(&work) {
+            return Ok(());
+        }
+        let note = Note { file: file.map(Path::to_owned) };
+        // A copy is worth having without its note, which only says where it belongs.
+        let _ = serde_json::to_vec(&note).map(|bytes| atomic_write(&note_of(&self.copy), |out| out.write_all(&bytes)));
+        write(&work, &self.copy)?;
+        self.written = Some(work);
+        Ok(())
+    }
+
+    fn discard(&mut self) {
+        if self.written.take().is_some() {
+            let _ = std::fs::remove_file(&self.copy);
+            let _ = std::fs::remove_file(note_of(&self.copy));
+        }
+    }
+}
+
+/// What an earlier program left behind.
+#[derive(Debug, Clone)]
+pub enum Recovered {
+    /// A blisk's document.
+    Blisk(Box<Document>),
+    /// A mold, and the file that it was to be saved in if it had one.
+    Mold(MoldParams, Option<PathBuf>),
 }
 
 /// A copy that an earlier program left behind.
@@ -38,6 +85,10 @@ struct Note {
     file: Option<PathBuf>,
 }
 
+fn note_of(copy: &Path) -> PathBuf {
+    copy.with_extension(if is_mold_file(copy) { "mold-note" } else { "note" })
+}
+
 impl Autosave {
     /// Starts keeping copies in `folder`, which is made if it is not there.
     ///
@@ -51,9 +102,11 @@ impl Autosave {
             let path = |extension: &str| folder.join(format!("{name}.{extension}"));
             let lock_path = path("lock");
             let lock = File::options().create(true).truncate(false).write(true).open(&lock_path)?;
-            if lock.try_lock().is_ok() && !path("sparkpath").exists() {
-                let (copy, note) = (path("sparkpath"), path("note"));
-                return Ok(Self { copy, note, lock_path, _lock: lock, written: None });
+            let copies = COPIES.map(path);
+            if lock.try_lock().is_ok() && !copies.iter().any(|copy| copy.exists()) {
+                let [blisk, mold] = copies;
+                let (blisk, mold) = (Kept { copy: blisk, written: None }, Kept { copy: mold, written: None });
+                return Ok(Self { blisk, mold, lock_path, _lock: lock });
             }
         }
         Err(std::io::Error::other("no free name for a copy"))
@@ -62,37 +115,48 @@ impl Autosave {
     /// Writes a copy if `document` has unsaved work that the copy lacks; removes the copy if it has none.
     ///
     /// # Errors
-    /// If it cannot be written; the copy before then still is there.
-    pub fn update(&mut self, document: &Document) -> Result<(), ProjectFileError> {
+    /// One line if it cannot be written; the copy before then still is there.
+    pub fn update(&mut self, document: &Document) -> Result<(), String> {
         if !document.is_unsaved() {
-            self.discard();
+            self.blisk.discard();
             return Ok(());
         }
-        let project = document.project_file();
-        if self.written.as_ref() == Some(&project) {
-            return Ok(());
+        self.blisk.update(document.project_file(), document.file(), |project, copy| {
+            project.write(copy).map_err(|e| e.to_string())
+        })
+    }
+
+    /// The same for a mold, which was to be saved as `file`; none if there is no unsaved work. Cutters that are not
+    /// possible, as while a number is typed, leave the copy as it was.
+    ///
+    /// # Errors
+    /// One line if it cannot be written; the copy before then still is there.
+    pub fn update_mold(&mut self, unsaved: Option<&MoldParams>, file: Option<&Path>) -> Result<(), String> {
+        match unsaved {
+            None => self.mold.discard(),
+            Some(params) if params.validate().is_err() => {}
+            Some(params) => self
+                .mold
+                .update(params.clone(), file, |params, copy| write_mold(copy, params).map_err(|e| e.to_string()))?,
         }
-        let note = Note { file: document.file().map(Path::to_owned) };
-        // A copy is worth having without its note, which only says where it belongs.
-        let _ = serde_json::to_vec(&note).map(|bytes| atomic_write(&self.note, |out| out.write_all(&bytes)));
-        project.write(&self.copy)?;
-        self.written = Some(project);
         Ok(())
     }
 
-    /// Removes the copy: the work is saved, or was given up on purpose.
+    /// Removes the copy of the blisk: the work is saved, or was given up on purpose.
     pub fn discard(&mut self) {
-        if self.written.take().is_some() {
-            let _ = std::fs::remove_file(&self.copy);
-            let _ = std::fs::remove_file(&self.note);
-        }
+        self.blisk.discard();
+    }
+
+    /// Removes the copy of the mold.
+    pub fn discard_mold(&mut self) {
+        self.mold.discard();
     }
 }
 
 impl Drop for Autosave {
     fn drop(&mut self) {
         // A copy that is still there stays with its lock file, to be found and recovered.
-        if !self.copy.exists() {
+        if !self.blisk.copy.exists() && !self.mold.copy.exists() {
             let _ = std::fs::remove_file(&self.lock_path);
         }
     }
@@ -102,14 +166,14 @@ impl Recovery {
     /// The copies in `folder` that no living program keeps, in the order of their names.
     pub fn find(folder: &Path) -> Vec<Self> {
         let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
-        let mut copies: Vec<PathBuf> =
-            entries.flatten().map(|e| e.path()).filter(|p| p.extension().is_some_and(|e| e == "sparkpath")).collect();
+        let is_copy = |p: &PathBuf| p.extension().is_some_and(|e| COPIES.iter().any(|copy| e == *copy));
+        let mut copies: Vec<PathBuf> = entries.flatten().map(|e| e.path()).filter(is_copy).collect();
         copies.sort();
         copies.into_iter().filter_map(Self::of).collect()
     }
 
     fn of(copy: PathBuf) -> Option<Self> {
-        let (note, lock) = (copy.with_extension("note"), copy.with_extension("lock"));
+        let (note, lock) = (note_of(&copy), copy.with_extension("lock"));
         if let Ok(file) = File::options().write(true).open(&lock)
             && matches!(file.try_lock(), Err(TryLockError::WouldBlock))
         {
@@ -120,12 +184,22 @@ impl Recovery {
         Some(Self { copy, note, lock, file: known.file })
     }
 
-    /// The document as it was. The copy stays until [`discard`](Self::discard).
+    /// Whether it is of a mold.
+    pub fn is_of_mold(&self) -> bool {
+        is_mold_file(&self.copy)
+    }
+
+    /// The work as it was. The copy stays until [`discard`](Self::discard).
     ///
     /// # Errors
-    /// If the copy cannot be read.
-    pub fn document(&self) -> Result<Document, ProjectFileError> {
-        Ok(Document::recovered(ProjectFile::read(&self.copy)?, self.file.clone()))
+    /// One line if the copy cannot be read.
+    pub fn work(&self) -> Result<Recovered, String> {
+        let file = self.file.clone();
+        if self.is_of_mold() {
+            return Ok(Recovered::Mold(read_mold(&self.copy).map_err(|e| e.to_string())?, file));
+        }
+        let project = ProjectFile::read(&self.copy).map_err(|e| e.to_string())?;
+        Ok(Recovered::Blisk(Box::new(Document::recovered(project, file))))
     }
 
     /// When the copy was written.
@@ -135,9 +209,11 @@ impl Recovery {
 
     /// Removes the copy.
     pub fn discard(&self) {
-        for path in [&self.copy, &self.note, &self.lock] {
+        for path in [&self.copy, &self.note] {
             let _ = std::fs::remove_file(path);
         }
+        // The other copy of the same program needs its lock no more than this one: nobody holds it.
+        let _ = std::fs::remove_file(&self.lock);
     }
 }
 
@@ -154,6 +230,39 @@ mod tests {
         document
     }
 
+    fn document_of(recovery: &Recovery) -> Document {
+        let Recovered::Blisk(document) = recovery.work().unwrap() else { panic!("it is of a mold") };
+        *document
+    }
+
+    #[test]
+    fn a_mold_is_kept_beside_a_blisk_and_what_is_not_possible_leaves_its_copy() {
+        let folder = tempfile::tempdir().unwrap();
+        let copies = folder.path().join("copies");
+        let mut autosave = Autosave::start(&copies).unwrap();
+        let mesh = Some(folder.path().join("part.stl"));
+        let params = MoldParams { mesh, tolerance_mm: 0.07, ..MoldParams::default() };
+        let file = folder.path().join("mine.sparkmold");
+        autosave.update_mold(Some(&params), Some(&file)).unwrap();
+        autosave.update(&unsaved(5)).unwrap();
+        let mut broken = params.clone();
+        broken.library.cutter[0].diameter_mm = 0.0;
+        autosave.update_mold(Some(&broken), Some(&file)).unwrap();
+        drop(autosave);
+        let found = Recovery::find(&copies);
+        let [mold, blisk] = &found[..] else { panic!("{found:?}") };
+        let Recovered::Mold(recovered, of) = mold.work().unwrap() else { panic!("{mold:?}") };
+        assert_eq!((recovered, of), (params.clone(), Some(file)));
+        mold.discard();
+        assert_eq!(Recovery::find(&copies).as_slice(), std::slice::from_ref(blisk), "the one leaves the other alone");
+        blisk.discard();
+        let mut autosave = Autosave::start(&copies).unwrap();
+        autosave.update_mold(Some(&params), None).unwrap();
+        autosave.update_mold(None, None).unwrap();
+        drop(autosave);
+        assert_eq!(std::fs::read_dir(&copies).unwrap().count(), 0, "saved work leaves nothing");
+    }
+
     #[test]
     fn unsaved_work_is_found_after_its_program_is_gone_but_not_before() {
         let folder = tempfile::tempdir().unwrap();
@@ -164,7 +273,7 @@ mod tests {
         drop(autosave);
         let found = Recovery::find(folder.path());
         assert_eq!(found.len(), 1);
-        let recovered = found[0].document().unwrap();
+        let recovered = document_of(&found[0]);
         assert_eq!(recovered.job(), document.job());
         assert!(recovered.is_unsaved());
         found[0].discard();
@@ -191,8 +300,7 @@ mod tests {
         first.update(&unsaved(11)).unwrap();
         second.update(&unsaved(12)).unwrap();
         drop((first, second));
-        let seeds: Vec<u64> =
-            Recovery::find(folder.path()).iter().map(|r| r.document().unwrap().job().genetic.seed).collect();
+        let seeds: Vec<u64> = Recovery::find(folder.path()).iter().map(|r| document_of(r).job().genetic.seed).collect();
         assert_eq!(seeds, [11, 12]);
     }
 }

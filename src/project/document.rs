@@ -11,7 +11,7 @@ use super::project_file::{MeshReference, MovedMesh, ProjectFile, ProjectFileErro
 #[derive(Debug, Clone, PartialEq)]
 pub struct Document {
     job: PlanJob,
-    history: History,
+    history: History<PlanJob>,
     file: Option<PathBuf>,
     /// What its file holds, or what a new document starts with; none if no file holds anything of it.
     saved: Option<PlanJob>,

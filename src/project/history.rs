@@ -1,64 +1,68 @@
-//! Undo and redo over whole sets of parameters: a job is a few hundred bytes, so a step keeps all of it.
-
-use super::job_file::PlanJob;
+//! Undo and redo over whole sets of parameters: a set is a few hundred bytes, so a step keeps all of it.
 
 /// Most steps that are kept.
 const DEPTH: usize = 500;
 
 /// One step: what was done, and the parameters on the other side of it.
 #[derive(Debug, Clone, PartialEq)]
-struct Step {
+struct Step<T> {
     label: String,
-    job: PlanJob,
+    params: T,
 }
 
-/// The steps that can be undone and done again.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct History {
-    past: Vec<Step>,
-    future: Vec<Step>,
+/// The steps over parameters `T` that can be undone and done again.
+#[derive(Debug, Clone, PartialEq)]
+pub struct History<T> {
+    past: Vec<Step<T>>,
+    future: Vec<Step<T>>,
     /// The gesture whose changes make one step: a slider being dragged, a number being typed.
     gesture: Option<u64>,
 }
 
-impl History {
+impl<T> Default for History<T> {
+    fn default() -> Self {
+        Self { past: Vec::new(), future: Vec::new(), gesture: None }
+    }
+}
+
+impl<T: Clone> History<T> {
     /// Notes that `before` is about to be changed. Changes of the same `gesture` make one step.
-    pub(super) fn record(&mut self, label: &str, before: &PlanJob, gesture: Option<u64>) {
+    pub fn record(&mut self, label: &str, before: &T, gesture: Option<u64>) {
         let continued = gesture.is_some() && gesture == self.gesture && !self.past.is_empty();
         self.gesture = gesture;
         self.future.clear();
         if continued {
             return;
         }
-        self.past.push(Step { label: label.to_owned(), job: before.clone() });
+        self.past.push(Step { label: label.to_owned(), params: before.clone() });
         if self.past.len() > DEPTH {
             self.past.remove(0);
         }
     }
 
     /// The parameters before the last step, if there is one.
-    pub(super) fn undo(&mut self, now: &PlanJob) -> Option<PlanJob> {
+    pub fn undo(&mut self, now: &T) -> Option<T> {
         let step = self.past.pop()?;
         self.gesture = None;
-        self.future.push(Step { label: step.label, job: now.clone() });
-        Some(step.job)
+        self.future.push(Step { label: step.label, params: now.clone() });
+        Some(step.params)
     }
 
     /// The parameters after the step that was undone last, if there is one.
-    pub(super) fn redo(&mut self, now: &PlanJob) -> Option<PlanJob> {
+    pub fn redo(&mut self, now: &T) -> Option<T> {
         let step = self.future.pop()?;
         self.gesture = None;
-        self.past.push(Step { label: step.label, job: now.clone() });
-        Some(step.job)
+        self.past.push(Step { label: step.label, params: now.clone() });
+        Some(step.params)
     }
 
     /// What undo would take back.
-    pub(super) fn undo_label(&self) -> Option<&str> {
+    pub fn undo_label(&self) -> Option<&str> {
         self.past.last().map(|s| s.label.as_str())
     }
 
     /// What redo would do again.
-    pub(super) fn redo_label(&self) -> Option<&str> {
+    pub fn redo_label(&self) -> Option<&str> {
         self.future.last().map(|s| s.label.as_str())
     }
 }

@@ -18,9 +18,10 @@ mod project_file;
 mod recent;
 mod stage;
 
-pub use autosave::{Autosave, Recovery};
+pub use autosave::{Autosave, Recovered, Recovery};
 pub use document::{Document, OpenError};
 pub use fields::{Field, Kind, Range, job_as_json, with_value};
+pub use history::History;
 pub use job_file::{BliskSection, ExportSection, JobFileError, PlanJob};
 pub use kept_plan::{KeptElectrode, KeptPlan, KeptPlanError, KeptRun};
 pub use mold_params::MoldParams;

@@ -8,7 +8,7 @@ use crate::mesh_io::atomic_write;
 
 /// How the name of such a file ends.
 pub const ENDING: &str = ".sparkmold";
-/// The largest file that is read (bytes).
+/// The largest file that is written or read (bytes).
 const LARGEST_FILE: u64 = 1 << 20;
 
 /// Why the file of a mold cannot be read or written.
@@ -32,10 +32,16 @@ pub fn is_mold_file(path: &Path) -> bool {
 /// [`MoldFileError`], also of parameters that could not be read again.
 pub fn write_mold(file: &Path, params: &MoldParams) -> Result<(), MoldFileError> {
     let wrong = |problem: String| MoldFileError { file: file.to_owned(), problem };
-    validate(params).map_err(wrong)?;
+    params.validate().map_err(wrong)?;
     let folder = absolute(file.parent().unwrap_or(Path::new("")));
     let mesh = params.mesh.as_deref().map(|mesh| relative(mesh, &folder));
     let text = toml::to_string_pretty(&MoldParams { mesh, ..params.clone() }).map_err(|e| wrong(e.to_string()))?;
+    let size = text.len() as u64;
+    if size > LARGEST_FILE {
+        return Err(wrong(format!(
+            "not written: it would have {size} bytes and at most {LARGEST_FILE} are read again"
+        )));
+    }
     atomic_write(file, |out| out.write_all(text.as_bytes()))
         .map_err(|e| wrong(format!("cannot be written ({e}); choose another place")))
 }
@@ -53,17 +59,10 @@ pub fn read_mold(file: &Path) -> Result<MoldParams, MoldFileError> {
     }
     let text = std::fs::read_to_string(file).map_err(unreadable)?;
     let mut params: MoldParams = toml::from_str(&text).map_err(|e| wrong(e.message().replace('\n', " ")))?;
-    validate(&params).map_err(wrong)?;
+    params.validate().map_err(wrong)?;
     let folder = absolute(file.parent().unwrap_or(Path::new("")));
     params.mesh = params.mesh.map(|mesh| without_detours(&folder.join(mesh)));
     Ok(params)
-}
-
-fn validate(params: &MoldParams) -> Result<(), String> {
-    params.library.validate().map_err(|e| e.to_string())?;
-    let tolerance = params.tolerance_mm;
-    let is_possible = (1e-4..=10.0).contains(&tolerance);
-    is_possible.then_some(()).ok_or_else(|| format!("tolerance_mm is {tolerance}: it must be from 0.0001 to 10 mm"))
 }
 
 #[cfg(test)]

@@ -44,4 +44,51 @@ impl MoldParams {
         let name = self.mesh.as_deref().and_then(Path::file_stem);
         name.map_or("No mold".to_owned(), |n| n.to_string_lossy().into_owned())
     }
+
+    /// Whether they can be worked with.
+    ///
+    /// # Errors
+    /// One line saying what is wrong and what it may be.
+    pub fn validate(&self) -> Result<(), String> {
+        self.library.validate().map_err(|e| e.to_string())?;
+        let tolerance = self.tolerance_mm;
+        let is_possible = (1e-4..=10.0).contains(&tolerance);
+        is_possible.then_some(()).ok_or_else(|| format!("tolerance_mm is {tolerance}: it must be from 0.0001 to 10 mm"))
+    }
+
+    /// What makes these parameters others than those of `before`, as a step that can be undone is called.
+    pub fn change_since(&self, before: &Self) -> String {
+        if self.library != before.library {
+            return change_of_cutters(&self.library, &before.library);
+        }
+        let what = [
+            (self.mesh != before.mesh, "Mesh"),
+            (self.units != before.units, "Unit"),
+            (self.opening != before.opening, "Opening"),
+            (self.tolerance_mm != before.tolerance_mm, "Tolerance"),
+        ];
+        what.iter().find(|(differs, _)| *differs).map_or("", |(_, name)| name).to_owned()
+    }
+}
+
+/// The same of cutters.
+fn change_of_cutters(now: &CutterLibrary, before: &CutterLibrary) -> String {
+    let (now, before) = (&now.cutter, &before.cutter);
+    if now.len() == before.len() + 1 {
+        return "New cutter".to_owned();
+    }
+    if now.len() + 1 == before.len() {
+        return "Removal of a cutter".to_owned();
+    }
+    let mut differing = now.iter().zip(before).enumerate().filter(|(_, (now, before))| now != before);
+    let (Some((i, (now, before))), None) = (differing.next(), differing.next()) else { return "Cutters".to_owned() };
+    let what = [
+        (now.name != before.name, "Name"),
+        (now.diameter_mm != before.diameter_mm, "Diameter"),
+        (now.kind() != before.kind(), "Kind"),
+        (now.corner_mm != before.corner_mm, "Corner"),
+        (now.reach_mm != before.reach_mm, "Reach"),
+    ];
+    let name = what.iter().find(|(differs, _)| *differs).map_or("Holder", |(_, name)| name);
+    format!("{name} of cutter {}", i + 1)
 }

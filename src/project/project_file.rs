@@ -75,13 +75,26 @@ pub enum ProjectFileError {
         /// Why.
         source: std::io::Error,
     },
+    /// It would be larger than what is read again.
+    #[error(
+        "{path}: not written, as the project would have {size} bytes and at most {most} are read again; remove kept runs \
+         or plan with a greater step"
+    )]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// What it would have (bytes).
+        size: u64,
+        /// What it may have (bytes).
+        most: u64,
+    },
 }
 
 const FORMAT: &str = "sparkpath-project";
 /// The second one may hold runs; without any a file is still of the first.
 const VERSION: u32 = 2;
-/// A project file is a few kilobytes; what is larger is none (bytes).
-const LARGEST: u64 = 16 << 20;
+/// The largest file that is written or read (bytes): some 170 000 nodes, far more than any plan has.
+const LARGEST: u64 = 64 << 20;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -119,12 +132,20 @@ impl ProjectFile {
     /// # Errors
     /// If it cannot be read, is no project file, is of a newer version, or holds a parameter that is not known.
     pub fn read(path: &Path) -> Result<Self, ProjectFileError> {
+        Self::read_up_to(path, LARGEST)
+    }
+
+    fn read_up_to(path: &Path, most: u64) -> Result<Self, ProjectFileError> {
         let unreadable = |source| ProjectFileError::Unreadable { path: path.to_owned(), source };
+        let invalid = |problem| ProjectFileError::Invalid { path: path.to_owned(), problem };
         let mut text = String::new();
         let file = std::fs::File::open(path).map_err(unreadable)?;
-        file.take(LARGEST).read_to_string(&mut text).map_err(unreadable)?;
-        Self::parse(&text, path.parent().unwrap_or(Path::new("")))
-            .map_err(|problem| ProjectFileError::Invalid { path: path.to_owned(), problem })
+        file.take(most + 1).read_to_string(&mut text).map_err(unreadable)?;
+        if text.len() as u64 > most {
+            let most = most >> 20;
+            return Err(invalid(format!("it is larger than any Sparkpath project ({most} MiB); open another file")));
+        }
+        Self::parse(&text, path.parent().unwrap_or(Path::new(""))).map_err(invalid)
     }
 
     /// The project of the built-in demonstration, with its plan.
@@ -170,10 +191,18 @@ impl ProjectFile {
     /// Writes the project file, under a temporary name first.
     ///
     /// # Errors
-    /// If it cannot be written; what was there before then still is.
+    /// If it cannot be written, or could not be read again; what was there before then still is.
     pub fn write(&self, path: &Path) -> Result<(), ProjectFileError> {
+        self.write_up_to(path, LARGEST)
+    }
+
+    fn write_up_to(&self, path: &Path, most: u64) -> Result<(), ProjectFileError> {
         let unwritable = |source| ProjectFileError::Unwritable { path: path.to_owned(), source };
         let text = self.text(path).map_err(|e| unwritable(e.into()))?;
+        let size = text.len() as u64;
+        if size > most {
+            return Err(ProjectFileError::TooLarge { path: path.to_owned(), size, most });
+        }
         atomic_write(path, |out| out.write_all(text.as_bytes())).map_err(unwritable)
     }
 
@@ -281,6 +310,24 @@ mod tests {
         demonstration.job = PlanJob::demonstration();
         demonstration.write(&file).unwrap();
         assert_eq!(ProjectFile::read(&file).unwrap().job, demonstration.job);
+    }
+
+    #[test]
+    fn what_is_written_can_be_read_and_what_cannot_is_not_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("long.sparkpath");
+        let project = project(folder.path());
+        project.write(&file).unwrap();
+        let most = std::fs::metadata(&file).unwrap().len();
+        assert!(ProjectFile::read_up_to(&file, most).unwrap() == project);
+        let mut longer = project.clone();
+        longer.plan = Some(KeptPlan { inputs: String::new(), electrodes: Vec::new() });
+        let problem = longer.write_up_to(&file, most).unwrap_err().to_string();
+        assert!(problem.contains("not written") && problem.contains(&format!("at most {most}")), "{problem}");
+        assert!(ProjectFile::read_up_to(&file, most).unwrap() == project, "what was there still is");
+        longer.write(&file).unwrap();
+        let problem = ProjectFile::read_up_to(&file, most).unwrap_err().to_string();
+        assert!(problem.contains("larger than any"), "{problem}");
     }
 
     #[test]

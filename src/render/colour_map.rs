@@ -21,6 +21,9 @@ pub enum ColourMap {
     /// Red below the middle of the range, amber to green above: for a quantity with a required value in the
     /// middle, such as a clearance against its gap.
     Threshold,
+    /// Blue over green to light yellow, none of it dark: for quantities on surfaces that lie in the shade or are seen
+    /// edge on, such as what is left in the corners of a mold. Lightness rises all the way.
+    Light,
 }
 
 /// What a legend shows beside its bar of colours.
@@ -70,9 +73,18 @@ const THRESHOLD: &[Control] = &[
     [1.000, 0.60, -0.085, 0.020],
 ];
 
+/// Lightness runs straight from 0.58 to 0.95; the hue turns as that of the sequential map does.
+const LIGHT: &[Control] = &[
+    [0.00, 0.580, 0.005, -0.140],
+    [0.25, 0.672, -0.055, -0.080],
+    [0.50, 0.765, -0.110, 0.010],
+    [0.75, 0.857, -0.100, 0.110],
+    [1.00, 0.950, -0.030, 0.150],
+];
+
 impl ColourMap {
     /// Every map, in the order of [`index`](Self::index).
-    pub const ALL: [Self; 3] = [Self::Sequential, Self::Diverging, Self::Threshold];
+    pub const ALL: [Self; 4] = [Self::Sequential, Self::Diverging, Self::Threshold, Self::Light];
 
     /// The colour at `t`, 0 to 1; beyond, that of the nearer end. NaN counts as 0.
     pub fn at(self, t: f64) -> Colour {
@@ -82,7 +94,8 @@ impl ColourMap {
 
     /// The colours at equal steps from 0 to 1.
     pub fn table(self) -> &'static [Colour; TABLE_SIZE] {
-        static TABLES: [OnceLock<[Colour; TABLE_SIZE]>; 3] = [const { OnceLock::new() }; 3];
+        static TABLES: [OnceLock<[Colour; TABLE_SIZE]>; ColourMap::ALL.len()] =
+            [const { OnceLock::new() }; ColourMap::ALL.len()];
         TABLES[self.index()]
             .get_or_init(|| std::array::from_fn(|i| interpolated(self.controls(), i as f64 / (TABLE_SIZE - 1) as f64)))
     }
@@ -97,6 +110,7 @@ impl ColourMap {
             Self::Sequential => SEQUENTIAL,
             Self::Diverging => DIVERGING,
             Self::Threshold => THRESHOLD,
+            Self::Light => LIGHT,
         }
     }
 }
@@ -165,13 +179,15 @@ mod tests {
     }
 
     #[test]
-    fn the_sequential_map_rises_evenly_in_lightness() {
-        let table = ColourMap::Sequential.table().map(lightness);
-        let rise = table[255] - table[0];
-        assert!(rise > 60.0, "{rise}");
-        // Every sixteenth of the way is a like step, within what 8 bits and the two scales allow.
-        for pair in table.chunks(16).map(|c| c[0]).collect::<Vec<_>>().windows(2) {
-            assert!((pair[1] - pair[0] - rise / 16.0).abs() < 0.45 * rise / 16.0, "{pair:?}");
+    fn maps_of_what_only_grows_rise_evenly_in_lightness() {
+        for (map, start, least_rise) in [(ColourMap::Sequential, 0.0, 60.0), (ColourMap::Light, 48.0, 40.0)] {
+            let table = map.table().map(lightness);
+            let rise = table[255] - table[0];
+            assert!(rise > least_rise && table[0] > start, "{map:?}: {rise} from {}", table[0]);
+            // Every sixteenth of the way is a like step, within what 8 bits and the two scales allow.
+            for pair in table.chunks(16).map(|c| c[0]).collect::<Vec<_>>().windows(2) {
+                assert!((pair[1] - pair[0] - rise / 16.0).abs() < 0.45 * rise / 16.0, "{map:?} {pair:?}");
+            }
         }
     }
 

@@ -116,7 +116,7 @@ pub fn region_colour(i: usize) -> Colour {
 pub fn depth_legend(deepest: f64) -> Legend {
     let (title, unit) = ("Height left".to_owned(), "mm".to_owned());
     let max = if deepest > 0.0 { deepest } else { 1.0 };
-    Legend { title, unit, map: ColourMap::Sequential, min: 0.0, max, threshold: None }
+    Legend { title, unit, map: ColourMap::Light, min: 0.0, max, threshold: None }
 }
 
 /// What the regions' colours say.

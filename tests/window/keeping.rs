@@ -77,6 +77,15 @@ fn a_kept_run_stands_in_the_comparison_until_it_is_removed() {
     desk.pictures("kept_axes");
     desk.press("Comparison");
     desk.pictures("comparison");
+    // One of another part takes a place too: it is there to be removed.
+    let document = &mut desk.window.state_mut().core_mut().document;
+    let mut foreign = document.runs()[0].clone();
+    (foreign.number, foreign.plan.inputs) = (7, "another part".to_owned());
+    document.keep_run(foreign);
+    desk.until("it is refused", |d| d.shows("not compared: it is of another part or channel"));
+    desk.picture("comparison_foreign_dark");
+    desk.press("Remove 7 genetic");
+    assert!(!desk.shows("7 genetic") && desk.app().core().document.runs().len() == 2);
     let before = count(&desk, Role::Label, &genetic);
     desk.press("Remove 1 genetic");
     assert!(!has(&desk, Role::Label, "1 genetic"));

@@ -162,6 +162,7 @@ fn a_change_of_a_cutter_is_seen_at_a_glance_and_found_exactly_at_rest() {
     desk.enter("Diameter of cutter 1", "4");
     assert_eq!(desk.mold().params.library.cutter[0].diameter_mm, 4.0);
     desk.until("it is looked at", |d| d.mold().glanced().is_some());
+    desk.pictures("mold_glance");
     desk.assert_shows("Of other cutters: The cutters leave 8 regions");
     desk.assert_shows("stale");
     let glance = desk.mold().glanced().unwrap().preview.clone();
@@ -175,6 +176,89 @@ fn a_change_of_a_cutter_is_seen_at_a_glance_and_found_exactly_at_rest() {
     desk.until_found();
     assert!((desk.volume() / exact - 1.0).abs() < 1e-3 && desk.mold().glanced().is_none());
     assert!(!desk.shows("stale") && !desk.shows("Of other cutters"));
+}
+
+#[test]
+fn what_is_done_to_cutters_is_undone_step_by_step() {
+    let home = Home::new();
+    let mut desk = home.start(Opening::Mold(None));
+    let start = desk.mold().params.clone();
+    desk.enter("Diameter of cutter 2", "7");
+    let wide = desk.mold().params.clone();
+    desk.press("Add");
+    desk.press("Add");
+    desk.press_role(Role::Button, "-x");
+    assert_eq!(desk.mold().params.library.cutter.len(), start.library.cutter.len() + 2);
+    let end = desk.mold().params.clone();
+    let labels = ["Opening", "New cutter", "New cutter", "Diameter of cutter 2"];
+    for label in labels {
+        assert_eq!(desk.mold().undo_label(false), Some(label));
+        desk.key_with(Modifiers::COMMAND, Key::Z);
+        assert!(label != "New cutter" || desk.mold().params.library.cutter.len() > start.library.cutter.len() - 1);
+    }
+    assert!(desk.mold().params == start && !desk.mold().is_unsaved());
+    desk.key_with(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    assert_eq!(desk.mold().params, wide);
+    for _ in 1..labels.len() {
+        desk.key_with(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    }
+    assert_eq!((&desk.mold().params, desk.mold().undo_label(true)), (&end, None));
+    // Nothing of it was done to the blisk.
+    assert!(!desk.app().core().document.is_unsaved());
+}
+
+#[test]
+fn a_search_goes_on_while_the_same_mesh_is_read_again() {
+    let home = Home::new();
+    let mut desk = home.start(Opening::Mold(Some(home.mold())));
+    desk.take_cutters(&[Cutter::flat(3.0)]);
+    desk.until_loaded();
+    let loads = |desk: &Desk| desk.log().iter().filter(|line| line.starts_with("Mold: ")).count();
+    let before = loads(&desk);
+    desk.mold_mut().find().unwrap();
+    desk.key_with(Modifiers::COMMAND, Key::R);
+    desk.until_found();
+    assert_eq!(loads(&desk), before + 1, "{:?}", desk.log());
+    // Another mesh in the same file is another question.
+    let shifted = |p: &DVec3| *p + DVec3::X;
+    let mesh = stepped();
+    let mesh = Mesh { vertices: mesh.vertices.iter().map(shifted).collect(), ..mesh };
+    write_stl(&home.path("stepped.stl"), &mesh).unwrap();
+    desk.key_with(Modifiers::COMMAND, Key::R);
+    desk.until_loaded();
+    assert!(desk.mold().state() == StageState::Stale && desk.mold().found().is_none());
+}
+
+#[test]
+fn regions_are_sorted_by_every_column_both_ways() {
+    let home = Home::new();
+    let mut desk = found(&home);
+    let regions: Vec<[f64; 3]> = desk.mold().regions().iter().map(|r| [r.volume, r.plan_area, r.depth]).collect();
+    for (head, of) in [("#", None), ("height", Some(2)), ("area mm\u{b2}", Some(1)), ("volume mm\u{b3}", Some(0))] {
+        let key = |i: &usize| of.map_or(*i as f64, |column: usize| regions[*i][column]);
+        let head = format!("Sort by {head}");
+        let rect = desk.window.get(By::new().role(Role::Button).label(&head)).rect();
+        assert!((38.0..100.0).contains(&rect.width()), "{head} is hard to hit: {rect:?}");
+        let mut orders = Vec::new();
+        // Beside its word: all of the head can be pressed.
+        let at = rect.left_center() + vec2(8.0, 0.0);
+        for _ in 0..2 {
+            desk.window.hover_at(at);
+            desk.window.drag_at(at);
+            desk.window.drop_at(at);
+            desk.settle();
+            orders.push(desk.mold().listed());
+        }
+        let falls = |order: &[usize]| order.windows(2).all(|w| key(&w[0]) >= key(&w[1]));
+        let rises = |order: &[usize]| order.windows(2).all(|w| key(&w[0]) <= key(&w[1]));
+        let both =
+            if of.is_none() { [rises(&orders[0]), falls(&orders[1])] } else { [falls(&orders[0]), rises(&orders[1])] };
+        assert!(
+            both == [true; 2] && orders[0] != orders[1],
+            "{head}: {orders:?} {:?} {rect:?} {at:?}",
+            desk.mold().sort
+        );
+    }
 }
 
 #[test]
@@ -293,6 +377,29 @@ fn how_a_mold_looks() {
     desk.key(Key::L);
     desk.key(Key::D);
     desk.pictures("mold_layer");
+}
+
+/// The view has as much room as both panels together, and all of it where they are folded.
+#[test]
+fn a_mold_in_a_window_of_1000_by_700() {
+    let home = Home::new();
+    let mut desk = home.start_in(Opening::Mold(Some(home.mold())), [1000, 700], 1.0);
+    desk.take_cutters(&[Cutter::flat(3.0), Cutter { reach_mm: Some(4.0), ..Cutter::ball(1.5) }]);
+    desk.until_loaded();
+    desk.key(Key::F6);
+    desk.until_found();
+    desk.press_role(Role::Row, "Region 1");
+    let width = |desk: &Desk| desk.window.get(By::new().role(Role::Image).label("3D viewport")).rect().width();
+    desk.key(Key::D);
+    desk.key(Key::Num7);
+    desk.until("the view has turned", |d| d.app().camera().backward().z > 0.9999);
+    desk.picture("mold_1000_dark");
+    assert!(width(&desk) > 400.0, "{}", width(&desk));
+    desk.press("Show or fold the mold's panel");
+    desk.press("Show or fold the list of regions");
+    assert!(width(&desk) > 990.0, "{}", width(&desk));
+    desk.press("Show or fold the list of regions");
+    assert!(desk.shows("Regions") && !desk.shows("Tolerance"));
 }
 
 /// As little room as there ever is: 640 by 360 points.

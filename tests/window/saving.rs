@@ -6,7 +6,7 @@ use std::time::Duration;
 use eframe::App as _;
 use egui::{Key, Modifiers};
 use sparkpath::app::Opening;
-use sparkpath::project::{Document, ProjectFile, Recovery};
+use sparkpath::project::{Document, MoldParams, ProjectFile, Recovered, Recovery};
 
 use crate::desk::{Desk, Home, holds};
 
@@ -192,8 +192,35 @@ fn recovered_work_keeps_its_copy_until_there_is_another() {
     assert_eq!(seed(&desk), 81);
     drop(desk);
     let kept = Recovery::find(&home.folders().autosave);
-    let seeds: Vec<u64> = kept.iter().filter_map(|r| r.document().ok()).map(|d| d.job().genetic.seed).collect();
-    assert_eq!(seeds, [81]);
+    let readable: Vec<Recovered> = kept.iter().filter_map(|copy| copy.work().ok()).collect();
+    let [Recovered::Blisk(document)] = &readable[..] else { panic!("{readable:?}") };
+    assert_eq!(document.job().genetic.seed, 81);
+}
+
+#[test]
+fn a_mold_and_a_blisk_of_one_program_are_both_recovered() {
+    let home = Home::new();
+    let mut desk = home.start(Opening::Demonstration);
+    work(&mut desk, 91);
+    let mold = &mut desk.window.state_mut().core_mut().mold;
+    let params = MoldParams { tolerance_mm: 0.07, ..mold.params.clone() };
+    mold.edit(params.clone());
+    desk.until("both are kept", |_| {
+        [".sparkpath", ".sparkmold"].iter().all(|end| holds(&home.folders().autosave, end))
+    });
+    drop(desk);
+    let mut desk = home.start(Opening::Demonstration);
+    desk.assert_shows("Mold, not saved yet");
+    desk.press("Recover");
+    desk.assert_shows("Recovered work");
+    desk.press("Recover");
+    let core = desk.app().core();
+    assert!(seed(&desk) == 91 && core.mold.params == params && core.mold.is_unsaved());
+    control(&mut desk, Key::Q);
+    desk.press("Don't save");
+    desk.press("Don't save");
+    drop(desk);
+    assert!(!is_left(&home), "it was given up on purpose");
 }
 
 #[test]

@@ -7,24 +7,31 @@ use crate::mold::cutter::{Cutter, CutterKind, CutterLibrary};
 
 /// Height of a row (points).
 const HEIGHT: f32 = 22.0;
-/// Widths of kind, diameter, corner, reach and holder (points); the name has what is left.
+/// Widths of kind, diameter, corner, reach and holder (points), the name has what is left; and where room is scarce.
 const WIDTHS: [f32; 5] = [58.0, 50.0, 46.0, 50.0, 50.0];
+const NARROW: [f32; 5] = [54.0, 42.0, 36.0, 36.0, 42.0];
+/// Least width of a name, and of the number before it.
+const NAME: f32 = 36.0;
+const NUMBER: f32 = 22.0;
 
 /// Draws `library`, whose row `selected` is marked, as a table to be edited. `of` is what its cutters are called in the
 /// names of the fields.
 pub fn table(ui: &mut Ui, library: &mut CutterLibrary, selected: &mut usize, of: &str) {
     let gaps = 6.0 * 4.0;
-    let name_width = (ui.available_width() - WIDTHS.iter().sum::<f32>() - 22.0 - gaps - 8.0).max(50.0);
+    let left_by = |widths: [f32; 5]| ui.available_width() - widths.iter().sum::<f32>() - NUMBER - gaps - 8.0;
+    let widths = if left_by(WIDTHS) < NAME + 32.0 { NARROW } else { WIDTHS };
+    let name_width = left_by(widths).max(NAME);
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing = vec2(4.0, 2.0);
         let faint = palette(ui).faint;
         egui::Grid::new(of).num_columns(7).min_col_width(0.0).show(ui, |ui| {
-            for head in ["", "name", "kind", "Ø mm", "corner", "reach", "Ø holder"] {
+            let holder = if widths == NARROW { "holder" } else { "Ø holder" };
+            for head in ["", "name", "kind", "Ø mm", "corner", "reach", holder] {
                 ui.label(RichText::new(head).small().color(faint));
             }
             ui.end_row();
             for (i, cutter) in library.cutter.iter_mut().enumerate() {
-                if row(ui, cutter, [of, &(i + 1).to_string()], (*selected == i, name_width)) {
+                if row(ui, cutter, [of, &(i + 1).to_string()], (*selected == i, name_width, widths)) {
                     *selected = i;
                 }
                 ui.end_row();
@@ -38,8 +45,13 @@ pub fn table(ui: &mut Ui, library: &mut CutterLibrary, selected: &mut usize, of:
 }
 
 /// A row of the table. Tells whether it was touched.
-fn row(ui: &mut Ui, cutter: &mut Cutter, [of, number]: [&str; 2], (is_selected, name_width): (bool, f32)) -> bool {
-    let mut touched = ui.add_sized(vec2(22.0, HEIGHT), egui::Button::selectable(is_selected, number)).clicked();
+fn row(
+    ui: &mut Ui,
+    cutter: &mut Cutter,
+    [of, number]: [&str; 2],
+    (is_selected, name_width, widths): (bool, f32, [f32; 5]),
+) -> bool {
+    let mut touched = ui.add_sized(vec2(NUMBER, HEIGHT), egui::Button::selectable(is_selected, number)).clicked();
     let mut follow = |ui: &Ui, response: &Response, what: &str| {
         let name = format!("{what} of {of} {number}");
         ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));
@@ -49,10 +61,10 @@ fn row(ui: &mut Ui, cutter: &mut Cutter, [of, number]: [&str; 2], (is_selected, 
     let name = TextEdit::singleline(&mut cutter.name).hint_text(shape).desired_width(name_width).clip_text(true);
     let named = ui.add_sized(vec2(name_width, HEIGHT), name);
     follow(ui, &named, "Name");
-    let kind = kind(ui, cutter, &format!("{of} {number}"));
+    let kind = kind(ui, cutter, &format!("{of} {number}"), widths[0]);
     follow(ui, &kind, "Kind");
     let before = cutter.clone();
-    let diameter = number_field(ui, &mut cutter.diameter_mm, WIDTHS[1]);
+    let diameter = number_field(ui, &mut cutter.diameter_mm, widths[1]);
     follow(ui, &diameter, "Diameter");
     if cutter.diameter_mm != before.diameter_mm {
         // A ball stays a ball, and a bull-nose one.
@@ -63,12 +75,12 @@ fn row(ui: &mut Ui, cutter: &mut Cutter, [of, number]: [&str; 2], (is_selected, 
         }
     }
     let is_bull = cutter.kind() == CutterKind::BullNose;
-    let corner = ui.add_enabled_ui(is_bull, |ui| number_field(ui, &mut cutter.corner_mm, WIDTHS[2])).inner;
+    let corner = ui.add_enabled_ui(is_bull, |ui| number_field(ui, &mut cutter.corner_mm, widths[2])).inner;
     follow(ui, &corner, "Corner");
-    let reach = optional(ui, &mut cutter.reach_mm, WIDTHS[3]).on_hover_text("Below what its holder passes over (mm)");
+    let reach = optional(ui, &mut cutter.reach_mm, widths[3]).on_hover_text("Below what its holder passes over (mm)");
     follow(ui, &reach, "Reach");
     let holder =
-        ui.add_enabled_ui(cutter.reach_mm.is_some(), |ui| optional(ui, &mut cutter.holder_diameter_mm, WIDTHS[4]));
+        ui.add_enabled_ui(cutter.reach_mm.is_some(), |ui| optional(ui, &mut cutter.holder_diameter_mm, widths[4]));
     let holder = holder.inner.on_disabled_hover_text("Only a cutter of limited reach has a holder that counts");
     follow(ui, &holder, "Holder");
     touched
@@ -83,9 +95,9 @@ fn short(kind: CutterKind) -> &'static str {
     }
 }
 
-fn kind(ui: &mut Ui, cutter: &mut Cutter, salt: &str) -> Response {
+fn kind(ui: &mut Ui, cutter: &mut Cutter, salt: &str, width: f32) -> Response {
     let now = cutter.kind();
-    let combo = ComboBox::from_id_salt(("kind", salt)).selected_text(short(now)).width(WIDTHS[0]);
+    let combo = ComboBox::from_id_salt(("kind", salt)).selected_text(short(now)).width(width);
     let shown = combo.show_ui(ui, |ui| {
         for kind in [CutterKind::Flat, CutterKind::Ball, CutterKind::BullNose] {
             if ui.selectable_label(kind == now, short(kind)).clicked() && kind != now {

@@ -11,16 +11,32 @@ use crate::jobs::pipeline::StageState;
 use crate::jobs::uncut::LayerFound;
 use crate::mold::cutter::CutterLibrary;
 use crate::mold::uncut_region::UncutRegion;
-use crate::project::MoldParams;
+use crate::project::{History, MoldParams};
 use crate::views::RegionColours;
 
 /// How long nothing may change before what was seen at a glance is found exactly.
 const REST: Duration = Duration::from_millis(300);
 
+/// What the hands of the user do.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Hands {
+    /// Nothing.
+    #[default]
+    Idle,
+    /// They hold a button of the mouse down: what is dragged is not at rest.
+    Holding,
+    /// They type.
+    Typing,
+}
+
 /// See the module's page.
 pub struct MoldDesk {
     /// Whether molds are what the window shows.
     pub is_shown: bool,
+    /// Whether the panel on the left is there, or folded away.
+    pub shows_panel: bool,
+    /// Whether the list of regions is there, where it has a panel of its own.
+    pub shows_list: bool,
     /// The mold and what is asked about it.
     pub params: MoldParams,
     /// What has been made of it.
@@ -57,10 +73,13 @@ pub struct MoldDesk {
     pub fly_to: Option<usize>,
     /// The file of the mold.
     pub file: Option<PathBuf>,
-    /// What that file holds, or else what the mold was opened with.
-    kept: MoldParams,
-    /// Whether something is being dragged.
-    is_held: bool,
+    /// What that file holds, or else what the mold was opened with; none if no file holds anything of it.
+    kept: Option<MoldParams>,
+    /// The steps that can be undone.
+    history: History<MoldParams>,
+    /// What the user's hands do, and the number of what they are doing, whose changes make one step.
+    hands: Hands,
+    gesture: u64,
     /// When something was last changed of which the answer is not known.
     edited: Option<Instant>,
     /// The answer that the present selection belongs to.
@@ -76,9 +95,13 @@ impl MoldDesk {
         let params = MoldParams::default();
         Ok(Self {
             is_shown: false,
+            shows_panel: true,
+            shows_list: true,
             other: params.library.clone(),
-            kept: params.clone(),
-            is_held: false,
+            kept: Some(params.clone()),
+            history: History::default(),
+            hands: Hands::Idle,
+            gesture: 0,
             params,
             work: MoldWork::start(wake)?,
             cutter: 0,
@@ -105,12 +128,19 @@ impl MoldDesk {
     pub fn open(&mut self, mesh: &Path) {
         let mesh = Some(mesh.to_owned());
         let was_empty = self.params.mesh.is_none();
-        let kept = MoldParams { mesh: mesh.clone(), ..self.kept.clone() };
+        let kept = self.kept.clone().map(|kept| MoldParams { mesh: mesh.clone(), ..kept });
+        let history = self.history.clone();
         self.replace(MoldParams { mesh, ..self.params.clone() }, None);
         // Cutters that were chosen before there was a mold are still in no file.
         if was_empty {
-            self.kept = kept;
+            (self.kept, self.history) = (kept, history);
         }
+    }
+
+    /// Takes unsaved work that an earlier program left behind, which was to be saved as `file`.
+    pub fn recover(&mut self, params: MoldParams, file: Option<&Path>) {
+        self.replace(params, file);
+        self.kept = None;
     }
 
     /// Takes all of `params`, which are those of `file` if there is one.
@@ -119,18 +149,19 @@ impl MoldDesk {
             self.work.reload();
         }
         self.file = file.map(Path::to_owned);
-        (self.kept, self.params, self.edited) = (params.clone(), params, None);
+        (self.kept, self.params, self.edited) = (Some(params.clone()), params, None);
+        self.history = History::default();
         self.work.forget_glance();
     }
 
     /// Notes that `file` holds the present parameters.
     pub fn saved_as(&mut self, file: &Path) {
-        (self.file, self.kept) = (Some(file.to_owned()), self.params.clone());
+        (self.file, self.kept) = (Some(file.to_owned()), Some(self.params.clone()));
     }
 
     /// Whether the mold has been changed since it was opened or saved.
     pub fn is_unsaved(&self) -> bool {
-        self.params != self.kept
+        self.kept.as_ref() != Some(&self.params)
     }
 
     /// What to call the mold: after its file, or else its mesh.
@@ -141,10 +172,33 @@ impl MoldDesk {
 
     /// Takes other parameters. While they go on changing they are looked at quickly.
     pub fn edit(&mut self, params: MoldParams) {
-        if params != self.params {
-            self.params = params;
-            self.edited = Some(Instant::now());
+        if params == self.params {
+            return;
         }
+        let label = params.change_since(&self.params);
+        if self.history.undo_label() != Some(&label) {
+            self.gesture += 1;
+        }
+        self.history.record(&label, &self.params, Some(self.gesture));
+        self.change_to(params);
+    }
+
+    fn change_to(&mut self, params: MoldParams) {
+        self.params = params;
+        self.edited = Some(Instant::now());
+    }
+
+    /// Takes the last step back, or does the one again that was taken back last (`again`). The mold stays.
+    pub fn undo(&mut self, again: bool) {
+        let found = if again { self.history.redo(&self.params) } else { self.history.undo(&self.params) };
+        if let Some(params) = found {
+            self.change_to(MoldParams { mesh: self.params.mesh.clone(), ..params });
+        }
+    }
+
+    /// What can be undone, or done again.
+    pub fn undo_label(&self, again: bool) -> Option<&str> {
+        if again { self.history.redo_label() } else { self.history.undo_label() }
     }
 
     /// How the answer for the present parameters stands.
@@ -161,10 +215,14 @@ impl MoldDesk {
         self.work.find(&self.params)
     }
 
-    /// Takes in what has been made. `is_held` while a button of the mouse is down: what is dragged is not at rest.
-    /// Answers what has happened, and after how long there is something to be done again.
-    pub fn follow(&mut self, is_held: bool) -> (Vec<MoldEvent>, Option<Duration>) {
-        self.is_held = is_held;
+    /// Takes in what has been made, once a frame. Answers what has happened, and after how long there is something to be
+    /// done again.
+    pub fn follow(&mut self, hands: Hands) -> (Vec<MoldEvent>, Option<Duration>) {
+        // The frame in which a button is let go still belongs to what was done with it.
+        if self.hands == Hands::Idle || (hands != Hands::Idle && hands != self.hands) {
+            self.gesture += 1;
+        }
+        self.hands = hands;
         let mut events = self.work.follow(&self.params);
         self.follow_answer();
         let state = self.state();
@@ -175,7 +233,7 @@ impl MoldDesk {
         let Some(edited) = self.edited else { return (events, None) };
         self.work.glance(&self.params);
         let can_follow = self.follows && state == StageState::Stale && self.params.library.validate().is_ok();
-        if !can_follow || is_held {
+        if !can_follow || hands == Hands::Holding {
             return (events, None);
         }
         let wait = REST.saturating_sub(edited.elapsed());
@@ -219,7 +277,7 @@ impl MoldDesk {
 
     /// What was seen at a glance of the present parameters, or while they are dragged of the last ones.
     pub fn glanced(&self) -> Option<&Arc<Glance>> {
-        self.work.glanced(&self.params, self.is_held)
+        self.work.glanced(&self.params, self.hands == Hands::Holding)
     }
 
     /// The regions that are left.

@@ -1,7 +1,7 @@
 //! The list of regions: sorted, filtered, selected.
 
-use egui::{Align, DragValue, Layout, RichText, Role, Sense, Ui, WidgetInfo, vec2};
-use egui_extras::{Column as Width, TableBuilder, TableRow};
+use egui::{Align, Align2, DragValue, Layout, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, vec2};
+use egui_extras::{Column as Width, TableBuilder};
 
 use super::super::commands::Command;
 use super::super::core::Core;
@@ -25,9 +25,16 @@ pub enum Column {
 impl Column {
     /// All of them.
     pub const ALL: [Self; 5] = [Self::Index, Self::Volume, Self::Area, Self::Height, Self::Nearest];
+    /// Those that there is always room for.
+    const NEEDED: [Self; 3] = [Self::Index, Self::Volume, Self::Height];
 
     fn name(self) -> &'static str {
         ["#", "volume mm³", "area mm²", "height", "nearest"][self as usize]
+    }
+
+    /// How wide it is (points); none for what the others leave.
+    fn width(self) -> Option<f32> {
+        [Some(40.0), None, Some(66.0), Some(52.0), Some(58.0)][self as usize]
     }
 
     /// What a region, which is number `i`, is sorted by.
@@ -42,9 +49,13 @@ impl Column {
     }
 }
 
+/// Below this width (points) there are the most needed columns only.
+const NARROW: f32 = 326.0;
+
 /// Draws it.
 pub fn show(ui: &mut Ui, core: &mut Core) {
     ui.add_space(4.0);
+    let is_narrow = ui.available_width() < NARROW;
     let listed = core.mold.listed();
     let all = core.mold.regions().len();
     ui.horizontal(|ui| {
@@ -52,7 +63,8 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
         let count = if listed.len() == all { all.to_string() } else { format!("{} of {all}", listed.len()) };
         ui.label(RichText::new(count).color(palette(ui).faint));
         stale(ui, core);
-        let label = ui.label(RichText::new("not below").color(palette(ui).faint));
+        let words = if is_narrow { "\u{2265}" } else { "not below" };
+        let label = ui.label(RichText::new(words).color(palette(ui).faint)).on_hover_text("The least volume shown");
         let least = DragValue::new(&mut core.mold.least_volume).range(0.0..=1e9).speed(0.01).max_decimals(3);
         ui.add_sized(vec2(58.0, 22.0), least).labelled_by(label.id);
         ui.label(RichText::new("mm³").color(palette(ui).faint));
@@ -93,18 +105,22 @@ pub(super) fn dim(ui: &mut Ui, core: &Core) {
 }
 
 fn table(ui: &mut Ui, mold: &mut MoldDesk, listed: &[usize]) {
+    let columns: &[Column] = if ui.available_width() < NARROW { &Column::NEEDED } else { &Column::ALL };
+    let gap = ui.spacing().item_spacing.x;
+    let taken: f32 = columns.iter().map(|column| column.width().unwrap_or(0.0) + gap).sum();
+    let rest = (ui.available_width() - taken + gap).max(64.0);
+    let widths: Vec<f32> = columns.iter().map(|column| column.width().unwrap_or(rest)).collect();
+    heads(ui, mold, columns, &widths);
     let mut table = TableBuilder::new(ui)
-        .id_salt("regions")
+        .id_salt(("regions", columns.len()))
         .striped(true)
         .sense(Sense::click())
         .cell_layout(Layout::right_to_left(Align::Center))
-        .column(Width::exact(40.0))
-        .column(Width::remainder().at_least(82.0))
-        .column(Width::remainder().at_least(68.0))
-        .column(Width::exact(50.0))
-        .column(Width::remainder().at_least(64.0))
         .min_scrolled_height(0.0)
         .auto_shrink([false, false]);
+    for width in &widths {
+        table = table.column(Width::exact(*width));
+    }
     // One that was clicked in the view may be far down the list.
     let place = mold.selected.and_then(|selected| listed.iter().position(|i| *i == selected));
     if std::mem::replace(&mut mold.scrolled_to, mold.selected) != mold.selected
@@ -112,18 +128,13 @@ fn table(ui: &mut Ui, mold: &mut MoldDesk, listed: &[usize]) {
     {
         table = table.scroll_to_row(row, None);
     }
-    let table = table.header(20.0, |mut header| {
-        for column in Column::ALL {
-            header.col(|ui| head(ui, mold, column));
-        }
-    });
     let mut clicked = None;
     table.body(|body| {
         body.rows(19.0, listed.len(), |mut row| {
             let i = listed[row.index()];
             let is_selected = mold.selected == Some(i);
             row.set_selected(is_selected);
-            cells(&mut row, mold, i);
+            columns.iter().for_each(|column| drop(row.col(|ui| cell(ui, mold, *column, i))));
             let response = row.response();
             let name = format!("Region {}", i + 1);
             response.widget_info(|| WidgetInfo::selected(Role::Row, true, is_selected, &name));
@@ -139,43 +150,55 @@ fn table(ui: &mut Ui, mold: &mut MoldDesk, listed: &[usize]) {
     }
 }
 
-/// The head of a column, which sorts by it; once more the other way round.
-fn head(ui: &mut Ui, mold: &mut MoldDesk, column: Column) {
+/// The heads of the columns. The table's own would catch the clicks on each other.
+fn heads(ui: &mut Ui, mold: &mut MoldDesk, columns: &[Column], widths: &[f32]) {
+    ui.horizontal(|ui| {
+        for (column, width) in columns.iter().zip(widths) {
+            head(ui, mold, *column, *width);
+        }
+    });
+}
+
+/// The head of a column, which sorts by it; once more the other way round. All of it can be pressed.
+fn head(ui: &mut Ui, mold: &mut MoldDesk, column: Column, width: f32) {
     let (by, falls) = mold.sort;
-    let sign = if by != column {
-        ""
-    } else if falls {
-        "\u{23f7}"
-    } else {
-        "\u{23f6}"
+    let sign = match (by == column, falls) {
+        (false, _) => "",
+        (true, true) => "\u{23f7}",
+        (true, false) => "\u{23f6}",
     };
-    let text = RichText::new(format!("{}{sign}", column.name())).small().color(palette(ui).faint);
-    let response = ui.add(egui::Label::new(text).truncate().selectable(false).sense(Sense::click()));
+    let (rect, response) = ui.allocate_exact_size(vec2(width, 20.0), Sense::click());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Sort by {}", column.name())));
-    if response.clicked() {
+    let is_lit = by == column || response.hovered();
+    let colour = if is_lit { ui.visuals().strong_text_color() } else { palette(ui).faint };
+    let (text, font) = (format!("{}{sign}", column.name()), TextStyle::Small.resolve(ui.style()));
+    ui.painter().text(rect.right_center(), Align2::RIGHT_CENTER, text, font, colour);
+    if response.on_hover_cursor(egui::CursorIcon::PointingHand).clicked() {
         // Of sizes one looks for the greatest first.
         let falls_first = matches!(column, Column::Volume | Column::Area | Column::Height);
         mold.sort = (column, if by == column { !falls } else { falls_first });
     }
 }
 
-fn cells(row: &mut TableRow, mold: &MoldDesk, i: usize) {
+fn cell(ui: &mut Ui, mold: &MoldDesk, column: Column, i: usize) {
     let region = &mold.regions()[i];
     let number = |ui: &mut Ui, value: f64, decimals: usize| {
         ui.label(RichText::new(format!("{value:.decimals$}")).monospace());
     };
-    row.col(|ui| {
-        number(ui, (i + 1) as f64, 0);
-        let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
-        let c = region_colour(i);
-        ui.painter().rect_filled(rect, 2.0, egui::Color32::from_rgb(c.r, c.g, c.b));
-    });
-    row.col(|ui| number(ui, region.volume, 3));
-    row.col(|ui| number(ui, region.plan_area, 3));
-    row.col(|ui| number(ui, region.depth, 2));
-    row.col(|ui| {
-        ui.add(egui::Label::new(RichText::new(mold.nearest(region)).small()).truncate());
-    });
+    match column {
+        Column::Index => {
+            number(ui, (i + 1) as f64, 0);
+            let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
+            let c = region_colour(i);
+            ui.painter().rect_filled(rect, 2.0, egui::Color32::from_rgb(c.r, c.g, c.b));
+        }
+        Column::Volume => number(ui, region.volume, 3),
+        Column::Area => number(ui, region.plan_area, 3),
+        Column::Height => number(ui, region.depth, 2),
+        Column::Nearest => {
+            ui.add(egui::Label::new(RichText::new(mold.nearest(region)).small()).truncate());
+        }
+    }
 }
 
 /// What is known of the selected region.

@@ -4,12 +4,13 @@
 mod compare;
 mod cutters;
 mod desk;
+mod folds;
 mod list;
 mod panel;
 mod strip;
 mod view;
 
-pub use desk::MoldDesk;
+pub use desk::{Hands, MoldDesk};
 pub use list::Column;
 pub use view::MoldView;
 
@@ -20,19 +21,26 @@ use super::files::Purpose;
 
 /// Draws the workspace. Answers what a path is wanted for.
 pub fn show(ui: &mut Ui, core: &mut Core, view: &mut MoldView) -> Option<Purpose> {
-    let room = ui.available_size();
-    // In a small window the view comes first.
-    let wide = room.x > 900.0;
-    let left = if wide { 412.0 } else { (0.5 * room.x).clamp(260.0, 412.0) };
-    let asked = Panel::left("mold")
-        .default_size(left)
-        .size_range(left.min(356.0)..=left.max(520.0).min(0.55 * room.x).max(left))
-        .show(ui, |ui| panel::show(ui, core, !wide))
-        .inner;
-    if wide {
-        let list = Panel::right("regions").default_size(348.0).size_range(300.0..=480.0);
+    let room = ui.available_width();
+    // In a small window the view comes first: panels get narrower, and the list of regions has none of its own.
+    let wide = room > 900.0;
+    let asked = if core.mold.shows_panel {
+        let (least, width) = if wide { (320.0, 0.32 * room) } else { (300.0, 0.5 * room) };
+        let width = width.clamp(least, 412.0);
+        let panel = Panel::left("mold").default_size(width).size_range(least..=(0.45 * room).clamp(width, 520.0));
+        panel.show(ui, |ui| panel::show(ui, core, !wide)).inner
+    } else {
+        None
+    };
+    if wide && core.mold.shows_list {
+        let width = (0.35 * room - 100.0).clamp(228.0, 348.0);
+        let list = Panel::right("regions").default_size(width).size_range(228.0..=(0.4 * room).clamp(width, 480.0));
         list.show(ui, |ui| list::show(ui, core));
     }
-    egui::CentralPanel::no_frame().show(ui, |ui| view.show(ui, core));
+    egui::CentralPanel::no_frame().show(ui, |ui| {
+        let rect = ui.available_rect_before_wrap();
+        view.show(ui, core);
+        folds::show(ui, rect, core, wide);
+    });
     asked
 }

@@ -190,6 +190,23 @@ fn answer(ui: &mut Ui, core: &mut Core, found: &FoundUncut) {
         Some(others) => notice(ui, colours.warning, &format!("{others}: {}", found.sentence())),
         None => notice(ui, colour, &found.sentence()),
     }
+    ui.scope(|ui| {
+        list::dim(ui, core);
+        figures(ui, found);
+    });
+    if report.invert.faces > 0 {
+        tick(
+            ui,
+            &mut core.mold.shows_invert,
+            format!("{} faces ({:.1} mm²) look away from the cutters", report.invert.faces, report.invert.area_mm2),
+        )
+        .on_hover_text("For another set-up or a slide. Shown in a colour of their own.");
+    }
+}
+
+/// What is to be said about an answer, and how far two ways of finding it agree.
+fn figures(ui: &mut Ui, found: &FoundUncut) {
+    let (report, colours) = (&found.report, palette(ui));
     for warning in &report.warnings {
         notice(ui, colours.warning, warning);
     }
@@ -211,13 +228,5 @@ fn answer(ui: &mut Ui, core: &mut Core, found: &FoundUncut) {
         ui.label(RichText::new(text).small().color(colours.faint)).on_hover_text(hint);
         fact(ui, "Half of them within", format!("{:.4} mm", agreement.median_mm));
         fact(ui, "Nine of ten within", format!("{:.4} mm", agreement.ninetieth_mm));
-    }
-    if report.invert.faces > 0 {
-        tick(
-            ui,
-            &mut core.mold.shows_invert,
-            format!("{} faces ({:.1} mm²) look away from the cutters", report.invert.faces, report.invert.area_mm2),
-        )
-        .on_hover_text("For another set-up or a slide. Shown in a colour of their own.");
     }
 }

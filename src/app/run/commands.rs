@@ -31,6 +31,7 @@ impl SparkpathApp {
                 let name = format!("{}.toml", self.core.document.name());
                 self.ask(Purpose::SaveJob, &name, ctx);
             }
+            Command::Undo | Command::Redo if self.core.mold.is_shown => self.core.mold.undo(command == Command::Redo),
             Command::Undo => drop(self.core.document.undo()),
             Command::Redo => drop(self.core.document.redo()),
             Command::Preferences => self.dialog = Dialog::Preferences,
@@ -75,7 +76,9 @@ impl SparkpathApp {
             | Command::Isolate
             | Command::Layers
             | Command::DepthColours
-            | Command::FaintMold => self.run_on_mold(command),
+            | Command::FaintMold
+            | Command::FoldPanel
+            | Command::FoldList => self.run_on_mold(command),
             Command::Section => self.toggle_section(),
             Command::Measure => {
                 self.core.measuring = !self.core.measuring;

@@ -8,7 +8,7 @@ use crate::app::dialogs::{Answer, Dialog, Intent, Work};
 use crate::app::files::Purpose;
 use crate::jobs::pipeline::EventKind;
 use crate::project::mold_file::is_mold_file;
-use crate::project::{Document, OpenError, Recovery, Stage};
+use crate::project::{Document, OpenError, Recovered, Recovery, Stage};
 
 /// How a path was named.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -104,6 +104,7 @@ impl SparkpathApp {
                 self.quitting = true;
                 if let Some(autosave) = &mut self.autosave {
                     autosave.discard();
+                    autosave.discard_mold();
                 }
                 ctx.send_viewport_cmd(egui::ViewportCommand::Close);
             }
@@ -251,19 +252,7 @@ impl SparkpathApp {
                 }
                 self.go_on(work, intent, ctx);
             }
-            (Answer::Recover(i), Dialog::Recover(mut copies)) => {
-                let copy = copies.remove(i);
-                match copy.document() {
-                    Ok(document) => {
-                        self.replace(document);
-                        if self.autosave_now() {
-                            copy.discard();
-                        }
-                        self.core.say(EventKind::Done, "unsaved work was recovered");
-                    }
-                    Err(e) => self.dialog = Dialog::Error("The copy cannot be read".to_owned(), e.to_string()),
-                }
-            }
+            (Answer::Recover(i), Dialog::Recover(copies)) => self.recover(i, copies),
             (Answer::ForgetCopies, Dialog::Recover(copies)) => copies.iter().for_each(Recovery::discard),
             (Answer::Locate(old), dialog) => {
                 self.dialog = dialog;
@@ -294,11 +283,38 @@ impl SparkpathApp {
         }
     }
 
-    /// Brings the copy of unsaved work up to date. Tells whether there is one as far as one is needed.
+    /// Takes up the work of copy number `i`; those of the other kind can still be taken up beside it.
+    fn recover(&mut self, i: usize, mut copies: Vec<Recovery>) {
+        let copy = copies.remove(i);
+        match copy.work() {
+            Ok(Recovered::Blisk(document)) => self.replace(*document),
+            Ok(Recovered::Mold(params, file)) => {
+                self.core.mold.recover(params, file.as_deref());
+                self.core.mold.is_shown = true;
+            }
+            Err(why) => {
+                self.dialog = Dialog::Error("The copy cannot be read".to_owned(), why);
+                return;
+            }
+        }
+        if self.autosave_now() {
+            copy.discard();
+        }
+        self.core.say(EventKind::Done, "unsaved work was recovered");
+        copies.retain(|other| other.is_of_mold() != copy.is_of_mold());
+        if !copies.is_empty() {
+            self.dialog = Dialog::Recover(copies);
+        }
+    }
+
+    /// Brings the copies of unsaved work up to date. Tells whether there are as many as are needed.
     pub(super) fn autosave_now(&mut self) -> bool {
         self.autosaved = Instant::now();
         let Some(autosave) = &mut self.autosave else { return false };
-        let updated = autosave.update(&self.core.document);
+        let mold = &self.core.mold;
+        let unsaved = mold.is_unsaved().then_some(&mold.params);
+        let updated =
+            autosave.update(&self.core.document).and_then(|()| autosave.update_mold(unsaved, mold.file.as_deref()));
         if let Err(e) = &updated {
             self.core.say(EventKind::Failed, format!("no copy of the unsaved work could be kept: {e}"));
             self.autosave = None;

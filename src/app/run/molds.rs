@@ -7,6 +7,7 @@ use crate::app::commands::Command;
 use crate::app::core::LogLine;
 use crate::app::dialogs::{Dialog, Intent, Work};
 use crate::app::files::Purpose;
+use crate::app::mold::Hands;
 use crate::app::viewport::Viewport;
 use crate::jobs::pipeline::EventKind;
 use crate::project::cutter_file::{read_cutters, write_cutters};
@@ -112,8 +113,12 @@ impl SparkpathApp {
 
     /// Keeps the answer up with the parameters, and the log with both.
     pub(super) fn follow_mold(&mut self, ctx: &egui::Context) {
-        let is_held = ctx.input(|i| i.pointer.any_down());
-        let (events, wait) = self.core.mold.follow(is_held);
+        let hands = match (ctx.input(|i| i.pointer.any_down()), ctx.egui_wants_keyboard_input()) {
+            (true, _) => Hands::Holding,
+            (false, true) => Hands::Typing,
+            (false, false) => Hands::Idle,
+        };
+        let (events, wait) = self.core.mold.follow(hands);
         for event in events {
             let at = std::time::SystemTime::now();
             self.core.log.push(LogLine { at, kind: event.kind, stage: None, text: event.text, took: event.took });
@@ -133,6 +138,8 @@ impl SparkpathApp {
                     Command::FlyToRegion => mold.fly_to = mold.selected,
                     Command::Isolate => mold.isolated = !mold.isolated,
                     Command::Layers => mold.toggle_layers(),
+                    Command::FoldPanel => mold.shows_panel = !mold.shows_panel,
+                    Command::FoldList => mold.shows_list = !mold.shows_list,
                     Command::FaintMold => mold.is_faint = !mold.is_faint,
                     _ => {
                         mold.colours = match mold.colours {

@@ -29,7 +29,6 @@ type Question = (String, UncutParams);
 
 /// What a task has made.
 enum Made {
-    Mold(Box<LoadedMold>),
     Found(Box<FoundUncut>),
     Other(Box<(FoundUncut, Comparison)>),
 }
@@ -59,12 +58,14 @@ pub struct MoldEvent {
 }
 
 /// What the places in the queue are for; a later one is of no use once an earlier one is asked anew.
-const LOAD: u32 = 0;
-const FIND: u32 = 1;
-const COMPARE: u32 = 2;
+const FIND: u32 = 0;
+const COMPARE: u32 = 1;
 
 /// See the module's page.
 pub struct MoldWork {
+    /// Loads meshes, beside what is being looked for: it may be found to be the same mesh.
+    loader: Worker<(), LoadedMold>,
+    loading: Option<Doing>,
     worker: Worker<(), Made>,
     glancer: Glancer,
     mold: Kept<MeshKey, LoadedMold>,
@@ -81,6 +82,8 @@ impl MoldWork {
     /// If the system gives no thread.
     pub fn start(wake: impl Fn() + Send + Sync + Clone + 'static) -> std::io::Result<Self> {
         Ok(Self {
+            loader: Worker::start(wake.clone())?,
+            loading: None,
             worker: Worker::start(wake.clone())?,
             glancer: Glancer::start(wake)?,
             mold: Kept::default(),
@@ -93,69 +96,57 @@ impl MoldWork {
 
     /// Takes in what the workers have said, and loads the mesh that `params` name. Answers what has happened.
     pub fn follow(&mut self, params: &MoldParams) -> Vec<MoldEvent> {
-        let messages = self.worker.messages();
-        let events = messages.into_iter().filter_map(|m| self.take(m)).collect();
+        let loaded: Vec<_> = self.loader.messages().into_iter().filter_map(|m| self.take_loaded(m)).collect();
+        let made: Vec<_> = self.worker.messages().into_iter().filter_map(|m| self.take(m)).collect();
         self.glancer.follow();
-        // What other parameters leave is of no use to anybody.
+        self.load(params);
+        // What other parameters leave is of no use to anybody. A mesh that is being loaded may be the same as before.
         let question = self.question(params);
-        let is_other = |of: &Question| question.as_ref() != Some(of);
+        let is_loading = self.mold_state(params) == StageState::Running;
+        let is_other = |of: &Question| question.as_ref().map_or(!is_loading, |question| question != of);
         if self.found.running.as_ref().is_some_and(|(_, of)| is_other(of)) {
             self.worker.cancel_from(FIND);
         }
         if self.other.running.as_ref().is_some_and(|(_, (of, _))| is_other(of)) {
             self.worker.cancel_from(COMPARE);
         }
-        let Some(path) = &params.mesh else { return events };
+        loaded.into_iter().chain(made).collect()
+    }
+
+    /// Loads the mesh that `params` name, unless that is done.
+    fn load(&mut self, params: &MoldParams) {
+        let Some(path) = &params.mesh else { return };
         let key = (path.clone(), params.units, self.reloads);
         if matches!(self.mold.state(&key), StageState::Missing | StageState::Stale) {
             let (path, units) = (path.clone(), params.units);
-            let work = move |_: &Reporter<(), Made>, p: &Progress, c: &Cancel| {
-                steps::load(&path, units, p, c).map(|mold| Made::Mold(Box::new(mold)))
-            };
-            let id = self.worker.submit(LOAD, work);
+            let work = move |_: &Reporter<(), LoadedMold>, p: &Progress, c: &Cancel| steps::load(&path, units, p, c);
+            let id = self.loader.submit(0, work);
             self.mold.running = Some((id, key));
         }
-        events
+    }
+
+    fn take_loaded(&mut self, message: Message<(), LoadedMold>) -> Option<MoldEvent> {
+        if !self.mold.awaits(message.task()) {
+            return None;
+        }
+        let (ended, took) = note(&mut self.loading, "Mold", message)?;
+        let (kind, text) = self.mold.end(ended, LoadedMold::sentence)?;
+        Some(MoldEvent { kind, text: format!("Mold: {text}"), took })
     }
 
     fn take(&mut self, message: Message<(), Made>) -> Option<MoldEvent> {
-        match message {
-            Message::Started(task) => {
-                let what = self.what(task)?;
-                self.doing = Some(Doing { what, stage: String::new(), fraction: 0.0, since: Instant::now() });
-                None
-            }
-            Message::Progress { task, stage, fraction, .. } => {
-                self.what(task)?;
-                let doing = self.doing.as_mut()?;
-                (doing.stage, doing.fraction) = (stage, fraction);
-                None
-            }
-            Message::Partial(..) => None,
-            Message::Finished(task, ended) => {
-                let what = self.what(task)?;
-                let took = self.doing.take_if(|d| d.what == what).map(|d| d.since.elapsed());
-                let (kind, text) = self.finish(task, ended)?;
-                Some(MoldEvent { kind, text: format!("{what}: {text}"), took })
-            }
-        }
+        let task = message.task();
+        let what = self.what(task)?;
+        let (ended, took) = note(&mut self.doing, what, message)?;
+        let (kind, text) = self.finish(task, ended)?;
+        Some(MoldEvent { kind, text: format!("{what}: {text}"), took })
     }
 
     fn what(&self, task: TaskId) -> Option<&'static str> {
-        if self.mold.awaits(task) {
-            Some("Mold")
-        } else if self.found.awaits(task) {
-            Some("Uncut")
-        } else {
-            self.other.awaits(task).then_some("Compare")
-        }
+        if self.found.awaits(task) { Some("Uncut") } else { self.other.awaits(task).then_some("Compare") }
     }
 
     fn finish(&mut self, task: TaskId, ended: Ended<Made>) -> Option<(EventKind, String)> {
-        if self.mold.awaits(task) {
-            let ended = done(ended, |made| if let Made::Mold(mold) = made { Some(*mold) } else { None });
-            return self.mold.end(ended, LoadedMold::sentence);
-        }
         if self.found.awaits(task) {
             let ended = done(ended, |made| if let Made::Found(found) = made { Some(*found) } else { None });
             return self.found.end(ended, FoundUncut::sentence);
@@ -180,9 +171,11 @@ impl MoldWork {
         self.mold.value.as_ref().map(|(_, mold)| mold)
     }
 
-    /// The mold of `params`, if it is there.
+    /// The mold of `params`, if it is there. While its mesh is read again it is the one that is known.
     fn current_mold(&self, params: &MoldParams) -> Option<&Arc<LoadedMold>> {
-        (self.mold_state(params) == StageState::Done).then(|| self.mold()).flatten()
+        let ((path, units, _), mold) = self.mold.value.as_ref()?;
+        let is_same = params.mesh.as_ref() == Some(path) && params.units == *units;
+        (is_same && !matches!(self.mold_state(params), StageState::Failed(_))).then_some(mold)
     }
 
     fn question(&self, params: &MoldParams) -> Option<Question> {
@@ -296,12 +289,12 @@ impl MoldWork {
 
     /// What is being worked on.
     pub fn doing(&self) -> Option<&Doing> {
-        self.doing.as_ref()
+        self.loading.as_ref().or(self.doing.as_ref())
     }
 
     /// Whether anything waits or runs.
     pub fn is_busy(&self) -> bool {
-        self.worker.is_busy() || self.glancer.is_busy()
+        self.loader.is_busy() || self.worker.is_busy() || self.glancer.is_busy()
     }
 
     /// Stops what runs, at the user's wish: none of it begins again by itself.
@@ -309,7 +302,30 @@ impl MoldWork {
         self.mold.give_up();
         self.found.give_up();
         self.other.give_up();
-        self.worker.cancel_from(LOAD);
+        self.loader.cancel_from(0);
+        self.worker.cancel_from(FIND);
+    }
+}
+
+/// Keeps in `doing` what `message` says of the task for `what`. Answers how it has ended, and how long it took.
+fn note<T>(
+    doing: &mut Option<Doing>,
+    what: &'static str,
+    message: Message<(), T>,
+) -> Option<(Ended<T>, Option<Duration>)> {
+    match message {
+        Message::Started(_) => {
+            *doing = Some(Doing { what, stage: String::new(), fraction: 0.0, since: Instant::now() });
+            None
+        }
+        Message::Progress { stage, fraction, .. } => {
+            if let Some(doing) = doing {
+                (doing.stage, doing.fraction) = (stage, fraction);
+            }
+            None
+        }
+        Message::Partial(..) => None,
+        Message::Finished(_, ended) => Some((ended, doing.take_if(|d| d.what == what).map(|d| d.since.elapsed()))),
     }
 }
 

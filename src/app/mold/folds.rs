@@ -1,0 +1,36 @@
+//! The handles at the edges of the view that fold the panels beside it.
+
+use egui::{Align2, FontId, Rect, Role, Sense, Ui, WidgetInfo, vec2};
+
+use super::super::commands::Command;
+use super::super::core::Core;
+use super::super::theme::palette;
+
+/// Draws them over the view in `rect`; `with_list` tells that the list of regions has a panel of its own.
+pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core, with_list: bool) {
+    const SIZE: egui::Vec2 = vec2(12.0, 46.0);
+    let [left, right] = [rect.left_center(), rect.right_center()];
+    let inwards = vec2(0.5 * SIZE.x, 0.0);
+    handle(ui, Rect::from_center_size(left + inwards, SIZE), core, Command::FoldPanel, !core.mold.shows_panel);
+    if with_list {
+        handle(ui, Rect::from_center_size(right - inwards, SIZE), core, Command::FoldList, core.mold.shows_list);
+    }
+}
+
+/// One of them, which points to the right or to the left.
+fn handle(ui: &mut Ui, rect: Rect, core: &mut Core, command: Command, points_right: bool) {
+    let response = ui.interact(rect, ui.scope_id().with(("fold", command.name())), Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, command.name()));
+    let visuals = ui.visuals();
+    let (fill, ink) = if response.hovered() {
+        (visuals.widgets.hovered.weak_bg_fill, visuals.strong_text_color())
+    } else {
+        (visuals.window_fill.gamma_multiply(0.88), palette(ui).faint)
+    };
+    ui.painter().rect_filled(rect, 3.0, fill);
+    let sign = if points_right { "\u{23f5}" } else { "\u{23f4}" };
+    ui.painter().text(rect.center(), Align2::CENTER_CENTER, sign, FontId::proportional(10.0), ink);
+    if response.on_hover_text(command.hint(ui.ctx())).clicked() {
+        core.push(command);
+    }
+}
