@@ -15,6 +15,7 @@ macro_rules! say {
 }
 
 mod compare;
+mod electrodes;
 mod inspect;
 mod plan;
 mod render;
@@ -106,6 +107,8 @@ enum Command {
     },
     /// What milling cutters that come from above leave of a mold.
     Uncut(uncut::UncutArguments),
+    /// Electrodes for what milling cutters leave of a mold: files, burn table, burn sheet, report.
+    Electrodes(electrodes::ElectrodesArguments),
     /// Opens the window on a mold.
     Mold {
         /// Its mesh: STL, OBJ, glTF or GLB.
@@ -333,6 +336,7 @@ fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> 
         Command::Compare { job, out, strategies } => compare::compare(job, out, strategies, session),
         Command::Simulate { job, channels, out } => simulate::simulate(job, channels.as_ref(), out.as_deref(), session),
         Command::Uncut(arguments) => uncut::uncut(arguments, session),
+        Command::Electrodes(arguments) => electrodes::electrodes(arguments, session),
         Command::Mold { mesh } => {
             if let Some(file) = mesh.as_ref().filter(|f| !f.exists()) {
                 anyhow::bail!("{}: there is no file of that name", file.display());

@@ -14,10 +14,11 @@ use crate::mold::cutter::{Cutter, CutterLibrary};
 use crate::mold::opening::Opening;
 use crate::project::cutter_file::{read_cutters, standard_cutters};
 
+/// A mold and the cutters that mill it.
 #[derive(Debug, Args)]
-pub(super) struct UncutArguments {
+pub(super) struct MoldArguments {
     /// The mold: STL, OBJ, glTF or GLB.
-    mesh: PathBuf,
+    pub(super) mesh: PathBuf,
     /// The cutters, with commas between: kind:radius, or kind:radius/reach/holder radius, as in flat:1,ball:0.5/20/12; a
     /// bull-nose is bull:radius:corner.
     #[arg(long, value_name = "CUTTERS", value_delimiter = ',', conflicts_with = "library")]
@@ -39,31 +40,46 @@ pub(super) struct UncutArguments {
     step: Option<f64>,
     /// Unit of the mesh: auto, mm, cm, m, inch.
     #[arg(long, value_name = "UNIT", default_value = "auto", value_parser = unit)]
-    units: Units,
+    pub(super) units: Units,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct UncutArguments {
+    #[command(flatten)]
+    mold: MoldArguments,
     /// Folder for uncut.json, uncut.txt and uncut.ply, made if it is not there.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
 
+impl MoldArguments {
+    /// What is asked.
+    pub(super) fn params(&self) -> anyhow::Result<UncutParams> {
+        let library = match &self.library {
+            _ if !self.cutters.is_empty() => CutterLibrary { cutter: self.cutters.clone() },
+            Some(file) => read_cutters(file)?,
+            None => standard_cutters()?,
+        };
+        let mut params = UncutParams { opening: self.opening, ..UncutParams::of(library) };
+        (params.tolerance_mm, params.grid_step_mm) = (self.tolerance, self.step);
+        if let Some(spacing) = self.layers {
+            params.layers.is_fixed = true;
+            params.layers.spacing_mm = spacing;
+            params.layers.least_spacing_mm = params.layers.least_spacing_mm.min(spacing);
+        }
+        params.validate()?;
+        Ok(params)
+    }
+}
+
 /// Finds what the cutters leave, prints it and writes it into the folder if there is one. The answer is no where the mesh
 /// is not whole.
 pub(super) fn uncut(arguments: &UncutArguments, session: &Session) -> anyhow::Result<Answer> {
-    let library = match &arguments.library {
-        _ if !arguments.cutters.is_empty() => CutterLibrary { cutter: arguments.cutters.clone() },
-        Some(file) => read_cutters(file)?,
-        None => standard_cutters()?,
-    };
-    let mut params = UncutParams { opening: arguments.opening, ..UncutParams::of(library) };
-    (params.tolerance_mm, params.grid_step_mm) = (arguments.tolerance, arguments.step);
-    if let Some(spacing) = arguments.layers {
-        params.layers.is_fixed = true;
-        params.layers.spacing_mm = spacing;
-        params.layers.least_spacing_mm = params.layers.least_spacing_mm.min(spacing);
-    }
-    params.validate()?;
-    let imported = session.import(&arguments.mesh, arguments.units)?;
+    let params = arguments.mold.params()?;
+    let mesh = &arguments.mold.mesh;
+    let imported = session.import(mesh, arguments.mold.units)?;
     let found = find_uncut(&imported.mesh, &params, &session.progress, &session.cancel)
-        .map_err(|e| anyhow::anyhow!("{}: {e}", arguments.mesh.display()))?;
+        .map_err(|e| anyhow::anyhow!("{}: {e}", mesh.display()))?;
     let report = UncutReport::of(&found);
     let json = serde_json::to_string_pretty(&serde_json::json!({
         "sha256": imported.sha256, "import": imported.report, "uncut": report,

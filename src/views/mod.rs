@@ -4,6 +4,7 @@
 mod camera;
 mod caps;
 mod colours;
+mod electrode_pictures;
 mod leftover;
 mod machine;
 mod mold;
@@ -16,6 +17,7 @@ mod values;
 
 pub use camera::{NamedView, bodies, into_channel, standard};
 pub use colours::mesh_colour;
+pub use electrode_pictures::{ElectrodePicture, burning_mesh, electrode_pictures};
 pub use leftover::{LeftoverShape, colour_limit, leftover_legend};
 pub use machine::{BodyShape, MachineBody, Moment, WholeMotion, body_shapes, meeting};
 pub use mold::{
