@@ -3,13 +3,14 @@
 mod common;
 #[path = "cli/compare.rs"]
 mod compare;
+#[path = "cli/uncut.rs"]
+mod electrodes;
 #[path = "cli/pictures.rs"]
 mod pictures;
 #[path = "cli/sections.rs"]
 mod sections;
 #[path = "cli/simulate.rs"]
 mod simulate;
-#[path = "cli/uncut.rs"]
 mod uncut;
 
 use std::path::Path;

@@ -4,9 +4,12 @@
 
 use glam::{DVec2, DVec3};
 use sparkpath::geometry::mesh::Mesh;
+use sparkpath::jobs::electrodes::electrodes;
 use sparkpath::jobs::uncut::{Uncut, UncutParams, uncut};
 use sparkpath::mesh_io::{ImportOptions, import_file};
 use sparkpath::mold::cutter::{Cutter, CutterLibrary};
+use sparkpath::mold::electrode::design::ElectrodeSet;
+use sparkpath::mold::electrode::params::{ElectrodeParams, Stage};
 use sparkpath::mold::surface::SurfacePiece;
 use sparkpath::progress::{Cancel, Progress};
 
@@ -135,4 +138,51 @@ fn more_cutters_never_leave_more_and_larger_ones_never_less() {
     assert!(volumes.windows(2).all(|v| v[1] <= v[0] * 1.001), "{volumes:?}");
     let balls = ["ball:1", "ball:1.5", "ball:2"].map(volume);
     assert!(balls.windows(2).all(|v| v[0] <= v[1]), "{balls:?}");
+}
+
+fn designed(mesh: &Mesh, left: &Uncut, gap: f64) -> ElectrodeSet {
+    let params = ElectrodeParams { stages: vec![Stage::finish(gap)], ..ElectrodeParams::default() };
+    electrodes(mesh, left, &params, &Progress::silent(), &Cancel::default()).unwrap()
+}
+
+#[test]
+fn every_region_of_the_molds_has_its_electrode_and_every_check_holds() {
+    // The same files were judged by an independent program: boolean volumes, dexel closings.
+    let expected = [("a_square.stl", None, 12, 2), ("b_slots.stl", Some(0.05), 48, 16), ("c_fillets.stl", None, 8, 2)];
+    for (name, step, regions, most) in expected {
+        let mesh = mold(name);
+        let left = left(&mesh, MIXED, step);
+        assert_eq!(left.regions.len(), regions, "{name}");
+        let residue = left.found().volume_mm3;
+        for gap in [0.05, 0.0] {
+            let set = designed(&mesh, &left, gap);
+            assert!(set.holds(), "{name}, gap {gap}: {:?}", set.checks);
+            assert!(set.electrodes.len() <= most, "{name}: {} electrodes", set.electrodes.len());
+            let burned: std::collections::BTreeSet<usize> =
+                set.electrodes.iter().flat_map(|e| &e.burns).flat_map(|b| b.parts.iter().map(|p| p.region)).collect();
+            assert_eq!(burned.len(), regions, "{name}: every region is burned");
+            let volume: f64 = set.regions.iter().map(|r| r.left.volume).sum();
+            let thickest = set.regions.iter().map(|r| r.left.thickness).fold(0.0, f64::max);
+            assert!(thickest <= (3f64.sqrt() - 1.0) * gap + 0.02, "{name}, gap {gap}: {thickest}");
+            assert!(gap > 0.0 || volume < 1e-3 * residue, "{name}: {volume} of {residue}");
+        }
+    }
+}
+
+#[test]
+fn electrodes_are_the_same_on_any_number_of_threads() {
+    let mesh = mold("a_square.stl");
+    let left = left(&mesh, "flat:2", Some(0.1));
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let set = pool.install(|| designed(&mesh, &left, 0.05));
+        let meshes: Vec<String> = set.electrodes.iter().map(|e| e.mesh.digest()).collect();
+        format!(
+            "{meshes:?} {:?} {:?} {:?}",
+            set.checks,
+            set.regions,
+            set.electrodes.iter().map(|e| &e.burns).collect::<Vec<_>>()
+        )
+    };
+    assert_eq!(on(1), on(3));
 }

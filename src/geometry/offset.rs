@@ -95,3 +95,75 @@ fn least_shift(planes: &[(DVec3, f64)]) -> Option<DVec3> {
     }
     best
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::solid::{difference, prism};
+    use glam::DVec2;
+
+    fn block(low: DVec3, high: DVec3) -> Mesh {
+        let ring = [(low.x, low.y), (high.x, low.y), (high.x, high.y), (low.x, high.y)].map(DVec2::from);
+        prism(&[&ring], low.z, high.z).unwrap()
+    }
+
+    #[test]
+    fn a_block_grows_by_the_distance_of_each_face() {
+        let mesh = block(DVec3::ZERO, DVec3::new(4.0, 3.0, 2.0));
+        let even = offset(&mesh, |_| 0.25).unwrap();
+        assert!(even.is_watertight() && (even.volume() - 4.5 * 3.5 * 2.5).abs() < 1e-12);
+        // An orbit in plan widens walls only.
+        let walls = offset(&mesh, |n| 0.1 + 0.2 * n.truncate().length()).unwrap();
+        assert!((walls.volume() - 4.6 * 3.6 * 2.2).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_pocket_shrinks_and_its_edges_stay_sharp() {
+        let block_with_pocket = difference(
+            &block(DVec3::ZERO, DVec3::new(10.0, 10.0, 5.0)),
+            &block(DVec3::new(2.0, 3.0, 2.0), DVec3::new(8.0, 7.0, 6.0)),
+        )
+        .unwrap();
+        let grown = offset(&block_with_pocket, |_| 0.1).unwrap();
+        let expected = 10.2 * 10.2 * 5.2 - 5.8 * 3.8 * 3.0;
+        assert!((grown.volume() - expected).abs() < 1e-9, "{} {expected}", grown.volume());
+    }
+
+    #[test]
+    fn no_corner_of_a_faceted_ball_comes_closer_to_its_faces() {
+        // Twelve facets around, six from pole to pole: at the poles twelve different planes meet.
+        let at = |i: usize, k: usize| {
+            let (around, up) = (i as f64 * std::f64::consts::TAU / 12.0, k as f64 * std::f64::consts::PI / 6.0);
+            DVec3::new(up.sin() * around.cos(), up.sin() * around.sin(), up.cos()) * 5.0
+        };
+        let mut mesh = Mesh { vertices: vec![at(0, 0), at(0, 6)], triangles: Vec::new() };
+        mesh.vertices.extend((1..6).flat_map(|k| (0..12).map(move |i| at(i, k))));
+        let vertex = |i: usize, k: usize| {
+            if k == 0 {
+                0
+            } else if k == 6 {
+                1
+            } else {
+                (2 + (k - 1) * 12 + i % 12) as u32
+            }
+        };
+        for (i, k) in (0..12).flat_map(|i| (0..6).map(move |k| (i, k))) {
+            let [a, b, c, d] = [vertex(i, k), vertex(i, k + 1), vertex(i + 1, k + 1), vertex(i + 1, k)];
+            mesh.triangles.extend([[a, b, c], [a, c, d]].into_iter().filter(|[a, b, c]| a != b && b != c && c != a));
+        }
+        assert!(mesh.is_watertight() && mesh.volume() > 0.0);
+        let grown = offset(&mesh, |_| 0.3).unwrap();
+        for (corners, moved) in mesh.iter_corners().zip(grown.iter_corners()) {
+            let normal = crate::geometry::mesh::unit_normal(corners);
+            let off = moved.map(|p| normal.dot(p - corners[0]));
+            assert!(off.iter().all(|d| (0.3 - 1e-6..0.33).contains(d)), "{off:?}");
+        }
+    }
+
+    #[test]
+    fn a_wall_without_thickness_has_no_offset() {
+        let [a, b, c] = [DVec3::ZERO, DVec3::X, DVec3::Y];
+        let mesh = Mesh { vertices: vec![a, b, c], triangles: vec![[0, 1, 2], [0, 2, 1]] };
+        assert_eq!(offset(&mesh, |_| 0.1), Err(OffsetError::Pointed(a)));
+    }
+}

@@ -163,3 +163,54 @@ pub fn compact(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Mesh {
     }
     mesh
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(side: f64) -> Vec<DVec2> {
+        [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(x, y)| DVec2::new(x, y) * side).to_vec()
+    }
+
+    fn block(at: DVec3, size: DVec3) -> Mesh {
+        prism(&[&square(1.0)], 0.0, 1.0).unwrap().mapped(|p| at + p * size)
+    }
+
+    #[test]
+    fn a_prism_with_a_hole_has_the_volume_of_a_prism_with_a_hole() {
+        let hole: Vec<DVec2> = square(2.0).iter().rev().map(|p| *p + DVec2::ONE).collect();
+        let mesh = prism(&[&square(4.0), &hole], -1.0, 2.0).unwrap();
+        assert!(mesh.is_watertight());
+        assert!((mesh.volume() - 3.0 * 12.0).abs() < 1e-12, "{}", mesh.volume());
+        assert_eq!(prism(&[&square(4.0)[..2]], 0.0, 1.0), Err(SolidError::Outline));
+        let line = [DVec2::ZERO, DVec2::X, DVec2::X * 2.0];
+        assert_eq!(prism(&[&line], 0.0, 1.0), Err(SolidError::Outline));
+    }
+
+    #[test]
+    fn blocks_add_up_also_where_faces_lie_in_one_another() {
+        let (a, volume) = (block(DVec3::ZERO, DVec3::ONE), |m: &Mesh| m.volume());
+        for (at, common) in
+            [(DVec3::splat(0.5), 0.125), (DVec3::new(0.5, 0.0, 0.0), 0.5), (DVec3::new(0.25, 0.5, 0.0), 0.375)]
+        {
+            let b = block(at, DVec3::ONE);
+            let (less, both, all) =
+                (difference(&a, &b).unwrap(), intersection(&a, &b).unwrap(), union(&a, &b).unwrap());
+            for (found, expected) in [(less, 1.0 - common), (both, common), (all, 2.0 - common)] {
+                assert!(found.is_watertight() && (volume(&found) - expected).abs() < 1e-12, "{at}: {}", volume(&found));
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_is_left_of_a_block_within_another_and_open_surfaces_are_refused() {
+        let (inner, outer) = (block(DVec3::ONE, DVec3::ONE), block(DVec3::ZERO, DVec3::splat(3.0)));
+        assert!(difference(&inner, &outer).unwrap().triangles.is_empty());
+        assert!(intersection(&inner, &block(DVec3::splat(9.0), DVec3::ONE)).unwrap().triangles.is_empty());
+        let mut open = outer.clone();
+        open.triangles.pop();
+        assert!(matches!(difference(&inner, &open), Err(SolidError::NotClosed(_) | SolidError::Failed(_))));
+        assert!(difference(&Mesh::default(), &outer).unwrap().triangles.is_empty());
+        assert_eq!(union(&Mesh::default(), &outer).unwrap(), outer);
+    }
+}

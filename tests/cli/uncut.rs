@@ -10,7 +10,7 @@ use sparkpath::mesh_io::write_stl;
 use super::{sparkpath, text};
 
 /// A block of 20 x 20 x 10 mm with a pocket of 8 x 6 x 4 mm.
-fn pocket() -> Mesh {
+pub(super) fn pocket() -> Mesh {
     let ring = |x: f64, y: f64, z: f64| [[-x, -y], [x, -y], [x, y], [-x, y]].map(|[x, y]| DVec3::new(x, y, z));
     let rings = [ring(10.0, 10.0, -10.0), ring(10.0, 10.0, 0.0), ring(4.0, 3.0, 0.0), ring(4.0, 3.0, -4.0)];
     let mut triangles = vec![[0, 2, 1], [0, 3, 2], [12, 13, 14], [12, 14, 15]];

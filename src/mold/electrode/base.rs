@@ -52,6 +52,19 @@ impl Base {
     }
 }
 
+/// Tips on a plate a little larger than they are: what cutters make of it is what they make of the electrode.
+///
+/// # Errors
+/// [`SolidError`].
+pub fn on_plate(tips: &Mesh) -> Result<Mesh, SolidError> {
+    /// How far the plate reaches beyond the tips, and its thickness (mm).
+    const PLATE: f64 = 1.0;
+    let bounds = tips.bounds().grown(PLATE);
+    let (low, high) = (bounds.min.truncate(), bounds.max.truncate());
+    let outline = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
+    solid::union(&solid::prism(&[&outline], 0.0, PLATE)?, tips)
+}
+
 /// The diameter of the least round blank around sides (mm), if there is one.
 pub fn round_blank(sides: DVec2, blanks: &Blanks) -> Option<f64> {
     blanks.diameters_mm.iter().copied().find(|d| *d >= sides.length())

@@ -1,7 +1,9 @@
 //! Checks that nothing may skip: whether an electrode is closed, enters nothing on its way, leaves nothing, and can be
 //! milled.
 
-use glam::{DAffine3, DMat3, DVec3};
+use std::f64::consts::PI;
+
+use glam::{DAffine3, DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -16,8 +18,8 @@ use crate::progress::{Cancel, Cancelled};
 
 /// By how much an electrode may come closer than the gap (mm): rounding of files, not of sparks.
 pub const GOUGE: f64 = 5e-4;
-/// Places of an orbit that are tried.
-const ORBIT_PLACES: usize = 16;
+/// How far an orbit may bulge beyond the places of it that are tried (mm).
+const BULGE: f64 = 2e-4;
 /// Cells of the smallest radius on the grid on which it is tried whether an electrode can be milled.
 const MILLING_CELLS: f64 = 20.0;
 /// Area of faces that look away from the cutters up to which it is rounding (mm^2).
@@ -141,9 +143,8 @@ impl Obstacle {
         };
         let inside = self.inside(electrode);
         let mut burning = least(electrode, DVec3::ZERO)?;
-        let slack = orbit_slack(stage.orbit);
         for shift in orbit_places(stage.orbit) {
-            burning = burning.min(least(electrode, shift)? + slack);
+            burning = burning.min(least(electrode, shift)?);
         }
         let way = least(&swept(electrode, lift), DVec3::ZERO)?;
         let of = |kind: CheckKind, found: f64, way: &str| {
@@ -177,22 +178,19 @@ impl Obstacle {
     }
 }
 
+/// Places of an orbit, so many that it bulges less beyond them than [`BULGE`].
 fn orbit_places(orbit: Orbit) -> Vec<DVec3> {
-    let around = |i: usize| glam::DVec2::from_angle(i as f64 * std::f64::consts::TAU / ORBIT_PLACES as f64);
     match orbit {
         Orbit::None => Vec::new(),
-        Orbit::Circular { radius_mm } => (0..ORBIT_PLACES).map(|i| (around(i) * radius_mm).extend(0.0)).collect(),
+        Orbit::Circular { radius_mm } => {
+            let half_step = (1.0 - BULGE / radius_mm.max(BULGE)).acos();
+            let count = (PI / half_step).ceil().max(8.0);
+            let around = |i: usize| DVec2::from_angle(i as f64 * 2.0 * PI / count);
+            (0..count as usize).map(|i| (around(i) * radius_mm).extend(0.0)).collect()
+        }
         Orbit::Square { radius_mm: r } => {
             [(r, r), (r, -r), (-r, r), (-r, -r)].into_iter().map(|(x, y)| DVec3::new(x, y, 0.0)).collect()
         }
-    }
-}
-
-/// How much further than all places that are tried an orbit goes (mm).
-fn orbit_slack(orbit: Orbit) -> f64 {
-    match orbit {
-        Orbit::Circular { radius_mm } => -radius_mm * (1.0 - (std::f64::consts::PI / ORBIT_PLACES as f64).cos()),
-        _ => 0.0,
     }
 }
 
@@ -220,7 +218,8 @@ fn swept(mesh: &Mesh, lift: f64) -> Mesh {
     soup
 }
 
-/// Whether cutters mill an electrode, turned over so that its tips look up, leaving nothing above `tolerance` (mm).
+/// Whether cutters mill an electrode, turned over so that its tips look up, leaving nothing above `tolerance` (mm). Only
+/// what stands on something of its own is left: tips need the base that they stand on.
 ///
 /// # Errors
 /// [`HeightFieldError`].

@@ -13,4 +13,10 @@ pub mod footprint;
 pub mod h_edge;
 pub mod params;
 pub mod plan;
+pub mod plan_checks;
 pub mod tip;
+
+mod sharing;
+
+#[cfg(test)]
+mod tests;

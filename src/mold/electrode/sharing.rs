@@ -1,0 +1,162 @@
+//! Which places one electrode burns, and the electrode itself.
+
+use glam::{DVec2, DVec3};
+
+use super::base::{Base, INTO_BASE, placed};
+use super::check::{Burning, GOUGE, Obstacle};
+use super::combine::near;
+use super::design::{Burn, Electrode};
+use super::params::{ElectrodeParams, Method, Stage};
+use super::plan::{ElectrodeError, Leaf, RegionToBurn, Setting};
+use super::tip::led_up;
+use crate::geometry::mesh::{Bounds, Mesh};
+use crate::mold::cutter::{Cutter, CutterLibrary};
+use crate::mold::plane;
+use crate::progress::Cancel;
+
+/// One electrode for several leaves: which, turned and shifted how.
+pub(super) struct Shared {
+    /// The leaves of the first burn.
+    pub(super) leaves: Vec<usize>,
+    /// The burns; the first is as the leaves stand.
+    burns: Vec<(f64, DVec3, Vec<usize>)>,
+}
+
+/// Which leaves one electrode burns: congruent ones at several positions, near ones at once.
+pub(super) fn shared(
+    setting: &Setting,
+    leaves: &[Leaf],
+    regions: &[RegionToBurn],
+    cutters: &CutterLibrary,
+    params: &ElectrodeParams,
+    cancel: &Cancel,
+) -> Result<Vec<Shared>, ElectrodeError> {
+    let mold = Obstacle::new(&setting.mold)?;
+    let mut groups: Vec<Shared> = Vec::new();
+    for (i, leaf) in leaves.iter().enumerate() {
+        cancel.check()?;
+        let fits = |group: &Shared| -> Option<(f64, DVec3)> {
+            let first = &leaves[group.leaves[0]];
+            let onto = first.form.onto(&leaf.form);
+            onto.into_iter().find(|by| serves(setting, &mold, (first, leaf), *by, regions, params).unwrap_or(false))
+        };
+        let found =
+            params.share.then(|| groups.iter().enumerate().find_map(|(g, group)| Some((g, fits(group)?)))).flatten();
+        match found {
+            Some((g, (turn, shift))) => groups[g].burns.push((turn, shift, vec![i])),
+            None => groups.push(Shared { leaves: vec![i], burns: vec![(0.0, DVec3::ZERO, vec![i])] }),
+        }
+    }
+    let (single, mut several): (Vec<Shared>, Vec<Shared>) = groups.into_iter().partition(|g| g.burns.len() == 1);
+    let radius = cutters.needed().iter().map(|c: &&Cutter| c.radius()).fold(f64::INFINITY, f64::min);
+    let boxes: Vec<[DVec2; 2]> =
+        single.iter().map(|g| plane::extent(&leaves[g.leaves[0]].part.footprint.free)).collect();
+    // A cutter has to pass between two tips.
+    for members in near(&boxes, params.together_mm, 2.2 * radius) {
+        let all: Vec<usize> = members.iter().flat_map(|m| single[*m].leaves.iter().copied()).collect();
+        several.push(Shared { burns: vec![(0.0, DVec3::ZERO, all.clone())], leaves: all });
+    }
+    several.sort_by_key(|g| g.leaves[0]);
+    Ok(several)
+}
+
+/// Whether the tip of `first`, moved, burns what `leaf` is for as well as its own tip does, and keeps the gap.
+fn serves(
+    setting: &Setting,
+    mold: &Obstacle,
+    (first, leaf): (&Leaf, &Leaf),
+    (turn, shift): (f64, DVec3),
+    regions: &[RegionToBurn],
+    params: &ElectrodeParams,
+) -> Result<bool, ElectrodeError> {
+    let moved = placed(&first.part.body, turn, shift);
+    let least = params.tolerance_mm / 2.0;
+    let (own, other) = (Burning::new(&leaf.part.body, &setting.stage)?, Burning::new(&moved, &setting.stage)?);
+    let corners = &regions[leaf.id.region].corners;
+    let stride = corners.len() / 400 + 1;
+    let points = corners.iter().step_by(stride).map(|c| setting.turned * ((c[0] + c[1] + c[2]) / 3.0));
+    for p in points {
+        // What the leaf's own tip burns.
+        let by_own = own.beyond(p);
+        if by_own <= least && other.beyond(p) > by_own.max(0.0) + least {
+            return Ok(false);
+        }
+    }
+    let gap = setting.stage.gap_mm - GOUGE;
+    if moved.vertices.iter().any(|p| mold.distance(*p) < gap) {
+        return Ok(false);
+    }
+    let found = mold.clearance(&moved, &Stage { orbit: Default::default(), ..setting.stage.clone() }, 0.0)?;
+    Ok(found[0].holds)
+}
+
+/// The electrode of a group.
+pub(super) fn assembled(
+    setting: &Setting,
+    leaves: &[Leaf],
+    group: &Shared,
+    regions: &[RegionToBurn],
+    (stage, params): (usize, &ElectrodeParams),
+) -> Result<Electrode, ElectrodeError> {
+    let top = setting.mold.bounds().max.z;
+    let highest = group.burns.iter().map(|(_, shift, _)| -shift.z).fold(0.0, f64::max);
+    let seat = top + params.extension_mm + highest;
+    let raised: Vec<Mesh> = group
+        .leaves
+        .iter()
+        .map(|i| led_up(&leaves[*i].part.body, leaves[*i].part.footprint.cap, seat + INTO_BASE))
+        .collect();
+    let around = Bounds::of(raised.iter().flat_map(|m| m.vertices.iter().copied()));
+    let middle = around.center().truncate();
+    let origin = middle.extend(seat);
+    let tips: Vec<Mesh> = raised.iter().map(|m| m.mapped(|p| p - origin)).collect();
+    let around = Bounds { min: around.min, max: around.max.with_z(seat) };
+    let (base, length) = Base::under(&around, params);
+    let mesh = base.with_tips(&tips)?;
+    let back = setting.turned.transpose();
+    let holder = params.holders.iter().position(|h| {
+        let [x, y] = h.size_mm;
+        base.sides.x.min(base.sides.y) <= x.min(y) && base.sides.max_element() <= x.max(y)
+    });
+    let front_area = group.leaves.iter().map(|i| plane::area(&leaves[*i].part.footprint.free)).sum();
+    let first = &params.stages[stage];
+    let mut minutes = 0.0;
+    let burns: Vec<Burn> = group
+        .burns
+        .iter()
+        .map(|(turn, shift, ids)| {
+            let volume = ids.iter().map(|i| share_of(&leaves[*i], leaves, regions)).sum();
+            minutes += params.removal.minutes(volume, front_area, first.finish_vdi);
+            let at = DVec2::from_angle(*turn).rotate(middle).extend(seat) + *shift;
+            let parts = ids.iter().map(|i| leaves[*i].id).collect();
+            Burn { position: back * at, turn: *turn, parts, depth: top - around.min.z - shift.z, volume }
+        })
+        .collect();
+    let only_tips = tips.into_iter().fold(Mesh::default(), |mut all, tip| {
+        let first = all.vertices.len() as u32;
+        all.vertices.extend(tip.vertices);
+        all.triangles.extend(tip.triangles.iter().map(|t| t.map(|i| i + first)));
+        all
+    });
+    let is_extruded = group.leaves.iter().all(|i| leaves[*i].part.footprint.method == Method::Extruding);
+    Ok(Electrode {
+        name: String::new(),
+        stage,
+        mesh,
+        tips: only_tips,
+        burns,
+        direction: back * DVec3::NEG_Z,
+        method: if is_extruded { Method::Extruding } else { Method::Cutting },
+        blank: base.sides.extend(length),
+        holder,
+        minutes,
+        front_area,
+    })
+}
+
+/// The part of a region's volume that is a leaf's, by area.
+fn share_of(leaf: &Leaf, leaves: &[Leaf], regions: &[RegionToBurn]) -> f64 {
+    let area = |l: &Leaf| plane::area(&l.part.footprint.region).max(1e-12);
+    let all: f64 = leaves.iter().filter(|l| l.id.region == leaf.id.region).map(area).sum();
+    regions[leaf.id.region].volume * area(leaf) / all
+}

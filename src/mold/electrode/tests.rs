@@ -1,0 +1,331 @@
+//! Electrodes of molds whose answer is known, and electrodes broken on purpose.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use glam::{DVec2, DVec3};
+
+use super::base::{on_plate, placed};
+use super::check::{CheckKind, Finding, Milled, machinable, watertight};
+use super::combine::{Form, near};
+use super::design::ElectrodeSet;
+use super::footprint::{grown, hull, shrunk};
+use super::h_edge::h_edges;
+use super::params::{ElectrodeParams, ElectrodeParamsError, Orbit, Removal, Shape, Stage};
+use super::plan::{RegionToBurn, plan};
+use super::plan_checks::check_own;
+use crate::geometry::mesh::Mesh;
+use crate::geometry::solid::{difference, parts, prism};
+use crate::mold::cutter::{Cutter, CutterLibrary};
+use crate::mold::outline::Outline;
+use crate::mold::plane;
+use crate::mold::test_molds::rectangle;
+use crate::progress::{Cancel, Progress};
+
+const GAP: f64 = 0.05;
+
+/// A block up to height 0 less prisms.
+fn mold(size: [f64; 3], hollows: &[(&[DVec2], f64)]) -> Mesh {
+    let block = prism(&[&rectangle(size[0], size[1])], -size[2], 0.0).unwrap();
+    let less = |mesh: Mesh, (outline, depth): &(&[DVec2], f64)| {
+        difference(&mesh, &prism(&[outline], -depth, 1.0).unwrap()).unwrap()
+    };
+    hollows.iter().fold(block, less)
+}
+
+fn ring(points: &[(f64, f64)]) -> Vec<DVec2> {
+    points.iter().copied().map(DVec2::from).collect()
+}
+
+fn cutters() -> CutterLibrary {
+    CutterLibrary { cutter: vec![Cutter::flat(1.0), Cutter::ball(0.5)] }
+}
+
+/// All of the surface of a mold below height 0 within a box in plan, as a region that no cutter touched.
+fn region(mold: &Mesh, low: DVec2, high: DVec2) -> RegionToBurn {
+    let inside = |c: &[DVec3; 3]| {
+        let middle = (c[0] + c[1] + c[2]) / 3.0;
+        let plan = middle.truncate();
+        middle.z < -1e-9 && middle.z > -9.0 && plan.cmpge(low).all() && plan.cmple(high).all()
+    };
+    // Split, so that no triangle reaches far out of the box.
+    let mut corners: Vec<[DVec3; 3]> = mold.iter_corners().collect();
+    for _ in 0..10 {
+        corners = corners.into_iter().flat_map(halved).collect();
+    }
+    corners.retain(inside);
+    let depths = corners.iter().map(|c| -(c[0].z + c[1].z + c[2].z) / 3.0).collect();
+    RegionToBurn { corners, depths, rim: 0.0, volume: 1.0, thickness: 3.0, has_whole_faces: false }
+}
+
+/// The triangle cut across its longest side, if that is longer than 0.2 mm.
+fn halved([a, b, c]: [DVec3; 3]) -> Vec<[DVec3; 3]> {
+    let sides = [a.distance(b), b.distance(c), c.distance(a)];
+    let longest = sides.iter().copied().fold(0.0, f64::max);
+    let [a, b, c] = match sides.iter().position(|s| *s == longest) {
+        Some(1) => [b, c, a],
+        Some(2) => [c, a, b],
+        _ => [a, b, c],
+    };
+    if longest < 0.2 { vec![[a, b, c]] } else { vec![[a, a.midpoint(b), c], [a.midpoint(b), b, c]] }
+}
+
+fn params(gap: f64) -> ElectrodeParams {
+    ElectrodeParams { stages: vec![Stage::finish(gap)], ..ElectrodeParams::default() }
+}
+
+fn planned(mold: &Mesh, regions: &[RegionToBurn], params: &ElectrodeParams) -> ElectrodeSet {
+    let everything = |_: DVec3| true;
+    let milled = Milled { leaves: &everything, within: 0.05 };
+    plan(mold, regions, (&cutters(), &milled), params, &Progress::silent(), &Cancel::default()).unwrap()
+}
+
+fn holds(findings: &[Finding], kind: CheckKind) -> bool {
+    findings.iter().find(|f| f.kind == kind).unwrap_or_else(|| panic!("{kind:?} was not checked")).holds
+}
+
+#[test]
+fn a_slot_gets_the_blade_that_fills_it_but_for_the_gap() {
+    let mold = mold([30.0, 20.0, 10.0], &[(&rectangle(8.0, 0.8), 5.0)]);
+    let slot = region(&mold, DVec2::new(-4.1, -0.5), DVec2::new(4.1, 0.5));
+    let set = planned(&mold, std::slice::from_ref(&slot), &params(GAP));
+    assert!(set.holds(), "{:?}", set.checks);
+    let [electrode] = &set.electrodes[..] else { panic!("{}", set.electrodes.len()) };
+    let burn = &electrode.burns[0];
+    assert!(burn.position.truncate().length() < 1e-6 && burn.turn == 0.0);
+    // Below the mold's top: the slot less the gap on four sides and on the floor.
+    let below = rectangle(50.0, 50.0);
+    let tip = electrode.burning(&electrode.mesh, burn, &glam::DMat3::IDENTITY);
+    let in_slot = difference(&tip, &prism(&[&below], 0.0, 90.0).unwrap()).unwrap();
+    let expected = (8.0 - 2.0 * GAP) * (0.8 - 2.0 * GAP) * (5.0 - GAP);
+    assert!((in_slot.volume() - expected).abs() < 1e-4 * expected, "{} {expected}", in_slot.volume());
+    assert!((burn.depth - (5.0 - GAP)).abs() < 1e-9, "{}", burn.depth);
+    // The base clears the mold, and the blank holds all of it.
+    let size = electrode.bounds().size();
+    assert!(size.cmple(electrode.blank + 1e-9).all() && (size.z - electrode.blank.z).abs() < 1e-9, "{size}");
+    assert!(set.regions[0].left.thickness < (1.0 - 0.5f64.sqrt()) * GAP + 1e-3, "{:?}", set.regions[0].left);
+}
+
+#[test]
+fn a_net_electrode_fills_the_slot_and_leaves_nothing() {
+    let mold = mold([30.0, 20.0, 10.0], &[(&rectangle(8.0, 0.8), 5.0)]);
+    let slot = region(&mold, DVec2::new(-4.1, -0.5), DVec2::new(4.1, 0.5));
+    let net = ElectrodeParams { shape: Shape::Net, ..params(GAP) };
+    for params in [net, params(0.0)] {
+        let set = planned(&mold, std::slice::from_ref(&slot), &params);
+        assert!(set.holds(), "{:?}", set.checks);
+        assert!(set.regions[0].left.thickness < 1e-3, "{:?}", set.regions[0].left);
+        assert!((set.electrodes[0].burns[0].depth - 5.0).abs() < 1e-9);
+    }
+    let wide = params(0.45);
+    let set = planned(&mold, &[slot], &wide);
+    assert!(!set.holds() && set.electrodes.is_empty());
+    assert!(set.regions[0].trouble.as_ref().unwrap().contains("gap"), "{:?}", set.regions[0].trouble);
+}
+
+#[test]
+fn an_angle_of_slots_is_divided_at_its_inner_corner_and_nothing_is_left() {
+    let angle = ring(&[(-5.0, -5.0), (5.0, -5.0), (5.0, -4.2), (-4.2, -4.2), (-4.2, 5.0), (-5.0, 5.0)]);
+    let mold = mold([30.0, 30.0, 10.0], &[(&angle, 4.0)]);
+    let all = region(&mold, DVec2::splat(-5.1), DVec2::splat(5.1));
+    let set = planned(&mold, &[all], &params(GAP));
+    let tree = set.regions[0].tree.as_ref().unwrap();
+    assert_eq!((tree.h_edges, tree.parts.len()), (1, 2), "{tree:?}");
+    assert!(tree.parts.iter().all(|p| p.h_edges == 0 && p.parts.is_empty()));
+    assert!(set.holds(), "{:?}", set.checks);
+    let parts: usize = set.electrodes.iter().flat_map(|e| &e.burns).map(|b| b.parts.len()).sum();
+    assert_eq!(parts, 2);
+}
+
+#[test]
+fn congruent_corners_share_an_electrode_and_mirrored_ones_do_not() {
+    let mold = mold([40.0, 40.0, 10.0], &[(&rectangle(20.0, 16.0), 5.0)]);
+    let corner = |x: f64, y: f64| {
+        let at = DVec2::new(10.0 * x, 8.0 * y);
+        let within = DVec2::new(0.9, 0.9);
+        region(&mold, at - within, at + within)
+    };
+    let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(x, y)| corner(x, y));
+    let set = planned(&mold, &corners, &params(GAP));
+    assert_eq!((set.electrodes.len(), set.electrodes[0].burns.len()), (1, 4), "four corners, turned");
+    let mut turns: Vec<f64> = set.electrodes[0].burns.iter().map(|b| b.turn.rem_euclid(2.0 * PI) / FRAC_PI_2).collect();
+    turns.sort_by(f64::total_cmp);
+    assert!(turns.iter().zip([0.0, 1.0, 2.0, 3.0]).all(|(t, k)| (t - k).abs() < 1e-6), "{turns:?}");
+    let apart = planned(&mold, &corners, &ElectrodeParams { share: false, together_mm: 0.0, ..params(GAP) });
+    assert_eq!(apart.electrodes.len(), 4);
+}
+
+#[test]
+fn a_form_is_laid_onto_its_turned_copy_and_not_onto_its_mirror_image() {
+    let shape = ring(&[(0.0, 0.0), (3.0, 0.0), (3.0, 1.0), (0.0, 2.0)]);
+    let own = prism(&[&shape], 0.0, 2.0).unwrap();
+    let mirrored: Vec<DVec2> = shape.iter().rev().map(|p| DVec2::new(-p.x, p.y)).collect();
+    let mirrored = prism(&[&mirrored], 0.0, 2.0).unwrap();
+    let (turn, shift) = (0.7, DVec3::new(5.0, -3.0, 1.0));
+    let copy = placed(&own, turn, shift);
+    let form = |mesh: &Mesh| Form::of(mesh, |p| p.z < 1e9);
+    let meets = |(turn, shift): &(f64, DVec3), other: &Mesh| {
+        let moved = placed(&own, *turn, *shift);
+        moved.vertices.iter().all(|p| other.vertices.iter().any(|q| q.distance(*p) < 1e-3))
+    };
+    let onto = form(&own).onto(&form(&copy));
+    assert!(onto.iter().any(|by| meets(by, &copy)), "{onto:?}");
+    let onto = form(&own).onto(&form(&mirrored));
+    assert!(!onto.iter().any(|by| meets(by, &mirrored)), "{onto:?}");
+}
+
+#[test]
+fn broken_electrodes_are_caught_by_the_check_that_is_meant_for_it() {
+    let mold = mold([30.0, 20.0, 10.0], &[(&rectangle(8.0, 0.8), 5.0)]);
+    let slot = [region(&mold, DVec2::new(-4.1, -0.5), DVec2::new(4.1, 0.5))];
+    let params = params(GAP);
+    let set = planned(&mold, &slot, &params);
+    let electrode = &set.electrodes[0];
+    let right = electrode.burning(&electrode.mesh, &electrode.burns[0], &glam::DMat3::IDENTITY);
+    let check =
+        |mesh: &Mesh| check_own(&mold, mesh, &params.stages[0], (&cutters(), &params), &Cancel::default()).unwrap();
+    let good = check(&right);
+    assert!(good.iter().all(|f| f.holds), "{good:?}");
+
+    let moved = check(&right.mapped(|p| p + DVec3::X * 0.1));
+    assert!(!holds(&moved, CheckKind::Gouge) && holds(&moved, CheckKind::Watertight), "{moved:?}");
+
+    let no_gap = ElectrodeParams { stages: vec![Stage::finish(0.0)], ..params.clone() };
+    let tight = planned(&mold, &slot, &no_gap);
+    let tight =
+        tight.electrodes[0].burning(&tight.electrodes[0].mesh, &tight.electrodes[0].burns[0], &glam::DMat3::IDENTITY);
+    assert!(!holds(&check(&tight), CheckKind::Gouge), "the gap was forgotten");
+
+    let mut open = right.clone();
+    open.triangles.pop();
+    assert!(!holds(&check(&open), CheckKind::Watertight));
+    let inside_out =
+        Mesh { triangles: right.triangles.iter().map(|[a, b, c]| [*a, *c, *b]).collect(), ..right.clone() };
+    assert!(!watertight(&inside_out).holds);
+
+    // Too short: it stands in the right place and hits nothing, and leaves the bottom of the slot.
+    let short = ElectrodeParams { ..params.clone() };
+    let raised = right.mapped(|p| p + DVec3::Z * 0.3);
+    assert!(check(&raised).iter().all(|f| f.holds), "it gouges nothing");
+    let stage = &short.stages[0];
+    let burning = super::check::Burning::new(&raised, stage).unwrap();
+    let floor = super::check::Sample { point: DVec3::new(1.0, 0.0, -5.0), normal: DVec3::Z, area: 1.0, thickest: 5.0 };
+    let everything = |_: DVec3| true;
+    let milled = Milled { leaves: &everything, within: 0.05 };
+    let obstacle = super::check::Obstacle::new(&mold).unwrap();
+    let left = super::check::left_by(&[&burning], &[floor], (&obstacle, &milled), &Cancel::default()).unwrap();
+    assert!((left.thickness - 0.3).abs() < 1e-3, "{left:?}");
+    assert!(!super::check::leftover(&left, super::check::allowed(stage, params.tolerance_mm)).holds);
+}
+
+#[test]
+fn what_hangs_over_the_cavity_is_met_on_the_way_in() {
+    // A roof over half of a pocket: the electrode has room where it burns, and none above.
+    let pocket = mold([30.0, 20.0, 10.0], &[(&rectangle(10.0, 6.0), 5.0)]);
+    let under =
+        prism(&[&rectangle(4.0, 20.0).iter().map(|p| *p + DVec2::X * 13.0).collect::<Vec<_>>()], 0.0, 2.0).unwrap();
+    let roof: Vec<DVec2> = rectangle(30.0, 20.0).iter().map(|p| *p + DVec2::X * 14.0).collect();
+    let roof = prism(&[&roof], 2.0, 4.0).unwrap();
+    let with = |a: &Mesh, b: &Mesh| crate::geometry::solid::union(a, b).unwrap();
+    let mold = with(&with(&pocket, &under), &roof);
+    let block =
+        prism(&[&rectangle(2.0, 2.0).iter().map(|p| *p + DVec2::X * 3.0).collect::<Vec<_>>()], -4.9, 1.5).unwrap();
+    let found = check_own(&mold, &block, &Stage::finish(GAP), (&cutters(), &params(GAP)), &Cancel::default()).unwrap();
+    assert!(holds(&found, CheckKind::Gouge), "{found:?}");
+    assert!(!holds(&found, CheckKind::Approach), "{found:?}");
+}
+
+#[test]
+fn an_inner_corner_that_no_cutter_reaches_is_an_h_edge_and_cannot_be_milled() {
+    let angle = ring(&[(0.0, 0.0), (6.0, 0.0), (6.0, 2.0), (2.0, 2.0), (2.0, 6.0), (0.0, 6.0)]);
+    let upright = prism(&[&angle], 0.0, 3.0).unwrap();
+    let edges = h_edges(&upright);
+    assert_eq!(edges.len(), 1, "{edges:?}");
+    assert!(edges[0].place().distance(DVec2::splat(2.0)) < 1e-9 && (edges[0].length() - 3.0).abs() < 1e-9);
+    let large = CutterLibrary { cutter: vec![Cutter::flat(0.5)] };
+    let found =
+        machinable(&on_plate(&upright.mapped(|p| p - DVec3::Z * 2.9)).unwrap(), &large, 0.02, &Cancel::default())
+            .unwrap();
+    assert!(!found.holds && found.place.unwrap().truncate().distance(DVec2::splat(2.1)) < 0.2, "{found:?}");
+    // Lying down, the step is horizontal: a flat end makes it.
+    let lying = upright.mapped(|p| DVec3::new(p.x, p.z, -p.y));
+    assert!(h_edges(&lying).is_empty());
+    let lying = on_plate(&lying.mapped(|p| p - DVec3::Z * (lying.bounds().max.z - 0.1))).unwrap();
+    assert!(machinable(&lying, &large, 0.02, &Cancel::default()).unwrap().holds);
+}
+
+#[test]
+fn sets_grow_and_shrink_by_distances() {
+    let square = [Outline::new(rectangle(4.0, 4.0)).unwrap()];
+    let wide = grown(&square, 1.0);
+    let expected = 16.0 + 16.0 + PI;
+    assert!((plane::area(&wide) / expected - 1.0).abs() < 0.01);
+    assert!((plane::area(&shrunk(&square, 1.0)) - 4.0).abs() < 0.1);
+    assert!(shrunk(&square, 2.1).is_empty());
+    let points = ring(&[(0.0, 0.0), (2.0, 0.0), (1.0, 0.5), (2.0, 2.0), (0.0, 2.0), (1.0, 1.0)]);
+    assert!((hull(&points).unwrap().area() - 4.0).abs() < 1e-12);
+    assert!(hull(&points[..2]).is_none());
+}
+
+#[test]
+fn boxes_come_together_as_far_as_they_fit_and_a_cutter_passes() {
+    let at = |x: f64, y: f64| [DVec2::new(x, y), DVec2::new(x + 1.0, y + 1.0)];
+    let boxes = [at(0.0, 0.0), at(3.0, 0.0), at(1.5, 0.0), at(20.0, 0.0), at(0.0, 3.0)];
+    assert_eq!(near(&boxes, 5.0, 1.0), vec![vec![0, 1, 4], vec![2], vec![3]]);
+    assert_eq!(near(&boxes, 0.0, 1.0).len(), 5);
+}
+
+#[test]
+fn orbits_gaps_finishes_and_times_are_those_of_their_definitions() {
+    let slanted = DVec3::new(0.6, 0.0, 0.8);
+    let circle = Stage { orbit: Orbit::Circular { radius_mm: 0.2 }, ..Stage::finish(0.1) };
+    assert!((circle.undersize(DVec3::X) - 0.3).abs() < 1e-12 && (circle.undersize(DVec3::Z) - 0.1).abs() < 1e-12);
+    assert!((circle.undersize(slanted) - (0.1 + 0.12)).abs() < 1e-12);
+    let square = Stage { orbit: Orbit::Square { radius_mm: 0.2 }, ..Stage::finish(0.1) };
+    let diagonal = DVec3::new(1.0, 1.0, 0.0).normalize();
+    assert!((square.undersize(diagonal) - (0.1 + 0.2 * 2f64.sqrt())).abs() < 1e-12);
+    // VDI 3400: class 0 is 0.1 um, class 20 is 1 um, class 40 is 10 um.
+    for (class, roughness) in [(0.0, 0.1), (20.0, 1.0), (40.0, 10.0)] {
+        let stage = Stage { finish_vdi: class, ..Stage::finish(0.1) };
+        assert!((stage.roughness_um() - roughness).abs() < 1e-12);
+    }
+    let removal =
+        Removal { per_area_mm_min: 0.2, most_mm3_min: 30.0, at_vdi: 30.0, tenfold_vdi: 12.0, setting_min: 3.0 };
+    assert!((removal.minutes(20.0, 10.0, 30.0) - 13.0).abs() < 1e-9, "2 mm3 a minute");
+    assert!((removal.minutes(20.0, 10.0, 18.0) - 103.0).abs() < 1e-9, "ten times as slow");
+    assert!((removal.minutes(300.0, 1e6, 30.0) - 13.0).abs() < 1e-9, "no faster than the generator");
+}
+
+#[test]
+fn an_orbit_makes_the_tip_smaller_in_plan_only_and_every_check_holds() {
+    let mold = mold([30.0, 20.0, 10.0], &[(&rectangle(8.0, 2.0), 5.0)]);
+    let slot = region(&mold, DVec2::new(-4.1, -1.1), DVec2::new(4.1, 1.1));
+    for orbit in [Orbit::Circular { radius_mm: 0.3 }, Orbit::Square { radius_mm: 0.3 }] {
+        let stage = Stage { orbit, ..Stage::finish(GAP) };
+        let set = planned(&mold, std::slice::from_ref(&slot), &ElectrodeParams { stages: vec![stage], ..params(GAP) });
+        assert!(set.holds(), "{orbit:?} {:?}", set.checks);
+        let [tip] = &parts(&set.electrodes[0].tips)[..] else { panic!("one tip") };
+        let size = tip.bounds().size();
+        assert!((size.x - (8.0 - 0.7)).abs() < 1e-6 && (size.y - (2.0 - 0.7)).abs() < 1e-6, "{orbit:?} {size}");
+        assert!((set.electrodes[0].burns[0].depth - (5.0 - GAP)).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn stages_have_electrodes_of_their_own_and_parameters_that_make_none_are_answered() {
+    let mold = mold([30.0, 20.0, 10.0], &[(&rectangle(8.0, 1.6), 5.0)]);
+    let slot = region(&mold, DVec2::new(-4.1, -0.9), DVec2::new(4.1, 0.9));
+    let rough = Stage { name: "rough".into(), finish_vdi: 33.0, ..Stage::finish(0.3) };
+    let two = ElectrodeParams { stages: vec![rough, Stage::finish(GAP)], ..params(GAP) };
+    let set = planned(&mold, &[slot], &two);
+    assert!(set.holds(), "{:?}", set.checks);
+    assert_eq!(set.electrodes.iter().map(|e| e.name.as_str()).collect::<Vec<_>>(), ["E01-rough", "E01-finish"]);
+    let widths: Vec<f64> = set.electrodes.iter().map(|e| e.tips.bounds().size().y).collect();
+    assert!((widths[0] - 1.0).abs() < 1e-6 && (widths[1] - 1.5).abs() < 1e-6, "{widths:?}");
+    assert_eq!(ElectrodeParams { stages: Vec::new(), ..params(GAP) }.validate(), Err(ElectrodeParamsError::NoStage));
+    let negative = params(-0.1).validate();
+    assert!(matches!(negative, Err(ElectrodeParamsError::Length { .. })), "{negative:?}");
+    let twice = ElectrodeParams { stages: vec![Stage::finish(0.1), Stage::finish(0.2)], ..params(GAP) };
+    assert!(matches!(twice.validate(), Err(ElectrodeParamsError::StageName(_))));
+    assert!(ElectrodeParams { margin_mm: f64::NAN, ..params(GAP) }.validate().is_err());
+    assert!(ElectrodeParams::default().validate().is_ok());
+}

@@ -1,0 +1,60 @@
+//! Electrodes from the command line.
+
+use glam::DVec3;
+use sparkpath::geometry::mesh::Mesh;
+use sparkpath::mesh_io::write_stl;
+
+use super::uncut::pocket;
+use super::{sparkpath, text};
+
+fn said(output: &std::process::Output) -> (Option<i32>, String) {
+    (output.status.code(), text(&output.stdout) + &text(&output.stderr))
+}
+
+#[test]
+fn a_pocket_gets_one_electrode_that_burns_its_four_corners() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, out) = (folder.path().join("mold.stl"), folder.path().join("out"));
+    write_stl(&file, &pocket()).unwrap();
+    let [mold, out_text] = [&file, &out].map(|p| p.to_str().unwrap().to_owned());
+    let base = ["electrodes", &mold, "--units", "mm", "--cutters", "flat:1", "--no-pictures"];
+    let (code, words) = said(&sparkpath(&[&base[..], &["--out", &out_text, "--formats", "stl,obj,glb"]].concat()));
+    assert_eq!(code, Some(0), "{words}");
+    assert!(words.contains("E01: 4 burns"), "{words}");
+    let table = std::fs::read_to_string(out.join("burn_table.csv")).unwrap();
+    assert_eq!(table.lines().count(), 5, "a head and four burns: {table}");
+    for name in ["burn_table.json", "burn_sheet.txt", "report.html", "electrodes.json"] {
+        assert!(out.join(name).metadata().unwrap().len() > 200, "{name}");
+    }
+    for end in ["stl", "obj", "glb"] {
+        assert!(out.join(format!("E01_finish_g0.05_copper_x1.{end}")).exists(), "{end}");
+    }
+    // The middle of the base stands off the corner, turned with it: the four burns lie symmetrically.
+    let rows = table.lines().skip(1).map(|l| l.split(',').map(str::to_owned).collect::<Vec<_>>());
+    let sum = rows.fold([0.0, 0.0], |[x, y], row| [x + row[2].parse::<f64>().unwrap(), y + row[3].parse::<f64>().unwrap()]);
+    assert!(sum.iter().all(|v| v.abs() < 1e-3), "{sum:?}");
+}
+
+#[test]
+fn what_cannot_be_made_is_answered_in_words_and_what_fails_is_not_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, out) = (folder.path().join("mold.stl"), folder.path().join("out"));
+    let [mold, out_text] = [&file, &out].map(|p| p.to_str().unwrap().to_owned());
+    let run = |more: &[&str]| {
+        let base = ["electrodes", &mold, "--units", "mm", "--cutters", "flat:1", "--no-pictures", "--out", &out_text];
+        said(&sparkpath(&[&base[..], more].concat()))
+    };
+    let open = Mesh { triangles: pocket().triangles[1..].to_vec(), ..pocket() };
+    write_stl(&file, &open).unwrap();
+    let (code, words) = run(&[]);
+    assert!(code != Some(0) && (words.contains("open edges") || words.contains("closed")), "{words}");
+    // A slot that a large cutter cannot enter, on the base of the electrode: nothing of the tip can be milled with a ball alone.
+    write_stl(&file, &pocket().mapped(|p| p + DVec3::X)).unwrap();
+    let (code, words) = run(&["--electrode-cutters", "ball:3"]);
+    assert!(code == Some(3) && words.contains("machinable fails") && words.contains("E01 was not written"), "{words}");
+    assert!(!out.join("E01_finish_g0.05_copper_x1.stl").exists());
+    let (code, words) = run(&["--electrode-cutters", "ball:3", "--override", "E01"]);
+    assert!(code == Some(3) && out.join("E01_finish_g0.05_copper_x1.stl").exists(), "{words}");
+    let (code, words) = run(&["--gap", "-1"]);
+    assert!(code == Some(1) && words.contains("gap_mm"), "{words}");
+}
