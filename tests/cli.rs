@@ -3,7 +3,7 @@
 mod common;
 #[path = "cli/compare.rs"]
 mod compare;
-#[path = "cli/uncut.rs"]
+#[path = "cli/electrodes.rs"]
 mod electrodes;
 #[path = "cli/pictures.rs"]
 mod pictures;
@@ -11,6 +11,7 @@ mod pictures;
 mod sections;
 #[path = "cli/simulate.rs"]
 mod simulate;
+#[path = "cli/uncut.rs"]
 mod uncut;
 
 use std::path::Path;
