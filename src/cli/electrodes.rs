@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
 use clap::{Args, ValueEnum};
 
 use super::uncut::MoldArguments;
@@ -91,9 +90,10 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
     let mesh = &arguments.mold.mesh;
     let imported = session.import(mesh, arguments.mold.units)?;
     let name = mesh.display().to_string();
-    let uncut = find_uncut(&imported.mesh, &asked, &session.progress, &session.cancel).with_context(|| name.clone())?;
+    let uncut = find_uncut(&imported.mesh, &asked, &session.progress, &session.cancel)
+        .map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
     let set = find_electrodes(&imported.mesh, &uncut, &params, &session.progress, &session.cancel)
-        .with_context(|| name.clone())?;
+        .map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
     let file_name = mesh.file_name().map_or(name, |n| n.to_string_lossy().into_owned());
     let report = ElectrodesReport::of(&set, &file_name, asked.opening);
     let table = BurnTable::of(&set, &file_name, asked.opening);
@@ -203,6 +203,9 @@ fn lines(set: &ElectrodeSet, report: &ElectrodesReport) -> Vec<String> {
     for (number, region) in set.regions.iter().enumerate() {
         lines.extend(region.trouble.as_ref().map(|t| format!("region {} has no electrode: {t}", number + 1)));
     }
+    let is_known = |name: &&String| set.electrodes.iter().any(|e| e.name == **name);
+    let unknown = set.params.overrides.iter().filter(|name| !is_known(name));
+    lines.extend(unknown.map(|name| format!("override {name}: there is no electrode of that name")));
     lines
 }
 

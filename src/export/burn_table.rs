@@ -154,7 +154,7 @@ pub struct BurnEntry {
     pub y_mm: f64,
     /// Z (mm).
     pub z_mm: f64,
-    /// How far it is turned, counter-clockwise seen against the burn (degrees, above -180 up to 180).
+    /// How far it is turned, counter-clockwise seen from the machine's head, along the burn (degrees, above -180 up to 180).
     pub c_deg: f64,
     /// How deep below the mold's top its lowest point is (mm).
     pub depth_mm: f64,

@@ -34,6 +34,7 @@ fn electrode(name: &str, stage: usize, burns: Vec<Burn>, size: DVec3) -> Electro
         blank: DVec3::new(10.0, 12.0, 25.0),
         holder: Some(0),
         minutes: 12.5,
+        is_thin: false,
         front_area: 4.0,
     }
 }
@@ -53,7 +54,7 @@ fn region(tree: Option<PartNode>, trouble: Option<&str>, thickness: f64) -> Regi
         method: Method::Cutting,
         direction: DVec3::NEG_Z,
         trouble: trouble.map(str::to_owned),
-        left: LeftOfRegion { thickness, place: DVec3::new(5.0, 6.0, 7.0), volume: 0.125 },
+        left: LeftOfRegion { thickness, excess: 0.0, place: DVec3::new(5.0, 6.0, 7.0), volume: 0.125 },
     }
 }
 
@@ -63,6 +64,7 @@ pub(crate) fn set() -> ElectrodeSet {
     let rough = Stage {
         name: "rough".to_owned(),
         gap_mm: 0.2,
+        stock_mm: 0.0,
         orbit: Orbit::Circular { radius_mm: 0.1 },
         finish_vdi: 30.0,
         quantity: 2,

@@ -146,7 +146,7 @@ fn overview(out: &mut String, burn_table: &BurnTable) {
     let _ = write!(
         out,
         "<p class=\"soft\">Positions below are those of the middle of the base's underside, in the axes of the upright mold, \
-         whose opening looks along +Z ({} of its file). C turns counter-clockwise seen against the burn. Every electrode is \
+         whose opening looks along +Z ({} of its file). C turns counter-clockwise seen from the machine's head, along the burn. Every electrode is \
          lifted {} mm.</p></section>",
         escape(&burn_table.opening.to_uppercase().replace('-', "\u{2212}")),
         number(burn_table.lift_mm, 1)

@@ -118,6 +118,23 @@ pub fn prism(rings: &[&[DVec2]], low: f64, high: f64) -> Result<Mesh, SolidError
     Ok(Mesh { vertices, triangles })
 }
 
+/// Whether a mesh is closed as files know it: with vertices within `within` (mm) taken for one, each side of a triangle has
+/// exactly one neighbour, which runs the other way.
+pub fn is_closed(mesh: &Mesh, within: f64) -> bool {
+    let mut known = std::collections::HashMap::new();
+    let places: Vec<u32> = mesh
+        .vertices
+        .iter()
+        .map(|p| {
+            let count = known.len() as u32;
+            *known.entry((*p / within).round().to_array().map(|v| v as i64)).or_insert(count)
+        })
+        .collect();
+    let welded = mesh.triangles.iter().map(|t| t.map(|v| places[v as usize]));
+    let triangles: Vec<[u32; 3]> = welded.filter(|[a, b, c]| a != b && b != c && c != a).collect();
+    Mesh { vertices: Vec::new(), triangles }.is_watertight()
+}
+
 /// The connected parts of a mesh, in order of their first triangles. Parts are connected by shared vertices.
 pub fn parts(mesh: &Mesh) -> Vec<Mesh> {
     let mut root: Vec<u32> = (0..mesh.vertices.len() as u32).collect();

@@ -31,7 +31,8 @@ fn a_pocket_gets_one_electrode_that_burns_its_four_corners() {
     }
     // The middle of the base stands off the corner, turned with it: the four burns lie symmetrically.
     let rows = table.lines().skip(1).map(|l| l.split(',').map(str::to_owned).collect::<Vec<_>>());
-    let sum = rows.fold([0.0, 0.0], |[x, y], row| [x + row[2].parse::<f64>().unwrap(), y + row[3].parse::<f64>().unwrap()]);
+    let sum =
+        rows.fold([0.0, 0.0], |[x, y], row| [x + row[2].parse::<f64>().unwrap(), y + row[3].parse::<f64>().unwrap()]);
     assert!(sum.iter().all(|v| v.abs() < 1e-3), "{sum:?}");
 }
 

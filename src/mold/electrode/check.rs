@@ -11,6 +11,8 @@ use super::params::{Orbit, Stage};
 use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::inside::winding_number;
 use crate::geometry::mesh::{Mesh, unit_normal};
+use crate::geometry::offset::offset;
+use crate::geometry::solid;
 use crate::mold::cutter::CutterLibrary;
 use crate::mold::height_field::{self, HeightField, HeightFieldError};
 use crate::mold::invert::InvertFaces;
@@ -18,6 +20,8 @@ use crate::progress::{Cancel, Cancelled};
 
 /// By how much an electrode may come closer than the gap (mm): rounding of files, not of sparks.
 pub const GOUGE: f64 = 5e-4;
+/// Vertices within this are one in a file of single precision (mm).
+const WELD: f64 = 1e-6;
 /// How far an orbit may bulge beyond the places of it that are tried (mm).
 const BULGE: f64 = 2e-4;
 /// Cells of the smallest radius on the grid on which it is tried whether an electrode can be milled.
@@ -26,6 +30,8 @@ const MILLING_CELLS: f64 = 20.0;
 const LEAST_INVERT: f64 = 1e-2;
 /// How near to the burn surface a march along a normal ends (mm).
 const ARRIVED: f64 = 1e-6;
+/// Share of a distance by which a point above a face is nearer to another one if it is in a corner.
+const CORNER: f64 = 1e-3;
 /// A step of such a march, at least (mm).
 const LEAST_STEP: f64 = 1e-4;
 /// Steps of such a march, at most.
@@ -80,18 +86,24 @@ impl Finding {
     fn new(kind: CheckKind, holds: bool, text: String, place: Option<DVec3>) -> Self {
         Self { kind, holds, text, place }
     }
+
+    /// One that does not hold.
+    pub(super) fn failed(kind: CheckKind, text: String) -> Self {
+        Self::new(kind, false, text, None)
+    }
 }
 
 /// Whether a surface is closed.
 pub fn watertight(mesh: &Mesh) -> Finding {
     let volume = mesh.volume();
-    let holds = mesh.is_watertight() && volume > 0.0;
+    let is_closed = mesh.is_watertight() && solid::is_closed(mesh, WELD);
+    let holds = is_closed && volume > 0.0;
     let text = if holds {
         format!("closed; {volume:.2} mm^3")
-    } else if mesh.is_watertight() {
+    } else if is_closed {
         format!("its faces look inwards ({volume:.2} mm^3): turn them round")
     } else {
-        "its surface has open edges: it encloses nothing, and no other check means anything".into()
+        "its surface has open edges or touches itself: no other check means anything".into()
     };
     Finding::new(CheckKind::Watertight, holds, text, None)
 }
@@ -137,7 +149,17 @@ impl Obstacle {
     /// # Errors
     /// [`ExactMeshError`].
     pub fn clearance(&self, electrode: &Mesh, stage: &Stage, lift: f64) -> Result<[Finding; 2], ExactMeshError> {
-        let needed = stage.gap_mm - GOUGE;
+        // Without a gap surfaces touch, and touching cannot be told from crossing: the electrode is tried a hair smaller.
+        let (hair, smaller);
+        let electrode = if stage.gap_mm + stage.stock_mm < 2.0 * GOUGE {
+            hair = 2.0 * GOUGE;
+            smaller = inset(electrode, hair);
+            &smaller
+        } else {
+            hair = 0.0;
+            electrode
+        };
+        let needed = stage.gap_mm + stage.stock_mm + hair - GOUGE;
         let least = |mesh: &Mesh, shift: DVec3| -> Result<f64, ExactMeshError> {
             Ok(self.mesh.distance_to(&ExactMesh::new(mesh)?, &DAffine3::from_translation(shift)))
         };
@@ -176,6 +198,15 @@ impl Obstacle {
         let nearest = |a: &&DVec3, b: &&DVec3| self.distance(**a).total_cmp(&self.distance(**b));
         electrode.vertices.iter().min_by(nearest).copied()
     }
+}
+
+/// A closed surface moved inwards by `by` (mm); as it is where that cannot be.
+fn inset(mesh: &Mesh, by: f64) -> Mesh {
+    let turned = |mesh: &Mesh| Mesh {
+        vertices: mesh.vertices.clone(),
+        triangles: mesh.triangles.iter().map(|[a, b, c]| [*a, *c, *b]).collect(),
+    };
+    offset(&turned(mesh), |_| by).map_or_else(|_| mesh.clone(), |moved| turned(&moved))
 }
 
 /// Places of an orbit, so many that it bulges less beyond them than [`BULGE`].
@@ -270,6 +301,14 @@ impl Burning {
         Ok(Self { mesh: ExactMesh::new(electrode)?, gap: stage.gap_mm, orbit: stage.orbit })
     }
 
+    /// The radius that it leaves in corners at most (mm).
+    fn reach(&self) -> f64 {
+        match self.orbit {
+            Orbit::Circular { radius_mm } => self.gap + radius_mm,
+            _ => self.gap,
+        }
+    }
+
     /// How far a point is from what is burned (mm); 0 or less within it. Never too small.
     pub fn beyond(&self, p: DVec3) -> f64 {
         let nearest = self.mesh.nearest(p);
@@ -307,7 +346,9 @@ pub struct Sample {
 pub struct LeftOfRegion {
     /// Greatest distance from the mold's surface (mm).
     pub thickness: f64,
-    /// Where.
+    /// The same without what the gap's radius keeps in corners (mm).
+    pub excess: f64,
+    /// Where that is greatest.
     pub place: DVec3,
     /// Volume (mm^3).
     pub volume: f64,
@@ -338,7 +379,7 @@ pub fn left_by(
     let all = samples.par_iter().map(of).collect::<Result<Vec<_>, _>>()?;
     let worse = |a: LeftOfRegion, b: &LeftOfRegion| {
         let volume = a.volume + b.volume;
-        LeftOfRegion { volume, ..if b.thickness > a.thickness { *b } else { a } }
+        LeftOfRegion { volume, thickness: a.thickness.max(b.thickness), ..if b.excess > a.excess { *b } else { a } }
     };
     Ok(all.iter().fold(LeftOfRegion::default(), worse))
 }
@@ -369,25 +410,28 @@ fn left_at(burns: &[&Burning], sample: &Sample, mold: &Obstacle, milled: &Milled
     }
     // What lies nearer to another face is counted there.
     let own = if along > ARRIVED { along.min(mold.distance(at(along))) } else { 0.0 };
-    LeftOfRegion { thickness, place: sample.point, volume: own * sample.area }
-}
-
-/// The thickness that burns with this gap leave in sharp corners, and what is tolerated beyond it (mm).
-pub fn allowed(stage: &Stage, tolerance: f64) -> f64 {
-    let rounded = match stage.orbit {
-        Orbit::Circular { radius_mm } => radius_mm,
-        _ => 0.0,
-    };
-    (3f64.sqrt() - 1.0) * (stage.gap_mm + rounded) + tolerance
-}
-
-/// The finding for the worst of the regions that an electrode is for.
-pub fn leftover(left: &LeftOfRegion, allowed: f64) -> Finding {
-    let holds = left.thickness <= allowed;
-    let text = if holds {
-        format!("at most {:.4} mm are left ({:.4} mm allowed), {:.4} mm^3", left.thickness, allowed, left.volume)
+    // A corner is where another face lies within the reach of the spark.
+    let is_in_corner = |reach: f64| mold.distance(at(reach)) < reach * (1.0 - CORNER);
+    let kept = burns.iter().map(|burn| burn.reach()).fold(0.0, f64::max);
+    let excess = if thickness > 0.0 && is_in_corner(kept) {
+        (thickness - (3f64.sqrt() - 1.0) * kept).max(0.0)
     } else {
-        format!("{:.4} mm are left, {allowed:.4} mm are allowed, {:.4} mm^3 in all", left.thickness, left.volume)
+        thickness
+    };
+    LeftOfRegion { thickness, excess, place: sample.point, volume: own * sample.area }
+}
+
+/// The finding for the worst of the regions that an electrode is for: what is left on faces, and in corners beyond the
+/// (sqrt 3 - 1) of the spark's radius that they keep, is held against the tolerance.
+pub fn leftover(left: &LeftOfRegion, tolerance: f64) -> Finding {
+    let holds = left.excess <= tolerance;
+    let text = if holds {
+        format!("at most {:.4} mm are left, in corners that the spark rounds; {:.4} mm^3", left.thickness, left.volume)
+    } else {
+        format!(
+            "{:.4} mm are left beyond what corners keep, {tolerance:.4} mm are allowed; {:.4} mm^3 in all",
+            left.excess, left.volume
+        )
     };
     Finding::new(CheckKind::Leftover, holds, text, (!holds).then_some(left.place))
 }

@@ -56,6 +56,8 @@ pub struct Electrode {
     pub holder: Option<usize>,
     /// Minutes that all its burns take.
     pub minutes: f64,
+    /// Whether a tip is nowhere as thick as the least size.
+    pub is_thin: bool,
     /// Area of the tips seen along the burn (mm^2).
     pub front_area: f64,
 }

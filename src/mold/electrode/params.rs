@@ -51,14 +51,22 @@ pub struct Stage {
     pub name: String,
     /// Spark gap (mm): how far from the electrode material is taken.
     pub gap_mm: f64,
+    /// What it leaves for the stages after it (mm), on every face.
+    #[serde(default)]
+    pub stock_mm: f64,
     /// The orbit.
     #[serde(default)]
     pub orbit: Orbit,
     /// Surface finish to be reached (VDI 3400).
+    #[serde(default = "usual_finish")]
     pub finish_vdi: f64,
     /// How many electrodes are made.
     #[serde(default = "one")]
     pub quantity: u32,
+}
+
+fn usual_finish() -> f64 {
+    24.0
 }
 
 fn one() -> u32 {
@@ -68,12 +76,12 @@ fn one() -> u32 {
 impl Stage {
     /// A finishing burn with this gap (mm).
     pub fn finish(gap_mm: f64) -> Self {
-        Self { name: "finish".into(), gap_mm, orbit: Orbit::None, finish_vdi: 24.0, quantity: 1 }
+        Self { name: "finish".into(), gap_mm, stock_mm: 0.0, orbit: Orbit::None, finish_vdi: 24.0, quantity: 1 }
     }
 
-    /// How far an electrode stays from a face with this unit normal (mm): gap and orbit.
+    /// How far an electrode stays from a face with this unit normal (mm): gap, stock and orbit.
     pub fn undersize(&self, normal: DVec3) -> f64 {
-        self.gap_mm + self.orbit.reach(normal)
+        self.gap_mm + self.stock_mm + self.orbit.reach(normal)
     }
 
     /// Roughness that the finish stands for (Ra, micrometres; VDI 3400: 20 log10 of ten times it).
@@ -309,6 +317,9 @@ pub enum ElectrodeParamsError {
         "two stages are called {0:?}, or a name is empty or holds more than letters, digits, - and _: file names carry it"
     )]
     StageName(String),
+    /// A finish or a number that is none.
+    #[error("stage {0}: finish_vdi must be from 0 to 60, and quantity at least 1")]
+    Stage(String),
     /// No holder.
     #[error("there is no holder, or one without a positive size: {0:?}")]
     Holder(String),
@@ -350,7 +361,11 @@ impl ElectrodeParams {
         }
         for (i, stage) in self.stages.iter().enumerate() {
             check(format!("gap_mm of stage {}", stage.name), stage.gap_mm, 0.0, 5.0)?;
+            check(format!("stock_mm of stage {}", stage.name), stage.stock_mm, 0.0, 5.0)?;
             check(format!("radius_mm of stage {}", stage.name), stage.orbit.radius_mm(), 0.0, 5.0)?;
+            if !(0.0..=60.0).contains(&stage.finish_vdi) || stage.quantity == 0 {
+                return Err(ElectrodeParamsError::Stage(stage.name.clone()));
+            }
             let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
             let is_known = self.stages[..i].iter().any(|s| s.name == stage.name);
             if is_known || stage.name.is_empty() || !stage.name.chars().all(is_plain) {

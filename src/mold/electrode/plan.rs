@@ -11,7 +11,7 @@ use super::division::{Cut, DivisionSettings, Part, cut_along, divide, whole};
 use super::params::{Edit, ElectrodeParams, ElectrodeParamsError, Method, Shape, Stage};
 use super::plan_checks::checked;
 use super::sharing::{assembled, shared};
-use super::tip::{Burned, Place, TipError, footprint};
+use super::tip::{Burned, Place, SKIN, TipError, footprint};
 use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::mesh::Mesh;
 use crate::geometry::offset::{OffsetError, offset};
@@ -24,6 +24,12 @@ use crate::progress::{Cancel, Cancelled, Progress};
 
 /// How far off a burn surface a point of a tip may be to be part of it (mm).
 const ON_BURN: f64 = 1e-6;
+
+/// Said where the two do not belong together.
+const OTHER_NET: &str = "without gap it is divided or shared otherwise than with it, so that its net shape is not that of an electrode: \
+    write undersized shapes";
+/// What a cut leaves between two parts at most (mm).
+const HAIR: f64 = 1e-3;
 
 /// Why there are no electrodes.
 #[derive(Debug, thiserror::Error)]
@@ -82,6 +88,7 @@ pub(super) struct Setting {
     pub(super) mold: Mesh,
     /// The mold grown by what electrodes keep off.
     kept_clear: Mesh,
+    exact: ExactMesh,
     pub(super) stage: Stage,
 }
 
@@ -90,11 +97,12 @@ impl Setting {
         let turned = to_burn_frame(direction);
         let mold = mold.mapped(|p| turned * p);
         let kept_clear = offset(&mold, |n| stage.undersize(n))?;
-        Ok(Self { turned, mold, kept_clear, stage: stage.clone() })
+        let exact = ExactMesh::new(&kept_clear)?;
+        Ok(Self { turned, mold, kept_clear, exact, stage: stage.clone() })
     }
 
     fn burned(&self) -> Burned<'_> {
-        Burned { kept_clear: &self.kept_clear, gap_up: self.stage.undersize(DVec3::Z) }
+        Burned { kept_clear: &self.kept_clear, exact: &self.exact, gap_up: self.stage.undersize(DVec3::Z) }
     }
 }
 
@@ -121,14 +129,50 @@ pub(super) struct Leaf {
 pub fn plan(
     mold: &Mesh,
     regions: &[RegionToBurn],
-    (library, milled): (&CutterLibrary, &Milled),
+    libraries: (&CutterLibrary, &Milled),
     params: &ElectrodeParams,
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<ElectrodeSet, ElectrodeError> {
     params.validate()?;
+    let made = plan_stages(mold, regions, libraries, (params, &params.stages), progress, cancel)?;
+    if params.shape == Shape::Undersized {
+        return Ok(made);
+    }
+    // Files of the net shape are those of an electrode without gap; it is the real one that has to come out.
+    let stages: Vec<Stage> = params.stages.iter().map(net).collect();
+    let mut filed = plan_stages(mold, regions, libraries, (params, &stages), progress, cancel)?;
+    let parts = |set: &ElectrodeSet| -> Vec<(usize, Vec<Vec<PartId>>)> {
+        let of = |e: &Electrode| (e.stage, e.burns.iter().map(|b| b.parts.clone()).collect());
+        set.electrodes.iter().map(of).collect()
+    };
+    let is_same = parts(&made) == parts(&filed);
+    for (plan, made) in filed.regions.iter_mut().zip(made.regions) {
+        plan.left = made.left;
+        plan.trouble = plan.trouble.take().or(made.trouble);
+        if !is_same && plan.trouble.is_none() {
+            plan.trouble = Some(OTHER_NET.to_owned());
+        }
+    }
+    for (filed, made) in filed.checks.iter_mut().zip(made.checks).filter(|_| is_same) {
+        for (net, real) in filed.iter_mut().zip(made) {
+            if net.holds {
+                *net = real;
+            }
+        }
+    }
+    Ok(filed)
+}
+
+fn plan_stages(
+    mold: &Mesh,
+    regions: &[RegionToBurn],
+    (library, milled): (&CutterLibrary, &Milled),
+    (params, stages): (&ElectrodeParams, &[Stage]),
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<ElectrodeSet, ElectrodeError> {
     let cutters = params.cutters.as_ref().unwrap_or(library);
-    let stages: Vec<Stage> = params.stages.iter().map(|stage| as_filed(stage, params.shape)).collect();
     let mut plans: Vec<RegionPlan> = regions.iter().map(|r| region_plan(r, params)).collect();
     let mut electrodes: Vec<Electrode> = Vec::new();
     for (number, stage) in stages.iter().enumerate() {
@@ -145,31 +189,40 @@ pub fn plan(
             let leaves = leaves(&setting, regions, &here, &mut plans, params, cancel)?;
             let shared = shared(&setting, &leaves, regions, cutters, params, cancel)?;
             for group in &shared {
-                electrodes.push(assembled(&setting, &leaves, group, regions, (number, params))?);
+                match assembled(&setting, &leaves, group, regions, (number, params)) {
+                    Ok(electrode) => electrodes.push(electrode),
+                    Err(ElectrodeError::Solid(error)) => {
+                        let ids = group.burns.iter().flat_map(|(.., ids)| ids).map(|i| leaves[*i].id.region);
+                        ids.for_each(|r| plans[r].trouble = Some(format!("{} stage: {error}", stage.name)));
+                    }
+                    Err(other) => return Err(other),
+                }
             }
         }
     }
     named(&mut electrodes, params);
     progress.report("checks", 0.7, "");
-    let checks = checked((mold, milled), &electrodes, &mut plans, regions, (cutters, params, &stages), cancel)?;
+    let checks = checked((mold, milled), &electrodes, &mut plans, regions, (cutters, params, stages), cancel)?;
     progress.report("checks", 1.0, "");
     Ok(ElectrodeSet { params: params.clone(), electrodes, checks, regions: plans })
 }
 
-/// The stage as its files hold it: a net shape has no gap.
-fn as_filed(stage: &Stage, shape: Shape) -> Stage {
-    match shape {
-        Shape::Undersized => stage.clone(),
-        Shape::Net => Stage { gap_mm: 0.0, orbit: Default::default(), ..stage.clone() },
-    }
+/// The stage as files of the net shape hold it.
+fn net(stage: &Stage) -> Stage {
+    Stage { gap_mm: 0.0, stock_mm: 0.0, orbit: Default::default(), ..stage.clone() }
 }
 
 /// How far a place of an edit may be from a region's surface (mm).
 const TOUCHES: f64 = 0.5;
 
 fn holds(region: &RegionToBurn, place: DVec3) -> bool {
-    let near = |c: &[DVec3; 3]| c.iter().any(|p| p.distance(place) < TOUCHES);
-    region.corners.iter().any(near)
+    let mut surface = Mesh::default();
+    for corners in &region.corners {
+        let first = surface.vertices.len() as u32;
+        surface.vertices.extend(corners);
+        surface.triangles.push([first, first + 1, first + 2]);
+    }
+    ExactMesh::new(&surface).is_ok_and(|s| s.nearest(place).point.distance(place) < TOUCHES)
 }
 
 fn region_plan(region: &RegionToBurn, params: &ElectrodeParams) -> RegionPlan {
@@ -197,8 +250,7 @@ fn leaves(
     params: &ElectrodeParams,
     cancel: &Cancel,
 ) -> Result<Vec<Leaf>, ElectrodeError> {
-    let kept = ExactMesh::new(&setting.kept_clear)?;
-    let burns = |p: DVec3| kept.nearest(p).signed_distance.abs() < ON_BURN;
+    let burns = |p: DVec3| setting.exact.nearest(p).signed_distance.abs() < ON_BURN;
     let of = |r: &usize| parts_of(setting, &regions[*r], plans[*r].method, params, cancel);
     let found: Vec<Result<(PartNode, Vec<Part>), TipError>> = here.par_iter().map(of).collect();
     let mut leaves = Vec::new();
@@ -253,7 +305,10 @@ fn apply(
     setting: &Setting,
     settings: &DivisionSettings,
 ) -> Result<(), TipError> {
-    let holder = |parts: &[Part], p: DVec2| parts.iter().position(|part| plane::holds(&part.footprint.free, p));
+    // What holds a place of the region itself: a neighbour's margin may reach there too.
+    let holder = |parts: &[Part], p: DVec2| {
+        parts.iter().position(|part| plane::holds(&part.footprint.free, p) && plane::holds(&part.footprint.region, p))
+    };
     let plan = |p: DVec3| (setting.turned * p).truncate();
     match edit {
         Edit::Split { line: [a, b] } => {
@@ -273,10 +328,13 @@ fn apply(
             if a != b {
                 let other = parts.remove(a.max(b));
                 let one = &mut parts[a.min(b)];
-                let joined = |x: &[Outline], y: &[Outline]| plane::union(x, y).into_iter().flatten().collect();
+                let flat = |shapes: Vec<plane::Shape>| shapes.into_iter().flatten().collect::<Vec<Outline>>();
+                let joined = |x: &[Outline], y: &[Outline]| flat(plane::union(x, y));
                 let mut footprint = one.footprint.clone();
-                footprint.outlines = joined(&footprint.outlines, &other.footprint.outlines);
-                footprint.free = joined(&footprint.free, &other.footprint.free);
+                // A hair between the two, which a cut leaves, is closed.
+                let free = joined(&footprint.free, &other.footprint.free);
+                footprint.free = flat(plane::grown(&flat(plane::grown(&free, HAIR)), -HAIR));
+                footprint.outlines = flat(plane::grown(&footprint.free, SKIN));
                 footprint.region = joined(&footprint.region, &other.footprint.region);
                 *one = whole(burned, footprint)?;
             }

@@ -5,18 +5,21 @@ use rayon::prelude::*;
 
 use super::base::on_plate;
 use super::check::{
-    Burning, Finding, LeftOfRegion, Milled, Obstacle, Sample, allowed, left_by, leftover, machinable, watertight,
+    Burning, CheckKind, Finding, LeftOfRegion, Milled, Obstacle, Sample, left_by, leftover, machinable, watertight,
 };
-use super::design::{Electrode, RegionPlan};
+use super::design::{Burn, Electrode, RegionPlan};
 use super::params::{ElectrodeParams, Stage};
 use super::plan::{ElectrodeError, RegionToBurn, to_burn_frame};
 use crate::geometry::mesh::{Mesh, unit_normal};
 use crate::mold::cutter::CutterLibrary;
+use crate::mold::height_field::HeightFieldError;
 use crate::progress::Cancel;
 
 /// The z component of the unit normal from which on a face is a floor.
 const FLOOR: f64 = 0.5;
-/// Samples of a region's surface at most.
+/// Longest side of the part of a surface that a sample stands for, if there are not too many of them (mm).
+const FINE: f64 = 0.2;
+/// Samples of a region's surface, about, at most.
 const SAMPLES: usize = 6000;
 
 /// The findings for each electrode; what is left of each region goes into its plan.
@@ -28,14 +31,13 @@ pub(super) fn checked(
     (cutters, params, stages): (&CutterLibrary, &ElectrodeParams, &[Stage]),
     cancel: &Cancel,
 ) -> Result<Vec<Vec<Finding>>, ElectrodeError> {
-    let last = electrodes.iter().map(|e| e.stage).max().unwrap_or(0);
+    // What stages before the last burn does not have its finish.
+    let last: Vec<&Electrode> = electrodes.iter().filter(|e| e.stage + 1 == stages.len()).collect();
     let upright = Obstacle::new(mold)?;
-    let left = (0..regions.len())
-        .into_par_iter()
-        .map(|r| left_of((&upright, milled), r, electrodes, &regions[r], stages, cancel));
+    let left =
+        (0..regions.len()).into_par_iter().map(|r| left_of((&upright, milled), r, &last, &regions[r], stages, cancel));
     let left: Vec<LeftOfRegion> = left.collect::<Result<_, ElectrodeError>>()?;
     plans.iter_mut().zip(&left).for_each(|(plan, left)| plan.left = *left);
-    let most = stages.get(last).map_or(params.tolerance_mm, |stage| allowed(stage, params.tolerance_mm));
     let check = |electrode: &Electrode| -> Result<Vec<Finding>, ElectrodeError> {
         cancel.check()?;
         let closed = watertight(&electrode.mesh);
@@ -48,7 +50,10 @@ pub(super) fn checked(
         let mut worst: [Option<Finding>; 2] = [None, None];
         for burn in &electrode.burns {
             let mesh = electrode.burning(&electrode.mesh, burn, &turned);
-            let found = obstacle.clearance(&mesh, &stages[electrode.stage], params.lift_mm)?;
+            let mut found = obstacle.clearance(&mesh, &stages[electrode.stage], params.lift_mm.max(burn.depth))?;
+            if params.lift_mm < burn.depth {
+                found[1] = too_short_a_lift(params.lift_mm, burn);
+            }
             for (worst, found) in worst.iter_mut().zip(found) {
                 if worst.as_ref().is_none_or(|w| w.holds && !found.holds) {
                     let place = found.place.map(|p| turned.transpose() * p);
@@ -58,16 +63,37 @@ pub(super) fn checked(
         }
         findings.extend(worst.into_iter().flatten());
         let own = electrode.burns.iter().flat_map(|b| &b.parts).map(|p| left[p.region]);
-        if let Some(left) = own.max_by(|a, b| a.thickness.total_cmp(&b.thickness)) {
-            findings.push(leftover(&left, most));
+        if let Some(left) = own.max_by(|a, b| a.excess.total_cmp(&b.excess)) {
+            findings.push(leftover(&left, params.tolerance_mm));
         }
         if is_closed {
-            let milled = on_plate(&electrode.tips)?;
-            findings.push(placed_first(machinable(&milled, cutters, params.tolerance_mm, cancel)?, electrode));
+            // Tips that cannot be set on a plate are tried with their whole base.
+            let plate = on_plate(&electrode.tips);
+            let milled = plate.as_ref().unwrap_or(&electrode.mesh);
+            let milling = match machinable(milled, cutters, params.tolerance_mm, cancel) {
+                Err(HeightFieldError::Cancelled(cancelled)) => return Err(cancelled.into()),
+                Err(error) => Finding::failed(CheckKind::Machinable, format!("it could not be tried: {error}")),
+                Ok(finding) => placed_first(finding, electrode),
+            };
+            findings.push(if electrode.is_thin && milling.holds { thin(params) } else { milling });
         }
         Ok(findings)
     };
     electrodes.par_iter().map(check).collect()
+}
+
+fn too_short_a_lift(lift: f64, burn: &Burn) -> Finding {
+    let text =
+        format!("lifted by {lift} mm it is still in the mold, {:.2} mm deep: a larger lift_mm is needed", burn.depth);
+    Finding { place: Some(burn.position), ..Finding::failed(CheckKind::Approach, text) }
+}
+
+fn thin(params: &ElectrodeParams) -> Finding {
+    let least = params.least_size_mm;
+    let text = format!(
+        "a tip is thinner than the least size of {least} mm: a smaller gap or orbit, or a smaller least_size_mm"
+    );
+    Finding::failed(CheckKind::Machinable, text)
 }
 
 /// A finding on an electrode by itself, with its place where the first burn puts it.
@@ -82,7 +108,7 @@ fn placed_first(finding: Finding, electrode: &Electrode) -> Finding {
 fn left_of(
     (mold, milled): (&Obstacle, &Milled),
     number: usize,
-    electrodes: &[Electrode],
+    electrodes: &[&Electrode],
     region: &RegionToBurn,
     stages: &[Stage],
     cancel: &Cancel,
@@ -96,17 +122,7 @@ fn left_of(
             burns.push(Burning::new(&mesh, &stages[electrode.stage])?);
         }
     }
-    let stride = region.corners.len() / SAMPLES + 1;
-    let sample = |(corners, depth): (&[DVec3; 3], &f64)| {
-        let upright = unit_normal(*corners).z;
-        let [a, b, c] = corners.map(|p| turned * p);
-        let twice = (b - a).cross(c - a);
-        let (normal, area) = (twice.normalize_or_zero(), 0.5 * twice.length() * stride as f64);
-        // What lies on a floor is as thick as it is high, across the surface.
-        let thickest = if upright > FLOOR { (depth * upright).min(region.thickness) } else { region.thickness };
-        Sample { point: (a + b + c) / 3.0, normal, area, thickest }
-    };
-    let samples: Vec<Sample> = region.corners.iter().zip(&region.depths).step_by(stride).map(sample).collect();
+    let samples = samples(region, &turned);
     let back = turned.transpose();
     let in_frame;
     let mold = if turned == DMat3::IDENTITY {
@@ -119,6 +135,42 @@ fn left_of(
     let milled = Milled { leaves: &leaves, within: milled.within };
     let left = left_by(&burns.iter().collect::<Vec<_>>(), &samples, (mold, &milled), cancel)?;
     Ok(LeftOfRegion { place: back * left.place, ..left })
+}
+
+/// Places of a region's surface, evenly by area: large parts are divided, of small ones each stands for its neighbours.
+fn samples(region: &RegionToBurn, turned: &DMat3) -> Vec<Sample> {
+    let area = |[a, b, c]: &[DVec3; 3]| 0.5 * (*b - *a).cross(*c - *a).length();
+    let all: f64 = region.corners.iter().map(area).sum();
+    let share = (all / SAMPLES as f64).max(1e-9);
+    let longest = FINE.max((4.0 * share).sqrt());
+    let (mut samples, mut waiting) = (Vec::new(), 0.0);
+    for (corners, depth) in region.corners.iter().zip(&region.depths) {
+        let upright = unit_normal(*corners).z;
+        // What lies on a floor is as thick as it is high, across the surface.
+        let thickest = if upright > FLOOR { (depth * upright).min(region.thickness) } else { region.thickness };
+        let normal = *turned * unit_normal(*corners);
+        let mut parts = vec![*corners];
+        while let Some(part) = parts.pop() {
+            let [a, b, c] = part;
+            let sides = [a.distance(b), b.distance(c), c.distance(a)];
+            let most = sides.iter().copied().fold(0.0, f64::max);
+            if most > longest {
+                let [a, b, c] = match sides.iter().position(|s| *s == most) {
+                    Some(1) => [b, c, a],
+                    Some(2) => [c, a, b],
+                    _ => [a, b, c],
+                };
+                parts.extend([[a, a.midpoint(b), c], [a.midpoint(b), b, c]]);
+                continue;
+            }
+            waiting += area(&part);
+            if waiting >= share {
+                samples.push(Sample { point: *turned * ((a + b + c) / 3.0), normal, area: waiting, thickest });
+                waiting = 0.0;
+            }
+        }
+    }
+    samples
 }
 
 /// Checks of electrodes from elsewhere, placed in the upright mold, as those of a plan are checked.

@@ -6,6 +6,7 @@ use super::base::{Base, INTO_BASE, placed};
 use super::check::{Burning, GOUGE, Obstacle};
 use super::combine::near;
 use super::design::{Burn, Electrode};
+use super::footprint::shrunk;
 use super::params::{ElectrodeParams, Method, Stage};
 use super::plan::{ElectrodeError, Leaf, RegionToBurn, Setting};
 use super::tip::led_up;
@@ -14,12 +15,15 @@ use crate::mold::cutter::{Cutter, CutterLibrary};
 use crate::mold::plane;
 use crate::progress::Cancel;
 
+/// Share of the least size from which on a tip is as thick as it.
+const NEARLY: f64 = 0.98;
+
 /// One electrode for several leaves: which, turned and shifted how.
 pub(super) struct Shared {
     /// The leaves of the first burn.
     pub(super) leaves: Vec<usize>,
     /// The burns; the first is as the leaves stand.
-    burns: Vec<(f64, DVec3, Vec<usize>)>,
+    pub(super) burns: Vec<(f64, DVec3, Vec<usize>)>,
 }
 
 /// Which leaves one electrode burns: congruent ones at several positions, near ones at once.
@@ -82,7 +86,7 @@ fn serves(
             return Ok(false);
         }
     }
-    let gap = setting.stage.gap_mm - GOUGE;
+    let gap = setting.stage.undersize(DVec3::Z) - GOUGE;
     if moved.vertices.iter().any(|p| mold.distance(*p) < gap) {
         return Ok(false);
     }
@@ -119,6 +123,8 @@ pub(super) fn assembled(
         base.sides.x.min(base.sides.y) <= x.min(y) && base.sides.max_element() <= x.max(y)
     });
     let front_area = group.leaves.iter().map(|i| plane::area(&leaves[*i].part.footprint.free)).sum();
+    let half = 0.5 * NEARLY * params.least_size_mm;
+    let is_thin = |i: &usize| half > 0.0 && shrunk(&leaves[*i].part.footprint.free, half).is_empty();
     let first = &params.stages[stage];
     let mut minutes = 0.0;
     let burns: Vec<Burn> = group
@@ -150,6 +156,7 @@ pub(super) fn assembled(
         blank: base.sides.extend(length),
         holder,
         minutes,
+        is_thin: group.leaves.iter().any(is_thin),
         front_area,
     })
 }

@@ -10,7 +10,7 @@ use super::combine::{Form, near};
 use super::design::ElectrodeSet;
 use super::footprint::{grown, hull, shrunk};
 use super::h_edge::h_edges;
-use super::params::{ElectrodeParams, ElectrodeParamsError, Orbit, Removal, Shape, Stage};
+use super::params::{Edit, ElectrodeParams, ElectrodeParamsError, Method, Orbit, Removal, Shape, Stage};
 use super::plan::{RegionToBurn, plan};
 use super::plan_checks::check_own;
 use crate::geometry::mesh::Mesh;
@@ -110,7 +110,12 @@ fn a_net_electrode_fills_the_slot_and_leaves_nothing() {
     let mold = mold([30.0, 20.0, 10.0], &[(&rectangle(8.0, 0.8), 5.0)]);
     let slot = region(&mold, DVec2::new(-4.1, -0.5), DVec2::new(4.1, 0.5));
     let net = ElectrodeParams { shape: Shape::Net, ..params(GAP) };
-    for params in [net, params(0.0)] {
+    let set = planned(&mold, std::slice::from_ref(&slot), &net);
+    assert!(set.holds() && (set.electrodes[0].burns[0].depth - 5.0).abs() < 1e-9, "{:?}", set.checks);
+    assert!(set.regions[0].left.thickness > 1e-3, "what is left is told of the real electrode");
+    let too_wide = planned(&mold, std::slice::from_ref(&slot), &ElectrodeParams { shape: Shape::Net, ..params(0.45) });
+    assert!(!too_wide.holds(), "no electrode is left of it once the gap is taken off");
+    for params in [params(0.0)] {
         let set = planned(&mold, std::slice::from_ref(&slot), &params);
         assert!(set.holds(), "{:?}", set.checks);
         assert!(set.regions[0].left.thickness < 1e-3, "{:?}", set.regions[0].left);
@@ -214,7 +219,26 @@ fn broken_electrodes_are_caught_by_the_check_that_is_meant_for_it() {
     let obstacle = super::check::Obstacle::new(&mold).unwrap();
     let left = super::check::left_by(&[&burning], &[floor], (&obstacle, &milled), &Cancel::default()).unwrap();
     assert!((left.thickness - 0.3).abs() < 1e-3, "{left:?}");
-    assert!(!super::check::leftover(&left, super::check::allowed(stage, params.tolerance_mm)).holds);
+    assert!(!super::check::leftover(&left, params.tolerance_mm).holds);
+}
+
+#[test]
+fn a_short_lift_a_thin_blade_and_a_block_without_gap_in_the_wall_are_caught() {
+    let mold = mold([30.0, 20.0, 10.0], &[(&rectangle(8.0, 0.8), 5.0)]);
+    let slot = [region(&mold, DVec2::new(-4.1, -0.5), DVec2::new(4.1, 0.5))];
+    let short = planned(&mold, &slot, &ElectrodeParams { lift_mm: 2.0, ..params(GAP) });
+    assert!(!holds(&short.checks[0], CheckKind::Approach) && holds(&short.checks[0], CheckKind::Gouge));
+    let thin = planned(&mold, &slot, &params(0.3));
+    assert!(!holds(&thin.checks[0], CheckKind::Machinable), "0.2 mm is less than the least size: {:?}", thin.checks);
+    // Without gap: a block that stands in the slot's wall, and one that touches it.
+    let block =
+        |y: f64| prism(&[&rectangle(4.0, 0.8).iter().map(|p| *p + DVec2::Y * y).collect::<Vec<_>>()], -5.0, 6.0);
+    let check = |y: f64| {
+        check_own(&mold, &block(y).unwrap(), &Stage::finish(0.0), (&cutters(), &params(0.0)), &Cancel::default())
+            .unwrap()
+    };
+    assert!(holds(&check(0.0), CheckKind::Gouge) && holds(&check(0.0), CheckKind::Approach), "{:?}", check(0.0));
+    assert!(!holds(&check(0.01), CheckKind::Gouge) && !holds(&check(0.01), CheckKind::Approach));
 }
 
 #[test]
@@ -314,7 +338,7 @@ fn an_orbit_makes_the_tip_smaller_in_plan_only_and_every_check_holds() {
 fn stages_have_electrodes_of_their_own_and_parameters_that_make_none_are_answered() {
     let mold = mold([30.0, 20.0, 10.0], &[(&rectangle(8.0, 1.6), 5.0)]);
     let slot = region(&mold, DVec2::new(-4.1, -0.9), DVec2::new(4.1, 0.9));
-    let rough = Stage { name: "rough".into(), finish_vdi: 33.0, ..Stage::finish(0.3) };
+    let rough = Stage { name: "rough".into(), finish_vdi: 33.0, stock_mm: 0.05, ..Stage::finish(0.25) };
     let two = ElectrodeParams { stages: vec![rough, Stage::finish(GAP)], ..params(GAP) };
     let set = planned(&mold, &[slot], &two);
     assert!(set.holds(), "{:?}", set.checks);
@@ -328,4 +352,52 @@ fn stages_have_electrodes_of_their_own_and_parameters_that_make_none_are_answere
     assert!(matches!(twice.validate(), Err(ElectrodeParamsError::StageName(_))));
     assert!(ElectrodeParams { margin_mm: f64::NAN, ..params(GAP) }.validate().is_err());
     assert!(ElectrodeParams::default().validate().is_ok());
+}
+
+#[test]
+fn the_user_splits_merges_and_chooses_the_method() {
+    let mold = mold([30.0, 20.0, 10.0], &[(&rectangle(8.0, 0.8), 5.0)]);
+    let slot = [region(&mold, DVec2::new(-4.1, -0.5), DVec2::new(4.1, 0.5))];
+    let apart = ElectrodeParams { share: false, together_mm: 0.0, ..params(GAP) };
+    let with = |edits: Vec<Edit>| planned(&mold, &slot, &ElectrodeParams { edits, ..apart.clone() });
+    let split = Edit::Split { line: [DVec2::new(1.0, -2.0), DVec2::new(1.0, 2.0)] };
+    let halves = with(vec![split]);
+    assert!(halves.holds(), "{:?}", halves.checks);
+    assert_eq!(halves.electrodes.len(), 2);
+    // Together they are as long as the slot and reach over one another by the overlap.
+    let length: f64 = halves.electrodes.iter().map(|e| e.tips.bounds().size().x).sum();
+    assert!((length - (8.0 - 2.0 * GAP + apart.overlap_mm)).abs() < 1e-3, "{length}");
+    let merge = Edit::Merge { places: [DVec3::new(-2.0, 0.0, -5.0), DVec3::new(2.0, 0.0, -5.0)] };
+    let again = with(vec![split, merge]);
+    assert_eq!(again.electrodes.len(), 1);
+    assert!((again.electrodes[0].tips.bounds().size().x - (8.0 - 2.0 * GAP)).abs() < 1e-3 && again.holds());
+    let beside = Edit::Split { line: [DVec2::new(9.0, -2.0), DVec2::new(9.0, 2.0)] };
+    assert_eq!(with(vec![beside]).electrodes.len(), 1, "a line that meets no part divides none");
+    let place = DVec3::new(0.0, 0.0, -5.0);
+    for method in [Method::Extruding, Method::Cutting] {
+        let set = with(vec![Edit::Make { place, method }]);
+        assert!(set.holds() && set.electrodes[0].method == method && set.regions[0].method == method);
+    }
+}
+
+#[test]
+fn a_slot_in_a_side_is_burned_from_that_side() {
+    let block = prism(&[&rectangle(30.0, 20.0)], -10.0, 0.0).unwrap();
+    let slot: Vec<DVec2> = rectangle(10.0, 0.8).iter().map(|p| *p + DVec2::X * 15.0).collect();
+    let mold = difference(&block, &prism(&[&slot], -7.0, -3.0).unwrap()).unwrap();
+    let own = region(&mold, DVec2::new(9.9, -0.5), DVec2::new(14.999, 0.5));
+    let corners: Vec<[DVec3; 3]> =
+        own.corners.iter().filter(|c| c.iter().all(|p| (-7.1..-2.9).contains(&p.z))).copied().collect();
+    let depths = vec![5.0; corners.len()];
+    let place = DVec3::new(10.0, 0.0, -5.0);
+    let own = RegionToBurn { corners, depths, ..own };
+    let sideways = Edit::Burn { place, direction: DVec3::new(-2.0, 0.0, 0.0) };
+    let set = planned(&mold, &[own], &ElectrodeParams { edits: vec![sideways], ..params(GAP) });
+    assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].trouble);
+    let [electrode] = &set.electrodes[..] else { panic!("one electrode") };
+    assert!(electrode.direction.distance(DVec3::NEG_X) < 1e-9, "{}", electrode.direction);
+    let burn = &electrode.burns[0];
+    assert!((burn.depth - (5.0 - GAP)).abs() < 1e-6, "{}", burn.depth);
+    // Its base stands off the side by the extension, before the middle of the slot.
+    assert!(burn.position.distance(DVec3::new(20.0, 0.0, -5.0)) < 1e-6, "{}", burn.position);
 }

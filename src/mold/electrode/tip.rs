@@ -6,6 +6,7 @@ use glam::{DVec2, DVec3};
 
 use super::footprint::{grown, grown_pieces, hull, shrunk};
 use super::params::Method;
+use crate::geometry::exact::ExactMesh;
 use crate::geometry::mesh::{Bounds, Mesh, normal_times_two_areas, unit_normal};
 use crate::geometry::solid::{self, SolidError};
 use crate::mold::outline::Outline;
@@ -17,8 +18,12 @@ use crate::progress::{Cancel, Cancelled};
 const BELOW_RIM: f64 = 1e-3;
 /// How far a prism reaches into the walls that trim it (mm), so that no two faces of solids lie in one another.
 pub(super) const SKIN: f64 = 0.02;
+/// By how much a prism is moved until it can be trimmed (mm).
+const HAIRS: [f64; 5] = [0.0, -1e-5, 1e-5, -1e-4, -1e-3];
 /// A tip stands over a box or a hull around its region unless that is this much larger than what surrounds it closely.
 const WIDE: f64 = 2.0;
+/// Cells of a region in plan at most.
+const MOST_CELLS: f64 = 2e6;
 /// Cells of a margin, into which a region is divided in plan.
 const CELLS: f64 = 6.0;
 /// The same where it matters how much of a region a part holds.
@@ -46,6 +51,8 @@ pub enum TipError {
 pub struct Burned<'a> {
     /// What electrodes must not enter: the mold grown by the gap.
     pub kept_clear: &'a Mesh,
+    /// The same, for distances.
+    pub exact: &'a ExactMesh,
     /// The gap upwards (mm): how far horizontal faces are moved.
     pub gap_up: f64,
 }
@@ -70,6 +77,8 @@ impl Place {
 
     /// Rectangles, runs of cells with this side (mm), that cover it in plan, counter-clockwise.
     fn cells(&self, side: f64) -> Vec<[DVec2; 4]> {
+        let size = self.bounds.size();
+        let side = side.max((size.x * size.y / MOST_CELLS).sqrt());
         let mut marked = BTreeSet::new();
         for triangle in &self.corners {
             let [a, b, c] = triangle.map(|p| p.truncate() / side);
@@ -170,8 +179,11 @@ pub fn footprint(
     let cells = place.cells(margin / CELLS);
     let touched: Vec<Outline> =
         place.cells(margin / FINE_CELLS).into_iter().filter_map(|c| Outline::new(c.to_vec())).collect();
+    // What is narrower than the gap is burned from beside it.
+    let near: Vec<Outline> =
+        grown_pieces(cells.iter().map(|c| c.to_vec()), 1.5 * burned.gap_up.max(SKIN)).into_iter().flatten().collect();
     let free_of = |outlines: &[Outline]| {
-        let is_touched = |shape: &Shape| !plane::intersection(shape, &touched).is_empty();
+        let is_touched = |shape: &Shape| !plane::intersection(shape, &near).is_empty();
         let free = plane::difference(outlines, &section.outlines);
         free.into_iter().filter(is_touched).flatten().collect::<Vec<Outline>>()
     };
@@ -202,14 +214,60 @@ pub fn footprint(
 pub fn tip(burned: &Burned, footprint: &Footprint) -> Result<Mesh, TipError> {
     let mut tip = Mesh::default();
     for shape in plane::union(&footprint.outlines, &[]) {
-        let rings: Vec<&[DVec2]> = shape.iter().map(Outline::points).collect();
-        let prism = solid::prism(&rings, footprint.low, footprint.cap)?;
-        let part = solid::difference(&prism, burned.kept_clear)?;
-        let first = tip.vertices.len() as u32;
-        tip.vertices.extend(part.vertices);
-        tip.triangles.extend(part.triangles.iter().map(|t| t.map(|i| i + first)));
+        tip = joined(tip, trimmed(burned, footprint, &shape)?);
     }
     if tip.triangles.is_empty() { Err(TipError::NoRoom) } else { Ok(tip) }
+}
+
+/// The prism over a shape less the mold. Where faces lie in one another so that the solids cannot be told apart, the shape
+/// is moved by a hair.
+fn trimmed(burned: &Burned, footprint: &Footprint, shape: &Shape) -> Result<Mesh, TipError> {
+    let mut found = Err(TipError::NoRoom);
+    for by in HAIRS {
+        let moved = if by == 0.0 { vec![shape.clone()] } else { plane::grown(shape, by) };
+        let part = |shape: &Shape| -> Result<Mesh, SolidError> {
+            let rings: Vec<&[DVec2]> = shape.iter().map(Outline::points).collect();
+            let part = solid::difference(&solid::prism(&rings, footprint.low, footprint.cap)?, burned.kept_clear)?;
+            match fault(burned, footprint, &part) {
+                None => Ok(part),
+                Some(fault) => Err(SolidError::Failed(fault.to_owned())),
+            }
+        };
+        match moved.iter().map(part).collect::<Result<Vec<Mesh>, _>>() {
+            Ok(parts) => return Ok(parts.into_iter().fold(Mesh::default(), joined)),
+            Err(error) => found = Err(error.into()),
+        }
+    }
+    found
+}
+
+/// What is wrong with a tip that was trimmed.
+fn fault(burned: &Burned, footprint: &Footprint, part: &Mesh) -> Option<&'static str> {
+    /// How far a corner may be within what is kept clear (mm), and how far faces may look up.
+    const WITHIN: f64 = 1e-5;
+    const UPWARDS: f64 = 1e-2;
+    if part.triangles.is_empty() {
+        return None;
+    }
+    if !part.is_watertight() || !solid::is_closed(part, 1e-6) {
+        return Some("the trimmed tip touches itself");
+    }
+    let is_folded = |corners: [DVec3; 3]| {
+        let twice = normal_times_two_areas(corners);
+        twice.z > UPWARDS * twice.length() && twice.length() > 1e-6 && !is_cap(corners, footprint.cap)
+    };
+    if part.iter_corners().any(is_folded) {
+        return Some("the mold grown by the gap hangs over the tip");
+    }
+    let is_within = |p: &DVec3| burned.exact.nearest(*p).signed_distance < -WITHIN;
+    part.vertices.iter().any(is_within).then_some("the trimmed tip enters what it was trimmed by")
+}
+
+fn joined(mut all: Mesh, part: Mesh) -> Mesh {
+    let first = all.vertices.len() as u32;
+    all.vertices.extend(part.vertices);
+    all.triangles.extend(part.triangles.iter().map(|t| t.map(|i| i + first)));
+    all
 }
 
 /// Whether a triangle is part of the flat cap at this height.
