@@ -1,9 +1,11 @@
 //! Surfaces moved outwards, each face by its own distance.
 
+use std::collections::{HashMap, HashSet};
+
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
-use super::mesh::{Mesh, normal_times_two_areas};
+use super::mesh::{Mesh, normal_times_two_areas, unit_normal};
 
 /// Normals that differ by less than this are those of one face.
 const SAME: f64 = 2e-4;
@@ -13,6 +15,9 @@ const SLIVER: f64 = 1e-5;
 const SLACK: f64 = 1e-9;
 /// Normals of a vertex at most that are combined by threes; of more, those of the largest faces go first.
 const MOST: usize = 40;
+
+/// Rounds in which diagonals are turned, at most.
+const ROUNDS: usize = 50;
 
 /// Why a surface cannot be moved.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -35,7 +40,61 @@ pub fn offset(mesh: &Mesh, distance: impl Fn(DVec3) -> f64 + Sync) -> Result<Mes
         least_shift(&planes).map(|shift| *vertex + shift).ok_or(OffsetError::Pointed(*vertex))
     };
     let vertices = mesh.vertices.par_iter().zip(&normals).map(moved).collect::<Result<_, _>>()?;
-    Ok(Mesh { vertices, triangles: mesh.triangles.clone() })
+    let mut grown = Mesh { vertices, triangles: mesh.triangles.clone() };
+    unfold(&mut grown, mesh);
+    Ok(grown)
+}
+
+/// Turns diagonals of flat faces so that no triangle of them lies upside down: corners that move across a thin one leave it
+/// so.
+fn unfold(grown: &mut Mesh, mesh: &Mesh) {
+    let normals: Vec<DVec3> = mesh.iter_corners().map(unit_normal).collect();
+    let area = |vertices: &[DVec3], [a, b, c]: [u32; 3], normal: DVec3| {
+        let [a, b, c] = [a, b, c].map(|v| vertices[v as usize]);
+        normal.dot((b - a).cross(c - a))
+    };
+    for _ in 0..ROUNDS {
+        let mut sides = HashMap::new();
+        for (i, &[a, b, c]) in grown.triangles.iter().enumerate() {
+            [(a, b), (b, c), (c, a)].into_iter().for_each(|side| {
+                sides.insert(side, i);
+            });
+        }
+        let is_turned = |i: &usize| area(&grown.vertices, grown.triangles[*i], normals[*i]) < 0.0;
+        let turned: Vec<usize> = (0..grown.triangles.len()).filter(is_turned).collect();
+        let mut touched = HashSet::new();
+        for &i in &turned {
+            let [a, b, c] = grown.triangles[i];
+            let mut best: Option<(f64, usize, [[u32; 3]; 2])> = None;
+            for [from, to, tip] in [[a, b, c], [b, c, a], [c, a, b]] {
+                let Some(&j) = sides.get(&(to, from)) else { continue };
+                let is_flat = normals[j].distance_squared(normals[i]) < SAME * SAME;
+                if !is_flat || touched.contains(&j) || touched.contains(&i) {
+                    continue;
+                }
+                let Some(&other) = grown.triangles[j].iter().find(|v| **v != from && **v != to) else { continue };
+                let pair = [[from, other, tip], [other, to, tip]];
+                if sides.contains_key(&(other, tip)) || sides.contains_key(&(tip, other)) {
+                    continue;
+                }
+                let least = |pair: [[u32; 3]; 2]| {
+                    pair.map(|t| area(&grown.vertices, t, normals[i])).into_iter().fold(f64::INFINITY, f64::min)
+                };
+                let found = least(pair);
+                let before = least([grown.triangles[i], grown.triangles[j]]);
+                if found > before && best.as_ref().is_none_or(|(most, ..)| found > *most) {
+                    best = Some((found, j, pair));
+                }
+            }
+            if let Some((_, j, [one, two])) = best {
+                (grown.triangles[i], grown.triangles[j]) = (one, two);
+                touched.extend([i, j]);
+            }
+        }
+        if touched.is_empty() {
+            return;
+        }
+    }
 }
 
 /// The different normals of the faces around each vertex, those of the largest triangles first.
