@@ -214,6 +214,7 @@ impl SparkpathApp {
             Purpose::Mold => self.choose_mold(path, ctx),
             Purpose::Cutters | Purpose::OtherCutters => self.load_cutters(&path, purpose == Purpose::OtherCutters),
             Purpose::SaveCutters => self.save_cutters(&path),
+            Purpose::ElectrodeFolder => self.export_electrodes(&path),
             Purpose::SaveMold => self.write_mold(&path, ctx),
             Purpose::Post => self.take_post(&path),
             Purpose::Machine => self.take_machine(&path),
