@@ -11,7 +11,7 @@ pub fn show(ui: &mut Ui, core: &mut Core, made: &Designed, electrode: usize) {
     let Some(findings) = made.set.checks.get(electrode) else { return };
     for finding in findings {
         let colours = palette(ui);
-        let (sign, colour) = if finding.holds { ("\u{2713}", colours.good) } else { ("\u{2717}", colours.bad) };
+        let (sign, colour) = if finding.holds { ("\u{2714}", colours.good) } else { ("\u{2716}", colours.bad) };
         ui.horizontal_top(|ui| {
             ui.label(RichText::new(sign).color(colour));
             if let Some(place) = finding.place.filter(|_| !finding.holds) {

@@ -159,9 +159,9 @@ fn cell(ui: &mut Ui, made: &Designed, (i, entry): (usize, &ElectrodeEntry), colu
             ui.spacing_mut().item_spacing.x = 1.0;
             for check in &entry.checks {
                 let (sign, colour) = match check.state {
-                    CheckState::Failed => ("\u{2717}", palette(ui).bad),
+                    CheckState::Failed => ("\u{2716}", palette(ui).bad),
                     CheckState::NotMade => ("\u{2013}", palette(ui).faint),
-                    _ => ("\u{2713}", palette(ui).good),
+                    _ => ("\u{2714}", palette(ui).good),
                 };
                 let label = egui::Label::new(RichText::new(sign).color(colour)).selectable(false);
                 ui.add(label).on_hover_text(format!("{}: {}", check.kind.name(), check.text));
