@@ -22,7 +22,9 @@ const BURNS: u32 = 1 << 12;
 /// How near to the lowest corner of an electrode a face is its floor (mm).
 const FLOOR: f64 = 1e-3;
 /// Height of the picture of a section in parts of the depth of the burn.
-const SECTION_DEPTHS: f64 = 1.6;
+const SECTION_DEPTHS: f64 = 1.8;
+/// How far above its lowest face the middle of that picture is, in the same parts: below are the controls.
+const SECTION_MIDDLE: f64 = 0.3;
 /// Opacity of the burns beside the one that is looked at.
 const BESIDE: f32 = 0.35;
 
@@ -199,8 +201,10 @@ impl ElectrodeScene<'_> {
                     continue;
                 }
                 let Some(placement) = self.placement(at) else { continue };
-                let object = Object::new(at.id(), shape.shape.clone(), electrode_colour(self.set, e)).at(placement);
-                let is_beside = self.selected.is_some_and(|selected| selected.electrode == e) && !is_it;
+                let mut object = Object::new(at.id(), shape.shape.clone(), electrode_colour(self.set, e)).at(placement);
+                object.selected = is_it && !self.is_alone;
+                let is_beside =
+                    self.exploded == 0.0 && self.selected.is_some_and(|selected| selected.electrode == e) && !is_it;
                 scene.objects.push(if is_beside { object.with_opacity(BESIDE) } else { object });
             }
         }
@@ -251,7 +255,7 @@ impl BurnCut {
         let plane = self.plane(at, set, shapes, opening)?;
         let depth = at.find(set)?.1.depth.max(0.1);
         let up = opening.in_mesh(DVec3::Z);
-        Some(onto_section(&plane, up, plane.point + 0.5 * depth * up, SECTION_DEPTHS * depth))
+        Some(onto_section(&plane, up, plane.point + SECTION_MIDDLE * depth * up, SECTION_DEPTHS * depth))
     }
 }
 

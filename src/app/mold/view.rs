@@ -137,23 +137,26 @@ impl SceneKey {
 
 impl MoldView {
     /// Goes where the electrodes want it.
-    fn fly(&mut self, core: &mut Core, now: f64) {
-        match core.mold.electrodes.fly.take() {
-            Some(Fly::Into(bounds)) => self.viewport.fly_into(&bounds, now),
-            Some(Fly::Onto(camera)) => {
+    fn fly(&mut self, core: &mut Core, ui: &Ui) {
+        let Some(fly) = core.mold.electrodes.fly.take() else { return };
+        let now = ui.input(|i| i.time);
+        ui.ctx().request_repaint();
+        match fly {
+            Fly::Into(bounds) => self.viewport.fly_into(&bounds, now),
+            Fly::Onto(camera) => {
                 self.before.get_or_insert(*self.viewport.camera().0);
                 self.viewport.fly_onto(camera, now);
             }
-            Some(Fly::Back) => {
+            Fly::Back => {
                 if let Some(before) = self.before.take() {
                     self.viewport.fly_onto(before, now);
                 }
             }
-            Some(Fly::Above) => {
+            Fly::Above => {
                 let up = core.mold.params.opening.in_mesh(glam::DVec3::Z);
                 self.viewport.turn_to(up, now);
             }
-            None => {}
+            Fly::All => self.viewport.fit(true),
         }
     }
 
@@ -167,11 +170,11 @@ impl MoldView {
         if let Some(bounds) = core.mold.fly_to.take().and_then(|i| core.mold.bounds(i)) {
             self.viewport.fly_into(&bounds.grown(0.6 * bounds.size().length()), ui.input(|i| i.time));
         }
-        self.fly(core, ui.input(|i| i.time));
         let fitted_to = core.mold.work.mold().map_or(0, |mold| Arc::as_ptr(mold) as usize);
         let navigation = core.preferences.navigation;
         let (rect, clicked) =
             self.viewport.show_scene(ui, navigation, &self.scene, (fitted_to, core.mold.electrodes.is_playing));
+        self.fly(core, ui);
         if let Some(picked) = clicked {
             click(core, picked);
         }

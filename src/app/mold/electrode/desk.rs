@@ -25,6 +25,8 @@ const AROUND: f64 = 0.06;
 pub enum Fly {
     /// So that this box fills it (in the axes of the mesh).
     Into(Bounds),
+    /// So that everything is seen.
+    All,
     /// Onto a cut.
     Onto(Camera),
     /// Back to before that.

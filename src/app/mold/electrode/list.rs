@@ -14,7 +14,7 @@ use crate::views::{BurnOf, electrode_colour};
 
 /// The columns with their widths (points); the name takes what the others leave. Regions and blank need room.
 const COLUMNS: [(&str, f32); 6] =
-    [("electrode", 0.0), ("burns", 36.0), ("regions", 46.0), ("blank", 70.0), ("min", 34.0), ("checks", 66.0)];
+    [("electrode", 0.0), ("burns", 36.0), ("regions", 46.0), ("blank", 70.0), ("min", 34.0), ("checks", 80.0)];
 /// Below this width (points) there are the most needed ones only.
 const NARROW: f32 = 330.0;
 /// Which they are.
@@ -74,6 +74,7 @@ fn stages(ui: &mut Ui, core: &mut Core, made: &Designed) {
 }
 
 fn table(ui: &mut Ui, core: &mut Core, made: &Designed) {
+    ui.spacing_mut().item_spacing.x = 4.0;
     let is_narrow = ui.available_width() < NARROW;
     let columns: Vec<usize> = if is_narrow { NEEDED.to_vec() } else { (0..COLUMNS.len()).collect() };
     let mut builder = TableBuilder::new(ui)

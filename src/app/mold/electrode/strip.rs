@@ -5,6 +5,7 @@ use egui::{Rect, RichText, Role, Slider, Ui, UiBuilder, WidgetInfo, vec2};
 use super::super::super::commands::Command;
 use super::super::super::core::Core;
 use super::super::super::theme::palette;
+use super::desk::Fly;
 use crate::views::{BurnCut, BurnPhase, MoldLook};
 
 /// Draws them, if electrodes are looked at.
@@ -47,7 +48,10 @@ fn looks(ui: &mut Ui, core: &mut Core) {
     }
     let label = ui.label(RichText::new("Lifted out").color(palette(ui).faint));
     ui.spacing_mut().slider_width = (ui.available_width() - 20.0).clamp(40.0, 240.0);
-    ui.add(Slider::new(&mut desk.exploded, 0.0..=1.0).show_value(false)).labelled_by(label.id);
+    let slider = ui.add(Slider::new(&mut desk.exploded, 0.0..=1.0).show_value(false)).labelled_by(label.id);
+    if slider.changed() {
+        desk.fly = Some(Fly::All);
+    }
 }
 
 fn way(ui: &mut Ui, core: &mut Core) {
