@@ -11,8 +11,8 @@ use sparkpath::views::BurnOf;
 use crate::desk::{Desk, Home};
 
 /// A window on the stepped mold with electrodes, for which nothing but Design was pressed.
-fn designed(home: &Home) -> Desk {
-    let mut desk = home.start(Opening::Mold(Some(home.mold())));
+fn designed(home: &Home, pixels: [u16; 2]) -> Desk {
+    let mut desk = home.start_in(Opening::Mold(Some(home.mold())), pixels, 1.0);
     desk.take_cutters(&[Cutter::flat(3.0)]);
     let mut params = desk.mold().params.clone();
     params.electrodes.cutters = Some(CutterLibrary { cutter: vec![Cutter::flat(1.0)] });
@@ -34,7 +34,7 @@ fn bodies(desk: &Desk) -> usize {
 #[test]
 fn electrodes_are_designed_looked_at_changed_and_exported() {
     let home = Home::new();
-    let mut desk = designed(&home);
+    let mut desk = designed(&home, [1280, 720]);
     assert_eq!(desk.mold().state(), StageState::Done, "what is left was found first");
     let made = desk.mold().electrodes.designed().unwrap().clone();
     let burns: usize = made.set.electrodes.iter().map(|e| e.burns.len()).sum();
@@ -108,9 +108,10 @@ fn electrodes_are_designed_looked_at_changed_and_exported() {
 #[test]
 fn a_region_is_made_in_another_way_and_a_part_is_split_by_two_clicks() {
     let home = Home::new();
-    let mut desk = designed(&home);
+    let mut desk = designed(&home, [1000, 700]);
     desk.mold_mut().electrodes.select(BurnOf { electrode: 0, burn: 0 });
     desk.settle();
+    desk.picture("electrodes_1000_dark");
     let made = desk.mold().electrodes.designed().unwrap().clone();
     let region = made.set.electrodes[0].burns[0].parts[0].region;
     let place = made.places[region].unwrap();

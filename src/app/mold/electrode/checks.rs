@@ -21,6 +21,8 @@ pub fn show(ui: &mut Ui, core: &mut Core, made: &Designed, electrode: usize) {
                     && let Some(mold) = core.mold.work.mold()
                 {
                     let bounds = mold.shape.bounds();
+                    // Others would hide it.
+                    core.mold.electrodes.is_alone = true;
                     core.mold.electrodes.point_at(place, &bounds);
                 }
             }

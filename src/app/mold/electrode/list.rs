@@ -14,7 +14,7 @@ use crate::views::{BurnOf, electrode_colour};
 
 /// The columns with their widths (points); the name takes what the others leave. Regions and blank need room.
 const COLUMNS: [(&str, f32); 6] =
-    [("electrode", 0.0), ("burns", 36.0), ("regions", 46.0), ("blank", 70.0), ("min", 34.0), ("checks", 80.0)];
+    [("name", 0.0), ("burns", 30.0), ("regions", 42.0), ("blank", 60.0), ("min", 28.0), ("checks", 64.0)];
 /// Below this width (points) there are the most needed ones only.
 const NARROW: f32 = 330.0;
 /// Which they are.
@@ -157,14 +157,14 @@ fn cell(ui: &mut Ui, made: &Designed, (i, entry): (usize, &ElectrodeEntry), colu
         }
         4 => text(ui, format!("{:.0}", entry.minutes)),
         _ => {
-            ui.spacing_mut().item_spacing.x = 1.0;
+            ui.spacing_mut().item_spacing.x = 0.0;
             for check in &entry.checks {
                 let (sign, colour) = match check.state {
                     CheckState::Failed => ("\u{2716}", palette(ui).bad),
                     CheckState::NotMade => ("\u{2013}", palette(ui).faint),
                     _ => ("\u{2714}", palette(ui).good),
                 };
-                let label = egui::Label::new(RichText::new(sign).color(colour)).selectable(false);
+                let label = egui::Label::new(RichText::new(sign).small().color(colour)).selectable(false);
                 ui.add(label).on_hover_text(format!("{}: {}", check.kind.name(), check.text));
             }
         }
@@ -185,6 +185,7 @@ fn without(ui: &mut Ui, core: &mut Core, made: &Designed) {
                 && let (Some(place), Some(mold)) = (place, core.mold.work.mold())
             {
                 let bounds = mold.shape.bounds();
+                core.mold.electrodes.deselect();
                 core.mold.electrodes.point_at(place, &bounds);
             }
             let text = format!("Region {} has no electrode: {why}", region + 1);
