@@ -290,7 +290,7 @@ impl SparkpathApp {
         match copy.work() {
             Ok(Recovered::Blisk(document)) => self.replace(*document),
             Ok(Recovered::Mold(params, file)) => {
-                self.core.mold.recover(params, file.as_deref());
+                self.core.mold.recover(*params, file.as_deref());
                 self.core.mold.is_shown = true;
             }
             Err(why) => {
