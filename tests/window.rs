@@ -8,6 +8,8 @@ mod approving;
 mod common;
 #[path = "window/desk.rs"]
 mod desk;
+#[path = "window/electrodes.rs"]
+mod electrodes;
 #[path = "window/exporting.rs"]
 mod exporting;
 #[path = "window/failures.rs"]

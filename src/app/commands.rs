@@ -49,6 +49,9 @@ pub enum Command {
     BliskWorkspace,
     MoldWorkspace,
     FindUncut,
+    DesignElectrodes,
+    /// Shows regions or electrodes.
+    Electrodes,
     CompareCutters,
     FlyToRegion,
     Isolate,
@@ -100,6 +103,8 @@ impl Command {
             C::BliskWorkspace,
             C::MoldWorkspace,
             C::FindUncut,
+            C::DesignElectrodes,
+            C::Electrodes,
             C::CompareCutters,
             C::FlyToRegion,
             C::Isolate,
@@ -157,6 +162,8 @@ impl Command {
             Self::BliskWorkspace => "Workspace: blisk feed",
             Self::MoldWorkspace => "Workspace: mold",
             Self::FindUncut => "Find what is left uncut",
+            Self::DesignElectrodes => "Design electrodes",
+            Self::Electrodes => "Regions or electrodes",
             Self::CompareCutters => "Compare with other cutters",
             Self::FlyToRegion => "Fly to the region",
             Self::Isolate => "Show only this region",
@@ -192,6 +199,8 @@ impl Command {
             Self::Preferences => (CTRL, Key::Comma),
             Self::Plan => (NONE, Key::F5),
             Self::FindUncut => (NONE, Key::F6),
+            Self::DesignElectrodes => (NONE, Key::F7),
+            Self::Electrodes => (NONE, Key::E),
             Self::Isolate => (NONE, Key::I),
             Self::Layers => (NONE, Key::L),
             Self::DepthColours => (NONE, Key::D),
@@ -222,7 +231,8 @@ impl Command {
 
     /// Whether its keys are those that text fields and sliders need for themselves.
     fn yields_to_focus(self) -> bool {
-        self.shortcut().is_some_and(|s| s.modifiers == Modifiers::NONE && !matches!(s.logical_key, Key::F5 | Key::F6))
+        self.shortcut()
+            .is_some_and(|s| s.modifiers == Modifiers::NONE && !matches!(s.logical_key, Key::F5 | Key::F6 | Key::F7))
     }
 
     /// Its name with its keys, for a tooltip.
@@ -239,9 +249,18 @@ impl Command {
         match self {
             _ if !self.is_of_workspace(mold.is_shown) => false,
             Self::Cancel if mold.is_shown => mold.work.is_busy(),
-            Self::FindUncut => mold.work.mold_state(&mold.params) == StageState::Done,
+            Self::FindUncut | Self::DesignElectrodes => mold.work.mold_state(&mold.params) == StageState::Done,
+            Self::Electrodes => mold.electrodes.designed().is_some(),
+            Self::FlyToRegion | Self::Isolate if mold.electrodes.seen().is_some() => mold.electrodes.chosen().is_some(),
+            Self::Section | Self::Play | Self::NextNode | Self::PreviousNode | Self::FirstNode | Self::LastNode
+                if mold.is_shown =>
+            {
+                mold.electrodes.seen().is_some() && mold.electrodes.chosen().is_some()
+            }
+            Self::Export if mold.is_shown => mold.is_designed(),
             Self::CompareCutters => mold.state() == StageState::Done,
             Self::FlyToRegion | Self::Isolate => mold.selected.is_some(),
+            Self::Layers if mold.electrodes.seen().is_some() => false,
             Self::Layers => mold.found().is_some_and(|found| !found.uncut.layers.is_empty()),
             Self::Undo | Self::Redo if mold.is_shown => mold.undo_label(self == Self::Redo).is_some(),
             Self::Undo => core.document.undo_label().is_some(),
@@ -267,7 +286,9 @@ impl Command {
     fn is_of_workspace(self, of_molds: bool) -> bool {
         use Command as C;
         match self {
-            C::FindUncut | C::CompareCutters | C::FlyToRegion => of_molds,
+            C::FindUncut | C::DesignElectrodes | C::Electrodes | C::CompareCutters | C::FlyToRegion => of_molds,
+            C::Section | C::Export => true,
+            C::Play | C::NextNode | C::PreviousNode | C::FirstNode | C::LastNode => true,
             C::Isolate | C::Layers | C::DepthColours | C::FaintMold | C::FoldPanel | C::FoldList => of_molds,
             C::Open | C::Reload | C::Quit | C::Preferences | C::Cancel | C::Fit | C::View(_) | C::Projection => true,
             C::BliskWorkspace | C::MoldWorkspace | C::Save | C::SaveAs | C::Undo | C::Redo => true,

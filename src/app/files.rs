@@ -33,6 +33,8 @@ pub enum Purpose {
     OtherCutters,
     /// Where the mold is saved.
     SaveMold,
+    /// Folder for the files of electrodes.
+    ElectrodeFolder,
     /// Where the cutters are saved.
     SaveCutters,
     /// The mesh that was at this path.
@@ -86,6 +88,7 @@ impl Purpose {
             Self::OtherCutters => "Load cutters to compare with",
             Self::SaveMold => "Save mold",
             Self::SaveCutters => "Save cutters",
+            Self::ElectrodeFolder => "Folder for the electrodes",
             Self::MovedMesh(_) => "Find the mesh",
         }
     }
@@ -100,7 +103,7 @@ impl Purpose {
             Self::Open | Self::ExportFolder | Self::ElectrodeMesh | Self::Post | Self::Machine | Self::MovedMesh(_) => {
                 None
             }
-            Self::Mold | Self::Cutters | Self::OtherCutters => None,
+            Self::Mold | Self::Cutters | Self::OtherCutters | Self::ElectrodeFolder => None,
         }
     }
 
@@ -177,7 +180,7 @@ impl FileDialogs {
                 }
                 Purpose::Machine => dialog.set_title(purpose.title()).add_filter("Machine", &["toml"]).pick_file(),
                 Purpose::Post => dialog.set_title(purpose.title()).add_filter("Post", &["toml"]).pick_file(),
-                Purpose::ExportFolder => dialog.set_title(purpose.title()).pick_folder(),
+                Purpose::ExportFolder | Purpose::ElectrodeFolder => dialog.set_title(purpose.title()).pick_folder(),
             };
             let _ = sender.send(path);
             ctx.request_repaint();

@@ -45,11 +45,12 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<std::path::PathBuf> {
         }
         if core.mold.is_shown {
             ui.menu_button("Mold", |ui| {
-                for command in [Command::FindUncut, Command::CompareCutters, Command::Cancel] {
+                for command in [Command::FindUncut, Command::DesignElectrodes, Command::CompareCutters, Command::Cancel]
+                {
                     item(ui, core, command);
                 }
                 ui.separator();
-                for command in [Command::Layers, Command::DepthColours, Command::FaintMold] {
+                for command in [Command::Electrodes, Command::Layers, Command::DepthColours, Command::FaintMold] {
                     item(ui, core, command);
                 }
                 ui.separator();

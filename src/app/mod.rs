@@ -34,7 +34,7 @@ mod tuning;
 mod viewport;
 mod viewport_gpu;
 
-pub use mold::{Column, MoldDesk};
+pub use mold::{Column, ElectrodeDesk, MoldDesk};
 pub use preferences::{Preferences, ThemeChoice};
 pub use run::{Folders, Opening, SparkpathApp};
 pub use startup::{Window, preflight, run_window};

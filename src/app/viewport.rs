@@ -142,7 +142,7 @@ impl Viewport {
         ui: &mut Ui,
         navigation: Navigation,
         scene: &Arc<Scene>,
-        fitted_to: usize,
+        (fitted_to, is_playing): (usize, bool),
     ) -> (Rect, Option<Option<Pick>>) {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "3D viewport"));
@@ -157,7 +157,7 @@ impl Viewport {
         let at = response.interact_pointer_pos().filter(|_| response.clicked());
         let clicked = at.map(|at| pick(&self.scene, &self.camera, self.pixel(ui, rect, at), self.size));
         self.fly(ui);
-        let quality = self.quality(ui, false, false);
+        let quality = self.quality(ui, false, is_playing);
         let picture = Picture { scene: self.scene.clone(), camera: self.camera, size: self.size, quality };
         ui.painter().add(eframe::egui_wgpu::Callback::new_paint_callback(rect, picture));
         (rect, clicked)
@@ -294,6 +294,11 @@ impl Viewport {
     pub fn fly_into(&mut self, bounds: &Bounds, now: f64) {
         let mut camera = self.camera;
         camera.fit(bounds, self.aspect());
+        self.fly_to(camera, now);
+    }
+
+    /// Turns to `camera`.
+    pub fn fly_onto(&mut self, camera: Camera, now: f64) {
         self.fly_to(camera, now);
     }
 

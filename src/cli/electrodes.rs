@@ -1,6 +1,7 @@
 //! `sparkpath electrodes`: electrodes for what milling cutters leave of a mold.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 
@@ -20,8 +21,9 @@ use crate::mold::electrode::params::{ElectrodeParams, Shape};
 use crate::mold::opening::Opening;
 use crate::project::cutter_file::read_cutters;
 use crate::project::electrode_file::{load_electrodes, load_holders, read_electrodes, read_holders};
+use crate::render::mesh::RenderMesh;
 use crate::render::offscreen::Offscreen;
-use crate::views::{PICTURE_SIZE, electrode_pictures};
+use crate::views::{PICTURE_SIZE, electrode_pictures, electrode_shapes};
 
 #[derive(Debug, Args)]
 pub(super) struct ElectrodesArguments {
@@ -151,7 +153,8 @@ fn pictures(
 ) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
     let mut offscreen = Offscreen::new()?;
     let mut drawn = Vec::new();
-    for picture in electrode_pictures(mesh, set, opening) {
+    let (shapes, mold) = (electrode_shapes(set), Arc::new(RenderMesh::new(mesh)));
+    for picture in electrode_pictures(set, &shapes, &mold, opening) {
         session.progress.report("pictures", 0.0, &picture.caption);
         let png = offscreen.png(&picture.scene, &picture.camera, PICTURE_SIZE, &session.cancel)?;
         drawn.push((picture.caption, png));

@@ -66,7 +66,7 @@ pub enum Recovered {
     /// A blisk's document.
     Blisk(Box<Document>),
     /// A mold, and the file that it was to be saved in if it had one.
-    Mold(MoldParams, Option<PathBuf>),
+    Mold(Box<MoldParams>, Option<PathBuf>),
 }
 
 /// A copy that an earlier program left behind.
@@ -196,7 +196,7 @@ impl Recovery {
     pub fn work(&self) -> Result<Recovered, String> {
         let file = self.file.clone();
         if self.is_of_mold() {
-            return Ok(Recovered::Mold(read_mold(&self.copy).map_err(|e| e.to_string())?, file));
+            return Ok(Recovered::Mold(Box::new(read_mold(&self.copy).map_err(|e| e.to_string())?), file));
         }
         let project = ProjectFile::read(&self.copy).map_err(|e| e.to_string())?;
         Ok(Recovered::Blisk(Box::new(Document::recovered(project, file))))
@@ -252,7 +252,7 @@ mod tests {
         let found = Recovery::find(&copies);
         let [mold, blisk] = &found[..] else { panic!("{found:?}") };
         let Recovered::Mold(recovered, of) = mold.work().unwrap() else { panic!("{mold:?}") };
-        assert_eq!((recovered, of), (params.clone(), Some(file)));
+        assert_eq!((recovered, of), (Box::new(params.clone()), Some(file)));
         mold.discard();
         assert_eq!(Recovery::find(&copies).as_slice(), std::slice::from_ref(blisk), "the one leaves the other alone");
         blisk.discard();

@@ -69,6 +69,7 @@ pub fn read_mold(file: &Path) -> Result<MoldParams, MoldFileError> {
 mod tests {
     use super::*;
     use crate::mold::cutter::Cutter;
+    use crate::mold::electrode::params::Edit;
     use crate::mold::opening::Opening;
 
     #[test]
@@ -78,10 +79,16 @@ mod tests {
         [&here, &there].into_iter().for_each(|f| std::fs::create_dir(f).unwrap());
         let mut params = MoldParams { mesh: Some(here.join("part.stl")), ..MoldParams::default() };
         (params.opening, params.tolerance_mm) = (Opening::MinusX, 0.05);
+        params.electrodes.edits.push(Edit::Split { line: [glam::DVec2::X, glam::DVec2::Y] });
+        params.electrodes.overrides.push("E01".to_owned());
         params.library.cutter.push(Cutter { reach_mm: Some(12.0), ..Cutter::bull_nose(3.0, 0.5) });
         let file = here.join("part.sparkmold");
         write_mold(&file, &params).unwrap();
         assert!(is_mold_file(&file) && read_mold(&file).unwrap() == params);
+        // Files from before there were electrodes say nothing of them.
+        let old = here.join("old.sparkmold");
+        std::fs::write(&old, "tolerance_mm = 0.05").unwrap();
+        assert_eq!(read_mold(&old).unwrap().electrodes, MoldParams::default().electrodes);
         std::fs::copy(&file, there.join("copy.sparkmold")).unwrap();
         assert_eq!(read_mold(&there.join("copy.sparkmold")).unwrap().mesh, Some(there.join("part.stl")));
     }
@@ -97,6 +104,7 @@ mod tests {
             ("[[library.cutter]]\ndiameter_mm = 0", "diameter_mm is 0 mm"),
             ("library = {}", "no cutter"),
             ("tolerance = 1", "unknown field"),
+            ("[electrodes]\nmargin_mm = -1", "margin_mm is -1 mm"),
         ] {
             std::fs::write(&file, text).unwrap();
             let said = read_mold(&file).unwrap_err().to_string();

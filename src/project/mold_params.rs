@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::cutter_file::standard_cutters;
 use crate::mesh_io::Units;
 use crate::mold::cutter::CutterLibrary;
+use crate::mold::electrode::params::{Edit, ElectrodeParams};
 use crate::mold::opening::Opening;
 
 /// A mold and the question about it.
@@ -23,6 +24,8 @@ pub struct MoldParams {
     pub tolerance_mm: f64,
     /// The cutters.
     pub library: CutterLibrary,
+    /// What is asked of electrodes for what they leave.
+    pub electrodes: ElectrodeParams,
 }
 
 impl Default for MoldParams {
@@ -34,6 +37,7 @@ impl Default for MoldParams {
             tolerance_mm: 0.02,
             // A program that was built with a file that is none has no cutters to begin with.
             library: standard_cutters().unwrap_or_default(),
+            electrodes: ElectrodeParams::default(),
         }
     }
 }
@@ -53,13 +57,19 @@ impl MoldParams {
         self.library.validate().map_err(|e| e.to_string())?;
         let tolerance = self.tolerance_mm;
         let is_possible = (1e-4..=10.0).contains(&tolerance);
-        is_possible.then_some(()).ok_or_else(|| format!("tolerance_mm is {tolerance}: it must be from 0.0001 to 10 mm"))
+        if !is_possible {
+            return Err(format!("tolerance_mm is {tolerance}: it must be from 0.0001 to 10 mm"));
+        }
+        self.electrodes.validate().map_err(|e| format!("electrodes: {e}"))
     }
 
     /// What makes these parameters others than those of `before`, as a step that can be undone is called.
     pub fn change_since(&self, before: &Self) -> String {
         if self.library != before.library {
             return change_of_cutters(&self.library, &before.library);
+        }
+        if self.electrodes != before.electrodes {
+            return change_of_electrodes(&self.electrodes, &before.electrodes);
         }
         let what = [
             (self.mesh != before.mesh, "Mesh"),
@@ -91,4 +101,45 @@ fn change_of_cutters(now: &CutterLibrary, before: &CutterLibrary) -> String {
     ];
     let name = what.iter().find(|(differs, _)| *differs).map_or("Holder", |(_, name)| name);
     format!("{name} of cutter {}", i + 1)
+}
+
+/// The same of electrodes.
+fn change_of_electrodes(now: &ElectrodeParams, before: &ElectrodeParams) -> String {
+    if now.edits.len() < before.edits.len() {
+        return "Removal of a change".to_owned();
+    }
+    if now.edits != before.edits {
+        let name = match now.edits.last() {
+            Some(Edit::Merge { .. }) => "Merged parts",
+            Some(Edit::Split { .. }) => "Split part",
+            Some(Edit::Burn { .. }) => "Burn direction",
+            _ => "Method of a region",
+        };
+        return name.to_owned();
+    }
+    if let Some(name) = now.overrides.iter().find(|name| !before.overrides.contains(name)) {
+        return format!("Override of {name}");
+    }
+    if now.overrides != before.overrides {
+        return "Override taken back".to_owned();
+    }
+    match now.stages.len().cmp(&before.stages.len()) {
+        std::cmp::Ordering::Greater => return "New stage".to_owned(),
+        std::cmp::Ordering::Less => return "Removal of a stage".to_owned(),
+        std::cmp::Ordering::Equal => {}
+    }
+    let what = [
+        (now.stages != before.stages, "Stage"),
+        (now.margin_mm != before.margin_mm, "Margin"),
+        (now.extension_mm != before.extension_mm, "Extension"),
+        (now.base_height_mm != before.base_height_mm, "Base height"),
+        (now.base_margin_mm != before.base_margin_mm, "Base margin"),
+        (now.share != before.share, "Sharing"),
+        (now.together_mm != before.together_mm, "Tips together"),
+        (now.lift_mm != before.lift_mm, "Lift"),
+        (now.shape != before.shape, "Shape in files"),
+        (now.material != before.material, "Material"),
+        (now.holders != before.holders, "Holders"),
+    ];
+    what.iter().find(|(differs, _)| *differs).map_or("Electrodes", |(_, name)| name).to_owned()
 }

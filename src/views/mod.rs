@@ -5,6 +5,7 @@ mod camera;
 mod caps;
 mod colours;
 mod electrode_pictures;
+mod electrodes;
 mod leftover;
 mod machine;
 mod mold;
@@ -17,12 +18,15 @@ mod values;
 
 pub use camera::{NamedView, bodies, into_channel, standard};
 pub use colours::mesh_colour;
-pub use electrode_pictures::{ElectrodePicture, burning_mesh, electrode_pictures};
+pub use electrode_pictures::{ElectrodePicture, electrode_pictures};
+pub use electrodes::{
+    BurnCut, BurnOf, BurnPhase, BurnWay, ElectrodeScene, ElectrodeShape, electrode_colour, electrode_shapes,
+};
 pub use leftover::{LeftoverShape, colour_limit, leftover_legend};
 pub use machine::{BodyShape, MachineBody, Moment, WholeMotion, body_shapes, meeting};
 pub use mold::{
-    MoldLayer, MoldPart, MoldScene, RegionColours, RegionShape, build_mold, depth_legend, faces_shape, mold_part,
-    region_colour, region_shapes,
+    MoldLayer, MoldLook, MoldPart, MoldScene, RegionColours, RegionShape, build_mold, depth_legend, faces_shape,
+    mold_part, region_colour, region_shapes,
 };
 pub use pictures::{PICTURE_SIZE, PlanPicture, PlanToShow, plan_pictures};
 pub use scene::{Layer, Layers, Look, SceneInputs, build, layer_id, layer_of};

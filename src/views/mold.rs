@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::colours::{BAD, STEEL};
+use super::electrodes::BurnOf;
 use crate::geometry::mesh::{Mesh, normal_times_two_areas};
 use crate::mold::opening::Opening;
 use crate::mold::piece::UncutPiece;
@@ -129,6 +130,30 @@ pub enum RegionColours {
     ByDepth,
 }
 
+/// How a mold is shown beside what is looked at on it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[allow(missing_docs)]
+pub enum MoldLook {
+    #[default]
+    Solid,
+    Faint,
+    Hidden,
+}
+
+impl MoldLook {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Solid, Self::Faint, Self::Hidden];
+
+    /// How it is called.
+    pub fn name(self) -> &'static str {
+        ["Solid", "Faint", "Hidden"][self as usize]
+    }
+
+    fn opacity(self) -> f32 {
+        [1.0, FAINT, 0.0][self as usize]
+    }
+}
+
 /// What a scene of a mold is made from.
 #[derive(Clone, Copy)]
 pub struct MoldScene<'a> {
@@ -144,8 +169,8 @@ pub struct MoldScene<'a> {
     pub deepest: f64,
     /// The one that is selected.
     pub selected: Option<usize>,
-    /// Whether the mold itself gives way to what is left on it.
-    pub is_faint: bool,
+    /// How the mold itself is shown.
+    pub look: MoldLook,
     /// The faces that look away from the cutters, if they are shown.
     pub invert: Option<&'a Arc<RenderMesh>>,
     /// What a quick look found, in place of the regions.
@@ -178,18 +203,24 @@ pub enum MoldPart {
     Mold,
     /// A region.
     Region(usize),
+    /// An electrode where it burns.
+    Burn(BurnOf),
 }
 
 /// What an object of a scene of a mold is.
 pub fn mold_part(id: ObjectId) -> MoldPart {
-    id.0.checked_sub(FIRST_REGION).map_or(MoldPart::Mold, |i| MoldPart::Region(i as usize))
+    match (BurnOf::of(id), id.0.checked_sub(FIRST_REGION)) {
+        (Some(burn), _) => MoldPart::Burn(burn),
+        (None, Some(i)) => MoldPart::Region(i as usize),
+        (None, None) => MoldPart::Mold,
+    }
 }
 
 /// The scene, in the coordinates of the loaded mesh.
 pub fn build_mold(inputs: &MoldScene) -> Scene {
     let mut scene = Scene { triad: false, ..Scene::new(inputs.theme) };
-    let opacity = if inputs.is_faint { FAINT } else { 1.0 };
-    scene.objects.push(Object::new(ObjectId(MOLD), inputs.mold.clone(), STEEL).with_opacity(opacity));
+    let mold = Object::new(ObjectId(MOLD), inputs.mold.clone(), STEEL);
+    scene.objects.push(mold.with_opacity(inputs.look.opacity()));
     let flat = |id: u32, shape: &Arc<RenderMesh>, colour| {
         let object = Object::new(ObjectId(id), shape.clone(), colour);
         Object { edges: false, ..object }
@@ -278,7 +309,7 @@ mod tests {
             colours: RegionColours::ByDepth,
             deepest: 3.0,
             selected: Some(0),
-            is_faint: false,
+            look: MoldLook::Solid,
             invert: None,
             glance: None,
             layer: Some(layer),

@@ -49,7 +49,7 @@ impl egui::DroppedFile for Dropped {
 }
 
 impl Home {
-    fn mold(&self) -> PathBuf {
+    pub fn mold(&self) -> PathBuf {
         let file = self.path("stepped.stl");
         write_stl(&file, &stepped()).unwrap();
         file
@@ -57,11 +57,11 @@ impl Home {
 }
 
 impl Desk {
-    fn mold(&self) -> &MoldDesk {
+    pub fn mold(&self) -> &MoldDesk {
         &self.app().core().mold
     }
 
-    fn take_cutters(&mut self, cutters: &[Cutter]) {
+    pub fn take_cutters(&mut self, cutters: &[Cutter]) {
         let mold = &mut self.window.state_mut().core_mut().mold;
         let mut params = mold.params.clone();
         params.library = CutterLibrary { cutter: cutters.to_vec() };
@@ -75,7 +75,7 @@ impl Desk {
         self.until("the mold is at rest", |d| !d.mold().work.is_busy());
     }
 
-    fn until_loaded(&mut self) {
+    pub fn until_loaded(&mut self) {
         self.until("the mold is loaded", |d| d.mold().work.mold_state(&d.mold().params) == StageState::Done);
     }
 
@@ -89,7 +89,7 @@ impl Desk {
 }
 
 /// A window on the mold with one flat cutter of 6 mm, and what it leaves found.
-fn found(home: &Home) -> Desk {
+pub fn found(home: &Home) -> Desk {
     let mut desk = home.start(Opening::Mold(Some(home.mold())));
     desk.take_cutters(&[Cutter::flat(3.0)]);
     desk.until_loaded();
@@ -417,7 +417,7 @@ fn a_mold_in_a_window_of_1280_by_720_at_200_percent() {
 }
 
 impl Desk {
-    fn mold_mut(&mut self) -> &mut MoldDesk {
+    pub fn mold_mut(&mut self) -> &mut MoldDesk {
         &mut self.window.state_mut().core_mut().mold
     }
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::electrode::ElectrodeDesk;
 use super::list::Column;
 use crate::geometry::mesh::Bounds;
 use crate::jobs::mold::{FoundUncut, Glance, MoldEvent, MoldWork};
@@ -82,6 +83,8 @@ pub struct MoldDesk {
     gesture: u64,
     /// When something was last changed of which the answer is not known.
     edited: Option<Instant>,
+    /// Electrodes for what is left.
+    pub electrodes: ElectrodeDesk,
     /// The answer that the present selection belongs to.
     shown: Option<Arc<FoundUncut>>,
 }
@@ -120,6 +123,7 @@ impl MoldDesk {
             fly_to: None,
             file: None,
             edited: None,
+            electrodes: ElectrodeDesk::default(),
             shown: None,
         })
     }
@@ -184,8 +188,12 @@ impl MoldDesk {
     }
 
     fn change_to(&mut self, params: MoldParams) {
+        // What is left does not depend on electrodes.
+        let is_asked_anew = MoldParams { electrodes: self.params.electrodes.clone(), ..params.clone() } != self.params;
         self.params = params;
-        self.edited = Some(Instant::now());
+        if is_asked_anew {
+            self.edited = Some(Instant::now());
+        }
     }
 
     /// Takes the last step back, or does the one again that was taken back last (`again`). The mold stays.
@@ -215,6 +223,25 @@ impl MoldDesk {
         self.work.find(&self.params)
     }
 
+    /// Begins to make electrodes for what is left, which is looked for first if it is not known.
+    ///
+    /// # Errors
+    /// One line why none can be made.
+    pub fn design(&mut self) -> Result<(), String> {
+        self.edited = None;
+        self.work.design(&self.params)
+    }
+
+    /// How the electrodes for the present parameters stand.
+    pub fn design_state(&self) -> StageState {
+        self.work.design_state(&self.params)
+    }
+
+    /// Whether the electrodes that are shown are those of the present parameters.
+    pub fn is_designed(&self) -> bool {
+        self.work.is_designed_of(&self.params)
+    }
+
     /// Takes in what has been made, once a frame. Answers what has happened, and after how long there is something to be
     /// done again.
     pub fn follow(&mut self, hands: Hands) -> (Vec<MoldEvent>, Option<Duration>) {
@@ -225,6 +252,7 @@ impl MoldDesk {
         self.hands = hands;
         let mut events = self.work.follow(&self.params);
         self.follow_answer();
+        self.electrodes.follow(self.work.designed());
         let state = self.state();
         if state == StageState::Done {
             self.edited = None;

@@ -4,6 +4,7 @@
 mod compare;
 mod cutters;
 mod desk;
+mod electrode;
 mod folds;
 mod list;
 mod panel;
@@ -11,11 +12,13 @@ mod strip;
 mod view;
 
 pub use desk::{Hands, MoldDesk};
+pub use electrode::ElectrodeDesk;
 pub use list::Column;
 pub use view::MoldView;
 
-use egui::{Panel, Ui};
+use egui::{Panel, Role, Ui, WidgetInfo};
 
+use super::commands::Command;
 use super::core::Core;
 use super::files::Purpose;
 
@@ -35,7 +38,7 @@ pub fn show(ui: &mut Ui, core: &mut Core, view: &mut MoldView) -> Option<Purpose
     if wide && core.mold.shows_list {
         let width = (0.35 * room - 100.0).clamp(228.0, 348.0);
         let list = Panel::right("regions").default_size(width).size_range(228.0..=(0.4 * room).clamp(width, 480.0));
-        list.show(ui, |ui| list::show(ui, core));
+        list.show(ui, |ui| lists(ui, core));
     }
     egui::CentralPanel::no_frame().show(ui, |ui| {
         let rect = ui.available_rect_before_wrap();
@@ -43,4 +46,22 @@ pub fn show(ui: &mut Ui, core: &mut Core, view: &mut MoldView) -> Option<Purpose
         folds::show(ui, rect, core, wide);
     });
     asked
+}
+
+/// The list of regions or that of electrodes.
+fn lists(ui: &mut Ui, core: &mut Core) {
+    if core.mold.electrodes.designed().is_some() {
+        ui.add_space(2.0);
+        ui.horizontal(|ui| {
+            for (name, is_shown) in [("Regions", false), ("Electrodes", true)] {
+                let is_on = core.mold.electrodes.is_shown == is_shown;
+                let response = ui.selectable_label(is_on, name).on_hover_text(Command::Electrodes.hint(ui.ctx()));
+                response.widget_info(|| WidgetInfo::selected(Role::Tab, true, is_on, format!("List of {name}")));
+                if response.clicked() && !is_on {
+                    core.push(Command::Electrodes);
+                }
+            }
+        });
+    }
+    if core.mold.electrodes.seen().is_some() { electrode::list(ui, core) } else { list::show(ui, core) }
 }

@@ -8,7 +8,7 @@ use super::super::files::Purpose;
 use super::super::status::grouped;
 use super::super::stepper::{command_button, fact, notice};
 use super::super::theme::{palette, tick};
-use super::{compare, cutters, list};
+use super::{compare, cutters, electrode, list};
 use crate::jobs::mold::FoundUncut;
 use crate::jobs::pipeline::{EventKind, StageState};
 use crate::mesh_io::Units;
@@ -26,9 +26,10 @@ pub fn show(ui: &mut Ui, core: &mut Core, with_list: bool) -> Option<Purpose> {
         section(ui, "Mold", true, |ui| asked = mold(ui, core));
         section(ui, "Cutters", true, |ui| asked = library(ui, core).or(asked.take()));
         section(ui, "Uncut", true, |ui| uncut(ui, core));
+        section(ui, "Electrodes", false, |ui| electrode::form(ui, core));
         if with_list {
-            section(ui, "Regions", true, |ui| {
-                ui.allocate_ui(vec2(ui.available_width(), LIST), |ui| list::show(ui, core));
+            section(ui, "List", true, |ui| {
+                ui.allocate_ui(vec2(ui.available_width(), LIST), |ui| super::lists(ui, core));
             });
         }
         section(ui, "Compare cutters", false, |ui| asked = compare::show(ui, core).or(asked.take()));
@@ -45,7 +46,7 @@ fn section(ui: &mut Ui, name: &str, open: bool, body: impl FnOnce(&mut Ui)) {
 }
 
 /// A name before what is chosen, as in the forms of the other workspace.
-fn named<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui, egui::Id) -> R) -> R {
+pub(super) fn named<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui, egui::Id) -> R) -> R {
     let row = ui.horizontal(|ui| {
         let layout = egui::Layout::left_to_right(egui::Align::Center);
         let label = ui.allocate_ui_with_layout(vec2(84.0, 22.0), layout, |ui| {
@@ -156,6 +157,8 @@ fn uncut(ui: &mut Ui, core: &mut Core) {
     let state = core.mold.state();
     ui.horizontal(|ui| {
         command_button(ui, core, Command::FindUncut, "Find", state != StageState::Done);
+        let is_next = state == StageState::Done && !core.mold.is_designed();
+        command_button(ui, core, Command::DesignElectrodes, "Design", is_next);
         tick(ui, &mut core.mold.follows, "again after a change").on_hover_text("Once something was found");
     });
     if let Some(doing) = core.mold.work.doing().cloned() {

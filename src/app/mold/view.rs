@@ -9,13 +9,16 @@ use super::super::core::Core;
 use super::super::overlay;
 use super::super::theme::palette;
 use super::super::viewport::Viewport;
+use super::electrode::{self, Fly, Look};
 use super::strip;
-use crate::jobs::mold::{FoundUncut, Glance, LoadedMold};
+use crate::jobs::mold::{Designed, FoundUncut, Glance, LoadedMold};
 use crate::jobs::pipeline::StageState;
+use crate::render::camera::Camera;
 use crate::render::colour::Theme;
-use crate::render::scene::Scene;
+use crate::render::pick::Pick;
+use crate::render::scene::{Marker, Scene};
 use crate::render::view::StandardView;
-use crate::views::{MoldLayer, MoldPart, MoldScene, RegionColours, build_mold, depth_legend, mold_part};
+use crate::views::{MoldLayer, MoldLook, MoldPart, MoldScene, RegionColours, build_mold, depth_legend, mold_part};
 
 /// State of the view.
 #[derive(Default)]
@@ -24,6 +27,8 @@ pub struct MoldView {
     pub viewport: Viewport,
     scene: Arc<Scene>,
     key: Option<SceneKey>,
+    /// From where was looked before a cut was.
+    before: Option<Camera>,
 }
 
 /// Something that a scene was made of. It is held: the next one might else lie at its address.
@@ -48,25 +53,41 @@ struct SceneKey {
     shown: Vec<bool>,
     colours: RegionColours,
     selected: Option<usize>,
-    is_faint: bool,
+    look: MoldLook,
     shows_invert: bool,
     layer: Option<usize>,
+    /// Electrodes, while they are looked at.
+    designed: Source<Designed>,
+    burns: Look,
     dark: bool,
 }
 
 impl SceneKey {
     fn of(core: &Core, dark: bool) -> Self {
         let mold = &core.mold;
+        let electrodes = &mold.electrodes;
+        let is_faint = mold.is_faint || (mold.isolated && mold.selected.is_some());
+        let look = match electrodes.seen() {
+            // A line is drawn on what is left.
+            Some(_) if electrodes.split.is_some() => MoldLook::Solid,
+            // Half a mold hides nothing.
+            Some(_) if electrodes.cut.is_some() && electrodes.look == MoldLook::Faint => MoldLook::Solid,
+            Some(_) => electrodes.look,
+            None if is_faint => MoldLook::Faint,
+            None => MoldLook::Solid,
+        };
         Self {
             mold: Source(mold.work.mold().cloned()),
             found: Source(mold.found().cloned()),
             glance: Source(mold.glanced().cloned()),
-            shown: mold.is_visible(),
+            shown: shown(core),
             colours: mold.colours,
-            selected: mold.selected,
-            is_faint: mold.is_faint || (mold.isolated && mold.selected.is_some()),
+            selected: mold.selected.filter(|_| electrodes.seen().is_none()),
+            look,
             shows_invert: mold.shows_invert,
-            layer: mold.layer,
+            layer: mold.layer.filter(|_| electrodes.seen().is_none()),
+            designed: Source(electrodes.seen().cloned()),
+            burns: electrodes.picture(),
             dark,
         }
     }
@@ -75,19 +96,19 @@ impl SceneKey {
         let theme = if self.dark { Theme::DARK } else { Theme::LIGHT };
         let Some(loaded) = core.mold.work.mold() else { return Scene { triad: false, ..Scene::new(theme) } };
         let found = core.mold.found();
-        let layer = core.mold.layer();
+        let layer = core.mold.layer().filter(|_| self.layer.is_some());
         let segments = found.zip(layer).map_or_else(Vec::new, |(f, (layer, _))| f.uncut.segments(layer.z));
         let opening = found.map_or(core.mold.params.opening, |f| f.uncut.params.opening);
         let pieces: Vec<_> =
             found.zip(layer).map_or_else(Vec::new, |(f, (_, number))| f.uncut.pieces(number).collect());
-        build_mold(&MoldScene {
+        let mut scene = build_mold(&MoldScene {
             mold: &loaded.shape,
             regions: found.map_or(&[], |f| &f.shapes),
             shown: &self.shown,
             colours: self.colours,
             deepest: found.map_or(0.0, |f| f.deepest),
             selected: self.selected,
-            is_faint: self.is_faint,
+            look: self.look,
             invert: found.and_then(|f| f.invert.as_ref()).filter(|_| self.shows_invert),
             glance: core.mold.glanced().map(|glance| &glance.shape),
             layer: found.zip(layer).map(|(found, (layer, number))| MoldLayer {
@@ -98,11 +119,47 @@ impl SceneKey {
                 opening,
             }),
             theme,
-        })
+        });
+        let electrodes = &core.mold.electrodes;
+        if let Some(burns) = electrodes.scene(loaded.shape.bounds()) {
+            burns.add_to(&mut scene);
+            scene.section = electrodes.plane();
+        }
+        if let (Some(Some(first)), Some(made)) = (electrodes.split, electrodes.seen()) {
+            let bounds = loaded.shape.bounds();
+            let top = made.opening.upright(bounds.min).z.max(made.opening.upright(bounds.max).z);
+            let at = made.opening.in_mesh(first.extend(top));
+            scene.markers.push(Marker { at, colour: theme.accent, radius_px: 5.0 });
+        }
+        scene
     }
 }
 
 impl MoldView {
+    /// Goes where the electrodes want it.
+    fn fly(&mut self, core: &mut Core, ui: &Ui) {
+        let Some(fly) = core.mold.electrodes.fly.take() else { return };
+        let now = ui.input(|i| i.time);
+        ui.ctx().request_repaint();
+        match fly {
+            Fly::Into(bounds) => self.viewport.fly_into(&bounds, now),
+            Fly::Onto(camera) => {
+                self.before.get_or_insert(*self.viewport.camera().0);
+                self.viewport.fly_onto(camera, now);
+            }
+            Fly::Back => {
+                if let Some(before) = self.before.take() {
+                    self.viewport.fly_onto(before, now);
+                }
+            }
+            Fly::Above => {
+                let up = core.mold.params.opening.in_mesh(glam::DVec3::Z);
+                self.viewport.turn_to(up, now);
+            }
+            Fly::All => self.viewport.fit(true),
+        }
+    }
+
     /// Draws it.
     pub fn show(&mut self, ui: &mut Ui, core: &mut Core) {
         let key = SceneKey::of(core, ui.visuals().dark_mode);
@@ -115,21 +172,24 @@ impl MoldView {
         }
         let fitted_to = core.mold.work.mold().map_or(0, |mold| Arc::as_ptr(mold) as usize);
         let navigation = core.preferences.navigation;
-        let (rect, clicked) = self.viewport.show_scene(ui, navigation, &self.scene, fitted_to);
+        let (rect, clicked) =
+            self.viewport.show_scene(ui, navigation, &self.scene, (fitted_to, core.mold.electrodes.is_playing));
+        self.fly(core, ui);
         if let Some(picked) = clicked {
-            core.mold.selected = picked.and_then(|p| match mold_part(p.object) {
-                MoldPart::Region(i) => Some(i),
-                MoldPart::Mold => None,
-            });
+            click(core, picked);
         }
         overlay::buttons(ui, rect, core, &buttons(core));
         overlay::gizmo(ui, rect, &mut self.viewport);
-        strip::show(ui, rect, core);
+        electrode::strip(ui, rect, core);
+        if core.mold.electrodes.seen().is_none() {
+            strip::show(ui, rect, core);
+        }
         if core.mold.work.mold().is_none() {
             empty(ui, rect, core);
         }
         caption(ui, rect, core);
         if core.mold.colours == RegionColours::ByDepth
+            && core.mold.electrodes.seen().is_none()
             && let Some(found) = core.mold.found()
         {
             overlay::legend(ui, rect, &depth_legend(found.deepest));
@@ -137,9 +197,58 @@ impl MoldView {
     }
 }
 
-fn buttons(core: &Core) -> [(&'static str, Command, bool); 9] {
+/// Whether each region is shown: while electrodes are, those that have none.
+fn shown(core: &Core) -> Vec<bool> {
+    let electrodes = &core.mold.electrodes;
+    match electrodes.seen() {
+        Some(made) if electrodes.split.is_none() => {
+            let without = made.set.without_electrode();
+            (0..core.mold.regions().len()).map(|r| without.contains(&r)).collect()
+        }
+        Some(_) => vec![true; core.mold.regions().len()],
+        None => core.mold.is_visible(),
+    }
+}
+
+/// Selects what was clicked, or takes it for an end of a line.
+fn click(core: &mut Core, picked: Option<Pick>) {
+    let part = picked.map(|p| mold_part(p.object));
+    let Some(made) = core.mold.electrodes.seen().cloned() else {
+        core.mold.selected = part.and_then(|part| if let MoldPart::Region(i) = part { Some(i) } else { None });
+        return;
+    };
+    if core.mold.electrodes.split.is_some() {
+        let edit = picked.and_then(|p| core.mold.electrodes.click(made.opening.upright(p.point)));
+        if let Some(edit) = edit {
+            let mut params = core.mold.params.clone();
+            params.electrodes.edits.push(edit);
+            core.mold.edit(params);
+        }
+        return;
+    }
+    match part {
+        Some(MoldPart::Burn(at)) => core.mold.electrodes.select(at),
+        // A cut leaves little to be hit.
+        _ if core.mold.electrodes.cut.is_some() => {}
+        _ => core.mold.electrodes.deselect(),
+    }
+}
+
+fn buttons(core: &Core) -> Vec<(&'static str, Command, bool)> {
     let mold = &core.mold;
-    [
+    if mold.electrodes.seen().is_some() {
+        return vec![
+            ("Fit", Command::Fit, false),
+            ("Iso", Command::View(StandardView::Isometric), false),
+            ("Front", Command::View(StandardView::Front), false),
+            ("Right", Command::View(StandardView::Right), false),
+            ("Top", Command::View(StandardView::Top), false),
+            ("Faint", Command::FaintMold, mold.electrodes.look != MoldLook::Solid),
+            ("Cut", Command::Section, mold.electrodes.cut.is_some()),
+            ("Isolate", Command::Isolate, mold.electrodes.is_alone),
+        ];
+    }
+    vec![
         ("Fit", Command::Fit, false),
         ("Iso", Command::View(StandardView::Isometric), false),
         ("Front", Command::View(StandardView::Front), false),
@@ -155,6 +264,13 @@ fn buttons(core: &Core) -> [(&'static str, Command, bool); 9] {
 /// How the answer stands, at the bottom of the view.
 fn caption(ui: &mut Ui, rect: Rect, core: &Core) {
     let colours = palette(ui);
+    if let Some(made) = core.mold.electrodes.seen() {
+        if !core.mold.is_designed() && core.mold.electrodes.split.is_none() {
+            let text = format!("Of other parameters: {}", made.report.sentence);
+            overlay::caption(ui, rect, 122.0, colours.warning, &text);
+        }
+        return;
+    }
     let others = core.mold.found_of_others().zip(core.mold.found());
     let text = match (core.mold.glanced(), others) {
         (Some(glance), _) => glance.preview.sentence(),

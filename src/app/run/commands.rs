@@ -40,6 +40,7 @@ impl SparkpathApp {
             Command::Cancel => self.core.pipeline.cancel(),
             Command::Approve => self.approve(),
             Command::Withdraw => self.core.pipeline.withdraw(),
+            Command::Export if self.core.mold.is_shown => self.ask(Purpose::ElectrodeFolder, "", ctx),
             Command::Export => self.dialog = Dialog::Export,
             Command::Step(stage) => self.core.step = stage,
             Command::Screenshot => {
@@ -71,6 +72,8 @@ impl SparkpathApp {
                 self.core.mold.is_shown = command == Command::MoldWorkspace;
             }
             Command::FindUncut
+            | Command::DesignElectrodes
+            | Command::Electrodes
             | Command::CompareCutters
             | Command::FlyToRegion
             | Command::Isolate
@@ -79,6 +82,7 @@ impl SparkpathApp {
             | Command::FaintMold
             | Command::FoldPanel
             | Command::FoldList => self.run_on_mold(command),
+            Command::Section if self.core.mold.is_shown => self.core.mold.electrodes.toggle_cut(),
             Command::Section => self.toggle_section(),
             Command::Measure => {
                 self.core.measuring = !self.core.measuring;
@@ -92,6 +96,9 @@ impl SparkpathApp {
             }
             Command::Colours => self.core.colours = !self.core.colours,
             Command::Play | Command::NextNode | Command::PreviousNode | Command::FirstNode | Command::LastNode => {
+                if self.core.mold.is_shown {
+                    return self.step_along_burn(command);
+                }
                 self.step_along(command);
             }
         }

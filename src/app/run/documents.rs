@@ -214,6 +214,7 @@ impl SparkpathApp {
             Purpose::Mold => self.choose_mold(path, ctx),
             Purpose::Cutters | Purpose::OtherCutters => self.load_cutters(&path, purpose == Purpose::OtherCutters),
             Purpose::SaveCutters => self.save_cutters(&path),
+            Purpose::ElectrodeFolder => self.export_electrodes(&path),
             Purpose::SaveMold => self.write_mold(&path, ctx),
             Purpose::Post => self.take_post(&path),
             Purpose::Machine => self.take_machine(&path),
@@ -289,7 +290,7 @@ impl SparkpathApp {
         match copy.work() {
             Ok(Recovered::Blisk(document)) => self.replace(*document),
             Ok(Recovered::Mold(params, file)) => {
-                self.core.mold.recover(params, file.as_deref());
+                self.core.mold.recover(*params, file.as_deref());
                 self.core.mold.is_shown = true;
             }
             Err(why) => {

@@ -12,7 +12,7 @@ use crate::app::viewport::Viewport;
 use crate::jobs::pipeline::EventKind;
 use crate::project::cutter_file::{read_cutters, write_cutters};
 use crate::project::mold_file::{ENDING, is_mold_file, read_mold, write_mold};
-use crate::views::RegionColours;
+use crate::views::{MoldLook, RegionColours};
 
 impl SparkpathApp {
     /// The view of the workspace that is shown.
@@ -128,13 +128,47 @@ impl SparkpathApp {
         }
     }
 
+    /// Writes the files of the electrodes into `folder`; says why not if it cannot.
+    pub fn export_electrodes(&mut self, folder: &Path) {
+        let mold = &mut self.core.mold;
+        let formats = mold.electrodes.formats();
+        if let Err(why) = mold.work.export_electrodes(&mold.params, folder, &formats) {
+            self.dialog = Dialog::Error("Nothing was exported".to_owned(), why);
+        }
+    }
+
+    /// Along the way of the electrode that is selected.
+    pub(super) fn step_along_burn(&mut self, command: Command) {
+        let burns = &mut self.core.mold.electrodes;
+        match command {
+            Command::Play => burns.play(),
+            Command::NextNode | Command::PreviousNode => burns.step(command == Command::NextNode),
+            Command::FirstNode => (burns.time, burns.is_playing) = (Some(0.0), false),
+            _ => (burns.time, burns.is_playing) = (None, false),
+        }
+    }
+
     pub(super) fn run_on_mold(&mut self, command: Command) {
         let mold = &mut self.core.mold;
         let done = match command {
-            Command::FindUncut => mold.find(),
+            Command::FindUncut => {
+                mold.electrodes.is_shown = false;
+                mold.find()
+            }
+            Command::DesignElectrodes => mold.design(),
             Command::CompareCutters => mold.work.compare(&mold.params, &mold.other),
             _ => {
+                let bounds = mold.work.mold().map(|mold| mold.shape.bounds());
+                let burns = &mut mold.electrodes;
                 match command {
+                    Command::Electrodes => burns.is_shown = !burns.is_shown,
+                    Command::FlyToRegion if burns.seen().is_some() => {
+                        bounds.into_iter().for_each(|bounds| burns.fly_to_selected(bounds));
+                    }
+                    Command::Isolate if burns.seen().is_some() => burns.is_alone = !burns.is_alone,
+                    Command::FaintMold if burns.seen().is_some() => {
+                        burns.look = MoldLook::ALL[(burns.look as usize + 1) % MoldLook::ALL.len()];
+                    }
                     Command::FlyToRegion => mold.fly_to = mold.selected,
                     Command::Isolate => mold.isolated = !mold.isolated,
                     Command::Layers => mold.toggle_layers(),

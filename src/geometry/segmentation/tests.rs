@@ -138,7 +138,7 @@ fn split(mesh: &Mesh) -> Mesh {
 /// Other numbers for the triangles, and other first corners.
 fn reordered(mesh: &Mesh) -> Mesh {
     let n = mesh.triangles.len();
-    let step = [7919, 7907].into_iter().find(|step| n % step != 0).unwrap();
+    let step = [7919, 7907].into_iter().find(|step| !n.is_multiple_of(*step)).unwrap();
     let mut triangles: Vec<[u32; 3]> = (0..n).map(|i| mesh.triangles[i * step % n]).collect();
     triangles.iter_mut().enumerate().for_each(|(i, t)| t.rotate_left(i % 3));
     Mesh { vertices: mesh.vertices.clone(), triangles }

@@ -1,11 +1,13 @@
 //! The work on a mold behind the window: the mesh, what its cutters leave, a quick look while a cutter is changed, and
 //! what other cutters would leave.
 
+mod design;
+mod electrode_export;
 mod glance;
 mod kept;
 mod steps;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -13,10 +15,13 @@ use super::pipeline::{EventKind, StageState};
 use super::uncut::UncutParams;
 use super::uncut_compare::Comparison;
 use super::worker::{Ended, Message, Reporter, TaskId, Worker};
+use crate::export::electrode_files::ElectrodeFormat;
 use crate::mesh_io::Units;
 use crate::mold::cutter::CutterLibrary;
 use crate::progress::{Cancel, Progress};
 use crate::project::MoldParams;
+pub use design::Designed;
+use design::Designer;
 pub use glance::Glance;
 use glance::Glancer;
 use kept::Kept;
@@ -72,6 +77,7 @@ pub struct MoldWork {
     found: Kept<Question, FoundUncut>,
     other: Kept<(Question, CutterLibrary), (FoundUncut, Comparison)>,
     doing: Option<Doing>,
+    designer: Designer,
     reloads: u64,
 }
 
@@ -85,7 +91,8 @@ impl MoldWork {
             loader: Worker::start(wake.clone())?,
             loading: None,
             worker: Worker::start(wake.clone())?,
-            glancer: Glancer::start(wake)?,
+            glancer: Glancer::start(wake.clone())?,
+            designer: Designer::start(wake)?,
             mold: Kept::default(),
             found: Kept::default(),
             other: Kept::default(),
@@ -110,7 +117,20 @@ impl MoldWork {
         if self.other.running.as_ref().is_some_and(|(_, (of, _))| is_other(of)) {
             self.worker.cancel_from(COMPARE);
         }
-        loaded.into_iter().chain(made).collect()
+        let designed = self.designer.follow(question.as_ref(), &params.electrodes);
+        let refused = self.follow_wish(params);
+        loaded.into_iter().chain(made).chain(designed).chain(refused).collect()
+    }
+
+    /// Makes electrodes that were asked for before it was known what is left.
+    fn follow_wish(&mut self, params: &MoldParams) -> Option<MoldEvent> {
+        if !self.designer.is_waiting || self.state(params) == StageState::Running {
+            return None;
+        }
+        self.designer.is_waiting = false;
+        // What became of the search has been said.
+        let why = if self.state(params) == StageState::Done { self.design(params).err()? } else { return None };
+        Some(MoldEvent { kind: EventKind::Failed, text: format!("Electrodes: {why}"), took: None })
     }
 
     /// Loads the mesh that `params` name, unless that is done.
@@ -289,12 +309,12 @@ impl MoldWork {
 
     /// What is being worked on.
     pub fn doing(&self) -> Option<&Doing> {
-        self.loading.as_ref().or(self.doing.as_ref())
+        self.loading.as_ref().or(self.doing.as_ref()).or(self.designer.doing())
     }
 
     /// Whether anything waits or runs.
     pub fn is_busy(&self) -> bool {
-        self.loader.is_busy() || self.worker.is_busy() || self.glancer.is_busy()
+        self.loader.is_busy() || self.worker.is_busy() || self.glancer.is_busy() || self.designer.is_busy()
     }
 
     /// Stops what runs, at the user's wish: none of it begins again by itself.
@@ -304,6 +324,70 @@ impl MoldWork {
         self.other.give_up();
         self.loader.cancel_from(0);
         self.worker.cancel_from(FIND);
+        self.designer.cancel();
+    }
+
+    /// Makes electrodes for what is left, which is looked for first where it is not known.
+    ///
+    /// # Errors
+    /// One line if it cannot be asked.
+    pub fn design(&mut self, params: &MoldParams) -> Result<(), String> {
+        params.electrodes.validate().map_err(|e| e.to_string())?;
+        let (Some(question), Some(mold)) = (self.question(params), self.current_mold(params).cloned()) else {
+            return Err("load a mold first".to_owned());
+        };
+        let known = self.found().filter(|_| self.found.is_of(&question)).cloned();
+        match known {
+            Some(found) => self.designer.design(&question, &params.electrodes, mold, found),
+            None => {
+                if self.state(params) != StageState::Running {
+                    self.find(params)?;
+                }
+                self.designer.is_waiting = true;
+            }
+        }
+        Ok(())
+    }
+
+    /// How the electrodes for `params` stand.
+    pub fn design_state(&self, params: &MoldParams) -> StageState {
+        if self.designer.is_waiting {
+            return StageState::Running;
+        }
+        match self.question(params) {
+            Some(question) => self.designer.state(&question, &params.electrodes),
+            None if self.designer.has_made() => StageState::Stale,
+            None => StageState::Missing,
+        }
+    }
+
+    /// The electrodes that were made last for the present mold, for whatever parameters.
+    pub fn designed(&self) -> Option<&Arc<Designed>> {
+        self.designer.made_of(&self.mold()?.sha256)
+    }
+
+    /// Whether [`designed`](Self::designed) answers `params`.
+    pub fn is_designed_of(&self, params: &MoldParams) -> bool {
+        self.question(params).is_some_and(|question| self.designer.is_of(&question, &params.electrodes))
+    }
+
+    /// Writes the electrodes into `folder`.
+    ///
+    /// # Errors
+    /// One line if there are none for `params`.
+    pub fn export_electrodes(
+        &mut self,
+        params: &MoldParams,
+        folder: &Path,
+        formats: &[ElectrodeFormat],
+    ) -> Result<(), String> {
+        let made = self.designed().filter(|_| self.is_designed_of(params)).cloned();
+        let (Some(made), Some(mold)) = (made, self.mold().cloned()) else {
+            return Err("the electrodes are not of the present parameters: design them again".to_owned());
+        };
+        let name = params.name();
+        self.designer.export(folder, (made, mold), (name, &params.electrodes), formats.to_vec());
+        Ok(())
     }
 }
 

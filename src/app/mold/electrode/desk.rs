@@ -1,0 +1,303 @@
+//! How electrodes are looked at.
+
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3};
+
+use crate::export::electrode_files::ElectrodeFormat;
+use crate::geometry::mesh::Bounds;
+use crate::jobs::mold::Designed;
+use crate::mold::electrode::params::{Edit, ElectrodeParams, Holder};
+use crate::project::electrode_file::load_holders;
+use crate::render::camera::Camera;
+use crate::render::scene::SectionPlane;
+use crate::views::{BurnCut, BurnOf, BurnPhase, BurnWay, ElectrodeScene, MoldLook};
+
+/// Steps that the way of an electrode is gone through in.
+const STEPS: f64 = 12.0;
+/// How long all of it takes (s).
+const WAY: f64 = 6.0;
+/// Half the side of the box around a place that the view flies to, in parts of the mold's diagonal.
+const AROUND: f64 = 0.06;
+
+/// Where the view is to go.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Fly {
+    /// So that this box fills it (in the axes of the mesh).
+    Into(Bounds),
+    /// So that everything is seen.
+    All,
+    /// Onto a cut.
+    Onto(Camera),
+    /// Back to before that.
+    Back,
+    /// To where the mold is seen from above.
+    Above,
+}
+
+/// What of the desk a picture depends on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Look {
+    selected: Option<BurnOf>,
+    is_alone: bool,
+    exploded: f64,
+    raised: f64,
+    look: MoldLook,
+    cut: Option<BurnCut>,
+    place: Option<DVec3>,
+    stage: usize,
+    /// The first end of a line that a part is to be split along; none yet if only the line is wanted.
+    split: Option<Option<DVec2>>,
+}
+
+/// See the module's page.
+pub struct ElectrodeDesk {
+    /// Whether electrodes are looked at, or else regions.
+    pub is_shown: bool,
+    /// The burn that is selected.
+    pub selected: Option<BurnOf>,
+    /// The electrode that the list was scrolled to.
+    pub scrolled_to: Option<usize>,
+    /// Whether no other is shown.
+    pub is_alone: bool,
+    /// How far they are lifted out and apart, 0 to 1.
+    pub exploded: f64,
+    /// How the mold is shown.
+    pub look: MoldLook,
+    /// Where on its way the selected one is, 0 to 1; none while it stands where it has burned.
+    pub time: Option<f64>,
+    /// Whether it goes along.
+    pub is_playing: bool,
+    /// The cut through the selected burn.
+    pub cut: Option<BurnCut>,
+    /// The place that is pointed at, in the upright mold (mm).
+    pub place: Option<DVec3>,
+    /// The stage that is shown.
+    pub stage: usize,
+    /// Parts that are to be merged: each a region's number and the part's.
+    pub parts: Vec<(usize, usize)>,
+    /// See [`Look`].
+    pub split: Option<Option<DVec2>>,
+    /// Whether files of each format are written.
+    pub formats: [bool; 3],
+    /// Where the view is to go.
+    pub fly: Option<Fly>,
+    /// Holders that there are.
+    pub holders: Vec<Holder>,
+    shown: Option<Arc<Designed>>,
+}
+
+impl Default for ElectrodeDesk {
+    fn default() -> Self {
+        Self {
+            is_shown: false,
+            selected: None,
+            scrolled_to: None,
+            is_alone: false,
+            exploded: 0.0,
+            look: MoldLook::Faint,
+            time: None,
+            is_playing: false,
+            cut: None,
+            place: None,
+            stage: 0,
+            parts: Vec::new(),
+            split: None,
+            formats: [true, false, false],
+            fly: None,
+            // Those of a broken file would be none: what the parameters name is there in any case.
+            holders: load_holders(None).unwrap_or_default(),
+            shown: None,
+        }
+    }
+}
+
+impl ElectrodeDesk {
+    /// Takes in what was made. What was selected stays selected if there still is an electrode of that name.
+    pub fn follow(&mut self, now: Option<&Arc<Designed>>) {
+        if now.map(Arc::as_ptr) == self.shown.as_ref().map(Arc::as_ptr) {
+            return;
+        }
+        let name = self.chosen().map(|(electrode, _)| electrode.name.clone());
+        self.shown = now.cloned();
+        (self.is_shown, self.place) = (now.is_some(), None);
+        self.parts.clear();
+        let electrodes = self.shown.as_ref().map_or(&[][..], |made| &made.set.electrodes);
+        let same = name.and_then(|name| electrodes.iter().position(|e| e.name == name));
+        let last = electrodes.iter().map(|e| e.stage).max().unwrap_or(0);
+        self.stage = same.map_or(last, |e| electrodes[e].stage);
+        self.selected = same.map(|electrode| BurnOf { electrode, burn: 0 });
+        if same.is_none() {
+            self.deselect();
+        }
+    }
+
+    /// What is shown of electrodes.
+    pub fn designed(&self) -> Option<&Arc<Designed>> {
+        self.shown.as_ref()
+    }
+
+    /// The same while electrodes are looked at, which they are not while a line is drawn on the mold.
+    pub fn seen(&self) -> Option<&Arc<Designed>> {
+        self.shown.as_ref().filter(|_| self.is_shown)
+    }
+
+    /// The electrode that is selected, and its burn.
+    pub fn chosen(
+        &self,
+    ) -> Option<(&crate::mold::electrode::design::Electrode, &crate::mold::electrode::design::Burn)> {
+        self.selected?.find(&self.shown.as_ref()?.set)
+    }
+
+    /// Selects a burn. What was seen of another is over.
+    pub fn select(&mut self, at: BurnOf) {
+        if self.selected != Some(at) {
+            (self.time, self.is_playing, self.place) = (None, false, None);
+        }
+        self.selected = Some(at);
+        if let Some(stage) = self.chosen().map(|(electrode, _)| electrode.stage) {
+            self.stage = stage;
+        }
+        if let Some(cut) = self.cut {
+            self.look_onto(cut);
+        }
+    }
+
+    /// Selects none.
+    pub fn deselect(&mut self) {
+        if self.cut.take().is_some() {
+            self.fly = Some(Fly::Back);
+        }
+        (self.selected, self.is_alone, self.time, self.is_playing, self.place) = (None, false, None, false, None);
+    }
+
+    /// The way of the selected burn.
+    pub fn way(&self) -> Option<BurnWay> {
+        let lift = self.shown.as_ref()?.set.params.lift_mm;
+        self.chosen().map(|(_, burn)| BurnWay::of(burn, lift))
+    }
+
+    /// What the selected electrode does, and how far above its last place it is (mm).
+    pub fn moment(&self) -> Option<(BurnPhase, f64)> {
+        Some(self.way()?.at(self.time?))
+    }
+
+    /// One step along the way, or back.
+    pub fn step(&mut self, forward: bool) {
+        // Where it has burned is two thirds of the way.
+        let at = self.time.unwrap_or(2.0 / 3.0) * STEPS;
+        let next = if forward { (at + 1e-6).floor() + 1.0 } else { (at - 1e-6).ceil() - 1.0 };
+        (self.time, self.is_playing) = (Some((next / STEPS).clamp(0.0, 1.0)), false);
+    }
+
+    /// Begins to go along the way, or stops.
+    pub fn play(&mut self) {
+        self.is_playing = !self.is_playing;
+        if self.is_playing && self.time.is_none_or(|t| t >= 1.0) {
+            self.time = Some(0.0);
+        }
+    }
+
+    /// Goes on by so many seconds.
+    pub fn advance(&mut self, seconds: f64) {
+        let time = self.time.unwrap_or(0.0) + seconds / WAY;
+        self.time = Some(time.min(1.0));
+        self.is_playing &= time < 1.0;
+    }
+
+    /// Cuts through the selected burn, or ends to.
+    pub fn toggle_cut(&mut self) {
+        if self.cut.take().is_some() {
+            self.fly = Some(Fly::Back);
+        } else {
+            self.look_onto(BurnCut { along_y: false, beside: 0.0 });
+        }
+    }
+
+    /// Cuts like this, and looks at it.
+    pub fn look_onto(&mut self, cut: BurnCut) {
+        let (Some(made), Some(at)) = (&self.shown, self.selected) else { return };
+        self.fly = cut.camera(at, &made.set, &made.shapes, made.opening).map(Fly::Onto);
+        self.cut = Some(cut);
+    }
+
+    /// The plane of the cut, in the axes of the mesh.
+    pub fn plane(&self) -> Option<SectionPlane> {
+        let (made, at, cut) = (self.seen()?, self.selected?, self.cut?);
+        cut.plane(at, &made.set, &made.shapes, made.opening)
+    }
+
+    /// Points at a place of the upright `mold`, and flies there.
+    pub fn point_at(&mut self, place: DVec3, mold: &Bounds) {
+        let Some(made) = &self.shown else { return };
+        let at = made.opening.in_mesh(place);
+        self.fly = Some(Fly::Into(Bounds { min: at, max: at }.grown(AROUND * mold.size().length())));
+        self.place = Some(place);
+    }
+
+    /// Flies to the selected burn.
+    pub fn fly_to_selected(&mut self, mold: Bounds) {
+        let bounds = self.scene(mold).zip(self.selected).and_then(|(scene, at)| scene.bounds(at));
+        self.fly = bounds.map(|b| Fly::Into(b.grown(0.15 * b.size().length())));
+    }
+
+    /// What is shown of them beside a mold with this box.
+    pub fn scene(&self, mold: Bounds) -> Option<ElectrodeScene<'_>> {
+        let made = self.seen().filter(|_| self.split.is_none())?;
+        Some(ElectrodeScene {
+            set: &made.set,
+            shapes: &made.shapes,
+            opening: made.opening,
+            mold,
+            stage: self.stage,
+            selected: self.selected,
+            is_alone: self.selected.is_some() && (self.is_alone || self.time.is_some() || self.cut.is_some()),
+            exploded: self.exploded,
+            raised: self.moment().map_or(0.0, |(_, height)| height),
+            place: self.place,
+        })
+    }
+
+    /// What of this a picture depends on.
+    pub(in crate::app::mold) fn picture(&self) -> Look {
+        Look {
+            selected: self.selected,
+            is_alone: self.is_alone,
+            exploded: self.exploded,
+            raised: self.moment().map_or(-1.0, |(_, height)| height),
+            look: self.look,
+            cut: self.cut,
+            place: self.place,
+            stage: self.stage,
+            split: self.split,
+        }
+    }
+
+    /// Takes a click on the mold for an end of the line that a part is split along. Answers the change once both are
+    /// known.
+    pub fn click(&mut self, place: DVec3) -> Option<Edit> {
+        let at = place.truncate();
+        match self.split? {
+            None => {
+                self.split = Some(Some(at));
+                None
+            }
+            Some(first) => {
+                self.split = None;
+                (first != at).then_some(Edit::Split { line: [first, at] })
+            }
+        }
+    }
+
+    /// The formats that are written.
+    pub fn formats(&self) -> Vec<ElectrodeFormat> {
+        ElectrodeFormat::ALL.into_iter().zip(self.formats).filter(|(_, is_on)| *is_on).map(|(f, _)| f).collect()
+    }
+
+    /// Whether an electrode is exported although a check fails, or need not be.
+    pub fn is_let_pass(&self, electrode: usize, params: &ElectrodeParams) -> bool {
+        let Some(made) = &self.shown else { return false };
+        let named = |e: &crate::mold::electrode::design::Electrode| params.overrides.contains(&e.name);
+        !made.set.fails(electrode) || made.set.electrodes.get(electrode).is_some_and(named)
+    }
+}

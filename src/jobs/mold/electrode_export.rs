@@ -1,0 +1,89 @@
+//! The files of electrodes: their shapes, the burn table, a sheet for people and a report with pictures.
+
+use std::path::{Path, PathBuf};
+
+use super::{Designed, LoadedMold};
+use crate::export::burn_table::BurnTable;
+use crate::export::burn_template::{BURN_SHEET, render};
+use crate::export::electrode_files::{ElectrodeFormat, LeftOut, write_electrode_files};
+use crate::export::electrode_report::ElectrodesReport;
+use crate::export::files::write_atomically;
+use crate::mold::electrode::design::ElectrodeSet;
+use crate::progress::{Cancel, Progress};
+use crate::render::offscreen::{Offscreen, RenderError};
+use crate::views::{PICTURE_SIZE, electrode_pictures};
+
+/// What was written.
+#[derive(Debug)]
+pub struct Exported {
+    folder: PathBuf,
+    files: usize,
+    left_out: Vec<LeftOut>,
+    /// Why there are no pictures.
+    no_pictures: Option<String>,
+}
+
+impl Exported {
+    /// What was written, and what was not and why.
+    pub fn sentence(&self) -> String {
+        let plural = if self.files == 1 { "" } else { "s" };
+        let mut text = format!("{} file{plural} and the burn table written to {}", self.files, self.folder.display());
+        for left in &self.left_out {
+            text += &format!("; {} left out ({})", left.electrode, left.why);
+        }
+        if let Some(why) = &self.no_pictures {
+            text += &format!("; no pictures: {why}");
+        }
+        text
+    }
+}
+
+/// Writes all of it into `folder`, which is made if it is not there. Electrodes that are blocked have no file.
+///
+/// # Errors
+/// One line naming the file.
+pub(super) fn export(
+    folder: &Path,
+    (set, designed): (&ElectrodeSet, &Designed),
+    (mold, name): (&LoadedMold, &str),
+    formats: &[ElectrodeFormat],
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Exported, String> {
+    std::fs::create_dir_all(folder)
+        .map_err(|e| format!("{}: the folder cannot be made ({e}); choose another", folder.display()))?;
+    let written = write_electrode_files(folder, set, formats).map_err(|e| e.to_string())?;
+    let table = BurnTable::of(set, name, designed.opening);
+    let sheet = render(&table, BURN_SHEET, "burn sheet").map_err(|e| e.to_string())?;
+    let json = table.json().map_err(|e| e.to_string())?;
+    for (file, text) in [("burn_table.csv", table.csv()), ("burn_table.json", json), ("burn_sheet.txt", sheet)] {
+        write_atomically(&folder.join(file), text.as_bytes()).map_err(|e| e.to_string())?;
+    }
+    let (pictures, no_pictures) = match draw(set, designed, mold, progress, cancel) {
+        Ok(pictures) => (pictures, None),
+        Err(RenderError::Cancelled(cancelled)) => return Err(cancelled.to_string()),
+        Err(error) => (Vec::new(), Some(error.to_string())),
+    };
+    let report = ElectrodesReport::of(set, name, designed.opening);
+    report.write(folder, &pictures).map_err(|e| e.to_string())?;
+    Ok(Exported { folder: folder.to_owned(), files: written.files.len(), left_out: written.left_out, no_pictures })
+}
+
+fn draw(
+    set: &ElectrodeSet,
+    designed: &Designed,
+    mold: &LoadedMold,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Vec<(String, Vec<u8>)>, RenderError> {
+    let mut offscreen = Offscreen::new()?;
+    let pictures = electrode_pictures(set, &designed.shapes, &mold.shape, designed.opening);
+    let count = pictures.len() as f64;
+    let mut drawn = Vec::new();
+    for (i, picture) in pictures.into_iter().enumerate() {
+        cancel.check()?;
+        progress.report("pictures", i as f64 / count, &picture.caption);
+        drawn.push((picture.caption, offscreen.png(&picture.scene, &picture.camera, PICTURE_SIZE, cancel)?));
+    }
+    Ok(drawn)
+}

@@ -1,0 +1,147 @@
+//! Electrodes in the workspace of molds: from a mesh to burns that are looked at, changed and exported.
+
+use egui::{Key, Modifiers, Role};
+use egui_kittest::kittest::{By, Queryable as _};
+use sparkpath::app::Opening;
+use sparkpath::jobs::pipeline::StageState;
+use sparkpath::mold::cutter::{Cutter, CutterLibrary};
+use sparkpath::mold::electrode::params::{Edit, Method};
+use sparkpath::views::BurnOf;
+
+use crate::desk::{Desk, Home};
+
+/// A window on the stepped mold with electrodes, for which nothing but Design was pressed.
+fn designed(home: &Home, pixels: [u16; 2]) -> Desk {
+    let mut desk = home.start_in(Opening::Mold(Some(home.mold())), pixels, 1.0);
+    desk.take_cutters(&[Cutter::flat(3.0)]);
+    let mut params = desk.mold().params.clone();
+    params.electrodes.cutters = Some(CutterLibrary { cutter: vec![Cutter::flat(1.0)] });
+    desk.mold_mut().edit(params);
+    desk.until_loaded();
+    desk.press("Design");
+    until_designed(&mut desk);
+    desk
+}
+
+fn until_designed(desk: &mut Desk) {
+    desk.until("electrodes are made", |d| d.mold().design_state() == StageState::Done && !d.mold().work.is_busy());
+}
+
+fn bodies(desk: &Desk) -> usize {
+    desk.app().scene().objects.iter().filter(|o| o.id.0 >= 1 << 24).count()
+}
+
+#[test]
+fn electrodes_are_designed_looked_at_changed_and_exported() {
+    let home = Home::new();
+    let mut desk = designed(&home, [1280, 720]);
+    assert_eq!(desk.mold().state(), StageState::Done, "what is left was found first");
+    let made = desk.mold().electrodes.designed().unwrap().clone();
+    let burns: usize = made.set.electrodes.iter().map(|e| e.burns.len()).sum();
+    assert!(burns > 0 && bodies(&desk) == burns, "{burns} {}", bodies(&desk));
+    let first = made.set.electrodes[0].name.clone();
+    desk.press_role(Role::Row, &format!("Electrode {first}"));
+    assert_eq!(desk.mold().electrodes.selected, Some(BurnOf { electrode: 0, burn: 0 }));
+    desk.pictures("electrodes");
+
+    // Lifted out they are higher and further apart.
+    let high = |desk: &Desk| desk.app().scene().bounds().max.z;
+    let before = high(&desk);
+    desk.slide("Lifted out", 0.9, 3);
+    assert!(high(&desk) > before + 5.0);
+    desk.pictures("electrodes_apart");
+    desk.mold_mut().electrodes.exploded = 0.0;
+
+    // A cut through the burn goes straight down through its lowest face, and only that burn is left.
+    desk.key(Key::X);
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    desk.settle();
+    let section = desk.app().scene().section.unwrap();
+    assert!(section.normal.z.abs() < 1e-12 && bodies(&desk) == 1);
+    desk.assert_shows("gap 0.05 mm");
+    desk.pictures("electrode_cut");
+    desk.key(Key::X);
+    assert!(desk.app().scene().section.is_none());
+
+    // Down, burn, up: two thirds of the way it stands where it has burned.
+    desk.press("To the start");
+    let lift = desk.mold().electrodes.moment().unwrap().1;
+    assert!(lift >= made.set.params.lift_mm, "{lift}");
+    for _ in 0..8 {
+        desk.press("Step on");
+    }
+    assert!(desk.mold().electrodes.moment().unwrap().1.abs() < 1e-9);
+    desk.press("Play");
+    let at = desk.mold().electrodes.time;
+    desk.until("it goes on", |d| d.mold().electrodes.time > at);
+    desk.press("Where it has burned");
+
+    let folder = home.path("out");
+    desk.key_with(Modifiers::COMMAND, Key::E);
+    desk.type_path(&folder);
+    desk.until("it is exported", |d| !d.mold().work.is_busy());
+    let passes: Vec<&str> =
+        (0..made.set.electrodes.len()).filter(|e| !made.set.fails(*e)).map(|e| &*made.set.electrodes[e].name).collect();
+    for name in &passes {
+        assert!(folder.join(format!("{name}.stl")).exists() || crate::desk::holds(&folder, ".stl"), "{name}");
+    }
+    for file in ["burn_table.csv", "burn_table.json", "burn_sheet.txt", "report.html"] {
+        assert!(folder.join(file).exists(), "{file}; {:?}", desk.log());
+    }
+
+    // A change of what is asked makes them stale; undo makes them those of the present parameters again.
+    let mut params = desk.mold().params.clone();
+    params.electrodes.stages[0].gap_mm = 0.1;
+    desk.mold_mut().edit(params);
+    desk.settle();
+    assert_eq!((desk.mold().design_state(), desk.mold().state()), (StageState::Stale, StageState::Done));
+    desk.assert_shows("Of other parameters");
+    desk.key_with(Modifiers::COMMAND, Key::Z);
+    assert_eq!(desk.mold().design_state(), StageState::Done);
+    // What is exported although a check fails changes no electrode.
+    let mut params = desk.mold().params.clone();
+    params.electrodes.overrides.push(first);
+    desk.mold_mut().edit(params);
+    assert_eq!(desk.mold().design_state(), StageState::Done);
+}
+
+#[test]
+fn a_region_is_made_in_another_way_and_a_part_is_split_by_two_clicks() {
+    let home = Home::new();
+    let mut desk = designed(&home, [1000, 700]);
+    desk.mold_mut().electrodes.select(BurnOf { electrode: 0, burn: 0 });
+    desk.settle();
+    desk.picture("electrodes_1000_dark");
+    let made = desk.mold().electrodes.designed().unwrap().clone();
+    let region = made.set.electrodes[0].burns[0].parts[0].region;
+    let place = made.places[region].unwrap();
+    let other = if made.set.regions[region].method == Method::Cutting { Method::Extruding } else { Method::Cutting };
+    let mut params = desk.mold().params.clone();
+    params.electrodes.edits.push(Edit::Make { place, method: other });
+    desk.mold_mut().edit(params);
+    assert_eq!(desk.mold().undo_label(false), Some("Method of a region"));
+    desk.press("Design");
+    until_designed(&mut desk);
+    let now = desk.mold().electrodes.designed().unwrap().clone();
+    assert_eq!(now.set.regions[region].method, other);
+
+    desk.mold_mut().electrodes.split = Some(None);
+    desk.key(Key::Num7);
+    desk.until("the view has turned", |d| d.app().camera().backward().z > 0.9999);
+    let view = desk.window.get(By::new().role(Role::Image).label("3D viewport")).rect();
+    let size = [view.width() as u32, view.height() as u32];
+    let ends = [glam::DVec3::new(-3.0, 0.0, 3.0), glam::DVec3::new(3.0, 1.0, 3.0)];
+    for end in ends {
+        let seen = desk.app().camera().project(end, size).unwrap().pixel;
+        let at = view.min + egui::vec2(seen.x as f32, seen.y as f32);
+        desk.window.hover_at(at);
+        desk.window.drag_at(at);
+        desk.window.drop_at(at);
+        desk.settle();
+    }
+    let Some(Edit::Split { line }) = desk.mold().params.electrodes.edits.last() else { panic!("no line was drawn") };
+    for (found, end) in line.iter().zip(ends) {
+        assert!(found.distance(end.truncate()) < 0.1, "{found} {end}");
+    }
+    assert_eq!(desk.mold().undo_label(false), Some("Split part"));
+}
