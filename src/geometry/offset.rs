@@ -2,10 +2,11 @@
 
 use std::collections::{HashMap, HashSet};
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::mesh::{Mesh, normal_times_two_areas, unit_normal};
+use super::solid::filled;
 
 /// Normals that differ by less than this are those of one face.
 const SAME: f64 = 2e-4;
@@ -15,9 +16,6 @@ const SLIVER: f64 = 1e-5;
 const SLACK: f64 = 1e-9;
 /// Normals of a vertex at most that are combined by threes; of more, those of the largest faces go first.
 const MOST: usize = 40;
-
-/// Rounds in which diagonals are turned, at most.
-const ROUNDS: usize = 50;
 
 /// Why a surface cannot be moved.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -45,56 +43,89 @@ pub fn offset(mesh: &Mesh, distance: impl Fn(DVec3) -> f64 + Sync) -> Result<Mes
     Ok(grown)
 }
 
-/// Turns diagonals of flat faces so that no triangle of them lies upside down: corners that move across a thin one leave it
-/// so.
+/// Fills flat faces anew in which corners that moved across a thin triangle left it upside down.
 fn unfold(grown: &mut Mesh, mesh: &Mesh) {
     let normals: Vec<DVec3> = mesh.iter_corners().map(unit_normal).collect();
-    let area = |vertices: &[DVec3], [a, b, c]: [u32; 3], normal: DVec3| {
-        let [a, b, c] = [a, b, c].map(|v| vertices[v as usize]);
-        normal.dot((b - a).cross(c - a))
-    };
-    for _ in 0..ROUNDS {
-        let mut sides = HashMap::new();
-        for (i, &[a, b, c]) in grown.triangles.iter().enumerate() {
-            [(a, b), (b, c), (c, a)].into_iter().for_each(|side| {
-                sides.insert(side, i);
-            });
+    let is_turned = |i: usize| normals[i].dot(normal_times_two_areas(grown.corners(i))) < 0.0;
+    let turned: Vec<usize> = (0..normals.len()).filter(|i| is_turned(*i)).collect();
+    if turned.is_empty() {
+        return;
+    }
+    let mut sides = HashMap::new();
+    for (i, &[a, b, c]) in mesh.triangles.iter().enumerate() {
+        [(a, b), (b, c), (c, a)].into_iter().for_each(|side| {
+            sides.insert(side, i);
+        });
+    }
+    let mut seen = vec![false; normals.len()];
+    let mut filled: Vec<(Vec<usize>, Vec<[u32; 3]>)> = Vec::new();
+    for first in turned {
+        if seen[first] {
+            continue;
         }
-        let is_turned = |i: &usize| area(&grown.vertices, grown.triangles[*i], normals[*i]) < 0.0;
-        let turned: Vec<usize> = (0..grown.triangles.len()).filter(is_turned).collect();
-        let mut touched = HashSet::new();
-        for &i in &turned {
-            let [a, b, c] = grown.triangles[i];
-            let mut best: Option<(f64, usize, [[u32; 3]; 2])> = None;
-            for [from, to, tip] in [[a, b, c], [b, c, a], [c, a, b]] {
-                let Some(&j) = sides.get(&(to, from)) else { continue };
-                let is_flat = normals[j].distance_squared(normals[i]) < SAME * SAME;
-                if !is_flat || touched.contains(&j) || touched.contains(&i) {
-                    continue;
-                }
-                let Some(&other) = grown.triangles[j].iter().find(|v| **v != from && **v != to) else { continue };
-                let pair = [[from, other, tip], [other, to, tip]];
-                if sides.contains_key(&(other, tip)) || sides.contains_key(&(tip, other)) {
-                    continue;
-                }
-                let least = |pair: [[u32; 3]; 2]| {
-                    pair.map(|t| area(&grown.vertices, t, normals[i])).into_iter().fold(f64::INFINITY, f64::min)
-                };
-                let found = least(pair);
-                let before = least([grown.triangles[i], grown.triangles[j]]);
-                if found > before && best.as_ref().is_none_or(|(most, ..)| found > *most) {
-                    best = Some((found, j, pair));
+        seen[first] = true;
+        let (mut face, mut next) = (vec![first], 0);
+        while let Some(&i) = face.get(next) {
+            next += 1;
+            let [a, b, c] = mesh.triangles[i];
+            for side in [(b, a), (c, b), (a, c)] {
+                let Some(&j) = sides.get(&side) else { continue };
+                if !seen[j] && normals[j].distance_squared(normals[first]) < SAME * SAME {
+                    seen[j] = true;
+                    face.push(j);
                 }
             }
-            if let Some((_, j, [one, two])) = best {
-                (grown.triangles[i], grown.triangles[j]) = (one, two);
-                touched.extend([i, j]);
-            }
         }
-        if touched.is_empty() {
-            return;
+        if let Some(anew) = filled_anew(grown, &face, normals[first]) {
+            filled.push((face, anew));
         }
     }
+    let mut is_gone = vec![false; normals.len()];
+    filled.iter().flat_map(|(face, _)| face).for_each(|i| is_gone[*i] = true);
+    let mut kept = is_gone.iter();
+    grown.triangles.retain(|_| kept.next() != Some(&true));
+    grown.triangles.extend(filled.into_iter().flat_map(|(_, anew)| anew));
+}
+
+/// Other triangles between the border of a flat face; none where it crosses itself.
+fn filled_anew(grown: &Mesh, face: &[usize], normal: DVec3) -> Option<Vec<[u32; 3]>> {
+    let sides = face.iter().map(|i| grown.triangles[*i]).flat_map(|[a, b, c]| [(a, b), (b, c), (c, a)]);
+    let sides: Vec<(u32, u32)> = sides.collect();
+    let all: HashSet<(u32, u32)> = sides.iter().copied().collect();
+    let mut border: HashMap<u32, u32> = HashMap::new();
+    for (a, b) in sides.iter().filter(|(a, b)| !all.contains(&(*b, *a))) {
+        // A face that meets itself in a corner has no single way around.
+        if border.insert(*a, *b).is_some() {
+            return None;
+        }
+    }
+    let (x, y) = normal.any_orthonormal_pair();
+    let plan = |v: u32| DVec2::new(grown.vertices[v as usize].dot(x), grown.vertices[v as usize].dot(y));
+    let mut rings: Vec<Vec<u32>> = Vec::new();
+    for &(start, _) in sides.iter().filter(|(a, b)| !all.contains(&(*b, *a))) {
+        let mut ring = Vec::new();
+        let mut at = start;
+        while let Some(next) = border.remove(&at) {
+            ring.push(at);
+            at = next;
+        }
+        if !ring.is_empty() {
+            rings.push(ring);
+        }
+    }
+    let area = |ring: &Vec<u32>| -> f64 {
+        let n = ring.len();
+        (0..n).map(|i| plan(ring[i]).perp_dot(plan(ring[(i + 1) % n]))).sum()
+    };
+    rings.sort_by(|a, b| area(b).total_cmp(&area(a)));
+    // One outer border; all others are holes.
+    if rings.is_empty() || area(&rings[0]) <= 0.0 || rings[1..].iter().any(|ring| area(ring) >= 0.0) {
+        return None;
+    }
+    let points: Vec<Vec<DVec2>> = rings.iter().map(|ring| ring.iter().map(|v| plan(*v)).collect()).collect();
+    let numbers: Vec<u32> = rings.concat();
+    let triangles = filled(&points.iter().map(Vec::as_slice).collect::<Vec<_>>()).ok()?;
+    Some(triangles.into_iter().map(|t| t.map(|i| numbers[i as usize])).collect())
 }
 
 /// The different normals of the faces around each vertex, those of the largest triangles first.
@@ -159,7 +190,6 @@ fn least_shift(planes: &[(DVec3, f64)]) -> Option<DVec3> {
 mod tests {
     use super::*;
     use crate::geometry::solid::{difference, prism};
-    use glam::DVec2;
 
     fn block(low: DVec3, high: DVec3) -> Mesh {
         let ring = [(low.x, low.y), (high.x, low.y), (high.x, high.y), (low.x, high.y)].map(DVec2::from);
