@@ -154,7 +154,8 @@ fn every_region_of_the_molds_has_its_electrode_and_every_check_holds() {
         let left = left(&mesh, MIXED, step);
         assert_eq!(left.regions.len(), regions, "{name}");
         let residue = left.found().volume_mm3;
-        for gap in [0.05, 0.0] {
+        // Twice for the small ones.
+        for gap in if step.is_none() { &[0.05, 0.0][..] } else { &[0.05] }.iter().copied() {
             let set = designed(&mesh, &left, gap);
             assert!(set.holds(), "{name}, gap {gap}: {:?}", set.checks);
             assert!(set.electrodes.len() <= most, "{name}: {} electrodes", set.electrodes.len());

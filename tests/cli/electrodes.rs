@@ -57,5 +57,5 @@ fn what_cannot_be_made_is_answered_in_words_and_what_fails_is_not_written() {
     let (code, words) = run(&["--electrode-cutters", "ball:3", "--override", "E01"]);
     assert!(code == Some(3) && out.join("E01_finish_g0.05_copper_x1.stl").exists(), "{words}");
     let (code, words) = run(&["--gap", "-1"]);
-    assert!(code == Some(1) && words.contains("gap_mm"), "{words}");
+    assert!(code == Some(2) && words.contains("gap_mm"), "{words}");
 }
