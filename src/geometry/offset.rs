@@ -26,8 +26,8 @@ pub enum OffsetError {
 }
 
 /// `mesh` with every face moved outwards by at least `distance` of its unit normal (mm), and each vertex as little as that
-/// allows: edges stay sharp, nothing comes closer to its own face. Topology is kept. Where a hollow is narrower than
-/// twice the distance the moved faces cross each other.
+/// allows: edges stay sharp, nothing comes closer to its own face. Vertices keep their numbers; flat faces may be divided
+/// into other triangles. Where a hollow or a step is narrower than the way of its corners the moved faces cross each other.
 ///
 /// # Errors
 /// [`OffsetError`].

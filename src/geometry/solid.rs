@@ -135,52 +135,6 @@ pub fn is_closed(mesh: &Mesh, within: f64) -> bool {
     Mesh { vertices: Vec::new(), triangles }.is_watertight()
 }
 
-/// The connected parts of a mesh, in order of their first triangles. Parts are connected by shared vertices.
-pub fn parts(mesh: &Mesh) -> Vec<Mesh> {
-    let mut root: Vec<u32> = (0..mesh.vertices.len() as u32).collect();
-    fn find(root: &mut [u32], mut i: u32) -> u32 {
-        while root[i as usize] != i {
-            root[i as usize] = root[root[i as usize] as usize];
-            i = root[i as usize];
-        }
-        i
-    }
-    for [a, b, c] in &mesh.triangles {
-        for other in [b, c] {
-            let (x, y) = (find(&mut root, *a), find(&mut root, *other));
-            root[x.max(y) as usize] = x.min(y);
-        }
-    }
-    let mut parts: Vec<(u32, Vec<[u32; 3]>)> = Vec::new();
-    let mut place = std::collections::HashMap::new();
-    for triangle in &mesh.triangles {
-        let part = find(&mut root, triangle[0]);
-        let at = *place.entry(part).or_insert_with(|| {
-            parts.push((part, Vec::new()));
-            parts.len() - 1
-        });
-        parts[at].1.push(*triangle);
-    }
-    parts.into_iter().map(|(_, triangles)| compact(&mesh.vertices, &triangles)).collect()
-}
-
-/// A mesh of these triangles, with no vertex that none of them has.
-pub fn compact(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Mesh {
-    let mut number = vec![u32::MAX; vertices.len()];
-    let mut mesh = Mesh::default();
-    for triangle in triangles {
-        mesh.triangles.push(triangle.map(|i| {
-            let known = &mut number[i as usize];
-            if *known == u32::MAX {
-                *known = mesh.vertices.len() as u32;
-                mesh.vertices.push(vertices[i as usize]);
-            }
-            *known
-        }));
-    }
-    mesh
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

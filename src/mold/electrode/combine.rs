@@ -2,7 +2,6 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
-use super::base::placed;
 use crate::geometry::mesh::{Mesh, normal_times_two_areas};
 
 /// Faces whose normals differ by less are parallel.
@@ -156,9 +155,4 @@ pub fn near(boxes: &[[DVec2; 2]], most: f64, apart: f64) -> Vec<Vec<usize>> {
     groups.iter_mut().for_each(|members| members.sort_unstable());
     groups.sort();
     groups
-}
-
-/// A tip where it burns: turned, then shifted.
-pub fn at(tip: &Mesh, (turn, shift): (f64, DVec3)) -> Mesh {
-    placed(tip, turn, shift)
 }

@@ -9,7 +9,7 @@ use super::design::{Burn, Electrode};
 use super::footprint::shrunk;
 use super::params::{ElectrodeParams, Method, Stage};
 use super::plan::{ElectrodeError, Leaf, RegionToBurn, Setting};
-use super::tip::led_up;
+use super::tip::{joined, led_up};
 use crate::geometry::mesh::{Bounds, Mesh};
 use crate::mold::cutter::{Cutter, CutterLibrary};
 use crate::mold::plane;
@@ -138,12 +138,7 @@ pub(super) fn assembled(
             Burn { position: back * at, turn: *turn, parts, depth: top - around.min.z - shift.z, volume }
         })
         .collect();
-    let only_tips = tips.into_iter().fold(Mesh::default(), |mut all, tip| {
-        let first = all.vertices.len() as u32;
-        all.vertices.extend(tip.vertices);
-        all.triangles.extend(tip.triangles.iter().map(|t| t.map(|i| i + first)));
-        all
-    });
+    let only_tips = tips.into_iter().fold(Mesh::default(), joined);
     let is_extruded = group.leaves.iter().all(|i| leaves[*i].part.footprint.method == Method::Extruding);
     Ok(Electrode {
         name: String::new(),

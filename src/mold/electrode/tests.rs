@@ -14,7 +14,7 @@ use super::params::{Edit, ElectrodeParams, ElectrodeParamsError, Method, Orbit, 
 use super::plan::{RegionToBurn, plan};
 use super::plan_checks::check_own;
 use crate::geometry::mesh::Mesh;
-use crate::geometry::solid::{difference, parts, prism};
+use crate::geometry::solid::{difference, prism};
 use crate::mold::cutter::{Cutter, CutterLibrary};
 use crate::mold::outline::Outline;
 use crate::mold::plane;
@@ -325,8 +325,7 @@ fn an_orbit_makes_the_tip_smaller_in_plan_only_and_every_check_holds() {
         let stage = Stage { orbit, ..Stage::finish(GAP) };
         let set = planned(&mold, std::slice::from_ref(&slot), &ElectrodeParams { stages: vec![stage], ..params(GAP) });
         assert!(set.holds(), "{orbit:?} {:?}", set.checks);
-        let [tip] = &parts(&set.electrodes[0].tips)[..] else { panic!("one tip") };
-        let size = tip.bounds().size();
+        let size = set.electrodes[0].tips.bounds().size();
         assert!((size.x - (8.0 - 0.7)).abs() < 1e-6 && (size.y - (2.0 - 0.7)).abs() < 1e-6, "{orbit:?} {size}");
         assert!((set.electrodes[0].burns[0].depth - (5.0 - GAP)).abs() < 1e-6);
     }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use glam::{DVec2, DVec3};
 
-use super::footprint::{grown, grown_pieces, hull, shrunk};
+use super::footprint::{grown, grown_pieces, shrunk};
 use super::params::Method;
 use crate::geometry::exact::ExactMesh;
 use crate::geometry::mesh::{Bounds, Mesh, normal_times_two_areas, unit_normal};
@@ -263,7 +263,8 @@ fn fault(burned: &Burned, footprint: &Footprint, part: &Mesh) -> Option<&'static
     part.vertices.iter().any(is_within).then_some("the trimmed tip enters what it was trimmed by")
 }
 
-fn joined(mut all: Mesh, part: Mesh) -> Mesh {
+/// Both meshes as one, side by side.
+pub(super) fn joined(mut all: Mesh, part: Mesh) -> Mesh {
     let first = all.vertices.len() as u32;
     all.vertices.extend(part.vertices);
     all.triangles.extend(part.triangles.iter().map(|t| t.map(|i| i + first)));
@@ -300,9 +301,4 @@ pub fn led_up(body: &Mesh, cap: f64, top: f64) -> Mesh {
         mesh.triangles[i] = lifted;
     }
     mesh
-}
-
-/// The hull of the outlines of a footprint, in plan.
-pub fn around(outlines: &[Outline]) -> Option<Outline> {
-    hull(&outlines.iter().flat_map(|o| o.points().iter().copied()).collect::<Vec<_>>())
 }
