@@ -1,7 +1,8 @@
-//! Closed solids: prisms and their differences and intersections (boolmesh).
+//! Closed solids: prisms and their differences and intersections (manifold-rust).
 
-use boolmesh::prelude::{Manifold, OpType, compute_boolean};
 use glam::{DVec2, DVec3};
+use manifold_rust::manifold::Manifold;
+use manifold_rust::types::{BooleanEngine, Error, MeshGL64, OpType, WindingRule};
 
 use super::mesh::Mesh;
 
@@ -18,9 +19,6 @@ pub enum SolidError {
     #[error("an outline crosses itself or has no area, so that it bounds no solid")]
     Outline,
 }
-
-/// What the library answers for a solid without any point.
-const NOTHING: &str = "empty pos matrix";
 
 /// The part of `a` outside `b`; a mesh without triangles where there is none.
 ///
@@ -46,26 +44,67 @@ pub fn union(a: &Mesh, b: &Mesh) -> Result<Mesh, SolidError> {
     if a.triangles.is_empty() { Ok(b.clone()) } else { combine(a, b, OpType::Add) }
 }
 
+/// The solid that a closed surface bounds which may cross or fold over itself: what it winds around at least once.
+///
+/// # Errors
+/// [`SolidError::NotClosed`], [`SolidError::Failed`].
+pub fn unfolded(surface: Mesh) -> Result<Mesh, SolidError> {
+    let solid = manifold(&surface)?;
+    if !solid.has_self_intersections() {
+        return Ok(surface);
+    }
+    let found = solid.rebuild_solid(WindingRule::Positive);
+    match found.status() {
+        Error::NoError => Ok(mesh(&found)),
+        error => Err(SolidError::Failed(error.to_str().to_owned())),
+    }
+}
+
 fn combine(a: &Mesh, b: &Mesh, operation: OpType) -> Result<Mesh, SolidError> {
     if a.triangles.is_empty() {
         return Ok(Mesh::default());
     }
-    match compute_boolean(&manifold(a)?, &manifold(b)?, operation) {
-        Ok(found) => Ok(mesh(&found)),
-        Err(text) if text.contains(NOTHING) => Ok(Mesh::default()),
-        Err(text) => Err(SolidError::Failed(text)),
+    let found = manifold(a)?.boolean_with_engine(&manifold(b)?, operation, BooleanEngine::Exact);
+    match found.status() {
+        Error::NoError => Ok(mesh(&found)),
+        error => Err(SolidError::Failed(error.to_str().to_owned())),
     }
 }
 
 fn manifold(mesh: &Mesh) -> Result<Manifold, SolidError> {
-    let points: Vec<f64> = mesh.vertices.iter().flat_map(|p| p.to_array()).collect();
-    let corners: Vec<usize> = mesh.triangles.iter().flatten().map(|i| *i as usize).collect();
-    Manifold::new(&points, &corners).map_err(SolidError::NotClosed)
+    let given = MeshGL64 {
+        num_prop: 3,
+        vert_properties: mesh.vertices.iter().flat_map(|p| p.to_array()).collect(),
+        tri_verts: mesh.triangles.iter().flatten().map(|i| u64::from(*i)).collect(),
+        ..MeshGL64::default()
+    };
+    let solid = Manifold::from_mesh_gl64(&given);
+    match solid.status() {
+        Error::NoError => Ok(solid),
+        error => Err(SolidError::NotClosed(error.to_str().to_owned())),
+    }
 }
 
+/// Vertices on the seam of the two solids come once for each and are one again here.
 fn mesh(found: &Manifold) -> Mesh {
-    let vertices = found.ps.iter().map(|p| DVec3::new(p.x, p.y, p.z)).collect();
-    let triangles = found.hs.chunks_exact(3).map(|t| [t[0].tail as u32, t[1].tail as u32, t[2].tail as u32]).collect();
+    let given = found.get_mesh_gl64(-1);
+    let all: Vec<DVec3> = given.vert_properties.chunks_exact(3).map(DVec3::from_slice).collect();
+    let mut same: Vec<usize> = (0..all.len()).collect();
+    for (from, to) in given.merge_from_vert.iter().zip(&given.merge_to_vert) {
+        same[*from as usize] = *to as usize;
+    }
+    let kept: Vec<bool> = same.iter().enumerate().map(|(i, to)| i == *to).collect();
+    let number: Vec<u32> = kept
+        .iter()
+        .scan(0, |count, is_kept| {
+            let own = *count;
+            *count += u32::from(*is_kept);
+            Some(own)
+        })
+        .collect();
+    let vertices = all.iter().zip(&kept).filter(|(_, is_kept)| **is_kept).map(|(p, _)| *p).collect();
+    let corner = |i: u64| number[same[i as usize]];
+    let triangles = given.tri_verts.chunks_exact(3).map(|t| [corner(t[0]), corner(t[1]), corner(t[2])]).collect();
     Mesh { vertices, triangles }
 }
 

@@ -15,7 +15,7 @@ use super::tip::{Burned, Place, SKIN, TipError, footprint};
 use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::mesh::Mesh;
 use crate::geometry::offset::{OffsetError, offset};
-use crate::geometry::solid::SolidError;
+use crate::geometry::solid::{SolidError, unfolded};
 use crate::mold::cutter::CutterLibrary;
 use crate::mold::height_field::HeightFieldError;
 use crate::mold::outline::Outline;
@@ -96,7 +96,7 @@ impl Setting {
     fn new(mold: &Mesh, direction: DVec3, stage: &Stage) -> Result<Self, ElectrodeError> {
         let turned = to_burn_frame(direction);
         let mold = mold.mapped(|p| turned * p);
-        let kept_clear = offset(&mold, |n| stage.undersize(n))?;
+        let kept_clear = unfolded(offset(&mold, |n| stage.undersize(n))?)?;
         let exact = ExactMesh::new(&kept_clear)?;
         Ok(Self { turned, mold, kept_clear, exact, stage: stage.clone() })
     }
