@@ -50,6 +50,7 @@ fn leaf(part: usize) -> PartNode {
 
 fn region(tree: Option<PartNode>, trouble: Option<&str>, thickness: f64) -> RegionPlan {
     RegionPlan {
+        edits: Vec::new(),
         tree,
         method: Method::Cutting,
         direction: DVec3::NEG_Z,

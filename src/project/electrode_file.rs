@@ -240,7 +240,7 @@ mod tests {
             material: "copper \"soft\"".to_owned(),
             edits: vec![
                 Edit::Merge { places: [place, DVec3::X] },
-                Edit::Split { line: [DVec2::X, DVec2::Y] },
+                Edit::Split { line: [DVec3::X, DVec3::Y] },
                 Edit::Make { place, method: Method::Cutting },
                 Edit::Burn { place, direction: DVec3::NEG_X },
             ],

@@ -79,7 +79,7 @@ mod tests {
         [&here, &there].into_iter().for_each(|f| std::fs::create_dir(f).unwrap());
         let mut params = MoldParams { mesh: Some(here.join("part.stl")), ..MoldParams::default() };
         (params.opening, params.tolerance_mm) = (Opening::MinusX, 0.05);
-        params.electrodes.edits.push(Edit::Split { line: [glam::DVec2::X, glam::DVec2::Y] });
+        params.electrodes.edits.push(Edit::Split { line: [glam::DVec3::X, glam::DVec3::Y] });
         params.electrodes.overrides.push("E01".to_owned());
         params.library.cutter.push(Cutter { reach_mm: Some(12.0), ..Cutter::bull_nose(3.0, 0.5) });
         let file = here.join("part.sparkmold");

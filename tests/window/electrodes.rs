@@ -141,7 +141,7 @@ fn a_region_is_made_in_another_way_and_a_part_is_split_by_two_clicks() {
     }
     let Some(Edit::Split { line }) = desk.mold().params.electrodes.edits.last() else { panic!("no line was drawn") };
     for (found, end) in line.iter().zip(ends) {
-        assert!(found.distance(end.truncate()) < 0.1, "{found} {end}");
+        assert!(found.truncate().distance(end.truncate()) < 0.1, "{found} {end}");
     }
     assert_eq!(desk.mold().undo_label(false), Some("Split part"));
 }

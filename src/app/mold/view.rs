@@ -126,9 +126,7 @@ impl SceneKey {
             scene.section = electrodes.plane();
         }
         if let (Some(Some(first)), Some(made)) = (electrodes.split, electrodes.seen()) {
-            let bounds = loaded.shape.bounds();
-            let top = made.opening.upright(bounds.min).z.max(made.opening.upright(bounds.max).z);
-            let at = made.opening.in_mesh(first.extend(top));
+            let at = made.opening.in_mesh(first);
             scene.markers.push(Marker { at, colour: theme.accent, radius_px: 5.0 });
         }
         scene

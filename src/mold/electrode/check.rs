@@ -141,14 +141,14 @@ impl Obstacle {
         self.mesh.nearest(p).signed_distance
     }
 
-    /// Whether the electrode, which stands where it burns, keeps the gap there and on its way straight up by `lift` (mm).
+    /// How near the electrode, which stands where it burns, comes to the mold there and on its way straight up by `lift` (mm).
     ///
     /// While a body moves, the boundary of what it sweeps is made of its first and last place and of what its edges
     /// sweep: these are held against the mold exactly.
     ///
     /// # Errors
     /// [`ExactMeshError`].
-    pub fn clearance(&self, electrode: &Mesh, stage: &Stage, lift: f64) -> Result<[Finding; 2], ExactMeshError> {
+    pub fn clearance(&self, electrode: &Mesh, stage: &Stage, lift: f64) -> Result<Clearance, ExactMeshError> {
         // Without a gap surfaces touch, and touching cannot be told from crossing: the electrode is tried a hair smaller.
         let (hair, smaller);
         let electrode = if stage.gap_mm + stage.stock_mm < 2.0 * GOUGE {
@@ -159,32 +159,19 @@ impl Obstacle {
             hair = 0.0;
             electrode
         };
-        let needed = stage.gap_mm + stage.stock_mm + hair - GOUGE;
         let least = |mesh: &Mesh, shift: DVec3| -> Result<f64, ExactMeshError> {
-            Ok(self.mesh.distance_to(&ExactMesh::new(mesh)?, &DAffine3::from_translation(shift)))
+            Ok(self.mesh.distance_to(&ExactMesh::new(mesh)?, &DAffine3::from_translation(shift)) - hair)
         };
-        let inside = self.inside(electrode);
         let mut burning = least(electrode, DVec3::ZERO)?;
         for shift in orbit_places(stage.orbit) {
             burning = burning.min(least(electrode, shift)?);
         }
         let way = least(&swept(electrode, lift), DVec3::ZERO)?;
-        let of = |kind: CheckKind, found: f64, way: &str| {
-            let holds = found >= needed && inside.is_none();
-            let text = if inside.is_some() {
-                format!("{way} it stands inside the mold")
-            } else if holds {
-                format!("{way} it keeps {found:.4} mm from the mold (gap {:.4} mm)", stage.gap_mm)
-            } else {
-                format!(
-                    "{way} it comes to {found:.4} mm of the mold, the gap is {:.4} mm: too deep a burn",
-                    stage.gap_mm
-                )
-            };
-            let place = if holds { None } else { inside.or_else(|| self.nearest_place(electrode)) };
-            Finding::new(kind, holds, text, place)
-        };
-        Ok([of(CheckKind::Gouge, burning, "where it burns"), of(CheckKind::Approach, way, "on its way in and out")])
+        Ok(Clearance {
+            distances: [burning, way],
+            inside: self.inside(electrode),
+            nearest: self.nearest_place(electrode),
+        })
     }
 
     /// A vertex that stands inside the mold.
@@ -197,6 +184,47 @@ impl Obstacle {
     fn nearest_place(&self, electrode: &Mesh) -> Option<DVec3> {
         let nearest = |a: &&DVec3, b: &&DVec3| self.distance(**a).total_cmp(&self.distance(**b));
         electrode.vertices.iter().min_by(nearest).copied()
+    }
+}
+
+/// How near an electrode comes to the mold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Clearance {
+    /// Least distance where it burns, and on its way in and out (mm).
+    distances: [f64; 2],
+    /// A vertex of it that stands inside the mold.
+    inside: Option<DVec3>,
+    /// The vertex that comes nearest.
+    nearest: Option<DVec3>,
+}
+
+impl Clearance {
+    /// The worse of two: what stands inside the mold is worse than what comes near it.
+    pub fn worse(self, other: Self) -> Self {
+        let badness = |c: &Self| (c.inside.is_some(), -c.distances[0].min(c.distances[1]));
+        if badness(&other) > badness(&self) { other } else { self }
+    }
+
+    /// Whether the gap of a stage is kept where it burns, and on the way in and out.
+    pub fn findings(&self, stage: &Stage) -> [Finding; 2] {
+        let (needed, gap) = (stage.gap_mm + stage.stock_mm - GOUGE, stage.gap_mm);
+        let of = |kind: CheckKind, found: f64, way: &str| {
+            let holds = found >= needed && self.inside.is_none();
+            let text = if self.inside.is_some() {
+                format!("{way} it stands inside the mold")
+            } else if holds {
+                format!("{way} it keeps {:.4} mm from the mold (gap {gap:.4} mm)", found.max(0.0))
+            } else {
+                format!(
+                    "{way} it comes to {:.4} mm of the mold, the gap is {gap:.4} mm: too deep a burn",
+                    found.max(0.0)
+                )
+            };
+            let place = if holds { None } else { self.inside.or(self.nearest) };
+            Finding::new(kind, holds, text, place)
+        };
+        let [burning, way] = self.distances;
+        [of(CheckKind::Gouge, burning, "where it burns"), of(CheckKind::Approach, way, "on its way in and out")]
     }
 }
 

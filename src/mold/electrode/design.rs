@@ -93,6 +93,8 @@ pub struct RegionPlan {
     pub method: Method,
     /// Where its electrodes go, in the upright mold.
     pub direction: DVec3,
+    /// The user's changes that met it: their places in the list.
+    pub edits: Vec<usize>,
     /// Why it has no electrode, or lacks one for a part.
     pub trouble: Option<String>,
     /// What all burns and cutters leave of it.
@@ -126,6 +128,12 @@ impl ElectrodeSet {
     /// Regions that have no electrode for all of them.
     pub fn without_electrode(&self) -> Vec<usize> {
         (0..self.regions.len()).filter(|r| self.regions[*r].trouble.is_some()).collect()
+    }
+
+    /// The user's changes that met no region, or changed nothing: their places in the list.
+    pub fn unmet_edits(&self) -> Vec<usize> {
+        let is_met = |edit: &usize| self.regions.iter().any(|region| region.edits.contains(edit));
+        (0..self.params.edits.len()).filter(|edit| !is_met(edit)).collect()
     }
 
     /// Whether every region has its electrodes and every check holds.

@@ -97,6 +97,7 @@ fn divided(
     for edge in part.h_edges.iter().filter(|_| deeper > 0) {
         let mut best: Option<(usize, f64, Cut, Vec<Part>)> = None;
         for cut in cuts(edge) {
+            cancel.check()?;
             let Some((parts, mouth)) = parts_of(burned, &part.footprint, &cut, settings)? else { continue };
             let is_left = |h: &HEdge| h.place().distance(edge.place()) < STILL_THERE;
             let left = parts.iter().map(|p| p.h_edges.len()).sum::<usize>();
@@ -124,7 +125,8 @@ pub(super) fn whole(burned: &Burned, footprint: Footprint) -> Result<Part, TipEr
     Ok(Part { footprint, body, h_edges, divided: None })
 }
 
-/// The parts on both sides of a cut and the length along which they meet (mm); none where one of them is too small.
+/// The parts on both sides of a cut and the length along which they meet (mm); none where one of them is too small, or
+/// its tip cannot be made.
 fn parts_of(
     burned: &Burned,
     footprint: &Footprint,
@@ -137,7 +139,7 @@ fn parts_of(
     }
     match parts.into_iter().map(|f| whole(burned, f)).collect::<Result<Vec<Part>, _>>() {
         Ok(parts) => Ok(Some((parts, mouth))),
-        Err(TipError::NoRoom) => Ok(None),
+        Err(TipError::NoRoom | TipError::Solid(_)) => Ok(None),
         Err(other) => Err(other),
     }
 }

@@ -16,6 +16,7 @@ pub mod plan;
 pub mod plan_checks;
 pub mod tip;
 
+mod edits;
 mod sharing;
 
 #[cfg(test)]

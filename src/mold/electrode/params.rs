@@ -1,6 +1,6 @@
 //! What is asked of electrodes.
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::mold::cutter::CutterLibrary;
@@ -200,8 +200,8 @@ pub enum Edit {
     },
     /// The part that holds the middle of a line is cut along it.
     Split {
-        /// The line's ends in plan, upright (mm).
-        line: [DVec2; 2],
+        /// Places of the mold at the line's ends, upright (mm).
+        line: [DVec3; 2],
     },
     /// The part that holds a place is made by this method.
     Make {

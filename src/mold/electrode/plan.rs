@@ -1,25 +1,24 @@
 //! From regions to electrodes.
 
-use glam::{DMat3, DQuat, DVec2, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 use rayon::prelude::*;
 
 use super::base::placed;
 use super::check::{LeftOfRegion, Milled};
 use super::combine::Form;
 use super::design::{Burn, Electrode, ElectrodeSet, PartId, PartNode, RegionPlan};
-use super::division::{Cut, DivisionSettings, Part, cut_along, divide, whole};
+use super::division::{DivisionSettings, Part, divide};
+use super::edits::apply;
 use super::params::{Edit, ElectrodeParams, ElectrodeParamsError, Method, Shape, Stage};
 use super::plan_checks::checked;
 use super::sharing::{assembled, shared};
-use super::tip::{Burned, Place, SKIN, TipError, footprint};
+use super::tip::{Burned, Place, TipError, footprint};
 use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::mesh::Mesh;
 use crate::geometry::offset::{OffsetError, offset};
 use crate::geometry::solid::{SolidError, unfolded};
 use crate::mold::cutter::CutterLibrary;
 use crate::mold::height_field::HeightFieldError;
-use crate::mold::outline::Outline;
-use crate::mold::plane;
 use crate::progress::{Cancel, Cancelled, Progress};
 
 /// How far off a burn surface a point of a tip may be to be part of it (mm).
@@ -28,8 +27,6 @@ const ON_BURN: f64 = 1e-6;
 /// Said where the two do not belong together.
 const OTHER_NET: &str = "without gap it is divided or shared otherwise than with it, so that its net shape is not that of an electrode: \
     write undersized shapes";
-/// What a cut leaves between two parts at most (mm).
-const HAIR: f64 = 1e-3;
 
 /// Why there are no electrodes.
 #[derive(Debug, thiserror::Error)]
@@ -228,17 +225,19 @@ fn holds(region: &RegionToBurn, place: DVec3) -> bool {
 fn region_plan(region: &RegionToBurn, params: &ElectrodeParams) -> RegionPlan {
     let mut method = if region.has_whole_faces { Method::Extruding } else { Method::Cutting };
     let mut direction = DVec3::NEG_Z;
-    for edit in &params.edits {
+    let mut edits = Vec::new();
+    for (number, edit) in params.edits.iter().enumerate() {
         match edit {
             Edit::Make { place, method: chosen } if holds(region, *place) => method = *chosen,
             Edit::Burn { place, direction: chosen } if holds(region, *place) => direction = chosen.normalize_or_zero(),
-            _ => {}
+            _ => continue,
         }
+        edits.push(number);
     }
     if direction == DVec3::ZERO {
         direction = DVec3::NEG_Z;
     }
-    RegionPlan { tree: None, method, direction, trouble: None, left: LeftOfRegion::default() }
+    RegionPlan { tree: None, method, direction, edits, trouble: None, left: LeftOfRegion::default() }
 }
 
 /// The tips of these regions; what stands in their way is told in their plans.
@@ -252,12 +251,13 @@ fn leaves(
 ) -> Result<Vec<Leaf>, ElectrodeError> {
     let burns = |p: DVec3| setting.exact.nearest(p).signed_distance.abs() < ON_BURN;
     let of = |r: &usize| parts_of(setting, &regions[*r], plans[*r].method, params, cancel);
-    let found: Vec<Result<(PartNode, Vec<Part>), TipError>> = here.par_iter().map(of).collect();
+    let found: Vec<Result<Divided, TipError>> = here.par_iter().map(of).collect();
     let mut leaves = Vec::new();
     for (region, found) in here.iter().zip(found) {
         match found {
-            Ok((tree, parts)) => {
+            Ok((tree, parts, met)) => {
                 plans[*region].tree = Some(tree);
+                plans[*region].edits.extend(met);
                 let forms: Vec<Form> = parts.par_iter().map(|p| Form::of(&p.body, burns)).collect();
                 let numbered = parts.into_iter().zip(forms).enumerate();
                 leaves.extend(numbered.map(|(part, (leaf, form))| {
@@ -272,6 +272,9 @@ fn leaves(
     Ok(leaves)
 }
 
+/// A region's division, its parts, and the changes that it was met by.
+type Divided = (PartNode, Vec<Part>, Vec<usize>);
+
 /// The parts of a region after division and the user's changes.
 fn parts_of(
     setting: &Setting,
@@ -279,7 +282,7 @@ fn parts_of(
     method: Method,
     params: &ElectrodeParams,
     cancel: &Cancel,
-) -> Result<(PartNode, Vec<Part>), TipError> {
+) -> Result<Divided, TipError> {
     let corners = region.corners.iter().map(|c| c.map(|p| setting.turned * p)).collect();
     let highest = || region.corners.iter().flatten().map(|p| (setting.turned * *p).z).fold(f64::NEG_INFINITY, f64::max);
     let rim = if setting.turned == DMat3::IDENTITY { region.rim } else { highest() };
@@ -287,61 +290,15 @@ fn parts_of(
     let place = Place::new(corners, rim);
     let settings = DivisionSettings { overlap: params.overlap_mm, least: params.least_size_mm };
     let first = footprint(&burned, &place, method, params.margin_mm, cancel)?;
-    let divided = divide(&burned, first, &settings, cancel)?;
-    let mut count = 0;
-    let tree = node(&divided, &mut count);
-    let mut parts: Vec<Part> = divided.leaves().into_iter().cloned().collect();
-    for edit in &params.edits {
-        apply(&burned, &mut parts, edit, setting, &settings)?;
-    }
-    Ok((tree, parts))
-}
-
-/// A change of the user's, made to the parts of a region.
-fn apply(
-    burned: &Burned,
-    parts: &mut Vec<Part>,
-    edit: &Edit,
-    setting: &Setting,
-    settings: &DivisionSettings,
-) -> Result<(), TipError> {
-    // What holds a place of the region itself: a neighbour's margin may reach there too.
-    let holder = |parts: &[Part], p: DVec2| {
-        parts.iter().position(|part| plane::holds(&part.footprint.free, p) && plane::holds(&part.footprint.region, p))
-    };
-    let plan = |p: DVec3| (setting.turned * p).truncate();
-    match edit {
-        Edit::Split { line: [a, b] } => {
-            let [a, b] = [a, b].map(|p| plan(p.extend(0.0)));
-            let outward = (b - a).perp().normalize_or_zero();
-            let Some(i) = holder(parts, a.midpoint(b)).filter(|_| outward != DVec2::ZERO) else { return Ok(()) };
-            let cut = Cut { through: a.midpoint(b), outward, overlaps: true };
-            let (halves, _) = cut_along(&parts[i].footprint, &cut, settings);
-            if halves.len() > 1 {
-                let halves = halves.into_iter().map(|f| whole(burned, f)).collect::<Result<Vec<_>, _>>()?;
-                parts.splice(i..=i, halves);
-            }
+    let mut divided = divide(&burned, first, &settings, cancel)?;
+    let mut met = Vec::new();
+    for (number, edit) in params.edits.iter().enumerate() {
+        if apply(&burned, &mut divided, edit, |p| (setting.turned * p).truncate(), &settings)? {
+            met.push(number);
         }
-        Edit::Merge { places } => {
-            let [a, b] = places.map(plan).map(|p| holder(parts, p));
-            let (Some(a), Some(b)) = (a, b) else { return Ok(()) };
-            if a != b {
-                let other = parts.remove(a.max(b));
-                let one = &mut parts[a.min(b)];
-                let flat = |shapes: Vec<plane::Shape>| shapes.into_iter().flatten().collect::<Vec<Outline>>();
-                let joined = |x: &[Outline], y: &[Outline]| flat(plane::union(x, y));
-                let mut footprint = one.footprint.clone();
-                // A hair between the two, which a cut leaves, is closed.
-                let free = joined(&footprint.free, &other.footprint.free);
-                footprint.free = flat(plane::grown(&flat(plane::grown(&free, HAIR)), -HAIR));
-                footprint.outlines = flat(plane::grown(&footprint.free, SKIN));
-                footprint.region = joined(&footprint.region, &other.footprint.region);
-                *one = whole(burned, footprint)?;
-            }
-        }
-        Edit::Make { .. } | Edit::Burn { .. } => {}
     }
-    Ok(())
+    let tree = node(&divided, &mut 0);
+    Ok((tree, divided.leaves().into_iter().cloned().collect(), met))
 }
 
 fn node(part: &Part, count: &mut usize) -> PartNode {

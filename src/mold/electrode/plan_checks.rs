@@ -5,7 +5,8 @@ use rayon::prelude::*;
 
 use super::base::on_plate;
 use super::check::{
-    Burning, CheckKind, Finding, LeftOfRegion, Milled, Obstacle, Sample, left_by, leftover, machinable, watertight,
+    Burning, CheckKind, Clearance, Finding, LeftOfRegion, Milled, Obstacle, Sample, left_by, leftover, machinable,
+    watertight,
 };
 use super::design::{Burn, Electrode, RegionPlan};
 use super::params::{ElectrodeParams, Stage};
@@ -47,21 +48,19 @@ pub(super) fn checked(
         let setting = mold.mapped(|p| turned * p);
         let obstacle = if turned == DMat3::IDENTITY { None } else { Some(Obstacle::new(&setting)?) };
         let obstacle = obstacle.as_ref().unwrap_or(&upright);
-        let mut worst: [Option<Finding>; 2] = [None, None];
-        for burn in &electrode.burns {
+        let stage = &stages[electrode.stage];
+        let clearance = |burn: &Burn| {
             let mesh = electrode.burning(&electrode.mesh, burn, &turned);
-            let mut found = obstacle.clearance(&mesh, &stages[electrode.stage], params.lift_mm.max(burn.depth))?;
-            if params.lift_mm < burn.depth {
-                found[1] = too_short_a_lift(params.lift_mm, burn);
-            }
-            for (worst, found) in worst.iter_mut().zip(found) {
-                if worst.as_ref().is_none_or(|w| w.holds && !found.holds) {
-                    let place = found.place.map(|p| turned.transpose() * p);
-                    *worst = Some(Finding { place, ..found });
-                }
-            }
+            obstacle.clearance(&mesh, stage, params.lift_mm.max(burn.depth))
+        };
+        let all: Vec<Clearance> = electrode.burns.iter().map(clearance).collect::<Result<_, _>>()?;
+        if let Some(worst) = all.into_iter().reduce(Clearance::worse) {
+            let [gouge, approach] = worst.findings(stage);
+            let short = electrode.burns.iter().find(|burn| params.lift_mm < burn.depth);
+            let upright = |f: Finding| Finding { place: f.place.map(|p| turned.transpose() * p), ..f };
+            findings.push(upright(gouge));
+            findings.push(short.map_or_else(|| upright(approach), |burn| too_short_a_lift(params.lift_mm, burn)));
         }
-        findings.extend(worst.into_iter().flatten());
         let own = electrode.burns.iter().flat_map(|b| &b.parts).map(|p| left[p.region]);
         if let Some(left) = own.max_by(|a, b| a.excess.total_cmp(&b.excess)) {
             findings.push(leftover(&left, params.tolerance_mm));
@@ -187,7 +186,7 @@ pub fn check_own(
     let closed = watertight(electrode);
     let is_closed = closed.holds;
     let mut findings = vec![closed];
-    findings.extend(Obstacle::new(mold)?.clearance(electrode, stage, params.lift_mm)?);
+    findings.extend(Obstacle::new(mold)?.clearance(electrode, stage, params.lift_mm)?.findings(stage));
     if is_closed {
         findings.push(machinable(electrode, cutters, params.tolerance_mm, cancel)?);
     }

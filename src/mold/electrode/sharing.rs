@@ -91,7 +91,7 @@ fn serves(
         return Ok(false);
     }
     let found = mold.clearance(&moved, &Stage { orbit: Default::default(), ..setting.stage.clone() }, 0.0)?;
-    Ok(found[0].holds)
+    Ok(found.findings(&setting.stage)[0].holds)
 }
 
 /// The electrode of a group.

@@ -357,10 +357,15 @@ fn the_user_splits_merges_and_chooses_the_method() {
     let slot = [region(&mold, DVec2::new(-4.1, -0.5), DVec2::new(4.1, 0.5))];
     let apart = ElectrodeParams { share: false, together_mm: 0.0, ..params(GAP) };
     let with = |edits: Vec<Edit>| planned(&mold, &slot, &ElectrodeParams { edits, ..apart.clone() });
-    let split = Edit::Split { line: [DVec2::new(1.0, -2.0), DVec2::new(1.0, 2.0)] };
+    let line = |x: f64| [DVec3::new(x, -2.0, 0.0), DVec3::new(x, 2.0, 0.0)];
+    let split = Edit::Split { line: line(1.0) };
     let halves = with(vec![split]);
     assert!(halves.holds(), "{:?}", halves.checks);
     assert_eq!(halves.electrodes.len(), 2);
+    // The tree that is shown is that of the parts that are burned.
+    let tree = |set: &ElectrodeSet| set.regions[0].tree.clone().unwrap();
+    assert_eq!(tree(&halves).parts.iter().map(|p| p.part).collect::<Vec<_>>(), [Some(0), Some(1)]);
+    assert!(tree(&halves).cut.is_some_and(|cut| (cut.through.x - 1.0).abs() < 1e-12));
     // Together they are as long as the slot and reach over one another by the overlap.
     let length: f64 = halves.electrodes.iter().map(|e| e.tips.bounds().size().x).sum();
     assert!((length - (8.0 - 2.0 * GAP + apart.overlap_mm)).abs() < 1e-3, "{length}");
@@ -368,8 +373,9 @@ fn the_user_splits_merges_and_chooses_the_method() {
     let again = with(vec![split, merge]);
     assert_eq!(again.electrodes.len(), 1);
     assert!((again.electrodes[0].tips.bounds().size().x - (8.0 - 2.0 * GAP)).abs() < 1e-3 && again.holds());
-    let beside = Edit::Split { line: [DVec2::new(9.0, -2.0), DVec2::new(9.0, 2.0)] };
-    assert_eq!(with(vec![beside]).electrodes.len(), 1, "a line that meets no part divides none");
+    assert!(tree(&again).parts.is_empty() && again.unmet_edits().is_empty());
+    let beside = with(vec![Edit::Split { line: line(9.0) }, split]);
+    assert_eq!((beside.electrodes.len(), beside.unmet_edits()), (2, vec![0]), "a line that meets no part divides none");
     let place = DVec3::new(0.0, 0.0, -5.0);
     for method in [Method::Extruding, Method::Cutting] {
         let set = with(vec![Edit::Make { place, method }]);

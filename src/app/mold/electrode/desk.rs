@@ -47,7 +47,7 @@ pub struct Look {
     place: Option<DVec3>,
     stage: usize,
     /// The first end of a line that a part is to be split along; none yet if only the line is wanted.
-    split: Option<Option<DVec2>>,
+    split: Option<Option<DVec3>>,
 }
 
 /// See the module's page.
@@ -77,7 +77,7 @@ pub struct ElectrodeDesk {
     /// Parts that are to be merged: each a region's number and the part's.
     pub parts: Vec<(usize, usize)>,
     /// See [`Look`].
-    pub split: Option<Option<DVec2>>,
+    pub split: Option<Option<DVec3>>,
     /// Whether files of each format are written.
     pub formats: [bool; 3],
     /// Where the view is to go.
@@ -276,15 +276,14 @@ impl ElectrodeDesk {
     /// Takes a click on the mold for an end of the line that a part is split along. Answers the change once both are
     /// known.
     pub fn click(&mut self, place: DVec3) -> Option<Edit> {
-        let at = place.truncate();
         match self.split? {
             None => {
-                self.split = Some(Some(at));
+                self.split = Some(Some(place));
                 None
             }
             Some(first) => {
                 self.split = None;
-                (first != at).then_some(Edit::Split { line: [first, at] })
+                (first != place).then_some(Edit::Split { line: [first, place] })
             }
         }
     }
