@@ -145,6 +145,7 @@ impl Obstacle {
     ///
     /// While a body moves, the boundary of what it sweeps is made of its first and last place and of what its edges
     /// sweep: these are held against the mold exactly.
+    /// The holder needs none: the base, and all that is above it, begins higher than any point of the mold by the extension.
     ///
     /// # Errors
     /// [`ExactMeshError`].
