@@ -23,6 +23,7 @@ pub mod refine;
 pub mod ruled_surface;
 #[cfg(test)]
 mod tests;
+mod warning;
 
 use crate::geometry::nurbs::NurbsError;
 use crate::progress::Cancelled;

@@ -3,8 +3,10 @@
 use glam::DVec3;
 
 use super::axis_surface::AxisSurface;
-use super::deviation::{Deviation, Feet};
-use super::envelope::EnvelopeCheck;
+use super::compensation::Measured;
+use super::cutter::FlankCutter;
+use super::deviation::{DesignGrid, Deviation, Feet};
+use super::envelope::{self, EnvelopeCheck};
 
 /// A place of the cutter on a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,6 +48,19 @@ pub struct FlankPath {
 }
 
 impl FlankPath {
+    /// The path with all that is to be known of it, and `poses` places along it.
+    pub(super) fn of(grid: &DesignGrid, cutter: &FlankCutter, path: Measured, poses: usize) -> Self {
+        let Measured { axis, deviation, feet } = path;
+        let envelope = envelope::check(grid, &axis, cutter, (&deviation, &feet));
+        let heights = feet.at.iter().map(|q| cutter.contact_height(q.y * axis.at(q.x).length()));
+        let widest = |[low, high]: [f64; 2], h: f64| [low.min(h), high.max(h)];
+        let height_range_mm = heights.fold([f64::INFINITY, f64::NEG_INFINITY], widest);
+        let t_range = feet.t_range();
+        let coverage = Coverage { t_range, height_range_mm, is_whole: t_range[0] >= 0.0 && t_range[1] <= 1.0 };
+        let poses = (0..poses).map(|i| pose(&axis, i as f64 / (poses.max(2) - 1) as f64)).collect();
+        Self { axis, poses, deviation, feet, coverage, envelope }
+    }
+
     /// The cutter at `t`, from 0 to 1.
     pub fn pose(&self, t: f64) -> FlankPose {
         pose(&self.axis, t)

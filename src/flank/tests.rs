@@ -154,3 +154,50 @@ fn scratch2() {
         }
     }
 }
+
+#[test]
+fn scratch3() {
+    use super::envelope::*;
+    use super::params::*;
+    use super::plan::plan_flank;
+    use crate::progress::*;
+    let reference = reference();
+    for name in CASES {
+        let (surface, cutter, figures) = case(&reference, name);
+        let now = std::time::Instant::now();
+        let plan =
+            plan_flank(&surface, &cutter, &FlankParams::default(), &Progress::silent(), &Cancel::default()).unwrap();
+        println!(
+            "{name} {:?} range {:?} {} {}",
+            now.elapsed(),
+            plan.initial.axis.u0_range,
+            figures["covered"]["u0_lo"],
+            figures["covered"]["u0_hi"]
+        );
+        for (what, path) in plan.paths() {
+            println!(
+                " {what} {} ratio {} env {} diff {} without {} cov {:?}",
+                path.deviation.sum,
+                plan.ratio(path),
+                path.envelope.deviation.sum,
+                path.envelope.greatest_difference,
+                path.envelope.without,
+                path.coverage
+            );
+            let coarse = DesignGrid::new(&surface, [21, 11]);
+            let (d, feet) = coarse.deviation(&path.axis, &cutter, None).unwrap();
+            let env = check(&coarse, &path.axis, &cutter, (&d, &feet));
+            let swept: Vec<f64> =
+                coarse.places().map(|p| swept_above(&path.axis, &cutter, (p.point, p.normal), 200).unwrap()).collect();
+            let off = swept.iter().zip(&env.deviation.values).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let sum: f64 = swept.iter().map(|x| x.abs()).sum();
+            println!(
+                "    coarse static {} env {} swept {} env-swept {off:e} static-env {}",
+                d.sum, env.deviation.sum, sum, env.greatest_difference
+            );
+        }
+        println!("{:?}", plan.warnings);
+        println!("{}", figures["checks"]["init_brute"]);
+        println!("{}", figures["checks"]["LS_brute"]);
+    }
+}
