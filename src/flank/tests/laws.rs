@@ -22,12 +22,6 @@ fn three_point_locations_meet_their_tangency_equations() {
             close(l.q2, surface.point(l.u1, 1.0) + l.upper_radius * surface.normal(l.u1, 1.0), 1e-10);
             assert!((l.upper_radius - rim - l.q1.distance(l.q2) * sin).abs() < 1e-10, "spheres of one cone");
             assert!((l.tip + l.axis * (cutter.radius_mm * sin / cos) - l.q1).length() < 1e-10);
-            // The rim point of the bottom circle and the tangent cone: distance from the axis is the radius at its height.
-            for contact in [l.upper_contact] {
-                let h = (contact - l.tip).dot(l.axis);
-                let off = (contact - l.tip - h * l.axis).length();
-                assert!(((off - cutter.radius_at(h)) * cos).abs() < 0.05, "{off} {}", cutter.radius_at(h));
-            }
             let (deviation, height) = middle(&surface, &cutter, &l).unwrap();
             assert!(deviation.abs() < 1e-10, "{deviation:e}");
             let foot = surface.foot(l.tip + height * l.axis, DVec2::new(u0, 0.5)).unwrap();
@@ -115,7 +109,7 @@ fn splines_sum_to_one_and_reproduce_a_cubic_past_their_ends() {
         for i in -10..=110 {
             let at = basis.at(f64::from(i) / 100.0);
             assert!((at.values.iter().sum::<f64>() - 1.0).abs() < 1e-10, "{count} {i}");
-            assert!(i < 0 || i > 100 || at.values.iter().all(|b| *b >= -1e-15));
+            assert!(!(0..=100).contains(&i) || at.values.iter().all(|b| *b >= -1e-15));
         }
     }
     // Without inner knots the axis surface is a pair of Bezier curves.
