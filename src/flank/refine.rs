@@ -62,7 +62,7 @@ fn bounds_of(objective: Objective) -> [f64; 2] {
 }
 
 /// Whether `a` is a better answer than `b`: nearer to the bounds first, then by what is summed.
-fn is_better(objective: Objective, a: &Deviation, b: &Deviation) -> bool {
+pub(super) fn is_better(objective: Objective, a: &Deviation, b: &Deviation) -> bool {
     /// What is beyond a bound by less counts as within (mm).
     const NOTHING: f64 = 1e-7;
     let beyond = [a, b].map(|d| beyond_bounds(objective, d).max(NOTHING));
@@ -70,7 +70,8 @@ fn is_better(objective: Objective, a: &Deviation, b: &Deviation) -> bool {
     if beyond[0] != beyond[1] { beyond[0] < beyond[1] } else { of(a) < of(b) }
 }
 
-/// Refines `start` in at most `rounds` steps.
+/// Refines `start` in at most `rounds` steps. `soft` says from which share of the mean deviation on absolute values are
+/// rounded off at first: 0.5 far from the answer, less near to it.
 ///
 /// # Errors
 /// Cancelled.
@@ -78,7 +79,7 @@ pub fn refine(
     grid: &DesignGrid,
     start: &Measured,
     cutter: &FlankCutter,
-    (objective, rounds): (Objective, usize),
+    (objective, rounds, soft): (Objective, usize, f64),
     (progress, cancel): (&Progress, &Cancel),
 ) -> Result<Measured, FlankError> {
     const STAGE: usize = 8;
@@ -86,11 +87,11 @@ pub fn refine(
     const TRUSTED: f64 = 0.03;
     let scale = start.deviation.mean.max(1e-9);
     let bounds = bounds_of(objective);
-    let mut merit = Merit { is_square: objective == Objective::Rms, soft: 0.5 * scale, bounds, penalty: 10.0 / scale };
+    let mut merit = Merit { is_square: objective == Objective::Rms, soft: soft * scale, bounds, penalty: 10.0 / scale };
     let edges = Edges::of(grid, start, cutter, scale);
     let (mut best, mut now, mut damping) = (start.clone(), start.clone(), 1e-3);
     let allowed = moving_difference(grid, start, cutter).max(TRUSTED);
-    let (mut trusted, mut in_stage) = (start.clone(), 0);
+    let (mut trusted, mut checked, mut in_stage) = (start.clone(), 0, 0);
     for round in 0..rounds {
         cancel.check()?;
         progress.report("refining the path", round as f64 / rounds as f64, "");
@@ -105,10 +106,12 @@ pub fn refine(
         if gained > 2e-4 && in_stage < STAGE {
             continue;
         }
-        if moving_difference(grid, &best, cutter) > allowed {
-            return Ok(trusted);
+        if round >= checked + STAGE {
+            if moving_difference(grid, &best, cutter) > allowed {
+                return Ok(trusted);
+            }
+            (trusted, checked) = (best.clone(), round);
         }
-        trusted = best.clone();
         let is_sharp = merit.is_square || merit.soft < 2e-3 * scale;
         let beyond = beyond_bounds(objective, &now.deviation);
         if is_sharp && gained < 1e-6 && beyond < 1e-7 {

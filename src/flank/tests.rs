@@ -213,6 +213,8 @@ fn reaches_and_keeps(cases: [(&str, [f64; 2]); 2]) {
             assert!(path.coverage.is_whole && first >= 0.0 && last <= 1.0, "{name} {which}");
             assert_eq!(path.deviation.values.len(), 5000);
         }
+        let lowest = [&plan.chosen, &plan.refined].map(|path| path.coverage.height_range_mm[0].min(0.0));
+        assert!(lowest[1] > lowest[0] - 0.02, "{name}: the cutter did not climb off the surface: {lowest:?}");
         let path = &plan.refined;
         let (still, moving) = (&path.deviation, &path.envelope.deviation);
         assert!((moving.sum / still.sum - 1.0).abs() < 0.02, "{} {}", moving.sum, still.sum);
