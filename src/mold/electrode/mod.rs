@@ -11,11 +11,13 @@ pub mod design;
 pub mod division;
 pub mod footprint;
 pub mod h_edge;
+pub mod overrides;
 pub mod params;
 pub mod plan;
 pub mod plan_checks;
 pub mod tip;
 
+mod removal;
 mod sharing;
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
+use super::overrides::Override;
 use crate::mold::cutter::CutterLibrary;
 
 /// A motion of the machine that widens the burn, in a plane across the burn direction.
@@ -256,19 +257,19 @@ pub struct ElectrodeParams {
     pub cutters: Option<CutterLibrary>,
     /// Blanks.
     pub blanks: Blanks,
-    /// Holders, the one that is tried first before the others.
+    /// Holders, the one that is tried first before the others. None are those of the user's library, which whoever reads
+    /// parameters puts in: a list of its own here would be another one than that library.
     pub holders: Vec<Holder>,
     /// Burning times.
     pub removal: Removal,
     /// What the user changed.
     pub edits: Vec<Edit>,
-    /// Electrodes that are exported although a check fails, by name.
-    pub overrides: Vec<String>,
+    /// Electrodes that are exported although a check fails.
+    pub overrides: Vec<Override>,
 }
 
 impl Default for ElectrodeParams {
     fn default() -> Self {
-        let holder = |name: &str, side: f64| Holder { name: name.into(), size_mm: [side; 2], height_mm: 20.0 };
         Self {
             stages: vec![Stage::finish(0.05)],
             shape: Shape::Undersized,
@@ -286,7 +287,7 @@ impl Default for ElectrodeParams {
             material: "copper".into(),
             cutters: None,
             blanks: Blanks::default(),
-            holders: vec![holder("holder 25", 25.0), holder("holder 50", 50.0), holder("holder 100", 100.0)],
+            holders: Vec::new(),
             removal: Removal::default(),
             edits: Vec::new(),
             overrides: Vec::new(),
@@ -320,8 +321,8 @@ pub enum ElectrodeParamsError {
     /// A finish or a number that is none.
     #[error("stage {0}: finish_vdi must be from 0 to 60, and quantity at least 1")]
     Stage(String),
-    /// No holder.
-    #[error("there is no holder, or one without a positive size: {0:?}")]
+    /// A holder that takes nothing.
+    #[error("holder {0:?}: size_mm and height_mm must be positive")]
     Holder(String),
     /// Blanks that are none.
     #[error("blanks: sides must rise and the increment must be from 0.1 to 100 mm")]
@@ -375,9 +376,6 @@ impl ElectrodeParams {
         let is_holder = |h: &Holder| h.size_mm.iter().chain([&h.height_mm]).all(|v| v.is_finite() && *v > 0.0);
         if let Some(bad) = self.holders.iter().find(|h| !is_holder(h)) {
             return Err(ElectrodeParamsError::Holder(bad.name.clone()));
-        }
-        if self.holders.is_empty() {
-            return Err(ElectrodeParamsError::Holder("none".into()));
         }
         let rises =
             |list: &[f64]| list.iter().all(|v| v.is_finite() && *v > 0.0) && list.windows(2).all(|w| w[0] < w[1]);
