@@ -179,12 +179,12 @@ fn lines(set: &ElectrodeSet, report: &ElectrodesReport) -> Vec<String> {
     for ((electrode, findings), entry) in set.electrodes.iter().zip(&set.checks).zip(&report.table.electrodes) {
         let burns = electrode.burns.len();
         let parts: usize = electrode.burns.iter().map(|b| b.parts.len()).sum();
-        let [x, y, z] = electrode.blank.to_array();
         lines.push(format!(
-            "{}: {burns} burn{}, {parts} place{}, blank {x} x {y} x {z} mm, {}, {:.0} min",
+            "{}: {burns} burn{}, {parts} place{}, blank {} mm, {}, {:.0} min",
             electrode.name,
             if burns == 1 { "" } else { "s" },
             if parts == 1 { "" } else { "s" },
+            entry.blank.text(" x "),
             entry.holder.as_ref().map_or("no holder", |h| &h.name),
             electrode.minutes
         ));
@@ -211,8 +211,8 @@ fn corners(set: &ElectrodeSet) -> Option<String> {
     let most = kept.max_by(|a, b| a.thickness.total_cmp(&b.thickness)).filter(|left| left.thickness > tolerance)?;
     let p = most.place;
     Some(format!(
-        "sharp corners keep up to {:.4} mm, which the spark rounds: more than the tolerance of {tolerance} mm, as near ({:.3}, {:.3}, \
-         {:.3}); a smaller gap leaves less",
+        "sharp corners keep up to {:.4} mm, which the spark rounds: more than the tolerance of {tolerance} mm, as near \
+         ({:.3}, {:.3}, {:.3}); a smaller gap leaves less",
         most.thickness, p.x, p.y, p.z
     ))
 }

@@ -57,7 +57,7 @@ const COLUMNS: [&str; 31] = [
 ];
 
 /// Those behind the checks.
-const MORE_COLUMNS: [&str; 14] = [
+const MORE_COLUMNS: [&str; 15] = [
     "opening",
     "x_axis_x",
     "x_axis_y",
@@ -68,6 +68,7 @@ const MORE_COLUMNS: [&str; 14] = [
     "orbit_y_axis_x",
     "orbit_y_axis_y",
     "orbit_y_axis_z",
+    "blank_diameter_mm",
     "base_height_mm",
     "front_area_mm2",
     "burn_area_mm2",
@@ -113,6 +114,8 @@ fn csv_row(table: &BurnTable, e: &ElectrodeEntry, burn: &BurnEntry) -> Vec<Strin
     row.extend(e.checks.iter().map(|c| c.state.name().to_owned()));
     row.push(table.opening.to_owned());
     row.extend([burn.x_axis, e.orbit.x_axis, e.orbit.y_axis].as_flattened().iter().map(|v| number(*v, 6)));
+    // Only of a round one, or else it would be read as what is to be taken.
+    row.push(e.blank.diameter_mm.filter(|_| e.blank.is_round).map_or(String::new(), |d| number(d, 3)));
     row.extend([e.base_height_mm, e.front_area_mm2, e.burn_area_mm2].map(|v| number(v, 4)));
     row.push(quoted(&e.warnings.join("; ")));
     row

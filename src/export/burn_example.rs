@@ -64,7 +64,12 @@ fn electrode(state: ElectrodeState, has_all: bool) -> ElectrodeEntry {
         finish_vdi: 24.0,
         roughness_um: 1.585,
         method: Method::Cutting,
-        blank: BlankEntry { sides_mm: [10.0, 12.0], length_mm: 25.0, diameter_mm: has_all.then_some(16.0) },
+        blank: BlankEntry {
+            is_round: false,
+            sides_mm: [10.0, 12.0],
+            length_mm: 25.0,
+            diameter_mm: has_all.then_some(16.0),
+        },
         holder: has_all.then_some(holder),
         lift: [0.0, 0.0, 1.0],
         front_area_mm2: 4.0,

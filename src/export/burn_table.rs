@@ -141,12 +141,22 @@ pub struct OrbitEntry {
 /// A blank.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BlankEntry {
-    /// Sides along X and Y (mm).
+    /// Whether it is round, as the base in the file then is.
+    pub is_round: bool,
+    /// Sides along X and Y (mm); the diameter twice if it is round.
     pub sides_mm: [f64; 2],
     /// Length along Z (mm).
     pub length_mm: f64,
-    /// Diameter of the least round blank that would do (mm).
+    /// Its diameter if it is round, else that of the least round blank that would do (mm).
     pub diameter_mm: Option<f64>,
+}
+
+impl BlankEntry {
+    /// Its lengths with a sign between them: `10 x 12 x 25`, or `round 16 x 25`.
+    pub fn text(&self, times: &str) -> String {
+        let ([x, y], z) = (self.sides_mm, self.length_mm);
+        if self.is_round { format!("round {x}{times}{z}") } else { format!("{x}{times}{y}{times}{z}") }
+    }
 }
 
 /// A holder.
@@ -291,7 +301,7 @@ fn entry(set: &ElectrodeSet, e: usize) -> ElectrodeEntry {
         Orbit::Square { .. } => "square",
     };
     let DVec3 { x, y, z } = electrode.blank;
-    let diameter_mm = round_blank(electrode.blank.truncate(), &params.blanks);
+    let diameter_mm = round_blank(&electrode.base, &params.blanks);
     let holder = electrode.holder.and_then(|h| params.holders.get(h));
     let burns = electrode.burns.iter().enumerate().map(|(i, burn)| {
         let minutes = params.removal.minutes(burn.volume, electrode.front_area, stage.finish_vdi);
@@ -316,7 +326,7 @@ fn entry(set: &ElectrodeSet, e: usize) -> ElectrodeEntry {
         finish_vdi: stage.finish_vdi,
         roughness_um: stage.roughness_um(),
         method: electrode.method,
-        blank: BlankEntry { sides_mm: [x, y], length_mm: z, diameter_mm },
+        blank: BlankEntry { is_round: electrode.base.is_round, sides_mm: [x, y], length_mm: z, diameter_mm },
         holder: holder.map(|h| HolderEntry { name: h.name.clone(), size_mm: h.size_mm, height_mm: h.height_mm }),
         lift: unit(-electrode.direction),
         front_area_mm2: electrode.front_area,
@@ -348,14 +358,21 @@ fn warnings(set: &ElectrodeSet, electrode: &Electrode) -> Vec<String> {
     warnings
 }
 
-/// A unit vector without what rounding makes of its zeros.
+/// A part of a unit vector without what rounding makes of it.
+fn plain(v: f64) -> f64 {
+    (v * 1e12).round() / 1e12 + 0.0
+}
+
 fn unit(v: DVec3) -> [f64; 3] {
-    v.to_array().map(|v| if v.abs() < 1e-12 { 0.0 } else { v })
+    v.to_array().map(plain)
 }
 
 fn pose(turned: DMat3, shift: [f64; 3]) -> Pose {
-    let row = |i: usize| [turned.row(i).x, turned.row(i).y, turned.row(i).z, shift[i]];
-    [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]].map(|row| row.map(|v| if v.abs() < 1e-12 { 0.0 } else { v }))
+    let row = |i: usize| {
+        let [x, y, z] = unit(turned.row(i));
+        [x, y, z, shift[i] + 0.0]
+    };
+    [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]]
 }
 
 fn burn_entry(number: usize, burn: &Burn, turned: &DMat3, minutes: f64) -> BurnEntry {

@@ -1,5 +1,8 @@
+use glam::DVec2;
+
 use super::*;
 use crate::export::electrode_fixtures::set;
+use crate::mold::electrode::base::Base;
 
 fn table() -> BurnTable {
     BurnTable::of(&set(), "shell, upper", Opening::MinusX)
@@ -114,6 +117,10 @@ fn a_net_shape_is_said_and_keeps_what_it_is_to_be_milled_smaller_by() {
     assert!((table.electrodes[0].undersize_wall_mm - 0.3).abs() < 1e-12);
     // The diagonal of 10 by 12 is 15.6.
     assert_eq!(table.electrodes[0].blank.diameter_mm, Some(16.0));
+    set.electrodes[0].base = Base { sides: DVec2::splat(12.0), is_round: true, ..set.electrodes[0].base };
+    set.electrodes[0].blank = DVec3::new(12.0, 12.0, 25.0);
+    let round = BurnTable::of(&set, "", Opening::PlusZ).electrodes[0].blank.clone();
+    assert_eq!((round.diameter_mm, round.text(" x ").as_str()), (Some(12.0), "round 12 x 25"));
     assert!(table.csv().contains(",net,"));
     let told = table.electrodes[0].warnings.join(" ");
     assert!(told.contains("smaller than it by 0.3000 mm at walls and 0.2000 mm at floors"), "{told}");

@@ -118,6 +118,9 @@ fn render_within(steps: u64, table: &BurnTable, template: &str, name: &str) -> R
 
 /// A number with so many decimals.
 fn fixed(value: &Value, decimals: Option<usize>) -> Result<String, Error> {
+    if value.is_undefined() {
+        return Err(ErrorKind::UndefinedError.into());
+    }
     if value.is_none() {
         return Ok("-".to_owned());
     }
@@ -136,11 +139,8 @@ fn explained(error: &Error, template: &str, name: &str) -> TemplateError {
     let mut problem = error.kind().to_string();
     if let Some(detail) = error.detail() {
         problem += &format!(": {detail}");
-    }
-    if error.kind() == ErrorKind::UndefinedError
-        && let Some(name) = error.range().and_then(|range| template.get(range)).filter(|n| !n.trim().is_empty())
-    {
-        problem += &format!(" {}", name.trim().chars().take(80).collect::<String>());
+    } else if let Some(text) = error.range().and_then(|range| template.get(range)).filter(|t| !t.trim().is_empty()) {
+        problem += &format!(": `{}`", text.trim().chars().take(80).collect::<String>());
     }
     let line = error.line();
     if let Some(text) = line.and_then(|n| template.lines().nth(n - 1)).map(str::trim).filter(|t| !t.is_empty()) {
@@ -224,11 +224,15 @@ mod tests {
             ("a\n{% for e in electrodes %}\n{{ e.naem }}\n{% endfor %}", 3, "naem"),
             ("a\n{{ mold|fixt }}", 2, "fixt"),
             ("\n\n{{ mold|fixed(2) }}", 3, "fixed is for numbers"),
-            ("{{ missing|fixed(2) }}", 1, "undefined value missing"),
-            ("a{{ mold }}\n{% for e in electrodes %}{{ e.name }}{{ e.naem }}{% endfor %}", 2, "value e.naem, in"),
+            ("{{ missing|fixed(2) }}", 1, "undefined value: `missing"),
+            (
+                "a{{ mold }}\n{% for e in electrodes %}{{ e.name }}{{ e.naem }}{% endfor %}",
+                2,
+                "undefined value: `e.naem`",
+            ),
             ("a\nb\n{% if mold %}\n", 3, "syntax"),
             ("a\n{{ mold", 2, "syntax"),
-            ("{% for e in electrode %}{% endfor %}", 1, "undefined value electrode"),
+            ("{% for e in electrode %}{% endfor %}", 1, "undefined value: `electrode`"),
             ("{% include 'other' %}", 1, "include"),
             ("\n{% for a in range(9999) %}{% for b in range(9999) %}{% endfor %}{% endfor %}", 2, "too many steps"),
         ] {
@@ -275,10 +279,10 @@ mod tests {
         assert_eq!(read(BURN_SHEET), Ok(()));
         assert_eq!(read("{% for e in electrodes %}{{ e.holder.name if e.holder else '-' }}{% endfor %}"), Ok(()));
         for (text, words) in [
-            ("\n{% for e in electrodes %}{{ e.holder.name }}{% endfor %}", "line 2: undefined value e.holder.name"),
+            ("\n{% for e in electrodes %}{{ e.holder.name }}{% endfor %}", "line 2: undefined value: `e.holder.name`"),
             (
                 "{% for e in electrodes if e.state == 'blocked' %}\n{{ e.stat }}{% endfor %}",
-                "line 2: undefined value e.stat",
+                "line 2: undefined value: `e.stat`",
             ),
             ("{% for e in electrodes %}", "syntax"),
         ] {

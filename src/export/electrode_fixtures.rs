@@ -39,7 +39,7 @@ fn electrode(name: &str, stage: usize, burns: Vec<Burn>, size: DVec3) -> Electro
         is_thin: false,
         front_area: 4.0,
         burn_area: 11.0,
-        base: Base { sides: DVec2::new(10.0, 12.0), height: 15.0, corner: 1.0 },
+        base: Base { sides: DVec2::new(10.0, 12.0), is_round: false, height: 15.0, corner: 1.0 },
     }
 }
 

@@ -56,10 +56,10 @@ pub struct IdleEntry {
 }
 
 /// What is counted where there are several stages.
-const MODEL: &str = "A stage leaves a layer for the next one on the whole surface of a region: as thick as the next one's electrode is \
-    larger (the difference of their undersizes), and no less than its stock. It takes what the stages before it left, down to that layer; \
-    the last one takes all the rest, so that the stages together take what the cutters left. Minutes are those volumes at the removal rate \
-    of the stage's finish, and the setting of each burn.";
+const MODEL: &str = "A stage leaves a layer for the next one on the whole surface of a region: as thick as the next \
+    one's electrode is larger (the difference of their undersizes), and no less than its stock. It takes what the stages \
+    before it left, down to that layer; the last one takes all the rest, so that the stages together take what the cutters \
+    left. Minutes are those volumes at the removal rate of the stage's finish, and the setting of each burn.";
 
 /// A region and how it is burned.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -172,6 +172,9 @@ fn orbit(e: &ElectrodeEntry) -> String {
 }
 
 fn blank(e: &ElectrodeEntry) -> String {
+    if e.blank.is_round {
+        return format!("round {} \u{d7} {}", number(e.blank.sides_mm[0], 1), number(e.blank.length_mm, 1));
+    }
     let round = e.blank.diameter_mm.map_or(String::new(), |d| format!(", or round {}", number(d, 1)));
     let [x, y] = e.blank.sides_mm.map(|side| number(side, 1));
     format!("{x} \u{d7} {y} \u{d7} {}{round}", number(e.blank.length_mm, 1))

@@ -284,7 +284,7 @@ mod tests {
             is_thin: false,
             front_area: 1.0,
             burn_area: 1.0,
-            base: Base { sides: DVec2::ONE, height: 1.0, corner: 0.0 },
+            base: Base { sides: DVec2::ONE, is_round: false, height: 1.0, corner: 0.0 },
         }
     }
 

@@ -130,7 +130,8 @@ pub struct Holder {
 pub struct Blanks {
     /// Sides that rectangular blanks come in (mm), rising; beyond the largest, sides are rounded up.
     pub sides_mm: Vec<f64>,
-    /// Diameters that round blanks come in (mm), rising; none are used where the list is empty.
+    /// Diameters that round blanks come in (mm), rising. One is taken where it is less than the rectangular blank; none where
+    /// the list is empty.
     #[serde(default)]
     pub diameters_mm: Vec<f64>,
     /// What lengths, and sides beyond the list, are rounded up to (mm).
@@ -151,6 +152,11 @@ impl Blanks {
         const HAIR: f64 = 1e-6;
         let known = self.sides_mm.iter().copied().find(|side| *side >= length - HAIR);
         known.unwrap_or_else(|| self.rounded_up(length))
+    }
+
+    /// The least diameter that holds `length` (mm), if there is one.
+    pub fn diameter(&self, length: f64) -> Option<f64> {
+        self.diameters_mm.iter().copied().find(|d| *d >= length)
     }
 
     /// The least multiple of the increment that holds `length` (mm).
