@@ -25,7 +25,13 @@ use sparkpath::progress::Progress;
 use tempfile::TempDir;
 
 fn sparkpath(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_sparkpath")).args(arguments).stdin(Stdio::null()).output().unwrap()
+    sparkpath_with(concat!(env!("CARGO_TARGET_TMPDIR"), "/no-settings"), arguments)
+}
+
+/// Runs the program for a user whose settings are in this folder.
+fn sparkpath_with(settings: &str, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sparkpath"));
+    command.args(arguments).env("XDG_CONFIG_HOME", settings).stdin(Stdio::null()).output().unwrap()
 }
 
 fn text(bytes: &[u8]) -> String {

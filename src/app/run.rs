@@ -23,14 +23,14 @@ use super::preferences::Preferences;
 use super::viewport::Viewport;
 use super::{forms::Request, inspector, menu, status, stepper, theme, timeline};
 use crate::jobs::pipeline::EventKind;
-use crate::project::{Autosave, Document, PlanJob, Recovery};
+use crate::project::{Autosave, Document, PlanJob, Recovery, user_folder};
 use crate::render::camera::Camera;
 use crate::render::scene::Scene;
 
 /// Where the program keeps what is its own.
 #[derive(Debug, Clone)]
 pub struct Folders {
-    /// Preferences.
+    /// Preferences, and the user's own lists.
     pub config: PathBuf,
     /// Copies of unsaved work.
     pub autosave: PathBuf,
@@ -40,7 +40,7 @@ impl Folders {
     /// Those of the user, if the system has any.
     pub fn of_user() -> Option<Self> {
         let dirs = directories::ProjectDirs::from("", "", "sparkpath")?;
-        Some(Self { config: dirs.config_dir().to_owned(), autosave: dirs.data_local_dir().join("autosave") })
+        Some(Self { config: user_folder()?, autosave: dirs.data_local_dir().join("autosave") })
     }
 }
 
@@ -132,6 +132,10 @@ impl SparkpathApp {
         if info.device_type == wgpu::DeviceType::Cpu {
             let text = format!("{} draws in software: moving views are drawn lighter and sharpen at rest", info.name);
             app.core.say(EventKind::Done, text);
+        }
+        if let Some(folder) = app.folders.as_ref().map(|f| f.config.clone()) {
+            let wrong = app.core.mold.take_user_files(&folder);
+            wrong.into_iter().for_each(|text| app.core.say(EventKind::Failed, text));
         }
         match opening {
             Opening::Demonstration => {}

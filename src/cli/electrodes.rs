@@ -1,26 +1,28 @@
 //! `sparkpath electrodes`: electrodes for what milling cutters leave of a mold.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 
 use super::uncut::MoldArguments;
 use super::{Answer, Session};
-use crate::export::burn_table::BurnTable;
-use crate::export::burn_template::{BURN_SHEET, render, render_file};
-use crate::export::electrode_files::{ElectrodeFormat, WrittenElectrodes, write_electrode_files};
+use crate::export::burn_template::BurnSheet;
+use crate::export::electrode_files::{ElectrodeFormat, WrittenElectrodes};
+use crate::export::electrode_folder::{ExportFolder, export_electrodes};
 use crate::export::electrode_report::ElectrodesReport;
-use crate::export::files::write_atomically;
 use crate::geometry::mesh::Mesh;
 use crate::jobs::electrodes::electrodes as find_electrodes;
 use crate::jobs::uncut::uncut as find_uncut;
 use crate::mold::cutter::{Cutter, CutterLibrary};
 use crate::mold::electrode::design::ElectrodeSet;
+use crate::mold::electrode::overrides::Override;
 use crate::mold::electrode::params::{ElectrodeParams, Shape};
 use crate::mold::opening::Opening;
 use crate::project::cutter_file::read_cutters;
-use crate::project::electrode_file::{load_electrodes, load_holders, read_electrodes, read_holders};
+use crate::project::electrode_file::{load_electrodes, read_electrodes};
+use crate::project::holder_files::read_holders;
+use crate::project::user_folder;
 use crate::render::mesh::RenderMesh;
 use crate::render::offscreen::Offscreen;
 use crate::views::{PICTURE_SIZE, electrode_pictures, electrode_shapes};
@@ -29,7 +31,7 @@ use crate::views::{PICTURE_SIZE, electrode_pictures, electrode_shapes};
 pub(super) struct ElectrodesArguments {
     #[command(flatten)]
     mold: MoldArguments,
-    /// What is asked of the electrodes (TOML) [default: the built-in one].
+    /// What is asked of the electrodes (TOML) [default: electrodes.toml in your settings, or else the built-in one].
     #[arg(long, value_name = "FILE")]
     params: Option<PathBuf>,
     /// Spark gap of every stage (mm).
@@ -44,12 +46,13 @@ pub(super) struct ElectrodesArguments {
     /// A library of cutters (TOML) that mill the electrodes.
     #[arg(long, value_name = "FILE")]
     electrode_library: Option<PathBuf>,
-    /// Holders (TOML) [default: the built-in ones].
+    /// Holders (TOML) [default: those of --params; else holders.toml and holders/SUPPLIER.toml in your settings, or else the
+    /// built-in ones].
     #[arg(long, value_name = "FILE")]
     holders: Option<PathBuf>,
-    /// Exports an electrode although a check fails; may be given more than once.
-    #[arg(long = "override", value_name = "NAME")]
-    overrides: Vec<String>,
+    /// Exports an electrode although checks fail, or one check as in E03:leftover; may be given more than once.
+    #[arg(long = "override", value_name = "NAME[:CHECK]")]
+    overrides: Vec<Override>,
     /// Formats of the electrode files, with commas between.
     #[arg(long, value_name = "FORMATS", value_delimiter = ',', default_value = "stl")]
     formats: Vec<Format>,
@@ -89,6 +92,9 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
     let asked = arguments.mold.params()?;
     let params = params(arguments)?;
     params.validate()?;
+    // What can be told before the work should not be told after it.
+    let sheet = arguments.template.as_deref().map_or_else(|| Ok(BurnSheet::standard()), BurnSheet::read)?;
+    let folder = arguments.out.as_deref().map(ExportFolder::open).transpose()?;
     let mesh = &arguments.mold.mesh;
     let imported = session.import(mesh, arguments.mold.units)?;
     let name = mesh.display().to_string();
@@ -98,9 +104,9 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
         .map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
     let file_name = mesh.file_name().map_or(name, |n| n.to_string_lossy().into_owned());
     let report = ElectrodesReport::of(&set, &file_name, asked.opening);
-    let table = BurnTable::of(&set, &file_name, asked.opening);
     let mut lines = lines(&set, &report);
-    if let Some(folder) = &arguments.out {
+    let mut has_all_files = true;
+    if let Some(folder) = folder {
         let drawn =
             if arguments.no_pictures { Ok(Vec::new()) } else { pictures(&imported.mesh, &set, asked.opening, session) };
         let pictures = drawn.unwrap_or_else(|error| {
@@ -108,7 +114,14 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
             Vec::new()
         });
         session.cancel.check()?;
-        lines.extend(not_written(&write(folder, arguments, (&set, &report, &table), &pictures)?));
+        let formats: Vec<ElectrodeFormat> = arguments.formats.iter().copied().map(ElectrodeFormat::from).collect();
+        let written = export_electrodes(folder, (&set, &report), &sheet, &pictures, &formats)?;
+        has_all_files = written.no_sheet.is_none();
+        lines.extend(not_written(&written));
+    } else {
+        lines.push(
+            "nothing was written: give --out DIR for electrode files, burn table, burn sheet and report".to_owned(),
+        );
     }
     let is_whole = uncut.is_whole();
     if !is_whole {
@@ -116,18 +129,17 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
     }
     super::terminal::finish();
     say!("{}", if session.json { report.json()? } else { lines.join("\n") });
-    Ok(if set.holds() && is_whole { Answer::Yes } else { Answer::No })
+    Ok(if set.holds() && is_whole && has_all_files { Answer::Yes } else { Answer::No })
 }
 
 fn params(arguments: &ElectrodesArguments) -> anyhow::Result<ElectrodeParams> {
+    let settings = user_folder();
     let mut params = match &arguments.params {
-        Some(file) => read_electrodes(file)?,
-        None => load_electrodes(None)?,
+        Some(file) => read_electrodes(file, settings.as_deref())?,
+        None => load_electrodes(settings.as_deref())?,
     };
-    match &arguments.holders {
-        Some(file) => params.holders = read_holders(file)?,
-        None if arguments.params.is_none() => params.holders = load_holders(None)?,
-        None => {}
+    if let Some(file) = &arguments.holders {
+        params.holders = read_holders(file)?;
     }
     if let Some(gap) = arguments.gap {
         params.stages.iter_mut().for_each(|stage| stage.gap_mm = gap);
@@ -162,41 +174,21 @@ fn pictures(
     Ok(drawn)
 }
 
-fn write(
-    folder: &Path,
-    arguments: &ElectrodesArguments,
-    (set, report, table): (&ElectrodeSet, &ElectrodesReport, &BurnTable),
-    pictures: &[(String, Vec<u8>)],
-) -> anyhow::Result<WrittenElectrodes> {
-    // A template that is wrong should be known before anything is written.
-    let sheet = match &arguments.template {
-        Some(file) => render_file(table, file)?,
-        None => render(table, BURN_SHEET, "the built-in burn sheet")?,
-    };
-    std::fs::create_dir_all(folder)
-        .map_err(|e| anyhow::anyhow!("{}: the folder cannot be made ({e}); give another", folder.display()))?;
-    let formats: Vec<ElectrodeFormat> = arguments.formats.iter().copied().map(ElectrodeFormat::from).collect();
-    let written = write_electrode_files(folder, set, &formats)?;
-    write_atomically(&folder.join("burn_table.csv"), table.csv().as_bytes())?;
-    write_atomically(&folder.join("burn_table.json"), table.json()?.as_bytes())?;
-    write_atomically(&folder.join("burn_sheet.txt"), sheet.as_bytes())?;
-    report.write(folder, pictures)?;
-    Ok(written)
-}
-
 fn lines(set: &ElectrodeSet, report: &ElectrodesReport) -> Vec<String> {
     let mut lines = vec![report.sentence.clone()];
-    for (electrode, findings) in set.electrodes.iter().zip(&set.checks) {
+    for ((electrode, findings), entry) in set.electrodes.iter().zip(&set.checks).zip(&report.table.electrodes) {
         let burns = electrode.burns.len();
         let parts: usize = electrode.burns.iter().map(|b| b.parts.len()).sum();
-        let [x, y, z] = electrode.blank.to_array();
         lines.push(format!(
-            "{}: {burns} burn{}, {parts} place{}, blank {x} x {y} x {z} mm, {:.0} min",
+            "{}: {burns} burn{}, {parts} place{}, blank {} mm, {}, {:.0} min",
             electrode.name,
             if burns == 1 { "" } else { "s" },
             if parts == 1 { "" } else { "s" },
+            entry.blank.text(" x "),
+            entry.holder.as_ref().map_or("no holder", |h| &h.name),
             electrode.minutes
         ));
+        lines.extend(entry.warnings.iter().map(|text| format!("    {text}")));
         let failed = findings.iter().filter(|f| !f.holds);
         lines.extend(failed.map(|f| {
             let place = f.place.map_or_else(String::new, |p| format!(" at ({:.3}, {:.3}, {:.3})", p.x, p.y, p.z));
@@ -206,10 +198,23 @@ fn lines(set: &ElectrodeSet, report: &ElectrodesReport) -> Vec<String> {
     for (number, region) in set.regions.iter().enumerate() {
         lines.extend(region.trouble.as_ref().map(|t| format!("region {} has no electrode: {t}", number + 1)));
     }
-    let is_known = |name: &&String| set.electrodes.iter().any(|e| e.name == **name);
-    let unknown = set.params.overrides.iter().filter(|name| !is_known(name));
-    lines.extend(unknown.map(|name| format!("override {name}: there is no electrode of that name")));
+    lines.extend(corners(set));
+    let idle = set.idle_overrides();
+    lines.extend(idle.into_iter().map(|(o, why)| format!("override {o}: {}", why.text())));
     lines
+}
+
+/// What sharp corners keep, where that is more than is allowed on faces: it is no failure, and has to be known.
+fn corners(set: &ElectrodeSet) -> Option<String> {
+    let tolerance = set.params.tolerance_mm;
+    let kept = set.regions.iter().map(|r| &r.left).filter(|left| left.excess <= tolerance);
+    let most = kept.max_by(|a, b| a.thickness.total_cmp(&b.thickness)).filter(|left| left.thickness > tolerance)?;
+    let p = most.place;
+    Some(format!(
+        "sharp corners keep up to {:.4} mm, which the spark rounds: more than the tolerance of {tolerance} mm, as near \
+         ({:.3}, {:.3}, {:.3}); a smaller gap leaves less",
+        most.thickness, p.x, p.y, p.z
+    ))
 }
 
 fn not_written(written: &WrittenElectrodes) -> Vec<String> {
@@ -219,5 +224,6 @@ fn not_written(written: &WrittenElectrodes) -> Vec<String> {
         let older = left.older.iter().map(|f| format!("    an older file of it is still there: {}", f.display()));
         lines.extend(older);
     }
+    lines.extend(written.no_sheet.as_ref().map(|why| format!("burn_sheet.txt was not written: {why}")));
     lines
 }

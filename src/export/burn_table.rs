@@ -1,21 +1,26 @@
 //! The burn table: what is burned with which electrode, where, how deep, and what was checked, as CSV and JSON.
 //!
-//! Positions are in the axes of the upright mold, whose opening looks along +Z. Text of any other form is made from the
+//! Positions are in the axes of the upright mold, whose opening looks along +Z; `to_file` takes them to the axes of the
+//! mold's file. Text of any other form is made from the
 //! same table by [`burn_template`](super::burn_template).
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use serde::Serialize;
 
 use crate::mold::electrode::base::round_blank;
 use crate::mold::electrode::check::CheckKind;
 use crate::mold::electrode::design::{Burn, Electrode, ElectrodeSet};
 use crate::mold::electrode::params::{Method, Orbit, Shape};
+use crate::mold::electrode::plan::to_burn_frame;
 use crate::mold::opening::Opening;
 
 /// Version of the keys of `burn_table.json`, which templates use too.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;
 /// Positions and angles are rounded to as many decimals.
 const DECIMALS: i32 = 4;
+
+/// A motion: three rows of a rotation with the shift in the fourth column (mm), and a row that is always 0 0 0 1.
+pub type Pose = [[f64; 4]; 4];
 
 /// All electrodes of a mold with their burns. Regions and their parts count from 1.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -28,6 +33,8 @@ pub struct BurnTable {
     pub mold: String,
     /// The direction in which the mold's opening looks in the axes of its file; along +Z in this table.
     pub opening: &'static str,
+    /// From the axes of this table to those of the mold's file.
+    pub to_file: Pose,
     /// What electrode files hold.
     pub shape: Shape,
     /// What electrodes are made of.
@@ -79,10 +86,16 @@ pub struct ElectrodeEntry {
     pub lift: [f64; 3],
     /// Area of its tips seen along the burn (mm^2).
     pub front_area_mm2: f64,
+    /// Area of its tips that burns, walls and floors, at one burn (mm^2).
+    pub burn_area_mm2: f64,
+    /// Height of its base (mm).
+    pub base_height_mm: f64,
     /// Volume that all its burns take away (mm^3).
     pub volume_mm3: f64,
     /// Minutes that all its burns take.
     pub minutes: f64,
+    /// What is to be seen to before it is used, in words.
+    pub warnings: Vec<String>,
     /// Its burns.
     pub burns: Vec<BurnEntry>,
     /// Each kind of check.
@@ -119,17 +132,31 @@ pub struct OrbitEntry {
     pub pattern: &'static str,
     /// Its radius or half side (mm).
     pub radius_mm: f64,
+    /// Unit vectors in whose plane it goes, and along which the sides of a square lie. They do not turn with C.
+    pub x_axis: [f64; 3],
+    /// The other.
+    pub y_axis: [f64; 3],
 }
 
 /// A blank.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BlankEntry {
-    /// Sides along X and Y (mm).
+    /// Whether it is round, as the base in the file then is.
+    pub is_round: bool,
+    /// Sides along X and Y (mm); the diameter twice if it is round.
     pub sides_mm: [f64; 2],
     /// Length along Z (mm).
     pub length_mm: f64,
-    /// Diameter of the least round blank that would do (mm).
+    /// Its diameter if it is round, else that of the least round blank that would do (mm).
     pub diameter_mm: Option<f64>,
+}
+
+impl BlankEntry {
+    /// Its lengths with a sign between them: `10 x 12 x 25`, or `round 16 x 25`.
+    pub fn text(&self, times: &str) -> String {
+        let ([x, y], z) = (self.sides_mm, self.length_mm);
+        if self.is_round { format!("round {x}{times}{z}") } else { format!("{x}{times}{y}{times}{z}") }
+    }
 }
 
 /// A holder.
@@ -156,6 +183,11 @@ pub struct BurnEntry {
     pub z_mm: f64,
     /// How far it is turned, counter-clockwise seen from the machine's head, along the burn (degrees, above -180 up to 180).
     pub c_deg: f64,
+    /// Unit vector along which the electrode's own X axis looks: with the direction of the lift, its own Z axis, it says how
+    /// the electrode stands wherever it burns from.
+    pub x_axis: [f64; 3],
+    /// From the axes of the electrode's file to those of this table.
+    pub pose: Pose,
     /// How deep below the mold's top its lowest point is (mm).
     pub depth_mm: f64,
     /// Volume that is burned away (mm^3).
@@ -216,6 +248,10 @@ impl BurnTable {
             program_version: env!("CARGO_PKG_VERSION"),
             mold: mold.to_owned(),
             opening: opening.name(),
+            to_file: pose(
+                DMat3::from_cols_array_2d(&[DVec3::X, DVec3::Y, DVec3::Z].map(|a| opening.in_mesh(a).to_array())),
+                [0.0; 3],
+            ),
             shape: set.params.shape,
             material: set.params.material.clone(),
             lift_mm: set.params.lift_mm,
@@ -231,109 +267,6 @@ impl BurnTable {
     /// None that is known; the writer's own.
     pub fn json(&self) -> Result<String, serde_json::Error> {
         Ok(serde_json::to_string_pretty(self)? + "\n")
-    }
-
-    /// The table as CSV: a row for each burn, with commas between and points as decimal marks. Text with a comma, a
-    /// quote or a line's end stands in quotes.
-    pub fn csv(&self) -> String {
-        let kinds = CheckKind::ALL.map(CheckKind::name);
-        let mut text = [&COLUMNS[..], &kinds].concat().join(",") + "\n";
-        for electrode in &self.electrodes {
-            for burn in &electrode.burns {
-                text += &csv_row(self, electrode, burn).join(",");
-                text.push('\n');
-            }
-        }
-        text
-    }
-}
-
-/// The columns of the CSV before those of the checks.
-const COLUMNS: [&str; 31] = [
-    "electrode",
-    "burn",
-    "x_mm",
-    "y_mm",
-    "z_mm",
-    "c_deg",
-    "depth_mm",
-    "parts",
-    "stage",
-    "material",
-    "shape",
-    "gap_mm",
-    "orbit",
-    "orbit_radius_mm",
-    "undersize_wall_mm",
-    "undersize_floor_mm",
-    "quantity",
-    "finish_vdi",
-    "roughness_um",
-    "method",
-    "blank_x_mm",
-    "blank_y_mm",
-    "blank_length_mm",
-    "holder",
-    "lift_x",
-    "lift_y",
-    "lift_z",
-    "lift_mm",
-    "volume_mm3",
-    "minutes",
-    "state",
-];
-
-fn csv_row(table: &BurnTable, e: &ElectrodeEntry, burn: &BurnEntry) -> Vec<String> {
-    let lift = e.lift.map(|v| number(v, 6));
-    let [lift_x, lift_y, lift_z] = lift;
-    let mut row = vec![
-        quoted(&e.name),
-        burn.number.to_string(),
-        number(burn.x_mm, 4),
-        number(burn.y_mm, 4),
-        number(burn.z_mm, 4),
-        number(burn.c_deg, 4),
-        number(burn.depth_mm, 4),
-        quoted(&burn.parts.join(" ")),
-        quoted(&e.stage),
-        quoted(&e.material),
-        shape_name(e.shape).to_owned(),
-        number(e.gap_mm, 4),
-        e.orbit.pattern.to_owned(),
-        number(e.orbit.radius_mm, 4),
-        number(e.undersize_wall_mm, 4),
-        number(e.undersize_floor_mm, 4),
-        e.quantity.to_string(),
-        number(e.finish_vdi, 1),
-        number(e.roughness_um, 3),
-        method_name(e.method).to_owned(),
-        number(e.blank.sides_mm[0], 3),
-        number(e.blank.sides_mm[1], 3),
-        number(e.blank.length_mm, 3),
-        e.holder.as_ref().map_or(String::new(), |h| quoted(&h.name)),
-        lift_x,
-        lift_y,
-        lift_z,
-        number(table.lift_mm, 3),
-        number(burn.volume_mm3, 4),
-        number(burn.minutes, 2),
-        e.state.name().to_owned(),
-    ];
-    row.extend(e.checks.iter().map(|c| c.state.name().to_owned()));
-    row
-}
-
-/// A field of a CSV file (RFC 4180).
-fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
-}
-
-/// A number of a CSV file; nothing where there is none.
-fn number(value: f64, decimals: usize) -> String {
-    let text = if value.is_finite() { format!("{value:.decimals$}") } else { String::new() };
-    match text.strip_prefix('-') {
-        Some(rest) if rest.bytes().all(|b| b == b'0' || b == b'.') => rest.to_owned(),
-        _ => text,
     }
 }
 
@@ -361,17 +294,18 @@ fn entry(set: &ElectrodeSet, e: usize) -> ElectrodeEntry {
         (true, false) => ElectrodeState::Overridden,
         (true, true) => ElectrodeState::Blocked,
     };
+    let turned = to_burn_frame(electrode.direction).transpose();
     let pattern = match stage.orbit {
         Orbit::None => "none",
         Orbit::Circular { .. } => "circular",
         Orbit::Square { .. } => "square",
     };
     let DVec3 { x, y, z } = electrode.blank;
-    let diameter_mm = round_blank(electrode.blank.truncate(), &params.blanks);
+    let diameter_mm = round_blank(&electrode.base, &params.blanks);
     let holder = electrode.holder.and_then(|h| params.holders.get(h));
     let burns = electrode.burns.iter().enumerate().map(|(i, burn)| {
         let minutes = params.removal.minutes(burn.volume, electrode.front_area, stage.finish_vdi);
-        burn_entry(i + 1, burn, minutes)
+        burn_entry(i + 1, burn, &turned, minutes)
     });
     ElectrodeEntry {
         name: electrode.name.clone(),
@@ -380,44 +314,85 @@ fn entry(set: &ElectrodeSet, e: usize) -> ElectrodeEntry {
         material: params.material.clone(),
         shape: params.shape,
         gap_mm: stage.gap_mm,
-        orbit: OrbitEntry { pattern, radius_mm: stage.orbit.radius_mm() },
+        orbit: OrbitEntry {
+            pattern,
+            radius_mm: stage.orbit.radius_mm(),
+            x_axis: unit(turned.x_axis),
+            y_axis: unit(turned.y_axis),
+        },
         undersize_wall_mm: stage.undersize(DVec3::X),
         undersize_floor_mm: stage.undersize(DVec3::Z),
         quantity: stage.quantity,
         finish_vdi: stage.finish_vdi,
         roughness_um: stage.roughness_um(),
         method: electrode.method,
-        blank: BlankEntry { sides_mm: [x, y], length_mm: z, diameter_mm },
+        blank: BlankEntry { is_round: electrode.base.is_round, sides_mm: [x, y], length_mm: z, diameter_mm },
         holder: holder.map(|h| HolderEntry { name: h.name.clone(), size_mm: h.size_mm, height_mm: h.height_mm }),
-        lift: lift(electrode),
+        lift: unit(-electrode.direction),
         front_area_mm2: electrode.front_area,
+        burn_area_mm2: electrode.burn_area,
+        base_height_mm: electrode.base.height,
+        warnings: warnings(set, electrode),
         volume_mm3: electrode.burns.iter().map(|b| b.volume).sum(),
         minutes: electrode.minutes,
         burns: burns.collect(),
-        checks: CheckKind::ALL.map(|kind| check(set, e, kind, state)).to_vec(),
+        checks: CheckKind::ALL.map(|kind| check(set, e, kind)).to_vec(),
     }
 }
 
-/// Against the burn; adding 0 takes the sign from a zero.
-fn lift(electrode: &Electrode) -> [f64; 3] {
-    (-electrode.direction).to_array().map(|v| v + 0.0)
+/// What is to be seen to: what is no check, as the electrode itself is right.
+fn warnings(set: &ElectrodeSet, electrode: &Electrode) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if electrode.holder.is_none() {
+        let DVec3 { x, y, .. } = electrode.blank;
+        warnings.push(format!("no holder is large enough for a blank of {x} x {y} mm: add one to the list of holders"));
+    }
+    if set.params.shape == Shape::Net {
+        let stage = &set.params.stages[electrode.stage];
+        let [wall, floor] = [DVec3::X, DVec3::Z].map(|n| stage.undersize(n));
+        warnings.push(format!(
+            "the file holds the cavity's own shape: the electrode is milled smaller than it by {wall:.4} mm at walls and {floor:.4} \
+             mm at floors"
+        ));
+    }
+    warnings
 }
 
-fn burn_entry(number: usize, burn: &Burn, minutes: f64) -> BurnEntry {
+/// A part of a unit vector without what rounding makes of it.
+fn plain(v: f64) -> f64 {
+    (v * 1e12).round() / 1e12 + 0.0
+}
+
+fn unit(v: DVec3) -> [f64; 3] {
+    v.to_array().map(plain)
+}
+
+fn pose(turned: DMat3, shift: [f64; 3]) -> Pose {
+    let row = |i: usize| {
+        let [x, y, z] = unit(turned.row(i));
+        [x, y, z, shift[i] + 0.0]
+    };
+    [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]]
+}
+
+fn burn_entry(number: usize, burn: &Burn, turned: &DMat3, minutes: f64) -> BurnEntry {
     let [x_mm, y_mm, z_mm] = burn.position.to_array().map(rounded);
     let mut regions: Vec<usize> = burn.parts.iter().map(|p| p.region + 1).collect();
     regions.sort_unstable();
     regions.dedup();
+    let stands = *turned * DMat3::from_rotation_z(burn.turn);
     BurnEntry {
         number,
         x_mm,
         y_mm,
         z_mm,
         c_deg: c_deg(burn.turn),
+        x_axis: unit(stands.x_axis),
+        pose: pose(stands, [x_mm, y_mm, z_mm]),
         depth_mm: burn.depth,
         volume_mm3: burn.volume,
         minutes,
-        parts: burn.parts.iter().map(|p| format!("R{}.{}", p.region + 1, p.part + 1)).collect(),
+        parts: burn.parts.iter().map(ToString::to_string).collect(),
         regions,
     }
 }
@@ -434,15 +409,15 @@ fn c_deg(turn: f64) -> f64 {
     if c > 180.0 { rounded(c - 360.0) } else { c }
 }
 
-fn check(set: &ElectrodeSet, e: usize, kind: CheckKind, state: ElectrodeState) -> CheckEntry {
+fn check(set: &ElectrodeSet, e: usize, kind: CheckKind) -> CheckEntry {
     let made: Vec<_> = set.checks[e].iter().filter(|finding| finding.kind == kind).collect();
     let fails = made.iter().any(|finding| !finding.holds);
     // What holds is of no interest beside what does not.
     let told: Vec<_> = made.iter().filter(|finding| finding.holds != fails).collect();
-    let state = match (made.is_empty(), fails, state) {
-        (true, ..) => CheckState::NotMade,
-        (_, false, _) => CheckState::Ok,
-        (_, true, ElectrodeState::Overridden) => CheckState::Overridden,
+    let state = match (made.is_empty(), fails) {
+        (true, _) => CheckState::NotMade,
+        (_, false) => CheckState::Ok,
+        _ if set.is_overridden(e, kind, &set.params.overrides) => CheckState::Overridden,
         _ => CheckState::Failed,
     };
     CheckEntry {

@@ -1,5 +1,8 @@
+use glam::DVec2;
+
 use super::*;
 use crate::export::electrode_fixtures::set;
+use crate::mold::electrode::base::Base;
 
 fn table() -> BurnTable {
     BurnTable::of(&set(), "shell, upper", Opening::MinusX)
@@ -48,6 +51,11 @@ fn the_csv_has_a_row_for_each_burn_and_says_what_the_set_says() {
     assert_eq!([at(1, "burn"), at(2, "parts"), at(3, "parts")], ["2", "R2.1 R1.1", "R1.2"]);
     assert_eq!([at(0, "material"), at(0, "holder"), at(2, "holder")], ["Cu, \"soft\"", "holder 25", ""]);
     assert_eq!(["lift_x", "lift_y", "lift_z"].map(|name| at(2, name)), ["-1.000000", "0.000000", "0.000000"]);
+    // Turned by 90 degrees about the burn it stands along Y; the axes of the orbit stay.
+    assert_eq!(["x_axis_x", "x_axis_y", "x_axis_z"].map(|name| at(0, name)), ["0.000000", "1.000000", "0.000000"]);
+    assert_eq!(["orbit_x_axis_x", "orbit_y_axis_y"].map(|name| at(0, name)), ["1.000000", "1.000000"]);
+    assert_eq!(["opening", "base_height_mm", "burn_area_mm2"].map(|name| at(0, name)), ["-x", "15.0000", "11.0000"]);
+    assert!(at(2, "warnings").contains("no holder is large enough") && at(0, "warnings").is_empty());
     let checks = ["watertight", "gouge", "approach", "leftover", "machinable", "state"];
     assert_eq!(checks.map(|name| at(0, name)), ["ok", "ok", "ok", "ok", "ok", "ok"]);
     assert_eq!(checks.map(|name| at(2, name)), ["ok", "ok", "ok", "overridden", "ok", "overridden"]);
@@ -62,14 +70,20 @@ fn the_json_has_the_keys_that_templates_name() {
         keys.sort();
         keys.join(" ")
     };
-    assert_eq!(keys(&json), "burns electrodes lift_mm material minutes mold opening program_version schema shape");
+    assert_eq!(
+        keys(&json),
+        "burns electrodes lift_mm material minutes mold opening program_version schema shape to_file"
+    );
     let electrode = &json["electrodes"][2];
     assert_eq!(
         keys(electrode),
-        "blank burns checks finish_vdi front_area_mm2 gap_mm holder lift material method minutes name orbit quantity \
-         roughness_um shape stage state undersize_floor_mm undersize_wall_mm volume_mm3"
+        "base_height_mm blank burn_area_mm2 burns checks finish_vdi front_area_mm2 gap_mm holder lift material method \
+         minutes name orbit quantity roughness_um shape stage state undersize_floor_mm undersize_wall_mm volume_mm3 warnings"
     );
-    assert_eq!(keys(&electrode["burns"][0]), "c_deg depth_mm minutes number parts regions volume_mm3 x_mm y_mm z_mm");
+    assert_eq!(
+        keys(&electrode["burns"][0]),
+        "c_deg depth_mm minutes number parts pose regions volume_mm3 x_axis x_mm y_mm z_mm"
+    );
     assert_eq!(keys(&electrode["checks"][0]), "kind place_mm state text");
     assert_eq!(json["opening"], "-x");
     assert_eq!(json["electrodes"][1]["burns"][0]["regions"], serde_json::json!([1, 2]));
@@ -103,5 +117,41 @@ fn a_net_shape_is_said_and_keeps_what_it_is_to_be_milled_smaller_by() {
     assert!((table.electrodes[0].undersize_wall_mm - 0.3).abs() < 1e-12);
     // The diagonal of 10 by 12 is 15.6.
     assert_eq!(table.electrodes[0].blank.diameter_mm, Some(16.0));
+    set.electrodes[0].base = Base { sides: DVec2::splat(12.0), is_round: true, ..set.electrodes[0].base };
+    set.electrodes[0].blank = DVec3::new(12.0, 12.0, 25.0);
+    let round = BurnTable::of(&set, "", Opening::PlusZ).electrodes[0].blank.clone();
+    assert_eq!((round.diameter_mm, round.text(" x ").as_str()), (Some(12.0), "round 12 x 25"));
     assert!(table.csv().contains(",net,"));
+    let told = table.electrodes[0].warnings.join(" ");
+    assert!(told.contains("smaller than it by 0.3000 mm at walls and 0.2000 mm at floors"), "{told}");
+}
+
+/// A point moved by a pose, as whoever reads the table moves it.
+fn moved(pose: &Pose, p: DVec3) -> DVec3 {
+    let row = |i: usize| pose[i][0] * p.x + pose[i][1] * p.y + pose[i][2] * p.z + pose[i][3];
+    DVec3::new(row(0), row(1), row(2))
+}
+
+#[test]
+fn poses_put_an_electrode_where_its_burn_does_whatever_the_direction() {
+    let set = set();
+    let table = BurnTable::of(&set, "", Opening::MinusY);
+    let points = [DVec3::ZERO, DVec3::new(1.0, 2.0, -5.0), DVec3::new(-3.0, 0.5, 1.0)];
+    for (electrode, entry) in set.electrodes.iter().zip(&table.electrodes) {
+        let turned = to_burn_frame(electrode.direction);
+        for (burn, told) in electrode.burns.iter().zip(&entry.burns) {
+            let mesh = crate::geometry::mesh::Mesh { vertices: points.to_vec(), triangles: Vec::new() };
+            let placed = electrode.burning(&mesh, burn, &turned);
+            for (p, in_frame) in points.iter().zip(&placed.vertices) {
+                let expected = turned.transpose() * *in_frame;
+                let found = moved(&told.pose, *p);
+                assert!(found.distance(expected) < 2e-4, "{}: {found} {expected}", entry.name);
+                let in_file = moved(&table.to_file, found);
+                assert!(Opening::MinusY.upright(in_file).distance(found) < 1e-9);
+            }
+            // The two unit vectors that the CSV has are the pose's own columns.
+            let column = |i: usize| [told.pose[0][i], told.pose[1][i], told.pose[2][i]];
+            assert_eq!((column(0), column(2)), (told.x_axis, entry.lift));
+        }
+    }
 }

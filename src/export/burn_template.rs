@@ -57,27 +57,45 @@ pub enum TemplateError {
     },
 }
 
-/// The text that the template in `file` makes of `table`.
-///
-/// # Errors
-/// [`TemplateError`] with the line.
-pub fn render_file(table: &BurnTable, file: &Path) -> Result<String, TemplateError> {
-    let template = file.display().to_string();
-    let unreadable = |source| TemplateError::Unreadable { template: template.clone(), source };
-    let bytes = std::fs::metadata(file).map_err(unreadable)?.len();
-    if bytes > LARGEST_FILE {
-        return Err(TemplateError::TooLarge { template, bytes });
-    }
-    let text = std::fs::read_to_string(file).map_err(unreadable)?;
-    render(table, &text, &template)
+/// A template that makes a burn sheet.
+#[derive(Debug, Clone)]
+pub struct BurnSheet {
+    /// What errors call it.
+    name: String,
+    text: String,
 }
 
-/// The text that `template` makes of `table`; errors call it `name`.
-///
-/// # Errors
-/// [`TemplateError::Wrong`] with the line.
-pub fn render(table: &BurnTable, template: &str, name: &str) -> Result<String, TemplateError> {
-    render_within(MOST_STEPS, table, template, name)
+impl BurnSheet {
+    /// The one that the program brings along.
+    pub fn standard() -> Self {
+        Self { name: "the built-in burn sheet".to_owned(), text: BURN_SHEET.to_owned() }
+    }
+
+    /// The template in `file`, tried on examples of all that a table may hold: electrodes take their time, and what is wrong
+    /// with their sheet should be known before.
+    ///
+    /// # Errors
+    /// [`TemplateError`] with the line.
+    pub fn read(file: &Path) -> Result<Self, TemplateError> {
+        let template = file.display().to_string();
+        let unreadable = |source| TemplateError::Unreadable { template: template.clone(), source };
+        let bytes = std::fs::metadata(file).map_err(unreadable)?.len();
+        if bytes > LARGEST_FILE {
+            return Err(TemplateError::TooLarge { template, bytes });
+        }
+        let text = std::fs::read_to_string(file).map_err(unreadable)?;
+        let sheet = Self { name: template, text };
+        BurnTable::examples().iter().try_for_each(|example| sheet.of(example).map(drop))?;
+        Ok(sheet)
+    }
+
+    /// The text that it makes of `table`.
+    ///
+    /// # Errors
+    /// [`TemplateError::Wrong`] with the line.
+    pub fn of(&self, table: &BurnTable) -> Result<String, TemplateError> {
+        render_within(MOST_STEPS, table, &self.text, &self.name)
+    }
 }
 
 fn render_within(steps: u64, table: &BurnTable, template: &str, name: &str) -> Result<String, TemplateError> {
@@ -90,6 +108,8 @@ fn render_within(steps: u64, table: &BurnTable, template: &str, name: &str) -> R
     environment.set_auto_escape_callback(|_| AutoEscape::None);
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment.set_fuel(Some(steps));
+    // What was undefined is named in errors only so.
+    environment.set_debug(true);
     environment.add_filter("fixed", fixed);
     environment.add_filter("left", |text: String, width: usize| format!("{text:<width$}", width = width.min(WIDEST)));
     environment.add_filter("right", |text: String, width: usize| format!("{text:>width$}", width = width.min(WIDEST)));
@@ -98,6 +118,9 @@ fn render_within(steps: u64, table: &BurnTable, template: &str, name: &str) -> R
 
 /// A number with so many decimals.
 fn fixed(value: &Value, decimals: Option<usize>) -> Result<String, Error> {
+    if value.is_undefined() {
+        return Err(ErrorKind::UndefinedError.into());
+    }
     if value.is_none() {
         return Ok("-".to_owned());
     }
@@ -116,13 +139,17 @@ fn explained(error: &Error, template: &str, name: &str) -> TemplateError {
     let mut problem = error.kind().to_string();
     if let Some(detail) = error.detail() {
         problem += &format!(": {detail}");
+    } else if let Some(text) = error.range().and_then(|range| template.get(range)).filter(|t| !t.trim().is_empty()) {
+        problem += &format!(": `{}`", text.trim().chars().take(80).collect::<String>());
     }
     let line = error.line();
     if let Some(text) = line.and_then(|n| template.lines().nth(n - 1)).map(str::trim).filter(|t| !t.is_empty()) {
         problem += &format!(", in `{}`", text.chars().take(80).collect::<String>());
     }
     let remedy = match error.kind() {
-        ErrorKind::UndefinedError => "the names are those of the keys of burn_table.json",
+        ErrorKind::UndefinedError => {
+            "the names are those of the keys of burn_table.json, and of what may be none nothing can be had: ask before with if"
+        }
         ErrorKind::UnknownFilter => {
             "filters are fixed, left, right, and those of Jinja: join, upper, default and others"
         }
@@ -137,10 +164,15 @@ fn explained(error: &Error, template: &str, name: &str) -> TemplateError {
 mod tests {
     use super::*;
     use crate::export::electrode_fixtures::set;
+    use crate::mold::electrode::params::Shape;
     use crate::mold::opening::Opening;
 
     fn table() -> BurnTable {
         BurnTable::of(&set(), "shell", Opening::PlusZ)
+    }
+
+    fn render(table: &BurnTable, template: &str, name: &str) -> Result<String, TemplateError> {
+        BurnSheet { name: name.to_owned(), text: template.to_owned() }.of(table)
     }
 
     #[test]
@@ -150,11 +182,19 @@ mod tests {
         assert!(line(&["SHEET", "shell"]) && line(&["opening", "+z"]), "{text}");
         assert!(line(&["3 electrodes", "4 burns", "38 min"]), "{text}");
         assert!(line(&["12.3457", "-4.5000", "20.0000", "90.0000"]), "{text}");
+        assert!(line(&["Files hold the electrodes as they are milled"]) && line(&["NOTE: no holder"]), "{text}");
         assert!(line(&["E03", "BLOCKED"]), "{text}");
         assert!(line(&["E02", "OVERRIDDEN"]), "{text}");
         assert!(line(&["gouge", "failed", "too deep a burn"]), "{text}");
         assert!(!text.contains("none") && !text.contains("{"), "{text}");
         assert!(text.lines().all(|l| l == l.trim_end()), "{text}");
+        let mut one = set();
+        (one.params.shape, one.electrodes) = (Shape::Net, one.electrodes.drain(2..).collect());
+        one.checks.drain(..2);
+        let text = render(&BurnTable::of(&one, "shell", Opening::PlusZ), BURN_SHEET, "standard").unwrap();
+        let line = |words: &[&str]| text.lines().any(|l| words.iter().all(|w| l.contains(w)));
+        assert!(line(&["1 electrode, 1 burn,"]) && line(&["FILES HOLD THE SHAPE OF THE CAVITY"]), "{text}");
+        assert!(line(&["TO BE MILLED SMALLER by wall 0.0500 floor 0.0500"]), "{text}");
     }
 
     #[test]
@@ -184,10 +224,15 @@ mod tests {
             ("a\n{% for e in electrodes %}\n{{ e.naem }}\n{% endfor %}", 3, "naem"),
             ("a\n{{ mold|fixt }}", 2, "fixt"),
             ("\n\n{{ mold|fixed(2) }}", 3, "fixed is for numbers"),
-            ("{{ missing|fixed(2) }}", 1, "undefined"),
+            ("{{ missing|fixed(2) }}", 1, "undefined value: `missing"),
+            (
+                "a{{ mold }}\n{% for e in electrodes %}{{ e.name }}{{ e.naem }}{% endfor %}",
+                2,
+                "undefined value: `e.naem`",
+            ),
             ("a\nb\n{% if mold %}\n", 3, "syntax"),
             ("a\n{{ mold", 2, "syntax"),
-            ("{% for e in electrode %}{% endfor %}", 1, "undefined"),
+            ("{% for e in electrode %}{% endfor %}", 1, "undefined value: `electrode`"),
             ("{% include 'other' %}", 1, "include"),
             ("\n{% for a in range(9999) %}{% for b in range(9999) %}{% endfor %}{% endfor %}", 2, "too many steps"),
         ] {
@@ -201,15 +246,60 @@ mod tests {
         }
     }
 
+    /// The keys of values and of what is in them.
+    fn keys(value: &serde_json::Value, at: &str, found: &mut std::collections::BTreeSet<String>) {
+        match value {
+            serde_json::Value::Object(map) => map.iter().for_each(|(key, value)| {
+                found.insert(format!("{at}.{key}"));
+                keys(value, &format!("{at}.{key}"), found);
+            }),
+            serde_json::Value::Array(list) => list.iter().for_each(|value| keys(value, at, found)),
+            _ => {}
+        }
+    }
+
+    #[test]
+    fn a_template_is_tried_on_all_that_a_table_may_hold_before_there_is_one() {
+        let of = |table: &BurnTable| {
+            let mut found = Default::default();
+            keys(&serde_json::to_value(table).unwrap(), "", &mut found);
+            found
+        };
+        let [full, several] = BurnTable::examples();
+        assert!(of(&full).is_superset(&of(&table())), "an example knows every key");
+        for state in ["ok", "overridden", "blocked"] {
+            assert!(several.electrodes.iter().any(|e| e.state.name() == state));
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("mine.jinja");
+        let read = |text: &str| {
+            std::fs::write(&file, text).unwrap();
+            BurnSheet::read(&file).map(drop).map_err(|e| e.to_string())
+        };
+        assert_eq!(read(BURN_SHEET), Ok(()));
+        assert_eq!(read("{% for e in electrodes %}{{ e.holder.name if e.holder else '-' }}{% endfor %}"), Ok(()));
+        for (text, words) in [
+            ("\n{% for e in electrodes %}{{ e.holder.name }}{% endfor %}", "line 2: undefined value: `e.holder.name`"),
+            (
+                "{% for e in electrodes if e.state == 'blocked' %}\n{{ e.stat }}{% endfor %}",
+                "line 2: undefined value: `e.stat`",
+            ),
+            ("{% for e in electrodes %}", "syntax"),
+        ] {
+            let said = read(text).unwrap_err();
+            assert!(said.contains("mine.jinja") && said.contains(words), "{said}");
+        }
+    }
+
     #[test]
     fn a_template_is_read_from_its_file() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("mine.jinja");
         std::fs::write(&file, "{{ burns }} burns\n").unwrap();
-        assert_eq!(render_file(&table(), &file).unwrap(), "4 burns\n");
+        assert_eq!(BurnSheet::read(&file).unwrap().of(&table()).unwrap(), "4 burns\n");
         std::fs::write(&file, [0xff, 0xfe]).unwrap();
         for wrong in [file, folder.path().join("none")] {
-            assert!(matches!(render_file(&table(), &wrong), Err(TemplateError::Unreadable { .. })));
+            assert!(matches!(BurnSheet::read(&wrong), Err(TemplateError::Unreadable { .. })));
         }
     }
 }

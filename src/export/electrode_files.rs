@@ -3,11 +3,12 @@
 //! A file holds an electrode in its own axes: the origin is the middle of its base's underside, the tips reach down along
 //! -Z. Its name says what a shop needs to know of it, as in `E01_finish_g0.05_copper_x1.stl`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use super::files::{WriteError, write_atomically};
+use super::electrode_folder::ExportFolder;
+use super::files::WriteError;
 use crate::mesh_io::{glb_bytes, obj_bytes, stl_bytes};
 use crate::mold::electrode::design::{Electrode, ElectrodeSet};
 use crate::mold::electrode::params::{ElectrodeParams, Orbit, Shape};
@@ -69,6 +70,9 @@ pub enum ElectrodeExportError {
     /// The file system's refusal.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// The figures have no JSON.
+    #[error("the burn table as JSON: {0}")]
+    Json(#[from] serde_json::Error),
 }
 
 /// What was written and what was not.
@@ -78,6 +82,8 @@ pub struct WrittenElectrodes {
     pub files: Vec<ElectrodeFile>,
     /// Electrodes without files.
     pub left_out: Vec<LeftOut>,
+    /// Why there is no burn sheet, if there is none.
+    pub no_sheet: Option<String>,
 }
 
 /// A file that was written.
@@ -100,29 +106,29 @@ pub struct LeftOut {
     pub older: Vec<PathBuf>,
 }
 
-/// Writes all electrodes that may be exported into `folder`, each in all `formats`. Each file is written under a temporary
-/// name and renamed.
+/// Writes all electrodes that may be exported into `folder`, each in all `formats`, to be published.
 ///
 /// # Errors
-/// [`ElectrodeExportError`]; files written before it stay.
+/// [`ElectrodeExportError`].
 pub fn write_electrode_files(
-    folder: &Path,
+    folder: &mut ExportFolder,
     set: &ElectrodeSet,
     formats: &[ElectrodeFormat],
 ) -> Result<WrittenElectrodes, ElectrodeExportError> {
     let mut written = WrittenElectrodes::default();
     for (e, (electrode, stem)) in set.electrodes.iter().zip(file_stems(set)).enumerate() {
-        let path = |format: ElectrodeFormat| folder.join(format!("{stem}.{}", format.extension()));
+        let file = |format: ElectrodeFormat| format!("{stem}.{}", format.extension());
         let name = electrode.name.clone();
         if let Some(why) = why_blocked(set, e) {
-            let older = ElectrodeFormat::ALL.map(path).into_iter().filter(|p| p.exists()).collect();
+            let older =
+                ElectrodeFormat::ALL.map(|f| folder.path(&file(f))).into_iter().filter(|p| p.exists()).collect();
             written.left_out.push(LeftOut { electrode: name, why, older });
             continue;
         }
         for &format in formats {
             let wrong = |source| ElectrodeExportError::Mesh { electrode: name.clone(), format, source };
-            write_atomically(&path(format), &format.bytes(electrode).map_err(wrong)?)?;
-            written.files.push(ElectrodeFile { electrode: name.clone(), path: path(format) });
+            let path = folder.write(&file(format), &format.bytes(electrode).map_err(wrong)?)?;
+            written.files.push(ElectrodeFile { electrode: name.clone(), path });
         }
     }
     Ok(written)
@@ -133,9 +139,10 @@ pub fn why_blocked(set: &ElectrodeSet, electrode: usize) -> Option<String> {
     if !set.is_blocked(electrode) {
         return None;
     }
-    let failing = set.checks[electrode].iter().filter(|finding| !finding.holds);
+    let is_let_pass = |kind| set.is_overridden(electrode, kind, &set.params.overrides);
+    let failing = set.checks[electrode].iter().filter(|finding| !finding.holds && !is_let_pass(finding.kind));
     let told: Vec<String> = failing.map(|finding| format!("{}: {}", finding.kind.name(), finding.text)).collect();
-    Some(format!("{}; mend it, or override it by its name {}", told.join("; "), set.electrodes[electrode].name))
+    Some(format!("{}; mend it, or override it by its name, {}", told.join("; "), set.electrodes[electrode].name))
 }
 
 /// Names of the electrodes' files without their endings, all different even where small and large letters are the same.
@@ -187,9 +194,17 @@ fn plain(text: &str) -> String {
 mod tests {
     use super::*;
     use crate::export::electrode_fixtures::set;
-    use crate::geometry::mesh::Mesh;
     use crate::mesh_io::{ImportOptions, import_file};
+    use crate::mold::electrode::check::CheckKind;
+    use crate::mold::electrode::overrides::{IdleOverride, Override};
     use crate::progress::{Cancel, Progress};
+
+    fn written(folder: &std::path::Path, set: &ElectrodeSet, formats: &[ElectrodeFormat]) -> WrittenElectrodes {
+        let mut folder = ExportFolder::open(folder).unwrap();
+        let written = write_electrode_files(&mut folder, set, formats).unwrap();
+        folder.publish().unwrap();
+        written
+    }
 
     #[test]
     fn file_names_say_what_a_shop_needs_and_stay_in_their_folder() {
@@ -213,7 +228,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let old = folder.path().join("E03_finish_g0.05_Cu-soft_x1.stl");
         std::fs::write(&old, "old").unwrap();
-        let written = write_electrode_files(folder.path(), &set(), &[ElectrodeFormat::Stl]).unwrap();
+        let written = written(folder.path(), &set(), &[ElectrodeFormat::Stl]);
         let names: Vec<&str> = written.files.iter().map(|f| f.electrode.as_str()).collect();
         assert_eq!(names, ["E01", "E02-finish"], "what is overridden is written");
         let [left] = &written.left_out[..] else { panic!("{written:?}") };
@@ -231,7 +246,7 @@ mod tests {
     fn every_format_is_read_back_as_the_same_solid() {
         let folder = tempfile::tempdir().unwrap();
         let set = set();
-        let written = write_electrode_files(folder.path(), &set, &ElectrodeFormat::ALL).unwrap();
+        let written = written(folder.path(), &set, &ElectrodeFormat::ALL);
         assert_eq!(written.files.len(), 6);
         for file in &written.files {
             let electrode = set.electrodes.iter().find(|e| e.name == file.electrode).unwrap();
@@ -251,16 +266,22 @@ mod tests {
     }
 
     #[test]
-    fn a_mesh_that_cannot_be_written_is_told_by_its_name() {
-        let folder = tempfile::tempdir().unwrap();
+    fn an_override_for_one_check_lets_only_that_one_pass_and_only_for_the_same_parts() {
         let mut set = set();
-        set.electrodes[1].mesh = Mesh::default();
-        let error = write_electrode_files(folder.path(), &set, &[ElectrodeFormat::Glb]).unwrap_err().to_string();
-        assert!(error.contains("E02-finish as glb"), "{error}");
-        let nowhere = folder.path().join("none");
-        assert!(matches!(
-            write_electrode_files(&nowhere, &set, &ElectrodeFormat::ALL),
-            Err(ElectrodeExportError::Write(_))
-        ));
+        let names = |texts: &[&str]| texts.iter().map(|t| t.parse().unwrap()).collect::<Vec<Override>>();
+        set.params.overrides = names(&["E03:gouge"]);
+        let why = why_blocked(&set, 2).unwrap();
+        assert!(why.contains("watertight: ") && !why.contains("gouge: "), "{why}");
+        set.params.overrides = names(&["E03:gouge", "E03:watertight"]);
+        assert_eq!(why_blocked(&set, 2), None);
+        // As the window decides: for what the electrode burns.
+        set.params.overrides =
+            [CheckKind::Gouge, CheckKind::Watertight].map(|k| Override::of(&set.electrodes[2], k)).to_vec();
+        assert_eq!(set.params.overrides[0].parts, ["R1.2"]);
+        assert_eq!(why_blocked(&set, 2), None);
+        set.electrodes[2].burns[0].parts[0].part = 4;
+        assert!(why_blocked(&set, 2).is_some(), "another plan gave the name to other parts");
+        assert!(set.idle_overrides().iter().all(|(_, why)| *why == IdleOverride::OtherParts));
+        assert_eq!(set.idle_overrides().len(), 2);
     }
 }

@@ -3,10 +3,12 @@
 use glam::{DVec2, DVec3};
 
 use crate::geometry::mesh::tests::cuboid;
+use crate::mold::electrode::base::Base;
 use crate::mold::electrode::check::{CheckKind, Finding, LeftOfRegion};
 use crate::mold::electrode::design::{Burn, Electrode, ElectrodeSet, PartId, PartNode, RegionPlan};
 use crate::mold::electrode::division::Cut;
-use crate::mold::electrode::params::{ElectrodeParams, Method, Orbit, Stage};
+use crate::mold::electrode::overrides::Override;
+use crate::mold::electrode::params::{ElectrodeParams, Holder, Method, Orbit, Stage};
 
 fn finding(kind: CheckKind, holds: bool, text: &str) -> Finding {
     let place = (!holds).then_some(DVec3::new(1.0, 2.0, -3.00004));
@@ -36,6 +38,8 @@ fn electrode(name: &str, stage: usize, burns: Vec<Burn>, size: DVec3) -> Electro
         minutes: 12.5,
         is_thin: false,
         front_area: 4.0,
+        burn_area: 11.0,
+        base: Base { sides: DVec2::new(10.0, 12.0), is_round: false, height: 15.0, corner: 1.0 },
     }
 }
 
@@ -57,6 +61,10 @@ fn region(tree: Option<PartNode>, trouble: Option<&str>, thickness: f64) -> Regi
         trouble: trouble.map(str::to_owned),
         left: LeftOfRegion { thickness, excess: 0.0, place: DVec3::new(5.0, 6.0, 7.0), volume: 0.125 },
     }
+}
+
+fn named(electrode: &str) -> Override {
+    Override { electrode: electrode.to_owned(), check: None, parts: Vec::new() }
 }
 
 /// E01 burns part 1 of region 1 and, turned by 225 degrees, region 2; E02-finish is overridden; E03 burns part 2 of
@@ -85,7 +93,8 @@ pub(crate) fn set() -> ElectrodeSet {
         params: ElectrodeParams {
             stages: vec![rough, Stage::finish(0.05)],
             material: "Cu, \"soft\"".to_owned(),
-            overrides: vec!["E02-finish".to_owned(), "E99".to_owned()],
+            overrides: ["E02-finish", "E99"].map(named).to_vec(),
+            holders: vec![Holder { name: "holder 25".to_owned(), size_mm: [25.0; 2], height_mm: 20.0 }],
             ..ElectrodeParams::default()
         },
         electrodes: vec![

@@ -1,18 +1,16 @@
 //! The report on a mold's electrodes, as `electrodes.json` for programs and `report.html` for people.
 
-use std::path::Path;
-
 use serde::Serialize;
 
 use super::burn_table::{BurnTable, ElectrodeState, method_name};
 use super::electrode_files::why_blocked;
 use super::electrode_report_html;
-use super::files::{WriteError, write_atomically};
 use crate::mold::electrode::design::{Electrode, ElectrodeSet, PartNode, RegionPlan};
+use crate::mold::electrode::overrides::{IdleOverride, Override};
 use crate::mold::opening::Opening;
 
 /// Version of the keys of `electrodes.json`.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;
 
 /// All that a report says of electrodes. Places are in the axes of the upright mold; regions and parts count from 1.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -29,8 +27,10 @@ pub struct ElectrodesReport {
     pub blocked: Vec<BlockedEntry>,
     /// Names of electrodes that are exported although a check fails.
     pub overridden: Vec<String>,
-    /// Names among the overrides that override nothing: no electrode is called so, or all its checks hold.
-    pub idle_overrides: Vec<String>,
+    /// Overrides that override nothing.
+    pub idle_overrides: Vec<IdleEntry>,
+    /// What volumes and minutes of stages are counted by.
+    pub model: &'static str,
     /// Every region.
     pub regions: Vec<RegionEntry>,
     /// Every parameter, defaults included.
@@ -45,6 +45,21 @@ pub struct BlockedEntry {
     /// Which checks fail, and what to do.
     pub why: String,
 }
+
+/// An override that overrides nothing.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct IdleEntry {
+    /// As it is given: `NAME` or `NAME:check`.
+    pub name: String,
+    /// Why.
+    pub why: &'static str,
+}
+
+/// What is counted where there are several stages.
+const MODEL: &str = "A stage leaves a layer for the next one on the whole surface of a region: as thick as the next \
+    one's electrode is larger (the difference of their undersizes), and no less than its stock. It takes what the stages \
+    before it left, down to that layer; the last one takes all the rest, so that the stages together take what the cutters \
+    left. Minutes are those volumes at the removal rate of the stage's finish, and the setting of each burn.";
 
 /// A region and how it is burned.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -82,17 +97,6 @@ pub struct Division {
     pub parts: Vec<Division>,
 }
 
-/// Why a report could not be written.
-#[derive(Debug, thiserror::Error)]
-pub enum ElectrodeReportError {
-    /// The figures have no JSON.
-    #[error("the report on electrodes as JSON: {0}")]
-    Json(#[from] serde_json::Error),
-    /// The file system's refusal.
-    #[error(transparent)]
-    Write(#[from] WriteError),
-}
-
 impl ElectrodesReport {
     /// The report on electrodes of a mold that is called `mold`.
     pub fn of(set: &ElectrodeSet, mold: &str, opening: Opening) -> Self {
@@ -101,13 +105,14 @@ impl ElectrodesReport {
             |e: usize| why_blocked(set, e).map(|why| BlockedEntry { electrode: set.electrodes[e].name.clone(), why });
         let is = |state: ElectrodeState| table.electrodes.iter().filter(move |e| e.state == state);
         let overridden: Vec<String> = is(ElectrodeState::Overridden).map(|e| e.name.clone()).collect();
-        let is_idle = |name: &&String| !overridden.contains(name);
+        let idle = |(o, why): (&Override, IdleOverride)| IdleEntry { name: o.to_string(), why: why.text() };
         Self {
             schema: SCHEMA,
             sentence: sentence(set, &table),
             holds: set.holds(),
             blocked: (0..set.electrodes.len()).filter_map(blocked).collect(),
-            idle_overrides: set.params.overrides.iter().filter(is_idle).cloned().collect(),
+            idle_overrides: set.idle_overrides().into_iter().map(idle).collect(),
+            model: MODEL,
             regions: set.regions.iter().enumerate().map(|(r, plan)| region(set, r, plan)).collect(),
             parameters: serde_json::to_value(&set.params).unwrap_or_default(),
             overridden,
@@ -127,15 +132,6 @@ impl ElectrodesReport {
     pub fn html(&self, pictures: &[(String, Vec<u8>)]) -> String {
         electrode_report_html::page(self, pictures)
     }
-
-    /// Writes `electrodes.json` and `report.html` into `folder`.
-    ///
-    /// # Errors
-    /// [`ElectrodeReportError`] naming the file.
-    pub fn write(&self, folder: &Path, pictures: &[(String, Vec<u8>)]) -> Result<(), ElectrodeReportError> {
-        write_atomically(&folder.join("electrodes.json"), self.json()?.as_bytes())?;
-        Ok(write_atomically(&folder.join("report.html"), self.html(pictures).as_bytes())?)
-    }
 }
 
 fn counted(n: usize, one: &str) -> String {
@@ -148,11 +144,11 @@ fn sentence(set: &ElectrodeSet, table: &BurnTable) -> String {
         return "The cutters leave no region: no electrode is needed.".to_owned();
     }
     let mut text = format!(
-        "{} with {} for {}: {:.0} minutes.",
+        "{} with {} for {}: {}.",
         counted(table.electrodes.len(), "electrode"),
         counted(table.burns, "burn"),
         counted(regions, "region"),
-        table.minutes
+        counted(table.minutes.max(0.0).round() as usize, "minute")
     );
     let list = |names: Vec<&str>| names.join(", ");
     let named = |state: ElectrodeState| -> Vec<&str> {
@@ -165,6 +161,10 @@ fn sentence(set: &ElectrodeSet, table: &BurnTable) -> String {
     let overridden = named(ElectrodeState::Overridden);
     if !overridden.is_empty() {
         text += &format!(" Used by decision although a check fails: {}.", list(overridden));
+    }
+    let warned: Vec<&str> = table.electrodes.iter().filter(|e| e.holder.is_none()).map(|e| e.name.as_str()).collect();
+    if !warned.is_empty() {
+        text += &format!(" No holder is large enough: {}.", list(warned));
     }
     let without: Vec<String> = set.without_electrode().iter().map(|r| (r + 1).to_string()).collect();
     if !without.is_empty() {

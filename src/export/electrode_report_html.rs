@@ -32,6 +32,9 @@ pub(super) fn page(report: &ElectrodesReport, pictures: &[(String, Vec<u8>)]) ->
     overview(&mut out, &report.table);
     report.table.electrodes.iter().for_each(|e| electrode(&mut out, e));
     regions(&mut out, &report.regions);
+    if stages(&report.table) > 1 {
+        let _ = write!(out, "<p class=\"soft\">{}</p>", escape(report.model));
+    }
     out.push_str("<section><h2>Parameters</h2>");
     parameters(&mut out, &report.parameters);
     let (version, schema) = (escape(report.table.program_version), report.schema);
@@ -58,10 +61,18 @@ fn troubles(out: &mut String, report: &ElectrodesReport) {
     for name in &report.overridden {
         banner(&format!("{name} is overridden."), "A check fails, and it is exported by decision.");
     }
-    for name in &report.idle_overrides {
-        let text = "No electrode of this name fails a check: this override does nothing.";
-        let _ = write!(out, "<p class=\"soft\">Override of {}: {text}</p>", escape(name));
+    for e in &report.table.electrodes {
+        e.warnings.iter().for_each(|text| banner(&format!("{}.", e.name), text));
     }
+    for idle in &report.idle_overrides {
+        let (name, why) = (escape(&idle.name), escape(idle.why));
+        let _ = write!(out, "<p class=\"soft\">Override of {name}: {why}.</p>");
+    }
+}
+
+/// How many stages there are electrodes for.
+fn stages(table: &BurnTable) -> usize {
+    table.electrodes.iter().map(|e| e.stage.as_str()).collect::<std::collections::BTreeSet<_>>().len()
 }
 
 fn key_figures(out: &mut String, report: &ElectrodesReport) {
@@ -161,6 +172,9 @@ fn orbit(e: &ElectrodeEntry) -> String {
 }
 
 fn blank(e: &ElectrodeEntry) -> String {
+    if e.blank.is_round {
+        return format!("round {} \u{d7} {}", number(e.blank.sides_mm[0], 1), number(e.blank.length_mm, 1));
+    }
     let round = e.blank.diameter_mm.map_or(String::new(), |d| format!(", or round {}", number(d, 1)));
     let [x, y] = e.blank.sides_mm.map(|side| number(side, 1));
     format!("{x} \u{d7} {y} \u{d7} {}{round}", number(e.blank.length_mm, 1))
@@ -175,7 +189,8 @@ fn electrode(out: &mut String, e: &ElectrodeEntry) {
         ElectrodeState::Blocked => ("no", "Blocked.", "A check fails; it has no file and must not be used."),
     };
     let _ = write!(out, "<p class=\"banner {class}\"><b>{word}</b> {text}</p><div class=\"cols\">");
-    let head = ["#burn", "#X mm", "#Y mm", "#Z mm", "#C \u{b0}", "#depth mm", "#mm\u{b3}", "#min", "parts"];
+    let head =
+        ["#burn", "#X mm", "#Y mm", "#Z mm", "#C \u{b0}", "#depth mm", "#mm\u{b3}", "#min", "its X axis", "parts"];
     table(out, "", "Burns", &head, e.burns.iter().map(burn));
     let rows = e.checks.iter().map(|c| {
         let state = match c.state {
@@ -196,6 +211,16 @@ fn electrode(out: &mut String, e: &ElectrodeEntry) {
         row("Finish", format!("VDI {}, Ra {} \u{b5}m", number(e.finish_vdi, 0), number(e.roughness_um, 2))),
         row("Lifted along", e.lift.map(|v| number(v, 4)).join(", ")),
         row("Area seen along the burn, mm\u{b2}", number(e.front_area_mm2, 2)),
+        row("Area that burns, mm\u{b2}", number(e.burn_area_mm2, 2)),
+        row("Base, high, mm", number(e.base_height_mm, 3)),
+        row(
+            "Orbit's axes",
+            format!(
+                "{}; {}",
+                e.orbit.x_axis.map(|v| number(v, 4)).join(", "),
+                e.orbit.y_axis.map(|v| number(v, 4)).join(", ")
+            ),
+        ),
         row("Blank, mm", blank(e)),
     ];
     table(out, "pairs", "Electrode", &[], rows);
@@ -205,7 +230,8 @@ fn electrode(out: &mut String, e: &ElectrodeEntry) {
 fn burn(burn: &BurnEntry) -> Vec<String> {
     let mut cells = vec![burn.number.to_string()];
     cells.extend([burn.x_mm, burn.y_mm, burn.z_mm, burn.c_deg, burn.depth_mm].map(|v| number(v, 4)));
-    cells.extend([number(burn.volume_mm3, 3), number(burn.minutes, 1), escape(&burn.parts.join(", "))]);
+    cells.extend([number(burn.volume_mm3, 3), number(burn.minutes, 1)]);
+    cells.extend([burn.x_axis.map(|v| number(v, 4)).join(", "), escape(&burn.parts.join(", "))]);
     cells
 }
 

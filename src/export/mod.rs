@@ -5,12 +5,15 @@
 //! decimals of the files ([`crate::feed::quantise`]) before it is verified.
 
 pub mod approved;
+mod burn_csv;
+mod burn_example;
 pub mod burn_table;
 pub mod burn_template;
 pub mod choice;
 pub mod comparison;
 mod comparison_html;
 pub mod electrode_files;
+pub mod electrode_folder;
 pub mod electrode_report;
 mod electrode_report_html;
 pub mod files;

@@ -179,7 +179,9 @@ impl std::str::FromStr for Cutter {
         if limits.next().is_some() {
             return Err(unreadable());
         }
-        cutter.validate()?;
+        // Errors should name what was asked: a ball of a wrong radius looks like another kind.
+        let named = Self { name: text.trim().to_owned(), ..cutter.clone() };
+        named.validate()?;
         Ok(cutter)
     }
 }

@@ -1,22 +1,19 @@
-//! Files of what is asked of electrodes, and of holders.
+//! Files of what is asked of electrodes.
 
 use std::path::{Path, PathBuf};
 
+use serde::Serialize;
 use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
 
+use super::holder_files::load_holders;
 use crate::mesh_io::atomic_write;
 use crate::mold::cutter::CutterError;
 use crate::mold::electrode::params::{ElectrodeParams, ElectrodeParamsError, Holder};
 
 /// The file that says what holds without one, with remarks: to be copied and changed.
 pub const STANDARD_FILE: &str = include_str!("../../assets/electrodes.toml");
-/// The same for holders.
-pub const STANDARD_HOLDERS: &str = include_str!("../../assets/holders.toml");
-/// What these files are called in a user's folder.
+/// What this file is called in a user's folder.
 pub const FILE_NAME: &str = "electrodes.toml";
-/// See [`FILE_NAME`].
-pub const HOLDERS_FILE_NAME: &str = "holders.toml";
 /// The largest file that is read (bytes).
 const LARGEST_FILE: u64 = 1 << 20;
 /// The most holders, and the most of any other list.
@@ -71,30 +68,32 @@ pub enum ElectrodeFileError {
     },
 }
 
-/// A file of holders: a list `[[holder]]` with the keys of [`Holder`].
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct HolderLibrary {
-    holder: Vec<Holder>,
-}
-
-/// What is asked of electrodes: `electrodes.toml` in `user_folder` if it is there, else what holds without a file.
+/// What is asked of electrodes: `electrodes.toml` in `user_folder` if it is there, else what holds without a file. Where it
+/// names no holder they are those of [`load_holders`].
 ///
 /// # Errors
 /// [`ElectrodeFileError`].
 pub fn load_electrodes(user_folder: Option<&Path>) -> Result<ElectrodeParams, ElectrodeFileError> {
-    match user_file(user_folder, FILE_NAME)? {
-        Some((file, text)) => electrodes_of(&file, &text),
-        None => Ok(ElectrodeParams::default()),
-    }
+    let params = match user_file(user_folder, FILE_NAME)? {
+        Some((file, text)) => electrodes_of(&file, &text)?,
+        None => ElectrodeParams::default(),
+    };
+    with_holders(params, user_folder)
 }
 
-/// What is asked of electrodes by the TOML file `file`; see [`STANDARD_FILE`].
+/// What is asked of electrodes by the TOML file `file`; see [`STANDARD_FILE`]. Where it names no holder they are those of
+/// [`load_holders`].
 ///
 /// # Errors
 /// [`ElectrodeFileError`].
-pub fn read_electrodes(file: &Path) -> Result<ElectrodeParams, ElectrodeFileError> {
-    electrodes_of(file, &text_of(file)?)
+pub fn read_electrodes(file: &Path, user_folder: Option<&Path>) -> Result<ElectrodeParams, ElectrodeFileError> {
+    with_holders(electrodes_of(file, &text_of(file)?)?, user_folder)
+}
+
+/// The parameters with the user's holders if they name none.
+fn with_holders(params: ElectrodeParams, user_folder: Option<&Path>) -> Result<ElectrodeParams, ElectrodeFileError> {
+    let holders = if params.holders.is_empty() { load_holders(user_folder)? } else { params.holders };
+    Ok(ElectrodeParams { holders, ..params })
 }
 
 /// Writes `params` as a TOML file that [`read_electrodes`] reads.
@@ -106,36 +105,8 @@ pub fn write_electrodes(file: &Path, params: &ElectrodeParams) -> Result<(), Ele
     write(file, params)
 }
 
-/// Holders: `holders.toml` in `user_folder` if it is there, else those that the program brings along.
-///
-/// # Errors
-/// [`ElectrodeFileError`].
-pub fn load_holders(user_folder: Option<&Path>) -> Result<Vec<Holder>, ElectrodeFileError> {
-    match user_file(user_folder, HOLDERS_FILE_NAME)? {
-        Some((file, text)) => holders_of(&file, &text),
-        None => holders_of(Path::new(HOLDERS_FILE_NAME), STANDARD_HOLDERS),
-    }
-}
-
-/// The holders in a TOML file: a list `[[holder]]` with the keys of [`Holder`]; see [`STANDARD_HOLDERS`].
-///
-/// # Errors
-/// [`ElectrodeFileError`].
-pub fn read_holders(file: &Path) -> Result<Vec<Holder>, ElectrodeFileError> {
-    holders_of(file, &text_of(file)?)
-}
-
-/// Writes `holders` as a TOML file that [`read_holders`] reads.
-///
-/// # Errors
-/// [`ElectrodeFileError`], also of holders that could not be read again; a file already there is then untouched.
-pub fn write_holders(file: &Path, holders: &[Holder]) -> Result<(), ElectrodeFileError> {
-    check_holders(file, holders)?;
-    write(file, &HolderLibrary { holder: holders.to_vec() })
-}
-
 /// The text of a file in a user's folder; none if there is no such file.
-fn user_file(folder: Option<&Path>, name: &str) -> Result<Option<(PathBuf, String)>, ElectrodeFileError> {
+pub(super) fn user_file(folder: Option<&Path>, name: &str) -> Result<Option<(PathBuf, String)>, ElectrodeFileError> {
     let Some(file) = folder.map(|f| f.join(name)) else { return Ok(None) };
     match text_of(&file) {
         Ok(text) => Ok(Some((file, text))),
@@ -144,7 +115,7 @@ fn user_file(folder: Option<&Path>, name: &str) -> Result<Option<(PathBuf, Strin
     }
 }
 
-fn text_of(file: &Path) -> Result<String, ElectrodeFileError> {
+pub(super) fn text_of(file: &Path) -> Result<String, ElectrodeFileError> {
     let unreadable = |source| ElectrodeFileError::Unreadable { file: file.to_owned(), source };
     let size = std::fs::metadata(file).map_err(unreadable)?.len();
     if size > LARGEST_FILE {
@@ -153,11 +124,11 @@ fn text_of(file: &Path) -> Result<String, ElectrodeFileError> {
     std::fs::read_to_string(file).map_err(unreadable)
 }
 
-fn invalid(file: &Path, problem: String) -> ElectrodeFileError {
+pub(super) fn invalid(file: &Path, problem: String) -> ElectrodeFileError {
     ElectrodeFileError::Invalid { file: file.to_owned(), line: None, problem }
 }
 
-fn parsed<T: DeserializeOwned>(file: &Path, text: &str) -> Result<T, ElectrodeFileError> {
+pub(super) fn parsed<T: DeserializeOwned>(file: &Path, text: &str) -> Result<T, ElectrodeFileError> {
     toml::from_str(text).map_err(|e| {
         let line = |span: std::ops::Range<usize>| text.bytes().take(span.start).filter(|b| *b == b'\n').count() + 1;
         let problem = e.message().replace('\n', " ");
@@ -186,18 +157,12 @@ fn check_electrodes(file: &Path, params: &ElectrodeParams) -> Result<(), Electro
     library.validate().map_err(|source| ElectrodeFileError::Cutter { file: file.to_owned(), source })
 }
 
-fn holders_of(file: &Path, text: &str) -> Result<Vec<Holder>, ElectrodeFileError> {
-    let library: HolderLibrary = parsed(file, text)?;
-    check_holders(file, &library.holder)?;
-    Ok(library.holder)
-}
-
 /// Holders are possible where parameters with them are.
-fn check_holders(file: &Path, holders: &[Holder]) -> Result<(), ElectrodeFileError> {
+pub(super) fn check_holders(file: &Path, holders: &[Holder]) -> Result<(), ElectrodeFileError> {
     check_electrodes(file, &ElectrodeParams { holders: holders.to_vec(), ..ElectrodeParams::default() })
 }
 
-fn write(file: &Path, content: &impl Serialize) -> Result<(), ElectrodeFileError> {
+pub(super) fn write(file: &Path, content: &impl Serialize) -> Result<(), ElectrodeFileError> {
     let text = toml::to_string_pretty(content).map_err(|e| invalid(file, e.to_string()))?;
     let unwritable = |source| ElectrodeFileError::Unwritable { file: file.to_owned(), source };
     atomic_write(file, |out| out.write_all(text.as_bytes())).map_err(unwritable)
@@ -205,11 +170,14 @@ fn write(file: &Path, content: &impl Serialize) -> Result<(), ElectrodeFileError
 
 #[cfg(test)]
 mod tests {
-    use glam::{DVec2, DVec3};
+    use glam::DVec3;
 
     use super::*;
     use crate::mold::cutter::{Cutter, CutterLibrary};
+    use crate::mold::electrode::check::CheckKind;
+    use crate::mold::electrode::overrides::Override;
     use crate::mold::electrode::params::{Edit, Method, Orbit, Shape, Stage};
+    use crate::project::holder_files::{HOLDERS_FILE_NAME, write_holders};
 
     #[test]
     fn the_standard_file_names_everything_and_says_what_holds_without_it() {
@@ -221,7 +189,9 @@ mod tests {
         for key in ["blanks", "removal"] {
             assert_eq!(keys(all[key].as_table().unwrap()), keys(written[key].as_table().unwrap()));
         }
-        assert_eq!(load_electrodes(None).unwrap(), ElectrodeParams::default());
+        // There is one list of holders: without a file the program's own.
+        let with = ElectrodeParams { holders: load_holders(None).unwrap(), ..ElectrodeParams::default() };
+        assert_eq!(load_electrodes(None).unwrap(), with);
         assert_eq!(electrodes_of(Path::new("empty"), "").unwrap(), ElectrodeParams::default());
     }
 
@@ -244,32 +214,39 @@ mod tests {
                 Edit::Make { place, method: Method::Cutting },
                 Edit::Burn { place, direction: DVec3::NEG_X },
             ],
-            overrides: vec!["E03".to_owned()],
+            overrides: vec![
+                "E03".parse().unwrap(),
+                "E04-rough:gouge".parse().unwrap(),
+                Override { parts: vec!["R1.2".to_owned()], .."E05:leftover".parse().unwrap() },
+            ],
+            holders: vec![Holder { name: "h".to_owned(), size_mm: [30.0, 31.5], height_mm: 12.0 }],
             ..ElectrodeParams::default()
         };
         write_electrodes(&file, &params).unwrap();
-        assert_eq!(read_electrodes(&file).unwrap(), params);
+        assert_eq!(read_electrodes(&file, None).unwrap(), params);
         assert_eq!(load_electrodes(Some(folder.path())).unwrap(), params, "a user's file comes first");
         let broken = ElectrodeParams { stages: Vec::new(), ..params.clone() };
         assert!(write_electrodes(&file, &broken).is_err());
-        assert_eq!(read_electrodes(&file).unwrap(), params, "what cannot be written takes nothing away");
+        assert_eq!(read_electrodes(&file, None).unwrap(), params, "what cannot be written takes nothing away");
     }
 
     #[test]
-    fn the_standard_holders_rise_and_a_users_file_comes_first() {
+    fn a_file_without_holders_has_those_of_the_user_and_one_with_some_has_them() {
         let folder = tempfile::tempdir().unwrap();
-        let standard = load_holders(Some(folder.path())).unwrap();
-        assert!(standard.len() >= 4);
-        let area = |h: &Holder| h.size_mm[0] * h.size_mm[1];
-        assert!(standard.windows(2).all(|w| area(&w[0]) < area(&w[1])), "the smallest that fits comes first");
-        assert!(ElectrodeParams::default().holders.iter().all(|h| standard.contains(h)));
-        let own = vec![Holder { name: "mine".to_owned(), size_mm: [30.0, 31.5], height_mm: 12.0 }];
-        let file = folder.path().join(HOLDERS_FILE_NAME);
-        write_holders(&file, &own).unwrap();
-        assert_eq!(load_holders(Some(folder.path())).unwrap(), own);
-        assert_eq!(read_holders(&file).unwrap(), own);
-        assert!(write_holders(&file, &[]).is_err());
-        assert_eq!(load_holders(Some(folder.path())).unwrap(), own);
+        let own = [Holder { name: "mine".to_owned(), size_mm: [30.0, 31.5], height_mm: 12.0 }];
+        write_holders(&folder.path().join(HOLDERS_FILE_NAME), &own).unwrap();
+        let file = folder.path().join(FILE_NAME);
+        std::fs::write(&file, "margin_mm = 0.5\noverrides = [\"E03\", \"E04:gouge\"]").unwrap();
+        for read in [load_electrodes(Some(folder.path())), read_electrodes(&file, Some(folder.path()))] {
+            let read = read.unwrap();
+            assert_eq!((read.margin_mm, &read.holders[..]), (0.5, &own[..]));
+            assert_eq!(read.overrides[0], Override { electrode: "E03".to_owned(), check: None, parts: Vec::new() });
+            assert_eq!(read.overrides[1].check, Some(CheckKind::Gouge));
+        }
+        let named = "[[holders]]\nname = \"other\"\nsize_mm = [1.0, 2.0]\nheight_mm = 2.0";
+        std::fs::write(&file, named).unwrap();
+        assert_eq!(load_electrodes(Some(folder.path())).unwrap().holders[0].name, "other");
+        assert_eq!(read_electrodes(&file, None).unwrap().holders.len(), 1);
     }
 
     #[test]
@@ -285,25 +262,18 @@ mod tests {
             ("[[stages]]\nname = \"a b\"\ngap_mm = 0.1\nfinish_vdi = 20.0", "\"a b\""),
             ("[[stages]]\nname = \"a\"\ngap_mm = 9.0\nfinish_vdi = 20.0", "gap_mm of stage a is 9 mm"),
             ("[cutters]\n[[cutters.cutter]]\ndiameter_mm = 0.0", "diameter_mm is 0 mm"),
-            ("holders = []", "no holder"),
+            ("overrides = [\"E03:gouges\"]", "watertight, gouge, approach, leftover, machinable"),
+            ("overrides = [3]", "NAME:check"),
+            ("[[holders]]\nname = \"flat\"\nsize_mm = [1.0, 0.0]\nheight_mm = 2.0", "holder \"flat\": size_mm"),
             ("[blanks]\nsides_mm = [2.0, 1.0]\nincrement_mm = 5.0", "sides must rise"),
             ("[[edits]\n", "line 1"),
         ] {
             std::fs::write(&file, text).unwrap();
-            let said = read_electrodes(&file).unwrap_err().to_string();
+            let said = read_electrodes(&file, None).unwrap_err().to_string();
             assert!(said.contains("wrong.toml") && said.contains(words), "{text:?}: {said}");
             assert_eq!(said.lines().count(), 1);
         }
-        for (text, words) in [
-            ("[[holder]]\nname = \"a\"\nsize_mm = [1.0]\nheight_mm = 2.0", "line 3"),
-            ("[[holder]]\nname = \"a\"\nsize_mm = [1.0, -1.0]\nheight_mm = 2.0", "\"a\""),
-            ("holders = []", "unknown field"),
-        ] {
-            std::fs::write(&file, text).unwrap();
-            let said = read_holders(&file).unwrap_err().to_string();
-            assert!(said.contains("wrong.toml") && said.contains(words), "{text:?}: {said}");
-        }
         let none = folder.path().join("none.toml");
-        assert!(matches!(read_electrodes(&none), Err(ElectrodeFileError::Unreadable { .. })));
+        assert!(matches!(read_electrodes(&none, None), Err(ElectrodeFileError::Unreadable { .. })));
     }
 }

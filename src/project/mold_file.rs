@@ -80,7 +80,7 @@ mod tests {
         let mut params = MoldParams { mesh: Some(here.join("part.stl")), ..MoldParams::default() };
         (params.opening, params.tolerance_mm) = (Opening::MinusX, 0.05);
         params.electrodes.edits.push(Edit::Split { line: [glam::DVec3::X, glam::DVec3::Y] });
-        params.electrodes.overrides.push("E01".to_owned());
+        params.electrodes.overrides.push("E01:gouge".parse().unwrap());
         params.library.cutter.push(Cutter { reach_mm: Some(12.0), ..Cutter::bull_nose(3.0, 0.5) });
         let file = here.join("part.sparkmold");
         write_mold(&file, &params).unwrap();
@@ -89,6 +89,9 @@ mod tests {
         let old = here.join("old.sparkmold");
         std::fs::write(&old, "tolerance_mm = 0.05").unwrap();
         assert_eq!(read_mold(&old).unwrap().electrodes, MoldParams::default().electrodes);
+        std::fs::write(&old, "[electrodes]\noverrides = [\"E03\"]").unwrap();
+        let read = read_mold(&old).unwrap().electrodes;
+        assert!(read.overrides[0].electrode == "E03" && read.overrides[0].check.is_none());
         std::fs::copy(&file, there.join("copy.sparkmold")).unwrap();
         assert_eq!(read_mold(&there.join("copy.sparkmold")).unwrap().mesh, Some(there.join("part.stl")));
     }

@@ -24,7 +24,7 @@ pub struct MoldParams {
     pub tolerance_mm: f64,
     /// The cutters.
     pub library: CutterLibrary,
-    /// What is asked of electrodes for what they leave.
+    /// What is asked of electrodes for what they leave. Without holders these are those of the user's library.
     pub electrodes: ElectrodeParams,
 }
 
@@ -117,8 +117,8 @@ fn change_of_electrodes(now: &ElectrodeParams, before: &ElectrodeParams) -> Stri
         };
         return name.to_owned();
     }
-    if let Some(name) = now.overrides.iter().find(|name| !before.overrides.contains(name)) {
-        return format!("Override of {name}");
+    if let Some(new) = now.overrides.iter().find(|o| !before.overrides.contains(o)) {
+        return format!("Override of {}", new.electrode);
     }
     if now.overrides != before.overrides {
         return "Override taken back".to_owned();

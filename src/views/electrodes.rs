@@ -263,6 +263,7 @@ impl BurnCut {
 mod tests {
     use super::*;
     use crate::geometry::mesh::tests::cuboid;
+    use crate::mold::electrode::base::Base;
     use crate::mold::electrode::params::Method;
 
     fn electrode(direction: DVec3) -> Electrode {
@@ -282,6 +283,8 @@ mod tests {
             minutes: 1.0,
             is_thin: false,
             front_area: 1.0,
+            burn_area: 1.0,
+            base: Base { sides: DVec2::ONE, is_round: false, height: 1.0, corner: 0.0 },
         }
     }
 

@@ -20,7 +20,8 @@ fn a_pocket_gets_one_electrode_that_burns_its_four_corners() {
     let base = ["electrodes", &mold, "--units", "mm", "--cutters", "flat:1", "--no-pictures"];
     let (code, words) = said(&sparkpath(&[&base[..], &["--out", &out_text, "--formats", "stl,obj,glb"]].concat()));
     assert_eq!(code, Some(0), "{words}");
-    assert!(words.contains("E01: 4 burns"), "{words}");
+    assert!(words.contains("1 electrode with 4 burns") && words.contains("E01: 4 burns"), "{words}");
+    assert!(words.contains("holder 15, ") && !words.contains("nothing was written"), "{words}");
     let table = std::fs::read_to_string(out.join("burn_table.csv")).unwrap();
     assert_eq!(table.lines().count(), 5, "a head and four burns: {table}");
     for name in ["burn_table.json", "burn_sheet.txt", "report.html", "electrodes.json"] {
@@ -54,8 +55,48 @@ fn what_cannot_be_made_is_answered_in_words_and_what_fails_is_not_written() {
     let (code, words) = run(&["--electrode-cutters", "ball:3"]);
     assert!(code == Some(3) && words.contains("machinable fails") && words.contains("E01 was not written"), "{words}");
     assert!(!out.join("E01_finish_g0.05_copper_x1.stl").exists());
-    let (code, words) = run(&["--electrode-cutters", "ball:3", "--override", "E01"]);
+    let (code, words) = run(&["--electrode-cutters", "ball:3", "--override", "E01:gouge"]);
+    assert!(
+        code == Some(3) && words.contains("E01 was not written") && words.contains("override E01:gouge: the check"),
+        "{words}"
+    );
+    let (code, words) = run(&["--electrode-cutters", "ball:3", "--override", "E01:machinable"]);
     assert!(code == Some(3) && out.join("E01_finish_g0.05_copper_x1.stl").exists(), "{words}");
     let (code, words) = run(&["--gap", "-1"]);
     assert!(code == Some(2) && words.contains("gap_mm"), "{words}");
+}
+
+#[test]
+fn what_is_wrong_with_files_and_words_is_answered_before_any_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    // A mold that is none: what is answered of it would come after the files.
+    let [mold, file, template, params] = ["mold.stl", "file", "mine.jinja", "params.toml"].map(path);
+    [&mold, &file].into_iter().for_each(|f| std::fs::write(f, "none").unwrap());
+    std::fs::write(&template, "{{ mold }}\n{% for e in electrodes %}{{ e.naem }}{% endfor %}").unwrap();
+    std::fs::write(&params, "overrides = [\"E01:gouges\"]").unwrap();
+    let (deep, out, none) = (format!("{file}/out"), path("out"), path("none.jinja"));
+    for (more, words) in [
+        (["--template", &template], &["mine.jinja: line 2: ", "e.naem"][..]),
+        (["--template", &none], &["none.jinja", "cannot be read"]),
+        (["--out", &file], &["file"]),
+        (["--out", &deep], &["file/out"]),
+        (["--override", "E01:gouges"], &["gouges", "watertight, gouge"]),
+        (["--params", &params], &["params.toml", "watertight, gouge"]),
+        (["--electrode-cutters", "ball:-1"], &["ball:-1", "diameter_mm is -2 mm"]),
+        (["--out", &out], &["mold.stl"]),
+    ] {
+        let (code, said) = said(&sparkpath(&[&["electrodes", &mold, "--units", "mm"], &more[..]].concat()));
+        assert!(code == Some(2) && words.iter().all(|w| said.contains(w)), "{more:?}: {said}");
+    }
+    // The lists in a user's settings are read, those of suppliers too; settings lie there on Linux.
+    #[cfg(target_os = "linux")]
+    {
+        let suppliers = folder.path().join("sparkpath/holders");
+        std::fs::create_dir_all(&suppliers).unwrap();
+        std::fs::write(suppliers.join("Acme.toml"), "[[holder]]\nname = \"a\"\nsize = 3\n").unwrap();
+        let (code, said) = said(&super::sparkpath_with(folder.path().to_str().unwrap(), &["electrodes", &mold]));
+        assert!(code == Some(2) && said.contains("Acme.toml: line 3") && said.contains("`size`"), "{said}");
+    }
+    assert!(!std::path::Path::new(&out).exists(), "a folder that was made for nothing goes again");
 }

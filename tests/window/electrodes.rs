@@ -100,7 +100,7 @@ fn electrodes_are_designed_looked_at_changed_and_exported() {
     assert_eq!(desk.mold().design_state(), StageState::Done);
     // What is exported although a check fails changes no electrode.
     let mut params = desk.mold().params.clone();
-    params.electrodes.overrides.push(first);
+    params.electrodes.overrides.push(first.parse().unwrap());
     desk.mold_mut().edit(params);
     assert_eq!(desk.mold().design_state(), StageState::Done);
 }
@@ -112,6 +112,10 @@ fn a_region_is_made_in_another_way_and_a_part_is_split_by_two_clicks() {
     desk.mold_mut().electrodes.select(BurnOf { electrode: 0, burn: 0 });
     desk.settle();
     desk.picture("electrodes_1000_dark");
+    // The last figure of the strip is all on the view.
+    let view = desk.window.get(By::new().role(Role::Image).label("3D viewport")).rect();
+    let figure = desk.window.get(By::new().label("0.00 mm")).rect();
+    assert!(view.contains_rect(figure), "{figure:?} {view:?}");
     let made = desk.mold().electrodes.designed().unwrap().clone();
     let region = made.set.electrodes[0].burns[0].parts[0].region;
     let place = made.places[region].unwrap();

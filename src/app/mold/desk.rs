@@ -11,7 +11,10 @@ use crate::jobs::mold::{FoundUncut, Glance, MoldEvent, MoldWork};
 use crate::jobs::pipeline::StageState;
 use crate::jobs::uncut::LayerFound;
 use crate::mold::cutter::CutterLibrary;
+use crate::mold::electrode::params::Holder;
 use crate::mold::uncut_region::UncutRegion;
+use crate::project::electrode_file::load_electrodes;
+use crate::project::holder_files::load_holders;
 use crate::project::{History, MoldParams};
 use crate::views::RegionColours;
 
@@ -89,13 +92,22 @@ pub struct MoldDesk {
     shown: Option<Arc<FoundUncut>>,
 }
 
+/// The parameters with these holders, if they name none.
+fn with_holders(mut params: MoldParams, holders: &[Holder]) -> MoldParams {
+    if params.electrodes.holders.is_empty() {
+        params.electrodes.holders = holders.to_vec();
+    }
+    params
+}
+
 impl MoldDesk {
     /// An empty workspace.
     ///
     /// # Errors
     /// If the system gives no thread to work on.
     pub fn start(wake: impl Fn() + Send + Sync + Clone + 'static) -> std::io::Result<Self> {
-        let params = MoldParams::default();
+        let electrodes = ElectrodeDesk::default();
+        let params = with_holders(MoldParams::default(), &electrodes.holders);
         Ok(Self {
             is_shown: false,
             shows_panel: true,
@@ -123,9 +135,29 @@ impl MoldDesk {
             fly_to: None,
             file: None,
             edited: None,
-            electrodes: ElectrodeDesk::default(),
+            electrodes,
             shown: None,
         })
+    }
+
+    /// Takes what is asked of electrodes, and the holders, from the files in the user's folder. What is wrong with them is
+    /// answered, a line each, and then holds as without them.
+    pub fn take_user_files(&mut self, folder: &Path) -> Vec<String> {
+        let mut wrong = Vec::new();
+        match load_holders(Some(folder)) {
+            Ok(holders) => self.electrodes.holders = holders,
+            Err(error) => wrong.push(error.to_string()),
+        }
+        match load_electrodes(Some(folder)) {
+            // These are where a mold begins, and no change of the user's.
+            Ok(electrodes) => {
+                self.params.electrodes = electrodes;
+                self.kept = Some(self.params.clone());
+            }
+            // What both say is said once.
+            Err(error) => wrong.extend(Some(error.to_string()).filter(|text| !wrong.contains(text))),
+        }
+        wrong
     }
 
     /// Takes `mesh` for the mold. The cutters stay.
@@ -153,6 +185,7 @@ impl MoldDesk {
             self.work.reload();
         }
         self.file = file.map(Path::to_owned);
+        let params = with_holders(params, &self.electrodes.holders);
         (self.kept, self.params, self.edited) = (Some(params.clone()), params, None);
         self.history = History::default();
         self.work.forget_glance();
@@ -364,5 +397,33 @@ impl MoldDesk {
         let library = self.shown.as_ref().map(|found| &found.uncut.params.library);
         let cutter = region.nearest_cutter.and_then(|i| library?.cutter.get(i));
         cutter.map_or("\u{2013}".to_owned(), |c| c.label())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_users_lists_are_where_a_mold_begins_and_what_is_wrong_with_them_is_said() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut desk = MoldDesk::start(|| {}).unwrap();
+        let standard = load_holders(None).unwrap();
+        assert!(desk.params.electrodes.holders == standard && desk.electrodes.holders == standard);
+        std::fs::create_dir(folder.path().join("holders")).unwrap();
+        let supplier = folder.path().join("holders/Acme.toml");
+        std::fs::write(&supplier, "[[holder]]\nname = \"20\"\nsize_mm = [20.0, 20.0]\nheight_mm = 12.0\n").unwrap();
+        std::fs::write(folder.path().join("electrodes.toml"), "margin_mm = 0.7").unwrap();
+        assert!(desk.take_user_files(folder.path()).is_empty() && !desk.is_unsaved());
+        let asked = desk.params.electrodes.clone();
+        assert_eq!((asked.margin_mm, asked.holders[0].name.as_str(), asked.holders.len()), (0.7, "Acme: 20", 1));
+        assert_eq!(desk.electrodes.holders, asked.holders);
+        // A mold that names no holder has the user's.
+        desk.replace(MoldParams::default(), None);
+        assert_eq!(desk.params.electrodes.holders, asked.holders);
+        std::fs::write(&supplier, "holder = 1").unwrap();
+        let wrong = desk.take_user_files(folder.path());
+        assert!(wrong.len() == 1 && wrong[0].contains("Acme.toml"), "{wrong:?}");
+        assert_eq!(desk.electrodes.holders, asked.holders, "what was there stays");
     }
 }

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use super::{Designed, LoadedMold};
-use crate::export::burn_table::BurnTable;
-use crate::export::burn_template::{BURN_SHEET, render};
-use crate::export::electrode_files::{ElectrodeFormat, LeftOut, write_electrode_files};
+use crate::export::burn_template::BurnSheet;
+use crate::export::electrode_files::{ElectrodeFormat, LeftOut};
+use crate::export::electrode_folder::{ExportFolder, export_electrodes};
 use crate::export::electrode_report::ElectrodesReport;
-use crate::export::files::write_atomically;
 use crate::mold::electrode::design::ElectrodeSet;
+use crate::mold::electrode::overrides::IdleOverride;
 use crate::progress::{Cancel, Progress};
 use crate::render::offscreen::{Offscreen, RenderError};
 use crate::views::{PICTURE_SIZE, electrode_pictures};
@@ -19,6 +19,10 @@ pub struct Exported {
     folder: PathBuf,
     files: usize,
     left_out: Vec<LeftOut>,
+    /// Overrides for what electrodes of their names no longer burn, in words.
+    lapsed: Vec<String>,
+    /// Why there is no burn sheet.
+    no_sheet: Option<String>,
     /// Why there are no pictures.
     no_pictures: Option<String>,
 }
@@ -30,6 +34,12 @@ impl Exported {
         let mut text = format!("{} file{plural} and the burn table written to {}", self.files, self.folder.display());
         for left in &self.left_out {
             text += &format!("; {} left out ({})", left.electrode, left.why);
+        }
+        for lapsed in &self.lapsed {
+            text += &format!("; {lapsed}");
+        }
+        if let Some(why) = &self.no_sheet {
+            text += &format!("; no burn sheet: {why}");
         }
         if let Some(why) = &self.no_pictures {
             text += &format!("; no pictures: {why}");
@@ -50,23 +60,26 @@ pub(super) fn export(
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<Exported, String> {
-    std::fs::create_dir_all(folder)
-        .map_err(|e| format!("{}: the folder cannot be made ({e}); choose another", folder.display()))?;
-    let written = write_electrode_files(folder, set, formats).map_err(|e| e.to_string())?;
-    let table = BurnTable::of(set, name, designed.opening);
-    let sheet = render(&table, BURN_SHEET, "burn sheet").map_err(|e| e.to_string())?;
-    let json = table.json().map_err(|e| e.to_string())?;
-    for (file, text) in [("burn_table.csv", table.csv()), ("burn_table.json", json), ("burn_sheet.txt", sheet)] {
-        write_atomically(&folder.join(file), text.as_bytes()).map_err(|e| e.to_string())?;
-    }
+    let opened = ExportFolder::open(folder).map_err(|e| e.to_string())?;
     let (pictures, no_pictures) = match draw(set, designed, mold, progress, cancel) {
         Ok(pictures) => (pictures, None),
         Err(RenderError::Cancelled(cancelled)) => return Err(cancelled.to_string()),
         Err(error) => (Vec::new(), Some(error.to_string())),
     };
     let report = ElectrodesReport::of(set, name, designed.opening);
-    report.write(folder, &pictures).map_err(|e| e.to_string())?;
-    Ok(Exported { folder: folder.to_owned(), files: written.files.len(), left_out: written.left_out, no_pictures })
+    cancel.check().map_err(|e| e.to_string())?;
+    let written = export_electrodes(opened, (set, &report), &BurnSheet::standard(), &pictures, formats)
+        .map_err(|e| e.to_string())?;
+    let lapsed = set.idle_overrides().into_iter().filter(|(_, why)| *why == IdleOverride::OtherParts);
+    let lapsed = lapsed.map(|(o, why)| format!("override of {o}: {}", why.text())).collect();
+    Ok(Exported {
+        lapsed,
+        folder: folder.to_owned(),
+        files: written.files.len(),
+        left_out: written.left_out,
+        no_sheet: written.no_sheet,
+        no_pictures,
+    })
 }
 
 fn draw(

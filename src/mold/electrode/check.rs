@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::params::{Orbit, Stage};
 use crate::geometry::exact::{ExactMesh, ExactMeshError};
@@ -38,7 +38,7 @@ const LEAST_STEP: f64 = 1e-4;
 const STEPS: usize = 200;
 
 /// What a check is about.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CheckKind {
     /// The surface is closed.

@@ -1,10 +1,14 @@
 //! Electrodes, from tips to burns.
 
+use std::fmt;
+
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 
-use super::check::{Finding, LeftOfRegion};
+use super::base::Base;
+use super::check::{CheckKind, Finding, LeftOfRegion};
 use super::division::Cut;
+use super::overrides::{IdleOverride, Override};
 use super::params::{ElectrodeParams, Method};
 use crate::geometry::mesh::{Bounds, Mesh};
 
@@ -15,6 +19,13 @@ pub struct PartId {
     pub region: usize,
     /// The part of it.
     pub part: usize,
+}
+
+/// As in tables: `R3.2` is part 2 of region 3, both counted from 1.
+impl fmt::Display for PartId {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "R{}.{}", self.region + 1, self.part + 1)
+    }
 }
 
 /// Where an electrode stands when it has burned.
@@ -60,12 +71,24 @@ pub struct Electrode {
     pub is_thin: bool,
     /// Area of the tips seen along the burn (mm^2).
     pub front_area: f64,
+    /// Area of the tips that burns, walls and floors (mm^2).
+    pub burn_area: f64,
+    /// The base that the tips stand on.
+    pub base: Base,
 }
 
 impl Electrode {
     /// Box around it.
     pub fn bounds(&self) -> Bounds {
         self.mesh.bounds()
+    }
+
+    /// The parts of regions that all its burns are for, by name, in order.
+    pub fn part_names(&self) -> Vec<String> {
+        let mut parts: Vec<PartId> = self.burns.iter().flat_map(|b| b.parts.iter().copied()).collect();
+        parts.sort_unstable();
+        parts.dedup();
+        parts.iter().map(PartId::to_string).collect()
     }
 }
 
@@ -120,9 +143,36 @@ impl ElectrodeSet {
         self.checks[electrode].iter().any(|finding| !finding.holds)
     }
 
-    /// Whether an electrode may not be exported: a check fails and the user did not override it by name.
+    /// Whether an electrode may not be exported: a check fails and the user did not override it.
     pub fn is_blocked(&self, electrode: usize) -> bool {
-        self.fails(electrode) && !self.params.overrides.contains(&self.electrodes[electrode].name)
+        self.is_blocked_with(electrode, &self.params.overrides)
+    }
+
+    /// The same if these are the user's overrides.
+    pub fn is_blocked_with(&self, electrode: usize, overrides: &[Override]) -> bool {
+        let findings = self.checks[electrode].iter();
+        findings.filter(|f| !f.holds).any(|f| !self.is_overridden(electrode, f.kind, overrides))
+    }
+
+    /// Whether one of `overrides` is for this check of an electrode.
+    pub fn is_overridden(&self, electrode: usize, check: CheckKind, overrides: &[Override]) -> bool {
+        let electrode = &self.electrodes[electrode];
+        overrides.iter().any(|o| o.is_for(electrode) && o.check.is_none_or(|kind| kind == check))
+    }
+
+    /// The overrides that override nothing, with the reason.
+    pub fn idle_overrides(&self) -> Vec<(&Override, IdleOverride)> {
+        let why = |o: &Override| -> Option<IdleOverride> {
+            let Some(e) = self.electrodes.iter().position(|e| e.name == o.electrode) else {
+                return Some(IdleOverride::NoElectrode);
+            };
+            if !o.is_for(&self.electrodes[e]) {
+                return Some(IdleOverride::OtherParts);
+            }
+            let is_used = self.checks[e].iter().any(|f| !f.holds && o.check.is_none_or(|kind| kind == f.kind));
+            (!is_used).then_some(IdleOverride::Holds)
+        };
+        self.params.overrides.iter().filter_map(|o| Some((o, why(o)?))).collect()
     }
 
     /// Regions that have no electrode for all of them.
@@ -143,6 +193,7 @@ impl ElectrodeSet {
 
     /// Minutes that all burns take.
     pub fn minutes(&self) -> f64 {
-        self.electrodes.iter().map(|e| e.minutes).sum()
+        // The sum of none is a zero with a sign.
+        self.electrodes.iter().map(|e| e.minutes).sum::<f64>() + 0.0
     }
 }

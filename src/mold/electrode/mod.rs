@@ -11,12 +11,14 @@ pub mod design;
 pub mod division;
 pub mod footprint;
 pub mod h_edge;
+pub mod overrides;
 pub mod params;
 pub mod plan;
 pub mod plan_checks;
 pub mod tip;
 
 mod edits;
+mod removal;
 mod sharing;
 
 #[cfg(test)]

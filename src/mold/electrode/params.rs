@@ -3,6 +3,7 @@
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use super::overrides::Override;
 use crate::mold::cutter::CutterLibrary;
 
 /// A motion of the machine that widens the burn, in a plane across the burn direction.
@@ -129,7 +130,8 @@ pub struct Holder {
 pub struct Blanks {
     /// Sides that rectangular blanks come in (mm), rising; beyond the largest, sides are rounded up.
     pub sides_mm: Vec<f64>,
-    /// Diameters that round blanks come in (mm), rising; none are used where the list is empty.
+    /// Diameters that round blanks come in (mm), rising. One is taken where it is less than the rectangular blank; none where
+    /// the list is empty.
     #[serde(default)]
     pub diameters_mm: Vec<f64>,
     /// What lengths, and sides beyond the list, are rounded up to (mm).
@@ -150,6 +152,11 @@ impl Blanks {
         const HAIR: f64 = 1e-6;
         let known = self.sides_mm.iter().copied().find(|side| *side >= length - HAIR);
         known.unwrap_or_else(|| self.rounded_up(length))
+    }
+
+    /// The least diameter that holds `length` (mm), if there is one.
+    pub fn diameter(&self, length: f64) -> Option<f64> {
+        self.diameters_mm.iter().copied().find(|d| *d >= length)
     }
 
     /// The least multiple of the increment that holds `length` (mm).
@@ -256,19 +263,19 @@ pub struct ElectrodeParams {
     pub cutters: Option<CutterLibrary>,
     /// Blanks.
     pub blanks: Blanks,
-    /// Holders, the one that is tried first before the others.
+    /// Holders, the one that is tried first before the others. None are those of the user's library, which whoever reads
+    /// parameters puts in: a list of its own here would be another one than that library.
     pub holders: Vec<Holder>,
     /// Burning times.
     pub removal: Removal,
     /// What the user changed.
     pub edits: Vec<Edit>,
-    /// Electrodes that are exported although a check fails, by name.
-    pub overrides: Vec<String>,
+    /// Electrodes that are exported although a check fails.
+    pub overrides: Vec<Override>,
 }
 
 impl Default for ElectrodeParams {
     fn default() -> Self {
-        let holder = |name: &str, side: f64| Holder { name: name.into(), size_mm: [side; 2], height_mm: 20.0 };
         Self {
             stages: vec![Stage::finish(0.05)],
             shape: Shape::Undersized,
@@ -286,7 +293,7 @@ impl Default for ElectrodeParams {
             material: "copper".into(),
             cutters: None,
             blanks: Blanks::default(),
-            holders: vec![holder("holder 25", 25.0), holder("holder 50", 50.0), holder("holder 100", 100.0)],
+            holders: Vec::new(),
             removal: Removal::default(),
             edits: Vec::new(),
             overrides: Vec::new(),
@@ -320,8 +327,8 @@ pub enum ElectrodeParamsError {
     /// A finish or a number that is none.
     #[error("stage {0}: finish_vdi must be from 0 to 60, and quantity at least 1")]
     Stage(String),
-    /// No holder.
-    #[error("there is no holder, or one without a positive size: {0:?}")]
+    /// A holder that takes nothing.
+    #[error("holder {0:?}: size_mm and height_mm must be positive")]
     Holder(String),
     /// Blanks that are none.
     #[error("blanks: sides must rise and the increment must be from 0.1 to 100 mm")]
@@ -375,9 +382,6 @@ impl ElectrodeParams {
         let is_holder = |h: &Holder| h.size_mm.iter().chain([&h.height_mm]).all(|v| v.is_finite() && *v > 0.0);
         if let Some(bad) = self.holders.iter().find(|h| !is_holder(h)) {
             return Err(ElectrodeParamsError::Holder(bad.name.clone()));
-        }
-        if self.holders.is_empty() {
-            return Err(ElectrodeParamsError::Holder("none".into()));
         }
         let rises =
             |list: &[f64]| list.iter().all(|v| v.is_finite() && *v > 0.0) && list.windows(2).all(|w| w[0] < w[1]);

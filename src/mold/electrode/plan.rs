@@ -98,6 +98,11 @@ impl Setting {
         Ok(Self { turned, mold, kept_clear, exact, stage: stage.clone() })
     }
 
+    /// Whether a point lies on the surface that burns.
+    pub(super) fn burns(&self, p: DVec3) -> bool {
+        self.exact.nearest(p).signed_distance.abs() < ON_BURN
+    }
+
     fn burned(&self) -> Burned<'_> {
         Burned { kept_clear: &self.kept_clear, exact: &self.exact, gap_up: self.stage.undersize(DVec3::Z) }
     }
@@ -249,7 +254,7 @@ fn leaves(
     params: &ElectrodeParams,
     cancel: &Cancel,
 ) -> Result<Vec<Leaf>, ElectrodeError> {
-    let burns = |p: DVec3| setting.exact.nearest(p).signed_distance.abs() < ON_BURN;
+    let burns = |p: DVec3| setting.burns(p);
     let of = |r: &usize| parts_of(setting, &regions[*r], plans[*r].method, params, cancel);
     let found: Vec<Result<Divided, TipError>> = here.par_iter().map(of).collect();
     let mut leaves = Vec::new();

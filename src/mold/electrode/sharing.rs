@@ -9,6 +9,7 @@ use super::design::{Burn, Electrode};
 use super::footprint::shrunk;
 use super::params::{ElectrodeParams, Method, Stage};
 use super::plan::{ElectrodeError, Leaf, RegionToBurn, Setting};
+use super::removal::{burn_area, taken};
 use super::tip::{joined, led_up};
 use crate::geometry::mesh::{Bounds, Mesh};
 use crate::mold::cutter::{Cutter, CutterLibrary};
@@ -131,7 +132,11 @@ pub(super) fn assembled(
         .burns
         .iter()
         .map(|(turn, shift, ids)| {
-            let volume = ids.iter().map(|i| share_of(&leaves[*i], leaves, regions)).sum();
+            let part = |i: &usize| {
+                let region = &regions[leaves[*i].id.region];
+                taken(region, setting, &params.stages, stage) * share_of(&leaves[*i], leaves)
+            };
+            let volume = ids.iter().map(part).sum();
             minutes += params.removal.minutes(volume, front_area, first.finish_vdi);
             let at = DVec2::from_angle(*turn).rotate(middle).extend(seat) + *shift;
             let parts = ids.iter().map(|i| leaves[*i].id).collect();
@@ -153,12 +158,14 @@ pub(super) fn assembled(
         minutes,
         is_thin: group.leaves.iter().any(is_thin),
         front_area,
+        burn_area: burn_area(setting, group.leaves.iter().map(|i| &leaves[*i].part.body)),
+        base,
     })
 }
 
-/// The part of a region's volume that is a leaf's, by area.
-fn share_of(leaf: &Leaf, leaves: &[Leaf], regions: &[RegionToBurn]) -> f64 {
+/// The part of a region that is a leaf's, by area.
+fn share_of(leaf: &Leaf, leaves: &[Leaf]) -> f64 {
     let area = |l: &Leaf| plane::area(&l.part.footprint.region).max(1e-12);
     let all: f64 = leaves.iter().filter(|l| l.id.region == leaf.id.region).map(area).sum();
-    regions[leaf.id.region].volume * area(leaf) / all
+    area(leaf) / all
 }

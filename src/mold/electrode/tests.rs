@@ -334,14 +334,23 @@ fn an_orbit_makes_the_tip_smaller_in_plan_only_and_every_check_holds() {
 #[test]
 fn stages_have_electrodes_of_their_own_and_parameters_that_make_none_are_answered() {
     let mold = mold([30.0, 20.0, 10.0], &[(&rectangle(8.0, 1.6), 5.0)]);
-    let slot = region(&mold, DVec2::new(-4.1, -0.9), DVec2::new(4.1, 0.9));
+    let slot = RegionToBurn { volume: 64.0, ..region(&mold, DVec2::new(-4.1, -0.9), DVec2::new(4.1, 0.9)) };
     let rough = Stage { name: "rough".into(), finish_vdi: 33.0, stock_mm: 0.05, ..Stage::finish(0.25) };
     let two = ElectrodeParams { stages: vec![rough, Stage::finish(GAP)], ..params(GAP) };
-    let set = planned(&mold, &[slot], &two);
+    let set = planned(&mold, std::slice::from_ref(&slot), &two);
     assert!(set.holds(), "{:?}", set.checks);
     assert_eq!(set.electrodes.iter().map(|e| e.name.as_str()).collect::<Vec<_>>(), ["E01-rough", "E01-finish"]);
     let widths: Vec<f64> = set.electrodes.iter().map(|e| e.tips.bounds().size().y).collect();
     assert!((widths[0] - 1.0).abs() < 1e-6 && (widths[1] - 1.5).abs() < 1e-6, "{widths:?}");
+    // Finishing takes the layer by which its electrode is larger, 0.25 mm, off the region's whole surface.
+    let surface: f64 = slot.corners.iter().map(|[a, b, c]| 0.5 * (*b - *a).cross(*c - *a).length()).sum();
+    let volumes: Vec<f64> = set.electrodes.iter().map(|e| e.burns[0].volume).collect();
+    assert!((volumes[1] - 0.25 * surface).abs() < 1e-6 * surface, "{volumes:?} {surface}");
+    assert!((volumes[0] + volumes[1] - slot.volume).abs() < 1e-9 && volumes[0] > 0.0, "{volumes:?}");
+    // Four walls and a floor of the blade that finishes; sparks reach the rim from as far above it as the gap.
+    let [x, y, z] = [8.0 - 2.0 * GAP, 1.6 - 2.0 * GAP, 5.0];
+    let area = set.electrodes[1].burn_area;
+    assert!((area - (x * y + 2.0 * (x + y) * z)).abs() < 1e-3 * area, "{area}");
     assert_eq!(ElectrodeParams { stages: Vec::new(), ..params(GAP) }.validate(), Err(ElectrodeParamsError::NoStage));
     let negative = params(-0.1).validate();
     assert!(matches!(negative, Err(ElectrodeParamsError::Length { .. })), "{negative:?}");

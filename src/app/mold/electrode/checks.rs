@@ -1,10 +1,14 @@
 //! What was checked of the selected electrode, in words.
 
+use std::collections::BTreeSet;
+
 use egui::{RichText, Ui};
 
 use super::super::super::core::Core;
 use super::super::super::theme::{palette, tick};
 use crate::jobs::mold::Designed;
+use crate::mold::electrode::check::CheckKind;
+use crate::mold::electrode::overrides::{IdleOverride, Override};
 
 /// Draws it.
 pub fn show(ui: &mut Ui, core: &mut Core, made: &Designed, electrode: usize) {
@@ -32,21 +36,28 @@ pub fn show(ui: &mut Ui, core: &mut Core, made: &Designed, electrode: usize) {
             ui.add(egui::Label::new(text).wrap());
         });
     }
-    let failing: Vec<&str> = findings.iter().filter(|f| !f.holds).map(|f| f.kind.name()).collect();
+    let mut failing: Vec<CheckKind> = findings.iter().filter(|f| !f.holds).map(|f| f.kind).collect();
     if failing.is_empty() {
         return;
     }
-    let name = &made.set.electrodes[electrode].name;
+    let of = &made.set.electrodes[electrode];
     let mut params = core.mold.params.clone();
     let overrides = &mut params.electrodes.overrides;
-    let mut passes = overrides.contains(name);
-    let plural = if failing.len() == 1 { "fails" } else { "fail" };
-    if tick(ui, &mut passes, format!("Export although {} {plural}", failing.join(", "))).changed() {
+    let mut passes = !made.set.is_blocked_with(electrode, overrides);
+    let has_lapsed = overrides.iter().any(|o| o.electrode == of.name && !o.is_for(of));
+    let names: BTreeSet<&str> = failing.iter().map(|kind| kind.name()).collect();
+    let plural = if names.len() == 1 { "fails" } else { "fail" };
+    let names = names.into_iter().collect::<Vec<_>>().join(", ");
+    if tick(ui, &mut passes, format!("Export although {names} {plural}")).changed() {
+        // What was decided for other parts is over with a new decision.
+        overrides.retain(|other| other.electrode != of.name);
         if passes {
-            overrides.push(name.clone());
-        } else {
-            overrides.retain(|other| other != name);
+            failing.dedup();
+            overrides.extend(failing.iter().map(|kind| Override::of(of, *kind)));
         }
         core.mold.edit(params);
+    } else if has_lapsed {
+        let text = format!("Override of {}: {}.", of.name, IdleOverride::OtherParts.text());
+        ui.add(egui::Label::new(RichText::new(text).small().color(palette(ui).warning)).wrap());
     }
 }

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 use crate::export::electrode_files::ElectrodeFormat;
 use crate::geometry::mesh::Bounds;
 use crate::jobs::mold::Designed;
 use crate::mold::electrode::params::{Edit, ElectrodeParams, Holder};
-use crate::project::electrode_file::load_holders;
+use crate::project::holder_files::load_holders;
 use crate::render::camera::Camera;
 use crate::render::scene::SectionPlane;
 use crate::views::{BurnCut, BurnOf, BurnPhase, BurnWay, ElectrodeScene, MoldLook};
@@ -295,8 +295,7 @@ impl ElectrodeDesk {
 
     /// Whether an electrode is exported although a check fails, or need not be.
     pub fn is_let_pass(&self, electrode: usize, params: &ElectrodeParams) -> bool {
-        let Some(made) = &self.shown else { return false };
-        let named = |e: &crate::mold::electrode::design::Electrode| params.overrides.contains(&e.name);
-        !made.set.fails(electrode) || made.set.electrodes.get(electrode).is_some_and(named)
+        let Some(made) = self.shown.as_ref().filter(|made| electrode < made.set.electrodes.len()) else { return false };
+        !made.set.is_blocked_with(electrode, &params.overrides)
     }
 }

@@ -140,7 +140,7 @@ fn length(ui: &mut Ui, name: &str, value: &mut f64, most: f64, hint: &str) {
     });
 }
 
-/// Holders by name; those chosen are tried from the smallest on.
+/// Holders by name; those chosen are tried in the order of the list. One always stays chosen.
 fn holders(ui: &mut Ui, asked: &mut ElectrodeParams, known: &[Holder]) {
     let own = asked.holders.iter().filter(|h| known.iter().all(|k| k.name != h.name));
     let all: Vec<Holder> = known.iter().chain(own).cloned().collect();
@@ -153,7 +153,11 @@ fn holders(ui: &mut Ui, asked: &mut ElectrodeParams, known: &[Holder]) {
             let hint = format!("Blanks up to {x} × {y} mm, {} mm high", holder.height_mm);
             if response.on_hover_text(hint).clicked() {
                 let is_chosen = |h: &Holder| (h.name == holder.name) != asked.holders.iter().any(|o| o.name == h.name);
-                asked.holders = all.iter().filter(|h| is_chosen(h)).cloned().collect();
+                let chosen: Vec<Holder> = all.iter().filter(|h| is_chosen(h)).cloned().collect();
+                // None at all would stand for every one.
+                if !chosen.is_empty() {
+                    asked.holders = chosen;
+                }
                 break;
             }
         }

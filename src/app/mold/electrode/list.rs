@@ -152,8 +152,7 @@ fn cell(ui: &mut Ui, made: &Designed, (i, entry): (usize, &ElectrodeEntry), colu
         1 => text(ui, entry.burns.len().to_string()),
         2 => text(ui, joined(&regions(entry))),
         3 => {
-            let [x, y] = entry.blank.sides_mm;
-            text(ui, format!("{x}×{y}×{}", entry.blank.length_mm));
+            text(ui, entry.blank.text("×"));
         }
         4 => text(ui, format!("{:.0}", entry.minutes)),
         _ => {
@@ -209,8 +208,7 @@ fn details(ui: &mut Ui, core: &mut Core, made: &Designed, at: BurnOf) {
     if let Some(burn) = entry.burns.get(at.burn) {
         burns(ui, core, (at, entry.burns.len()), burn);
     }
-    let [x, y] = entry.blank.sides_mm;
-    fact(ui, "Blank", format!("{x} × {y} × {} mm", entry.blank.length_mm));
+    fact(ui, "Blank", format!("{} mm", entry.blank.text(" × ")));
     fact(ui, "Holder", entry.holder.as_ref().map_or("none is large enough".to_owned(), |h| h.name.clone()));
     let orbit = if entry.orbit.radius_mm > 0.0 {
         format!(", {} {} mm", entry.orbit.pattern, entry.orbit.radius_mm)

@@ -8,6 +8,9 @@ use super::super::super::theme::palette;
 use super::desk::Fly;
 use crate::views::{BurnCut, BurnPhase, MoldLook};
 
+/// Width of a strip (points) below which its words are fewer.
+const NARROW: f32 = 440.0;
+
 /// Draws them, if electrodes are looked at.
 pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core) {
     if core.mold.electrodes.split.is_some() {
@@ -55,6 +58,11 @@ fn looks(ui: &mut Ui, core: &mut Core) {
 }
 
 fn way(ui: &mut Ui, core: &mut Core) {
+    // Where there is no room for all phases the present one is named alone: the figure must not be cut off.
+    let is_narrow = ui.available_width() < NARROW;
+    if is_narrow {
+        ui.spacing_mut().item_spacing.x = 4.0;
+    }
     let sign = if core.mold.electrodes.is_playing { "⏸" } else { "▶" };
     let buttons = [
         (Command::FirstNode, "⏮", "To the start"),
@@ -71,7 +79,8 @@ fn way(ui: &mut Ui, core: &mut Core) {
         }
     }
     let desk = &mut core.mold.electrodes;
-    ui.spacing_mut().slider_width = (ui.available_width() - 190.0).clamp(50.0, 240.0);
+    let words = if is_narrow { 130.0 } else { 190.0 };
+    ui.spacing_mut().slider_width = (ui.available_width() - words).clamp(50.0, 240.0);
     let mut time = desk.time.unwrap_or(2.0 / 3.0);
     let slider = ui.add(Slider::new(&mut time, 0.0..=1.0).show_value(false));
     ui.ctx().accesskit_node_builder(slider.id, |node| node.set_label("Way of the electrode"));
@@ -79,7 +88,7 @@ fn way(ui: &mut Ui, core: &mut Core) {
         (desk.time, desk.is_playing) = (Some(time), false);
     }
     let (phase, height) = desk.moment().unwrap_or((BurnPhase::Burn, 0.0));
-    for one in BurnPhase::ALL {
+    for one in BurnPhase::ALL.into_iter().filter(|one| !is_narrow || *one == phase) {
         let colour = if one == phase { palette(ui).accent } else { palette(ui).faint };
         ui.label(RichText::new(one.name()).small().color(colour));
     }
