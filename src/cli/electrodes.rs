@@ -201,6 +201,9 @@ fn lines(set: &ElectrodeSet, report: &ElectrodesReport) -> Vec<String> {
     lines.extend(corners(set));
     let idle = set.idle_overrides();
     lines.extend(idle.into_iter().map(|(o, why)| format!("override {o}: {}", why.text())));
+    lines.extend(
+        report.unmet_edits.iter().map(|edit| format!("the change \"{edit}\" meets no region, or changes nothing")),
+    );
     lines
 }
 

@@ -29,6 +29,8 @@ pub struct ElectrodesReport {
     pub overridden: Vec<String>,
     /// Overrides that override nothing.
     pub idle_overrides: Vec<IdleEntry>,
+    /// The user's changes that met no region, or changed nothing.
+    pub unmet_edits: Vec<String>,
     /// What volumes and minutes of stages are counted by.
     pub model: &'static str,
     /// Every region.
@@ -112,6 +114,7 @@ impl ElectrodesReport {
             holds: set.holds(),
             blocked: (0..set.electrodes.len()).filter_map(blocked).collect(),
             idle_overrides: set.idle_overrides().into_iter().map(idle).collect(),
+            unmet_edits: set.unmet_edits().into_iter().map(|e| set.params.edits[e].to_string()).collect(),
             model: MODEL,
             regions: set.regions.iter().enumerate().map(|(r, plan)| region(set, r, plan)).collect(),
             parameters: serde_json::to_value(&set.params).unwrap_or_default(),

@@ -64,6 +64,10 @@ fn troubles(out: &mut String, report: &ElectrodesReport) {
     for e in &report.table.electrodes {
         e.warnings.iter().for_each(|text| banner(&format!("{}.", e.name), text));
     }
+    for edit in &report.unmet_edits {
+        let edit = escape(edit);
+        let _ = write!(out, "<p class=\"soft\">The change “{edit}” meets no region, or changes nothing.</p>");
+    }
     for idle in &report.idle_overrides {
         let (name, why) = (escape(&idle.name), escape(idle.why));
         let _ = write!(out, "<p class=\"soft\">Override of {name}: {why}.</p>");

@@ -226,6 +226,22 @@ pub enum Edit {
     },
 }
 
+impl std::fmt::Display for Edit {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Merge { places: [a, b] } => {
+                write!(f, "merged at {:.2}, {:.2} and {:.2}, {:.2}", a.x, a.y, b.x, b.y)
+            }
+            Self::Split { line: [a, b] } => write!(f, "split from {:.2}, {:.2} to {:.2}, {:.2}", a.x, a.y, b.x, b.y),
+            Self::Make { place, method } => {
+                let how = if *method == Method::Extruding { "extruded" } else { "cut" };
+                write!(f, "{how} at {:.2}, {:.2}", place.x, place.y)
+            }
+            Self::Burn { direction: d, .. } => write!(f, "burned along {:.2}, {:.2}, {:.2}", d.x, d.y, d.z),
+        }
+    }
+}
+
 /// What is asked.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]

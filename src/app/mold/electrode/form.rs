@@ -9,7 +9,7 @@ use super::super::super::theme::{palette, tick};
 use super::super::panel::named;
 use crate::export::electrode_files::ElectrodeFormat;
 use crate::jobs::pipeline::StageState;
-use crate::mold::electrode::params::{Edit, ElectrodeParams, Holder, Method, Orbit, Shape, Stage};
+use crate::mold::electrode::params::{ElectrodeParams, Holder, Orbit, Shape, Stage};
 
 /// Height of a row (points).
 const HEIGHT: f32 = 22.0;
@@ -176,23 +176,11 @@ fn edits(ui: &mut Ui, asked: &mut ElectrodeParams) {
             if ui.small_button("\u{00d7}").on_hover_text("Take this change back").clicked() {
                 removed = Some(i);
             }
-            ui.add(egui::Label::new(words(edit)).truncate());
+            ui.add(egui::Label::new(edit.to_string()).truncate());
         });
     }
     if let Some(i) = removed {
         asked.edits.remove(i);
-    }
-}
-
-fn words(edit: &Edit) -> String {
-    match edit {
-        Edit::Merge { places: [a, b] } => format!("merged at {:.2}, {:.2} and {:.2}, {:.2}", a.x, a.y, b.x, b.y),
-        Edit::Split { line: [a, b] } => format!("split from {:.2}, {:.2} to {:.2}, {:.2}", a.x, a.y, b.x, b.y),
-        Edit::Make { place, method } => {
-            let how = if *method == Method::Extruding { "extruded" } else { "cut" };
-            format!("{how} at {:.2}, {:.2}", place.x, place.y)
-        }
-        Edit::Burn { direction: d, .. } => format!("burned along {:.2}, {:.2}, {:.2}", d.x, d.y, d.z),
     }
 }
 
