@@ -135,12 +135,20 @@ fn fixed(value: &Value, decimals: Option<usize>) -> Result<String, Error> {
     Ok(if is_zero { text.trim_start_matches('-').to_owned() } else { text })
 }
 
+/// What stands in a range of a template; where that is a filter, with what it was given.
+fn expression(template: &str, range: std::ops::Range<usize>) -> Option<&str> {
+    let before = template.get(..range.start)?;
+    let opened = ["{{", "{%"].into_iter().filter_map(|sign| before.rfind(sign)).max().map_or(0, |at| at + 2);
+    let start = if before.trim_end().ends_with('|') { opened } else { range.start };
+    template.get(start..range.end).map(str::trim).filter(|text| !text.is_empty())
+}
+
 fn explained(error: &Error, template: &str, name: &str) -> TemplateError {
     let mut problem = error.kind().to_string();
     if let Some(detail) = error.detail() {
         problem += &format!(": {detail}");
-    } else if let Some(text) = error.range().and_then(|range| template.get(range)).filter(|t| !t.trim().is_empty()) {
-        problem += &format!(": `{}`", text.trim().chars().take(80).collect::<String>());
+    } else if let Some(text) = error.range().and_then(|range| expression(template, range)) {
+        problem += &format!(": `{}`", text.chars().take(80).collect::<String>());
     }
     let line = error.line();
     if let Some(text) = line.and_then(|n| template.lines().nth(n - 1)).map(str::trim).filter(|t| !t.is_empty()) {
@@ -224,7 +232,7 @@ mod tests {
             ("a\n{% for e in electrodes %}\n{{ e.naem }}\n{% endfor %}", 3, "naem"),
             ("a\n{{ mold|fixt }}", 2, "fixt"),
             ("\n\n{{ mold|fixed(2) }}", 3, "fixed is for numbers"),
-            ("{{ missing|fixed(2) }}", 1, "undefined value: `missing"),
+            ("{{ missing|fixed(2) }}", 1, "undefined value: `missing|fixed(2)`"),
             (
                 "a{{ mold }}\n{% for e in electrodes %}{{ e.name }}{{ e.naem }}{% endfor %}",
                 2,
