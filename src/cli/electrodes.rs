@@ -127,6 +127,13 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
     if !is_whole {
         lines.push("what the cutters leave is not known for all of the mold: see `sparkpath uncut`".to_owned());
     }
+    if !uncut.stack.invert.triangles.is_empty() {
+        lines.push(format!(
+            "{} faces ({:.2} mm2) look away from the cutters and get no electrode here: give another --opening, or a slide",
+            uncut.stack.invert.triangles.len(),
+            uncut.stack.invert.area
+        ));
+    }
     super::terminal::finish();
     say!("{}", if session.json { report.json()? } else { lines.join("\n") });
     Ok(if set.holds() && is_whole && has_all_files { Answer::Yes } else { Answer::No })

@@ -347,6 +347,11 @@ fn warnings(set: &ElectrodeSet, electrode: &Electrode) -> Vec<String> {
         let DVec3 { x, y, .. } = electrode.blank;
         warnings.push(format!("no holder is large enough for a blank of {x} x {y} mm: add one to the list of holders"));
     }
+    if electrode.burns.iter().all(|b| b.volume <= 0.0) {
+        warnings.push(
+            "it takes nothing: what it is for is thinner than the layer that its stage leaves; leave it out".into(),
+        );
+    }
     if set.params.shape == Shape::Net {
         let stage = &set.params.stages[electrode.stage];
         let [wall, floor] = [DVec3::X, DVec3::Z].map(|n| stage.undersize(n));

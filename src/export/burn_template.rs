@@ -84,6 +84,9 @@ impl BurnSheet {
             return Err(TemplateError::TooLarge { template, bytes });
         }
         let text = std::fs::read_to_string(file).map_err(unreadable)?;
+        if text.trim().is_empty() {
+            return Err(unreadable(std::io::Error::new(std::io::ErrorKind::InvalidData, "it is empty")));
+        }
         let sheet = Self { name: template, text };
         BurnTable::examples().iter().try_for_each(|example| sheet.of(example).map(drop))?;
         Ok(sheet)

@@ -176,7 +176,7 @@ mod tests {
     use crate::mold::cutter::{Cutter, CutterLibrary};
     use crate::mold::electrode::check::CheckKind;
     use crate::mold::electrode::overrides::Override;
-    use crate::mold::electrode::params::{Edit, Method, Orbit, Shape, Stage};
+    use crate::mold::electrode::params::{Blanks, Edit, Method, Orbit, Shape, Stage};
     use crate::project::holder_files::{HOLDERS_FILE_NAME, write_holders};
 
     #[test]
@@ -236,6 +236,9 @@ mod tests {
         let own = [Holder { name: "mine".to_owned(), size_mm: [30.0, 31.5], height_mm: 12.0 }];
         write_holders(&folder.path().join(HOLDERS_FILE_NAME), &own).unwrap();
         let file = folder.path().join(FILE_NAME);
+        // A table may leave out what stays as it is.
+        let round = electrodes_of(&file, "[blanks]\ndiameters_mm = [20.0]").unwrap().blanks;
+        assert_eq!(round, Blanks { diameters_mm: vec![20.0], ..Blanks::default() });
         std::fs::write(&file, "margin_mm = 0.5\noverrides = [\"E03\", \"E04:gouge\"]").unwrap();
         for read in [load_electrodes(Some(folder.path())), read_electrodes(&file, Some(folder.path()))] {
             let read = read.unwrap();
@@ -259,6 +262,10 @@ mod tests {
             ("\nmargin = 1.0", "line 2: unknown field"),
             ("shape = \"big\"", "line 1: unknown variant"),
             ("stages = []", "no stage"),
+            (
+                "[[stages]]\nname = \"a\"\ngap_mm = 0.1\norbit = { pattern = \"square\", radius_mm = 0.1, turned_deg = 30.0 }",
+                "unknown field",
+            ),
             ("[[stages]]\nname = \"a b\"\ngap_mm = 0.1\nfinish_vdi = 20.0", "\"a b\""),
             ("[[stages]]\nname = \"a\"\ngap_mm = 9.0\nfinish_vdi = 20.0", "gap_mm of stage a is 9 mm"),
             ("[cutters]\n[[cutters.cutter]]\ndiameter_mm = 0.0", "diameter_mm is 0 mm"),

@@ -377,7 +377,7 @@ pub struct LeftOfRegion {
     pub thickness: f64,
     /// The same without what the gap's radius keeps in corners (mm).
     pub excess: f64,
-    /// Where that is greatest.
+    /// Where that is greatest; where there is none, where the thickness is.
     pub place: DVec3,
     /// Volume (mm^3).
     pub volume: f64,
@@ -408,7 +408,9 @@ pub fn left_by(
     let all = samples.par_iter().map(of).collect::<Result<Vec<_>, _>>()?;
     let worse = |a: LeftOfRegion, b: &LeftOfRegion| {
         let volume = a.volume + b.volume;
-        LeftOfRegion { volume, thickness: a.thickness.max(b.thickness), ..if b.excess > a.excess { *b } else { a } }
+        // Where no excess is, the place is that of the greatest thickness.
+        let is_worse = (b.excess, b.thickness) > (a.excess, a.thickness);
+        LeftOfRegion { volume, thickness: a.thickness.max(b.thickness), ..if is_worse { *b } else { a } }
     };
     Ok(all.iter().fold(LeftOfRegion::default(), worse))
 }
@@ -450,16 +452,22 @@ fn left_at(burns: &[&Burning], sample: &Sample, mold: &Obstacle, milled: &Milled
     LeftOfRegion { thickness, excess, place: sample.point, volume: own * sample.area }
 }
 
+/// What is said of a square orbit where something is left.
+const SQUARE: &str =
+    "; a square orbit reaches only into corners of walls along X and Y: a circular one, or none, leaves less";
+
 /// The finding for the worst of the regions that an electrode is for: what is left on faces, and in corners beyond the
 /// (sqrt 3 - 1) of the spark's radius that they keep, is held against the tolerance.
-pub fn leftover(left: &LeftOfRegion, tolerance: f64) -> Finding {
+pub fn leftover(left: &LeftOfRegion, tolerance: f64, stage: &Stage) -> Finding {
     let holds = left.excess <= tolerance;
     let text = if holds {
         format!("at most {:.4} mm are left, in corners that the spark rounds; {:.4} mm^3", left.thickness, left.volume)
     } else {
         format!(
-            "{:.4} mm are left beyond what corners keep, {tolerance:.4} mm are allowed; {:.4} mm^3 in all",
-            left.excess, left.volume
+            "{:.4} mm are left beyond what corners keep, {tolerance:.4} mm are allowed; {:.4} mm^3 in all{}",
+            left.excess,
+            left.volume,
+            if matches!(stage.orbit, Orbit::Square { .. }) { SQUARE } else { "" }
         )
     };
     Finding::new(CheckKind::Leftover, holds, text, (!holds).then_some(left.place))

@@ -8,7 +8,7 @@ use crate::mold::cutter::CutterLibrary;
 
 /// A motion of the machine that widens the burn, in a plane across the burn direction.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", tag = "pattern")]
+#[serde(rename_all = "kebab-case", tag = "pattern", deny_unknown_fields)]
 pub enum Orbit {
     /// None.
     #[default]
@@ -33,6 +33,15 @@ impl Orbit {
             Self::Circular { radius_mm } => radius_mm * normal.truncate().length(),
             Self::Square { radius_mm } => radius_mm * (normal.x.abs() + normal.y.abs()),
         }
+    }
+
+    /// Whether an electrode that was made for it is right for it turned about the burn direction, too (radians): the
+    /// machine does not turn the orbit with it.
+    pub fn fits_turned(self, turn: f64) -> bool {
+        /// What rounding makes of a quarter turn (radians).
+        const HAIR: f64 = 1e-6;
+        let quarters = turn / std::f64::consts::FRAC_PI_2;
+        !matches!(self, Self::Square { .. }) || (quarters - quarters.round()).abs() < HAIR
     }
 
     /// Its radius or half side (mm).
@@ -126,13 +135,12 @@ pub struct Holder {
 
 /// How blanks are chosen.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct Blanks {
     /// Sides that rectangular blanks come in (mm), rising; beyond the largest, sides are rounded up.
     pub sides_mm: Vec<f64>,
     /// Diameters that round blanks come in (mm), rising. One is taken where it is less than the rectangular blank; none where
     /// the list is empty.
-    #[serde(default)]
     pub diameters_mm: Vec<f64>,
     /// What lengths, and sides beyond the list, are rounded up to (mm).
     pub increment_mm: f64,
@@ -169,7 +177,7 @@ impl Blanks {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Removal {
-    /// Removal rate per burning area (mm^3 per minute per mm^2) at the roughest finish.
+    /// Removal rate per area seen along the burn (mm^3 per minute per mm^2) at the finish below.
     pub per_area_mm_min: f64,
     /// Removal rate at most (mm^3 per minute).
     pub most_mm3_min: f64,
@@ -198,7 +206,7 @@ impl Removal {
 
 /// A change that the user made to the division.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", tag = "change")]
+#[serde(rename_all = "kebab-case", tag = "change", deny_unknown_fields)]
 pub enum Edit {
     /// The parts that hold these two places become one.
     Merge {
@@ -343,6 +351,21 @@ pub enum ElectrodeParamsError {
     /// A finish or a number that is none.
     #[error("stage {0}: finish_vdi must be from 0 to 60, and quantity at least 1")]
     Stage(String),
+    /// Stages in another order than that in which they burn.
+    #[error(
+        "stage {later} stays {later_mm} mm from the wall and comes after {earlier}, which stays {earlier_mm} mm: it would \
+         take nothing; put the roughest stage first"
+    )]
+    StageOrder {
+        /// The earlier one.
+        earlier: String,
+        /// Its undersize at walls (mm).
+        earlier_mm: f64,
+        /// The later one.
+        later: String,
+        /// Its undersize at walls (mm).
+        later_mm: f64,
+    },
     /// A holder that takes nothing.
     #[error("holder {0:?}: size_mm and height_mm must be positive")]
     Holder(String),
@@ -390,9 +413,16 @@ impl ElectrodeParams {
                 return Err(ElectrodeParamsError::Stage(stage.name.clone()));
             }
             let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
-            let is_known = self.stages[..i].iter().any(|s| s.name == stage.name);
+            let is_known = self.stages[..i].iter().any(|s| s.name.eq_ignore_ascii_case(&stage.name));
             if is_known || stage.name.is_empty() || !stage.name.chars().all(is_plain) {
                 return Err(ElectrodeParamsError::StageName(stage.name.clone()));
+            }
+        }
+        for pair in self.stages.windows(2) {
+            let [earlier_mm, later_mm] = [0, 1].map(|i| pair[i].gap_mm + pair[i].stock_mm + pair[i].orbit.radius_mm());
+            if later_mm > earlier_mm {
+                let [earlier, later] = [0, 1].map(|i| pair[i].name.clone());
+                return Err(ElectrodeParamsError::StageOrder { earlier, earlier_mm, later, later_mm });
             }
         }
         let is_holder = |h: &Holder| h.size_mm.iter().chain([&h.height_mm]).all(|v| v.is_finite() && *v > 0.0);

@@ -63,7 +63,8 @@ pub(super) fn checked(
         }
         let own = electrode.burns.iter().flat_map(|b| &b.parts).map(|p| left[p.region]);
         if let Some(left) = own.max_by(|a, b| a.excess.total_cmp(&b.excess)) {
-            findings.push(leftover(&left, params.tolerance_mm));
+            let is_last = electrode.stage + 1 == stages.len();
+            findings.push(if is_last { leftover(&left, params.tolerance_mm, stage) } else { for_later() });
         }
         if is_closed {
             // Tips that cannot be set on a plate are tried with their whole base.
@@ -74,7 +75,7 @@ pub(super) fn checked(
                 Err(error) => Finding::failed(CheckKind::Machinable, format!("it could not be tried: {error}")),
                 Ok(finding) => placed_first(finding, electrode),
             };
-            findings.push(if electrode.is_thin && milling.holds { thin(params) } else { milling });
+            findings.push(if electrode.is_thin { thin(params) } else { milling });
         }
         Ok(findings)
     };
@@ -85,6 +86,12 @@ fn too_short_a_lift(lift: f64, burn: &Burn) -> Finding {
     let text =
         format!("lifted by {lift} mm it is still in the mold, {:.2} mm deep: a larger lift_mm is needed", burn.depth);
     Finding { place: Some(burn.position), ..Finding::failed(CheckKind::Approach, text) }
+}
+
+/// What an earlier stage leaves is the business of those after it.
+fn for_later() -> Finding {
+    let text = "what it leaves is for the stages after it".to_owned();
+    Finding { kind: CheckKind::Leftover, holds: true, text, place: None }
 }
 
 fn thin(params: &ElectrodeParams) -> Finding {

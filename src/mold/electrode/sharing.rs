@@ -6,7 +6,7 @@ use super::base::{Base, INTO_BASE, placed};
 use super::check::{Burning, GOUGE, Obstacle};
 use super::combine::near;
 use super::design::{Burn, Electrode};
-use super::footprint::shrunk;
+use super::footprint::{grown, shrunk};
 use super::params::{ElectrodeParams, Method, Stage};
 use super::plan::{ElectrodeError, Leaf, RegionToBurn, Setting};
 use super::removal::{burn_area, taken};
@@ -18,6 +18,9 @@ use crate::progress::Cancel;
 
 /// Share of the least size from which on a tip is as thick as it.
 const NEARLY: f64 = 0.98;
+
+/// Share of a tip's area that is as thick as the least size if the tip is.
+const THIN: f64 = 0.5;
 
 /// One electrode for several leaves: which, turned and shifted how.
 pub(super) struct Shared {
@@ -43,7 +46,8 @@ pub(super) fn shared(
         let fits = |group: &Shared| -> Option<(f64, DVec3)> {
             let first = &leaves[group.leaves[0]];
             let onto = first.form.onto(&leaf.form);
-            onto.into_iter().find(|by| serves(setting, &mold, (first, leaf), *by, regions, params).unwrap_or(false))
+            let mut onto = onto.into_iter().filter(|(turn, _)| setting.stage.orbit.fits_turned(*turn));
+            onto.find(|by| serves(setting, &mold, (first, leaf), *by, regions, params).unwrap_or(false))
         };
         let found =
             params.share.then(|| groups.iter().enumerate().find_map(|(g, group)| Some((g, fits(group)?)))).flatten();
@@ -125,7 +129,11 @@ pub(super) fn assembled(
     });
     let front_area = group.leaves.iter().map(|i| plane::area(&leaves[*i].part.footprint.free)).sum();
     let half = 0.5 * NEARLY * params.least_size_mm;
-    let is_thin = |i: &usize| half > 0.0 && shrunk(&leaves[*i].part.footprint.free, half).is_empty();
+    // Where arms meet a thin tip is wider.
+    let is_thin = |i: &usize| {
+        let free = &leaves[*i].part.footprint.free;
+        half > 0.0 && plane::area(&grown(&shrunk(free, half), half)) < THIN * plane::area(free)
+    };
     let first = &params.stages[stage];
     let mut minutes = 0.0;
     let burns: Vec<Burn> = group

@@ -217,7 +217,7 @@ fn broken_electrodes_are_caught_by_the_check_that_is_meant_for_it() {
     let obstacle = super::check::Obstacle::new(&mold).unwrap();
     let left = super::check::left_by(&[&burning], &[floor], (&obstacle, &milled), &Cancel::default()).unwrap();
     assert!((left.thickness - 0.3).abs() < 1e-3, "{left:?}");
-    assert!(!super::check::leftover(&left, params.tolerance_mm).holds);
+    assert!(!super::check::leftover(&left, params.tolerance_mm, &params.stages[0]).holds);
 }
 
 #[test]
@@ -305,6 +305,10 @@ fn orbits_gaps_finishes_and_times_are_those_of_their_definitions() {
     let square = Stage { orbit: Orbit::Square { radius_mm: 0.2 }, ..Stage::finish(0.1) };
     let diagonal = DVec3::new(1.0, 1.0, 0.0).normalize();
     assert!((square.undersize(diagonal) - (0.1 + 0.2 * 2f64.sqrt())).abs() < 1e-12);
+    // The machine does not turn a square with its electrode.
+    let turns = [0.0, 0.3, std::f64::consts::FRAC_PI_2, -std::f64::consts::PI];
+    assert_eq!(turns.map(|turn| square.orbit.fits_turned(turn)), [true, false, true, true]);
+    assert!(turns.iter().all(|turn| circle.orbit.fits_turned(*turn)));
     // VDI 3400: class 0 is 0.1 um, class 20 is 1 um, class 40 is 10 um.
     for (class, roughness) in [(0.0, 0.1), (20.0, 1.0), (40.0, 10.0)] {
         let stage = Stage { finish_vdi: class, ..Stage::finish(0.1) };
@@ -356,6 +360,9 @@ fn stages_have_electrodes_of_their_own_and_parameters_that_make_none_are_answere
     assert!(matches!(negative, Err(ElectrodeParamsError::Length { .. })), "{negative:?}");
     let twice = ElectrodeParams { stages: vec![Stage::finish(0.1), Stage::finish(0.2)], ..params(GAP) };
     assert!(matches!(twice.validate(), Err(ElectrodeParamsError::StageName(_))));
+    let rough = Stage { name: "rough".into(), ..Stage::finish(0.2) };
+    let backwards = ElectrodeParams { stages: vec![Stage::finish(0.05), rough], ..params(GAP) };
+    assert!(matches!(backwards.validate(), Err(ElectrodeParamsError::StageOrder { .. })));
     assert!(ElectrodeParams { margin_mm: f64::NAN, ..params(GAP) }.validate().is_err());
     assert!(ElectrodeParams::default().validate().is_ok());
 }
