@@ -8,6 +8,7 @@
 //! * [`mesh_io`]: mesh files to meshes and back.
 //! * [`blisk`]: axis, channel, electrode, and a parametric blisk.
 //! * [`feed`]: poses, search strategies, path and certificate.
+//! * [`flank`]: ruled surfaces milled with the flank of a cutter.
 //! * [`export`]: NC, CSV and reports.
 //! * [`project`]: the document: parameters of a whole job, undo, files.
 //! * [`render`]: scenes to pictures, without a window; uses [`geometry`] alone.
@@ -24,6 +25,7 @@ pub mod blisk;
 pub mod cli;
 pub mod export;
 pub mod feed;
+pub mod flank;
 pub mod geometry;
 pub mod jobs;
 pub mod mesh_io;

@@ -1,0 +1,207 @@
+//! The surface that the cutter's axis sweeps: ruled between two cubic B-splines, P4 (8) and (9).
+
+use glam::DVec3;
+use nalgebra::{DMatrix, DVector};
+
+use super::FlankError;
+use super::offset::CutterLocation;
+
+/// Clamped uniform cubic B-splines over 0 to 1, as polynomials of each piece; the end pieces go on past the ends.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CubicBasis {
+    /// For each piece the coefficients of its four functions, in powers of the share of the piece.
+    pieces: Vec<[[f64; 4]; 4]>,
+}
+
+/// The four functions that are not zero at a parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BasisAt {
+    /// Number of the first of them.
+    pub first: usize,
+    /// Their values.
+    pub values: [f64; 4],
+}
+
+impl CubicBasis {
+    /// The basis of this many functions, 4 at least.
+    pub fn new(count: usize) -> Self {
+        let pieces = count.max(4) - 3;
+        let knot = |i: isize| i.clamp(0, pieces as isize) as f64;
+        let of = |piece: usize| {
+            // Cox and de Boor with polynomials for values; knots count pieces, x is the share of the piece.
+            let mut functions = [[0.0; 4]; 4];
+            functions[0][0] = 1.0;
+            for degree in 1..=3isize {
+                let mut carried = [0.0; 4];
+                for r in 0..degree as usize {
+                    let left = knot(piece as isize + 1 + r as isize - degree);
+                    let right = knot(piece as isize + 1 + r as isize);
+                    let share = functions[r].map(|c| c / (right - left));
+                    let rising = times_line(&share, piece as f64 - left, 1.0);
+                    let falling = times_line(&share, right - piece as f64, -1.0);
+                    functions[r] = std::array::from_fn(|k| carried[k] + falling[k]);
+                    carried = rising;
+                }
+                functions[degree as usize] = carried;
+            }
+            functions
+        };
+        Self { pieces: (0..pieces).map(of).collect() }
+    }
+
+    /// Number of functions.
+    pub fn count(&self) -> usize {
+        self.pieces.len() + 3
+    }
+
+    /// The piece of `t` and the share of it.
+    fn place(&self, t: f64) -> (usize, f64) {
+        let scaled = t * self.pieces.len() as f64;
+        let piece = (scaled.max(0.0) as usize).min(self.pieces.len() - 1);
+        (piece, scaled - piece as f64)
+    }
+
+    /// The functions at `t`.
+    pub fn at(&self, t: f64) -> BasisAt {
+        let (first, x) = self.place(t);
+        let values = self.pieces[first].map(|c| c[0] + x * (c[1] + x * (c[2] + x * c[3])));
+        BasisAt { first, values }
+    }
+}
+
+/// (constant + slope x) times a polynomial of degree 2 at most.
+fn times_line(p: &[f64; 4], constant: f64, slope: f64) -> [f64; 4] {
+    std::array::from_fn(|k| constant * p[k] + if k > 0 { slope * p[k - 1] } else { 0.0 })
+}
+
+/// A place of the axis at a moment: its ends and how they move.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisAt {
+    /// Centre of the bottom circle (mm), C_b.
+    pub tip: DVec3,
+    /// Derivative of the tip by t.
+    pub tip_speed: DVec3,
+    /// Upper end of the axis (mm), C_t.
+    pub top: DVec3,
+    /// Derivative of the upper end by t.
+    pub top_speed: DVec3,
+}
+
+impl AxisAt {
+    /// Unit vector of the axis.
+    pub fn axis(&self) -> DVec3 {
+        (self.top - self.tip).normalize_or_zero()
+    }
+
+    /// Distance between the ends (mm).
+    pub fn length(&self) -> f64 {
+        self.top.distance(self.tip)
+    }
+}
+
+/// The axis trajectory surface D(t, a) = (1 - a) C_b(t) + a C_t(t), t from 0 to 1.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AxisSurface {
+    basis: CubicBasis,
+    lower: Vec<DVec3>,
+    upper: Vec<DVec3>,
+    /// Of each piece, both curves in powers of the share of the piece.
+    pieces: Vec<[[DVec3; 4]; 2]>,
+    /// u0 of the locations at t = 0 and t = 1.
+    pub u0_range: [f64; 2],
+}
+
+impl AxisSurface {
+    /// The surface with these control points of C_b and C_t, as many of both and 4 at least.
+    ///
+    /// # Errors
+    /// [`FlankError::Singular`] if the points do not match or are no numbers.
+    pub fn new(lower: Vec<DVec3>, upper: Vec<DVec3>, u0_range: [f64; 2]) -> Result<Self, FlankError> {
+        let is_finite = lower.iter().chain(&upper).all(|p| p.is_finite());
+        if lower.len() != upper.len() || lower.len() < 4 || !is_finite {
+            return Err(FlankError::Singular("the axis surface"));
+        }
+        let basis = CubicBasis::new(lower.len());
+        let powers = |points: &[DVec3], piece: usize| -> [DVec3; 4] {
+            let functions = &basis.pieces[piece];
+            std::array::from_fn(|k| (0..4).map(|r| points[piece + r] * functions[r][k]).sum())
+        };
+        let pieces = (0..basis.pieces.len()).map(|i| [powers(&lower, i), powers(&upper, i)]).collect();
+        Ok(Self { basis, lower, upper, pieces, u0_range })
+    }
+
+    /// Least squares through the tips and upper ends of `locations`, whose u0 must rise.
+    ///
+    /// # Errors
+    /// [`FlankError::Singular`] if there are too few locations.
+    pub fn fit(locations: &[CutterLocation], control_points: usize) -> Result<Self, FlankError> {
+        let singular = FlankError::Singular("the fit of the axis surface");
+        let (Some(first), Some(last)) = (locations.first(), locations.last()) else { return Err(singular) };
+        if control_points < 4 || locations.len() < control_points {
+            return Err(singular);
+        }
+        let range = [first.u0, last.u0];
+        let basis = CubicBasis::new(control_points);
+        let mut rows = DMatrix::zeros(locations.len(), control_points);
+        let mut right = DMatrix::zeros(locations.len(), 6);
+        for (i, location) in locations.iter().enumerate() {
+            let at = basis.at((location.u0 - range[0]) / (range[1] - range[0]));
+            (0..4).for_each(|r| rows[(i, at.first + r)] = at.values[r]);
+            let ends = location.tip.to_array().into_iter().chain(location.q2.to_array());
+            ends.enumerate().for_each(|(k, x)| right[(i, k)] = x);
+        }
+        let qr = rows.qr();
+        let solved = qr.r().solve_upper_triangular(&(qr.q().transpose() * right)).ok_or(singular)?;
+        let point = |i: usize, k: usize| DVec3::new(solved[(i, k)], solved[(i, k + 1)], solved[(i, k + 2)]);
+        let points = |k: usize| (0..control_points).map(|i| point(i, k)).collect();
+        Self::new(points(0), points(3), range)
+    }
+
+    /// Control points of C_b, the curve of the tip (mm).
+    pub fn lower(&self) -> &[DVec3] {
+        &self.lower
+    }
+
+    /// Control points of C_t, the curve of the upper end (mm).
+    pub fn upper(&self) -> &[DVec3] {
+        &self.upper
+    }
+
+    /// Its basis functions.
+    pub fn basis(&self) -> &CubicBasis {
+        &self.basis
+    }
+
+    /// The axis at `t`.
+    pub fn at(&self, t: f64) -> AxisAt {
+        let (piece, x) = self.basis.place(t);
+        let by_t = self.pieces.len() as f64;
+        let value = |c: &[DVec3; 4]| c[0] + x * (c[1] + x * (c[2] + x * c[3]));
+        let slope = |c: &[DVec3; 4]| by_t * (c[1] + x * (2.0 * c[2] + 3.0 * x * c[3]));
+        let [lower, upper] = &self.pieces[piece];
+        AxisAt { tip: value(lower), tip_speed: slope(lower), top: value(upper), top_speed: slope(upper) }
+    }
+
+    /// The place D(t, a) of the axis.
+    pub fn point(&self, t: f64, a: f64) -> DVec3 {
+        let at = self.at(t);
+        at.tip.lerp(at.top, a)
+    }
+
+    /// u0 of the location at `t`.
+    pub fn u0(&self, t: f64) -> f64 {
+        self.u0_range[0] + t * (self.u0_range[1] - self.u0_range[0])
+    }
+
+    /// The surface with every control point moved: `change` holds x, y, z of all of C_b, then of all of C_t.
+    ///
+    /// # Errors
+    /// [`FlankError::Singular`] if a change is no number.
+    pub fn moved(&self, change: &DVector<f64>) -> Result<Self, FlankError> {
+        let n = self.lower.len();
+        let by = |i: usize| DVec3::new(change[3 * i], change[3 * i + 1], change[3 * i + 2]);
+        let lower = (0..n).map(|i| self.lower[i] + by(i)).collect();
+        let upper = (0..n).map(|i| self.upper[i] + by(n + i)).collect();
+        Self::new(lower, upper, self.u0_range)
+    }
+}

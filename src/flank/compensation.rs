@@ -1,0 +1,246 @@
+//! Compensation of deviations by the singular value decomposition, over every rank, P4 (10) to (13).
+//!
+//! A change of the control points changes a deviation by `dD . n` (P4 (11) has the sign turned); for a cone the height
+//! of the place above the bottom changes too. The system is solved for every rank and each answer's true deviation is
+//! taken: large ranks leave the neighbourhood in which the system holds.
+
+use glam::{DMat2, DVec2, DVec3};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::FlankError;
+use super::axis_surface::AxisSurface;
+use super::cutter::FlankCutter;
+use super::deviation::{DesignGrid, Deviation, Feet, GridPlace};
+use crate::progress::Cancel;
+
+/// True sums of deviations over the number of singular values kept.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RankCurve {
+    /// The singular values, falling.
+    pub singular_values: Vec<f64>,
+    /// For each rank k from 1: the sum of absolute deviations (mm) of the path it leads to; none where that path is so
+    /// far off that it cannot be measured.
+    pub sums: Vec<Option<f64>>,
+    /// The rank with the least sum; among those of paths that cover the surface if there are any. 0 if no rank is
+    /// better than the path before.
+    pub best: usize,
+}
+
+/// What a change of the control points is taken to do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Model {
+    /// It shifts each place of the axis along the normal; P4's.
+    Shift,
+    /// It also changes the height of the place, and so the radius of a cone there.
+    Height,
+    /// And another place of the axis then stands over the same place of the surface: the exact derivative.
+    Moving,
+}
+
+/// How the deviation at a place changes with the control points.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Row {
+    /// First of four control points.
+    pub first: usize,
+    /// Its basis functions.
+    pub values: [f64; 4],
+    /// By a change of C_b and of C_t.
+    pub by: [DVec3; 2],
+}
+
+impl Row {
+    /// The row of one place, whose axis stands at `foot`.
+    pub fn of(axis: &AxisSurface, cutter: &FlankCutter, place: &GridPlace, foot: DVec2, model: Model) -> Self {
+        let (t, a) = (foot.x, foot.y);
+        let at = axis.at(t);
+        let direction = at.axis();
+        let sin = if model == Model::Shift { 0.0 } else { cutter.half_angle().sin() };
+        let mut shift = place.at.normal;
+        if model == Model::Moving {
+            let (by_t, by_a) = (at.tip_speed.lerp(at.top_speed, a), at.top - at.tip);
+            let longer = direction.dot(at.top_speed - at.tip_speed);
+            let of_foot = DVec2::new(by_t.dot(shift) - a * sin * longer, by_a.dot(shift) - sin * at.length());
+            let [e, f] = place.tangents;
+            // Columns are how the foot's two conditions change with t and a; transposed for the product from the left.
+            let moves = DMat2::from_cols_array(&[by_t.dot(e), by_t.dot(f), by_a.dot(e), by_a.dot(f)]);
+            let share = moves.transpose().inverse() * of_foot;
+            if share.is_finite() {
+                shift -= share.x * e + share.y * f;
+            }
+        }
+        let taller = a * sin * direction;
+        let basis = axis.basis().at(t);
+        Self { first: basis.first, values: basis.values, by: [(1.0 - a) * shift + taller, a * shift - taller] }
+    }
+
+    /// Its entries that are not zero: number of the unknown and value. Unknowns are x, y, z of all of C_b, then of C_t.
+    pub fn entries(&self, control_points: usize) -> [(usize, f64); 24] {
+        let mut entries = [(0, 0.0); 24];
+        for (k, entry) in entries.iter_mut().enumerate() {
+            let (curve, point, axis) = (k / 12, k / 3 % 4, k % 3);
+            let unknown = 3 * (curve * control_points + self.first + point) + axis;
+            *entry = (unknown, self.values[point] * self.by[curve][axis]);
+        }
+        entries
+    }
+}
+
+/// The linear system that a change of the control points should solve: `J x = -deviation`, reduced to as many rows as
+/// unknowns by orthogonal transformations.
+#[derive(Debug, Clone)]
+pub struct Compensation {
+    singular_values: Vec<f64>,
+    /// Columns: right singular vectors divided by the singular values, times the transformed right side.
+    parts: DMatrix<f64>,
+}
+
+impl Compensation {
+    /// The system at a path.
+    ///
+    /// # Errors
+    /// [`FlankError::Singular`] if it cannot be decomposed.
+    pub fn new(
+        grid: &DesignGrid,
+        axis: &AxisSurface,
+        cutter: &FlankCutter,
+        (deviation, feet): (&Deviation, &Feet),
+        model: Model,
+    ) -> Result<Self, FlankError> {
+        let triangle = triangle(grid, axis, cutter, (deviation, feet), model);
+        let unknowns = triangle.ncols() - 1;
+        let square = triangle.view((0, 0), (unknowns, unknowns)).into_owned();
+        let right = triangle.view((0, unknowns), (unknowns, 1)).into_owned();
+        const ROUNDS: usize = 10_000;
+        let failed = FlankError::Singular("the compensation");
+        let svd = square.try_svd(true, true, f64::EPSILON, ROUNDS).ok_or(failed.clone())?;
+        let (Some(u), Some(v_t)) = (&svd.u, &svd.v_t) else { return Err(failed) };
+        let singular_values: Vec<f64> = svd.singular_values.iter().copied().collect();
+        let turned = u.transpose() * right;
+        let least = f64::MIN_POSITIVE;
+        let factor = |i: usize| if singular_values[i] > least { turned[i] / singular_values[i] } else { 0.0 };
+        let parts = DMatrix::from_fn(unknowns, unknowns, |r, c| v_t[(c, r)] * factor(c));
+        Ok(Self { singular_values, parts })
+    }
+
+    /// The singular values, falling.
+    pub fn singular_values(&self) -> &[f64] {
+        &self.singular_values
+    }
+
+    /// The change of the control points that keeps the first `rank` singular values.
+    pub fn change(&self, rank: usize) -> DVector<f64> {
+        self.parts.columns(0, rank.min(self.parts.ncols())).column_sum()
+    }
+}
+
+/// The triangle that [J | -deviation] is turned into: blocks by themselves, then what is left of all of them.
+fn triangle(
+    grid: &DesignGrid,
+    axis: &AxisSurface,
+    cutter: &FlankCutter,
+    (deviation, feet): (&Deviation, &Feet),
+    model: Model,
+) -> DMatrix<f64> {
+    const BLOCK: usize = 512;
+    let n = axis.lower().len();
+    let width = 6 * n + 1;
+    let of_block = |(block, places): (usize, &[GridPlace])| {
+        let mut rows = DMatrix::zeros(places.len(), width);
+        for (r, place) in places.iter().enumerate() {
+            let k = block * BLOCK + r;
+            let row = Row::of(axis, cutter, place, feet.at[k], model);
+            row.entries(n).iter().for_each(|(c, value)| rows[(r, *c)] = *value);
+            rows[(r, width - 1)] = -deviation.values[k];
+        }
+        rows.qr().r()
+    };
+    let blocks: Vec<DMatrix<f64>> = grid.grid_places().par_chunks(BLOCK).enumerate().map(of_block).collect();
+    let height: usize = blocks.iter().map(DMatrix::nrows).sum();
+    let mut all = DMatrix::zeros(height.max(width), width);
+    let mut top = 0;
+    for block in &blocks {
+        all.rows_mut(top, block.nrows()).copy_from(block);
+        top += block.nrows();
+    }
+    all.qr().r()
+}
+
+/// A path with its deviation and where its axis stands.
+#[derive(Debug, Clone)]
+pub struct Measured {
+    /// The surface that its axis sweeps.
+    pub axis: AxisSurface,
+    /// Its deviation over the design surface.
+    pub deviation: Deviation,
+    /// Where the axis stands over the places of the grid.
+    pub feet: Feet,
+}
+
+impl Measured {
+    /// Measures a path; `near` says where the axis of a similar one stood.
+    ///
+    /// # Errors
+    /// [`FlankError::Unmeasured`].
+    pub fn new(
+        grid: &DesignGrid,
+        axis: AxisSurface,
+        cutter: &FlankCutter,
+        near: Option<&Feet>,
+    ) -> Result<Self, FlankError> {
+        let (deviation, feet) = grid.deviation(&axis, cutter, near)?;
+        Ok(Self { axis, deviation, feet })
+    }
+
+    /// Whether the path begins before and ends behind the surface.
+    pub fn covers(&self) -> bool {
+        let [first, last] = self.feet.t_range();
+        first >= 0.0 && last <= 1.0
+    }
+}
+
+/// Tries every rank in one step from `start` and answers the best path; `start` itself if none is better.
+///
+/// # Errors
+/// [`FlankError::Singular`], cancelled.
+pub fn best_rank(
+    grid: &DesignGrid,
+    start: &Measured,
+    cutter: &FlankCutter,
+    model: Model,
+    cancel: &Cancel,
+) -> Result<(Measured, RankCurve), FlankError> {
+    let system = Compensation::new(grid, &start.axis, cutter, (&start.deviation, &start.feet), model)?;
+    let candidate = |rank: usize| -> Result<Option<(f64, bool)>, FlankError> {
+        cancel.check()?;
+        Ok(path_of(grid, start, cutter, &system, rank).map(|path| (path.deviation.sum, path.covers())))
+    };
+    let ranks = system.singular_values().len();
+    let found: Result<Vec<_>, _> = (1..=ranks).into_par_iter().map(candidate).collect();
+    let found = found?;
+    let must_cover = start.covers();
+    let mut best = (0, start.deviation.sum);
+    for (i, candidate) in found.iter().enumerate() {
+        if let Some((sum, covers)) = *candidate
+            && sum < best.1
+            && (covers || !must_cover)
+        {
+            best = (i + 1, sum);
+        }
+    }
+    let sums = found.iter().map(|f| f.map(|(sum, _)| sum)).collect();
+    let curve = RankCurve { singular_values: system.singular_values().to_vec(), sums, best: best.0 };
+    let chosen = if best.0 > 0 { path_of(grid, start, cutter, &system, best.0) } else { None };
+    Ok((chosen.unwrap_or_else(|| start.clone()), curve))
+}
+
+fn path_of(
+    grid: &DesignGrid,
+    start: &Measured,
+    cutter: &FlankCutter,
+    system: &Compensation,
+    rank: usize,
+) -> Option<Measured> {
+    let axis = start.axis.moved(&system.change(rank)).ok()?;
+    Measured::new(grid, axis, cutter, Some(&start.feet)).ok()
+}

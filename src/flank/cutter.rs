@@ -1,0 +1,131 @@
+//! Cutters with straight flutes: cylinders and cones, and what holds them.
+
+use serde::{Deserialize, Serialize};
+
+use super::FlankError;
+use super::ruled_surface::RuledSurface;
+
+/// A cylinder or a cone that widens upwards. Heights are measured along the axis from the centre of its bottom circle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FlankCutter {
+    /// Its name in lists; may be empty.
+    #[serde(default)]
+    pub name: String,
+    /// Radius of the bottom circle (mm), P4's r0.
+    pub radius_mm: f64,
+    /// Angle between axis and flute (deg), P4's alpha; 0 for a cylinder.
+    #[serde(default)]
+    pub taper_deg: f64,
+    /// Length of the flutes (mm).
+    pub length_mm: f64,
+    /// What is above the flutes, from below upwards: shank, holder, spindle nose; empty if nothing is known of it.
+    #[serde(default)]
+    pub holder: Vec<HolderPart>,
+}
+
+/// A cylinder or a piece of a cone of the holder.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HolderPart {
+    /// Its length along the axis (mm).
+    pub length_mm: f64,
+    /// Radius of its lower end (mm).
+    pub lower_radius_mm: f64,
+    /// Radius of its upper end (mm).
+    pub upper_radius_mm: f64,
+}
+
+impl FlankCutter {
+    /// Radii and lengths that a cutter may have (mm).
+    const LENGTHS: [f64; 2] = [1e-3, 1e4];
+    /// The greatest angle between axis and flute (deg).
+    pub const GREATEST_TAPER_DEG: f64 = 45.0;
+
+    /// A cylinder without a holder.
+    pub fn cylinder(radius_mm: f64, length_mm: f64) -> Self {
+        Self { name: String::new(), radius_mm, taper_deg: 0.0, length_mm, holder: Vec::new() }
+    }
+
+    /// A cone without a holder.
+    pub fn cone(radius_mm: f64, taper_deg: f64, length_mm: f64) -> Self {
+        Self { taper_deg, ..Self::cylinder(radius_mm, length_mm) }
+    }
+
+    /// Angle between axis and flute (rad).
+    pub fn half_angle(&self) -> f64 {
+        self.taper_deg.to_radians()
+    }
+
+    /// Radius of its cross-section at a height (mm).
+    pub fn radius_at(&self, height: f64) -> f64 {
+        self.radius_mm + height * self.half_angle().tan()
+    }
+
+    /// Distance from the axis at a height to the flutes, along their normal (mm): the radius of the inscribed sphere.
+    pub fn sphere_at(&self, height: f64) -> f64 {
+        self.radius_mm * self.half_angle().cos() + height * self.half_angle().sin()
+    }
+
+    /// Height of the circle (mm) in which the sphere around the axis at `height` touches the flutes.
+    pub fn contact_height(&self, height: f64) -> f64 {
+        let (sin, cos) = self.half_angle().sin_cos();
+        height * cos * cos - self.radius_mm * sin * cos
+    }
+
+    /// Whether its numbers are those of a cutter.
+    ///
+    /// # Errors
+    /// [`FlankError::Parameter`] with the name of what is wrong.
+    pub fn validate(&self) -> Result<(), FlankError> {
+        let [from, to] = Self::LENGTHS;
+        let length = |name, value: f64, least: f64| {
+            let fits = value.is_finite() && (least..=to).contains(&value);
+            fits.then_some(()).ok_or(FlankError::Parameter { name, value, wanted: "a length in mm, up to 10000" })
+        };
+        length("cutter radius_mm", self.radius_mm, from)?;
+        length("cutter length_mm", self.length_mm, from)?;
+        if !(0.0..=Self::GREATEST_TAPER_DEG).contains(&self.taper_deg) {
+            let wanted = "an angle from 0 (cylinder) to 45 deg, measured from the axis to the flute";
+            return Err(FlankError::Parameter { name: "cutter taper_deg", value: self.taper_deg, wanted });
+        }
+        for part in &self.holder {
+            length("holder length_mm", part.length_mm, from)?;
+            length("holder lower_radius_mm", part.lower_radius_mm, 0.0)?;
+            length("holder upper_radius_mm", part.upper_radius_mm, 0.0)?;
+        }
+        Ok(())
+    }
+
+    /// Whether it is long enough for `surface` and fits into its hollows, judged with its axis along the rulings.
+    ///
+    /// # Errors
+    /// [`FlankError::CutterTooShort`] or [`FlankError::CutterTooThick`] with the place; or as [`Self::validate`].
+    pub fn fits(&self, surface: &RuledSurface) -> Result<(), FlankError> {
+        const PLACES: usize = 64;
+        const ACROSS: usize = 8;
+        self.validate()?;
+        for i in 0..=PLACES {
+            let u = i as f64 / PLACES as f64;
+            let ruling = surface.point(u, 1.0) - surface.point(u, 0.0);
+            let needed_mm = self.contact_height_needed(ruling.length());
+            if needed_mm > self.length_mm {
+                return Err(FlankError::CutterTooShort { length_mm: self.length_mm, needed_mm, u });
+            }
+            for j in 0..=ACROSS {
+                let v = j as f64 / ACROSS as f64;
+                let radius_mm = self.radius_at(v * needed_mm) / self.half_angle().cos();
+                let hollow_mm = surface.hollow_radius(u, v);
+                if radius_mm > hollow_mm {
+                    return Err(FlankError::CutterTooThick { radius_mm, hollow_mm, u, v });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Height of the contact circle (mm) at the upper end of a ruling of this length that the flute lies along.
+    fn contact_height_needed(&self, ruling: f64) -> f64 {
+        ruling * self.half_angle().cos()
+    }
+}

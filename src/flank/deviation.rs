@@ -1,0 +1,218 @@
+//! How far the cutter is off the design surface: P4 (7), with feet on the surface gone on past its edges.
+//!
+//! The deviation of a place of the surface is taken where a place of the axis stands over it, that is, on the normal
+//! there: `(P - R) . n - rho(h)`, with the sphere inscribed in the cutter around P. Clamping feet to the surface's
+//! edges would falsify it, since the axis's lower end stands over v < 0.
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::FlankError;
+use super::axis_surface::{AxisAt, AxisSurface};
+use super::cutter::FlankCutter;
+use super::ruled_surface::{RuledSurface, SurfacePlace};
+
+/// Deviations over a grid, positive where stock is left.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Deviation {
+    /// Places along u and along v.
+    pub grid: [usize; 2],
+    /// Deviations (mm); that of the place (i, j) has index `i * grid[1] + j`.
+    pub values: Vec<f64>,
+    /// Sum of the absolute values (mm).
+    pub sum: f64,
+    /// Their mean (mm).
+    pub mean: f64,
+    /// Root of the mean of the squares (mm).
+    pub rms: f64,
+    /// The least deviation (mm): the greatest overcut, if it is negative.
+    pub most_overcut: f64,
+    /// The greatest deviation (mm): the greatest undercut, if it is positive.
+    pub most_undercut: f64,
+    /// Sum of what is overcut (mm), as a positive number.
+    pub sum_overcut: f64,
+    /// Sum of what is undercut (mm).
+    pub sum_undercut: f64,
+}
+
+impl Deviation {
+    /// The figures of some deviations.
+    pub fn of(grid: [usize; 2], values: Vec<f64>) -> Self {
+        let count = values.len().max(1) as f64;
+        let sum_of = |f: &dyn Fn(f64) -> f64| values.iter().map(|x| f(*x)).sum::<f64>();
+        let sum_overcut = sum_of(&|x| (-x).max(0.0));
+        let sum_undercut = sum_of(&|x| x.max(0.0));
+        let sum = sum_overcut + sum_undercut;
+        let rms = (sum_of(&|x| x * x) / count).sqrt();
+        let most_overcut = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let most_undercut = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        Self { grid, values, sum, mean: sum / count, rms, most_overcut, most_undercut, sum_overcut, sum_undercut }
+    }
+
+    /// The deviation at the place (i, j) of the grid (mm).
+    pub fn at(&self, i: usize, j: usize) -> Option<f64> {
+        (j < self.grid[1]).then(|| self.values.get(i * self.grid[1] + j).copied()).flatten()
+    }
+}
+
+/// Places of a design surface, evenly spaced in u and v with the edges among them: what deviations are measured at.
+#[derive(Debug, Clone)]
+pub struct DesignGrid {
+    size: [usize; 2],
+    places: Vec<GridPlace>,
+}
+
+/// A place of the grid and two unit vectors square to its normal.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct GridPlace {
+    pub at: SurfacePlace,
+    pub tangents: [DVec3; 2],
+}
+
+/// Which places of the axis stand over the places of a grid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Feet {
+    /// For each place (t, a) of the axis surface.
+    pub at: Vec<DVec2>,
+}
+
+impl Feet {
+    /// Least and greatest t: the surface is covered if they are within 0 and 1.
+    pub fn t_range(&self) -> [f64; 2] {
+        range(self.at.iter().map(|q| q.x))
+    }
+
+    /// Least and greatest share of the axis.
+    pub fn a_range(&self) -> [f64; 2] {
+        range(self.at.iter().map(|q| q.y))
+    }
+}
+
+fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+}
+
+impl DesignGrid {
+    /// The grid of `size` places along u and v, 2 at least both ways.
+    pub fn new(surface: &RuledSurface, size: [usize; 2]) -> Self {
+        let share = |i: usize, n: usize| i as f64 / (n.max(2) - 1) as f64;
+        let place = |k: usize| {
+            let at = surface.at(share(k / size[1], size[0]), share(k % size[1], size[1]));
+            let along = at.along_v.normalize_or_zero();
+            GridPlace { at, tangents: [along, at.normal.cross(along)] }
+        };
+        Self { size, places: (0..size[0] * size[1]).into_par_iter().map(place).collect() }
+    }
+
+    /// Places along u and along v.
+    pub fn size(&self) -> [usize; 2] {
+        self.size
+    }
+
+    /// Its places, row by row: v runs faster.
+    pub fn places(&self) -> impl ExactSizeIterator<Item = &SurfacePlace> {
+        self.places.iter().map(|place| &place.at)
+    }
+
+    pub(super) fn grid_places(&self) -> &[GridPlace] {
+        &self.places
+    }
+
+    /// The deviation of a path and where its axis stands over the grid. `near` says where it stood before, if known.
+    ///
+    /// # Errors
+    /// [`FlankError::Unmeasured`] if no place of the axis stands over some place.
+    pub fn deviation(
+        &self,
+        axis: &AxisSurface,
+        cutter: &FlankCutter,
+        near: Option<&Feet>,
+    ) -> Result<(Deviation, Feet), FlankError> {
+        const BLOCK: usize = 256;
+        let blocks: Vec<Vec<Option<(f64, DVec2)>>> = self
+            .places
+            .par_chunks(BLOCK)
+            .enumerate()
+            .map(|(block, places)| {
+                let one = |(k, place): (usize, &GridPlace)| {
+                    let start = near.map(|feet| feet.at[block * BLOCK + k]);
+                    over(axis, place, start).map(|(q, at)| (deviation_at(cutter, place, &at, q.y), q))
+                };
+                places.iter().enumerate().map(one).collect()
+            })
+            .collect();
+        let found: Vec<Option<(f64, DVec2)>> = blocks.concat();
+        if let Some(first) = found.iter().position(Option::is_none) {
+            let count = found.iter().filter(|f| f.is_none()).count();
+            let SurfacePlace { u, v, .. } = self.places[first].at;
+            return Err(FlankError::Unmeasured { count, u, v });
+        }
+        let (values, at) = found.into_iter().flatten().unzip();
+        Ok((Deviation::of(self.size, values), Feet { at }))
+    }
+}
+
+/// Deviation (mm) of the cutter at the share `a` of the axis over a place.
+fn deviation_at(cutter: &FlankCutter, place: &GridPlace, axis: &AxisAt, a: f64) -> f64 {
+    let off = axis.tip.lerp(axis.top, a) - place.at.point;
+    off.dot(place.at.normal) - cutter.sphere_at(a * axis.length())
+}
+
+/// The place (t, a) of the axis over a place of the surface, by Newton's method.
+fn over(axis: &AxisSurface, place: &GridPlace, start: Option<DVec2>) -> Option<(DVec2, AxisAt)> {
+    const ROUNDS: usize = 30;
+    let [from, to] = axis.u0_range;
+    let mut q = start.unwrap_or_else(|| DVec2::new((place.at.u - from) / (to - from), place.at.v));
+    let [first, second] = place.tangents;
+    for _ in 0..ROUNDS {
+        let at = axis.at(q.x);
+        let (by_t, by_a) = (at.tip_speed.lerp(at.top_speed, q.y), at.top - at.tip);
+        let off = at.tip.lerp(at.top, q.y) - place.at.point;
+        let (f, g) = (off.dot(first), off.dot(second));
+        let (a, b, c, d) = (by_t.dot(first), by_a.dot(first), by_t.dot(second), by_a.dot(second));
+        let det = a * d - b * c;
+        let step = DVec2::new(d * f - b * g, a * g - c * f) / det;
+        // A path that lies across the surface sends the first steps far off.
+        let step = step * (0.2 / step.abs().max_element()).min(1.0);
+        q -= step;
+        if !q.is_finite() || q.abs().max_element() > 4.0 {
+            return None;
+        }
+        if step.abs().max_element() < 1e-12 {
+            return Some((q, axis.at(q.x)));
+        }
+    }
+    None
+}
+
+/// Deviation on a grid of the axis surface, `size` places along t and a with the ends among them, as P4 takes it; each
+/// at the foot of its own place. Not for choosing paths: it can be made nothing by leaving the part.
+///
+/// # Errors
+/// [`FlankError::Unmeasured`] if a place has no foot.
+pub fn on_axis_grid(
+    surface: &RuledSurface,
+    axis: &AxisSurface,
+    cutter: &FlankCutter,
+    size: [usize; 2],
+) -> Result<(Deviation, Vec<SurfacePlace>), FlankError> {
+    let share = |i: usize, n: usize| i as f64 / (n.max(2) - 1) as f64;
+    let one = |k: usize| {
+        let (t, a) = (share(k / size[1], size[0]), share(k % size[1], size[1]));
+        let at = axis.at(t);
+        let p = at.tip.lerp(at.top, a);
+        let foot = surface.foot(p, DVec2::new(axis.u0(t), a))?;
+        Some(((p - foot.point).dot(foot.normal) - cutter.sphere_at(a * at.length()), foot))
+    };
+    let found: Vec<_> = (0..size[0] * size[1]).into_par_iter().map(one).collect();
+    if let Some(first) = found.iter().position(Option::is_none) {
+        let count = found.iter().filter(|f| f.is_none()).count();
+        return Err(FlankError::Unmeasured {
+            count,
+            u: share(first / size[1], size[0]),
+            v: share(first % size[1], size[1]),
+        });
+    }
+    let (values, feet) = found.into_iter().flatten().unzip();
+    Ok((Deviation::of(size, values), feet))
+}

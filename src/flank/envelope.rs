@@ -1,0 +1,141 @@
+//! What the moving cutter leaves: its true envelope, and a brute-force sweep to check it.
+//!
+//! The cutter is the hull of spheres around the places of its axis. A sphere at a fixed height touches the envelope
+//! where its normal is square to its own motion, and the cone where the normal leans by the half-angle: both together
+//! give two grazing points, one on the surface's side. A standing cutter's deviation is that of the sphere's point
+//! towards the surface instead, so the two differ by the second order of the angle between both normals.
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::axis_surface::{AxisAt, AxisSurface};
+use super::cutter::FlankCutter;
+use super::deviation::{DesignGrid, Deviation, Feet, GridPlace};
+
+/// Deviation of the moving cutter, and how it compares with that of the standing one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EnvelopeCheck {
+    /// Deviation of the moving cutter over the same grid.
+    pub deviation: Deviation,
+    /// Greatest difference to the standing cutter's (mm).
+    pub greatest_difference: f64,
+    /// Places without a grazing point over them; there the standing cutter's deviation stands.
+    pub without: usize,
+}
+
+/// The point (mm) where the cutter at `t` grazes its envelope with the sphere around `height` (mm) above its tip, on the
+/// side that `normal` points away from; none where the cutter moves along its own axis too steeply to graze.
+pub fn grazing_point(
+    axis: &AxisSurface,
+    cutter: &FlankCutter,
+    (t, height): (f64, f64),
+    normal: DVec3,
+) -> Option<(DVec3, DVec3)> {
+    let AxisAt { tip, tip_speed, top, top_speed } = axis.at(t);
+    let length = top.distance(tip);
+    let along = (top - tip) / length;
+    let turning = top_speed - tip_speed;
+    let speed = tip_speed + height * (turning - along * along.dot(turning)) / length;
+    let climb = speed.dot(along);
+    let across = speed - climb * along;
+    let (sin, cos) = cutter.half_angle().sin_cos();
+    let width = across.length();
+    let lean = sin / cos * climb / width;
+    if lean.is_nan() || lean.abs() >= 1.0 {
+        return None;
+    }
+    let forward = across / width;
+    let aside = along.cross(forward);
+    let aside = if aside.dot(normal) > 0.0 { -aside } else { aside };
+    let outwards = -sin * along + cos * (lean * forward + (1.0 - lean * lean).sqrt() * aside);
+    Some((tip + height * along + cutter.sphere_at(height) * outwards, outwards))
+}
+
+/// Deviation of the moving cutter's envelope along the normals of the grid.
+pub fn check(
+    grid: &DesignGrid,
+    axis: &AxisSurface,
+    cutter: &FlankCutter,
+    (standing, feet): (&Deviation, &Feet),
+) -> EnvelopeCheck {
+    let places = grid.grid_places();
+    let one = |k: usize| envelope_over(axis, cutter, &places[k], feet.at[k]);
+    let found: Vec<Option<f64>> = (0..places.len()).into_par_iter().with_min_len(64).map(one).collect();
+    let without = found.iter().filter(|f| f.is_none()).count();
+    let values: Vec<f64> = found.iter().zip(&standing.values).map(|(moving, still)| moving.unwrap_or(*still)).collect();
+    let differences = values.iter().zip(&standing.values).map(|(a, b)| (a - b).abs());
+    let greatest_difference = differences.fold(0.0, f64::max);
+    EnvelopeCheck { deviation: Deviation::of(grid.size(), values), greatest_difference, without }
+}
+
+/// Where the envelope meets the normal of a place (mm above it), by Newton's method with differences for derivatives.
+fn envelope_over(axis: &AxisSurface, cutter: &FlankCutter, place: &GridPlace, foot: DVec2) -> Option<f64> {
+    const ROUNDS: usize = 12;
+    /// Tangential distance (mm) at which the normal is met.
+    const MET: f64 = 1e-8;
+    let off = |q: DVec2| {
+        let (point, _) = grazing_point(axis, cutter, (q.x, q.y), place.at.normal)?;
+        let off = point - place.at.point;
+        Some((DVec2::new(off.dot(place.tangents[0]), off.dot(place.tangents[1])), off.dot(place.at.normal)))
+    };
+    let mut q = DVec2::new(foot.x, foot.y * axis.at(foot.x).length());
+    for _ in 0..ROUNDS {
+        let (here, above) = off(q)?;
+        if here.abs().max_element() < MET {
+            return Some(above);
+        }
+        let (by_t, by_h) = (1e-6, 1e-5);
+        let a = (off(q + DVec2::new(by_t, 0.0))?.0 - here) / by_t;
+        let b = (off(q + DVec2::new(0.0, by_h))?.0 - here) / by_h;
+        let det = a.perp_dot(b);
+        let step = DVec2::new(here.perp_dot(b), a.perp_dot(here)) / det;
+        if !step.is_finite() || step.x.abs() > 0.5 {
+            return None;
+        }
+        q -= step;
+    }
+    None
+}
+
+/// How far above a point (mm) its normal first enters the cutter anywhere on the path, by brute force: the cutter's cone,
+/// unbounded downwards to its apex and upwards, at `samples` places of the path and ever finer around the nearest.
+/// None if it never does. For checks: it knows nothing of envelopes.
+pub fn swept_above(
+    axis: &AxisSurface,
+    cutter: &FlankCutter,
+    (point, normal): (DVec3, DVec3),
+    samples: usize,
+) -> Option<f64> {
+    const FINER: usize = 6;
+    let (mut from, mut to) = (0.0, 1.0);
+    let mut best: Option<f64> = None;
+    for _ in 0..FINER {
+        let spacing = (to - from) / samples.max(2) as f64;
+        let entry = |i: usize| {
+            let t = from + spacing * i as f64;
+            entry(&axis.at(t), cutter, point, normal).map(|s| (s, t))
+        };
+        let (least, t) = (0..=samples.max(2)).filter_map(entry).min_by(|a, b| a.0.total_cmp(&b.0))?;
+        best = Some(best.map_or(least, |b| b.min(least)));
+        (from, to) = ((t - 2.0 * spacing).max(0.0), (t + 2.0 * spacing).min(1.0));
+    }
+    best
+}
+
+/// Where a line enters the cone around an axis: the lesser root of |d|^2 - h^2 = (r0 + h tan alpha)^2, d the way from
+/// the tip and h its part along the axis.
+fn entry(at: &AxisAt, cutter: &FlankCutter, point: DVec3, normal: DVec3) -> Option<f64> {
+    let along = at.axis();
+    let tan = cutter.half_angle().tan();
+    let (d, h, by_h) = (point - at.tip, (point - at.tip).dot(along), normal.dot(along));
+    let (radius, by_radius) = (cutter.radius_mm + h * tan, by_h * tan);
+    let a = 1.0 - by_h * by_h - by_radius * by_radius;
+    let b = d.dot(normal) - h * by_h - radius * by_radius;
+    let c = d.length_squared() - h * h - radius * radius;
+    let inner = b * b - a * c;
+    if a <= 0.0 || inner.is_nan() || inner < 0.0 {
+        return None;
+    }
+    let s = (-b - inner.sqrt()) / a;
+    (cutter.radius_at(h + s * by_h) > 0.0).then_some(s)
+}

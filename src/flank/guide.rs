@@ -1,0 +1,110 @@
+//! Guide curves: the two borders that a ruled surface is spanned between.
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use super::FlankError;
+use crate::geometry::nurbs::{KnotVector, NurbsCurve, NurbsError};
+
+/// A guide curve as it is given; its curve runs from u = 0 to u = 1.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum GuideCurve {
+    /// A Bezier curve, of a degree one less than its points.
+    Bezier {
+        /// Its control points (mm), 2 to 8.
+        points: Vec<DVec3>,
+    },
+    /// A B-spline.
+    BSpline {
+        /// Its degree, 1 to 7.
+        degree: usize,
+        /// Its knots, both ends repeated `degree + 1` times.
+        knots: Vec<f64>,
+        /// Its control points (mm).
+        points: Vec<DVec3>,
+        /// Their weights; empty for all the same.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        weights: Vec<f64>,
+    },
+    /// A curve through points, with parameters by chord length.
+    Points {
+        /// The points (mm), two at least.
+        points: Vec<DVec3>,
+        /// The degree between them, 1 to 7; less where points are few.
+        #[serde(default = "cubic")]
+        degree: usize,
+    },
+}
+
+fn cubic() -> usize {
+    3
+}
+
+impl GuideCurve {
+    /// The points of a text with x, y, z (mm) on each line, as a cubic through them. Empty lines, lines that start with
+    /// `#` and one line of headings are passed over.
+    ///
+    /// # Errors
+    /// [`FlankError::Unreadable`] with the line.
+    pub fn from_csv(text: &str) -> Result<Self, FlankError> {
+        let mut points = Vec::new();
+        let mut headings = 0;
+        for (number, line) in text.lines().enumerate() {
+            let line = line.trim().trim_start_matches('\u{feff}');
+            if line.is_empty() || line.starts_with('#') {
+                continue;
+            }
+            match point_of(line) {
+                Some(point) => points.push(point),
+                // Words above the first point are headings.
+                None if points.is_empty() && headings == 0 && !line.contains(|c: char| c.is_ascii_digit()) => {
+                    headings += 1;
+                }
+                None => return Err(FlankError::Unreadable { line: number + 1, text: line.chars().take(80).collect() }),
+            }
+        }
+        Ok(Self::Points { points, degree: 3 })
+    }
+
+    /// The curve, from u = 0 to 1.
+    ///
+    /// # Errors
+    /// [`NurbsError`] that says what is wrong.
+    pub fn curve(&self) -> Result<NurbsCurve, NurbsError> {
+        match self {
+            Self::Bezier { points } => {
+                let degree = points.len().checked_sub(1).ok_or(NurbsError::Counts)?;
+                let knots = KnotVector::new(degree, [vec![0.0; points.len()], vec![1.0; points.len()]].concat())?;
+                NurbsCurve::new(knots, points, &vec![1.0; points.len()])
+            }
+            Self::BSpline { degree, knots, points, weights } => {
+                let knots = from_zero_to_one(&KnotVector::new(*degree, knots.clone())?)?;
+                let equal = vec![1.0; points.len()];
+                NurbsCurve::new(knots, points, if weights.is_empty() { &equal } else { weights })
+            }
+            Self::Points { points, degree } => {
+                if let Some(i) = points.iter().position(|p| !p.is_finite()) {
+                    return Err(NurbsError::Value(i));
+                }
+                NurbsCurve::through(points, *degree)
+            }
+        }
+    }
+}
+
+/// The same knots, stretched so that they run from 0 to 1.
+fn from_zero_to_one(knots: &KnotVector) -> Result<KnotVector, NurbsError> {
+    let [start, end] = knots.domain();
+    let stretched = knots.knots().iter().map(|k| (k - start) / (end - start)).collect();
+    KnotVector::new(knots.degree(), stretched)
+}
+
+/// Three finite numbers, and nothing else.
+fn point_of(line: &str) -> Option<DVec3> {
+    let separators = |c: char| c == ',' || c == ';' || c.is_whitespace();
+    let numbers = line.split(separators).filter(|word| !word.is_empty()).map(|word| word.parse::<f64>().ok());
+    let numbers: Option<Vec<f64>> = numbers.collect();
+    let [x, y, z] = numbers?.try_into().ok()?;
+    Some(DVec3::new(x, y, z)).filter(|p| p.is_finite())
+}

@@ -1,0 +1,74 @@
+//! A flank path: where the cutter goes, how far it is off, and whether that holds while it moves.
+
+use glam::DVec3;
+
+use super::axis_surface::AxisSurface;
+use super::compensation::Measured;
+use super::cutter::FlankCutter;
+use super::deviation::{DesignGrid, Deviation, Feet};
+use super::envelope::{self, EnvelopeCheck};
+
+/// A place of the cutter on a path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlankPose {
+    /// Parameter of the path, 0 to 1.
+    pub t: f64,
+    /// Centre of the bottom circle (mm).
+    pub tip: DVec3,
+    /// Unit vector of the axis, from the bottom up.
+    pub axis: DVec3,
+}
+
+/// What a path covers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coverage {
+    /// Least and greatest parameter of the path that stands over the surface.
+    pub t_range: [f64; 2],
+    /// Least and greatest height (mm) of the flute above the bottom circle that touches or is nearest to the surface.
+    pub height_range_mm: [f64; 2],
+    /// Whether the path begins before and ends behind the surface.
+    pub is_whole: bool,
+}
+
+/// A path of the cutter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlankPath {
+    /// The surface that its axis sweeps.
+    pub axis: AxisSurface,
+    /// Places along it, as many as locations were asked for.
+    pub poses: Vec<FlankPose>,
+    /// Deviation of the standing cutter over the design surface.
+    pub deviation: Deviation,
+    /// Where the axis stands over the places of the grid.
+    pub feet: Feet,
+    /// What it covers.
+    pub coverage: Coverage,
+    /// Deviation of the moving cutter.
+    pub envelope: EnvelopeCheck,
+}
+
+impl FlankPath {
+    /// The path with all that is to be known of it, and `poses` places along it.
+    pub(super) fn of(grid: &DesignGrid, cutter: &FlankCutter, path: Measured, poses: usize) -> Self {
+        let Measured { axis, deviation, feet } = path;
+        let envelope = envelope::check(grid, &axis, cutter, (&deviation, &feet));
+        let heights = feet.at.iter().map(|q| cutter.contact_height(q.y * axis.at(q.x).length()));
+        let widest = |[low, high]: [f64; 2], h: f64| [low.min(h), high.max(h)];
+        let height_range_mm = heights.fold([f64::INFINITY, f64::NEG_INFINITY], widest);
+        let t_range = feet.t_range();
+        let coverage = Coverage { t_range, height_range_mm, is_whole: t_range[0] >= 0.0 && t_range[1] <= 1.0 };
+        let poses = (0..poses).map(|i| pose(&axis, i as f64 / (poses.max(2) - 1) as f64)).collect();
+        Self { axis, poses, deviation, feet, coverage, envelope }
+    }
+
+    /// The cutter at `t`, from 0 to 1.
+    pub fn pose(&self, t: f64) -> FlankPose {
+        pose(&self.axis, t)
+    }
+}
+
+/// The cutter at `t` of an axis surface.
+pub fn pose(axis: &AxisSurface, t: f64) -> FlankPose {
+    let at = axis.at(t);
+    FlankPose { t, tip: at.tip, axis: at.axis() }
+}

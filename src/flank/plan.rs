@@ -1,0 +1,186 @@
+//! A whole plan: first locations, axis surface, compensation over every rank, refinement, checks.
+
+use rayon::prelude::*;
+
+use super::FlankError;
+use super::axis_surface::AxisSurface;
+use super::compensation::{Measured, Model, RankCurve, best_rank};
+use super::cutter::FlankCutter;
+use super::deviation::DesignGrid;
+use super::offset::{CutterLocation, three_point, two_point};
+use super::params::{FlankParams, OffsetMethod};
+use super::path::FlankPath;
+use super::refine::refine;
+use super::ruled_surface::RuledSurface;
+use super::warning;
+use crate::progress::{Cancel, Progress};
+
+/// A path and those that it came from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlankPlan {
+    /// The cutter.
+    pub cutter: FlankCutter,
+    /// What was asked.
+    pub params: FlankParams,
+    /// The locations by offset.
+    pub locations: Vec<CutterLocation>,
+    /// The path through them.
+    pub initial: FlankPath,
+    /// Sums over ranks.
+    pub ranks: RankCurve,
+    /// The path of the best rank.
+    pub chosen: FlankPath,
+    /// The path made best in the objective; the chosen one again if no rounds were asked for.
+    pub refined: FlankPath,
+    /// What the reader must know, in words.
+    pub warnings: Vec<String>,
+}
+
+impl FlankPlan {
+    /// The paths and their names: initial, chosen, refined.
+    pub fn paths(&self) -> [(&'static str, &FlankPath); 3] {
+        [("initial", &self.initial), ("chosen", &self.chosen), ("refined", &self.refined)]
+    }
+
+    /// The sum of absolute deviations of a path as a share of the initial one's.
+    pub fn ratio(&self, path: &FlankPath) -> f64 {
+        path.deviation.sum / self.initial.deviation.sum.max(f64::MIN_POSITIVE)
+    }
+}
+
+/// Plans a flank path. A cutter that is too short or too thick is planned with as if it were not, and the plan's
+/// warnings say so.
+///
+/// # Errors
+/// [`FlankError`] that says what is wrong with cutter or parameters, or that no path can be measured; cancelled.
+pub fn plan_flank(
+    surface: &RuledSurface,
+    cutter: &FlankCutter,
+    params: &FlankParams,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<FlankPlan, FlankError> {
+    params.validate()?;
+    cutter.validate()?;
+    let grid = DesignGrid::new(surface, params.grid);
+    progress.report("placing the cutter", 0.0, "");
+    let (locations, start) = covering_start(surface, cutter, params, &grid, cancel)?;
+    progress.report("trying every rank", 0.0, "");
+    let (chosen, ranks) = best_rank(&grid, &start, cutter, Model::Height, cancel)?;
+    let refined = refine(&grid, &chosen, cutter, (params.objective, params.rounds), (progress, cancel))?;
+    progress.report("checking the moving cutter", 0.0, "");
+    let path = |measured: Measured| -> Result<FlankPath, FlankError> {
+        cancel.check()?;
+        Ok(FlankPath::of(&grid, cutter, measured, params.locations))
+    };
+    let (initial, chosen, refined) = (path(start)?, path(chosen)?, path(refined)?);
+    let (cutter, params) = (cutter.clone(), params.clone());
+    let mut plan = FlankPlan { cutter, params, locations, initial, ranks, chosen, refined, warnings: Vec::new() };
+    plan.warnings = warning::of_plan(surface, &plan);
+    progress.report("checking the moving cutter", 1.0, "");
+    Ok(plan)
+}
+
+/// The location at `u0` by the method asked for.
+fn location(
+    surface: &RuledSurface,
+    cutter: &FlankCutter,
+    params: &FlankParams,
+    u0: f64,
+) -> Result<CutterLocation, FlankError> {
+    match params.offset {
+        OffsetMethod::TwoPoint => two_point(surface, cutter, u0, u0),
+        OffsetMethod::ThreePoint => three_point(surface, cutter, u0, params.slide_u),
+    }
+}
+
+/// Locations evenly over a range of u0.
+fn locations(
+    surface: &RuledSurface,
+    cutter: &FlankCutter,
+    params: &FlankParams,
+    [from, to]: [f64; 2],
+    cancel: &Cancel,
+) -> Result<Vec<CutterLocation>, FlankError> {
+    let n = params.locations;
+    let one = |i: usize| {
+        cancel.check()?;
+        let share = i as f64 / (n - 1) as f64;
+        location(surface, cutter, params, from + share * (to - from))
+    };
+    (0..n).into_par_iter().map(one).collect()
+}
+
+/// Locations and their path, from ends that cover the surface if that is asked for and possible.
+fn covering_start(
+    surface: &RuledSurface,
+    cutter: &FlankCutter,
+    params: &FlankParams,
+    grid: &DesignGrid,
+    cancel: &Cancel,
+) -> Result<(Vec<CutterLocation>, Measured), FlankError> {
+    const ROUNDS: usize = 6;
+    /// How far past the ends of the guides locations may go.
+    const FURTHEST: f64 = 0.25;
+    let mut range = [0.0, 1.0];
+    if params.is_covering {
+        let ends = [(0.0, -1.0), (1.0, 1.0)].map(|(end, away)| {
+            let needed = end_needed(surface, cutter, params, end, away * FURTHEST).unwrap_or(end);
+            needed + away * params.overrun_u
+        });
+        range = [ends[0].max(-FURTHEST), ends[1].min(1.0 + FURTHEST)];
+    }
+    let mut found = None;
+    for _ in 0..ROUNDS {
+        let all = locations(surface, cutter, params, range, cancel)?;
+        let axis = AxisSurface::fit(&all, params.control_points)?;
+        let start = Measured::new(grid, axis, cutter, None)?;
+        let [first, last] = start.feet.t_range();
+        let covers = start.covers();
+        found = Some((all, start));
+        if covers || !params.is_covering {
+            break;
+        }
+        // The middle of the surface may lie further out than either guide's end.
+        let width = range[1] - range[0];
+        let more = |missing: f64| if missing > 0.0 { missing * width + params.overrun_u.max(1e-3) } else { 0.0 };
+        let next = [(range[0] - more(-first)).max(-FURTHEST), (range[1] + more(last - 1.0)).min(1.0 + FURTHEST)];
+        if next == range {
+            break;
+        }
+        range = next;
+    }
+    found.ok_or(FlankError::Singular("the first path"))
+}
+
+/// u0 of the location whose upper contact is at the `end` of the upper guide, if it lies past the end of the lower one.
+fn end_needed(
+    surface: &RuledSurface,
+    cutter: &FlankCutter,
+    params: &FlankParams,
+    end: f64,
+    furthest: f64,
+) -> Option<f64> {
+    const ROUNDS: usize = 60;
+    let off = |u0: f64| location(surface, cutter, params, u0).ok().map(|l| (l.u1 - end) * furthest.signum());
+    // Positive: the upper contact is past the end already.
+    if off(end)? >= 0.0 {
+        return None;
+    }
+    let (mut short, mut past) = (end, end + furthest);
+    if off(past)? < 0.0 {
+        return Some(past);
+    }
+    for _ in 0..ROUNDS {
+        let middle = 0.5 * (short + past);
+        if off(middle)? < 0.0 {
+            short = middle;
+        } else {
+            past = middle;
+        }
+        if (past - short).abs() < 1e-12 {
+            break;
+        }
+    }
+    Some(past)
+}

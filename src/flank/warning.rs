@@ -1,0 +1,106 @@
+//! What the reader of a plan must know, in words.
+
+use super::FlankError;
+use super::offset::Touch;
+use super::path::FlankPath;
+use super::plan::FlankPlan;
+use super::refine::beyond_bounds;
+use super::ruled_surface::RuledSurface;
+
+/// All warnings of a plan.
+pub(super) fn of_plan(surface: &RuledSurface, plan: &FlankPlan) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if let Err(error) = plan.cutter.fits(surface) {
+        let instead = match error {
+            FlankError::CutterTooShort { .. } => "the path was planned as if its flutes were long enough",
+            _ => "the path was planned all the same: see its overcut",
+        };
+        warnings.push(format!("{error}; {instead}"));
+    }
+    warnings.extend(of_locations(plan));
+    warnings.extend(of_bounds(plan));
+    for (name, path) in plan.paths() {
+        warnings.extend(of_coverage(name, path));
+    }
+    warnings.extend(of_envelope(&plan.refined));
+    let (before, after) = (&plan.initial.deviation, &plan.refined.deviation);
+    if after.most_undercut > 1.2 * before.most_undercut.max(1e-6) {
+        let (a, b) = (before.most_undercut, after.most_undercut);
+        warnings.push(format!(
+            "the refined path's sum is less, but its greatest undercut is {b:.4} mm where the initial one's is {a:.4} mm; bound \
+             the undercut if that matters"
+        ));
+    }
+    if after.most_overcut < 1.2 * before.most_overcut.min(-1e-6) {
+        let (a, b) = (-before.most_overcut, -after.most_overcut);
+        warnings.push(format!(
+            "the refined path's sum is less, but its greatest overcut is {b:.4} mm where the initial one's is {a:.4} mm; bound \
+             the overcut if that matters"
+        ));
+    }
+    if plan.ranks.best == 0 {
+        warnings.push("no rank makes the sum of deviations less: the initial path was kept as the chosen one".into());
+    }
+    warnings
+}
+
+fn of_locations(plan: &FlankPlan) -> Option<String> {
+    let missed = || plan.locations.iter().filter(|l| l.touch == Touch::NearestToThree);
+    let first = missed().next()?;
+    let worst = missed().filter_map(|l| l.middle_mm).fold(0.0, |worst: f64, m| worst.max(m.abs()));
+    Some(format!(
+        "{} of {} locations, the first at u0 = {:.4}, cannot touch the surface midway however far the upper contact slides \
+         within {} of u: each was put where it comes nearest to it, at worst {worst:.4} mm off",
+        missed().count(),
+        plan.locations.len(),
+        first.u0,
+        plan.params.slide_u
+    ))
+}
+
+fn of_bounds(plan: &FlankPlan) -> Option<String> {
+    /// What counts as kept (mm).
+    const KEPT: f64 = 1e-4;
+    let deviation = &plan.refined.deviation;
+    let beyond = beyond_bounds(plan.params.objective, deviation);
+    (beyond > KEPT).then(|| {
+        format!(
+            "the bounds asked for are not kept: the refined path goes {beyond:.4} mm beyond them, with overcut up to {:.4} mm \
+             and undercut up to {:.4} mm; widen them, or take a thinner cutter or more control points",
+            (-deviation.most_overcut).max(0.0),
+            deviation.most_undercut.max(0.0)
+        )
+    })
+}
+
+fn of_coverage(name: &str, path: &FlankPath) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let [first, last] = path.coverage.t_range;
+    if !path.coverage.is_whole {
+        warnings.push(format!(
+            "the {name} path does not cover the surface: it runs from t = 0 to 1 and {first:.4} to {last:.4} are needed; \
+             deviations past its ends are those of the path gone on"
+        ));
+    }
+    let [lowest, _] = path.coverage.height_range_mm;
+    if lowest < -1e-3 {
+        warnings.push(format!(
+            "on the {name} path the flutes end {:.4} mm above the lowest line of the surface that they should cut; let the \
+             cutter reach lower by that much, with a bottom radius to match",
+            -lowest
+        ));
+    }
+    warnings
+}
+
+fn of_envelope(path: &FlankPath) -> Option<String> {
+    let (still, moving) = (&path.deviation, &path.envelope.deviation);
+    let differs = (moving.sum - still.sum).abs() > 0.05 * still.sum;
+    (differs || path.envelope.without > 0).then(|| {
+        format!(
+            "the moving cutter's sum of deviations is {:.4} mm, the standing one's {:.4} mm, at most {:.4} mm apart at one \
+             place; {} places have no grazing point",
+            moving.sum, still.sum, path.envelope.greatest_difference, path.envelope.without
+        )
+    })
+}
