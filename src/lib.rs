@@ -24,6 +24,7 @@ pub mod blisk;
 pub mod cli;
 pub mod export;
 pub mod feed;
+pub mod flank;
 pub mod geometry;
 pub mod jobs;
 pub mod mesh_io;
