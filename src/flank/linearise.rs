@@ -17,6 +17,11 @@ use super::milling_machine::{Joints, Kinematics, ToolPose};
 use super::singular::{SingularPassage, passages};
 use super::tool_path::ToolPath;
 
+/// Decimals of X, Y, Z (mm) and of the rotary axes (degrees) in programs: positions are rounded to them before the moves
+/// are measured.
+pub const MM_DECIMALS: usize = 5;
+/// See [`MM_DECIMALS`].
+pub const DEG_DECIMALS: usize = 6;
 /// Pieces in which a move is measured.
 const PIECES: usize = 16;
 /// Part of the tolerance that leaving the exact direction near the pole may take.
@@ -49,23 +54,12 @@ pub struct LinearisationParams {
     pub singular_cone_deg: f64,
     /// What the control moves linearly.
     pub interpolation: Interpolation,
-    /// Decimals of X, Y, Z (mm) in the program: positions are rounded before they are measured.
-    pub mm_decimals: usize,
-    /// Of the rotary axes (degrees).
-    pub deg_decimals: usize,
 }
 
 impl Default for LinearisationParams {
     fn default() -> Self {
         let interpolation = Interpolation::Joints;
-        Self {
-            linearisation_mm: 0.002,
-            reach_mm: 20.0,
-            singular_cone_deg: 2.0,
-            interpolation,
-            mm_decimals: 5,
-            deg_decimals: 6,
-        }
+        Self { linearisation_mm: 0.002, reach_mm: 20.0, singular_cone_deg: 2.0, interpolation }
     }
 }
 
@@ -79,8 +73,6 @@ impl LinearisationParams {
             ("linearisation_mm", self.linearisation_mm, 1e-4, 1.0, "0.0001 to 1 mm"),
             ("reach_mm", self.reach_mm, 0.0, 1000.0, "0 to 1000 mm"),
             ("singular_cone_deg", self.singular_cone_deg, 0.0, 20.0, "0 to 20 degrees"),
-            ("mm_decimals", self.mm_decimals as f64, 5.0, 9.0, "5 to 9"),
-            ("deg_decimals", self.deg_decimals as f64, 6.0, 9.0, "6 to 9"),
         ];
         let wrong = settings.into_iter().find(|(_, value, low, high, _)| !(*low..=*high).contains(value));
         wrong.map_or(Ok(()), |(name, value, _, _, range)| Err(MillingError::Setting { name, value, range }))
@@ -94,15 +86,15 @@ impl LinearisationParams {
     pub(super) fn cone_rad(&self) -> f64 {
         self.singular_cone_deg.to_radians().max(2.0 * self.pole_rad())
     }
+}
 
-    fn rounded(&self, joints: &Joints) -> Joints {
-        let rotary = joints.rotary.map(|v| to_decimals(v.to_degrees(), self.deg_decimals).to_radians());
-        Joints { linear: self.rounded_tip(joints.linear), rotary }
-    }
+fn rounded(joints: &Joints) -> Joints {
+    let rotary = joints.rotary.map(|v| to_decimals(v.to_degrees(), DEG_DECIMALS).to_radians());
+    Joints { linear: rounded_tip(joints.linear), rotary }
+}
 
-    fn rounded_tip(&self, tip: DVec3) -> DVec3 {
-        tip.map(|v| to_decimals(v, self.mm_decimals))
-    }
+fn rounded_tip(tip: DVec3) -> DVec3 {
+    tip.map(|v| to_decimals(v, MM_DECIMALS))
 }
 
 fn to_decimals(value: f64, decimals: usize) -> f64 {
@@ -115,10 +107,12 @@ fn to_decimals(value: f64, decimals: usize) -> f64 {
 pub struct MachinePoint {
     /// Where on the [`ToolPath`].
     pub s: f64,
-    /// The five axes, rounded to the decimals of the program.
+    /// The five axes, rounded to the decimals of programs.
     pub joints: Joints,
     /// The tip in the workpiece's frame, rounded likewise: for a control that follows the tip.
     pub tip: DVec3,
+    /// Unit direction to the spindle in the workpiece's frame, as the rotary axes give it.
+    pub axis: DVec3,
     branch: Option<usize>,
 }
 
@@ -177,8 +171,14 @@ struct Follower<'a, 'p> {
 
 impl Follower<'_, '_> {
     fn point(&self, c: &Chosen) -> MachinePoint {
-        let joints = self.params.rounded(&self.k.with_tip(c.pose.tip, c.rotary));
-        MachinePoint { s: c.s, joints, tip: self.params.rounded_tip(c.pose.tip), branch: c.branch }
+        let joints = rounded(&self.k.with_tip(c.pose.tip, c.rotary));
+        MachinePoint {
+            s: c.s,
+            joints,
+            tip: rounded_tip(c.pose.tip),
+            axis: self.k.direction(&joints.rotary),
+            branch: c.branch,
+        }
     }
 
     /// Adds the points up to `to`; the bound and the greatest measured deviation on the way.

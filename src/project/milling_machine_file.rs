@@ -182,7 +182,7 @@ mod tests {
         let file = folder.path().join("wrong.toml");
         for (from, to, words) in [
             ("gauge_length_mm = 120.0", "gauge_length_mm = -1.0", "gauge_length_mm is -1 mm"),
-            ("gauge_length_mm = 120.0", "gauge_length = 120.0", "line 29: unknown field `gauge_length`"),
+            ("gauge_length_mm = 120.0", "gauge_length = 120.0", "line 26: unknown field `gauge_length`"),
             ("x_mm = [-400.0, 400.0]", "x_mm = [400.0, -400.0]", "linear.x_mm is [400.0, -400.0]; give the least"),
             ("x_mm = [-400.0, 400.0]", "x_mm = [nan, 400.0]", "linear.x_mm"),
             ("limits_deg = [-120.0, 120.0]", "limits_deg = [120.0, -120.0]", "rotary A: limits_deg is [120, -120]"),
