@@ -6,6 +6,7 @@ use super::*;
 use crate::export::flank_cl::{ClJob, cl_text};
 use crate::flank::linearise::linearise;
 use crate::flank::milling_machine::{MillingMachine, ToolPose};
+use crate::flank::singular::Passage;
 
 const REACH: f64 = 20.0;
 
@@ -306,4 +307,84 @@ fn a_cutter_location_file_read_back_is_the_path() {
     let cut = text.lines().position(|l| l == "$$ cut").unwrap();
     // The move to the start of the cut is still the approach.
     assert_eq!(gotos.iter().filter(|i| **i < cut).count(), 2);
+}
+
+/// Control points of a refined path of a cone on a ruled surface of 40 x 10 mm (surface A): the bottom of the cutter and a
+/// point 10 mm above it on its axis. Independent reference computation, six decimals.
+const LOWER: [[f64; 3]; 10] = [
+    [69.383713, 1.043067, -9.232281],
+    [71.025644, 1.883528, -9.060402],
+    [74.35164, 2.588105, -9.139026],
+    [79.248548, 2.691287, -9.394971],
+    [84.335708, 2.300363, -9.702332],
+    [89.76857, 1.78115, -9.956348],
+    [95.740946, 1.452372, -10.169825],
+    [102.305495, 1.735695, -10.430242],
+    [107.181182, 2.650955, -10.631941],
+    [109.714149, 3.426156, -10.771885],
+];
+/// See [`LOWER`].
+const UPPER: [[f64; 3]; 10] = [
+    [71.968973, 12.860459, 1.643723],
+    [73.213551, 11.33756, 1.30331],
+    [75.703754, 8.855094, 0.876731],
+    [79.845591, 5.824411, 0.460941],
+    [84.267776, 3.128864, 0.110058],
+    [89.014904, 0.460416, -0.32444],
+    [94.110584, -2.461273, -0.856081],
+    [99.513565, -5.990199, -1.426339],
+    [103.230192, -9.037466, -1.837979],
+    [105.098171, -10.894204, -2.025148],
+];
+
+/// A clamped uniform cubic B-spline by de Boor's steps.
+fn spline(points: &[[f64; 3]; 10], t: f64) -> DVec3 {
+    let knot = |i: usize| ((i as f64 - 3.0) / 7.0).clamp(0.0, 1.0);
+    let i = 3 + ((t * 7.0) as usize).min(6);
+    let mut d: [DVec3; 4] = std::array::from_fn(|j| DVec3::from_array(points[i - 3 + j]));
+    for r in 1..=3 {
+        for j in (r..=3).rev() {
+            let (low, high) = (knot(i - 3 + j), knot(i + 1 + j - r));
+            d[j] = d[j - 1].lerp(d[j], (t - low) / (high - low));
+        }
+    }
+    d[3]
+}
+
+#[test]
+fn a_real_flank_that_leans_to_both_sides_of_the_pole_is_followed_on_every_machine() {
+    let cut = |t: f64| {
+        let tip = spline(&LOWER, t);
+        (tip, spline(&UPPER, t) - tip)
+    };
+    let points: Vec<f64> = (0..50).map(|i| f64::from(i) / 49.0).collect();
+    for machine in machines() {
+        let k = machine.kinematics().unwrap();
+        let path = ToolPath::new(cut, &points).unwrap();
+        let params = LinearisationParams { linearisation_mm: 0.001, reach_mm: 16.0, ..LinearisationParams::default() };
+        let line = linearise(&k, &path, &params).unwrap();
+        assert!(line.deviation_mm <= 0.001);
+        // The tool passes 1.88 degrees beside the vertical, as computed from the same points elsewhere.
+        let [passage] = &line.singular[..] else { panic!("{:?}", line.singular) };
+        assert!((passage.least_deg - 1.8819).abs() < 1e-3 && passage.axis == 'C');
+        let Passage::Swung { by_deg, .. } = passage.passage else { panic!("{passage}") };
+        assert!((100.0..180.0).contains(&by_deg), "{by_deg}");
+        let job = FlankNcJob {
+            program: "a",
+            cutter: "cone",
+            machine: &k,
+            path: &path,
+            line: &line,
+            params: &params,
+            notes: &[],
+            warnings: &[],
+        };
+        let nc = FlankNc::new(&job, &milling_post("milling").unwrap(), &FlankNcSettings::default()).unwrap();
+        // 40 mm at 500 mm/min, more where an axis is too slow.
+        assert!((0.08..0.5).contains(&nc.minutes), "{}", nc.minutes);
+        eprintln!("{} {} points {} min {:?}", machine.name, line.points.len(), nc.minutes, nc.slowed);
+        if let Ok(folder) = std::env::var("F2_OUT") {
+            std::fs::write(format!("{folder}/{}.ngc", machine.name), &nc.text).unwrap();
+        }
+    }
 }

@@ -59,7 +59,7 @@ pub struct LinearisationParams {
 impl Default for LinearisationParams {
     fn default() -> Self {
         let interpolation = Interpolation::Joints;
-        Self { linearisation_mm: 0.002, reach_mm: 20.0, singular_cone_deg: 2.0, interpolation }
+        Self { linearisation_mm: 0.002, reach_mm: 20.0, singular_cone_deg: 5.0, interpolation }
     }
 }
 

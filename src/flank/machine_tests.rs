@@ -266,8 +266,8 @@ fn the_pole_is_passed_and_said() {
                 Passage::Held => assert!(off_deg < 1e-3),
                 // Beside it the tool cannot but follow: half a turn less what lies outside of the cone.
                 Passage::Swung { by_deg, over_mm } => {
-                    let expected = 180.0 - 2.0 * (off_deg / 2.0).asin().to_degrees();
-                    assert!(off_deg > 1e-3 && (by_deg - expected).abs() < 35.0, "{by_deg} {expected}");
+                    let expected = 180.0 - 2.0 * (off_deg / 5.0).asin().to_degrees();
+                    assert!(off_deg > 1e-3 && (by_deg - expected).abs() < 12.0, "{by_deg} {expected}");
                     assert!(over_mm < 80.0);
                 }
                 Passage::TurnedInPlace { .. } => panic!("{passage}"),
@@ -395,4 +395,29 @@ fn what_is_no_path_or_no_setting_is_said() {
     let path = ToolPath::new(step, &points(2)).unwrap();
     let error = linearise(&k, &path, &LinearisationParams::default()).unwrap_err();
     assert!(matches!(error, MillingError::Strays { .. }), "{error}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(16))]
+    #[test]
+    fn any_smooth_path_is_followed_within_the_tolerance_or_refused_for_a_reason(
+        kind in 0..3usize, v in prop::array::uniform12(-1.0..1.0f64), c in prop::array::uniform12(-1.0..1.0f64),
+        n in 2..12usize, tolerance in -3.0..-1.5f64,
+    ) {
+        let mut machine = skew(kind, v);
+        machine.rotary.iter_mut().for_each(|r| r.limits_deg = None);
+        let k = machine.kinematics().unwrap();
+        let wave = |u: f64, i: usize| c[i] + c[i + 3] * (2.0 * u).sin();
+        let path = |u: f64| {
+            let tip = DVec3::new(50.0 * u + 20.0 * wave(u, 0), 20.0 * wave(u, 1), 10.0 * wave(u, 2));
+            (tip, DVec3::new(wave(u, 6), wave(u, 7), 1.5 + 0.3 * wave(u, 8)))
+        };
+        let path = ToolPath::new(path, &points(n)).unwrap();
+        let params = LinearisationParams { linearisation_mm: 10f64.powf(tolerance), ..Default::default() };
+        match linearise(&k, &path, &params) {
+            Ok(line) => prop_assert!(densely(&k, &path, &line, &params) <= params.linearisation_mm),
+            Err(MillingError::Unreachable { .. } | MillingError::OutsideLimits { .. }) => {}
+            Err(error) => prop_assert!(false, "{error}"),
+        }
+    }
 }
