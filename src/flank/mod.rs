@@ -15,14 +15,23 @@ pub mod deviation;
 pub mod envelope;
 pub mod gouge;
 pub mod guide;
+pub mod joint_feed;
+pub mod joint_path;
+pub mod linearise;
+#[cfg(test)]
+#[path = "machine_tests.rs"]
+mod machine_tests;
+pub mod milling_machine;
 pub mod offset;
 pub mod params;
 pub mod path;
 pub mod plan;
 pub mod refine;
 pub mod ruled_surface;
+pub mod singular;
 #[cfg(test)]
 mod tests;
+pub mod tool_path;
 mod warning;
 
 use crate::geometry::nurbs::NurbsError;

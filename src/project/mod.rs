@@ -11,6 +11,7 @@ mod history;
 mod job_file;
 mod kept_plan;
 pub mod machine_file;
+pub mod milling_machine_file;
 pub mod mold_file;
 mod mold_params;
 mod paths;
