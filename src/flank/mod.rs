@@ -1,0 +1,3 @@
+//! Five-axis flank milling of ruled surfaces.
+
+pub mod fit_ruled;
