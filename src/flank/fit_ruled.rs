@@ -38,6 +38,9 @@ pub use self::candidates::{Candidate, CandidateFit, CandidateKind, flank_candida
 const FIRST_COUNT: usize = 7;
 /// Corners of the mesh by which surfaces are compared while one is looked for.
 const COMPARED: usize = 2_000;
+/// Points of the face by which the first surfaces are fitted, and the last one.
+const FIRST_POINTS: usize = 400;
+const LAST_POINTS: usize = 1_600;
 /// Triangles above which a face is fitted by fewer of its corners only.
 const MANY: usize = 100_000;
 
@@ -130,6 +133,8 @@ pub struct RuledFit {
     pub border_mm: f64,
     /// How far the surface reaches beyond the face or over holes in it (mm).
     pub overhang_mm: f64,
+    /// How far the face reaches beyond the surface (mm): so much stays unmilled at its ends.
+    pub uncovered_mm: f64,
     /// The tolerance that was asked for (mm).
     pub tolerance_mm: f64,
     /// Whether the face is ruled within the tolerance: the corners are as near as that, other places and those of the
@@ -162,25 +167,33 @@ pub fn fit_ruled(mesh: &Mesh, triangles: &[u32], params: &RuledFitParams) -> Res
     }
     let up = params.up.normalize_or_zero();
     let (choices, is_ring) = sides::choices(&patch, up);
-    let trials: Vec<Trial> = choices.into_iter().filter_map(|sides| first_trial(&patch, sides, params)).collect();
+    let trials = first_trials(&patch, choices, params);
     let trial = best(trials, params, up).ok_or(RuledFitError::NoSides)?;
     let trial = refined(&patch, trial, params);
     answer(&patch, &trial, params, is_ring)
 }
 
-/// The better of two starts with few control points.
-fn first_trial(patch: &Patch, sides: Sides, params: &RuledFitParams) -> Option<Trial> {
-    let samples = Samples::of(patch, &sides);
-    let start = |by_tangents: bool| {
-        let (strip, _) = samples.improved(sides.strip(FIRST_COUNT, by_tangents)?, 12);
-        let error = measure::quick(patch, &strip, COMPARED / 2);
-        Some((strip, error))
-    };
-    let plain = start(false);
-    let is_enough = plain.as_ref().is_some_and(|p| p.1 <= 0.25 * params.tolerance_mm);
-    let other = if is_enough { None } else { start(true) };
-    let (strip, error) = plain.into_iter().chain(other).reduce(|a, b| if b.1 < 0.95 * a.1 { b } else { a })?;
-    Some(Trial { sides, samples, strip, error })
+/// Surfaces with few control points over each choice of sides, from two starts each. What is far worse than another
+/// after some steps is given up.
+fn first_trials(patch: &Patch, choices: Vec<Sides>, params: &RuledFitParams) -> Vec<Trial> {
+    let enough = 0.1 * params.tolerance_mm;
+    let mut trials: Vec<Trial> = Vec::new();
+    for sides in choices {
+        let samples = Samples::of(patch, &sides, FIRST_POINTS);
+        let starts = [false, true].into_iter().filter_map(|by_tangents| sides.strip(FIRST_COUNT, by_tangents));
+        let strips = starts.map(|start| samples.improved(start, 3, enough));
+        let measured = strips.map(|strip| (measure::quick(patch, &strip, FIRST_POINTS), strip));
+        if let Some((error, strip)) = measured.reduce(|a, b| if b.0 < 0.95 * a.0 { b } else { a }) {
+            trials.push(Trial { sides, samples, strip, error });
+        }
+    }
+    let least = trials.iter().map(|t| t.error).fold(f64::INFINITY, f64::min);
+    trials.retain(|t| t.error <= params.tolerance_mm.max(3.0 * least));
+    for trial in &mut trials {
+        trial.strip = trial.samples.improved(trial.strip.clone(), 8, enough);
+        trial.error = measure::quick(patch, &trial.strip, FIRST_POINTS);
+    }
+    trials
 }
 
 /// Of trials about as good as the best one that which is most like a strip standing up.
@@ -201,13 +214,17 @@ fn refined(patch: &Patch, mut trial: Trial, params: &RuledFitParams) -> Trial {
     let points = trial.sides.guides.iter().map(Vec::len).max().unwrap_or(0);
     let most = params.most_control_points.min((points + 3).max(FIRST_COUNT));
     let mut in_vain = 0;
-    let mut strip = trial.strip.clone();
-    if trial.error > enough {
+    if trial.error > params.tolerance_mm {
         released(patch, &mut trial, params);
-        strip.clone_from(&trial.strip);
     }
+    let holds_ends = trial.samples.holds_ends;
+    trial.samples = Samples::of(patch, &trial.sides, LAST_POINTS);
+    trial.samples.holds_ends = holds_ends;
+    let mut strip = trial.samples.improved(trial.strip.clone(), 10, 0.1 * enough);
+    let error = measure::quick(patch, &strip, COMPARED);
+    (trial.strip, trial.error) = (strip.clone(), error);
     while trial.error > enough && in_vain < 2 && 2 * strip.count() - 3 <= most {
-        let (next, _) = trial.samples.improved(strip.refined(), 15);
+        let next = trial.samples.improved(strip.refined(), 10, 0.1 * enough);
         let error = measure::quick(patch, &next, COMPARED);
         in_vain = if error < 0.8 * trial.error { 0 } else { in_vain + 1 };
         strip.clone_from(&next);
@@ -220,13 +237,13 @@ fn refined(patch: &Patch, mut trial: Trial, params: &RuledFitParams) -> Trial {
 
 /// Lets go of the ends where these are no rulings, if that makes the surface better: it then reaches beyond the face.
 fn released(patch: &Patch, trial: &mut Trial, params: &RuledFitParams) {
-    if trial.sides.is_ring || trial.error <= params.tolerance_mm {
+    if trial.sides.is_ring {
         return;
     }
     trial.samples.holds_ends = false;
     let mut strip = trial.strip.clone();
     for _ in 0..4 {
-        strip = trial.samples.improved(strip, 15).0;
+        strip = trial.samples.improved(strip, 8, 0.1 * params.tolerance_mm);
         let [low, high] = trial.samples.reach(&strip);
         if low > -1e-3 && high < 1.0 + 1e-3 {
             break;
@@ -234,7 +251,7 @@ fn released(patch: &Patch, trial: &mut Trial, params: &RuledFitParams) {
         let Some(longer) = strip.between(low.min(0.0), high.max(1.0)) else { break };
         strip = longer;
     }
-    let error = measure::quick(patch, &strip, COMPARED);
+    let error = measure::quick(patch, &strip, FIRST_POINTS);
     if error < 0.6 * trial.error {
         (trial.strip, trial.error) = (strip, error);
     } else {
@@ -265,6 +282,7 @@ fn answer(
         chord_mm: patch.chord,
         border_mm: found.border,
         overhang_mm: found.overhang,
+        uncovered_mm: found.uncovered,
         tolerance_mm: tolerance,
         is_ruled,
         is_cut_open,
@@ -305,6 +323,9 @@ fn words(patch: &Patch, trial: &Trial, fit: &RuledFit) -> Vec<String> {
     }
     if fit.overhang_mm > much {
         words.push(format!("the surface reaches up to {:.3} mm beyond the face: look at what is beside it", fit.overhang_mm));
+    }
+    if fit.uncovered_mm > much {
+        words.push(format!("the face reaches up to {:.3} mm beyond the surface: it has other than four sides", fit.uncovered_mm));
     }
     if patch.turned > 0 {
         words.push(format!("{} triangle(s) faced the other way than the rest and were turned", patch.turned));

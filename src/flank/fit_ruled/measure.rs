@@ -15,9 +15,6 @@ const CORNERS: usize = 12_000;
 const INNER: usize = 8_000;
 /// Places of the surface that are compared, along and across.
 const BACK: [usize; 2] = [120, 24];
-/// By how much of its parameters a face may reach over the ends of the surface and still be compared with its going on;
-/// beyond, the way to the end counts.
-const OVER: f64 = 0.02;
 
 /// What was measured.
 #[derive(Debug, Clone)]
@@ -32,26 +29,29 @@ pub(super) struct Measured {
     pub worst: DVec3,
     /// How far the surface reaches beyond the face, as far as it was looked at (mm).
     pub overhang: f64,
+    /// How far the face reaches beyond the surface (mm).
+    pub uncovered: f64,
     /// How far the guides are off the face's border (mm).
     pub border: f64,
 }
 
-/// Distance of `p` from the surface.
-fn distance(strip: &Strip, foot: Foot, p: DVec3) -> f64 {
-    let kept = Foot { u: foot.u.clamp(-OVER, 1.0 + OVER), v: foot.v.clamp(-OVER, 1.0 + OVER) };
-    strip.at(kept).point.distance(p)
-}
-
-/// Distances of points from the surface.
-fn distances(strip: &Strip, points: &[DVec3]) -> Vec<f64> {
+/// Distances of points from the surface going on beyond its ends, and how far beyond them their feet lie.
+fn distances(strip: &Strip, points: &[DVec3]) -> Vec<[f64; 2]> {
     let rulings = strip.rulings();
-    points.par_iter().map(|p| distance(strip, strip.foot(&rulings, *p), *p)).collect()
+    let measure = |p: &DVec3| {
+        let foot = strip.foot(&rulings, *p);
+        let kept = Foot { u: foot.u.clamp(0.0, 1.0), v: foot.v.clamp(0.0, 1.0) };
+        let [there, end] = [foot, kept].map(|f| strip.at(f).point);
+        [there.distance(*p), end.distance(there)]
+    };
+    points.par_iter().map(measure).collect()
 }
 
-/// Greatest distance of corners of the mesh from the surface (mm), by fewer points: to choose between surfaces.
+/// Greatest distance of corners of the mesh from the surface, with how far they lie beyond its ends (mm), by fewer
+/// points: to choose between surfaces.
 pub(super) fn quick(patch: &Patch, strip: &Strip, count: usize) -> f64 {
     let points: Vec<DVec3> = patch.corner_samples(count).into_iter().map(|c| c.0).collect();
-    distances(strip, &points).into_iter().fold(0.0, f64::max)
+    distances(strip, &points).into_iter().fold(0.0, |most, [off, beyond]| most.max(off.hypot(0.2 * beyond)))
 }
 
 pub(super) fn measured(patch: &Patch, sides: &Sides, strip: &Strip) -> Measured {
@@ -60,14 +60,15 @@ pub(super) fn measured(patch: &Patch, sides: &Sides, strip: &Strip) -> Measured 
     let of_corners = distances(strip, &corners);
     let of_inner = distances(strip, &inner);
     let both = || corners.iter().zip(&of_corners).chain(inner.iter().zip(&of_inner));
-    let worst = both().fold((DVec3::ZERO, -1.0), |w, (p, d)| if *d > w.1 { (*p, *d) } else { w });
+    let worst = both().fold((DVec3::ZERO, -1.0), |w, (p, [d, _])| if *d > w.1 { (*p, *d) } else { w });
     let (back, overhang) = back(patch, strip);
     Measured {
-        corners: FitError::of(of_corners.iter().copied()),
-        all: FitError::of(both().map(|b| *b.1)),
+        corners: FitError::of(of_corners.iter().map(|d| d[0])),
+        all: FitError::of(both().map(|b| b.1[0])),
         back,
         worst: worst.0 + patch.origin,
         overhang,
+        uncovered: both().map(|b| b.1[1]).fold(0.0, f64::max),
         border: border(sides, strip),
     }
 }

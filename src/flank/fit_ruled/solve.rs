@@ -7,10 +7,8 @@ use super::patch::Patch;
 use super::sides::Sides;
 use super::strip::{Basis, Foot, Strip};
 
-/// Points of the face that a fit looks at.
-const FACE_POINTS: usize = 2400;
-/// Points of each guide's border that a fit looks at.
-const SIDE_POINTS: usize = 240;
+/// Points of each guide's border that a fit looks at, for one of the face.
+const SIDE_POINTS: f64 = 0.1;
 /// What points inside of triangles, which lie off by the chord error, weigh beside the corners.
 const INNER_WEIGHT: f64 = 0.02;
 /// What the borders weigh beside the face.
@@ -39,18 +37,19 @@ struct Feet {
 }
 
 impl Samples {
-    pub(super) fn of(patch: &Patch, sides: &Sides) -> Self {
-        let mut face = patch.corner_samples(FACE_POINTS);
+    /// At most `count` corners of the face; places inside of its triangles too where it has few.
+    pub(super) fn of(patch: &Patch, sides: &Sides, count: usize) -> Self {
+        let mut face = patch.corner_samples(count);
         let total: f64 = face.iter().map(|f| f.1).sum();
         face.iter_mut().for_each(|f| f.1 /= total.max(1e-300));
-        if face.len() < FACE_POINTS / 4 {
-            let inner = patch.inner_samples(FACE_POINTS / 4);
+        if face.len() < count / 4 {
+            let inner = patch.inner_samples(count / 4);
             let weight = INNER_WEIGHT / inner.len().max(1) as f64;
             face.extend(inner.into_iter().map(|p| (p, weight)));
         }
         let sides = [0, 1].map(|s| {
             let guide = &sides.guides[s];
-            let step = guide.len().div_ceil(SIDE_POINTS).max(1);
+            let step = guide.len().div_ceil((SIDE_POINTS * count as f64) as usize + 8).max(1);
             let mut kept: Vec<(DVec3, DVec3, f64)> =
                 guide.iter().step_by(step).map(|&(p, n)| (p, n, 0.0)).collect();
             if let (Some(last), false) = (guide.last(), (guide.len() - 1) % step == 0) {
@@ -160,13 +159,17 @@ impl Samples {
         (matrix, right)
     }
 
-    /// The strip moved by Gauss-Newton steps, damped as far as they do not get better, and its weighted mean square
-    /// distance (mm^2). Feet are looked for anew at every step.
-    pub(super) fn improved(&self, strip: Strip, rounds: usize) -> (Strip, f64) {
+    /// The strip moved by Gauss-Newton steps, damped as far as they do not get better, to a small weighted mean square
+    /// distance. Feet are looked for anew at every step.
+    /// It is good enough where that is the square of `enough` (mm).
+    pub(super) fn improved(&self, strip: Strip, rounds: usize, enough: f64) -> Strip {
         let mut strip = strip;
         let mut feet = self.feet(&strip, None);
         let mut damping = 1e-4;
         for _ in 0..rounds {
+            if feet.cost <= enough * enough {
+                break;
+            }
             let (matrix, right) = self.equations(&strip, &feet);
             let size = matrix.nrows();
             let mean = matrix.trace() / size as f64;
@@ -187,12 +190,11 @@ impl Samples {
                 }
                 damping *= 10.0;
             }
-            if !is_better || feet.cost > before * (1.0 - 1e-3) {
+            if !is_better || feet.cost > before * (1.0 - 3e-3) {
                 break;
             }
         }
-        let cost = feet.cost;
-        (strip, cost)
+        strip
     }
 
     /// Least and greatest parameter along the guides at which points of the face have their feet.
