@@ -13,6 +13,7 @@ pub mod compensation;
 pub mod cutter;
 pub mod deviation;
 pub mod envelope;
+pub mod fit_ruled;
 pub mod gouge;
 pub mod guide;
 pub mod joint_feed;

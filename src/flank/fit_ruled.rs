@@ -1,0 +1,346 @@
+//! Ruled surfaces fitted to faces of a triangle mesh, to flank-mill them.
+//!
+//! The border of the face is cut at four corners into two guides and two end rulings; ways to do so are tried, and the
+//! one with the best fit stays. Both guides are cubic B-splines with common knots, so that rulings join equal
+//! parameters. Gauss-Newton steps on their control points make the distances of the face from the surface small, feet
+//! being looked for anew at each; pieces are halved until the surface is within the tolerance or gets no better.
+//!
+//! The corners of triangles lie on the surface that was tessellated, places inside of them do not: the fit goes by the
+//! corners, and both are measured. A face whose triangles are coarse says little about the surface between its corners;
+//! [`RuledFit::chord_mm`] tells how little.
+//!
+//! Guaranteed: the distances named are those at some 20000 places of the face and some 3000 of the surface. Not
+//! guaranteed: that a face that is said not to be ruled has no better ruled surface than the one found, nor what lies
+//! between places.
+
+mod candidates;
+mod measure;
+mod patch;
+mod sides;
+mod solve;
+mod strip;
+#[cfg(test)]
+mod tests;
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use self::patch::Patch;
+use self::sides::Sides;
+use self::solve::Samples;
+use self::strip::Strip;
+use crate::geometry::mesh::Mesh;
+use crate::geometry::nurbs::{FitError, NurbsCurve, NurbsError};
+
+pub use self::candidates::{Candidate, CandidateFit, CandidateKind, flank_candidates};
+
+/// Control points of each guide that ways to take the sides are tried with.
+const FIRST_COUNT: usize = 7;
+/// Corners of the mesh by which surfaces are compared while one is looked for.
+const COMPARED: usize = 2_000;
+/// Points of the face by which the first surfaces are fitted, and the last one.
+const FIRST_POINTS: usize = 400;
+const LAST_POINTS: usize = 1_600;
+/// Triangles above which a face is fitted by fewer of its corners only.
+const MANY: usize = 100_000;
+
+/// How a ruled surface is fitted.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RuledFitParams {
+    /// Greatest distance between the face and a surface that it is said to be (mm).
+    pub tolerance_mm: f64,
+    /// Control points that each guide may have at most; 7 or more.
+    pub most_control_points: usize,
+    /// Which way is up: from the lower guide to the upper one. Of two ways to rule a face as well the rulings that run
+    /// along it are taken.
+    pub up: DVec3,
+}
+
+impl Default for RuledFitParams {
+    fn default() -> Self {
+        Self { tolerance_mm: 0.01, most_control_points: 67, up: DVec3::Z }
+    }
+}
+
+impl RuledFitParams {
+    /// Whether a fit can be made with them.
+    ///
+    /// # Errors
+    /// [`RuledFitError::Params`] with the key and what it must be.
+    pub fn validate(&self) -> Result<(), RuledFitError> {
+        if !(self.tolerance_mm > 0.0 && self.tolerance_mm.is_finite()) {
+            return Err(RuledFitError::Params("tolerance_mm must be greater than 0"));
+        }
+        if !(FIRST_COUNT..=259).contains(&self.most_control_points) {
+            return Err(RuledFitError::Params("most_control_points must be 7 to 259"));
+        }
+        if !self.up.is_finite() || self.up.length() < 1e-9 {
+            return Err(RuledFitError::Params("up must be a direction"));
+        }
+        Ok(())
+    }
+}
+
+/// Why no ruled surface is fitted.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum RuledFitError {
+    /// A parameter without meaning.
+    #[error("the fit of a ruled surface cannot be made: {0}")]
+    Params(&'static str),
+    /// A triangle that the mesh has not.
+    #[error("the face names triangle {0}, which the mesh does not have")]
+    NoTriangle(u32),
+    /// A triangle with a corner that is no point.
+    #[error("triangle {0} of the face has a corner that is no point")]
+    NoPoint(u32),
+    /// No triangles, or such without area.
+    #[error("the face has no area; choose one that has")]
+    NoArea,
+    /// Three triangles at one side.
+    #[error("the face branches at ({:.3}, {:.3}, {:.3}): three triangles share a side there; choose fewer faces", .0.x, .0.y, .0.z)]
+    Branching(DVec3),
+    /// No border at all.
+    #[error("the face is closed, it has no border that guides could follow; choose a part of it")]
+    Closed,
+    /// No four sides.
+    #[error("the border of the face has no four sides, two guides and two end rulings; choose a face that is a strip, or join faces to one")]
+    NoSides,
+    /// Guides that cannot be made.
+    #[error("no guides follow the border of the face: {0}")]
+    Guides(#[from] NurbsError),
+}
+
+/// A ruled surface fitted to a face, and how far it is off.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RuledFit {
+    /// The lower guide, a cubic B-spline with parameters from 0 to 1.
+    pub lower: NurbsCurve,
+    /// The upper guide with the same knots: rulings join equal parameters. Along the guides crossed with from the lower
+    /// to the upper one points out of the solid, to the side on which the tool stands.
+    pub upper: NurbsCurve,
+    /// Distances of the face from the surface, at corners of triangles and inside of them.
+    pub error: FitError,
+    /// Distances of the triangles' corners alone. They lie on the surface that was tessellated.
+    pub error_corners: FitError,
+    /// Distances of the surface from the face, where it lies over the face.
+    pub error_back: FitError,
+    /// Where the face is farthest from the surface (mm).
+    pub worst: DVec3,
+    /// How far the triangles may be off a smooth surface through their corners (mm), estimated from how they turn.
+    pub chord_mm: f64,
+    /// How far the guides are off the border of the face (mm).
+    pub border_mm: f64,
+    /// How far the surface reaches beyond the face or over holes in it (mm).
+    pub overhang_mm: f64,
+    /// How far the face reaches beyond the surface (mm): so much stays unmilled at its ends.
+    pub uncovered_mm: f64,
+    /// The tolerance that was asked for (mm).
+    pub tolerance_mm: f64,
+    /// Whether the face is ruled within the tolerance: the corners are as near as that, other places and those of the
+    /// surface nearer than the tolerance and the chord error together.
+    pub is_ruled: bool,
+    /// Whether the face runs all around and was cut open: both end rulings are the same place.
+    pub is_cut_open: bool,
+    /// What an engineer should know of it, one sentence each; the first says whether it is ruled.
+    pub words: Vec<String>,
+}
+
+/// A strip on its way.
+struct Trial {
+    sides: Sides,
+    samples: Samples,
+    strip: Strip,
+    error: f64,
+}
+
+/// Fits a ruled surface to `triangles` of `mesh`, which should hang together and have two long sides. A face all
+/// around, as of a cylinder, is cut open at a ruling; holes are bridged.
+///
+/// # Errors
+/// [`RuledFitError`] if the face cannot be laid out as a strip. One that is only not ruled is answered with the error.
+pub fn fit_ruled(mesh: &Mesh, triangles: &[u32], params: &RuledFitParams) -> Result<RuledFit, RuledFitError> {
+    params.validate()?;
+    let patch = Patch::of(mesh, triangles)?;
+    if patch.loops.is_empty() {
+        return Err(RuledFitError::Closed);
+    }
+    let up = params.up.normalize_or_zero();
+    let (choices, is_ring) = sides::choices(&patch, up);
+    let trials = first_trials(&patch, choices, params);
+    let trial = best(trials, params, up).ok_or(RuledFitError::NoSides)?;
+    let trial = refined(&patch, trial, params);
+    answer(&patch, &trial, params, is_ring)
+}
+
+/// Surfaces with few control points over each choice of sides, from two starts each. What is far worse than another
+/// after some steps is given up.
+fn first_trials(patch: &Patch, choices: Vec<Sides>, params: &RuledFitParams) -> Vec<Trial> {
+    let enough = 0.1 * params.tolerance_mm;
+    let mut trials: Vec<Trial> = Vec::new();
+    for sides in choices {
+        let samples = Samples::of(patch, &sides, FIRST_POINTS);
+        let starts = [false, true].into_iter().filter_map(|by_tangents| sides.strip(FIRST_COUNT, by_tangents));
+        let strips = starts.map(|start| samples.improved(start, 3, enough));
+        let measured = strips.map(|strip| (measure::quick(patch, &strip, FIRST_POINTS), strip));
+        if let Some((error, strip)) = measured.reduce(|a, b| if b.0 < 0.95 * a.0 { b } else { a }) {
+            trials.push(Trial { sides, samples, strip, error });
+        }
+    }
+    let least = trials.iter().map(|t| t.error).fold(f64::INFINITY, f64::min);
+    trials.retain(|t| t.error <= params.tolerance_mm.max(3.0 * least));
+    for trial in &mut trials {
+        trial.strip = trial.samples.improved(trial.strip.clone(), 8, enough);
+        trial.error = measure::quick(patch, &trial.strip, FIRST_POINTS);
+    }
+    trials
+}
+
+/// Of trials about as good as the best one that which is most like a strip standing up.
+fn best(trials: Vec<Trial>, params: &RuledFitParams, up: DVec3) -> Option<Trial> {
+    let least = trials.iter().map(|t| t.error).fold(f64::INFINITY, f64::min);
+    let enough = params.tolerance_mm.max(1.2 * least);
+    let lean = |t: &Trial| {
+        let [a, b] = t.strip.ends(0.5);
+        t.sides.cost + 0.3 * (1.0 - (b - a).normalize_or_zero().dot(up).abs())
+    };
+    let good = trials.into_iter().filter(|t| t.error <= enough);
+    good.reduce(|a, b| if lean(&b) < lean(&a) { b } else { a })
+}
+
+/// With pieces halved as long as that helps.
+fn refined(patch: &Patch, mut trial: Trial, params: &RuledFitParams) -> Trial {
+    let enough = 0.25 * params.tolerance_mm;
+    let points = trial.sides.guides.iter().map(Vec::len).max().unwrap_or(0);
+    let most = params.most_control_points.min((points + 3).max(FIRST_COUNT));
+    let mut in_vain = 0;
+    if trial.error > params.tolerance_mm {
+        released(patch, &mut trial, params);
+    }
+    let holds_ends = trial.samples.holds_ends;
+    trial.samples = Samples::of(patch, &trial.sides, LAST_POINTS);
+    trial.samples.holds_ends = holds_ends;
+    let mut strip = trial.samples.improved(trial.strip.clone(), 10, 0.1 * enough);
+    let error = measure::quick(patch, &strip, COMPARED);
+    (trial.strip, trial.error) = (strip.clone(), error);
+    while trial.error > enough && in_vain < 2 && 2 * strip.count() - 3 <= most {
+        let next = trial.samples.improved(strip.refined(), 10, 0.1 * enough);
+        let error = measure::quick(patch, &next, COMPARED);
+        in_vain = if error < 0.8 * trial.error { 0 } else { in_vain + 1 };
+        strip.clone_from(&next);
+        if error < 0.98 * trial.error {
+            (trial.strip, trial.error) = (next, error);
+        }
+    }
+    trial
+}
+
+/// Lets go of the ends where these are no rulings, if that makes the surface better: it then reaches beyond the face.
+fn released(patch: &Patch, trial: &mut Trial, params: &RuledFitParams) {
+    if trial.sides.is_ring {
+        return;
+    }
+    trial.samples.holds_ends = false;
+    let mut strip = trial.strip.clone();
+    for _ in 0..4 {
+        strip = trial.samples.improved(strip, 8, 0.1 * params.tolerance_mm);
+        let [low, high] = trial.samples.reach(&strip);
+        if low > -1e-3 && high < 1.0 + 1e-3 {
+            break;
+        }
+        let Some(longer) = strip.between(low.min(0.0), high.max(1.0)) else { break };
+        strip = longer;
+    }
+    let error = measure::quick(patch, &strip, FIRST_POINTS);
+    if error < 0.6 * trial.error {
+        (trial.strip, trial.error) = (strip, error);
+    } else {
+        trial.samples.holds_ends = true;
+    }
+}
+
+fn answer(
+    patch: &Patch,
+    trial: &Trial,
+    params: &RuledFitParams,
+    is_cut_open: bool,
+) -> Result<RuledFit, RuledFitError> {
+    let [lower, upper] = trial.strip.guides(patch.origin)?;
+    let found = measure::measured(patch, &trial.sides, &trial.strip);
+    let tolerance = params.tolerance_mm;
+    let with_chord = tolerance + patch.chord;
+    let is_ruled = found.corners.greatest_mm <= tolerance
+        && found.all.greatest_mm <= with_chord
+        && found.back.greatest_mm <= with_chord;
+    let mut fit = RuledFit {
+        lower,
+        upper,
+        error: found.all,
+        error_corners: found.corners,
+        error_back: found.back,
+        worst: found.worst,
+        chord_mm: patch.chord,
+        border_mm: found.border,
+        overhang_mm: found.overhang,
+        uncovered_mm: found.uncovered,
+        tolerance_mm: tolerance,
+        is_ruled,
+        is_cut_open,
+        words: Vec::new(),
+    };
+    fit.words = words(patch, trial, &fit);
+    Ok(fit)
+}
+
+fn words(patch: &Patch, trial: &Trial, fit: &RuledFit) -> Vec<String> {
+    let place = |p: DVec3| format!("({:.2}, {:.2}, {:.2})", p.x, p.y, p.z);
+    let off = fit.error_corners.greatest_mm;
+    let first = if fit.is_ruled {
+        format!("ruled within {:.4} mm: corners of the mesh are at most {off:.4} mm off", fit.tolerance_mm)
+    } else {
+        format!("not ruled within {:.4} mm: {:.4} mm off at {}", fit.tolerance_mm, worst_of(fit), place(fit.worst))
+    };
+    let mut words = vec![first];
+    words.push(format!(
+        "inside of triangles it is {:.4} mm off at most; the triangles themselves leave about {:.4} mm",
+        fit.error.greatest_mm, fit.chord_mm
+    ));
+    if fit.chord_mm > fit.tolerance_mm {
+        words.push("the triangles are coarser than the tolerance: between their corners nothing is known so well".into());
+    }
+    if fit.is_cut_open {
+        let seam = fit.lower.point(0.0);
+        words.push(format!("the face runs all around; it was cut open at {}", place(seam)));
+    } else if patch.loops.len() > 1 {
+        words.push(format!("the face has {} hole(s); the surface goes on over them", patch.loops.len() - 1));
+    }
+    if !trial.samples.holds_ends {
+        words.push("an end of the face is no ruling: the surface reaches beyond it to the next one".into());
+    }
+    let much = fit.tolerance_mm + fit.chord_mm;
+    if fit.border_mm > much {
+        words.push(format!("the guides leave the border of the face by up to {:.4} mm", fit.border_mm));
+    }
+    if fit.overhang_mm > much {
+        words.push(format!("the surface reaches up to {:.3} mm beyond the face: look at what is beside it", fit.overhang_mm));
+    }
+    if fit.uncovered_mm > much {
+        words.push(format!("the face reaches up to {:.3} mm beyond the surface: it has other than four sides", fit.uncovered_mm));
+    }
+    if patch.turned > 0 {
+        words.push(format!("{} triangle(s) faced the other way than the rest and were turned", patch.turned));
+    }
+    if patch.lost > 1e-9 {
+        let share = 100.0 * patch.lost;
+        words.push(format!("the face is in pieces: only the largest is fitted, {share:.1} % of the area is left out"));
+    }
+    if patch.triangles.len() > MANY {
+        words.push(format!("of its {} triangles a part, evenly chosen, is looked at", patch.triangles.len()));
+    }
+    words
+}
+
+/// The greatest of all distances (mm).
+fn worst_of(fit: &RuledFit) -> f64 {
+    fit.error.greatest_mm.max(fit.error_back.greatest_mm)
+}

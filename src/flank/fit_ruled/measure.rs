@@ -1,0 +1,109 @@
+//! How far a face and a ruled surface are apart, both ways.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::patch::Patch;
+use super::sides::Sides;
+use super::strip::{Foot, Strip};
+use crate::geometry::exact::ExactMesh;
+use crate::geometry::nurbs::FitError;
+
+/// Corners of the mesh compared at most.
+const CORNERS: usize = 12_000;
+/// Places inside of triangles that are compared.
+const INNER: usize = 8_000;
+/// Places of the surface that are compared, along and across.
+const BACK: [usize; 2] = [120, 24];
+
+/// What was measured.
+#[derive(Debug, Clone)]
+pub(super) struct Measured {
+    /// Of the mesh's corners.
+    pub corners: FitError,
+    /// Of corners and places inside of triangles.
+    pub all: FitError,
+    /// From the surface to the triangles, where it lies over them.
+    pub back: FitError,
+    /// Where the face is farthest off (mm).
+    pub worst: DVec3,
+    /// How far the surface reaches beyond the face, as far as it was looked at (mm).
+    pub overhang: f64,
+    /// How far the face reaches beyond the surface (mm).
+    pub uncovered: f64,
+    /// How far the guides are off the face's border (mm).
+    pub border: f64,
+}
+
+/// Distances of points from the surface going on beyond its ends, and how far beyond them their feet lie.
+fn distances(strip: &Strip, points: &[DVec3]) -> Vec<[f64; 2]> {
+    let rulings = strip.rulings();
+    let measure = |p: &DVec3| {
+        let foot = strip.foot(&rulings, *p);
+        let kept = Foot { u: foot.u.clamp(0.0, 1.0), v: foot.v.clamp(0.0, 1.0) };
+        let [there, end] = [foot, kept].map(|f| strip.at(f).point);
+        [there.distance(*p), end.distance(there)]
+    };
+    points.par_iter().map(measure).collect()
+}
+
+/// Greatest distance of corners of the mesh from the surface, with how far they lie beyond its ends (mm), by fewer
+/// points: to choose between surfaces.
+pub(super) fn quick(patch: &Patch, strip: &Strip, count: usize) -> f64 {
+    let points: Vec<DVec3> = patch.corner_samples(count).into_iter().map(|c| c.0).collect();
+    distances(strip, &points).into_iter().fold(0.0, |most, [off, beyond]| most.max(off.hypot(0.2 * beyond)))
+}
+
+pub(super) fn measured(patch: &Patch, sides: &Sides, strip: &Strip) -> Measured {
+    let corners: Vec<DVec3> = patch.corner_samples(CORNERS).into_iter().map(|c| c.0).collect();
+    let inner = patch.inner_samples(INNER);
+    let of_corners = distances(strip, &corners);
+    let of_inner = distances(strip, &inner);
+    let both = || corners.iter().zip(&of_corners).chain(inner.iter().zip(&of_inner));
+    let worst = both().fold((DVec3::ZERO, -1.0), |w, (p, [d, _])| if *d > w.1 { (*p, *d) } else { w });
+    let (back, overhang) = back(patch, strip);
+    Measured {
+        corners: FitError::of(of_corners.iter().map(|d| d[0])),
+        all: FitError::of(both().map(|b| b.1[0])),
+        back,
+        worst: worst.0 + patch.origin,
+        overhang,
+        uncovered: both().map(|b| b.1[1]).fold(0.0, f64::max),
+        border: border(sides, strip),
+    }
+}
+
+/// From places of the surface to the nearest triangles: distances where the surface lies over them, and how far it
+/// reaches beyond.
+fn back(patch: &Patch, strip: &Strip) -> (FitError, f64) {
+    let Ok(exact) = ExactMesh::new(&patch.mesh()) else { return (FitError::default(), 0.0) };
+    let places: Vec<Foot> = (0..BACK[0] * BACK[1])
+        .map(|i| [(i / BACK[1], BACK[0]), (i % BACK[1], BACK[1])].map(|(k, n)| (k as f64 + 0.5) / n as f64))
+        .map(|[u, v]| Foot { u, v })
+        .collect();
+    let measure = |foot: &Foot| {
+        let p = strip.at(*foot).point;
+        let nearest = exact.nearest(p);
+        let off = p - nearest.point;
+        let [a, b, c] = patch.corners(nearest.triangle as usize);
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        let upright = off.dot(normal).abs();
+        [upright, (off.length_squared() - upright * upright).max(0.0).sqrt()]
+    };
+    let found: Vec<[f64; 2]> = places.par_iter().map(measure).collect();
+    // Over a convex edge of the mesh the nearest point is beside the plane by little more than it is away from it.
+    let is_over = |f: &&[f64; 2]| f[1] <= f[0] + patch.chord + 1e-6 * patch.size;
+    let error = FitError::of(found.iter().filter(is_over).map(|f| f[0].hypot(f[1])));
+    (error, found.iter().filter(|f| !is_over(f)).map(|f| f[1]).fold(0.0, f64::max))
+}
+
+/// The greatest distance of the border's points from their guides.
+fn border(sides: &Sides, strip: &Strip) -> f64 {
+    let rulings = strip.rulings();
+    let off = |s: usize, p: DVec3| {
+        let u = strip.foot_on_guide(s, strip.foot(&rulings, p).u, p);
+        strip.guide(s, u)[0].distance(p)
+    };
+    let of_side = |s: usize| sides.guides[s].iter().map(move |side| off(s, side.0)).fold(0.0, f64::max);
+    of_side(0).max(of_side(1))
+}

@@ -1,0 +1,217 @@
+//! Least squares of the distances of a face from the ruled surface, over the control points of both guides.
+
+use glam::DVec3;
+use nalgebra::{DMatrix, DVector};
+
+use super::patch::Patch;
+use super::sides::Sides;
+use super::strip::{Basis, Foot, Strip};
+
+/// Points of each guide's border that a fit looks at, for one of the face.
+const SIDE_POINTS: f64 = 0.1;
+/// What points inside of triangles, which lie off by the chord error, weigh beside the corners.
+const INNER_WEIGHT: f64 = 0.02;
+/// What the borders weigh beside the face.
+const SIDE_WEIGHT: f64 = 0.1;
+/// What the four corners weigh beside the face, along the guides.
+const CORNER_WEIGHT: f64 = 0.01;
+/// What bends of the guides weigh: next to nothing, but it tells points apart that nothing else does.
+const BEND_WEIGHT: f64 = 1e-9;
+
+/// What a surface is fitted to.
+pub(super) struct Samples {
+    /// Points of the face and their weights.
+    face: Vec<(DVec3, f64)>,
+    /// Points of the lower and of the upper border with the normals of the face and weights.
+    sides: [Vec<(DVec3, DVec3, f64)>; 2],
+    /// Whether the guides end at the corners of the face. They do not where an end of the face is no ruling.
+    pub holds_ends: bool,
+}
+
+/// Feet of all samples.
+#[derive(Clone)]
+struct Feet {
+    face: Vec<Foot>,
+    sides: [Vec<f64>; 2],
+    cost: f64,
+}
+
+impl Samples {
+    /// At most `count` corners of the face; places inside of its triangles too where it has few.
+    pub(super) fn of(patch: &Patch, sides: &Sides, count: usize) -> Self {
+        let mut face = patch.corner_samples(count);
+        let total: f64 = face.iter().map(|f| f.1).sum();
+        face.iter_mut().for_each(|f| f.1 /= total.max(1e-300));
+        if face.len() < count / 4 {
+            let inner = patch.inner_samples(count / 4);
+            let weight = INNER_WEIGHT / inner.len().max(1) as f64;
+            face.extend(inner.into_iter().map(|p| (p, weight)));
+        }
+        let sides = [0, 1].map(|s| {
+            let guide = &sides.guides[s];
+            let step = guide.len().div_ceil((SIDE_POINTS * count as f64) as usize + 8).max(1);
+            let mut kept: Vec<(DVec3, DVec3, f64)> =
+                guide.iter().step_by(step).map(|&(p, n)| (p, n, 0.0)).collect();
+            if let (Some(last), false) = (guide.last(), (guide.len() - 1) % step == 0) {
+                kept.push((last.0, last.1, 0.0));
+            }
+            let total: f64 = kept.windows(2).map(|w| w[0].0.distance(w[1].0)).sum();
+            for i in 1..kept.len() {
+                let share = 0.5 * SIDE_WEIGHT * kept[i - 1].0.distance(kept[i].0) / total.max(1e-300);
+                kept[i - 1].2 += share;
+                kept[i].2 += share;
+            }
+            kept
+        });
+        Self { face, sides, holds_ends: true }
+    }
+
+    fn feet(&self, strip: &Strip, before: Option<&Feet>) -> Feet {
+        let rulings = strip.rulings();
+        let place = |(i, (p, _)): (usize, &(DVec3, f64))| match before {
+            Some(feet) => strip.foot_near(feet.face[i], *p),
+            None => strip.foot(&rulings, *p),
+        };
+        let face: Vec<Foot> = self.face.iter().enumerate().map(place).collect();
+        let sides = [0, 1].map(|s| {
+            let points = self.sides[s].iter().enumerate();
+            let start = |i: usize, p: DVec3| before.map_or_else(|| strip.foot(&rulings, p).u, |f| f.sides[s][i]);
+            points.map(|(i, side)| strip.foot_on_guide(s, start(i, side.0), side.0)).collect()
+        });
+        let mut feet = Feet { face, sides, cost: 0.0 };
+        let mut cost = 0.0;
+        self.rows(strip, &feet, |_, residual, weight| cost += weight * residual * residual);
+        feet.cost = cost;
+        feet
+    }
+
+    /// Calls `each` with every row of the Jacobian (the control points that count, as number, share and direction), its
+    /// residual and its weight.
+    fn rows(&self, strip: &Strip, feet: &Feet, mut each: impl FnMut(&[(usize, f64, DVec3)], f64, f64)) {
+        let n = strip.count();
+        let mut row = Vec::with_capacity(8);
+        for ((p, weight), foot) in self.face.iter().zip(&feet.face) {
+            let place = strip.at(*foot);
+            let normal = place.first[0].cross(place.first[1]).normalize_or_zero();
+            let basis = Basis::at(n, foot.u);
+            row.clear();
+            for (k, share) in basis.orders[0].iter().enumerate() {
+                row.push((basis.first + k, share * (1.0 - foot.v), normal));
+                row.push((n + basis.first + k, share * foot.v, normal));
+            }
+            each(&row, (*p - place.point).dot(normal), *weight);
+        }
+        for s in 0..2 {
+            let last = self.sides[s].len().saturating_sub(1);
+            for (i, ((p, normal, weight), &u)) in self.sides[s].iter().zip(&feet.sides[s]).enumerate() {
+                let [c, t, _] = strip.guide(s, u);
+                let across = t.cross(*normal).normalize_or_zero();
+                let basis = Basis::at(n, u);
+                let mut along = |direction: DVec3, residual: f64, weight: f64, basis: &Basis| {
+                    row.clear();
+                    let shares = basis.orders[0].iter().enumerate();
+                    row.extend(shares.map(|(k, share)| (s * n + basis.first + k, *share, direction)));
+                    each(&row, residual, weight);
+                };
+                along(across, (*p - c).dot(across), *weight, &basis);
+                if self.holds_ends && (i == 0 || i == last) {
+                    let end = if i == 0 { 0.0 } else { 1.0 };
+                    let [c, t, _] = strip.guide(s, end);
+                    let t = t.normalize_or_zero();
+                    along(t, (*p - c).dot(t), CORNER_WEIGHT, &Basis::at(n, end));
+                }
+            }
+        }
+    }
+
+    /// The normal equations.
+    fn equations(&self, strip: &Strip, feet: &Feet) -> (DMatrix<f64>, DVector<f64>) {
+        let n = strip.count();
+        let mut matrix = DMatrix::<f64>::zeros(6 * n, 6 * n);
+        let mut right = DVector::<f64>::zeros(6 * n);
+        self.rows(strip, feet, |row, residual, weight| {
+            for &(a, x, d) in row {
+                for i in 0..3 {
+                    let left = weight * x * d[i];
+                    right[3 * a + i] += left * residual;
+                    for &(b, y, e) in row {
+                        for j in 0..3 {
+                            matrix[(3 * a + i, 3 * b + j)] += left * y * e[j];
+                        }
+                    }
+                }
+            }
+        });
+        for (s, guide) in [&strip.lower, &strip.upper].into_iter().enumerate() {
+            let bend = BEND_WEIGHT * n as f64;
+            for i in 1..n - 1 {
+                let second = guide[i - 1] - 2.0 * guide[i] + guide[i + 1];
+                for (k, x) in [(i - 1, 1.0), (i, -2.0), (i + 1, 1.0)] {
+                    for c in 0..3 {
+                        right[3 * (s * n + k) + c] -= bend * x * second[c];
+                        for (l, y) in [(i - 1, 1.0), (i, -2.0), (i + 1, 1.0)] {
+                            matrix[(3 * (s * n + k) + c, 3 * (s * n + l) + c)] += bend * x * y;
+                        }
+                    }
+                }
+            }
+        }
+        (matrix, right)
+    }
+
+    /// The strip moved by Gauss-Newton steps, damped as far as they do not get better, to a small weighted mean square
+    /// distance. Feet are looked for anew at every step.
+    /// It is good enough where that is the square of `enough` (mm).
+    pub(super) fn improved(&self, strip: Strip, rounds: usize, enough: f64) -> Strip {
+        let mut strip = strip;
+        let mut feet = self.feet(&strip, None);
+        let mut damping = 1e-4;
+        for _ in 0..rounds {
+            if feet.cost <= enough * enough {
+                break;
+            }
+            let (matrix, right) = self.equations(&strip, &feet);
+            let size = matrix.nrows();
+            let mean = matrix.trace() / size as f64;
+            let mut is_better = false;
+            let before = feet.cost;
+            for _ in 0..5 {
+                let mut damped = matrix.clone();
+                for i in 0..size {
+                    damped[(i, i)] += damping * (matrix[(i, i)] + 1e-3 * mean) + 1e-12 * mean;
+                }
+                let step = damped.cholesky().map(|c| c.solve(&right));
+                let next = step.and_then(|step| moved(&strip, &step)).map(|next| (self.feet(&next, Some(&feet)), next));
+                if let Some((there, next)) = next.filter(|(there, _)| there.cost < feet.cost) {
+                    (feet, strip) = (there, next);
+                    damping = (0.1 * damping).max(1e-9);
+                    is_better = true;
+                    break;
+                }
+                damping *= 10.0;
+            }
+            if !is_better || feet.cost > before * (1.0 - 3e-3) {
+                break;
+            }
+        }
+        strip
+    }
+
+    /// Least and greatest parameter along the guides at which points of the face have their feet.
+    pub(super) fn reach(&self, strip: &Strip) -> [f64; 2] {
+        let feet = self.feet(strip, None);
+        let along = || feet.face.iter().map(|f| f.u);
+        [along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max)]
+    }
+}
+
+/// The strip with its control points moved, if all of them are points.
+fn moved(strip: &Strip, step: &DVector<f64>) -> Option<Strip> {
+    let n = strip.count();
+    let at = |i: usize| DVec3::new(step[3 * i], step[3 * i + 1], step[3 * i + 2]);
+    let guide = |points: &[DVec3], from: usize| -> Vec<DVec3> {
+        points.iter().enumerate().map(|(i, p)| *p + at(from + i)).collect()
+    };
+    let next = Strip { lower: guide(&strip.lower, 0), upper: guide(&strip.upper, n) };
+    next.lower.iter().chain(&next.upper).all(|p| p.is_finite()).then_some(next)
+}
