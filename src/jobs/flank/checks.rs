@@ -115,7 +115,8 @@ fn cutter(result: &FlankResult) -> FlankCheck {
     let (plan, surface) = (&result.plan, &result.surface);
     match plan.cutter.fits(surface) {
         Ok(()) => {
-            let text = format!("flutes of {:.3} mm reach the upper guide, and no hollow is too narrow", plan.cutter.length_mm);
+            let text =
+                format!("flutes of {:.3} mm reach the upper guide, and no hollow is too narrow", plan.cutter.length_mm);
             FlankCheck::new(CheckKind::Cutter, true, text)
         }
         Err(error) => {
@@ -235,7 +236,8 @@ pub(super) fn warnings(result: &FlankResult, input: &FlankInput) -> Vec<String> 
     }
     let is_own_wall = matches!(input.surface, LoadedSurface::Face { is_own_wall: true, .. });
     if input.walls.is_none() && !is_own_wall {
-        warnings.push("no neighbouring walls were given: nothing was checked for gouges by flutes or holder".to_owned());
+        warnings
+            .push("no neighbouring walls were given: nothing was checked for gouges by flutes or holder".to_owned());
     } else {
         warnings.push(
             "approach and retraction were not checked against walls: they leave the surface along its normal and the \
