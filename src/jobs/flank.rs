@@ -165,7 +165,7 @@ pub struct FlankResult {
     pub envelope_tolerance_mm: f64,
     /// What was checked.
     pub checks: Vec<FlankCheck>,
-    /// What the reader must know, in words.
+    /// What the reader must know of the path, in words.
     pub warnings: Vec<String>,
 }
 
@@ -185,6 +185,11 @@ impl FlankResult {
         let failed = self.checks.iter().filter(|c| !c.holds && !c.is_overridden);
         let failed: Vec<String> = failed.map(|c| format!("{}: {}", c.kind.name(), c.text)).collect();
         (!failed.is_empty()).then(|| failed.join("; "))
+    }
+
+    /// What the reader must know of the path, and what the machine has to say of it.
+    pub fn all_warnings(&self) -> Vec<String> {
+        self.warnings.iter().cloned().chain(checks::of_machine(self)).collect()
     }
 
     /// The path that is milled with its leads, as a function for machines and posts.
