@@ -8,6 +8,7 @@
 //! * [`mesh_io`]: mesh files to meshes and back.
 //! * [`blisk`]: axis, channel, electrode, and a parametric blisk.
 //! * [`feed`]: poses, search strategies, path and certificate.
+//! * [`flank`]: five-axis flank milling of ruled surfaces.
 //! * [`export`]: NC, CSV and reports.
 //! * [`project`]: the document: parameters of a whole job, undo, files.
 //! * [`render`]: scenes to pictures, without a window; uses [`geometry`] alone.

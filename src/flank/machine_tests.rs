@@ -416,6 +416,11 @@ fn what_is_no_path_or_no_setting_is_said() {
     let path = ToolPath::new(step, &points(2)).unwrap();
     let error = linearise(&k, &path, &LinearisationParams::default()).unwrap_err();
     assert!(matches!(error, MillingError::Strays { .. }), "{error}");
+    let error = path.straightened(0.001, 20.0).unwrap_err();
+    assert!(
+        matches!(error, ToolPathError::Jumps { .. }) && error.to_string().contains("cut point 1 + 0.400"),
+        "{error}"
+    );
 }
 
 proptest! {
