@@ -225,12 +225,16 @@ fn the_shorter_way_within_the_limits_is_taken() {
 fn limits_of_straight_and_tilting_axes_are_said_with_the_place() {
     let mut machine = trunnion();
     machine.linear.x_mm = [-400.0, 20.0];
+    machine.rotary[1].limits_deg = Some([-10.0, 10.0]);
     let path = ToolPath::new(|u| (DVec3::new(50.0 * u, 0.0, 0.0), DVec3::Z), &points(6)).unwrap();
     let error = linearise(&machine.kinematics().unwrap(), &path, &LinearisationParams::default()).unwrap_err();
-    // C may stand anywhere, but a straight cut of 50 mm from the middle fits along +Y or -X.
+    // 50 mm times the cosine of 10 degrees: the table turns as far as it can to help.
     assert!(matches!(error, MillingError::OutsideLimits { axis: 'X', .. }), "{error}");
     let said = error.to_string();
-    assert!(said.contains("cut point 6") && said.contains("50.000 mm, 30.000 mm outside"), "{said}");
+    assert!(said.contains("cut point 6") && said.contains("49.240 mm, 29.240 mm outside"), "{said}");
+    // A table that turns further lets the same cut go along -X or Y.
+    machine.rotary[1].limits_deg = None;
+    assert!(linearise(&machine.kinematics().unwrap(), &path, &LinearisationParams::default()).is_ok());
     let mut machine = trunnion();
     machine.rotary[0].limits_deg = Some([-15.0, 15.0]);
     let path = ToolPath::new(|u| (DVec3::X * u, DVec3::new(u, 0.0, 1.0)), &points(6)).unwrap();
@@ -295,6 +299,23 @@ fn a_corner_at_the_pole_is_turned_in_place() {
         let Passage::TurnedInPlace { by_deg } = line.singular[0].passage else { panic!("{}", line.singular[0]) };
         assert!((by_deg - 90.0).abs() < 1e-3, "{by_deg}");
     }
+}
+
+#[test]
+fn a_tilt_that_cannot_go_past_the_pole_turns_half_round_there() {
+    let mut machine = machines().remove(2);
+    machine.rotary[0].limits_deg = Some([-5.0, 120.0]);
+    let k = machine.kinematics().unwrap();
+    let params = LinearisationParams::default();
+    let path = ToolPath::new(passing(0.0), &points(6)).unwrap();
+    let line = linearise(&k, &path, &params).unwrap();
+    assert!(densely(&k, &path, &line, &params) <= params.linearisation_mm);
+    assert!(line.points.iter().all(|p| p.joints.rotary[0].to_degrees() >= -5.0));
+    let Passage::TurnedInPlace { by_deg } = line.singular[0].passage else { panic!("{}", line.singular[0]) };
+    assert!((by_deg - 180.0).abs() < 1e-3, "{by_deg}");
+    // While it turns the tip stays where it is.
+    let turning = line.points.windows(2).filter(|w| w[0].s == w[1].s);
+    assert!(turning.clone().count() > 20 && turning.clone().all(|w| w[0].tip == w[1].tip));
 }
 
 #[test]
@@ -395,6 +416,11 @@ fn what_is_no_path_or_no_setting_is_said() {
     let path = ToolPath::new(step, &points(2)).unwrap();
     let error = linearise(&k, &path, &LinearisationParams::default()).unwrap_err();
     assert!(matches!(error, MillingError::Strays { .. }), "{error}");
+    let error = path.straightened(0.001, 20.0).unwrap_err();
+    assert!(
+        matches!(error, ToolPathError::Jumps { .. }) && error.to_string().contains("cut point 1 + 0.400"),
+        "{error}"
+    );
 }
 
 proptest! {
