@@ -41,6 +41,8 @@ const COMPARED: usize = 2_000;
 /// Points of the face by which the first surfaces are fitted, and the last one.
 const FIRST_POINTS: usize = 400;
 const LAST_POINTS: usize = 1_600;
+/// Share of the guides by which a face may reach beyond their ends.
+const COVERED: f64 = 2e-3;
 /// Triangles above which a face is fitted by fewer of its corners only.
 const MANY: usize = 100_000;
 
@@ -152,6 +154,8 @@ struct Trial {
     samples: Samples,
     strip: Strip,
     error: f64,
+    /// Whether it reaches beyond an end of the face.
+    is_longer: bool,
 }
 
 /// Fits a ruled surface to `triangles` of `mesh`, which should hang together and have two long sides. A face all
@@ -184,7 +188,7 @@ fn first_trials(patch: &Patch, choices: Vec<Sides>, params: &RuledFitParams) -> 
         let strips = starts.map(|start| samples.improved(start, 3, enough));
         let measured = strips.map(|strip| (measure::quick(patch, &strip, FIRST_POINTS), strip));
         if let Some((error, strip)) = measured.reduce(|a, b| if b.0 < 0.95 * a.0 { b } else { a }) {
-            trials.push(Trial { sides, samples, strip, error });
+            trials.push(Trial { sides, samples, strip, error, is_longer: false });
         }
     }
     let least = trials.iter().map(|t| t.error).fold(f64::INFINITY, f64::min);
@@ -217,9 +221,9 @@ fn refined(patch: &Patch, mut trial: Trial, params: &RuledFitParams) -> Trial {
     if trial.error > params.tolerance_mm {
         released(patch, &mut trial, params);
     }
-    let holds_ends = trial.samples.holds_ends;
+    let ends = trial.samples.ends;
     trial.samples = Samples::of(patch, &trial.sides, LAST_POINTS);
-    trial.samples.holds_ends = holds_ends;
+    trial.samples.ends = ends;
     let mut strip = trial.samples.improved(trial.strip.clone(), 10, 0.1 * enough);
     let error = measure::quick(patch, &strip, COMPARED);
     (trial.strip, trial.error) = (strip.clone(), error);
@@ -232,7 +236,37 @@ fn refined(patch: &Patch, mut trial: Trial, params: &RuledFitParams) -> Trial {
             (trial.strip, trial.error) = (next, error);
         }
     }
+    covered(patch, &mut trial, params);
     trial
+}
+
+/// Makes the guides longer where the face reaches beyond the end rulings, by little as over an end that is bent.
+fn covered(patch: &Patch, trial: &mut Trial, params: &RuledFitParams) {
+    if trial.sides.is_ring {
+        return;
+    }
+    let held = trial.samples.ends;
+    let Some(longer) = longer(&mut trial.samples, &trial.strip, 0.1) else { return };
+    let strip = trial.samples.improved(longer, 8, 0.02 * params.tolerance_mm);
+    let error = measure::quick(patch, &strip, COMPARED);
+    if error <= params.tolerance_mm.max(1.05 * trial.error) {
+        (trial.strip, trial.error, trial.is_longer) = (strip, error, true);
+    } else {
+        trial.samples.ends = held;
+    }
+}
+
+/// The strip with guides so long, by at most a share `most` at each end, that the face does not reach beyond its ends,
+/// which are held there; none if it does not.
+fn longer(samples: &mut Samples, strip: &Strip, most: f64) -> Option<Strip> {
+    let [low, high] = samples.reach(strip);
+    if low > -COVERED && high < 1.0 + COVERED {
+        return None;
+    }
+    let longer = strip.between(low.clamp(-most, 0.0), high.clamp(1.0, 1.0 + most))?;
+    let [start, end] = [longer.ends(0.0), longer.ends(1.0)];
+    samples.ends = Some([0, 1].map(|side| [start[side], end[side]]));
+    Some(longer)
 }
 
 /// Lets go of the ends where these are no rulings, if that makes the surface better: it then reaches beyond the face.
@@ -240,22 +274,17 @@ fn released(patch: &Patch, trial: &mut Trial, params: &RuledFitParams) {
     if trial.sides.is_ring {
         return;
     }
-    trial.samples.holds_ends = false;
-    let mut strip = trial.strip.clone();
-    for _ in 0..4 {
-        strip = trial.samples.improved(strip, 8, 0.1 * params.tolerance_mm);
-        let [low, high] = trial.samples.reach(&strip);
-        if low > -1e-3 && high < 1.0 + 1e-3 {
-            break;
-        }
-        let Some(longer) = strip.between(low.min(0.0), high.max(1.0)) else { break };
-        strip = longer;
+    let enough = 0.1 * params.tolerance_mm;
+    let held = trial.samples.ends.take();
+    let mut strip = trial.samples.improved(trial.strip.clone(), 8, enough);
+    if let Some(longer) = longer(&mut trial.samples, &strip, 0.25) {
+        strip = trial.samples.improved(longer, 8, enough);
     }
     let error = measure::quick(patch, &strip, FIRST_POINTS);
     if error < 0.6 * trial.error {
-        (trial.strip, trial.error) = (strip, error);
+        (trial.strip, trial.error, trial.is_longer) = (strip, error, true);
     } else {
-        trial.samples.holds_ends = true;
+        trial.samples.ends = held;
     }
 }
 
@@ -294,13 +323,16 @@ fn answer(
 
 fn words(patch: &Patch, trial: &Trial, fit: &RuledFit) -> Vec<String> {
     let place = |p: DVec3| format!("({:.2}, {:.2}, {:.2})", p.x, p.y, p.z);
-    let off = fit.error_corners.greatest_mm;
-    let first = if fit.is_ruled {
-        format!("ruled within {:.4} mm: corners of the mesh are at most {off:.4} mm off", fit.tolerance_mm)
+    let (off, within) = (fit.error_corners.greatest_mm, fit.tolerance_mm);
+    let is_near = fit.error.greatest_mm <= within + fit.chord_mm && off <= within;
+    let mut words = vec![if fit.is_ruled {
+        format!("ruled within {within:.4} mm: corners of the mesh are at most {off:.4} mm off")
+    } else if is_near {
+        let back = fit.error_back.greatest_mm;
+        format!("not ruled within {within:.4} mm: the surface is up to {back:.4} mm off between points of the face")
     } else {
-        format!("not ruled within {:.4} mm: {:.4} mm off at {}", fit.tolerance_mm, worst_of(fit), place(fit.worst))
-    };
-    let mut words = vec![first];
+        format!("not ruled within {within:.4} mm: {:.4} mm off at {}", fit.error.greatest_mm, place(fit.worst))
+    }];
     words.push(format!(
         "inside of triangles it is {:.4} mm off at most; the triangles themselves leave about {:.4} mm",
         fit.error.greatest_mm, fit.chord_mm
@@ -314,8 +346,8 @@ fn words(patch: &Patch, trial: &Trial, fit: &RuledFit) -> Vec<String> {
     } else if patch.loops.len() > 1 {
         words.push(format!("the face has {} hole(s); the surface goes on over them", patch.loops.len() - 1));
     }
-    if !trial.samples.holds_ends {
-        words.push("an end of the face is no ruling: the surface reaches beyond it to the next one".into());
+    if trial.is_longer {
+        words.push("an end of the face is no ruling: the surface reaches beyond it".into());
     }
     let much = fit.tolerance_mm + fit.chord_mm;
     if fit.border_mm > much {
@@ -325,7 +357,7 @@ fn words(patch: &Patch, trial: &Trial, fit: &RuledFit) -> Vec<String> {
         words.push(format!("the surface reaches up to {:.3} mm beyond the face: look at what is beside it", fit.overhang_mm));
     }
     if fit.uncovered_mm > much {
-        words.push(format!("the face reaches up to {:.3} mm beyond the surface: it has other than four sides", fit.uncovered_mm));
+        words.push(format!("the face reaches up to {:.3} mm beyond the surface: its ends are bent, or it has other than four sides", fit.uncovered_mm));
     }
     if patch.turned > 0 {
         words.push(format!("{} triangle(s) faced the other way than the rest and were turned", patch.turned));
@@ -338,9 +370,4 @@ fn words(patch: &Patch, trial: &Trial, fit: &RuledFit) -> Vec<String> {
         words.push(format!("of its {} triangles a part, evenly chosen, is looked at", patch.triangles.len()));
     }
     words
-}
-
-/// The greatest of all distances (mm).
-fn worst_of(fit: &RuledFit) -> f64 {
-    fit.error.greatest_mm.max(fit.error_back.greatest_mm)
 }

@@ -132,7 +132,7 @@ impl Border {
         self.points[i].lerp(self.points[(i + 1) % n], part.clamp(0.0, 1.0))
     }
 
-    /// Points where the border turns into the face by 25 degrees or more, over a stretch or at once, with the angle, in
+    /// Points where the border turns into the face by 25 degrees or more, at once and over a stretch, with the angle, in
     /// order: the sharpest within their stretch.
     fn corners(&self) -> Vec<(usize, f64)> {
         let n = self.points.len();
@@ -145,7 +145,8 @@ impl Border {
         let angle = |i: usize| {
             let sides = [(i + n - 1) % n, i].map(|k| self.lengths[k + 1] - self.lengths[k]);
             let small = (0.5 * sides[0].min(sides[1])).max(0.002 * self.total());
-            turn(i, reach).max(turn(i, small))
+            // A notch of a ragged border turns back within a stretch, a corner does not.
+            turn(i, reach).max(turn(i, small)).min(turn(i, 3.0 * reach))
         };
         let angles: Vec<f64> = (0..n).map(angle).collect();
         let apart = |i: usize, j: usize| {
