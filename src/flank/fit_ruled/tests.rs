@@ -93,16 +93,19 @@ fn off_form(form: &Form, fit: &RuledFit) -> [f64; 2] {
     for i in 0..=37 {
         for j in 0..=6 {
             let p = form(i as f64 / 37.0, j as f64 / 6.0);
-            // Nearest of dense rulings, each met exactly.
-            let near = |k: usize| {
+            // The tangent plane at the nearest of dense rulings, as good as the surface itself at a hundredth of a mm.
+            let at = |k: usize| {
                 let u = k as f64 / 4000.0;
-                let (a, b) = (fit.lower.point(u), fit.upper.point(u));
+                let ([a, da, _], [b, db, _]) = (fit.lower.at(u), fit.upper.at(u));
                 let v = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
-                (a + (b - a) * v).distance(p)
+                let normal = (da * (1.0 - v) + db * v).cross(b - a).normalize();
+                (a + (b - a) * v, normal)
             };
-            let coarse = (0..=40).min_by(|a, b| near(100 * a).total_cmp(&near(100 * b))).unwrap();
-            let around = (100 * coarse).saturating_sub(100)..=(100 * coarse + 100).min(4000);
-            most = most.max(around.map(near).fold(f64::INFINITY, f64::min));
+            let near = |k: &usize| at(*k).0.distance(p);
+            let coarse = (0..=40).map(|k| 100 * k).min_by(|a, b| near(a).total_cmp(&near(b))).unwrap();
+            let around = coarse.saturating_sub(100)..=(coarse + 100).min(4000);
+            let (foot, normal) = at(around.min_by(|a, b| near(a).total_cmp(&near(b))).unwrap());
+            most = most.max((p - foot).dot(normal).abs());
         }
     }
     [most, straight.min(crossed)]
@@ -115,8 +118,7 @@ fn known_ruled_surfaces_are_found_with_their_borders() {
         let [surface, border] = off_form(&*form, &fit);
         assert!(fit.is_ruled && fit.words[0].starts_with("ruled within"), "{name}: {:?}", fit.words);
         assert!(fit.error_corners.greatest_mm < 5e-4 && fit.border_mm < 5e-4, "{name}: {fit:?}");
-        // Rulings are 1/4000 of the guides apart, some 0.01 mm, of which at most half is missed.
-        assert!(surface < 6e-3 && border < 1e-3, "{name}: {surface} {border}");
+        assert!(surface < 1e-3 && border < 1e-3, "{name}: {surface} {border}");
         // Triangles leave the surface by what their own turning says, and by no more.
         let beyond = fit.error.greatest_mm / fit.chord_mm;
         assert!((0.5..1.2).contains(&beyond), "{name}: {beyond} of {}", fit.chord_mm);
@@ -137,8 +139,8 @@ fn the_tool_stands_outside_and_the_lower_guide_below() {
         let outside = patch::mean_normal(&mesh, &front);
         let fit = fit_ruled(&mesh, &front, &RuledFitParams::default()).unwrap();
         assert!(middle_normal(&fit).dot(outside) > 0.5, "{name}");
-        let height = |g: &NurbsCurve| (0..=20).map(|i| g.point(i as f64 / 20.0).z).sum::<f64>();
-        assert!(height(&fit.lower) <= height(&fit.upper) + 1e-6, "{name}");
+        let height = |g: &NurbsCurve| (0..=20).map(|i| g.point(i as f64 / 20.0).z).sum::<f64>() / 21.0;
+        assert!(height(&fit.lower) <= height(&fit.upper) + 0.05, "{name}");
         // The way back over the same face: from inside of the wall the tool stands on the other side.
         let back: Vec<u32> = front.iter().map(|t| t + front.len() as u32).collect();
         let behind = fit_ruled(&mesh, &back, &RuledFitParams { tolerance_mm: 0.5, ..Default::default() }).unwrap();
@@ -268,6 +270,54 @@ fn a_plane_is_ruled_upright() {
     }
 }
 
+/// A prism over a square with rounded corners, its bottom at zero.
+fn rounded_block(half: f64, radius: f64, height: f64, parts: usize) -> Mesh {
+    let mut outline = Vec::new();
+    for corner in 0..4 {
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let middle = DVec3::new(half - radius, half - radius, 0.0);
+        let turned = DQuat::from_rotation_z(quarter * corner as f64);
+        for i in 0..=parts {
+            let t = quarter * i as f64 / parts as f64;
+            outline.push(turned * (middle + DVec3::new(radius * t.cos(), radius * t.sin(), 0.0)));
+        }
+    }
+    let n = outline.len() as u32;
+    let mut vertices = outline.clone();
+    vertices.extend(outline.iter().map(|p| *p + DVec3::Z * height));
+    vertices.extend([DVec3::ZERO, DVec3::Z * height]);
+    let mut triangles = Vec::new();
+    for (i, j) in (0..n).map(|i| (i, (i + 1) % n)) {
+        triangles.extend([[i, j, j + n], [i, j + n, i + n], [2 * n, j, i], [2 * n + 1, i + n, j + n]]);
+    }
+    Mesh { vertices, triangles }
+}
+
+#[test]
+fn candidates_are_walls_roundings_and_the_wall_all_around() {
+    let (half, radius, height) = (12.0, 4.0, 15.0);
+    let mesh = rounded_block(half, radius, height, 24);
+    let found = flank_candidates(&mesh, &RuledFitParams::default()).unwrap();
+    let of = |kind: CandidateKind| found.iter().filter(|c| c.kind == kind).collect::<Vec<_>>();
+    assert_eq!([CandidateKind::Plane, CandidateKind::Cylinder, CandidateKind::Joined].map(|k| of(k).len()), [6, 4, 1]);
+    let side = 2.0 * (half - radius);
+    for plane in of(CandidateKind::Plane).iter().filter(|c| c.outwards.z.abs() < 0.1) {
+        assert!((plane.area_mm2 - side * height).abs() < 1e-6 && (plane.height_mm - height).abs() < 1e-9);
+    }
+    for cylinder in of(CandidateKind::Cylinder) {
+        let CandidateFit::Fitted(fit) = &cylinder.fit else { panic!("{}", cylinder.summary()) };
+        // The chord of a part of the arc: R (1 - cos(angle / 2)).
+        let chord = radius * (1.0 - (std::f64::consts::FRAC_PI_4 / 24.0).cos());
+        assert!(fit.is_ruled && (0.8..1.3).contains(&(fit.chord_mm / chord)), "{} {chord}", fit.chord_mm);
+        let arc = radius * std::f64::consts::FRAC_PI_2;
+        assert!((fit.lower.length(0.0, 1.0) / arc - 1.0).abs() < 1e-3);
+    }
+    let [wall] = of(CandidateKind::Joined)[..] else { panic!() };
+    let CandidateFit::Fitted(fit) = &wall.fit else { panic!("{}", wall.summary()) };
+    assert!(wall.faces.len() == 8 && fit.is_cut_open && wall.outwards == DVec3::ZERO, "{}", wall.summary());
+    assert!(wall.is_ruled(), "{:?}", fit.words);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 8, ..ProptestConfig::default() })]
 
@@ -284,10 +334,9 @@ proptest! {
         let (name, form) = &forms[which];
         let rotation = DQuat::from_scaled_axis(DVec3::from_array(turn));
         let (mesh, front) = solid(&**form, [40, 6], 2.0);
-        let mut count = 0u32;
         let moved = mesh.mapped(|p| {
-            count += 1;
-            let wave = |k: f64| noise * (f64::from(count) * k).sin();
+            // Noise that depends on the place alone, so that points at one place stay together.
+            let wave = |k: f64| noise * (1e4 * p.dot(DVec3::new(0.3, 0.5, 0.7)) * k).sin();
             rotation * (p + DVec3::new(wave(12.9), wave(78.2), wave(37.7))) * scale + DVec3::from_array(shift)
         });
         let params = RuledFitParams { tolerance_mm: 4e-3 * scale, up: rotation * DVec3::Z, ..Default::default() };
@@ -296,5 +345,25 @@ proptest! {
         prop_assert!(fit.error_corners.greatest_mm <= scale * (1e-3 + 2.0 * noise), "{name}: {:?}", fit.error_corners);
         let outside = patch::mean_normal(&moved, &front);
         prop_assert!(middle_normal(&fit).dot(outside) > 0.5);
+    }
+
+    /// Whatever the triangles, there is an answer with numbers or a refusal in words.
+    #[test]
+    fn nothing_upsets_it(
+        points in prop::collection::vec(prop::array::uniform3(0i32..4), 3..20),
+        picks in prop::collection::vec(prop::array::uniform3(0u32..20), 1..40),
+        size in prop::sample::select(vec![1e-9, 1.0, 1e9]),
+    ) {
+        let vertices = points.iter().map(|p| DVec3::from_array(p.map(f64::from)) * size).collect::<Vec<_>>();
+        let count = vertices.len() as u32;
+        let triangles: Vec<[u32; 3]> = picks.iter().map(|t| t.map(|v| v % count)).collect();
+        let mesh = Mesh { vertices, triangles };
+        let all: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
+        if let Ok(fit) = fit_ruled(&mesh, &all, &RuledFitParams::default()) {
+            let figures = [fit.error.greatest_mm, fit.chord_mm, fit.border_mm, fit.overhang_mm, fit.uncovered_mm];
+            prop_assert!(figures.iter().all(|f| f.is_finite()) && !fit.words.is_empty(), "{fit:?}");
+        }
+        let candidates = flank_candidates(&mesh, &RuledFitParams::default()).unwrap();
+        prop_assert!(candidates.iter().all(|c| c.area_mm2.is_finite() && !c.summary().is_empty()));
     }
 }
