@@ -13,6 +13,7 @@
 //! guaranteed: that a face that is said not to be ruled has no better ruled surface than the one found, nor what lies
 //! between places.
 
+mod band;
 mod candidates;
 mod measure;
 mod patch;
@@ -212,21 +213,32 @@ fn best(trials: Vec<Trial>, params: &RuledFitParams, up: DVec3) -> Option<Trial>
     good.reduce(|a, b| if lean(&b) < lean(&a) { b } else { a })
 }
 
+/// With all points of the face and pieces halved; where that is not enough, with ends that are no rulings, too.
+fn refined(patch: &Patch, trial: Trial, params: &RuledFitParams) -> Trial {
+    let free = released(&trial, params);
+    let mut best = halved(patch, trial, params);
+    if best.error > params.tolerance_mm
+        && let Some(free) = free.map(|free| halved(patch, free, params))
+        && free.error < 0.8 * best.error
+    {
+        best = free;
+    }
+    covered(patch, &mut best, params);
+    best
+}
+
 /// With pieces halved as long as that helps.
-fn refined(patch: &Patch, mut trial: Trial, params: &RuledFitParams) -> Trial {
+fn halved(patch: &Patch, mut trial: Trial, params: &RuledFitParams) -> Trial {
     let enough = 0.25 * params.tolerance_mm;
     let points = trial.sides.guides.iter().map(Vec::len).max().unwrap_or(0);
     let most = params.most_control_points.min((points + 3).max(FIRST_COUNT));
-    let mut in_vain = 0;
-    if trial.error > params.tolerance_mm {
-        released(patch, &mut trial, params);
-    }
     let ends = trial.samples.ends;
     trial.samples = Samples::of(patch, &trial.sides, LAST_POINTS);
     trial.samples.ends = ends;
     let mut strip = trial.samples.improved(trial.strip.clone(), 10, 0.1 * enough);
     let error = measure::quick(patch, &strip, COMPARED);
     (trial.strip, trial.error) = (strip.clone(), error);
+    let mut in_vain = 0;
     while trial.error > enough && in_vain < 2 && 2 * strip.count() - 3 <= most {
         let next = trial.samples.improved(strip.refined(), 10, 0.1 * enough);
         let error = measure::quick(patch, &next, COMPARED);
@@ -236,7 +248,6 @@ fn refined(patch: &Patch, mut trial: Trial, params: &RuledFitParams) -> Trial {
             (trial.strip, trial.error) = (next, error);
         }
     }
-    covered(patch, &mut trial, params);
     trial
 }
 
@@ -269,23 +280,20 @@ fn longer(samples: &mut Samples, strip: &Strip, most: f64) -> Option<Strip> {
     Some(longer)
 }
 
-/// Lets go of the ends where these are no rulings, if that makes the surface better: it then reaches beyond the face.
-fn released(patch: &Patch, trial: &mut Trial, params: &RuledFitParams) {
-    if trial.sides.is_ring {
-        return;
+/// The strip with its ends let go, where these may be no rulings: it then reaches beyond the face. None where it is good
+/// enough as it is.
+fn released(trial: &Trial, params: &RuledFitParams) -> Option<Trial> {
+    if trial.sides.is_ring || trial.error <= params.tolerance_mm {
+        return None;
     }
     let enough = 0.1 * params.tolerance_mm;
-    let held = trial.samples.ends.take();
-    let mut strip = trial.samples.improved(trial.strip.clone(), 8, enough);
-    if let Some(longer) = longer(&mut trial.samples, &strip, 0.25) {
-        strip = trial.samples.improved(longer, 8, enough);
+    let mut samples = trial.samples.clone();
+    samples.ends = None;
+    let mut strip = samples.improved(trial.strip.clone(), 8, enough);
+    if let Some(longer) = longer(&mut samples, &strip, 0.25) {
+        strip = samples.improved(longer, 8, enough);
     }
-    let error = measure::quick(patch, &strip, FIRST_POINTS);
-    if error < 0.6 * trial.error {
-        (trial.strip, trial.error, trial.is_longer) = (strip, error, true);
-    } else {
-        trial.samples.ends = held;
-    }
+    Some(Trial { sides: trial.sides.clone(), samples, strip, error: trial.error, is_longer: true })
 }
 
 fn answer(

@@ -50,11 +50,15 @@ fn distances(strip: &Strip, points: &[DVec3]) -> Vec<[f64; 2]> {
     points.par_iter().map(measure).collect()
 }
 
-/// Greatest distance of corners of the mesh from the surface, with how far they lie beyond its ends (mm), by fewer
-/// points: to choose between surfaces.
+/// How bad a surface is (mm), by at most `count` corners of the mesh and half as many places inside of triangles: the
+/// greatest distance, of the latter less the chord error, with a little for what lies beyond its ends.
 pub(super) fn quick(patch: &Patch, strip: &Strip, count: usize) -> f64 {
-    let points: Vec<DVec3> = patch.corner_samples(count).into_iter().map(|c| c.0).collect();
-    distances(strip, &points).into_iter().fold(0.0, |most, [off, beyond]| most.max(off.hypot(0.02 * beyond)))
+    let corners: Vec<DVec3> = patch.corner_samples(count).into_iter().map(|c| c.0).collect();
+    let worst = |points: &[DVec3], less: f64| {
+        let bad = |[off, beyond]: [f64; 2]| (off - less).max(0.0).hypot(0.02 * beyond);
+        distances(strip, points).into_iter().map(bad).fold(0.0, f64::max)
+    };
+    worst(&corners, 0.0).max(worst(&patch.inner_samples(count / 2), patch.chord))
 }
 
 pub(super) fn measured(patch: &Patch, sides: &Sides, strip: &Strip) -> Measured {

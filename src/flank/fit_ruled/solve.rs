@@ -1,8 +1,8 @@
 //! Least squares of the distances of a face from the ruled surface, over the control points of both guides.
 
 use glam::DVec3;
-use nalgebra::{DMatrix, DVector};
 
+use super::band::Band;
 use super::patch::Patch;
 use super::sides::Sides;
 use super::strip::{Basis, Foot, Strip};
@@ -22,6 +22,7 @@ const SPEED_WEIGHT: f64 = 0.05;
 const BEND_WEIGHT: f64 = 1e-9;
 
 /// What a surface is fitted to.
+#[derive(Clone)]
 pub(super) struct Samples {
     /// Points of the face and their weights.
     face: Vec<(DVec3, f64)>,
@@ -152,37 +153,30 @@ impl Samples {
         }
     }
 
-    /// The normal equations.
-    fn equations(&self, strip: &Strip, feet: &Feet, speed: f64) -> (DMatrix<f64>, DVector<f64>) {
+    /// The normal equations, the coordinates of both guides' control points by turns.
+    fn equations(&self, strip: &Strip, feet: &Feet, speed: f64) -> (Band, Vec<f64>) {
         let n = strip.count();
-        let mut matrix = DMatrix::<f64>::zeros(6 * n, 6 * n);
-        let mut right = DVector::<f64>::zeros(6 * n);
+        let mut matrix = Band::new(6 * n);
+        let mut right = vec![0.0; 6 * n];
+        let mut shares: Vec<(usize, f64)> = Vec::with_capacity(24);
         let mut add = |row: &[(usize, f64, DVec3)], residual: f64, weight: f64| {
+            shares.clear();
             for &(a, x, d) in row {
-                for i in 0..3 {
-                    let left = weight * x * d[i];
-                    right[3 * a + i] += left * residual;
-                    for &(b, y, e) in row {
-                        for j in 0..3 {
-                            matrix[(3 * a + i, 3 * b + j)] += left * y * e[j];
-                        }
-                    }
-                }
+                shares.extend((0..3).map(|i| (first_unknown(a, n) + i, x * d[i])));
+            }
+            for &(i, x) in &shares {
+                right[i] += weight * x * residual;
+                shares.iter().for_each(|&(j, y)| matrix.add(i, j, weight * x * y));
             }
         };
         self.rows(strip, feet, &mut add);
         Self::speed_rows(strip, speed, &mut add);
         for (s, guide) in [&strip.lower, &strip.upper].into_iter().enumerate() {
-            let bend = BEND_WEIGHT * n as f64;
             for i in 1..n - 1 {
                 let second = guide[i - 1] - 2.0 * guide[i] + guide[i + 1];
-                for (k, x) in [(i - 1, 1.0), (i, -2.0), (i + 1, 1.0)] {
-                    for c in 0..3 {
-                        right[3 * (s * n + k) + c] -= bend * x * second[c];
-                        for (l, y) in [(i - 1, 1.0), (i, -2.0), (i + 1, 1.0)] {
-                            matrix[(3 * (s * n + k) + c, 3 * (s * n + l) + c)] += bend * x * y;
-                        }
-                    }
+                for axis in DVec3::AXES {
+                    let row = [(-1.0, i - 1), (2.0, i), (-1.0, i + 1)].map(|(x, k)| (s * n + k, x, axis));
+                    add(&row, second.dot(axis), BEND_WEIGHT * n as f64);
                 }
             }
         }
@@ -202,18 +196,16 @@ impl Samples {
             }
             let speed = SPEED_WEIGHT * feet.distances.max(enough * enough) / (self.size * self.size);
             let (matrix, right) = self.equations(&strip, &feet, speed);
-            let size = matrix.nrows();
-            let mean = matrix.trace() / size as f64;
+            let mean = matrix.mean();
             let mut is_better = false;
             let cost = |feet: &Feet| feet.distances + speed * feet.speed;
             let before = cost(&feet);
             for _ in 0..5 {
                 let mut damped = matrix.clone();
-                for i in 0..size {
-                    damped[(i, i)] += damping * (matrix[(i, i)] + 1e-3 * mean) + 1e-12 * mean;
+                for i in 0..right.len() {
+                    damped.add(i, i, damping * (matrix.diagonal(i) + 1e-3 * mean) + 1e-12 * mean);
                 }
-                let step = damped.cholesky().map(|c| c.solve(&right));
-                let next = step.and_then(|step| moved(&strip, &step)).map(|next| (self.feet(&next, Some(&feet)), next));
+                let next = damped.solve(&right).and_then(|step| moved(&strip, &step)).map(|next| (self.feet(&next, Some(&feet)), next));
                 if let Some((there, next)) = next.filter(|(there, _)| cost(there) < before) {
                     (feet, strip) = (there, next);
                     damping = (0.1 * damping).max(1e-9);
@@ -237,10 +229,15 @@ impl Samples {
     }
 }
 
+/// The first of three unknowns of control point `i`, those of the upper guide counted on.
+fn first_unknown(i: usize, count: usize) -> usize {
+    if i < count { 6 * i } else { 6 * (i - count) + 3 }
+}
+
 /// The strip with its control points moved, if all of them are points.
-fn moved(strip: &Strip, step: &DVector<f64>) -> Option<Strip> {
+fn moved(strip: &Strip, step: &[f64]) -> Option<Strip> {
     let n = strip.count();
-    let at = |i: usize| DVec3::new(step[3 * i], step[3 * i + 1], step[3 * i + 2]);
+    let at = |i: usize| DVec3::from_slice(&step[first_unknown(i, n)..]);
     let guide = |points: &[DVec3], from: usize| -> Vec<DVec3> {
         points.iter().enumerate().map(|(i, p)| *p + at(from + i)).collect()
     };
