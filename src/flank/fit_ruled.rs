@@ -32,6 +32,7 @@ use self::solve::Samples;
 use self::strip::Strip;
 use crate::geometry::mesh::Mesh;
 use crate::geometry::nurbs::{FitError, NurbsCurve, NurbsError};
+use crate::progress::{Cancel, Cancelled};
 
 pub use self::candidates::{Candidate, CandidateFit, CandidateKind, flank_candidates};
 
@@ -106,12 +107,23 @@ pub enum RuledFitError {
     /// No border at all.
     #[error("the face is closed, it has no border that guides could follow; choose a part of it")]
     Closed,
+    /// It was told to stop.
+    #[error("cancelled")]
+    Cancelled,
     /// No four sides.
-    #[error("the border of the face has no four sides, two guides and two end rulings; choose a face that is a strip, or join faces to one")]
+    #[error(
+        "the border of the face has no four sides, two guides and two end rulings; choose a face that is a strip, or join faces to one"
+    )]
     NoSides,
     /// Guides that cannot be made.
     #[error("no guides follow the border of the face: {0}")]
     Guides(#[from] NurbsError),
+}
+
+impl From<Cancelled> for RuledFitError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
 }
 
 /// A ruled surface fitted to a face, and how far it is off.
@@ -164,27 +176,36 @@ struct Trial {
 ///
 /// # Errors
 /// [`RuledFitError`] if the face cannot be laid out as a strip. One that is only not ruled is answered with the error.
-pub fn fit_ruled(mesh: &Mesh, triangles: &[u32], params: &RuledFitParams) -> Result<RuledFit, RuledFitError> {
+pub fn fit_ruled(
+    mesh: &Mesh,
+    triangles: &[u32],
+    params: &RuledFitParams,
+    cancel: &Cancel,
+) -> Result<RuledFit, RuledFitError> {
     params.validate()?;
+    cancel.check()?;
     let patch = Patch::of(mesh, triangles)?;
+    cancel.check()?;
     if patch.loops.is_empty() {
         return Err(RuledFitError::Closed);
     }
     let up = params.up.normalize_or_zero();
     let (choices, is_ring) = sides::choices(&patch, up);
-    let trials = first_trials(&patch, choices, params);
+    let trials = first_trials(&patch, choices, params, cancel);
+    cancel.check()?;
     let trial = best(trials, params, up).ok_or(RuledFitError::NoSides)?;
     let trial = refined(&patch, trial, params);
+    cancel.check()?;
     answer(&patch, &trial, params, is_ring)
 }
 
 /// Surfaces with few control points over each choice of sides, from two starts each. What is far worse than another
 /// after some steps is given up.
-fn first_trials(patch: &Patch, choices: Vec<Sides>, params: &RuledFitParams) -> Vec<Trial> {
+fn first_trials(patch: &Patch, choices: Vec<Sides>, params: &RuledFitParams, cancel: &Cancel) -> Vec<Trial> {
     let enough = 0.1 * params.tolerance_mm;
     let mut trials: Vec<Trial> = Vec::new();
     for sides in choices {
-        let samples = Samples::of(patch, &sides, FIRST_POINTS);
+        let samples = Samples::of(patch, &sides, FIRST_POINTS, cancel);
         let starts = [false, true].into_iter().filter_map(|by_tangents| sides.strip(FIRST_COUNT, by_tangents));
         let strips = starts.map(|start| samples.improved(start, 3, enough));
         let measured = strips.map(|strip| (measure::quick(patch, &strip, FIRST_POINTS), strip));
@@ -232,14 +253,14 @@ fn halved(patch: &Patch, mut trial: Trial, params: &RuledFitParams) -> Trial {
     let enough = 0.25 * params.tolerance_mm;
     let points = trial.sides.guides.iter().map(Vec::len).max().unwrap_or(0);
     let most = params.most_control_points.min((points + 3).max(FIRST_COUNT));
-    let ends = trial.samples.ends;
-    trial.samples = Samples::of(patch, &trial.sides, LAST_POINTS);
+    let (ends, cancel) = (trial.samples.ends, trial.samples.cancel.clone());
+    trial.samples = Samples::of(patch, &trial.sides, LAST_POINTS, &cancel);
     trial.samples.ends = ends;
     let mut strip = trial.samples.improved(trial.strip.clone(), 10, 0.1 * enough);
     let error = measure::quick(patch, &strip, COMPARED);
     (trial.strip, trial.error) = (strip.clone(), error);
     let mut in_vain = 0;
-    while trial.error > enough && in_vain < 2 && 2 * strip.count() - 3 <= most {
+    while trial.error > enough && in_vain < 2 && !cancel.is_cancelled() && 2 * strip.count() - 3 <= most {
         let next = trial.samples.improved(strip.refined(), 10, 0.1 * enough);
         let error = measure::quick(patch, &next, COMPARED);
         in_vain = if error < 0.8 * trial.error { 0 } else { in_vain + 1 };
@@ -296,12 +317,7 @@ fn released(trial: &Trial, params: &RuledFitParams) -> Option<Trial> {
     Some(Trial { sides: trial.sides.clone(), samples, strip, error: trial.error, is_longer: true })
 }
 
-fn answer(
-    patch: &Patch,
-    trial: &Trial,
-    params: &RuledFitParams,
-    is_cut_open: bool,
-) -> Result<RuledFit, RuledFitError> {
+fn answer(patch: &Patch, trial: &Trial, params: &RuledFitParams, is_cut_open: bool) -> Result<RuledFit, RuledFitError> {
     let [lower, upper] = trial.strip.guides(patch.origin)?;
     let found = measure::measured(patch, &trial.sides, &trial.strip);
     let tolerance = params.tolerance_mm;
@@ -346,7 +362,9 @@ fn words(patch: &Patch, trial: &Trial, fit: &RuledFit) -> Vec<String> {
         fit.error.greatest_mm, fit.chord_mm
     ));
     if fit.chord_mm > fit.tolerance_mm {
-        words.push("the triangles are coarser than the tolerance: between their corners nothing is known so well".into());
+        words.push(
+            "the triangles are coarser than the tolerance: between their corners nothing is known so well".into(),
+        );
     }
     if fit.is_cut_open {
         let seam = fit.lower.point(0.0);
@@ -362,10 +380,16 @@ fn words(patch: &Patch, trial: &Trial, fit: &RuledFit) -> Vec<String> {
         words.push(format!("the guides leave the border of the face by up to {:.4} mm", fit.border_mm));
     }
     if fit.overhang_mm > much {
-        words.push(format!("the surface reaches up to {:.3} mm beyond the face: look at what is beside it", fit.overhang_mm));
+        words.push(format!(
+            "the surface reaches up to {:.3} mm beyond the face: look at what is beside it",
+            fit.overhang_mm
+        ));
     }
     if fit.uncovered_mm > much {
-        words.push(format!("the face reaches up to {:.3} mm beyond the surface: its ends are bent, or it has other than four sides", fit.uncovered_mm));
+        words.push(format!(
+            "the face reaches up to {:.3} mm beyond the surface: its ends are bent, or it has other than four sides",
+            fit.uncovered_mm
+        ));
     }
     if patch.turned > 0 {
         words.push(format!("{} triangle(s) faced the other way than the rest and were turned", patch.turned));

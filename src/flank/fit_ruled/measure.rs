@@ -45,7 +45,11 @@ fn distances(strip: &Strip, points: &[DVec3]) -> Vec<[f64; 2]> {
         let off = *p - place.point;
         let is_within = foot.u == kept.u && foot.v == kept.v;
         let upright = off.dot(place.first[0].cross(place.first[1]).normalize_or_zero()).abs();
-        if is_within { [off.length(), 0.0] } else { [upright, (off.length_squared() - upright * upright).max(0.0).sqrt()] }
+        if is_within {
+            [off.length(), 0.0]
+        } else {
+            [upright, (off.length_squared() - upright * upright).max(0.0).sqrt()]
+        }
     };
     points.par_iter().map(measure).collect()
 }
@@ -115,7 +119,8 @@ fn is_on_border(patch: &Patch, border: &[[u32; 2]], t: usize, p: DVec3) -> bool 
         let along = to - from;
         let share = ((p - from).dot(along) / along.length_squared().max(1e-300)).clamp(0.0, 1.0);
         let is_at_corner = p.distance(from) <= near && patch.is_border[a as usize];
-        is_at_corner || (p.distance(from + along * share) <= near && border.binary_search(&[a.min(b), a.max(b)]).is_ok())
+        is_at_corner
+            || (p.distance(from + along * share) <= near && border.binary_search(&[a.min(b), a.max(b)]).is_ok())
     })
 }
 

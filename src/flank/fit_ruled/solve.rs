@@ -6,6 +6,7 @@ use super::band::Band;
 use super::patch::Patch;
 use super::sides::Sides;
 use super::strip::{Basis, Foot, Strip};
+use crate::progress::Cancel;
 
 /// Points of each guide's border that a fit looks at, for one of the face.
 const SIDE_POINTS: f64 = 0.1;
@@ -32,6 +33,8 @@ pub(super) struct Samples {
     pub ends: Option<[[DVec3; 2]; 2]>,
     /// Diagonal of the box around the face (mm).
     size: f64,
+    /// Tells fits to stop.
+    pub cancel: Cancel,
 }
 
 /// Feet of all samples.
@@ -47,7 +50,7 @@ struct Feet {
 
 impl Samples {
     /// At most `count` corners of the face; places inside of its triangles too where it has few.
-    pub(super) fn of(patch: &Patch, laid: &Sides, count: usize) -> Self {
+    pub(super) fn of(patch: &Patch, laid: &Sides, count: usize, cancel: &Cancel) -> Self {
         let mut face = patch.corner_samples(count);
         let total: f64 = face.iter().map(|f| f.1).sum();
         face.iter_mut().for_each(|f| f.1 /= total.max(1e-300));
@@ -59,9 +62,8 @@ impl Samples {
         let sides = [0, 1].map(|s| {
             let guide = &laid.guides[s];
             let step = guide.len().div_ceil((SIDE_POINTS * count as f64) as usize + 8).max(1);
-            let mut kept: Vec<(DVec3, DVec3, f64)> =
-                guide.iter().step_by(step).map(|&(p, n)| (p, n, 0.0)).collect();
-            if let (Some(last), false) = (guide.last(), (guide.len() - 1) % step == 0) {
+            let mut kept: Vec<(DVec3, DVec3, f64)> = guide.iter().step_by(step).map(|&(p, n)| (p, n, 0.0)).collect();
+            if let (Some(last), false) = (guide.last(), (guide.len() - 1).is_multiple_of(step)) {
                 kept.push((last.0, last.1, 0.0));
             }
             let total: f64 = kept.windows(2).map(|w| w[0].0.distance(w[1].0)).sum();
@@ -76,7 +78,7 @@ impl Samples {
             [[a, .., b], [c, .., d]] => Some([[a.0, b.0], [c.0, d.0]]),
             _ => None,
         };
-        Self { face, sides, ends, size: patch.size }
+        Self { face, sides, ends, size: patch.size, cancel: cancel.clone() }
     }
 
     fn feet(&self, strip: &Strip, before: Option<&Feet>) -> Feet {
@@ -191,7 +193,7 @@ impl Samples {
         let mut feet = self.feet(&strip, None);
         let mut damping = 1e-4;
         for _ in 0..rounds {
-            if feet.distances <= enough * enough {
+            if feet.distances <= enough * enough || self.cancel.is_cancelled() {
                 break;
             }
             let speed = SPEED_WEIGHT * feet.distances.max(enough * enough) / (self.size * self.size);
@@ -205,7 +207,10 @@ impl Samples {
                 for i in 0..right.len() {
                     damped.add(i, i, damping * (matrix.diagonal(i) + 1e-3 * mean) + 1e-12 * mean);
                 }
-                let next = damped.solve(&right).and_then(|step| moved(&strip, &step)).map(|next| (self.feet(&next, Some(&feet)), next));
+                let next = damped
+                    .solve(&right)
+                    .and_then(|step| moved(&strip, &step))
+                    .map(|next| (self.feet(&next, Some(&feet)), next));
                 if let Some((there, next)) = next.filter(|(there, _)| cost(there) < before) {
                     (feet, strip) = (there, next);
                     damping = (0.1 * damping).max(1e-9);

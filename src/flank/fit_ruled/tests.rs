@@ -2,6 +2,7 @@ use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 
 use super::*;
+use crate::progress::Cancel;
 
 /// Points and normals over the unit square.
 type Form = dyn Fn(f64, f64) -> DVec3;
@@ -44,24 +45,19 @@ fn bezier(points: [[f64; 3]; 4], u: f64) -> DVec3 {
 
 const UPPER: [[f64; 3]; 4] = [[73.445, 13.857, 0.0], [81.443, 4.621, 0.0], [92.634, 2.779, 0.0], [105.48, -9.257, 0.0]];
 const LOWER_A: [[f64; 3]; 4] = [[70.0, 2.0, -10.0], [81.545, 6.0, -10.0], [92.157, 0.0, -10.0], [109.3, 4.0, -10.0]];
-const LOWER_B: [[f64; 3]; 4] =
-    [[79.125, 2.0, -10.0], [84.898, 6.0, -10.0], [90.204, 0.0, -10.0], [98.775, 4.0, -10.0]];
+const LOWER_B: [[f64; 3]; 4] = [[79.125, 2.0, -10.0], [84.898, 6.0, -10.0], [90.204, 0.0, -10.0], [98.775, 4.0, -10.0]];
 
 /// Ruled surfaces with their names.
 fn ruled_forms() -> Vec<(&'static str, Box<Form>)> {
-    let between = |a: fn(f64) -> DVec3, b: fn(f64) -> DVec3| -> Box<Form> {
-        Box::new(move |u, v| a(u) * (1.0 - v) + b(u) * v)
-    };
+    let between =
+        |a: fn(f64) -> DVec3, b: fn(f64) -> DVec3| -> Box<Form> { Box::new(move |u, v| a(u) * (1.0 - v) + b(u) * v) };
     let arc = |r: f64, z: f64, t: f64| DVec3::new(r * t.cos(), r * t.sin(), z);
     vec![
         ("paper's A", between(|u| bezier(LOWER_A, u), |u| bezier(UPPER, u))),
         ("paper's B", between(|u| bezier(LOWER_B, u), |u| bezier(UPPER, u))),
         (
             "twisted quadrangle",
-            between(
-                |u| DVec3::new(30.0 * u, 0.0, 0.0),
-                |u| DVec3::new(2.0 + 26.0 * u, 4.0 * u - 1.0, 10.0 + u),
-            ),
+            between(|u| DVec3::new(30.0 * u, 0.0, 0.0), |u| DVec3::new(2.0 + 26.0 * u, 4.0 * u - 1.0, 10.0 + u)),
         ),
         ("cylinder", Box::new(move |u, v| arc(8.0, 12.0 * v, 2.2 * u))),
         ("cone", Box::new(move |u, v| arc(9.0 - 4.0 * v, 10.0 * v, 1.9 * u))),
@@ -78,7 +74,7 @@ fn ruled_forms() -> Vec<(&'static str, Box<Form>)> {
 
 fn fitted(form: &Form, tolerance_mm: f64) -> RuledFit {
     let (mesh, front) = solid(form, [60, 8], 3.0);
-    fit_ruled(&mesh, &front, &RuledFitParams { tolerance_mm, ..RuledFitParams::default() }).unwrap()
+    fit_ruled(&mesh, &front, &RuledFitParams { tolerance_mm, ..RuledFitParams::default() }, &Cancel::default()).unwrap()
 }
 
 /// The greatest distance of places of `form` from the fit, and of both its guides from the edges of `form`, which may be
@@ -137,13 +133,15 @@ fn the_tool_stands_outside_and_the_lower_guide_below() {
     for (name, form) in ruled_forms() {
         let (mesh, front) = solid(&*form, [40, 6], 3.0);
         let outside = patch::mean_normal(&mesh, &front);
-        let fit = fit_ruled(&mesh, &front, &RuledFitParams::default()).unwrap();
+        let fit = fit_ruled(&mesh, &front, &RuledFitParams::default(), &Cancel::default()).unwrap();
         assert!(middle_normal(&fit).dot(outside) > 0.5, "{name}");
         let height = |g: &NurbsCurve| (0..=20).map(|i| g.point(i as f64 / 20.0).z).sum::<f64>() / 21.0;
         assert!(height(&fit.lower) <= height(&fit.upper) + 0.05, "{name}");
         // The way back over the same face: from inside of the wall the tool stands on the other side.
         let back: Vec<u32> = front.iter().map(|t| t + front.len() as u32).collect();
-        let behind = fit_ruled(&mesh, &back, &RuledFitParams { tolerance_mm: 0.5, ..Default::default() }).unwrap();
+        let behind =
+            fit_ruled(&mesh, &back, &RuledFitParams { tolerance_mm: 0.5, ..Default::default() }, &Cancel::default())
+                .unwrap();
         assert!(middle_normal(&behind).dot(outside) < -0.5, "{name}");
     }
 }
@@ -172,9 +170,11 @@ fn a_sphere_is_not_ruled_by_its_sagitta() {
 fn a_closed_cylinder_and_cone_are_cut_open() {
     for (low, high, sides) in [(6.0, 6.0, 4), (8.0, 5.0, 5)] {
         let n = 90;
-        let ring = |r: f64, z: f64| (0..n).map(move |i| std::f64::consts::TAU * i as f64 / n as f64).map(move |t| {
-            DVec3::new(r * t.cos(), r * t.sin(), z)
-        });
+        let ring = |r: f64, z: f64| {
+            (0..n)
+                .map(move |i| std::f64::consts::TAU * i as f64 / n as f64)
+                .map(move |t| DVec3::new(r * t.cos(), r * t.sin(), z))
+        };
         let levels: Vec<DVec3> = (0..=sides)
             .flat_map(|k| {
                 let share = k as f64 / sides as f64;
@@ -190,7 +190,7 @@ fn a_closed_cylinder_and_cone_are_cut_open() {
         }
         let mesh = Mesh { vertices: levels, triangles };
         let all: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
-        let fit = fit_ruled(&mesh, &all, &RuledFitParams::default()).unwrap();
+        let fit = fit_ruled(&mesh, &all, &RuledFitParams::default(), &Cancel::default()).unwrap();
         assert!(fit.is_ruled && fit.is_cut_open, "{:?}", fit.words);
         assert!(fit.words.iter().any(|w| w.contains("cut open")), "{:?}", fit.words);
         let gap = fit.lower.point(0.0).distance(fit.lower.point(1.0));
@@ -210,16 +210,22 @@ fn an_oblique_end_a_hole_and_turned_triangles_are_said() {
         DVec3::new(8.0 * t.cos(), 8.0 * t.sin(), 10.0 * v)
     };
     let (mesh, front) = solid(&form, [60, 10], 2.0);
-    let fit = fit_ruled(&mesh, &front, &RuledFitParams { tolerance_mm: 2e-3, ..Default::default() }).unwrap();
+    let fit =
+        fit_ruled(&mesh, &front, &RuledFitParams { tolerance_mm: 2e-3, ..Default::default() }, &Cancel::default())
+            .unwrap();
     assert!(fit.is_ruled, "{:?}", fit.words);
     // A hole of two by two cells in the middle.
     let is_in = |t: u32| (600..640).contains(&t) && (8..12).contains(&(t % 20));
     let holed: Vec<u32> = front.iter().copied().filter(|t| !is_in(*t)).collect();
-    let fit = fit_ruled(&mesh, &holed, &RuledFitParams { tolerance_mm: 2e-3, ..Default::default() }).unwrap();
+    let fit =
+        fit_ruled(&mesh, &holed, &RuledFitParams { tolerance_mm: 2e-3, ..Default::default() }, &Cancel::default())
+            .unwrap();
     assert!(fit.is_ruled && fit.words.iter().any(|w| w.contains("hole")), "{:?}", fit.words);
     let mut turned = mesh.clone();
     (0..front.len()).step_by(7).for_each(|t| turned.triangles[t].swap(0, 1));
-    let fit = fit_ruled(&turned, &front, &RuledFitParams { tolerance_mm: 2e-3, ..Default::default() }).unwrap();
+    let fit =
+        fit_ruled(&turned, &front, &RuledFitParams { tolerance_mm: 2e-3, ..Default::default() }, &Cancel::default())
+            .unwrap();
     let said = format!("{} triangle(s) faced the other way", front.len().div_ceil(7));
     assert!(fit.is_ruled && fit.words.iter().any(|w| w.starts_with(&said)), "{:?}", fit.words);
 }
@@ -228,7 +234,7 @@ fn an_oblique_end_a_hole_and_turned_triangles_are_said() {
 fn what_is_no_strip_is_refused_in_words() {
     let cube = crate::geometry::mesh::tests::cuboid(DVec3::new(2.0, 3.0, 4.0));
     let params = RuledFitParams::default();
-    let refused = |triangles: &[u32], mesh: &Mesh| fit_ruled(mesh, triangles, &params).unwrap_err();
+    let refused = |triangles: &[u32], mesh: &Mesh| fit_ruled(mesh, triangles, &params, &Cancel::default()).unwrap_err();
     assert_eq!(refused(&[], &cube), RuledFitError::NoArea);
     assert_eq!(refused(&[3, 99], &cube), RuledFitError::NoTriangle(99));
     assert_eq!(refused(&(0..12).collect::<Vec<u32>>(), &cube), RuledFitError::Closed);
@@ -248,16 +254,31 @@ fn what_is_no_strip_is_refused_in_words() {
         (RuledFitParams { most_control_points: 3, ..params }, "most_control_points"),
         (RuledFitParams { up: DVec3::ZERO, ..params }, "up"),
     ] {
-        let error = fit_ruled(&cube, &[0, 1], &params).unwrap_err();
+        let error = fit_ruled(&cube, &[0, 1], &params, &Cancel::default()).unwrap_err();
         assert!(error.to_string().contains(key), "{error}");
-        assert_eq!(flank_candidates(&cube, &params), Err(error));
+        assert_eq!(flank_candidates(&cube, &params, &Cancel::default()), Err(error));
     }
+}
+
+#[test]
+fn any_number_of_threads_answers_the_same_and_a_stop_is_heeded() {
+    let (mesh, front) = solid(&*ruled_forms().remove(1).1, [60, 8], 3.0);
+    let params = RuledFitParams { tolerance_mm: 2e-3, ..RuledFitParams::default() };
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| fit_ruled(&mesh, &front, &params, &Cancel::default()).unwrap())
+    };
+    assert_eq!(on(1), on(3));
+    let cancel = Cancel::default();
+    cancel.cancel();
+    assert_eq!(fit_ruled(&mesh, &front, &params, &cancel), Err(RuledFitError::Cancelled));
+    assert_eq!(flank_candidates(&mesh, &params, &cancel), Err(RuledFitError::Cancelled));
 }
 
 #[test]
 fn a_plane_is_ruled_upright() {
     let mesh = crate::geometry::mesh::tests::cuboid(DVec3::new(20.0, 30.0, 14.0));
-    let found = flank_candidates(&mesh, &RuledFitParams::default()).unwrap();
+    let found = flank_candidates(&mesh, &RuledFitParams::default(), &Cancel::default()).unwrap();
     assert_eq!(found.len(), 6);
     assert!(found.windows(2).all(|w| w[0].area_mm2 >= w[1].area_mm2));
     for candidate in &found {
@@ -297,7 +318,7 @@ fn rounded_block(half: f64, radius: f64, height: f64, parts: usize) -> Mesh {
 fn candidates_are_walls_roundings_and_the_wall_all_around() {
     let (half, radius, height) = (12.0, 4.0, 15.0);
     let mesh = rounded_block(half, radius, height, 24);
-    let found = flank_candidates(&mesh, &RuledFitParams::default()).unwrap();
+    let found = flank_candidates(&mesh, &RuledFitParams::default(), &Cancel::default()).unwrap();
     let of = |kind: CandidateKind| found.iter().filter(|c| c.kind == kind).collect::<Vec<_>>();
     assert_eq!([CandidateKind::Plane, CandidateKind::Cylinder, CandidateKind::Joined].map(|k| of(k).len()), [6, 4, 1]);
     let side = 2.0 * (half - radius);
@@ -319,7 +340,7 @@ fn candidates_are_walls_roundings_and_the_wall_all_around() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 8, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 4, ..ProptestConfig::default() })]
 
     /// Turning, moving and growing a part turns, moves and grows the answer; noise of the corners comes back as error.
     #[test]
@@ -340,7 +361,7 @@ proptest! {
             rotation * (p + DVec3::new(wave(12.9), wave(78.2), wave(37.7))) * scale + DVec3::from_array(shift)
         });
         let params = RuledFitParams { tolerance_mm: 4e-3 * scale, up: rotation * DVec3::Z, ..Default::default() };
-        let fit = fit_ruled(&moved, &front, &params).unwrap();
+        let fit = fit_ruled(&moved, &front, &params, &Cancel::default()).unwrap();
         prop_assert!(fit.is_ruled, "{name}: {:?}", fit.words);
         prop_assert!(fit.error_corners.greatest_mm <= scale * (1e-3 + 2.0 * noise), "{name}: {:?}", fit.error_corners);
         let outside = patch::mean_normal(&moved, &front);
@@ -359,11 +380,11 @@ proptest! {
         let triangles: Vec<[u32; 3]> = picks.iter().map(|t| t.map(|v| v % count)).collect();
         let mesh = Mesh { vertices, triangles };
         let all: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
-        if let Ok(fit) = fit_ruled(&mesh, &all, &RuledFitParams::default()) {
+        if let Ok(fit) = fit_ruled(&mesh, &all, &RuledFitParams::default(), &Cancel::default()) {
             let figures = [fit.error.greatest_mm, fit.chord_mm, fit.border_mm, fit.overhang_mm, fit.uncovered_mm];
             prop_assert!(figures.iter().all(|f| f.is_finite()) && !fit.words.is_empty(), "{fit:?}");
         }
-        let candidates = flank_candidates(&mesh, &RuledFitParams::default()).unwrap();
+        let candidates = flank_candidates(&mesh, &RuledFitParams::default(), &Cancel::default()).unwrap();
         prop_assert!(candidates.iter().all(|c| c.area_mm2.is_finite() && !c.summary().is_empty()));
     }
 }
