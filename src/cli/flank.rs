@@ -88,7 +88,7 @@ struct CutterArguments {
     /// Angle between the cutter's axis and its flute; 0 for a cylinder [default: 5].
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     taper_deg: Option<f64>,
-    /// Length of the flutes (mm) [default: 20].
+    /// Length of the flutes (mm) [default: 30].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     length: Option<f64>,
     /// What is above the flutes, from below, with commas between: length:radius or length:lower radius:upper radius (mm),
@@ -121,7 +121,7 @@ struct PlanArguments {
     /// Greatest undercut (mm) of the bounded objective.
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     max_undercut: Option<f64>,
-    /// How far the cutter's bottom reaches below the lower guide (mm) [default: 0].
+    /// How far the cutter's bottom reaches below the lower guide (mm) [default: 0.1].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     below: Option<f64>,
     /// Which path is milled: initial, chosen or refined [default: refined].
@@ -157,7 +157,7 @@ struct MillingArguments {
     /// (the tip, with the tool's direction: G43.5) [default: off].
     #[arg(long, value_name = "NAME")]
     tip_control: Option<TipName>,
-    /// Exports although this check fails: ruled, cutter, coverage, bounds, envelope, gouge, holder, machine. May be given
+    /// Exports although this check fails: ruled, cutter, coverage, bounds, envelope, gouge, holder, leads, machine. May be given
     /// more than once.
     #[arg(long = "override", value_name = "CHECK")]
     overrides: Vec<String>,

@@ -255,12 +255,12 @@ impl Default for FlankDocument {
             version: VERSION,
             source: FlankSource::default(),
             side: Side::default(),
-            cutter: FlankCutter { name: "cone R1 5 deg".to_owned(), ..FlankCutter::cone(1.0, 5.0, 20.0) },
+            cutter: FlankCutter { name: "cone R1 5 deg".to_owned(), ..FlankCutter::cone(1.0, 5.0, 30.0) },
             plan: FlankParams::default(),
             path: PathChoice::default(),
             walls: None,
             milling: MillingSettings::default(),
-            envelope_tolerance_mm: 0.005,
+            envelope_tolerance_mm: 0.02,
             overrides: Vec::new(),
         }
     }
