@@ -97,6 +97,14 @@ pub enum FlankJobError {
         /// How many there are.
         count: usize,
     },
+    /// A cutter for which no path can be made.
+    #[error("{misfit}; no path can be made for it ({why})")]
+    Cutter {
+        /// Why it does not fit.
+        misfit: FlankError,
+        /// What went wrong then.
+        why: FlankError,
+    },
     /// A face without a ruled surface.
     #[error("flank {number} has no ruled surface: {why}; choose another flank")]
     NotFitted {
@@ -177,6 +185,13 @@ impl FlankResult {
         path_of(&self.plan, self.path)
     }
 
+    /// Whether there is any deviation to speak of: a plane or a cylinder is touched everywhere from the start, and shares
+    /// of what rounding leaves mean nothing.
+    pub fn has_deviation(&self) -> bool {
+        const ROUNDING_MM: f64 = 1e-7;
+        self.plan.initial.deviation.mean > ROUNDING_MM
+    }
+
     /// Whether every check holds.
     pub fn holds(&self) -> bool {
         self.checks.iter().all(|c| c.holds)
@@ -223,7 +238,16 @@ pub fn path_of(plan: &FlankPlan, choice: PathChoice) -> &FlankPath {
 /// [`FlankJobError`] if there is no path at all; cancelled.
 pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result<FlankResult, FlankJobError> {
     let (surface, fit) = surface(input)?;
-    let plan = plan_flank(&surface, &input.cutter, &input.params, progress, cancel)?;
+    let plan = plan_flank(&surface, &input.cutter, &input.params, progress, cancel).map_err(|why| {
+        // A cutter that does not fit is what is to blame, wherever it showed.
+        let misfit = input.cutter.fits(&surface).err().filter(|misfit| *misfit != why);
+        match (&why, misfit) {
+            (FlankError::Unmeasured { .. } | FlankError::NoLocation { .. }, Some(misfit)) => {
+                FlankJobError::Cutter { misfit, why }
+            }
+            _ => why.into(),
+        }
+    })?;
     let path = path_of(&plan, input.path);
     let [approach, retract] = leads(&surface, path, &input.milling);
     let walls = walls(input, &surface, fit.as_ref());

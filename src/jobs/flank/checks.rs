@@ -257,12 +257,9 @@ fn machine(result: &FlankResult) -> Option<FlankCheck> {
     Some(check)
 }
 
-/// The plan's warnings, what a fit has to say, and what was not checked.
+/// The plan's warnings, and what was not checked.
 pub(super) fn warnings(result: &FlankResult, input: &FlankInput) -> Vec<String> {
     let mut warnings = result.plan.warnings.clone();
-    if let Some(fit) = &result.fit {
-        warnings.extend(fit.words.iter().skip(usize::from(fit.is_ruled)).cloned());
-    }
     let is_own_wall = matches!(input.surface, LoadedSurface::Face { is_own_wall: true, .. });
     if input.walls.is_none() && !is_own_wall {
         warnings
