@@ -260,6 +260,7 @@ fn machine(result: &FlankResult) -> Option<FlankCheck> {
 /// The plan's warnings, and what was not checked.
 pub(super) fn warnings(result: &FlankResult, input: &FlankInput) -> Vec<String> {
     let mut warnings = result.plan.warnings.clone();
+    warnings.extend(sinks(result));
     let is_own_wall = matches!(input.surface, LoadedSurface::Face { is_own_wall: true, .. });
     if input.walls.is_none() && !is_own_wall {
         warnings
@@ -273,6 +274,25 @@ pub(super) fn warnings(result: &FlankResult, input: &FlankInput) -> Vec<String> 
     });
     warnings.extend(unknown.map(|name| format!("override of {name:?}: no check of this name fails, it does nothing")));
     warnings
+}
+
+/// A refined path may sink a cone along its axis to have a fitting radius: what is below the lower guide is then in its
+/// way.
+fn sinks(result: &FlankResult) -> Option<String> {
+    /// What counts as sunk (mm).
+    const SUNK_MM: f64 = 0.5;
+    let (path, asked) = (result.path(), result.plan.params.below_mm);
+    let touching = result.plan.cutter.above(asked).ok()?;
+    let on_lower_guide = path.feet.at.iter().step_by(path.deviation.grid[1].max(1));
+    let heights = on_lower_guide.map(|q| asked + touching.contact_height(q.y * path.axis.at(q.x).length()));
+    let deepest = heights.fold(asked, f64::max);
+    (deepest > asked + SUNK_MM).then(|| {
+        format!(
+            "the {} path sinks the cutter's bottom up to {deepest:.2} mm below the lower guide, {asked} mm were asked for: see \
+             that nothing is there, or mill the chosen path",
+            result.path.name()
+        )
+    })
 }
 
 /// What the machine has to say of a path that it can follow.
