@@ -25,6 +25,7 @@ pub mod linearise;
 mod machine_tests;
 pub mod milling_machine;
 pub mod offset;
+pub mod own_surface;
 pub mod params;
 pub mod path;
 pub mod plan;
