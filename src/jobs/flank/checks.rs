@@ -118,7 +118,7 @@ fn ruled(result: &FlankResult) -> Option<FlankCheck> {
 
 fn cutter(result: &FlankResult) -> FlankCheck {
     let (plan, surface) = (&result.plan, &result.surface);
-    match plan.cutter.fits(surface) {
+    match plan.cutter.fits(surface, plan.params.below_mm) {
         Ok(()) => {
             let text =
                 format!("flutes of {:.3} mm reach the upper guide, and no hollow is too narrow", plan.cutter.length_mm);
