@@ -65,7 +65,7 @@ fn list(surface: &LoadedSurface, session: &Session) -> anyhow::Result<Answer> {
         });
         say!("{}", lines.collect::<Vec<_>>().join("\n"));
     }
-    Ok(if candidates.iter().any(Candidate::is_ruled) { Answer::Yes } else { Answer::No })
+    Ok(if candidates.iter().any(Candidate::is_millable) { Answer::Yes } else { Answer::No })
 }
 
 fn entry(number: usize, candidate: &Candidate) -> serde_json::Value {
@@ -81,6 +81,7 @@ fn entry(number: usize, candidate: &Candidate) -> serde_json::Value {
         "outwards": candidate.outwards.to_array(),
         "triangles": candidate.triangles.len(),
         "is_ruled": candidate.is_ruled(),
+        "covers": fit.is_some_and(|f| f.covers),
         "error": fit.map(|f| f.error),
         "text": candidate.summary(),
     })

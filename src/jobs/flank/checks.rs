@@ -112,8 +112,14 @@ pub(super) fn of(result: &FlankResult, overrides: &[String]) -> Vec<FlankCheck> 
 
 fn ruled(result: &FlankResult) -> Option<FlankCheck> {
     let fit = result.fit.as_ref()?;
-    let text = fit.words.first().cloned().unwrap_or_default();
-    Some(FlankCheck::new(CheckKind::Ruled, fit.is_ruled, text).at(fit.worst))
+    // What is not covered says so itself, after the form.
+    let text = match fit.words.first() {
+        Some(form) if fit.covers => form.clone(),
+        Some(form) => format!("{form}; the surface does not cover all of the face"),
+        None => String::new(),
+    };
+    let at = if fit.is_ruled && !fit.covers { fit.uncovered_at } else { fit.worst };
+    Some(FlankCheck::new(CheckKind::Ruled, fit.is_ruled && fit.covers, text).at(at))
 }
 
 fn cutter(result: &FlankResult) -> FlankCheck {
