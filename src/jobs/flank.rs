@@ -240,7 +240,7 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
     let (surface, fit) = surface(input)?;
     let plan = plan_flank(&surface, &input.cutter, &input.params, progress, cancel).map_err(|why| {
         // A cutter that does not fit is what is to blame, wherever it showed.
-        let misfit = input.cutter.fits(&surface).err().filter(|misfit| *misfit != why);
+        let misfit = input.cutter.fits(&surface, input.params.below_mm).err().filter(|misfit| *misfit != why);
         match (&why, misfit) {
             (FlankError::Unmeasured { .. } | FlankError::NoLocation { .. }, Some(misfit)) => {
                 FlankJobError::Cutter { misfit, why }
