@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::approved::Approved;
 use super::nc_feed::{BlockFeed, Pace, Slowed, fastest_point_travel, programmed_length};
+use super::nc_lines::Lines;
 use super::nc_tour::{self, TourFeeds};
 use super::post::{FeedMode, Post};
 use super::quantise::{MM_DECIMALS, deg_text, floor_mm_text, mm_text};
@@ -41,6 +42,11 @@ pub enum NcError {
     NotSimulated,
     #[error("the motion was simulated for {simulated}, but the program is for {asked}; simulate it again")]
     OtherMachineSimulated { simulated: String, asked: String },
+    #[error(
+        "the post has no word for a control that follows the tool's tip ({wanted}); set tip_control to off, or add \
+             {wanted} under [tip_control] to a post whose control does"
+    )]
+    NoTipControl { wanted: &'static str },
     #[error("{name} is {value}, but must be {range}")]
     Setting { name: &'static str, value: f64, range: &'static str },
 }
@@ -343,60 +349,26 @@ pub(super) struct Writer<'a> {
     post: &'a Post,
     job: &'a NcJob<'a>,
     settings: &'a NcSettings,
-    lines: Vec<String>,
-    number: Option<u32>,
+    lines: Lines<'a>,
     /// What is added to A: the turn to the channel (rad).
     pub(super) turn: f64,
 }
 
 impl<'a> Writer<'a> {
     fn new(post: &'a Post, job: &'a NcJob<'a>, settings: &'a NcSettings) -> Self {
-        Self { post, job, settings, lines: Vec::new(), number: post.block_numbers.map(|n| n.first), turn: 0.0 }
+        Self { post, job, settings, lines: Lines::new(post, job.program, settings.burn_dwell_s), turn: 0.0 }
     }
 
-    /// One line as it is, with its placeholders filled.
     fn raw(&mut self, line: &str) {
-        let line = self.filled(line);
-        self.lines.push(line);
+        self.lines.raw(line);
     }
 
-    /// One block, numbered; nothing for an empty one.
     fn block(&mut self, words: &str) {
-        let words = self.filled(words);
-        if words.trim().is_empty() {
-            return;
-        }
-        self.lines.push(match self.number {
-            Some(n) => format!("N{n} {words}"),
-            None => words,
-        });
-        if let (Some(n), Some(numbers)) = (self.number, self.post.block_numbers) {
-            let next = n.checked_add(numbers.step).filter(|&next| next <= numbers.last);
-            self.number = Some(next.unwrap_or(numbers.first));
-        }
+        self.lines.block(words);
     }
 
-    /// A comment, wrapped to the longest line. Whatever could end a comment or upset a control is replaced.
     pub(super) fn comment(&mut self, text: &str) {
-        let safe: String = text.chars().map(comment_character).collect();
-        let style = &self.post.comment;
-        let room = self.post.max_line_length.saturating_sub(style.open.len() + style.close.len()).max(1);
-        let mut line = String::new();
-        let mut lines = Vec::new();
-        for word in safe.split_whitespace() {
-            // Everything is ASCII here, so any byte is a place to cut.
-            for piece in word.as_bytes().chunks(room).map(String::from_utf8_lossy) {
-                if !line.is_empty() && line.len() + 1 + piece.len() > room {
-                    lines.push(std::mem::take(&mut line));
-                }
-                if !line.is_empty() {
-                    line.push(' ');
-                }
-                line.push_str(&piece);
-            }
-        }
-        lines.push(line);
-        self.lines.extend(lines.iter().map(|l| format!("{}{l}{}", style.open, style.close)));
+        self.lines.comment(text);
     }
 
     /// Linear motion through `rows`, in the pace of `feeds`. A feed per minute stays until another is given.
@@ -433,38 +405,8 @@ impl<'a> Writer<'a> {
         word.collect::<Vec<_>>().join(" ")
     }
 
-    fn filled(&self, line: &str) -> String {
-        let name_character = |c: char| if c.is_ascii_alphanumeric() || c == '_' || c == '-' { c } else { '_' };
-        let program: String = self.job.program.chars().map(name_character).collect();
-        line.replace("{program}", &program).replace("{seconds}", &number(self.settings.burn_dwell_s, 3))
-    }
-
     fn finish(self) -> Result<String, NcError> {
-        let limit = self.post.max_line_length;
-        if let Some(line) = self.lines.iter().find(|l| l.len() > limit) {
-            let line = line.clone();
-            return Err(NcError::LineTooLong { length: line.len(), limit, line });
-        }
-        let end = if self.post.crlf { "\r\n" } else { "\n" };
-        Ok(self.lines.iter().flat_map(|l| [l.as_str(), end]).collect())
-    }
-}
-
-/// A positive number with `decimals` decimals that is never rounded to zero.
-fn number(value: f64, decimals: usize) -> String {
-    let least = 10f64.powi(-(decimals as i32));
-    format!("{:.decimals$}", value.max(least))
-}
-
-fn comment_character(c: char) -> char {
-    match c {
-        '(' => '[',
-        ')' => ']',
-        // Separators and expansions in one control or another.
-        ';' | '%' | '"' | '#' | '$' | '{' | '}' => '_',
-        c if c == ' ' || c.is_ascii_graphic() => c,
-        c if c.is_whitespace() => ' ',
-        _ => '?',
+        self.lines.finish()
     }
 }
 

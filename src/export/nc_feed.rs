@@ -12,7 +12,7 @@ use crate::geometry::mesh::Bounds;
 const PIECES: usize = 8;
 
 /// Shortest time a block is given where F is a time (min): a block that moves nothing still needs one.
-const LEAST_BLOCK_MINUTES: f64 = 0.01 / 60.0;
+pub(super) const LEAST_BLOCK_MINUTES: f64 = 0.01 / 60.0;
 
 /// What F words are made from.
 #[derive(Debug, Clone, Copy)]
@@ -54,10 +54,7 @@ impl Pace<'_> {
             FeedMode::PerMinute if asked >= least_minutes => slow_down(mm_per_min, self.decimals),
             FeedMode::PerMinute => slow_down(length / minutes, self.decimals),
             FeedMode::InverseTime => slow_down(1.0 / minutes.max(LEAST_BLOCK_MINUTES), self.decimals),
-            FeedMode::Seconds => {
-                let steps = 10f64.powi(self.decimals as i32);
-                Some((minutes.max(LEAST_BLOCK_MINUTES) * 60.0 * steps - ROUNDING).ceil() / steps)
-            }
+            FeedMode::Seconds => Some(whole_seconds(minutes.max(LEAST_BLOCK_MINUTES), self.decimals)),
         };
         let share = if least_minutes > asked { asked / least_minutes } else { 1.0 };
         f.map(|f| BlockFeed { text: format!("{f:.*}", self.decimals), share, axis })
@@ -84,10 +81,16 @@ impl Pace<'_> {
 const ROUNDING: f64 = 1e-6;
 
 /// `f` rounded down to `decimals`, so that no limit is exceeded; None if nothing is left of it.
-fn slow_down(f: f64, decimals: usize) -> Option<f64> {
+pub(super) fn slow_down(f: f64, decimals: usize) -> Option<f64> {
     let steps = 10f64.powi(decimals as i32);
     let down = (f * steps + ROUNDING).floor() / steps;
     (down > 0.0).then_some(down)
+}
+
+/// The seconds of a time in minutes, rounded up to `decimals`.
+pub(super) fn whole_seconds(minutes: f64, decimals: usize) -> f64 {
+    let steps = 10f64.powi(decimals as i32);
+    (minutes * 60.0 * steps - ROUNDING).ceil() / steps
 }
 
 /// How many blocks of a program are slower than asked for, and by how much.

@@ -1,0 +1,131 @@
+//! `sparkpath flank`: five-axis flank milling of a ruled surface.
+
+use std::time::Instant;
+
+use super::flank_arguments::FlankArguments;
+use super::{Answer, Session};
+use crate::export::flank_report::FlankReport;
+use crate::flank::fit_ruled::{Candidate, CandidateFit};
+use crate::jobs::flank::{FlankResult, LoadedSurface, flank as plan};
+use crate::jobs::flank_export::{check_folder, export};
+use crate::jobs::flank_files::{input, load_machine, load_surface, load_walls};
+use crate::jobs::flank_report::{report, sentence};
+use crate::project::flank_file::write_flank;
+
+/// Plans the flank, checks the path, writes what may be milled. The answer is no where a check fails, overridden or not.
+pub(super) fn flank(arguments: &FlankArguments, session: &Session) -> anyhow::Result<Answer> {
+    let mut document = arguments.document()?;
+    let (progress, cancel) = (&session.progress, &session.cancel);
+    // What is quick to find wrong comes before what takes long.
+    arguments.milling.clamp(&mut document)?;
+    let machine = load_machine(&document, None)?;
+    if let Some(folder) = &arguments.out {
+        check_folder(folder).map_err(anyhow::Error::msg)?;
+    }
+    if let Some(file) = &arguments.save {
+        write_flank(file, &document)?;
+    }
+    let walls = document.walls.as_ref().map(|walls| load_walls(walls, progress, cancel)).transpose()?;
+    let surface = load_surface(&document.source, progress, cancel)?;
+    if arguments.surface.list {
+        return list(&surface, session);
+    }
+    let input = input(&document, surface, walls, machine);
+    let start = Instant::now();
+    let result = plan(&input, progress, cancel).map_err(|e| anyhow::anyhow!("{}: {e}", document.name()))?;
+    let seconds = start.elapsed().as_secs_f64();
+    session.cancel.check()?;
+    let mut lines = lines(&result);
+    lines.push(format!("planned and checked in {seconds:.2} s"));
+    if let Some(folder) = &arguments.out {
+        let written = export(folder, &result, &document, progress, cancel).map_err(anyhow::Error::msg)?;
+        lines.push(written.sentence());
+    }
+    super::terminal::finish();
+    let report: FlankReport = report(&result, &document);
+    say!("{}", if session.json { report.json()? } else { lines.join("\n") });
+    Ok(if result.holds() { Answer::Yes } else { Answer::No })
+}
+
+/// The flanks of a mesh.
+fn list(surface: &LoadedSurface, session: &Session) -> anyhow::Result<Answer> {
+    let LoadedSurface::Face { candidates, .. } = surface else { return Ok(Answer::Yes) };
+    super::terminal::finish();
+    if session.json {
+        let entries: Vec<serde_json::Value> = candidates.iter().enumerate().map(|(i, c)| entry(i + 1, c)).collect();
+        say!("{}", serde_json::to_string_pretty(&entries)?);
+    } else {
+        let lines = candidates.iter().enumerate().map(|(i, c)| {
+            let looks = if c.outwards.length() < 0.5 {
+                "looks all around".to_owned()
+            } else {
+                format!("looks along ({:.3}, {:.3}, {:.3})", c.outwards.x + 0.0, c.outwards.y + 0.0, c.outwards.z + 0.0)
+            };
+            format!("{}: {}; {looks}", i + 1, c.summary())
+        });
+        say!("{}", lines.collect::<Vec<_>>().join("\n"));
+    }
+    Ok(if candidates.iter().any(Candidate::is_millable) { Answer::Yes } else { Answer::No })
+}
+
+fn entry(number: usize, candidate: &Candidate) -> serde_json::Value {
+    let fit = match &candidate.fit {
+        CandidateFit::Fitted(fit) => Some(fit),
+        _ => None,
+    };
+    serde_json::json!({
+        "flank": number,
+        "kind": candidate.kind.name(),
+        "area_mm2": candidate.area_mm2,
+        "height_mm": candidate.height_mm,
+        "outwards": candidate.outwards.to_array(),
+        "triangles": candidate.triangles.len(),
+        "is_ruled": candidate.is_ruled(),
+        "covers": fit.is_some_and(|f| f.covers),
+        "error": fit.map(|f| f.error),
+        "text": candidate.summary(),
+    })
+}
+
+/// The answer in words.
+fn lines(result: &FlankResult) -> Vec<String> {
+    let mut lines = vec![sentence(result)];
+    let ratio = |path| result.has_deviation().then(|| result.plan.ratio(path));
+    for (name, path) in result.plan.paths() {
+        let (d, moving) = (&path.deviation, &path.envelope.deviation);
+        lines.push(format!(
+            "{name}: sum {:.3} mm{}, mean {:.2} um, rms {:.2} um, overcut {:.1} um, undercut {:.1} um; moving cutter: \
+             sum {:.3} mm, overcut {:.1} um, undercut {:.1} um",
+            d.sum,
+            ratio(path).map_or_else(String::new, |ratio| format!(" (ratio {ratio:.3})")),
+            1e3 * d.mean,
+            1e3 * d.rms,
+            1e3 * (-d.most_overcut).max(0.0),
+            1e3 * d.most_undercut.max(0.0),
+            moving.sum,
+            1e3 * (-moving.most_overcut).max(0.0),
+            1e3 * moving.most_undercut.max(0.0)
+        ));
+    }
+    let ranks = &result.plan.ranks;
+    lines.push(match ranks.best {
+        0 => format!("none of {} ranks is better than the initial path", ranks.sums.len()),
+        best => format!("rank {best} of {} is the best", ranks.sums.len()),
+    });
+    for check in &result.checks {
+        let state = match (check.holds, check.is_overridden) {
+            (true, _) => "holds",
+            (false, true) => "fails, overridden",
+            (false, false) => "FAILS",
+        };
+        let place = check.place.filter(|_| !check.holds);
+        let place = place.map_or_else(String::new, |p| format!(" at ({:.3}, {:.3}, {:.3})", p.x, p.y, p.z));
+        lines.push(format!("check {}: {state}: {}{place}", check.kind.name(), check.text));
+    }
+    if let Some(milled) = result.milled() {
+        lines.push(format!("{:.1} s of milling, approach and retraction included", 60.0 * milled.minutes));
+    }
+    lines.extend(result.fit.iter().flat_map(|fit| fit.words.iter().skip(1)).map(|words| format!("fit: {words}")));
+    lines.extend(result.all_warnings().into_iter().map(|warning| format!("note: {warning}")));
+    lines
+}

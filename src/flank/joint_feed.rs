@@ -1,0 +1,73 @@
+//! How long each move takes, so that the flank is milled at the feed that is asked for, no axis is too fast and no move is
+//! shorter than the control takes.
+
+use super::linearise::{Interpolation, MachinePath, MachinePoint, on_the_way};
+use super::milling_machine::Kinematics;
+use super::tool_path::{Section, ToolPath};
+
+/// Pieces that a move is measured in.
+const PIECES: usize = 8;
+
+/// Feeds and what they are measured on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Feeds {
+    /// Along the cut (mm/min).
+    pub cut_mm_min: f64,
+    /// Along approach and retraction (mm/min).
+    pub lead_mm_min: f64,
+    /// Height of the flutes' top above the tip (mm).
+    pub reach_mm: f64,
+    /// The shortest time that a move is given (min); 0 where the control takes any.
+    pub least_minutes: f64,
+    /// How the control moves between points.
+    pub interpolation: Interpolation,
+}
+
+/// The pace of one move.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pace {
+    /// The part of the path that it belongs to.
+    pub section: Section,
+    /// Its time (min).
+    pub minutes: f64,
+    /// Way of the faster end of the flutes, tip or top, along the workpiece (mm). No contact between them goes further,
+    /// so that none is faster than the feed.
+    pub way_mm: f64,
+    /// What is left of the feed that was asked for; 1 where no axis is too fast.
+    pub share: f64,
+    /// The axis that would be too fast with more.
+    pub axis: char,
+    /// What the shortest time of a move leaves of the speed that axes and feed allow; 1 where it takes longer anyway.
+    pub short_share: f64,
+}
+
+/// The pace of every move of `machine_path`: one less than its points.
+pub fn paces(k: &Kinematics, path: &ToolPath, machine_path: &MachinePath, feeds: &Feeds) -> Vec<Pace> {
+    machine_path.points.windows(2).map(|w| pace(k, path, &w[0], &w[1], feeds)).collect()
+}
+
+fn pace(k: &Kinematics, path: &ToolPath, from: &MachinePoint, to: &MachinePoint, feeds: &Feeds) -> Pace {
+    let section = path.section(0.5 * (from.s + to.s));
+    let feed = if section == Section::Cut { feeds.cut_mm_min } else { feeds.lead_mm_min };
+    let at = |n: usize| on_the_way(k, feeds.interpolation, from, to, n as f64 / PIECES as f64);
+    let way = |h: f64| (0..PIECES).map(|n| at(n).at_height(h).distance(at(n + 1).at_height(h))).sum::<f64>();
+    let way_mm = way(0.0).max(way(feeds.reach_mm));
+    let (least, axis) = least_minutes(k, from, to);
+    let asked = way_mm / feed;
+    let free = asked.max(least);
+    let share = |part: f64, whole: f64| if whole > part { part / whole } else { 1.0 };
+    let short_share = share(free, feeds.least_minutes);
+    let minutes = free.max(feeds.least_minutes);
+    Pace { section, minutes, way_mm, share: share(asked, least), axis, short_share }
+}
+
+/// The shortest time (min) in which every axis gets from one point to the other, and the axis that needs it.
+pub fn least_minutes(k: &Kinematics, from: &MachinePoint, to: &MachinePoint) -> (f64, char) {
+    let (by, speeds) = ((to.joints.linear - from.joints.linear).abs(), k.machine().linear.speed_mm_min);
+    let straight = ['X', 'Y', 'Z'].into_iter().zip(by.to_array()).zip(speeds).map(|((axis, by), v)| (by / v, axis));
+    let rotary = (0..2).map(|i| {
+        let by = (to.joints.rotary[i] - from.joints.rotary[i]).abs().to_degrees();
+        (by / k.machine().rotary[i].speed_deg_min, k.letter(i))
+    });
+    straight.chain(rotary).fold((0.0, 'X'), |worst, next| if next.0 > worst.0 { next } else { worst })
+}
