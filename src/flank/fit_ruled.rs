@@ -3,7 +3,7 @@
 //! The border of the face is cut at four corners into two guides and two end rulings; ways to do so are tried, and the
 //! one with the best fit stays. Both guides are cubic B-splines with common knots, so that rulings join equal
 //! parameters. Gauss-Newton steps on their control points make the distances of the face from the surface small, feet
-//! being looked for anew at each; pieces are halved until the surface is within the tolerance or gets no better.
+//! being looked for anew at each; pieces that are off are halved until the surface is within the tolerance or gets no better.
 //!
 //! The corners of triangles lie on the surface that was tessellated, places inside of them do not: the fit goes by the
 //! corners, and both are measured. A face whose triangles are coarse says little about the surface between its corners;
@@ -68,7 +68,7 @@ pub struct RuledFitParams {
 
 impl Default for RuledFitParams {
     fn default() -> Self {
-        Self { tolerance_mm: 0.01, most_control_points: 67, up: DVec3::Z }
+        Self { tolerance_mm: 0.01, most_control_points: 131, up: DVec3::Z }
     }
 }
 
@@ -269,7 +269,7 @@ fn refined(patch: &Patch, trial: Trial, params: &RuledFitParams) -> Trial {
     best
 }
 
-/// With pieces halved as long as that helps.
+/// With pieces halved where the surface is off, as long as that helps.
 fn halved(patch: &Patch, mut trial: Trial, params: &RuledFitParams) -> Trial {
     let enough = 0.25 * params.tolerance_mm;
     let points = trial.sides.guides.iter().map(Vec::len).max().unwrap_or(0);
@@ -281,8 +281,10 @@ fn halved(patch: &Patch, mut trial: Trial, params: &RuledFitParams) -> Trial {
     let error = measure::quick(patch, &strip, COMPARED);
     (trial.strip, trial.error) = (strip.clone(), error);
     let mut in_vain = 0;
-    while trial.error > enough && in_vain < 2 && !cancel.is_cancelled() && 2 * strip.count() - 3 <= most {
-        let next = trial.samples.improved(strip.refined(), 10, 0.1 * enough);
+    while trial.error > enough && in_vain < 3 && !cancel.is_cancelled() {
+        let errors = measure::by_piece(patch, &strip, COMPARED);
+        let Some(finer) = strip.refined(&errors, enough, most) else { break };
+        let next = trial.samples.improved(finer, 10, 0.1 * enough);
         let error = measure::quick(patch, &next, COMPARED);
         in_vain = if error < 0.8 * trial.error { 0 } else { in_vain + 1 };
         strip.clone_from(&next);

@@ -67,6 +67,22 @@ pub(super) fn quick(patch: &Patch, strip: &Strip, count: usize) -> f64 {
     worst(&corners, 0.0).max(worst(&patch.inner_samples(count / 2), patch.chord))
 }
 
+/// The same for each piece of the guides.
+pub(super) fn by_piece(patch: &Patch, strip: &Strip, count: usize) -> Vec<f64> {
+    let corners: Vec<DVec3> = patch.corner_samples(count).into_iter().map(|c| c.0).collect();
+    let mut errors = vec![0.0f64; strip.breaks.len() - 1];
+    let rulings = strip.rulings();
+    let mut add = |points: &[DVec3], less: f64| {
+        let pieces: Vec<usize> = points.par_iter().map(|p| strip.piece(strip.foot(&rulings, *p).u)).collect();
+        for (piece, [off, _]) in pieces.into_iter().zip(distances(strip, points)) {
+            errors[piece] = errors[piece].max(off - less);
+        }
+    };
+    add(&corners, 0.0);
+    add(&patch.inner_samples(count / 2), patch.chord);
+    errors
+}
+
 pub(super) fn measured(patch: &Patch, sides: &Sides, strip: &Strip) -> Result<Measured, RuledFitError> {
     let corners: Vec<DVec3> = patch.corner_samples(CORNERS).into_iter().map(|c| c.0).collect();
     let inner = patch.inner_samples(usize::MAX);

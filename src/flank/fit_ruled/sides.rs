@@ -6,7 +6,7 @@ use glam::DVec3;
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 use super::patch::Patch;
-use super::strip::Strip;
+use super::strip::{Strip, even_breaks};
 
 /// Corners of a border that are tried, the sharpest.
 const MOST_CORNERS: usize = 10;
@@ -259,7 +259,7 @@ impl Sides {
         let pairs: Vec<[usize; 2]> = if by_tangents { matched(&laid) } else { (0..=LAID).map(|i| [i, i]).collect() };
         let steps = pairs.iter().map(|&[i, j]| 0.5 * (i + j) as f64 / LAID as f64);
         let ends: Vec<[DVec3; 2]> = pairs.iter().map(|&[i, j]| [laid[0][i].0, laid[1][j].0]).collect();
-        Strip::through(count, &steps.collect::<Vec<f64>>(), &ends)
+        Strip::through(even_breaks(count), &steps.collect::<Vec<f64>>(), &ends)
     }
 }
 

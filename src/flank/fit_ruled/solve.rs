@@ -111,7 +111,7 @@ impl Samples {
         for ((p, weight), foot) in self.face.iter().zip(&feet.face) {
             let place = strip.at(*foot);
             let normal = place.first[0].cross(place.first[1]).normalize_or_zero();
-            let basis = Basis::at(n, foot.u);
+            let basis = Basis::at(&strip.breaks, foot.u);
             row.clear();
             for (k, share) in basis.orders[0].iter().enumerate() {
                 row.push((basis.first + k, share * (1.0 - foot.v), normal));
@@ -129,12 +129,12 @@ impl Samples {
             for ((p, normal, weight), &u) in self.sides[s].iter().zip(&feet.sides[s]) {
                 let [c, t, _] = strip.guide(s, u);
                 let across = t.cross(*normal).normalize_or_zero();
-                along(across, (*p - c).dot(across), *weight, &Basis::at(n, u));
+                along(across, (*p - c).dot(across), *weight, &Basis::at(&strip.breaks, u));
             }
             for (end, p) in self.ends.iter().flat_map(|ends| [0.0, 1.0].into_iter().zip(ends[s])) {
                 let [c, t, _] = strip.guide(s, end);
                 let t = t.normalize_or_zero();
-                along(t, (p - c).dot(t), CORNER_WEIGHT, &Basis::at(n, end));
+                along(t, (p - c).dot(t), CORNER_WEIGHT, &Basis::at(&strip.breaks, end));
             }
         }
     }
@@ -143,8 +143,8 @@ impl Samples {
     fn speed_rows(strip: &Strip, weight: f64, mut each: impl FnMut(&[(usize, f64, DVec3)], f64, f64)) {
         let n = strip.count();
         let pieces = n - 3;
-        let even = |i: usize| [i, i + 1, i + 2].map(|k| k.saturating_sub(2).min(pieces) as f64).iter().sum::<f64>();
-        let place = |i: usize| even(i) / (3.0 * pieces as f64);
+        let knot = |k: usize| strip.breaks[k.saturating_sub(2).min(pieces)];
+        let place = |i: usize| [i, i + 1, i + 2].map(knot).iter().sum::<f64>() / 3.0;
         for (s, guide) in [&strip.lower, &strip.upper].into_iter().enumerate() {
             for i in 1..n - 1 {
                 let along = (guide[i + 1] - guide[i - 1]).normalize_or_zero();
@@ -248,6 +248,6 @@ fn moved(strip: &Strip, step: &[f64]) -> Option<Strip> {
     let guide = |points: &[DVec3], from: usize| -> Vec<DVec3> {
         points.iter().enumerate().map(|(i, p)| *p + at(from + i)).collect()
     };
-    let next = Strip { lower: guide(&strip.lower, 0), upper: guide(&strip.upper, n) };
+    let next = Strip { breaks: strip.breaks.clone(), lower: guide(&strip.lower, 0), upper: guide(&strip.upper, n) };
     next.lower.iter().chain(&next.upper).all(|p| p.is_finite()).then_some(next)
 }

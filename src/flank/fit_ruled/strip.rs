@@ -1,4 +1,4 @@
-//! The ruled surface while it is being fitted: two uniform cubic B-splines with common knots.
+//! The ruled surface while it is being fitted: two cubic B-splines with common knots.
 
 use glam::DVec3;
 
@@ -10,6 +10,8 @@ const BEYOND: [f64; 2] = [0.25, 0.4];
 /// The control points of both guides.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Strip {
+    /// Where pieces of both guides meet, from 0 to 1.
+    pub breaks: Vec<f64>,
     /// Of the lower guide.
     pub lower: Vec<DVec3>,
     /// Of the upper one, as many.
@@ -49,11 +51,11 @@ pub(super) struct Place {
 pub(super) struct Rulings(Vec<(f64, DVec3, DVec3)>);
 
 impl Basis {
-    /// At `u` of clamped uniform cubics of `count` control points over 0 to 1; the end pieces go on beyond.
-    pub(super) fn at(count: usize, u: f64) -> Self {
-        let pieces = count - 3;
-        let span = ((u * pieces as f64).floor().max(0.0) as usize).min(pieces - 1);
-        let knot = |i: usize| ((span + i).saturating_sub(2).min(pieces)) as f64 / pieces as f64;
+    /// At `u` of clamped cubics whose pieces meet at `breaks` from 0 to 1; the end pieces go on beyond.
+    pub(super) fn at(breaks: &[f64], u: f64) -> Self {
+        let pieces = breaks.len() - 1;
+        let span = breaks.partition_point(|b| *b <= u).clamp(1, pieces) - 1;
+        let knot = |i: usize| breaks[(span + i).saturating_sub(2).min(pieces)];
         // The knots around the span: three before it, itself, three behind.
         let k: [f64; 6] = std::array::from_fn(knot);
         let mut rows = [[0.0; 4]; 4];
@@ -89,6 +91,18 @@ impl Basis {
     }
 }
 
+/// Pieces of equal length for `count` control points.
+pub(super) fn even_breaks(count: usize) -> Vec<f64> {
+    let pieces = count - 3;
+    (0..=pieces).map(|i| i as f64 / pieces as f64).collect()
+}
+
+/// Eight places in every piece, and the end.
+fn dense(breaks: &[f64]) -> Vec<f64> {
+    let within = breaks.windows(2).flat_map(|w| (0..8).map(move |i| w[0] + (w[1] - w[0]) * f64::from(i) / 8.0));
+    within.chain([1.0]).collect()
+}
+
 impl Strip {
     /// Control points of each guide.
     pub(super) fn count(&self) -> usize {
@@ -97,10 +111,7 @@ impl Strip {
 
     /// The guides as curves, moved by `origin`.
     pub(super) fn guides(&self, origin: DVec3) -> Result<[NurbsCurve; 2], NurbsError> {
-        let pieces = self.count() - 3;
-        let mut knots = vec![0.0; 3];
-        knots.extend((0..=pieces).map(|i| i as f64 / pieces as f64));
-        knots.extend([1.0; 3]);
+        let knots = [&[0.0; 3][..], &self.breaks, &[1.0; 3]].concat();
         let knots = KnotVector::new(3, knots)?;
         let curve = |points: &[DVec3]| {
             let moved: Vec<DVec3> = points.iter().map(|p| *p + origin).collect();
@@ -111,20 +122,20 @@ impl Strip {
 
     /// The points of both guides at `u`.
     pub(super) fn ends(&self, u: f64) -> [DVec3; 2] {
-        let basis = Basis::at(self.count(), u);
+        let basis = Basis::at(&self.breaks, u);
         [basis.sum(0, &self.lower), basis.sum(0, &self.upper)]
     }
 
     /// Point and derivatives of a guide at `u`: the lower one where `side` is 0.
     pub(super) fn guide(&self, side: usize, u: f64) -> [DVec3; 3] {
-        let basis = Basis::at(self.count(), u);
+        let basis = Basis::at(&self.breaks, u);
         let points = if side == 0 { &self.lower } else { &self.upper };
         [0, 1, 2].map(|order| basis.sum(order, points))
     }
 
     /// The surface at `foot`.
     pub(super) fn at(&self, foot: Foot) -> Place {
-        let basis = Basis::at(self.count(), foot.u);
+        let basis = Basis::at(&self.breaks, foot.u);
         let [low, high] = [&self.lower, &self.upper].map(|g| [0, 1, 2].map(|order| basis.sum(order, g)));
         let mix = |i: usize| low[i] * (1.0 - foot.v) + high[i] * foot.v;
         Place { point: mix(0), first: [mix(1), high[0] - low[0]], second: [mix(2), high[1] - low[1]] }
@@ -132,9 +143,12 @@ impl Strip {
 
     /// Rulings to look for feet by.
     pub(super) fn rulings(&self) -> Rulings {
-        let n = 6 * (self.count() - 3).max(6);
-        let at = |i: usize| i as f64 / n as f64;
-        Rulings((0..=n).map(|i| (at(i), self.ends(at(i)))).map(|(u, [a, b])| (u, a, b)).collect())
+        let even = 6.0 * (self.count() - 3).max(6) as f64;
+        let places = self.breaks.windows(2).flat_map(|w| {
+            let parts = (even * (w[1] - w[0])).round().max(2.0);
+            (0..parts as usize).map(move |i| w[0] + (w[1] - w[0]) * i as f64 / parts)
+        });
+        Rulings(places.chain([1.0]).map(|u| (u, self.ends(u))).map(|(u, [a, b])| (u, a, b)).collect())
     }
 
     /// The place nearest to `p` between the ends, near enough to measure distances of more than a thousandth of a piece.
@@ -146,7 +160,7 @@ impl Strip {
         };
         let nearer = |a: (f64, Foot), b: (f64, Foot)| if b.0 < a.0 { b } else { a };
         let seen = rulings.0.iter().map(|r| on(r.0)).fold((f64::INFINITY, Foot { u: 0.5, v: 0.5 }), nearer);
-        let step = 1.0 / (rulings.0.len().max(2) - 1) as f64;
+        let step = rulings.0.windows(2).map(|w| w[1].0 - w[0].0).fold(0.0, f64::max);
         let (mut low, mut high) = ((seen.1.u - step).max(0.0), (seen.1.u + step).min(1.0));
         for _ in 0..30 {
             let [a, b] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
@@ -231,28 +245,46 @@ impl Strip {
         u
     }
 
-    /// The same surface with twice as many pieces.
-    pub(super) fn refined(&self) -> Self {
-        let count = 2 * (self.count() - 3) + 3;
-        let places: Vec<f64> = (0..4 * count).map(|i| i as f64 / (4 * count - 1) as f64).collect();
+    /// The same surface with those pieces halved that are more than `enough` off by `errors`, the worst of them where
+    /// there would be more than `most` control points; none where nothing can be halved.
+    pub(super) fn refined(&self, errors: &[f64], enough: f64, most: usize) -> Option<Self> {
+        let mut worst: Vec<usize> = (0..errors.len()).filter(|&i| errors[i] > enough).collect();
+        worst.sort_by(|&a, &b| errors[b].total_cmp(&errors[a]));
+        worst.truncate(most.saturating_sub(self.count()));
+        if worst.is_empty() {
+            return None;
+        }
+        let mut breaks = self.breaks.clone();
+        breaks.extend(worst.iter().map(|&i| 0.5 * (self.breaks[i] + self.breaks[i + 1])));
+        breaks.sort_by(f64::total_cmp);
+        let places = dense(&breaks);
         let ends: Vec<[DVec3; 2]> = places.iter().map(|&u| self.ends(u)).collect();
-        Self::through(count, &places, &ends).unwrap_or_else(|| self.clone())
+        Self::through(breaks, &places, &ends)
+    }
+
+    /// The piece of the guides that has the parameter `u`.
+    pub(super) fn piece(&self, u: f64) -> usize {
+        self.breaks.partition_point(|b| *b <= u).clamp(1, self.breaks.len() - 1) - 1
     }
 
     /// The same surface from `start` to `end` in its parameter, which may lie beyond its ends.
     pub(super) fn between(&self, start: f64, end: f64) -> Option<Self> {
-        let n = 4 * self.count();
-        let places: Vec<f64> = (0..n).map(|i| i as f64 / (n - 1) as f64).collect();
+        let last = self.breaks.len() - 1;
+        let moved =
+            |i: usize| if i == 0 || i == last { self.breaks[i] } else { (self.breaks[i] - start) / (end - start) };
+        let breaks: Vec<f64> = (0..=last).map(moved).collect();
+        let places = dense(&breaks);
         let ends: Vec<[DVec3; 2]> = places.iter().map(|&u| self.ends(start + (end - start) * u)).collect();
-        Self::through(self.count(), &places, &ends)
+        Self::through(breaks, &places, &ends)
     }
 
-    /// The guides of `count` control points each with the least squares of distances from `ends[i]` at `places[i]`.
-    pub(super) fn through(count: usize, places: &[f64], ends: &[[DVec3; 2]]) -> Option<Self> {
+    /// The guides whose pieces meet at `breaks` with the least squares of distances from `ends[i]` at `places[i]`.
+    pub(super) fn through(breaks: Vec<f64>, places: &[f64], ends: &[[DVec3; 2]]) -> Option<Self> {
+        let count = breaks.len() + 2;
         let mut matrix = nalgebra::DMatrix::<f64>::zeros(count, count);
         let mut right = nalgebra::DMatrix::<f64>::zeros(count, 6);
         for (&u, pair) in places.iter().zip(ends) {
-            let basis = Basis::at(count, u);
+            let basis = Basis::at(&breaks, u);
             for (k, x) in basis.orders[0].iter().enumerate() {
                 for (l, y) in basis.orders[0].iter().enumerate() {
                     matrix[(basis.first + k, basis.first + l)] += x * y;
@@ -272,8 +304,8 @@ impl Strip {
         }
         let solved = matrix.cholesky()?.solve(&right);
         let point = |i: usize, c: usize| DVec3::new(solved[(i, c)], solved[(i, c + 1)], solved[(i, c + 2)]);
-        let strip =
-            Self { lower: (0..count).map(|i| point(i, 0)).collect(), upper: (0..count).map(|i| point(i, 3)).collect() };
+        let [lower, upper] = [0, 3].map(|c| (0..count).map(|i| point(i, c)).collect());
+        let strip = Self { breaks, lower, upper };
         strip.lower.iter().chain(&strip.upper).all(|p| p.is_finite()).then_some(strip)
     }
 }

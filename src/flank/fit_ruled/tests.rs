@@ -248,7 +248,7 @@ fn a_face_that_the_surface_does_not_cover_is_said() {
     };
     let (mesh, front) = solid(&arched, [30, 16], 2.0);
     let fit = fit_of(&mesh, &front);
-    assert!(fit.is_ruled && !fit.covers && fit.uncovered_mm > 0.1, "{:?}", fit.words);
+    assert!(!fit.covers && fit.uncovered_mm > 0.05, "{:?}", fit.words);
     let at = fit.uncovered_at;
     assert!(says(&fit, "NOT COVERED") && (at.truncate().length() - 60.0).abs() < 0.05, "{at}");
     // A slot cuts 4 mm of a wall of 16 mm off; an island in a hole lies on the surface.
@@ -396,6 +396,17 @@ fn candidates_are_walls_roundings_and_the_wall_all_around() {
     // It is cut open at an end of a plane, not within a rounding.
     let seam = fit.lower.point(0.0).abs();
     assert!((seam.x.max(seam.y) - half).abs() < 0.02 && (seam.x.min(seam.y) - (half - radius)).abs() < 0.02, "{seam}");
+}
+
+/// Small roundings of a large wall need knots where they are: as many even ones would be half a millimetre apart.
+#[test]
+fn a_wall_with_small_roundings_is_ruled_with_few_control_points() {
+    let mesh = rounded_block(20.0, 3.0, 15.0, 24);
+    let n = 4 * 25;
+    let around: Vec<u32> = (0..4 * n).filter(|t| t % 4 < 2).collect();
+    let fit = fit_ruled(&mesh, &around, &RuledFitParams::default(), &Cancel::default()).unwrap();
+    assert!(fit.is_ruled && fit.is_cut_open, "{:?}", fit.words);
+    assert!(fit.error_corners.greatest_mm < 0.01, "{:?}", fit.error_corners);
 }
 
 proptest! {
