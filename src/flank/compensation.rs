@@ -13,6 +13,7 @@ use super::FlankError;
 use super::axis_surface::AxisSurface;
 use super::cutter::FlankCutter;
 use super::deviation::{DesignGrid, Deviation, Feet, GridPlace};
+use super::envelope::envelope_over;
 use crate::progress::Cancel;
 
 /// True sums of deviations over the number of singular values kept.
@@ -176,6 +177,11 @@ pub struct Measured {
     pub deviation: Deviation,
     /// Where the axis stands over the places of the grid.
     pub feet: Feet,
+    /// Least and greatest t at which the moving cutter grazes the surface's ends.
+    grazing: [f64; 2],
+    /// How far in t it grazes them before it stands over the surface's beginning, or after it stands over its end, at
+    /// most.
+    pub(super) lag: f64,
 }
 
 impl Measured {
@@ -190,12 +196,39 @@ impl Measured {
         near: Option<&Feet>,
     ) -> Result<Self, FlankError> {
         let (deviation, feet) = grid.deviation(&axis, cutter, near)?;
-        Ok(Self { axis, deviation, feet })
+        let [along, across] = grid.size();
+        let ends = (0..across).chain((along - 1) * across..along * across);
+        let (mut grazing, mut lag) = ([f64::INFINITY, f64::NEG_INFINITY], 0.0f64);
+        for k in ends {
+            let outwards = if k < across { -1.0 } else { 1.0 };
+            // Where it does not graze there is nothing more to be covered.
+            let Some(found) = envelope_over(&axis, cutter, &grid.grid_places()[k], feet.at[k]) else { continue };
+            grazing = [grazing[0].min(found.t), grazing[1].max(found.t)];
+            lag = lag.max(outwards * (found.t - feet.at[k].x));
+        }
+        Ok(Self { axis, deviation, feet, grazing, lag })
     }
 
-    /// Whether the path begins before and ends behind the surface.
-    pub fn covers(&self) -> bool {
+    /// Least and greatest t that the path must have to cover the surface, standing and moving.
+    pub fn t_range(&self) -> [f64; 2] {
         let [first, last] = self.feet.t_range();
+        [first.min(self.grazing[0]), last.max(self.grazing[1])]
+    }
+
+    /// Whether the path begins before and ends behind the surface, by where the cutter stands over it.
+    pub fn stands_over_all(&self) -> bool {
+        let [first, last] = self.feet.t_range();
+        first >= 0.0 && last <= 1.0
+    }
+
+    /// Whether it covers all that `other` covers, standing and moving.
+    pub(super) fn covers_as(&self, other: &Self) -> bool {
+        self.covers() || (!other.covers() && (self.stands_over_all() || !other.stands_over_all()))
+    }
+
+    /// Whether it also grazes all of the surface while it moves.
+    pub fn covers(&self) -> bool {
+        let [first, last] = self.t_range();
         first >= 0.0 && last <= 1.0
     }
 }
@@ -214,12 +247,12 @@ pub fn best_rank(
     let system = Compensation::new(grid, &start.axis, cutter, (&start.deviation, &start.feet), model)?;
     let candidate = |rank: usize| -> Result<Option<(f64, bool)>, FlankError> {
         cancel.check()?;
-        Ok(path_of(grid, start, cutter, &system, rank).map(|path| (path.deviation.sum, path.covers())))
+        Ok(path_of(grid, start, cutter, &system, rank).map(|path| (path.deviation.sum, path.stands_over_all())))
     };
     let ranks = system.singular_values().len();
     let found: Result<Vec<_>, _> = (1..=ranks).into_par_iter().map(candidate).collect();
     let found = found?;
-    let must_cover = start.covers();
+    let must_cover = start.stands_over_all();
     let mut best = (0, start.deviation.sum);
     for (i, candidate) in found.iter().enumerate() {
         if let Some((sum, covers)) = *candidate

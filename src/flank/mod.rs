@@ -89,7 +89,8 @@ pub enum FlankError {
     },
     /// A side that only the user can know.
     #[error(
-        "on which side of the surface the cutter stands must be said: at the surface's middle, ({:.2}, {:.2}, {:.2}), the positive          side is towards ({:.2}, {:.2}, {:.2}) and the negative side opposite; choose the one away from the part",
+        "on which side of the surface the cutter stands must be said: at the surface's middle, ({:.2}, {:.2}, {:.2}), the positive \
+         side is towards ({:.2}, {:.2}, {:.2}) and the negative side opposite; choose the one away from the part",
         point.x, point.y, point.z, normal.x, normal.y, normal.z
     )]
     SideOpen {

@@ -104,7 +104,7 @@ fn refined(
         .and_then(|near| Measured::new(grid, near.axis, cutter, Some(&chosen.feet)));
     control.1.check()?;
     let near = near.ok().filter(|near| is_better(params.objective, &near.deviation, &chosen.deviation));
-    let near = near.filter(|near| near.covers() || !chosen.covers());
+    let near = near.filter(|near| near.covers_as(chosen));
     let start = near.as_ref().unwrap_or(chosen);
     refine(grid, start, cutter, (params.objective, params.rounds.div_ceil(4), 0.05), control)
 }
@@ -163,7 +163,7 @@ fn covering_start(
         let all = locations(surface, cutter, params, range, cancel)?;
         let axis = AxisSurface::fit(&all, params.control_points)?;
         let start = Measured::new(grid, axis, cutter, None)?;
-        let [first, last] = start.feet.t_range();
+        let [first, last] = start.t_range();
         let covers = start.covers();
         found = Some((all, start));
         if covers || !params.is_covering {

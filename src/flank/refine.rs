@@ -84,7 +84,7 @@ pub fn refine(
 ) -> Result<Measured, FlankError> {
     const STAGE: usize = 8;
     /// Share by which the moving cutter's sum may differ from the standing one's.
-    const TRUSTED: f64 = 0.03;
+    const TRUSTED: f64 = 0.02;
     let scale = start.deviation.mean.max(1e-9);
     let bounds = bounds_of(objective);
     let mut merit = Merit { is_square: objective == Objective::Rms, soft: soft * scale, bounds, penalty: 10.0 / scale };
@@ -159,7 +159,7 @@ fn step(
             let axis = now.axis.moved(&-system.solve(&slope)).ok()?;
             Measured::new(grid, axis, cutter, Some(&now.feet)).ok()
         });
-        if let Some(next) = next.filter(|next| next.covers() || !now.covers()) {
+        if let Some(next) = next.filter(|next| next.covers_as(now)) {
             let gain = value - cost(&next);
             if gain > 0.0 {
                 *damping = (*damping * 0.2).max(1e-9);

@@ -48,7 +48,7 @@ fn assert_sampled(found: &OwnSurfaceCheck, path: &FlankPath, cutter: &FlankCutte
 #[test]
 fn a_cutter_on_one_lip_of_a_pocket_cuts_the_other() {
     let surface = omega();
-    let params = FlankParams { locations: 160, control_points: 60, grid: [160, 4], rounds: 0, ..FlankParams::default() };
+    let params = FlankParams { locations: 200, control_points: 80, grid: [160, 4], rounds: 0, ..FlankParams::default() };
     let cutter = FlankCutter::cylinder(5.0, 20.0);
     assert!(cutter.fits(&surface, 0.0).is_ok(), "nowhere is it hollow with less than 8 mm");
     let plan = planned(&surface, &cutter, &params).unwrap();
