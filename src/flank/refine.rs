@@ -15,6 +15,7 @@ use super::deviation::{DesignGrid, Deviation};
 use super::edges::Edges;
 use super::envelope;
 use super::params::Objective;
+use super::path::FlankPath;
 use crate::progress::{Cancel, Progress};
 
 /// What a step makes smaller: the sum over places of a function that nears the objective.
@@ -52,6 +53,11 @@ pub fn beyond_bounds(objective: Objective, deviation: &Deviation) -> f64 {
     (deviation.most_undercut - most).max(least - deviation.most_overcut).max(0.0)
 }
 
+/// How far beyond the bounds of an objective a path goes (mm), standing or moving, whichever is worse.
+pub fn path_beyond_bounds(objective: Objective, path: &FlankPath) -> f64 {
+    beyond_bounds(objective, &path.deviation).max(beyond_bounds(objective, &path.envelope.deviation))
+}
+
 fn bounds_of(objective: Objective) -> [f64; 2] {
     match objective {
         Objective::Bounded { overcut_mm, undercut_mm } => {
@@ -71,11 +77,47 @@ pub(super) fn is_better(objective: Objective, a: &Deviation, b: &Deviation) -> b
 }
 
 /// Refines `start` in at most `rounds` steps. `soft` says from which share of the mean deviation on absolute values are
-/// rounded off at first: 0.5 far from the answer, less near to it.
+/// rounded off at first: 0.5 far from the answer, less near to it. Bounds are made narrower by what the moving cutter
+/// goes beyond them, and refinement goes on.
 ///
 /// # Errors
 /// Cancelled.
 pub fn refine(
+    grid: &DesignGrid,
+    start: &Measured,
+    cutter: &FlankCutter,
+    (objective, rounds, soft): (Objective, usize, f64),
+    control: (&Progress, &Cancel),
+) -> Result<Measured, FlankError> {
+    const TRIES: usize = 3;
+    /// What is beyond a bound by less counts as within (mm).
+    const KEPT: f64 = 1e-6;
+    let mut answer = refine_standing(grid, start, cutter, (objective, rounds, soft), control)?;
+    let Objective::Bounded { mut overcut_mm, mut undercut_mm } = objective else { return Ok(answer) };
+    let [least, most] = bounds_of(objective);
+    let moving_of = |path: &Measured| envelope::check(grid, &path.axis, cutter, (&path.deviation, &path.feet)).deviation;
+    let mut moving = moving_of(&answer);
+    for _ in 0..TRIES {
+        let beyond = beyond_bounds(objective, &moving).max(beyond_bounds(objective, &answer.deviation));
+        if beyond < KEPT || rounds == 0 {
+            break;
+        }
+        let (over, under) = ((least - moving.most_overcut).max(0.0), (moving.most_undercut - most).max(0.0));
+        overcut_mm = overcut_mm.map(|x| x - over);
+        undercut_mm = undercut_mm.map(|x| x - under);
+        let narrower = Objective::Bounded { overcut_mm, undercut_mm };
+        let next = refine_standing(grid, &answer, cutter, (narrower, rounds.div_ceil(2), 0.05), control)?;
+        let next_moving = moving_of(&next);
+        if beyond_bounds(objective, &next_moving).max(beyond_bounds(objective, &next.deviation)) >= beyond {
+            break;
+        }
+        (answer, moving) = (next, next_moving);
+    }
+    Ok(answer)
+}
+
+/// Refines `start` with bounds on what the standing cutter does.
+fn refine_standing(
     grid: &DesignGrid,
     start: &Measured,
     cutter: &FlankCutter,

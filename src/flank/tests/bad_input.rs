@@ -63,6 +63,39 @@ fn points_are_read_from_text_with_the_line_of_what_is_wrong() {
 }
 
 #[test]
+fn a_row_of_very_many_points_is_refused_in_words() {
+    let text = |n: usize| (0..n).map(|i| format!("{i},0,0\n")).collect::<String>();
+    assert!(GuideCurve::from_csv(&text(20_000)).is_ok());
+    let error = GuideCurve::from_csv(&text(20_001)).unwrap_err();
+    assert_eq!(error, FlankError::TooManyPoints { most: 20_000 });
+    let long = GuideCurve::Points { points: vec![DVec3::ZERO; 20_001], degree: 3 };
+    assert_eq!(spanned(&line([0.0; 3], [1.0; 3]), &long), Err(error));
+}
+
+#[test]
+fn rows_with_as_many_points_have_rulings_from_point_to_point() {
+    use crate::flank::guide::pairing_warning;
+    // Spaced evenly below and more and more widely above: shares of length are not the same.
+    let row = |z: f64, x: &dyn Fn(f64) -> f64, n: u32| GuideCurve::Points {
+        points: (0..n).map(|i| f64::from(i)).map(|i| DVec3::new(x(i), 0.1 * i * i, z)).collect(),
+        degree: 3,
+    };
+    let (lower, upper) = (row(0.0, &|i| 4.0 * i, 9), row(10.0, &|i| 2.0 * i + 0.25 * i * i, 9));
+    let surface = spanned(&lower, &upper).unwrap();
+    let (GuideCurve::Points { points: low, .. }, GuideCurve::Points { points: high, .. }) = (&lower, &upper) else {
+        panic!()
+    };
+    for (p, q) in low.iter().zip(high) {
+        let [u, w] = [surface.lower().nearest(*p), surface.upper().nearest(*q)];
+        assert!(u.distance < 1e-9 && w.distance < 1e-9 && (u.u - w.u).abs() < 1e-7, "{} {}", u.u, w.u);
+        assert!(surface.point(u.u, 0.5).distance(0.5 * (*p + *q)) < 1e-6, "the middle of the ruling given");
+    }
+    assert_eq!(pairing_warning(&lower, &upper), None);
+    let words = pairing_warning(&lower, &row(10.0, &|i| 4.0 * i, 8)).unwrap();
+    assert!(words.contains("9 points") && words.contains("one 8"), "{words}");
+}
+
+#[test]
 fn a_b_spline_guide_runs_from_zero_to_one_whatever_its_knots() {
     let points: Vec<DVec3> = (0..5).map(|i| DVec3::new(f64::from(i), f64::from(i * i), 0.0)).collect();
     let of = |knots: [f64; 9]| GuideCurve::BSpline {

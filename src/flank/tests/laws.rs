@@ -184,6 +184,18 @@ fn objectives_do_what_they_say() {
 }
 
 #[test]
+fn a_bound_on_overcut_holds_for_the_moving_cutter_too() {
+    let (surface, cutter, figures) = case(&reference(), "cyl_R2_B");
+    let (grid, start) = covered_start(&surface, &cutter, &figures, [40, 20]);
+    let objective = Objective::Bounded { overcut_mm: Some(0.0), undercut_mm: None };
+    let quiet = (Progress::silent(), Cancel::default());
+    let path = refine(&grid, &start, &cutter, (objective, 60, 0.5), (&quiet.0, &quiet.1)).unwrap();
+    let moving = envelope::check(&grid, &path.axis, &cutter, (&path.deviation, &path.feet)).deviation;
+    let worst = [moving.most_overcut, path.deviation.most_overcut];
+    assert!(worst.iter().all(|e| *e > -1e-5), "{worst:?}");
+}
+
+#[test]
 fn the_same_plan_comes_from_any_number_of_threads() {
     let (surface, cutter, _) = case(&reference(), "cone_r1_a5_B");
     let params = FlankParams { grid: [40, 20], rounds: 20, ..FlankParams::default() };

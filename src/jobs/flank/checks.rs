@@ -6,7 +6,7 @@ use super::{FlankInput, FlankResult, LoadedSurface};
 use crate::flank::FlankError;
 use crate::flank::gouge::{Clearance, ToolPart};
 use crate::flank::params::Objective;
-use crate::flank::refine::beyond_bounds;
+use crate::flank::refine::path_beyond_bounds;
 
 /// How far below the flutes the surface may go (mm): the bottom's own rounding.
 const BELOW_MM: f64 = 1e-3;
@@ -163,12 +163,13 @@ fn coverage(result: &FlankResult) -> FlankCheck {
 fn bounds(result: &FlankResult) -> Option<FlankCheck> {
     let objective = result.plan.params.objective;
     let Objective::Bounded { .. } = objective else { return None };
-    let deviation = &result.path().deviation;
-    let beyond = beyond_bounds(objective, deviation);
+    let path = result.path();
+    let both = [&path.deviation, &path.envelope.deviation];
+    let beyond = path_beyond_bounds(objective, path);
     let text = format!(
-        "overcut up to {:.4} mm, undercut up to {:.4} mm: {}",
-        (-deviation.most_overcut).max(0.0),
-        deviation.most_undercut.max(0.0),
+        "overcut up to {:.4} mm, undercut up to {:.4} mm, standing or moving: {}",
+        both.iter().fold(0.0, |most: f64, d| most.max(-d.most_overcut)),
+        both.iter().fold(0.0, |most: f64, d| most.max(d.most_undercut)),
         if beyond > KEPT_MM { format!("{beyond:.4} mm beyond the bounds") } else { "within the bounds".to_owned() }
     );
     Some(FlankCheck::new(CheckKind::Bounds, beyond <= KEPT_MM, text))
