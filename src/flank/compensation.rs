@@ -27,6 +27,8 @@ pub struct RankCurve {
     /// The rank with the least sum; among those of paths that cover the surface if there are any. 0 if no rank is
     /// better than the path before.
     pub best: usize,
+    /// Places along u and v of the grid that the sums are of.
+    pub grid: [usize; 2],
 }
 
 /// What a change of the control points is taken to do.
@@ -101,15 +103,16 @@ impl Compensation {
     /// The system at a path.
     ///
     /// # Errors
-    /// [`FlankError::Singular`] if it cannot be decomposed.
+    /// [`FlankError::Singular`] if it cannot be decomposed; cancelled.
     pub fn new(
         grid: &DesignGrid,
         axis: &AxisSurface,
         cutter: &FlankCutter,
         (deviation, feet): (&Deviation, &Feet),
-        model: Model,
+        (model, cancel): (Model, &Cancel),
     ) -> Result<Self, FlankError> {
-        let triangle = triangle(grid, axis, cutter, (deviation, feet), model);
+        let triangle = triangle(grid, axis, cutter, (deviation, feet), (model, cancel))?;
+        cancel.check()?;
         let unknowns = triangle.ncols() - 1;
         let square = triangle.view((0, 0), (unknowns, unknowns)).into_owned();
         let right = triangle.view((0, unknowns), (unknowns, 1)).into_owned();
@@ -136,36 +139,52 @@ impl Compensation {
     }
 }
 
-/// The triangle that [J | -deviation] is turned into: blocks by themselves, then what is left of all of them.
+/// The triangle that [J | -deviation] is turned into: blocks by themselves, a few at a time, each time together with what
+/// is left of those before. The order is fixed, and no more than a few blocks are held.
 fn triangle(
     grid: &DesignGrid,
     axis: &AxisSurface,
     cutter: &FlankCutter,
     (deviation, feet): (&Deviation, &Feet),
-    model: Model,
-) -> DMatrix<f64> {
-    const BLOCK: usize = 512;
+    (model, cancel): (Model, &Cancel),
+) -> Result<DMatrix<f64>, FlankError> {
+    const LEAST: usize = 512;
+    const AT_ONCE: usize = 8;
     let n = axis.lower().len();
     let width = 6 * n + 1;
-    let of_block = |(block, places): (usize, &[GridPlace])| {
+    // A block much higher than wide is turned into a triangle much smaller than itself.
+    let size = LEAST.max(4 * width);
+    let of_block = |(block, places): (usize, &[GridPlace])| -> Result<DMatrix<f64>, FlankError> {
+        cancel.check()?;
         let mut rows = DMatrix::zeros(places.len(), width);
         for (r, place) in places.iter().enumerate() {
-            let k = block * BLOCK + r;
+            let k = block * size + r;
             let row = Row::of(axis, cutter, place, feet.at[k], model);
             row.entries(n).iter().for_each(|(c, value)| rows[(r, *c)] = *value);
             rows[(r, width - 1)] = -deviation.values[k];
         }
-        rows.qr().r()
+        Ok(rows.qr().r())
     };
-    let blocks: Vec<DMatrix<f64>> = grid.grid_places().par_chunks(BLOCK).enumerate().map(of_block).collect();
-    let height: usize = blocks.iter().map(DMatrix::nrows).sum();
-    let mut all = DMatrix::zeros(height.max(width), width);
-    let mut top = 0;
-    for block in &blocks {
-        all.rows_mut(top, block.nrows()).copy_from(block);
-        top += block.nrows();
+    let places = grid.grid_places();
+    let mut left = DMatrix::zeros(0, width);
+    for start in (0..places.len()).step_by(AT_ONCE * size) {
+        let end = places.len().min(start + AT_ONCE * size);
+        let first = start / size;
+        let blocks = places[start..end].par_chunks(size).enumerate();
+        let blocks: Result<Vec<DMatrix<f64>>, FlankError> =
+            blocks.map(|(block, places)| of_block((first + block, places))).collect();
+        let blocks = blocks?;
+        cancel.check()?;
+        let height: usize = left.nrows() + blocks.iter().map(DMatrix::nrows).sum::<usize>();
+        let mut all = DMatrix::zeros(height.max(width), width);
+        let mut top = 0;
+        for block in std::iter::once(&left).chain(&blocks) {
+            all.rows_mut(top, block.nrows()).copy_from(block);
+            top += block.nrows();
+        }
+        left = all.qr().r();
     }
-    all.qr().r()
+    Ok(left)
 }
 
 /// A path with its deviation and where its axis stands.
@@ -244,7 +263,7 @@ pub fn best_rank(
     model: Model,
     cancel: &Cancel,
 ) -> Result<(Measured, RankCurve), FlankError> {
-    let system = Compensation::new(grid, &start.axis, cutter, (&start.deviation, &start.feet), model)?;
+    let system = Compensation::new(grid, &start.axis, cutter, (&start.deviation, &start.feet), (model, cancel))?;
     let candidate = |rank: usize| -> Result<Option<(f64, bool)>, FlankError> {
         cancel.check()?;
         Ok(path_of(grid, start, cutter, &system, rank).map(|path| (path.deviation.sum, path.stands_over_all())))
@@ -263,7 +282,7 @@ pub fn best_rank(
         }
     }
     let sums = found.iter().map(|f| f.map(|(sum, _)| sum)).collect();
-    let curve = RankCurve { singular_values: system.singular_values().to_vec(), sums, best: best.0 };
+    let curve = RankCurve { singular_values: system.singular_values().to_vec(), sums, best: best.0, grid: grid.size() };
     let chosen = if best.0 > 0 { path_of(grid, start, cutter, &system, best.0) } else { None };
     Ok((chosen.unwrap_or_else(|| start.clone()), curve))
 }

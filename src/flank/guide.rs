@@ -61,9 +61,8 @@ pub(super) fn pair(lower: &GuideCurve, upper: &GuideCurve) -> Result<[NurbsCurve
     let chords = |which, points: &[DVec3]| chord_parameters(points).map_err(wrong(which));
     let (first, second) = (chords("lower", low)?, chords("upper", high)?);
     let shared: Vec<f64> = first.iter().zip(&second).map(|(a, b)| 0.5 * (a + b)).collect();
-    let through = |which, points: &[DVec3], degree| {
-        NurbsCurve::through_at(&shared, points, degree, None).map_err(wrong(which))
-    };
+    let through =
+        |which, points: &[DVec3], degree| NurbsCurve::through_at(&shared, points, degree, None).map_err(wrong(which));
     Ok([through("lower", low, low_degree)?, through("upper", high, high_degree)?])
 }
 

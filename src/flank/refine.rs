@@ -95,18 +95,22 @@ pub fn refine(
     let mut answer = refine_standing(grid, start, cutter, (objective, rounds, soft), control)?;
     let Objective::Bounded { mut overcut_mm, mut undercut_mm } = objective else { return Ok(answer) };
     let [least, most] = bounds_of(objective);
-    let moving_of = |path: &Measured| envelope::check(grid, &path.axis, cutter, (&path.deviation, &path.feet)).deviation;
+    let moving_of =
+        |path: &Measured| envelope::check(grid, &path.axis, cutter, (&path.deviation, &path.feet)).deviation;
     let mut moving = moving_of(&answer);
     for _ in 0..TRIES {
         let beyond = beyond_bounds(objective, &moving).max(beyond_bounds(objective, &answer.deviation));
         if beyond < KEPT || rounds == 0 {
             break;
         }
-        let (over, under) = ((least - moving.most_overcut).max(0.0), (moving.most_undercut - most).max(0.0));
+        // What is beyond a bound while the cutter stands is for refinement itself.
+        let (still, beyond_of) = (&answer.deviation, |off: f64, more: f64| if off > 0.0 { more.max(0.0) } else { 0.0 });
+        let over = beyond_of(least - moving.most_overcut, still.most_overcut - moving.most_overcut);
+        let under = beyond_of(moving.most_undercut - most, moving.most_undercut - still.most_undercut);
         overcut_mm = overcut_mm.map(|x| x - over);
         undercut_mm = undercut_mm.map(|x| x - under);
         let narrower = Objective::Bounded { overcut_mm, undercut_mm };
-        let next = refine_standing(grid, &answer, cutter, (narrower, rounds.div_ceil(2), 0.05), control)?;
+        let next = refine_standing(grid, &answer, cutter, (narrower, rounds, 0.2), control)?;
         let next_moving = moving_of(&next);
         if beyond_bounds(objective, &next_moving).max(beyond_bounds(objective, &next.deviation)) >= beyond {
             break;
@@ -132,7 +136,10 @@ fn refine_standing(
     let mut merit = Merit { is_square: objective == Objective::Rms, soft: soft * scale, bounds, penalty: 10.0 / scale };
     let edges = Edges::of(grid, start, cutter, scale);
     let (mut best, mut now, mut damping) = (start.clone(), start.clone(), 1e-3);
-    let allowed = moving_difference(grid, start, cutter).max(TRUSTED);
+    // Bounds come before that: the moving cutter is held to them by itself.
+    let is_bounded = matches!(objective, Objective::Bounded { .. });
+    let trusted_share = if is_bounded { 2.5 * TRUSTED } else { TRUSTED };
+    let allowed = moving_difference(grid, start, cutter).max(trusted_share);
     let (mut trusted, mut checked, mut in_stage) = (start.clone(), 0, 0);
     for round in 0..rounds {
         cancel.check()?;

@@ -38,6 +38,12 @@ pub(super) fn of_plan(surface: &RuledSurface, plan: &FlankPlan) -> Vec<String> {
              the overcut if that matters"
         ));
     }
+    let [along, across] = plan.ranks.grid;
+    if plan.ranks.grid != plan.params.grid {
+        warnings.push(format!(
+            "the grid is fine: ranks were tried on one of {along} x {across} places, and the sums over ranks are of that one"
+        ));
+    }
     if plan.ranks.best == 0 {
         warnings.push("no rank makes the sum of deviations less: the initial path was kept as the chosen one".into());
     }
