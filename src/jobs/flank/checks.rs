@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::{FlankInput, FlankResult, LoadedSurface};
 use crate::flank::FlankError;
 use crate::flank::gouge::{Clearance, ToolPart};
+use crate::flank::guide::pairing_warning;
 use crate::flank::params::Objective;
 use crate::flank::refine::path_beyond_bounds;
 
@@ -26,6 +27,8 @@ pub enum CheckKind {
     Bounds,
     /// That the moving cutter cuts as the standing one.
     Envelope,
+    /// That the whole tool cuts the surface itself nowhere deeper than where it stands over it.
+    Surface,
     /// That the flutes gouge no neighbouring wall.
     Gouge,
     /// That the holder touches nothing.
@@ -38,12 +41,13 @@ pub enum CheckKind {
 
 impl CheckKind {
     /// All of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Ruled,
         Self::Cutter,
         Self::Coverage,
         Self::Bounds,
         Self::Envelope,
+        Self::Surface,
         Self::Gouge,
         Self::Holder,
         Self::Leads,
@@ -58,6 +62,7 @@ impl CheckKind {
             Self::Coverage => "coverage",
             Self::Bounds => "bounds",
             Self::Envelope => "envelope",
+            Self::Surface => "surface",
             Self::Gouge => "gouge",
             Self::Holder => "holder",
             Self::Leads => "leads",
@@ -101,6 +106,7 @@ pub(super) fn of(result: &FlankResult, overrides: &[String]) -> Vec<FlankCheck> 
     checks.push(coverage(result));
     checks.extend(bounds(result));
     checks.push(envelope(result));
+    checks.push(own_surface(result));
     checks.extend(gouge(result));
     checks.extend(leads(result));
     checks.extend(machine(result));
@@ -223,6 +229,15 @@ fn leads(result: &FlankResult) -> Option<FlankCheck> {
     Some(FlankCheck::new(CheckKind::Leads, distance_mm >= -tolerance, text).at(point))
 }
 
+fn own_surface(result: &FlankResult) -> FlankCheck {
+    let own = &result.own_surface;
+    let check = FlankCheck::new(CheckKind::Surface, own.holds(), own.text());
+    match own.worst {
+        Some(worst) => FlankCheck { t: Some(worst.t), ..check.at(worst.point) },
+        None => check,
+    }
+}
+
 fn gouge(result: &FlankResult) -> Vec<FlankCheck> {
     let Some(gouge) = &result.gouge else { return Vec::new() };
     let tolerance = result.plan.params.gouge_tolerance_mm;
@@ -268,6 +283,9 @@ fn machine(result: &FlankResult) -> Option<FlankCheck> {
 pub(super) fn warnings(result: &FlankResult, input: &FlankInput) -> Vec<String> {
     let mut warnings = result.plan.warnings.clone();
     warnings.extend(sinks(result));
+    if let LoadedSurface::Guides { lower, upper } = &input.surface {
+        warnings.extend(pairing_warning(lower, upper));
+    }
     let is_own_wall = matches!(input.surface, LoadedSurface::Face { is_own_wall: true, .. });
     if input.walls.is_none() && !is_own_wall {
         warnings
