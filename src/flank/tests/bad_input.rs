@@ -77,7 +77,7 @@ fn rows_with_as_many_points_have_rulings_from_point_to_point() {
     use crate::flank::guide::pairing_warning;
     // Spaced evenly below and more and more widely above: shares of length are not the same.
     let row = |z: f64, x: &dyn Fn(f64) -> f64, n: u32| GuideCurve::Points {
-        points: (0..n).map(|i| f64::from(i)).map(|i| DVec3::new(x(i), 0.1 * i * i, z)).collect(),
+        points: (0..n).map(f64::from).map(|i| DVec3::new(x(i), 0.1 * i * i, z)).collect(),
         degree: 3,
     };
     let (lower, upper) = (row(0.0, &|i| 4.0 * i, 9), row(10.0, &|i| 2.0 * i + 0.25 * i * i, 9));
