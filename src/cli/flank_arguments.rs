@@ -69,7 +69,8 @@ pub(super) struct SurfaceArguments {
     /// A surface that comes with the program: a or b, those of the paper that the method is from.
     #[arg(long, value_name = "NAME")]
     demo: Option<Demo>,
-    /// The side of the surface that the cutter stands on: automatic, positive (where R_u x R_v points) or negative.
+    /// The side of the surface that the cutter stands on: positive (where R_u x R_v points) or negative; of a mesh also
+    /// automatic, outside of it. Two guides need one of the former: without it the answer says where each is.
     #[arg(long, value_name = "SIDE")]
     side: Option<SideName>,
     /// A mesh of neighbouring walls that must not be cut. Of a mesh with the flank its other faces count without being
@@ -166,7 +167,7 @@ pub(super) struct MillingArguments {
     /// (the tip, with the tool's direction: G43.5) [default: off].
     #[arg(long, value_name = "NAME")]
     tip_control: Option<TipName>,
-    /// Exports although this check fails: ruled, cutter, coverage, bounds, envelope, gouge, holder, leads, machine. May be given
+    /// Exports although this check fails: ruled, cutter, coverage, bounds, envelope, surface, gouge, holder, leads, machine. May be given
     /// more than once.
     #[arg(long = "override", value_name = "CHECK")]
     overrides: Vec<String>,

@@ -135,7 +135,7 @@ pub struct PathEntry {
 #[allow(missing_docs)]
 pub struct Figures {
     pub sum_mm: f64,
-    pub mean_mm: f64,
+    pub mean_absolute_mm: f64,
     pub rms_mm: f64,
     /// As a positive number.
     pub most_overcut_mm: f64,
@@ -149,7 +149,7 @@ impl Figures {
     pub fn of(deviation: &Deviation) -> Self {
         Self {
             sum_mm: deviation.sum,
-            mean_mm: deviation.mean,
+            mean_absolute_mm: deviation.mean,
             rms_mm: deviation.rms,
             most_overcut_mm: (-deviation.most_overcut).max(0.0),
             most_undercut_mm: deviation.most_undercut.max(0.0),

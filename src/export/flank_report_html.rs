@@ -66,7 +66,7 @@ fn key_figures(out: &mut String, report: &FlankReport) {
         ("path milled", path.name.to_owned(), ""),
         ("sum of deviations", number(path.standing.sum_mm, 3), "mm"),
         ("of the initial sum", number(path.ratio, 3), ""),
-        ("mean", number(1e3 * path.standing.mean_mm, 2), "\u{b5}m"),
+        ("mean of absolute values", number(1e3 * path.standing.mean_absolute_mm, 2), "\u{b5}m"),
         ("rms", number(1e3 * path.standing.rms_mm, 2), "\u{b5}m"),
         ("overcut up to", number(1e3 * path.moving.most_overcut_mm, 1), "\u{b5}m"),
         ("undercut up to", number(1e3 * path.moving.most_undercut_mm, 1), "\u{b5}m"),
@@ -129,7 +129,8 @@ fn figures(out: &mut String, report: &FlankReport) {
         let mut cells = vec![format!("<b>{}</b>{milled}", path.name), what.to_owned()];
         cells.push(number(f.sum_mm, 4));
         cells.push(number(ratio, 4));
-        let micrometres = [f.mean_mm, f.rms_mm, f.most_overcut_mm, f.most_undercut_mm].map(|v| number(1e3 * v, 2));
+        let micrometres =
+            [f.mean_absolute_mm, f.rms_mm, f.most_overcut_mm, f.most_undercut_mm].map(|v| number(1e3 * v, 2));
         cells.extend(micrometres);
         cells.extend([number(f.sum_overcut_mm, 3), number(f.sum_undercut_mm, 3)]);
         cells
@@ -146,7 +147,7 @@ fn figures(out: &mut String, report: &FlankReport) {
         "cutter",
         "#sum mm",
         "#of initial",
-        "#mean \u{b5}m",
+        "#mean of absolutes \u{b5}m",
         "#rms \u{b5}m",
         "#overcut \u{b5}m",
         "#undercut \u{b5}m",

@@ -13,6 +13,7 @@ use super::FlankError;
 use super::axis_surface::AxisSurface;
 use super::cutter::FlankCutter;
 use super::deviation::{DesignGrid, Deviation, Feet, GridPlace};
+use super::envelope::envelope_over;
 use crate::progress::Cancel;
 
 /// True sums of deviations over the number of singular values kept.
@@ -26,6 +27,8 @@ pub struct RankCurve {
     /// The rank with the least sum; among those of paths that cover the surface if there are any. 0 if no rank is
     /// better than the path before.
     pub best: usize,
+    /// Places along u and v of the grid that the sums are of.
+    pub grid: [usize; 2],
 }
 
 /// What a change of the control points is taken to do.
@@ -100,15 +103,16 @@ impl Compensation {
     /// The system at a path.
     ///
     /// # Errors
-    /// [`FlankError::Singular`] if it cannot be decomposed.
+    /// [`FlankError::Singular`] if it cannot be decomposed; cancelled.
     pub fn new(
         grid: &DesignGrid,
         axis: &AxisSurface,
         cutter: &FlankCutter,
         (deviation, feet): (&Deviation, &Feet),
-        model: Model,
+        (model, cancel): (Model, &Cancel),
     ) -> Result<Self, FlankError> {
-        let triangle = triangle(grid, axis, cutter, (deviation, feet), model);
+        let triangle = triangle(grid, axis, cutter, (deviation, feet), (model, cancel))?;
+        cancel.check()?;
         let unknowns = triangle.ncols() - 1;
         let square = triangle.view((0, 0), (unknowns, unknowns)).into_owned();
         let right = triangle.view((0, unknowns), (unknowns, 1)).into_owned();
@@ -135,36 +139,52 @@ impl Compensation {
     }
 }
 
-/// The triangle that [J | -deviation] is turned into: blocks by themselves, then what is left of all of them.
+/// The triangle that [J | -deviation] is turned into: blocks by themselves, a few at a time, each time together with what
+/// is left of those before. The order is fixed, and no more than a few blocks are held.
 fn triangle(
     grid: &DesignGrid,
     axis: &AxisSurface,
     cutter: &FlankCutter,
     (deviation, feet): (&Deviation, &Feet),
-    model: Model,
-) -> DMatrix<f64> {
-    const BLOCK: usize = 512;
+    (model, cancel): (Model, &Cancel),
+) -> Result<DMatrix<f64>, FlankError> {
+    const LEAST: usize = 512;
+    const AT_ONCE: usize = 8;
     let n = axis.lower().len();
     let width = 6 * n + 1;
-    let of_block = |(block, places): (usize, &[GridPlace])| {
+    // A block much higher than wide is turned into a triangle much smaller than itself.
+    let size = LEAST.max(4 * width);
+    let of_block = |(block, places): (usize, &[GridPlace])| -> Result<DMatrix<f64>, FlankError> {
+        cancel.check()?;
         let mut rows = DMatrix::zeros(places.len(), width);
         for (r, place) in places.iter().enumerate() {
-            let k = block * BLOCK + r;
+            let k = block * size + r;
             let row = Row::of(axis, cutter, place, feet.at[k], model);
             row.entries(n).iter().for_each(|(c, value)| rows[(r, *c)] = *value);
             rows[(r, width - 1)] = -deviation.values[k];
         }
-        rows.qr().r()
+        Ok(rows.qr().r())
     };
-    let blocks: Vec<DMatrix<f64>> = grid.grid_places().par_chunks(BLOCK).enumerate().map(of_block).collect();
-    let height: usize = blocks.iter().map(DMatrix::nrows).sum();
-    let mut all = DMatrix::zeros(height.max(width), width);
-    let mut top = 0;
-    for block in &blocks {
-        all.rows_mut(top, block.nrows()).copy_from(block);
-        top += block.nrows();
+    let places = grid.grid_places();
+    let mut left = DMatrix::zeros(0, width);
+    for start in (0..places.len()).step_by(AT_ONCE * size) {
+        let end = places.len().min(start + AT_ONCE * size);
+        let first = start / size;
+        let blocks = places[start..end].par_chunks(size).enumerate();
+        let blocks: Result<Vec<DMatrix<f64>>, FlankError> =
+            blocks.map(|(block, places)| of_block((first + block, places))).collect();
+        let blocks = blocks?;
+        cancel.check()?;
+        let height: usize = left.nrows() + blocks.iter().map(DMatrix::nrows).sum::<usize>();
+        let mut all = DMatrix::zeros(height.max(width), width);
+        let mut top = 0;
+        for block in std::iter::once(&left).chain(&blocks) {
+            all.rows_mut(top, block.nrows()).copy_from(block);
+            top += block.nrows();
+        }
+        left = all.qr().r();
     }
-    all.qr().r()
+    Ok(left)
 }
 
 /// A path with its deviation and where its axis stands.
@@ -176,6 +196,11 @@ pub struct Measured {
     pub deviation: Deviation,
     /// Where the axis stands over the places of the grid.
     pub feet: Feet,
+    /// Least and greatest t at which the moving cutter grazes the surface's ends.
+    grazing: [f64; 2],
+    /// How far in t it grazes them before it stands over the surface's beginning, or after it stands over its end, at
+    /// most.
+    pub(super) lag: f64,
 }
 
 impl Measured {
@@ -190,12 +215,39 @@ impl Measured {
         near: Option<&Feet>,
     ) -> Result<Self, FlankError> {
         let (deviation, feet) = grid.deviation(&axis, cutter, near)?;
-        Ok(Self { axis, deviation, feet })
+        let [along, across] = grid.size();
+        let ends = (0..across).chain((along - 1) * across..along * across);
+        let (mut grazing, mut lag) = ([f64::INFINITY, f64::NEG_INFINITY], 0.0f64);
+        for k in ends {
+            let outwards = if k < across { -1.0 } else { 1.0 };
+            // Where it does not graze there is nothing more to be covered.
+            let Some(found) = envelope_over(&axis, cutter, &grid.grid_places()[k], feet.at[k]) else { continue };
+            grazing = [grazing[0].min(found.t), grazing[1].max(found.t)];
+            lag = lag.max(outwards * (found.t - feet.at[k].x));
+        }
+        Ok(Self { axis, deviation, feet, grazing, lag })
     }
 
-    /// Whether the path begins before and ends behind the surface.
-    pub fn covers(&self) -> bool {
+    /// Least and greatest t that the path must have to cover the surface, standing and moving.
+    pub fn t_range(&self) -> [f64; 2] {
         let [first, last] = self.feet.t_range();
+        [first.min(self.grazing[0]), last.max(self.grazing[1])]
+    }
+
+    /// Whether the path begins before and ends behind the surface, by where the cutter stands over it.
+    pub fn stands_over_all(&self) -> bool {
+        let [first, last] = self.feet.t_range();
+        first >= 0.0 && last <= 1.0
+    }
+
+    /// Whether it covers all that `other` covers, standing and moving.
+    pub(super) fn covers_as(&self, other: &Self) -> bool {
+        self.covers() || (!other.covers() && (self.stands_over_all() || !other.stands_over_all()))
+    }
+
+    /// Whether it also grazes all of the surface while it moves.
+    pub fn covers(&self) -> bool {
+        let [first, last] = self.t_range();
         first >= 0.0 && last <= 1.0
     }
 }
@@ -211,15 +263,15 @@ pub fn best_rank(
     model: Model,
     cancel: &Cancel,
 ) -> Result<(Measured, RankCurve), FlankError> {
-    let system = Compensation::new(grid, &start.axis, cutter, (&start.deviation, &start.feet), model)?;
+    let system = Compensation::new(grid, &start.axis, cutter, (&start.deviation, &start.feet), (model, cancel))?;
     let candidate = |rank: usize| -> Result<Option<(f64, bool)>, FlankError> {
         cancel.check()?;
-        Ok(path_of(grid, start, cutter, &system, rank).map(|path| (path.deviation.sum, path.covers())))
+        Ok(path_of(grid, start, cutter, &system, rank).map(|path| (path.deviation.sum, path.stands_over_all())))
     };
     let ranks = system.singular_values().len();
     let found: Result<Vec<_>, _> = (1..=ranks).into_par_iter().map(candidate).collect();
     let found = found?;
-    let must_cover = start.covers();
+    let must_cover = start.stands_over_all();
     let mut best = (0, start.deviation.sum);
     for (i, candidate) in found.iter().enumerate() {
         if let Some((sum, covers)) = *candidate
@@ -230,7 +282,7 @@ pub fn best_rank(
         }
     }
     let sums = found.iter().map(|f| f.map(|(sum, _)| sum)).collect();
-    let curve = RankCurve { singular_values: system.singular_values().to_vec(), sums, best: best.0 };
+    let curve = RankCurve { singular_values: system.singular_values().to_vec(), sums, best: best.0, grid: grid.size() };
     let chosen = if best.0 > 0 { path_of(grid, start, cutter, &system, best.0) } else { None };
     Ok((chosen.unwrap_or_else(|| start.clone()), curve))
 }

@@ -129,6 +129,23 @@ impl DesignGrid {
         cutter: &FlankCutter,
         near: Option<&Feet>,
     ) -> Result<(Deviation, Feet), FlankError> {
+        let found = self.measured(axis, cutter, near);
+        if let Some(first) = found.iter().position(Option::is_none) {
+            let count = found.iter().filter(|f| f.is_none()).count();
+            let SurfacePlace { u, v, .. } = self.places[first].at;
+            return Err(FlankError::Unmeasured { count, u, v });
+        }
+        let (values, at) = found.into_iter().flatten().unzip();
+        Ok((Deviation::of(self.size, values), Feet { at }))
+    }
+
+    /// Deviation (mm) and place (t, a) of the axis for every place that it stands over.
+    pub(super) fn measured(
+        &self,
+        axis: &AxisSurface,
+        cutter: &FlankCutter,
+        near: Option<&Feet>,
+    ) -> Vec<Option<(f64, DVec2)>> {
         const BLOCK: usize = 256;
         let blocks: Vec<Vec<Option<(f64, DVec2)>>> = self
             .places
@@ -142,14 +159,7 @@ impl DesignGrid {
                 places.iter().enumerate().map(one).collect()
             })
             .collect();
-        let found: Vec<Option<(f64, DVec2)>> = blocks.concat();
-        if let Some(first) = found.iter().position(Option::is_none) {
-            let count = found.iter().filter(|f| f.is_none()).count();
-            let SurfacePlace { u, v, .. } = self.places[first].at;
-            return Err(FlankError::Unmeasured { count, u, v });
-        }
-        let (values, at) = found.into_iter().flatten().unzip();
-        Ok((Deviation::of(self.size, values), Feet { at }))
+        blocks.concat()
     }
 }
 
@@ -159,11 +169,21 @@ fn deviation_at(cutter: &FlankCutter, place: &GridPlace, axis: &AxisAt, a: f64) 
     off.dot(place.at.normal) - cutter.sphere_at(a * axis.length())
 }
 
-/// The place (t, a) of the axis over a place of the surface, by Newton's method.
+/// The place (t, a) of the axis over a place of the surface. Where the axis runs unevenly and nothing is known of where
+/// it stands, it is looked for further and further around.
 fn over(axis: &AxisSurface, place: &GridPlace, start: Option<DVec2>) -> Option<(DVec2, AxisAt)> {
-    const ROUNDS: usize = 30;
+    const AROUND: [f64; 8] = [-0.01, 0.01, -0.02, 0.02, -0.04, 0.04, -0.08, 0.08];
     let [from, to] = axis.u0_range;
-    let mut q = start.unwrap_or_else(|| DVec2::new((place.at.u - from) / (to - from), place.at.v));
+    let first = start.unwrap_or_else(|| DVec2::new((place.at.u - from) / (to - from), place.at.v));
+    over_near(axis, place, first).or_else(|| {
+        let tries = AROUND.iter().filter(|_| start.is_none());
+        tries.into_iter().find_map(|off| over_near(axis, place, first + DVec2::new(*off, 0.0)))
+    })
+}
+
+/// The place of the axis over a place of the surface, by Newton's method from `q`.
+fn over_near(axis: &AxisSurface, place: &GridPlace, mut q: DVec2) -> Option<(DVec2, AxisAt)> {
+    const ROUNDS: usize = 30;
     let [first, second] = place.tangents;
     for _ in 0..ROUNDS {
         let at = axis.at(q.x);

@@ -28,7 +28,8 @@ impl Edges {
         const SHARE: f64 = 2e-4;
         const HEIGHT: f64 = 5e-3;
         let [first, last] = start.feet.t_range();
-        let margin = (0.5 * first.min(1.0 - last)).min(2e-3);
+        // The moving cutter grazes the ends a little before or after it stands over them.
+        let margin = (0.5 * first.min(1.0 - last)).min(2e-3).max(1.2 * start.lag);
         let [_, across] = grid.size();
         let heights = start.feet.at.iter().step_by(across).map(|q| q.y * start.axis.at(q.x).length());
         // The contact on the rim has its sphere this high.

@@ -22,6 +22,8 @@ pub struct EnvelopeCheck {
     pub greatest_difference: f64,
     /// Places without a grazing point over them; there the standing cutter's deviation stands.
     pub without: usize,
+    /// Least and greatest t at which it grazes over a place; beyond 0 or 1 the path had to go on to do so.
+    pub t_range: [f64; 2],
 }
 
 /// The point (mm) where the cutter at `t` grazes its envelope with the sphere around `height` (mm) above its tip, on the
@@ -61,16 +63,34 @@ pub fn check(
 ) -> EnvelopeCheck {
     let places = grid.grid_places();
     let one = |k: usize| envelope_over(axis, cutter, &places[k], feet.at[k]);
-    let found: Vec<Option<f64>> = (0..places.len()).into_par_iter().with_min_len(64).map(one).collect();
-    let without = found.iter().filter(|f| f.is_none()).count();
-    let values: Vec<f64> = found.iter().zip(&standing.values).map(|(moving, still)| moving.unwrap_or(*still)).collect();
+    let found: Vec<Option<Grazing>> = (0..places.len()).into_par_iter().with_min_len(64).map(one).collect();
+    let without = found.iter().filter(|f| f.is_none_or(|f| f.above.is_none())).count();
+    let moving = |f: &Option<Grazing>| f.and_then(|f| f.above);
+    let values: Vec<f64> = found.iter().zip(&standing.values).map(|(f, still)| moving(f).unwrap_or(*still)).collect();
     let differences = values.iter().zip(&standing.values).map(|(a, b)| (a - b).abs());
     let greatest_difference = differences.fold(0.0, f64::max);
-    EnvelopeCheck { deviation: Deviation::of(grid.size(), values), greatest_difference, without }
+    let ends = [f64::INFINITY, f64::NEG_INFINITY];
+    let t_range = found.iter().flatten().fold(ends, |[low, high], f| [low.min(f.t), high.max(f.t)]);
+    EnvelopeCheck { deviation: Deviation::of(grid.size(), values), greatest_difference, without, t_range }
 }
 
-/// Where the envelope meets the normal of a place (mm above it), by Newton's method with differences for derivatives.
-fn envelope_over(axis: &AxisSurface, cutter: &FlankCutter, place: &GridPlace, foot: DVec2) -> Option<f64> {
+/// The moving cutter over a place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Grazing {
+    /// At which t it grazes there; the path may have to go on past its ends for it.
+    pub t: f64,
+    /// How far above the place (mm) it cuts: of a path that ends before, how far the cutter at its end does. None if
+    /// that one does not reach the place's normal.
+    pub above: Option<f64>,
+}
+
+/// Where the envelope meets the normal of a place, by Newton's method with differences for derivatives.
+pub(super) fn envelope_over(
+    axis: &AxisSurface,
+    cutter: &FlankCutter,
+    place: &GridPlace,
+    foot: DVec2,
+) -> Option<Grazing> {
     const ROUNDS: usize = 12;
     /// Tangential distance (mm) at which the normal is met.
     const MET: f64 = 1e-8;
@@ -83,7 +103,11 @@ fn envelope_over(axis: &AxisSurface, cutter: &FlankCutter, place: &GridPlace, fo
     for _ in 0..ROUNDS {
         let (here, above) = off(q)?;
         if here.abs().max_element() < MET {
-            return Some(above);
+            // Before its start and after its end the path does not cut: the cutter standing there does.
+            let end = q.x.clamp(0.0, 1.0);
+            let line = (place.at.point, place.at.normal);
+            let standing = || entry(&axis.at(end), cutter, line, [f64::NEG_INFINITY, f64::INFINITY]);
+            return Some(Grazing { t: q.x, above: if end == q.x { Some(above) } else { standing() } });
         }
         let (by_t, by_h) = (1e-6, 1e-5);
         let a = (off(q + DVec2::new(by_t, 0.0))?.0 - here) / by_t;

@@ -2,7 +2,7 @@
 //!
 //! The tool is a stack of frusta; each is convex, and so is the signed distance to it. Boxes of the mesh and triangles
 //! are left out where that distance cannot be less than the least found, and stretches of the path where the tool
-//! cannot come nearer by moving. So nothing is stepped over: the answer is within [`TOLERANCE`] of the least.
+//! cannot come nearer by moving. So nothing is stepped over: no clearance is less than the answer by more than [`slack`], 0.001 mm near a touch.
 
 use std::collections::BinaryHeap;
 
@@ -18,7 +18,7 @@ use crate::geometry::bvh::Bvh;
 use crate::geometry::mesh::Mesh;
 use crate::progress::{Cancel, Progress};
 
-/// How exact clearances are (mm).
+/// How exact clearances are near a touch (mm).
 pub const TOLERANCE: f64 = 1e-3;
 
 /// Which part of the tool comes near.
@@ -36,7 +36,7 @@ pub enum ToolPart {
 pub struct Clearance {
     /// Which part.
     pub part: ToolPart,
-    /// Distance (mm); negative by the depth where it gouges. Beyond [`GougeCheck::FAR`] it is that.
+    /// Distance (mm), to within [`slack`]; negative by the depth where it gouges.
     pub distance_mm: f64,
     /// Where on the mesh.
     pub point: DVec3,
@@ -185,7 +185,7 @@ pub fn check_moves(
 }
 
 /// Where the cutter is at t from 0 to 1.
-type Motion<'a> = &'a dyn Fn(f64) -> FlankPose;
+type Motion<'a> = &'a (dyn Fn(f64) -> FlankPose + Sync);
 
 fn check_along(
     motion: Motion,
@@ -263,27 +263,44 @@ fn least(
         let [from, to] = [i, i + 1].map(|k| k as f64 / FIRST as f64);
         open.push(Stretch { bound: f64::NEG_INFINITY, from, to });
     }
-    while let Some(Stretch { bound, from, to }) = open.pop() {
+    loop {
         cancel.check()?;
         let most = best.map_or(GougeCheck::FAR, |b| b.distance_mm);
-        if bound >= most - TOLERANCE {
-            break;
+        let enough = most - slack(most);
+        // A fixed number at once, so that the answer is the same on any number of threads.
+        let batch: Vec<Stretch> =
+            std::iter::from_fn(|| open.pop().filter(|stretch| stretch.bound < enough)).take(FIRST).collect();
+        if batch.is_empty() {
+            return Ok(best);
         }
-        let middle = 0.5 * (from + to);
-        // What is further off than the least found by more than the tool moves does not matter on this stretch.
-        let moves = greatest_move(motion, tool, from, to);
-        let found = at(middle, most + moves);
-        if let Some(found) = found.filter(|f| f.distance_mm < most) {
-            best = Some(found);
+        // What is further off than the least found by more than the tool moves does not matter on a stretch.
+        let look = |stretch: &Stretch| {
+            let moves = greatest_move(motion, tool, stretch.from, stretch.to);
+            (moves, at(0.5 * (stretch.from + stretch.to), most + moves))
+        };
+        let found: Vec<(f64, Option<Clearance>)> = batch.par_iter().map(look).collect();
+        for found in found.iter().filter_map(|f| f.1) {
+            if best.is_none_or(|b| found.distance_mm < b.distance_mm) && found.distance_mm < GougeCheck::FAR {
+                best = Some(found);
+            }
         }
-        let bound = found.map_or(most + moves, |f| f.distance_mm) - moves;
-        let most = best.map_or(GougeCheck::FAR, |b| b.distance_mm);
-        if bound < most - TOLERANCE && to - from > 1e-9 {
-            open.push(Stretch { bound, from, to: middle });
-            open.push(Stretch { bound, from: middle, to });
+        let least = best.map_or(GougeCheck::FAR, |b| b.distance_mm);
+        for (Stretch { from, to, .. }, (moves, found)) in batch.into_iter().zip(found) {
+            let bound = found.map_or(most + moves, |f| f.distance_mm) - moves;
+            if bound < least - slack(least) && to - from > 1e-9 {
+                let middle = 0.5 * (from + to);
+                open.push(Stretch { bound, from, to: middle });
+                open.push(Stretch { bound, from: middle, to });
+            }
         }
     }
-    Ok(best)
+}
+
+/// How much less (mm) a clearance may be than the one that is answered: where nothing is touched, and where all is lost,
+/// it need not be known so well. A tool that slides along a wall would else be looked at everywhere.
+pub fn slack(distance_mm: f64) -> f64 {
+    const SHARE: f64 = 0.05;
+    TOLERANCE.max(SHARE * distance_mm.abs())
 }
 
 /// No point of the tool moves more (mm) between the middle and any other place of the stretch. Ends and middle of the
@@ -321,6 +338,8 @@ fn nearest(tree: &Bvh, tool: &[(ToolPart, Frustum)], pose: &FlankPose, t: f64, m
 }
 
 fn nearest_to(tree: &Bvh, frustum: &Frustum, pose: &FlankPose, most: f64) -> Option<(f64, DVec3)> {
+    /// Pieces of one triangle.
+    const MOST: usize = 20_000;
     let (mut best, mut least) = (None, most);
     let mut open = vec![0];
     while let Some(index) = open.pop() {
@@ -335,7 +354,7 @@ fn nearest_to(tree: &Bvh, frustum: &Frustum, pose: &FlankPose, most: f64) -> Opt
             let off = |i: u32| frustum.distance(pose, tree.node(i).bounds.center).0 - tree.node(i).radius;
             // The one that may be nearer is looked at first.
             open.extend(if off(first) < off(second) { [second, first] } else { [first, second] });
-        } else if let Some(found) = nearest_on(*tree.corners(node.triangle), frustum, pose, least) {
+        } else if let Some(found) = nearest_on(*tree.corners(node.triangle), frustum, pose, (least, MOST)) {
             least = found.0;
             best = Some(found);
         }
@@ -343,15 +362,20 @@ fn nearest_to(tree: &Bvh, frustum: &Frustum, pose: &FlankPose, most: f64) -> Opt
     best
 }
 
-/// The least distance to a triangle, if it is less than `most`: it is divided where it may still hold less.
-fn nearest_on(corners: [DVec3; 3], frustum: &Frustum, pose: &FlankPose, most: f64) -> Option<(f64, DVec3)> {
+/// The least distance to a triangle, if it is less than `most`: it is divided where it may still hold less, into
+/// `pieces` at most. If that is not enough, the answer is what the rest cannot be below.
+pub(super) fn nearest_on(
+    corners: [DVec3; 3],
+    frustum: &Frustum,
+    pose: &FlankPose,
+    (most, pieces): (f64, usize),
+) -> Option<(f64, DVec3)> {
     /// Triangles are divided until they hold no more than this less (mm).
     const EXACT: f64 = 0.2 * TOLERANCE;
-    const MOST: usize = 20_000;
     let (mut best, mut least) = (None, most);
-    let mut open = vec![corners];
-    for _ in 0..MOST {
-        let Some([a, b, c]) = open.pop() else { break };
+    let mut open = vec![(f64::NEG_INFINITY, corners)];
+    for _ in 0..pieces {
+        let Some((_, [a, b, c])) = open.pop() else { break };
         let middle = (a + b + c) / 3.0;
         let (distance, slope) = frustum.distance(pose, middle);
         if distance < least {
@@ -360,7 +384,8 @@ fn nearest_on(corners: [DVec3; 3], frustum: &Frustum, pose: &FlankPose, most: f6
         let ways = [a, b, c].map(|p| p - middle);
         let by_plane = ways.map(|w| slope.dot(w)).into_iter().fold(f64::INFINITY, f64::min);
         let by_way = -ways.map(DVec3::length).into_iter().fold(0.0, f64::max);
-        if distance + by_plane.max(by_way) >= least - EXACT {
+        let bound = distance + by_plane.max(by_way);
+        if bound >= least - EXACT {
             continue;
         }
         let [ab, bc, ca] = [0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)];
@@ -368,7 +393,8 @@ fn nearest_on(corners: [DVec3; 3], frustum: &Frustum, pose: &FlankPose, most: f6
         let mut parts = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
         let value = |t: &[DVec3; 3]| slope.dot(t[0] + t[1] + t[2]);
         parts.sort_by(|s, t| value(t).total_cmp(&value(s)));
-        open.extend(parts);
+        open.extend(parts.map(|part| (bound, part)));
     }
-    best
+    let rest = open.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(bound, _)| *bound < least - EXACT);
+    rest.map(|(bound, [a, b, c])| (bound, (a + b + c) / 3.0)).or(best)
 }

@@ -4,7 +4,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::FlankError;
-use crate::geometry::nurbs::{KnotVector, NurbsCurve, NurbsError};
+use crate::geometry::nurbs::{KnotVector, NurbsCurve, NurbsError, chord_parameters};
 
 /// A guide curve as it is given; its curve runs from u = 0 to u = 1.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -37,16 +37,62 @@ pub enum GuideCurve {
     },
 }
 
+/// Both curves, from u = 0 to 1. Two rows with as many points each have shared parameters, the means of both rows' own.
+///
+/// # Errors
+/// [`FlankError::Guide`] that says which is wrong, [`FlankError::TooManyPoints`].
+pub(super) fn pair(lower: &GuideCurve, upper: &GuideCurve) -> Result<[NurbsCurve; 2], FlankError> {
+    let wrong = |which| move |reason| FlankError::Guide { which, reason };
+    let rows = [lower, upper].map(|guide| match guide {
+        GuideCurve::Points { points, degree } => Some((points, *degree)),
+        _ => None,
+    });
+    if rows.iter().flatten().any(|(points, _)| points.len() > GuideCurve::MOST_POINTS) {
+        return Err(FlankError::TooManyPoints { most: GuideCurve::MOST_POINTS });
+    }
+    let [Some((low, low_degree)), Some((high, high_degree))] = rows else {
+        return Ok([lower.curve().map_err(wrong("lower"))?, upper.curve().map_err(wrong("upper"))?]);
+    };
+    // What is wrong with a row by itself is said of it.
+    let own = [lower.curve().map_err(wrong("lower"))?, upper.curve().map_err(wrong("upper"))?];
+    if low.len() != high.len() {
+        return Ok(own);
+    }
+    let chords = |which, points: &[DVec3]| chord_parameters(points).map_err(wrong(which));
+    let (first, second) = (chords("lower", low)?, chords("upper", high)?);
+    let shared: Vec<f64> = first.iter().zip(&second).map(|(a, b)| 0.5 * (a + b)).collect();
+    let through =
+        |which, points: &[DVec3], degree| NurbsCurve::through_at(&shared, points, degree, None).map_err(wrong(which));
+    Ok([through("lower", low, low_degree)?, through("upper", high, high_degree)?])
+}
+
+/// What the reader must know of how two guides are joined: rows of points with different counts have no fellows.
+pub fn pairing_warning(lower: &GuideCurve, upper: &GuideCurve) -> Option<String> {
+    let (GuideCurve::Points { points: low, .. }, GuideCurve::Points { points: high, .. }) = (lower, upper) else {
+        return None;
+    };
+    (low.len() != high.len()).then(|| {
+        format!(
+            "the lower guide has {} points and the upper one {}: rulings join places at the same share of each row's length,              not point to point; give as many points of both for rulings between them",
+            low.len(),
+            high.len()
+        )
+    })
+}
+
 fn cubic() -> usize {
     3
 }
 
 impl GuideCurve {
+    /// Most points of a row.
+    pub const MOST_POINTS: usize = 20_000;
+
     /// The points of a text with x, y, z (mm) on each line, as a cubic through them. Empty lines, lines that start with
     /// `#` and one line of headings are passed over.
     ///
     /// # Errors
-    /// [`FlankError::Unreadable`] with the line.
+    /// [`FlankError::Unreadable`] with the line, [`FlankError::TooManyPoints`].
     pub fn from_csv(text: &str) -> Result<Self, FlankError> {
         let mut points = Vec::new();
         let mut headings = 0;
@@ -56,6 +102,9 @@ impl GuideCurve {
                 continue;
             }
             match point_of(line) {
+                Some(_) if points.len() == Self::MOST_POINTS => {
+                    return Err(FlankError::TooManyPoints { most: Self::MOST_POINTS });
+                }
                 Some(point) => points.push(point),
                 // Words above the first point are headings.
                 None if points.is_empty() && headings == 0 && !line.contains(|c: char| c.is_ascii_digit()) => {

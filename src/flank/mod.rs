@@ -63,6 +63,12 @@ pub enum FlankError {
         /// What stands there.
         text: String,
     },
+    /// A row with more points than a guide needs.
+    #[error("a guide curve has more than {most} points; leave out points where they stand close together")]
+    TooManyPoints {
+        /// The most there may be.
+        most: usize,
+    },
     /// Guide curves that meet.
     #[error(
         "the guide curves come within {distance_mm:.2e} mm of each other at u = {lower_u:.4} of the lower and {upper_u:.4} of \
@@ -89,7 +95,8 @@ pub enum FlankError {
     },
     /// A side that only the user can know.
     #[error(
-        "on which side of the surface the cutter stands must be said: at the surface's middle, ({:.2}, {:.2}, {:.2}), the positive          side is towards ({:.2}, {:.2}, {:.2}) and the negative side opposite; choose the one away from the part",
+        "on which side of the surface the cutter stands must be said: at the surface's middle, ({:.2}, {:.2}, {:.2}), the positive \
+         side is towards ({:.2}, {:.2}, {:.2}) and the negative side opposite; choose the one away from the part",
         point.x, point.y, point.z, normal.x, normal.y, normal.z
     )]
     SideOpen {

@@ -153,12 +153,7 @@ pub fn three_point(
 /// The slide within `slide` of `u0` that is nearest to it among those that touch midway to within `touching` (mm); if
 /// there is none, the one with the least deviation. A deviation can change its sign in a jump, without a touch: then it
 /// is looked for further on.
-pub(super) fn slide_to_touch(
-    at: &dyn Fn(f64) -> Option<Slide>,
-    u0: f64,
-    slide: f64,
-    touching: f64,
-) -> Option<Slide> {
+pub(super) fn slide_to_touch(at: &dyn Fn(f64) -> Option<Slide>, u0: f64, slide: f64, touching: f64) -> Option<Slide> {
     const LOOKS: [i32; 2] = [10, 100];
     let mut nearest: Option<Slide> = at(u0);
     let keep = |nearest: &mut Option<Slide>, found: Slide| {

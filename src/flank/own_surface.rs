@@ -7,13 +7,13 @@
 //! Guaranteed: no place of the grid is cut deeper than said, by more than [`EXACT`]. Not guaranteed: what happens
 //! between places of the grid.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::FlankError;
 use super::cutter::FlankCutter;
-use super::deviation::DesignGrid;
+use super::deviation::{DesignGrid, GridPlace};
 use super::envelope;
 use super::gouge::{Frustum, ToolPart, tool_of};
 use super::path::{FlankPath, FlankPose};
@@ -63,7 +63,7 @@ pub struct SweepCheck {
     pub place: [f64; 2],
     /// Sum of absolute deviations by the envelope and by the sweep (mm), over places that both know.
     pub sums_mm: [f64; 2],
-    /// Places whose normals the flutes never reach.
+    /// Places that the cutter stands nowhere over, or whose normals the flutes never reach.
     pub without: usize,
 }
 
@@ -114,8 +114,7 @@ impl OwnSurfaceCheck {
 /// A place fails where it lies deeper in the tool than the moving cutter cuts there, by more than `tolerance_mm`.
 ///
 /// # Errors
-/// [`FlankError::Parameter`] if the grid is empty or too fine, [`FlankError::Unmeasured`] if the path is too far off;
-/// cancelled.
+/// [`FlankError::Parameter`] if the grid is empty or too fine; cancelled.
 pub fn own_surface(
     path: &FlankPath,
     cutter: &FlankCutter,
@@ -132,19 +131,19 @@ pub fn own_surface(
     progress.report("the tool against its own surface", 0.0, "");
     let touching = cutter.above(path.below_mm)?;
     let grid = DesignGrid::new(surface, size);
-    let (standing, feet) = grid.deviation(&path.axis, &touching, None)?;
-    let moving = envelope::check(&grid, &path.axis, &touching, (&standing, &feet)).deviation;
+    let moving = moving(&grid, path, &touching);
     let (flutes, holder) = tool_of(cutter);
     let tool: Vec<(ToolPart, Frustum)> = std::iter::once(flutes).chain(holder).collect();
-    let one = |(place, moving): (&super::deviation::GridPlace, &f64)| -> Result<Option<OwnGouge>, FlankError> {
+    let one = |(place, moving): (&GridPlace, &Option<f64>)| -> Result<Option<OwnGouge>, FlankError> {
         cancel.check()?;
         let (u, v, point) = (place.at.u, place.at.v, place.at.point);
-        let expected_mm = (-moving).max(0.0);
+        // Where the cutter stands nowhere over a place, nothing is expected.
+        let expected_mm = moving.map_or(0.0, |moving| -moving).max(0.0);
         let found = deepest(path, &tool, point, -expected_mm - tolerance_mm);
         Ok(found.map(|(distance, t, part)| OwnGouge { u, v, point, part, t, depth_mm: -distance, expected_mm }))
     };
     let found: Result<Vec<Option<OwnGouge>>, FlankError> =
-        grid.grid_places().par_iter().zip(&moving.values).map(one).collect();
+        grid.grid_places().par_iter().zip(&moving).map(one).collect();
     let found = found?;
     let gouges = || found.iter().flatten();
     let worst = gouges().max_by(|a, b| a.excess_mm().total_cmp(&b.excess_mm())).copied();
@@ -182,6 +181,17 @@ fn deepest(path: &FlankPath, tool: &[(ToolPart, Frustum)], p: DVec3, most: f64) 
     best
 }
 
+/// Deviation of the moving cutter over the places of a grid; none where it stands nowhere over one.
+fn moving(grid: &DesignGrid, path: &FlankPath, touching: &FlankCutter) -> Vec<Option<f64>> {
+    let standing = grid.measured(&path.axis, touching, None);
+    let over = |(place, standing): (&GridPlace, &Option<(f64, DVec2)>)| {
+        let (still, foot) = (*standing)?;
+        let grazing = envelope::envelope_over(&path.axis, touching, place, foot);
+        Some(grazing.and_then(|g| g.above).unwrap_or(still))
+    };
+    grid.grid_places().par_iter().zip(&standing).map(over).collect()
+}
+
 /// The envelope beside the brute-force sweep, on a coarse grid.
 fn swept(
     path: &FlankPath,
@@ -192,18 +202,19 @@ fn swept(
     const SIZE: [usize; 2] = [15, 7];
     const SAMPLES: usize = 100;
     let grid = DesignGrid::new(surface, SIZE);
-    let (standing, feet) = grid.deviation(&path.axis, touching, None)?;
-    let moving = envelope::check(&grid, &path.axis, touching, (&standing, &feet)).deviation;
-    let heights = [-path.below_mm, touching.length_mm];
-    let one = |place: &super::deviation::GridPlace| -> Result<Option<f64>, FlankError> {
+    let moving = moving(&grid, path, touching);
+    // Flutes are gone on past both ends, as those of the envelope are: whether they reach is told by coverage.
+    let further = touching.radius_at(touching.length_mm);
+    let heights = [-path.below_mm - touching.radius_mm, touching.length_mm + further];
+    let one = |place: &GridPlace| -> Result<Option<f64>, FlankError> {
         cancel.check()?;
         Ok(envelope::swept_above(&path.axis, touching, (place.at.point, place.at.normal), heights, SAMPLES))
     };
     let found: Result<Vec<Option<f64>>, FlankError> = grid.grid_places().par_iter().map(one).collect();
     let mut check =
         SweepCheck { grid: SIZE, greatest_difference_mm: 0.0, place: [0.0; 2], sums_mm: [0.0; 2], without: 0 };
-    for ((place, swept), moving) in grid.places().zip(found?).zip(&moving.values) {
-        let Some(swept) = swept else {
+    for ((place, swept), moving) in grid.places().zip(found?).zip(moving) {
+        let (Some(swept), Some(moving)) = (swept, moving) else {
             check.without += 1;
             continue;
         };

@@ -84,7 +84,7 @@ impl Default for FlankParams {
 
 impl FlankParams {
     /// Most places of the grid.
-    pub const MOST_PLACES: usize = 2_000_000;
+    pub const MOST_PLACES: usize = 1_000_000;
 
     /// Whether a path can be planned so.
     ///
@@ -106,7 +106,7 @@ impl FlankParams {
         let enough = (count..=10_000).contains(&self.locations);
         one("locations", self.locations as f64, enough, "at least control_points, and at most 10000")?;
         one("grid", nu.min(nv) as f64, nu >= 2 && nv >= 2, "at least 2 places both ways")?;
-        one("grid", places as f64, places <= Self::MOST_PLACES, "at most 2 million places in all")?;
+        one("grid", places as f64, places <= Self::MOST_PLACES, "at most 1 million places in all")?;
         one("grid", places as f64, places >= 6 * count, "at least 6 places for each control point")?;
         one("overrun_u", self.overrun_u, (0.0..=0.1).contains(&self.overrun_u), "from 0 to 0.1")?;
         one("slide_u", self.slide_u, (1e-3..=0.5).contains(&self.slide_u), "from 0.001 to 0.5")?;

@@ -68,7 +68,7 @@ pub fn plan_flank(
     progress.report("placing the cutter", 0.0, "");
     let (locations, start) = covering_start(surface, cutter, params, &grid, cancel)?;
     progress.report("trying every rank", 0.0, "");
-    let (chosen, ranks) = best_rank(&grid, &start, cutter, Model::Height, cancel)?;
+    let (chosen, ranks) = ranked(surface, &grid, &start, cutter, cancel)?;
     let refined = refined(surface, &grid, &chosen, cutter, params, (progress, cancel))?;
     progress.report("checking the moving cutter", 0.0, "");
     let path = |measured: Measured| -> Result<FlankPath, FlankError> {
@@ -83,6 +83,39 @@ pub fn plan_flank(
     Ok(plan)
 }
 
+/// A fine grid's coarse one, on which steps far from the answer are taken.
+const COARSE: [usize; 2] = [100, 50];
+
+/// Whether a grid is so fine that a coarse one leads near to the answer.
+fn is_fine([along, across]: [usize; 2]) -> bool {
+    along * across > 4 * COARSE[0] * COARSE[1]
+}
+
+/// The path of the best rank; of a fine grid the ranks are tried on a coarse one.
+fn ranked(
+    surface: &RuledSurface,
+    grid: &DesignGrid,
+    start: &Measured,
+    cutter: &FlankCutter,
+    cancel: &Cancel,
+) -> Result<(Measured, RankCurve), FlankError> {
+    if !is_fine(grid.size()) {
+        return best_rank(grid, start, cutter, Model::Height, cancel);
+    }
+    let coarse = DesignGrid::new(surface, COARSE);
+    let near = Measured::new(&coarse, start.axis.clone(), cutter, None)?;
+    let (chosen, mut ranks) = best_rank(&coarse, &near, cutter, Model::Height, cancel)?;
+    let chosen = Measured::new(grid, chosen.axis, cutter, Some(&start.feet)).ok();
+    let is_of_use = |path: &Measured| {
+        path.deviation.sum < start.deviation.sum && (path.stands_over_all() || !start.stands_over_all())
+    };
+    let chosen = chosen.filter(is_of_use);
+    if chosen.is_none() {
+        ranks.best = 0;
+    }
+    Ok((chosen.unwrap_or_else(|| start.clone()), ranks))
+}
+
 /// The path refined; on a fine grid first on a coarser one, which costs little and leads near to the answer.
 fn refined(
     surface: &RuledSurface,
@@ -92,10 +125,7 @@ fn refined(
     params: &FlankParams,
     control: (&Progress, &Cancel),
 ) -> Result<Measured, FlankError> {
-    const COARSE: [usize; 2] = [100, 50];
-    let [along, across] = grid.size();
-    let enough = COARSE[0] * COARSE[1] >= 6 * params.control_points;
-    if along * across <= 4 * COARSE[0] * COARSE[1] || !enough {
+    if !is_fine(grid.size()) {
         return refine(grid, chosen, cutter, (params.objective, params.rounds, 0.5), control);
     }
     let coarse = DesignGrid::new(surface, COARSE);
@@ -104,7 +134,7 @@ fn refined(
         .and_then(|near| Measured::new(grid, near.axis, cutter, Some(&chosen.feet)));
     control.1.check()?;
     let near = near.ok().filter(|near| is_better(params.objective, &near.deviation, &chosen.deviation));
-    let near = near.filter(|near| near.covers() || !chosen.covers());
+    let near = near.filter(|near| near.covers_as(chosen));
     let start = near.as_ref().unwrap_or(chosen);
     refine(grid, start, cutter, (params.objective, params.rounds.div_ceil(4), 0.05), control)
 }
@@ -163,7 +193,7 @@ fn covering_start(
         let all = locations(surface, cutter, params, range, cancel)?;
         let axis = AxisSurface::fit(&all, params.control_points)?;
         let start = Measured::new(grid, axis, cutter, None)?;
-        let [first, last] = start.feet.t_range();
+        let [first, last] = start.t_range();
         let covers = start.covers();
         found = Some((all, start));
         if covers || !params.is_covering {

@@ -15,6 +15,7 @@ use super::deviation::{DesignGrid, Deviation};
 use super::edges::Edges;
 use super::envelope;
 use super::params::Objective;
+use super::path::FlankPath;
 use crate::progress::{Cancel, Progress};
 
 /// What a step makes smaller: the sum over places of a function that nears the objective.
@@ -52,6 +53,11 @@ pub fn beyond_bounds(objective: Objective, deviation: &Deviation) -> f64 {
     (deviation.most_undercut - most).max(least - deviation.most_overcut).max(0.0)
 }
 
+/// How far beyond the bounds of an objective a path goes (mm), standing or moving, whichever is worse.
+pub fn path_beyond_bounds(objective: Objective, path: &FlankPath) -> f64 {
+    beyond_bounds(objective, &path.deviation).max(beyond_bounds(objective, &path.envelope.deviation))
+}
+
 fn bounds_of(objective: Objective) -> [f64; 2] {
     match objective {
         Objective::Bounded { overcut_mm, undercut_mm } => {
@@ -71,7 +77,8 @@ pub(super) fn is_better(objective: Objective, a: &Deviation, b: &Deviation) -> b
 }
 
 /// Refines `start` in at most `rounds` steps. `soft` says from which share of the mean deviation on absolute values are
-/// rounded off at first: 0.5 far from the answer, less near to it.
+/// rounded off at first: 0.5 far from the answer, less near to it. Bounds are made narrower by what the moving cutter
+/// goes beyond them, and refinement goes on.
 ///
 /// # Errors
 /// Cancelled.
@@ -80,17 +87,59 @@ pub fn refine(
     start: &Measured,
     cutter: &FlankCutter,
     (objective, rounds, soft): (Objective, usize, f64),
+    control: (&Progress, &Cancel),
+) -> Result<Measured, FlankError> {
+    const TRIES: usize = 3;
+    /// What is beyond a bound by less counts as within (mm).
+    const KEPT: f64 = 1e-6;
+    let mut answer = refine_standing(grid, start, cutter, (objective, rounds, soft), control)?;
+    let Objective::Bounded { mut overcut_mm, mut undercut_mm } = objective else { return Ok(answer) };
+    let [least, most] = bounds_of(objective);
+    let moving_of =
+        |path: &Measured| envelope::check(grid, &path.axis, cutter, (&path.deviation, &path.feet)).deviation;
+    let mut moving = moving_of(&answer);
+    for _ in 0..TRIES {
+        let beyond = beyond_bounds(objective, &moving).max(beyond_bounds(objective, &answer.deviation));
+        if beyond < KEPT || rounds == 0 {
+            break;
+        }
+        // What is beyond a bound while the cutter stands is for refinement itself.
+        let (still, beyond_of) = (&answer.deviation, |off: f64, more: f64| if off > 0.0 { more.max(0.0) } else { 0.0 });
+        let over = beyond_of(least - moving.most_overcut, still.most_overcut - moving.most_overcut);
+        let under = beyond_of(moving.most_undercut - most, moving.most_undercut - still.most_undercut);
+        overcut_mm = overcut_mm.map(|x| x - over);
+        undercut_mm = undercut_mm.map(|x| x - under);
+        let narrower = Objective::Bounded { overcut_mm, undercut_mm };
+        let next = refine_standing(grid, &answer, cutter, (narrower, rounds, 0.2), control)?;
+        let next_moving = moving_of(&next);
+        if beyond_bounds(objective, &next_moving).max(beyond_bounds(objective, &next.deviation)) >= beyond {
+            break;
+        }
+        (answer, moving) = (next, next_moving);
+    }
+    Ok(answer)
+}
+
+/// Refines `start` with bounds on what the standing cutter does.
+fn refine_standing(
+    grid: &DesignGrid,
+    start: &Measured,
+    cutter: &FlankCutter,
+    (objective, rounds, soft): (Objective, usize, f64),
     (progress, cancel): (&Progress, &Cancel),
 ) -> Result<Measured, FlankError> {
     const STAGE: usize = 8;
     /// Share by which the moving cutter's sum may differ from the standing one's.
-    const TRUSTED: f64 = 0.03;
+    const TRUSTED: f64 = 0.02;
     let scale = start.deviation.mean.max(1e-9);
     let bounds = bounds_of(objective);
     let mut merit = Merit { is_square: objective == Objective::Rms, soft: soft * scale, bounds, penalty: 10.0 / scale };
     let edges = Edges::of(grid, start, cutter, scale);
     let (mut best, mut now, mut damping) = (start.clone(), start.clone(), 1e-3);
-    let allowed = moving_difference(grid, start, cutter).max(TRUSTED);
+    // Bounds come before that: the moving cutter is held to them by itself.
+    let is_bounded = matches!(objective, Objective::Bounded { .. });
+    let trusted_share = if is_bounded { 2.5 * TRUSTED } else { TRUSTED };
+    let allowed = moving_difference(grid, start, cutter).max(trusted_share);
     let (mut trusted, mut checked, mut in_stage) = (start.clone(), 0, 0);
     for round in 0..rounds {
         cancel.check()?;
@@ -159,7 +208,7 @@ fn step(
             let axis = now.axis.moved(&-system.solve(&slope)).ok()?;
             Measured::new(grid, axis, cutter, Some(&now.feet)).ok()
         });
-        if let Some(next) = next.filter(|next| next.covers() || !now.covers()) {
+        if let Some(next) = next.filter(|next| next.covers_as(now)) {
             let gain = value - cost(&next);
             if gain > 0.0 {
                 *damping = (*damping * 0.2).max(1e-9);

@@ -4,7 +4,7 @@ use glam::{DMat2, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::FlankError;
-use super::guide::GuideCurve;
+use super::guide::{self, GuideCurve};
 use crate::geometry::nurbs::NurbsCurve;
 
 /// On which side of a surface the cutter stands.
@@ -73,13 +73,14 @@ impl RuledSurface {
         Ok(surface)
     }
 
-    /// The surface between guides as they are given.
+    /// The surface between guides as they are given. Of two rows with as many points each, every ruling through a point
+    /// of one goes through its fellow in the other.
     ///
     /// # Errors
     /// [`FlankError::Guide`] that says which guide is wrong, and as [`Self::new`].
     pub fn from_guides(lower: &GuideCurve, upper: &GuideCurve, side: Side) -> Result<Self, FlankError> {
-        let of = |which, guide: &GuideCurve| guide.curve().map_err(|reason| FlankError::Guide { which, reason });
-        Self::new(of("lower", lower)?, of("upper", upper)?, side)
+        let [lower, upper] = guide::pair(lower, upper)?;
+        Self::new(lower, upper, side)
     }
 
     /// The lower guide, at v = 0.

@@ -4,7 +4,7 @@ use super::FlankError;
 use super::offset::Touch;
 use super::path::FlankPath;
 use super::plan::FlankPlan;
-use super::refine::beyond_bounds;
+use super::refine::path_beyond_bounds;
 use super::ruled_surface::RuledSurface;
 
 /// All warnings of a plan.
@@ -38,6 +38,12 @@ pub(super) fn of_plan(surface: &RuledSurface, plan: &FlankPlan) -> Vec<String> {
              the overcut if that matters"
         ));
     }
+    let [along, across] = plan.ranks.grid;
+    if plan.ranks.grid != plan.params.grid {
+        warnings.push(format!(
+            "the grid is fine: ranks were tried on one of {along} x {across} places, and the sums over ranks are of that one"
+        ));
+    }
     if plan.ranks.best == 0 {
         warnings.push("no rank makes the sum of deviations less: the initial path was kept as the chosen one".into());
     }
@@ -61,14 +67,15 @@ fn of_locations(plan: &FlankPlan) -> Option<String> {
 fn of_bounds(plan: &FlankPlan) -> Option<String> {
     /// What counts as kept (mm).
     const KEPT: f64 = 1e-4;
-    let deviation = &plan.refined.deviation;
-    let beyond = beyond_bounds(plan.params.objective, deviation);
+    let both = [&plan.refined.deviation, &plan.refined.envelope.deviation];
+    let overcut = both.iter().fold(0.0, |most: f64, d| most.max(-d.most_overcut));
+    let undercut = both.iter().fold(0.0, |most: f64, d| most.max(d.most_undercut));
+    let beyond = path_beyond_bounds(plan.params.objective, &plan.refined);
     (beyond > KEPT).then(|| {
         format!(
-            "the bounds asked for are not kept: the refined path goes {beyond:.4} mm beyond them, with overcut up to {:.4} mm \
-             and undercut up to {:.4} mm; widen them, or take a thinner cutter or more control points",
-            (-deviation.most_overcut).max(0.0),
-            deviation.most_undercut.max(0.0)
+            "the bounds asked for are not kept: the refined path goes {beyond:.4} mm beyond them, with overcut up to {overcut:.4} \
+             mm and undercut up to {undercut:.4} mm, standing or moving; widen them, or take a thinner cutter or more control \
+             points"
         )
     })
 }

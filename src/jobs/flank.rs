@@ -14,6 +14,7 @@ use crate::flank::guide::GuideCurve;
 use crate::flank::joint_feed::paces;
 use crate::flank::linearise::{LinearisationParams, MachinePath, linearise};
 use crate::flank::milling_machine::{Kinematics, MillingMachine, ToolPose};
+use crate::flank::own_surface::{self, OwnSurfaceCheck};
 use crate::flank::params::FlankParams;
 use crate::flank::path::{FlankPath, FlankPose};
 use crate::flank::plan::{FlankPlan, plan_flank};
@@ -161,6 +162,8 @@ pub struct FlankResult {
     pub path: PathChoice,
     /// Its clearances; none if there is nothing that could be gouged.
     pub gouge: Option<GougeCheck>,
+    /// What the whole tool does to the surface itself all along the path.
+    pub own_surface: OwnSurfaceCheck,
     /// The same of the approach and of the retraction, each from the surface outwards.
     pub lead_gouge: [Option<GougeCheck>; 2],
     /// The straight moves that lead to it and from it, outside first.
@@ -249,6 +252,9 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
         }
     })?;
     let path = path_of(&plan, input.path);
+    let grid = std::array::from_fn(|k| input.params.grid[k].min(own_surface::USUAL_GRID[k]));
+    let against = (grid, input.params.gouge_tolerance_mm);
+    let own_surface = own_surface::own_surface(path, &input.cutter, &surface, against, (progress, cancel))?;
     let [approach, retract] = leads(&surface, path, &input.milling);
     let walls = walls(input, &surface, fit.as_ref());
     let gouge = lesser_of(&walls, |wall| gouge::check(path, &input.cutter, wall, progress, cancel))?;
@@ -271,6 +277,7 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
         fit,
         plan,
         path: input.path,
+        own_surface,
         gouge,
         lead_gouge,
         approach,

@@ -55,6 +55,9 @@ fn guide_curves_come_from_tables_and_a_cutter_that_is_too_short_blocks_what_woul
     let upper = file(folder.path(), "upper.csv", "# mm\n0;1;10\n10;3.5;10\n20;3;10\n30;0;10\n");
     let out = folder.path().join("out");
     let guides = ["--lower", &lower, "--upper", &upper, "--out", out.to_str().unwrap(), "--radius", "1.5"];
+    let (code, said, last) = run(&guides);
+    assert!(code != Some(0) && format!("{said}{last}").contains("the positive side is towards"), "{said} {last}");
+    let guides = [&guides[..], &["--side", "negative"]].concat();
     let (code, said, last) = run(&[&guides[..], &["--taper-deg", "0", "--holder", "20:1.5,10:8:12"]].concat());
     assert_eq!(code, Some(0), "{said} {last}");
     assert!(out.join("flank.ngc").exists() && said.contains("nothing was checked for gouges"));

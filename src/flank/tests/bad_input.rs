@@ -31,7 +31,9 @@ fn the_side_of_two_guides_is_asked_for_and_each_is_named_by_where_it_is() {
     // Along X below and along X above: X x Z is -Y.
     let (lower, upper) = (line([0.0, 0.0, 0.0], [10.0, 0.0, 0.0]), line([0.0, 0.0, 5.0], [10.0, 0.0, 5.0]));
     let open = RuledSurface::from_guides(&lower, &upper, Side::Automatic).unwrap_err();
-    assert_eq!(open, FlankError::SideOpen { point: DVec3::new(5.0, 0.0, 2.5), normal: DVec3::NEG_Y });
+    let FlankError::SideOpen { point, normal } = &open else { panic!("{open}") };
+    close(*point, DVec3::new(5.0, 0.0, 2.5), 1e-12);
+    close(*normal, DVec3::NEG_Y, 1e-12);
     let words = open.to_string();
     assert!(words.contains("positive side is towards") && words.contains("-1.00"), "{words}");
     let positive = spanned(&lower, &upper).unwrap();
@@ -58,6 +60,39 @@ fn points_are_read_from_text_with_the_line_of_what_is_wrong() {
         let error = GuideCurve::from_csv(text).unwrap_err();
         assert!(matches!(error, FlankError::Unreadable { line: 2, .. }), "{error}");
     }
+}
+
+#[test]
+fn a_row_of_very_many_points_is_refused_in_words() {
+    let text = |n: usize| (0..n).map(|i| format!("{i},0,0\n")).collect::<String>();
+    assert!(GuideCurve::from_csv(&text(20_000)).is_ok());
+    let error = GuideCurve::from_csv(&text(20_001)).unwrap_err();
+    assert_eq!(error, FlankError::TooManyPoints { most: 20_000 });
+    let long = GuideCurve::Points { points: vec![DVec3::ZERO; 20_001], degree: 3 };
+    assert_eq!(spanned(&line([0.0; 3], [1.0; 3]), &long), Err(error));
+}
+
+#[test]
+fn rows_with_as_many_points_have_rulings_from_point_to_point() {
+    use crate::flank::guide::pairing_warning;
+    // Spaced evenly below and more and more widely above: shares of length are not the same.
+    let row = |z: f64, x: &dyn Fn(f64) -> f64, n: u32| GuideCurve::Points {
+        points: (0..n).map(f64::from).map(|i| DVec3::new(x(i), 0.1 * i * i, z)).collect(),
+        degree: 3,
+    };
+    let (lower, upper) = (row(0.0, &|i| 4.0 * i, 9), row(10.0, &|i| 2.0 * i + 0.25 * i * i, 9));
+    let surface = spanned(&lower, &upper).unwrap();
+    let (GuideCurve::Points { points: low, .. }, GuideCurve::Points { points: high, .. }) = (&lower, &upper) else {
+        panic!()
+    };
+    for (p, q) in low.iter().zip(high) {
+        let [u, w] = [surface.lower().nearest(*p), surface.upper().nearest(*q)];
+        assert!(u.distance < 1e-9 && w.distance < 1e-9 && (u.u - w.u).abs() < 1e-7, "{} {}", u.u, w.u);
+        assert!(surface.point(u.u, 0.5).distance(0.5 * (*p + *q)) < 1e-6, "the middle of the ruling given");
+    }
+    assert_eq!(pairing_warning(&lower, &upper), None);
+    let words = pairing_warning(&lower, &row(10.0, &|i| 4.0 * i, 8)).unwrap();
+    assert!(words.contains("9 points") && words.contains("one 8"), "{words}");
 }
 
 #[test]

@@ -53,7 +53,7 @@ fn low_ranks_agree_with_the_normal_equations() {
     let (surface, cutter, figures) = case(&reference, "cone_r1_a5_B");
     let (grid, start) = covered_start(&surface, &cutter, &figures, [40, 20]);
     let at = (&start.deviation, &start.feet);
-    let system = Compensation::new(&grid, &start.axis, &cutter, at, Model::Height).unwrap();
+    let system = Compensation::new(&grid, &start.axis, &cutter, at, (Model::Height, &Cancel::default())).unwrap();
     let mut rows = DMatrix::zeros(800, 60);
     for (k, place) in grid.grid_places().iter().enumerate() {
         let row = Row::of(&start.axis, &cutter, place, start.feet.at[k], Model::Height);
@@ -184,6 +184,20 @@ fn objectives_do_what_they_say() {
 }
 
 #[test]
+fn a_bound_on_overcut_holds_for_the_moving_cutter_too() {
+    let objective = Objective::Bounded { overcut_mm: Some(0.0), undercut_mm: None };
+    let quiet = (Progress::silent(), Cancel::default());
+    for name in ["cone_r1_a5_A", "cone_r1_a5_B"] {
+        let (surface, cutter, figures) = case(&reference(), name);
+        let (grid, start) = covered_start(&surface, &cutter, &figures, [40, 20]);
+        let path = refine(&grid, &start, &cutter, (objective, 60, 0.5), (&quiet.0, &quiet.1)).unwrap();
+        let moving = envelope::check(&grid, &path.axis, &cutter, (&path.deviation, &path.feet)).deviation;
+        let worst = [moving.most_overcut, path.deviation.most_overcut];
+        assert!(worst.iter().all(|e| *e > -1e-5), "{name}: {worst:?} {}", path.deviation.sum);
+    }
+}
+
+#[test]
 fn the_same_plan_comes_from_any_number_of_threads() {
     let (surface, cutter, _) = case(&reference(), "cone_r1_a5_B");
     let params = FlankParams { grid: [40, 20], rounds: 20, ..FlankParams::default() };
@@ -207,4 +221,56 @@ fn reaching_below_moves_the_bottom_along_the_axis_and_nothing_else() {
         close(a.tip + 1.5 * a.axis, b.tip, 1e-6);
     }
     assert!(below.chosen.coverage.height_range_mm[0] > 1.4);
+}
+
+#[test]
+fn past_its_ends_a_path_cuts_no_more_than_the_cutter_that_stands_there() {
+    for name in ["cone_r1_a5_A", "cyl_R2_B"] {
+        let (surface, cutter, _) = case(&reference(), name);
+        let params = FlankParams { grid: [41, 7], rounds: 0, is_covering: false, ..FlankParams::default() };
+        let path = planned(&surface, &cutter, &params).unwrap().chosen;
+        let [first, last] = path.envelope.t_range;
+        assert!((first < -1e-3 || last > 1.001) && !path.coverage.is_whole, "{name}: {first} {last}");
+        let grid = DesignGrid::new(&surface, params.grid);
+        let cutter = cutter.above(params.below_mm).unwrap();
+        for (k, place) in grid.places().enumerate() {
+            let swept = envelope::swept_above(&path.axis, &cutter, (place.point, place.normal), [-2.0, 40.0], 100);
+            let moving = path.envelope.deviation.values[k];
+            assert!(swept.is_none_or(|swept| (swept - moving).abs() < 1e-5), "{name} {k}: {swept:?} {moving}");
+        }
+    }
+}
+
+#[test]
+fn a_path_that_ends_where_the_cutter_stands_but_does_not_graze_yet_covers_not_all() {
+    use crate::flank::path::FlankPath;
+    let mut beyond = 0;
+    for name in ["cone_r1_a5_A", "cone_r1_a5_B", "cyl_R2_B"] {
+        let (surface, cutter, _) = case(&reference(), name);
+        let params = FlankParams { control_points: 4, grid: [30, 12], rounds: 0, ..FlankParams::default() };
+        let whole = planned(&surface, &cutter, &params).unwrap().initial.axis;
+        let grid = DesignGrid::new(&surface, params.grid);
+        let cutter = cutter.above(params.below_mm).unwrap();
+        let [first, last] = Measured::new(&grid, whole.clone(), &cutter, None).unwrap().feet.t_range();
+        // The same cubics from the first foot to the last: control points from four places of each.
+        let part = |i: usize| whole.at(first + (last - first) * i as f64 / 3.0);
+        let cubic = |of: &dyn Fn(usize) -> DVec3| {
+            let f: [DVec3; 4] = std::array::from_fn(of);
+            let inner = |f: [DVec3; 4]| (-5.0 * f[0] + 18.0 * f[1] - 9.0 * f[2] + 2.0 * f[3]) / 6.0;
+            vec![f[0], inner(f), inner([f[3], f[2], f[1], f[0]]), f[3]]
+        };
+        let range = [first, last].map(|t| whole.u0(t));
+        let axis = AxisSurface::new(cubic(&|i| part(i).tip), cubic(&|i| part(i).top), range).unwrap();
+        let measured = Measured::new(&grid, axis, &cutter, None).unwrap();
+        let [first, last] = measured.feet.t_range();
+        assert!(first.abs() < 1e-9 && (last - 1.0).abs() < 1e-9, "feet at both ends: {first} {last}");
+        let covers = measured.covers();
+        let path = FlankPath::of(&grid, &cutter, measured, (5, 0.0));
+        let [first, last] = path.envelope.t_range;
+        if first < -1e-6 || last > 1.0 + 1e-6 {
+            assert!(!path.coverage.is_whole && !covers, "{name}: {first} {last}");
+            beyond += 1;
+        }
+    }
+    assert!(beyond > 0, "where cutter and surface lean, they graze beside the foot");
 }

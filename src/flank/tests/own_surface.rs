@@ -7,7 +7,8 @@ use crate::flank::path::FlankPath;
 
 /// The wall over a line in the plane, 10 mm high.
 fn upright(points: &[[f64; 2]], degree: usize, side: Side) -> RuledSurface {
-    let guide = |z: f64| GuideCurve::Points { points: points.iter().map(|p| DVec3::new(p[0], p[1], z)).collect(), degree };
+    let guide =
+        |z: f64| GuideCurve::Points { points: points.iter().map(|p| DVec3::new(p[0], p[1], z)).collect(), degree };
     RuledSurface::from_guides(&guide(0.0), &guide(10.0), side).unwrap()
 }
 
@@ -48,7 +49,8 @@ fn assert_sampled(found: &OwnSurfaceCheck, path: &FlankPath, cutter: &FlankCutte
 #[test]
 fn a_cutter_on_one_lip_of_a_pocket_cuts_the_other() {
     let surface = omega();
-    let params = FlankParams { locations: 160, control_points: 60, grid: [160, 4], rounds: 0, ..FlankParams::default() };
+    let params =
+        FlankParams { locations: 200, control_points: 80, grid: [160, 4], rounds: 0, ..FlankParams::default() };
     let cutter = FlankCutter::cylinder(5.0, 20.0);
     assert!(cutter.fits(&surface, 0.0).is_ok(), "nowhere is it hollow with less than 8 mm");
     let plan = planned(&surface, &cutter, &params).unwrap();
@@ -70,7 +72,8 @@ fn a_cutter_on_one_lip_of_a_pocket_cuts_the_other() {
 fn a_hollow_corner_is_cut_from_its_other_leg() {
     let turn = 60f64.to_radians();
     let surface = upright(&[[0.0, 0.0], [20.0, 0.0], [20.0 + 20.0 * turn.cos(), 20.0 * turn.sin()]], 1, Side::Negative);
-    let params = FlankParams { locations: 100, control_points: 40, grid: [100, 4], rounds: 0, ..FlankParams::default() };
+    let params =
+        FlankParams { locations: 100, control_points: 40, grid: [100, 4], rounds: 0, ..FlankParams::default() };
     let cutter = FlankCutter::cylinder(3.0, 20.0);
     let plan = planned(&surface, &cutter, &params).unwrap();
     let found = checked(&plan.chosen, &cutter, &surface, [101, 3]);

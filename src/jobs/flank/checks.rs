@@ -5,8 +5,9 @@ use glam::DVec3;
 use super::{FlankInput, FlankResult, LoadedSurface};
 use crate::flank::FlankError;
 use crate::flank::gouge::{Clearance, ToolPart};
+use crate::flank::guide::pairing_warning;
 use crate::flank::params::Objective;
-use crate::flank::refine::beyond_bounds;
+use crate::flank::refine::path_beyond_bounds;
 
 /// How far below the flutes the surface may go (mm): the bottom's own rounding.
 const BELOW_MM: f64 = 1e-3;
@@ -26,6 +27,8 @@ pub enum CheckKind {
     Bounds,
     /// That the moving cutter cuts as the standing one.
     Envelope,
+    /// That the whole tool cuts the surface itself nowhere deeper than where it stands over it.
+    Surface,
     /// That the flutes gouge no neighbouring wall.
     Gouge,
     /// That the holder touches nothing.
@@ -38,12 +41,13 @@ pub enum CheckKind {
 
 impl CheckKind {
     /// All of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Ruled,
         Self::Cutter,
         Self::Coverage,
         Self::Bounds,
         Self::Envelope,
+        Self::Surface,
         Self::Gouge,
         Self::Holder,
         Self::Leads,
@@ -58,6 +62,7 @@ impl CheckKind {
             Self::Coverage => "coverage",
             Self::Bounds => "bounds",
             Self::Envelope => "envelope",
+            Self::Surface => "surface",
             Self::Gouge => "gouge",
             Self::Holder => "holder",
             Self::Leads => "leads",
@@ -101,6 +106,7 @@ pub(super) fn of(result: &FlankResult, overrides: &[String]) -> Vec<FlankCheck> 
     checks.push(coverage(result));
     checks.extend(bounds(result));
     checks.push(envelope(result));
+    checks.push(own_surface(result));
     checks.extend(gouge(result));
     checks.extend(leads(result));
     checks.extend(machine(result));
@@ -169,12 +175,13 @@ fn coverage(result: &FlankResult) -> FlankCheck {
 fn bounds(result: &FlankResult) -> Option<FlankCheck> {
     let objective = result.plan.params.objective;
     let Objective::Bounded { .. } = objective else { return None };
-    let deviation = &result.path().deviation;
-    let beyond = beyond_bounds(objective, deviation);
+    let path = result.path();
+    let both = [&path.deviation, &path.envelope.deviation];
+    let beyond = path_beyond_bounds(objective, path);
     let text = format!(
-        "overcut up to {:.4} mm, undercut up to {:.4} mm: {}",
-        (-deviation.most_overcut).max(0.0),
-        deviation.most_undercut.max(0.0),
+        "overcut up to {:.4} mm, undercut up to {:.4} mm, standing or moving: {}",
+        both.iter().fold(0.0, |most: f64, d| most.max(-d.most_overcut)),
+        both.iter().fold(0.0, |most: f64, d| most.max(d.most_undercut)),
         if beyond > KEPT_MM { format!("{beyond:.4} mm beyond the bounds") } else { "within the bounds".to_owned() }
     );
     Some(FlankCheck::new(CheckKind::Bounds, beyond <= KEPT_MM, text))
@@ -222,6 +229,15 @@ fn leads(result: &FlankResult) -> Option<FlankCheck> {
     Some(FlankCheck::new(CheckKind::Leads, distance_mm >= -tolerance, text).at(point))
 }
 
+fn own_surface(result: &FlankResult) -> FlankCheck {
+    let own = &result.own_surface;
+    let check = FlankCheck::new(CheckKind::Surface, own.holds(), own.text());
+    match own.worst {
+        Some(worst) => FlankCheck { t: Some(worst.t), ..check.at(worst.point) },
+        None => check,
+    }
+}
+
 fn gouge(result: &FlankResult) -> Vec<FlankCheck> {
     let Some(gouge) = &result.gouge else { return Vec::new() };
     let tolerance = result.plan.params.gouge_tolerance_mm;
@@ -267,6 +283,9 @@ fn machine(result: &FlankResult) -> Option<FlankCheck> {
 pub(super) fn warnings(result: &FlankResult, input: &FlankInput) -> Vec<String> {
     let mut warnings = result.plan.warnings.clone();
     warnings.extend(sinks(result));
+    if let LoadedSurface::Guides { lower, upper } = &input.surface {
+        warnings.extend(pairing_warning(lower, upper));
+    }
     let is_own_wall = matches!(input.surface, LoadedSurface::Face { is_own_wall: true, .. });
     if input.walls.is_none() && !is_own_wall {
         warnings
