@@ -1,7 +1,8 @@
 //! Which of the positions that reach a direction a machine takes along a path: both solutions of the rotary axes and
 //! every whole turn of them within the limits, chosen together for the least travel.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::ops::Range;
 
 use super::linearise::LinearisationParams;
 use super::milling_machine::{Joints, Kinematics, MachineError, ToolPose};
@@ -114,27 +115,50 @@ pub(super) fn chosen(
     let places = pole_places(k, path, params)?;
     let is_pole = |s: f64| Ok::<bool, MillingError>(k.off_pole(path.at(s)?.axis) <= params.pole_rad());
     let poles = places.iter().map(|&s| is_pole(s)).collect::<Result<Vec<bool>, _>>()?;
-    for (i, &s) in places.iter().enumerate() {
-        let pose = path.at(s)?;
-        if !poles[i] {
-            nodes.push(Node { s, pose, states: states(k, path, s, &pose)? });
-            continue;
-        }
-        // The two ends of a stay at the pole: what comes before it and what comes after.
-        let before = (0..i).rev().find(|&j| !poles[j]).map(|j| beside(k, path, places[j + 1], places[j], params));
-        let after =
-            (i + 1..places.len()).find(|&j| !poles[j]).map(|j| beside(k, path, places[j - 1], places[j], params));
-        let (before, after) = (before.transpose()?, after.transpose()?);
-        let last_of_stay = !poles.get(i + 1).copied().unwrap_or(false);
-        let values = before.as_ref().or(after.as_ref()).cloned().unwrap_or_else(|| vec![0.0]);
-        nodes.push(Node { s, pose, states: pole_states(k, &pose, &values) });
-        if let (true, Some(_), Some(after)) = (last_of_stay, before, after) {
-            nodes.push(Node { s, pose, states: pole_states(k, &pose, &after) });
+    let mut i = 0;
+    while i < places.len() {
+        let end = (i..places.len()).find(|&j| !poles[j]).unwrap_or(places.len());
+        if end > i {
+            nodes.extend(stay(k, path, &places, i..end, params)?);
+            i = end;
+        } else {
+            let pose = path.at(places[i])?;
+            nodes.push(Node { s: places[i], pose, states: states(k, path, places[i], &pose)? });
+            i += 1;
         }
     }
     let mut line = least_travel(&nodes);
     line.dedup_by(|next, kept| next.s == kept.s && next.rotary == kept.rotary);
     Ok(line)
+}
+
+/// The points of a stay at the pole. Its axis comes as what is before wants it; at the last point it may turn to what
+/// comes after.
+fn stay(
+    k: &Kinematics,
+    path: &ToolPath,
+    places: &[f64],
+    at: Range<usize>,
+    params: &LinearisationParams,
+) -> Result<Vec<Node>, MillingError> {
+    let Range { start, end } = at;
+    let before = start.checked_sub(1).map(|i| beside(k, path, places[start], places[i], params)).transpose()?;
+    let after = places.get(end).map(|&next| beside(k, path, places[end - 1], next, params)).transpose()?;
+    // A path that never leaves the pole may have it anywhere.
+    let anywhere = || {
+        let [low, high] = k.machine().rotary[k.pole_axis()].limits();
+        [0.0, FRAC_PI_2, -FRAC_PI_2, PI].map(|v| v.clamp(low, high)).to_vec()
+    };
+    let values = before.clone().or(after.clone()).unwrap_or_else(anywhere);
+    let node = |s: f64, values: &[f64]| {
+        let pose = path.at(s)?;
+        Ok(Node { s, pose, states: pole_states(k, &pose, values) })
+    };
+    let mut nodes = places[start..end].iter().map(|&s| node(s, &values)).collect::<Result<Vec<_>, MillingError>>()?;
+    if let (Some(_), Some(after)) = (before, after) {
+        nodes.push(node(places[end - 1], &after)?);
+    }
+    Ok(nodes)
 }
 
 fn states(k: &Kinematics, path: &ToolPath, s: f64, pose: &ToolPose) -> Result<Vec<State>, MillingError> {

@@ -225,12 +225,16 @@ fn the_shorter_way_within_the_limits_is_taken() {
 fn limits_of_straight_and_tilting_axes_are_said_with_the_place() {
     let mut machine = trunnion();
     machine.linear.x_mm = [-400.0, 20.0];
+    machine.rotary[1].limits_deg = Some([-10.0, 10.0]);
     let path = ToolPath::new(|u| (DVec3::new(50.0 * u, 0.0, 0.0), DVec3::Z), &points(6)).unwrap();
     let error = linearise(&machine.kinematics().unwrap(), &path, &LinearisationParams::default()).unwrap_err();
-    // C may stand anywhere, but a straight cut of 50 mm from the middle fits along +Y or -X.
+    // 50 mm times the cosine of 10 degrees: the table turns as far as it can to help.
     assert!(matches!(error, MillingError::OutsideLimits { axis: 'X', .. }), "{error}");
     let said = error.to_string();
-    assert!(said.contains("cut point 6") && said.contains("50.000 mm, 30.000 mm outside"), "{said}");
+    assert!(said.contains("cut point 6") && said.contains("49.240 mm, 29.240 mm outside"), "{said}");
+    // A table that turns further lets the same cut go along -X or Y.
+    machine.rotary[1].limits_deg = None;
+    assert!(linearise(&machine.kinematics().unwrap(), &path, &LinearisationParams::default()).is_ok());
     let mut machine = trunnion();
     machine.rotary[0].limits_deg = Some([-15.0, 15.0]);
     let path = ToolPath::new(|u| (DVec3::X * u, DVec3::new(u, 0.0, 1.0)), &points(6)).unwrap();
