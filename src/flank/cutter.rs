@@ -57,6 +57,19 @@ impl FlankCutter {
         self.taper_deg.to_radians()
     }
 
+    /// What is left of it above a height (mm): the cutter that touches with that height as its bottom.
+    ///
+    /// # Errors
+    /// [`FlankError::Parameter`] if there are no flutes above it.
+    pub fn above(&self, height_mm: f64) -> Result<Self, FlankError> {
+        if height_mm >= self.length_mm {
+            let wanted = "less than the length of the flutes";
+            return Err(FlankError::Parameter { name: "below_mm", value: height_mm, wanted });
+        }
+        let (radius_mm, length_mm) = (self.radius_at(height_mm), self.length_mm - height_mm);
+        Ok(Self { radius_mm, length_mm, ..self.clone() })
+    }
+
     /// Radius of its cross-section at a height (mm).
     pub fn radius_at(&self, height: f64) -> f64 {
         self.radius_mm + height * self.half_angle().tan()

@@ -97,13 +97,14 @@ fn envelope_over(axis: &AxisSurface, cutter: &FlankCutter, place: &GridPlace, fo
     None
 }
 
-/// How far above a point (mm) its normal first enters the cutter anywhere on the path, by brute force: the cutter's cone,
-/// unbounded downwards to its apex and upwards, at `samples` places of the path and ever finer around the nearest.
-/// None if it never does. For checks: it knows nothing of envelopes.
+/// How far above a point (mm) its normal first enters the cutter's flutes anywhere on the path, by brute force: the part
+/// of the cone between two `heights` above the tip (mm), at `samples` places of the path and ever finer around the
+/// nearest. None if it never does. For checks: it knows nothing of envelopes.
 pub fn swept_above(
     axis: &AxisSurface,
     cutter: &FlankCutter,
     (point, normal): (DVec3, DVec3),
+    heights: [f64; 2],
     samples: usize,
 ) -> Option<f64> {
     const FINER: usize = 6;
@@ -113,7 +114,7 @@ pub fn swept_above(
         let spacing = (to - from) / samples.max(2) as f64;
         let entry = |i: usize| {
             let t = from + spacing * i as f64;
-            entry(&axis.at(t), cutter, point, normal).map(|s| (s, t))
+            entry(&axis.at(t), cutter, (point, normal), heights).map(|s| (s, t))
         };
         let (least, t) = (0..=samples.max(2)).filter_map(entry).min_by(|a, b| a.0.total_cmp(&b.0))?;
         best = Some(best.map_or(least, |b| b.min(least)));
@@ -124,7 +125,12 @@ pub fn swept_above(
 
 /// Where a line enters the cone around an axis: the lesser root of |d|^2 - h^2 = (r0 + h tan alpha)^2, d the way from
 /// the tip and h its part along the axis.
-fn entry(at: &AxisAt, cutter: &FlankCutter, point: DVec3, normal: DVec3) -> Option<f64> {
+fn entry(
+    at: &AxisAt,
+    cutter: &FlankCutter,
+    (point, normal): (DVec3, DVec3),
+    [lowest, highest]: [f64; 2],
+) -> Option<f64> {
     let along = at.axis();
     let tan = cutter.half_angle().tan();
     let (d, h, by_h) = (point - at.tip, (point - at.tip).dot(along), normal.dot(along));
@@ -137,5 +143,6 @@ fn entry(at: &AxisAt, cutter: &FlankCutter, point: DVec3, normal: DVec3) -> Opti
         return None;
     }
     let s = (-b - inner.sqrt()) / a;
-    (cutter.radius_at(h + s * by_h) > 0.0).then_some(s)
+    let height = h + s * by_h;
+    (cutter.radius_at(height) > 0.0 && (lowest..=highest).contains(&height)).then_some(s)
 }

@@ -1,6 +1,24 @@
-//! Gouging of neighbouring walls by the cutter, and of everything by its holder.
+//! Gouging of neighbouring walls by the cutter, and of everything by its holder: the least clearance along the path.
+//!
+//! The tool is a stack of frusta; each is convex, and so is the signed distance to it. Boxes of the mesh and triangles
+//! are left out where that distance cannot be less than the least found, and stretches of the path where the tool
+//! cannot come nearer by moving. So nothing is stepped over: the answer is within [`TOLERANCE`] of the least.
+
+use std::collections::BinaryHeap;
 
 use glam::DVec3;
+use rayon::prelude::*;
+
+use super::FlankError;
+use super::cutter::FlankCutter;
+use super::path::{FlankPath, FlankPose};
+use super::ruled_surface::RuledSurface;
+use crate::geometry::bvh::Bvh;
+use crate::geometry::mesh::Mesh;
+use crate::progress::{Cancel, Progress};
+
+/// How exact clearances are (mm).
+pub const TOLERANCE: f64 = 1e-3;
 
 /// Which part of the tool comes near.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,7 +34,7 @@ pub enum ToolPart {
 pub struct Clearance {
     /// Which part.
     pub part: ToolPart,
-    /// Distance (mm); negative by the depth where it gouges.
+    /// Distance (mm); negative by the depth where it gouges. Beyond [`GougeCheck::FAR`] it is that.
     pub distance_mm: f64,
     /// Where on the mesh.
     pub point: DVec3,
@@ -27,8 +45,258 @@ pub struct Clearance {
 /// Least clearances of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct GougeCheck {
-    /// Of the flutes from neighbouring walls; none if there are none.
+    /// Of the flutes from neighbouring walls; none if there are none near.
     pub cutter: Option<Clearance>,
-    /// Of the holder from everything; none without a holder.
+    /// Of the holder from everything; none without a holder or if nothing is near.
     pub holder: Option<Clearance>,
+}
+
+/// A piece of a cone around an axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frustum {
+    /// Heights of its ends above the tip (mm).
+    pub heights: [f64; 2],
+    /// Radii of its ends (mm).
+    pub radii: [f64; 2],
+}
+
+impl Frustum {
+    /// Signed distance (mm) from it at `pose` to `p`, negative inside, and its gradient.
+    pub fn distance(&self, pose: &FlankPose, p: DVec3) -> (f64, DVec3) {
+        let d = p - pose.tip;
+        let h = d.dot(pose.axis);
+        let across = d - h * pose.axis;
+        let r = across.length();
+        let out = if r > 0.0 { across / r } else { pose.axis.any_orthonormal_vector() };
+        let [low, high] = self.heights;
+        let [below, above] = self.radii;
+        // The slant side as a line in the half-plane of r and h.
+        let (rise, run) = (high - low, above - below);
+        let length = rise.hypot(run);
+        let (normal_r, normal_h) = (rise / length, -run / length);
+        let side = (r - below) * normal_r + (h - low) * normal_h;
+        let faces = [(low - h, [0.0, -1.0]), (h - high, [0.0, 1.0]), (side, [normal_r, normal_h])];
+        let near_a_face = faces.iter().all(|f| f.0 <= 1e-12);
+        if near_a_face {
+            let (distance, [by_r, by_h]) =
+                faces.into_iter().fold((f64::NEG_INFINITY, [0.0; 2]), |a, b| if b.0 > a.0 { b } else { a });
+            return (distance, by_r * out + by_h * pose.axis);
+        }
+        // Outside: the nearest point of the three sides.
+        let along = (((r - below) * run + (h - low) * rise) / (length * length)).clamp(0.0, 1.0);
+        let feet = [[r.min(below), low], [r.min(above), high], [below + along * run, low + along * rise]];
+        let way = |[fr, fh]: [f64; 2]| [r - fr, h - fh];
+        let size = |f: &[f64; 2]| way(*f)[0].hypot(way(*f)[1]);
+        let near = feet.into_iter().min_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(feet[2]);
+        let (distance, [by_r, by_h]) = (size(&near), way(near));
+        (distance, (by_r * out + by_h * pose.axis) / distance.max(f64::MIN_POSITIVE))
+    }
+}
+
+impl GougeCheck {
+    /// What is farther than this from the tool is not looked for (mm).
+    pub const FAR: f64 = 50.0;
+
+    /// The worse of both clearances that is below `-tolerance` (mm): a gouge.
+    pub fn gouge(&self, tolerance: f64) -> Option<Clearance> {
+        let both = [self.cutter, self.holder].into_iter().flatten().filter(|c| c.distance_mm < -tolerance);
+        both.min_by(|a, b| a.distance_mm.total_cmp(&b.distance_mm))
+    }
+}
+
+/// The triangles of `part` that are not the design surface: some corner or the middle is further from it than `own_mm`.
+pub fn neighbours(part: &Mesh, surface: &RuledSurface, own_mm: f64) -> Mesh {
+    let is_own = |p: DVec3| surface.nearest(p).point.distance(p) <= own_mm;
+    let vertices: Vec<bool> = part.vertices.par_iter().map(|p| is_own(*p)).collect();
+    let is_neighbour = |t: &&[u32; 3]| {
+        let corners = t.map(|i| part.vertices[i as usize]);
+        !(t.iter().all(|i| vertices[*i as usize]) && is_own((corners[0] + corners[1] + corners[2]) / 3.0))
+    };
+    let triangles = part.triangles.par_iter().filter(is_neighbour).copied().collect();
+    Mesh { vertices: part.vertices.clone(), triangles }
+}
+
+/// Checks a path against `part`: the flutes against all but the design surface itself (what is within `own_mm` of it),
+/// the holder against everything.
+///
+/// # Errors
+/// Cancelled.
+pub fn check(
+    path: &FlankPath,
+    cutter: &FlankCutter,
+    (part, surface, own_mm): (&Mesh, &RuledSurface, f64),
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<GougeCheck, FlankError> {
+    progress.report("gouge of neighbouring walls", 0.0, "");
+    let flutes =
+        Frustum { heights: [0.0, cutter.length_mm], radii: [cutter.radius_mm, cutter.radius_at(cutter.length_mm)] };
+    let walls = neighbours(part, surface, own_mm);
+    let cutter_clearance = least(path, &[(ToolPart::Cutter, flutes)], &walls, cancel)?;
+    progress.report("gouge by the holder", 0.5, "");
+    let mut bottom = cutter.length_mm;
+    let mut holder = Vec::new();
+    for (i, part) in cutter.holder.iter().enumerate() {
+        let heights = [bottom, bottom + part.length_mm];
+        holder.push((ToolPart::Holder(i), Frustum { heights, radii: [part.lower_radius_mm, part.upper_radius_mm] }));
+        bottom = heights[1];
+    }
+    let holder_clearance = least(path, &holder, part, cancel)?;
+    progress.report("gouge by the holder", 1.0, "");
+    Ok(GougeCheck { cutter: cutter_clearance, holder: holder_clearance })
+}
+
+/// A stretch of the path that is still to be looked at; those that may hold the least come first.
+#[derive(Debug, Clone, Copy)]
+struct Stretch {
+    /// No clearance on it is less (mm).
+    bound: f64,
+    from: f64,
+    to: f64,
+}
+
+impl PartialEq for Stretch {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+impl Eq for Stretch {}
+impl PartialOrd for Stretch {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+impl Ord for Stretch {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        other.bound.total_cmp(&self.bound).then(other.from.total_cmp(&self.from))
+    }
+}
+
+/// The least clearance of a stack of frusta along the path.
+fn least(
+    path: &FlankPath,
+    tool: &[(ToolPart, Frustum)],
+    mesh: &Mesh,
+    cancel: &Cancel,
+) -> Result<Option<Clearance>, FlankError> {
+    const FIRST: usize = 32;
+    if mesh.triangles.is_empty() || tool.is_empty() {
+        return Ok(None);
+    }
+    let tree = Bvh::new(mesh, cancel)?;
+    let at = |t: f64, most: f64| nearest(&tree, tool, &path.pose(t), t, most);
+    let mut best: Option<Clearance> = None;
+    let mut open = BinaryHeap::new();
+    for i in 0..FIRST {
+        let [from, to] = [i, i + 1].map(|k| k as f64 / FIRST as f64);
+        open.push(Stretch { bound: f64::NEG_INFINITY, from, to });
+    }
+    while let Some(Stretch { bound, from, to }) = open.pop() {
+        cancel.check()?;
+        let most = best.map_or(GougeCheck::FAR, |b| b.distance_mm);
+        if bound >= most - TOLERANCE {
+            break;
+        }
+        let middle = 0.5 * (from + to);
+        // What is further off than the least found by more than the tool moves does not matter on this stretch.
+        let moves = greatest_move(path, tool, from, to);
+        let found = at(middle, most + moves);
+        if let Some(found) = found.filter(|f| f.distance_mm < most) {
+            best = Some(found);
+        }
+        let bound = found.map_or(most + moves, |f| f.distance_mm) - moves;
+        let most = best.map_or(GougeCheck::FAR, |b| b.distance_mm);
+        if bound < most - TOLERANCE && to - from > 1e-9 {
+            open.push(Stretch { bound, from, to: middle });
+            open.push(Stretch { bound, from: middle, to });
+        }
+    }
+    Ok(best)
+}
+
+/// No point of the tool moves more (mm) between the middle and any other place of the stretch. Ends and middle of the
+/// axis are compared at several places; a cubic that turns more between them would need a stretch to be longer than a
+/// piece of the path, and half as much again is allowed for.
+fn greatest_move(path: &FlankPath, tool: &[(ToolPart, Frustum)], from: f64, to: f64) -> f64 {
+    const LOOKS: i32 = 8;
+    const SAFETY: f64 = 1.5;
+    let (mut reach, mut radius) = (0.0f64, 0.0f64);
+    for (_, part) in tool {
+        reach = reach.max(part.heights[1]);
+        radius = radius.max(part.radii[0]).max(part.radii[1]);
+    }
+    let middle = path.pose(0.5 * (from + to));
+    let moves = (0..=LOOKS).map(|i| {
+        let pose = path.pose(from + (to - from) * f64::from(i) / f64::from(LOOKS));
+        let turn = (pose.axis - middle.axis).length();
+        let tip = pose.tip.distance(middle.tip);
+        let top = (pose.tip + reach * pose.axis).distance(middle.tip + reach * middle.axis);
+        tip.max(top) + radius * turn
+    });
+    SAFETY * moves.fold(0.0, f64::max)
+}
+
+/// The least clearance at one place, if it is less than `most`.
+fn nearest(tree: &Bvh, tool: &[(ToolPart, Frustum)], pose: &FlankPose, t: f64, most: f64) -> Option<Clearance> {
+    let mut best: Option<Clearance> = None;
+    for (part, frustum) in tool {
+        let limit = best.map_or(most, |b| b.distance_mm);
+        if let Some((distance_mm, point)) = nearest_to(tree, frustum, pose, limit) {
+            best = Some(Clearance { part: *part, distance_mm, point, t });
+        }
+    }
+    best
+}
+
+fn nearest_to(tree: &Bvh, frustum: &Frustum, pose: &FlankPose, most: f64) -> Option<(f64, DVec3)> {
+    let (mut best, mut least) = (None, most);
+    let mut open = vec![0];
+    while let Some(index) = open.pop() {
+        let node = tree.node(index);
+        let (distance, slope) = frustum.distance(pose, node.bounds.center);
+        // Convex: nowhere below its tangent plane; and it changes by no more than the way.
+        let by_plane = distance + node.bounds.least_along(slope) - slope.dot(node.bounds.center);
+        if by_plane.max(distance - node.radius) >= least {
+            continue;
+        }
+        if let Some([first, second]) = tree.children(index) {
+            let off = |i: u32| frustum.distance(pose, tree.node(i).bounds.center).0 - tree.node(i).radius;
+            // The one that may be nearer is looked at first.
+            open.extend(if off(first) < off(second) { [second, first] } else { [first, second] });
+        } else if let Some(found) = nearest_on(*tree.corners(node.triangle), frustum, pose, least) {
+            least = found.0;
+            best = Some(found);
+        }
+    }
+    best
+}
+
+/// The least distance to a triangle, if it is less than `most`: it is divided where it may still hold less.
+fn nearest_on(corners: [DVec3; 3], frustum: &Frustum, pose: &FlankPose, most: f64) -> Option<(f64, DVec3)> {
+    /// Triangles are divided until they hold no more than this less (mm).
+    const EXACT: f64 = 0.2 * TOLERANCE;
+    const MOST: usize = 20_000;
+    let (mut best, mut least) = (None, most);
+    let mut open = vec![corners];
+    for _ in 0..MOST {
+        let Some([a, b, c]) = open.pop() else { break };
+        let middle = (a + b + c) / 3.0;
+        let (distance, slope) = frustum.distance(pose, middle);
+        if distance < least {
+            (least, best) = (distance, Some((distance, middle)));
+        }
+        let ways = [a, b, c].map(|p| p - middle);
+        let by_plane = ways.map(|w| slope.dot(w)).into_iter().fold(f64::INFINITY, f64::min);
+        let by_way = -ways.map(DVec3::length).into_iter().fold(0.0, f64::max);
+        if distance + by_plane.max(by_way) >= least - EXACT {
+            continue;
+        }
+        let [ab, bc, ca] = [0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)];
+        // The corner that the distance falls towards is looked at first.
+        let mut parts = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
+        let value = |t: &[DVec3; 3]| slope.dot(t[0] + t[1] + t[2]);
+        parts.sort_by(|s, t| value(t).total_cmp(&value(s)));
+        open.extend(parts);
+    }
+    best
 }

@@ -51,6 +51,8 @@ pub struct FlankParams {
     pub is_covering: bool,
     /// How far past the last place needed they go, in u.
     pub overrun_u: f64,
+    /// How far the cutter's bottom reaches below the lower guide, along the axis (mm).
+    pub below_mm: f64,
     /// How far the upper contact may slide away from the lower, in u.
     pub slide_u: f64,
     /// What the refined path is made best in.
@@ -70,6 +72,7 @@ impl Default for FlankParams {
             grid: [100, 50],
             is_covering: true,
             overrun_u: 0.005,
+            below_mm: 0.0,
             slide_u: 0.25,
             objective: Objective::Sum,
             rounds: 60,
@@ -107,6 +110,8 @@ impl FlankParams {
         one("overrun_u", self.overrun_u, (0.0..=0.1).contains(&self.overrun_u), "from 0 to 0.1")?;
         one("slide_u", self.slide_u, (1e-3..=0.5).contains(&self.slide_u), "from 0.001 to 0.5")?;
         one("rounds", self.rounds as f64, self.rounds <= 10_000, "at most 10000")?;
+        let below = self.below_mm;
+        one("below_mm", below, (0.0..=100.0).contains(&below), "from 0 to 100 mm")?;
         let tolerance = self.gouge_tolerance_mm;
         one("gouge_tolerance_mm", tolerance, (0.0..=1.0).contains(&tolerance), "from 0 to 1 mm")?;
         one("objective overcut_mm", bounds[0].unwrap_or(0.0), is_bound(bounds[0]), "a length in mm, 0 or more")?;

@@ -33,8 +33,10 @@ pub struct Coverage {
 /// A path of the cutter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlankPath {
-    /// The surface that its axis sweeps.
+    /// The surface that its axis sweeps, from the height that touches the lower guide.
     pub axis: AxisSurface,
+    /// How far the cutter's bottom is below that height (mm).
+    pub below_mm: f64,
     /// Places along it, as many as locations were asked for.
     pub poses: Vec<FlankPose>,
     /// Deviation of the standing cutter over the design surface.
@@ -48,27 +50,29 @@ pub struct FlankPath {
 }
 
 impl FlankPath {
-    /// The path with all that is to be known of it, and `poses` places along it.
-    pub(super) fn of(grid: &DesignGrid, cutter: &FlankCutter, path: Measured, poses: usize) -> Self {
+    /// The path with all that is to be known of it, and `poses` places along it. `cutter` is what touches: the one above
+    /// `below_mm`.
+    pub(super) fn of(grid: &DesignGrid, cutter: &FlankCutter, path: Measured, (poses, below_mm): (usize, f64)) -> Self {
         let Measured { axis, deviation, feet } = path;
         let envelope = envelope::check(grid, &axis, cutter, (&deviation, &feet));
-        let heights = feet.at.iter().map(|q| cutter.contact_height(q.y * axis.at(q.x).length()));
+        let heights = feet.at.iter().map(|q| below_mm + cutter.contact_height(q.y * axis.at(q.x).length()));
         let widest = |[low, high]: [f64; 2], h: f64| [low.min(h), high.max(h)];
         let height_range_mm = heights.fold([f64::INFINITY, f64::NEG_INFINITY], widest);
         let t_range = feet.t_range();
         let coverage = Coverage { t_range, height_range_mm, is_whole: t_range[0] >= 0.0 && t_range[1] <= 1.0 };
-        let poses = (0..poses).map(|i| pose(&axis, i as f64 / (poses.max(2) - 1) as f64)).collect();
-        Self { axis, poses, deviation, feet, coverage, envelope }
+        let poses = (0..poses).map(|i| pose(&axis, below_mm, i as f64 / (poses.max(2) - 1) as f64)).collect();
+        Self { axis, below_mm, poses, deviation, feet, coverage, envelope }
     }
 
     /// The cutter at `t`, from 0 to 1.
     pub fn pose(&self, t: f64) -> FlankPose {
-        pose(&self.axis, t)
+        pose(&self.axis, self.below_mm, t)
     }
 }
 
-/// The cutter at `t` of an axis surface.
-pub fn pose(axis: &AxisSurface, t: f64) -> FlankPose {
+/// The cutter at `t` of an axis surface, its bottom `below_mm` below the tip there.
+fn pose(axis: &AxisSurface, below_mm: f64, t: f64) -> FlankPose {
     let at = axis.at(t);
-    FlankPose { t, tip: at.tip, axis: at.axis() }
+    let direction = at.axis();
+    FlankPose { t, tip: at.tip - below_mm * direction, axis: direction }
 }

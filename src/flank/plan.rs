@@ -18,7 +18,7 @@ use crate::progress::{Cancel, Progress};
 /// A path and those that it came from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlankPlan {
-    /// The cutter.
+    /// The cutter, whole.
     pub cutter: FlankCutter,
     /// What was asked.
     pub params: FlankParams,
@@ -62,6 +62,8 @@ pub fn plan_flank(
 ) -> Result<FlankPlan, FlankError> {
     params.validate()?;
     cutter.validate()?;
+    let whole = cutter;
+    let cutter = &whole.above(params.below_mm)?;
     let grid = DesignGrid::new(surface, params.grid);
     progress.report("placing the cutter", 0.0, "");
     let (locations, start) = covering_start(surface, cutter, params, &grid, cancel)?;
@@ -71,10 +73,10 @@ pub fn plan_flank(
     progress.report("checking the moving cutter", 0.0, "");
     let path = |measured: Measured| -> Result<FlankPath, FlankError> {
         cancel.check()?;
-        Ok(FlankPath::of(&grid, cutter, measured, params.locations))
+        Ok(FlankPath::of(&grid, cutter, measured, (params.locations, params.below_mm)))
     };
     let (initial, chosen, refined) = (path(start)?, path(chosen)?, path(refined)?);
-    let (cutter, params) = (cutter.clone(), params.clone());
+    let (cutter, params) = (whole.clone(), params.clone());
     let mut plan = FlankPlan { cutter, params, locations, initial, ranks, chosen, refined, warnings: Vec::new() };
     plan.warnings = warning::of_plan(surface, &plan);
     progress.report("checking the moving cutter", 1.0, "");

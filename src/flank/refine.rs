@@ -125,9 +125,12 @@ fn step(
     damping: &mut f64,
 ) -> (Option<Measured>, f64) {
     const TRIES: usize = 8;
+    /// How much sliding along the path is held back, as a share of the matrix's mean diagonal.
+    const GAUGE: f64 = 0.03;
     let (matrix, slope) = normal_equations(grid, now, cutter, merit);
     let value = merit.of(&now.deviation);
     let mean = matrix.diagonal().mean();
+    let matrix = matrix + sliding(now, GAUGE * mean);
     for _ in 0..TRIES {
         let mut damped = matrix.clone();
         // Sliding the control points along the path changes nothing: those directions need damping of their own.
@@ -146,6 +149,29 @@ fn step(
         *damping = (*damping * 8.0).min(1e6);
     }
     (None, 0.0)
+}
+
+/// Squares of how far the axis's ends slide along their own curves: such steps change next to nothing but, left free,
+/// carry the path's ends off the surface.
+fn sliding(now: &Measured, weight: f64) -> DMatrix<f64> {
+    let n = now.axis.lower().len();
+    let mut matrix = DMatrix::zeros(6 * n, 6 * n);
+    let looks = 3 * n;
+    for i in 0..looks {
+        let t = i as f64 / (looks - 1) as f64;
+        let (at, basis) = (now.axis.at(t), now.axis.basis().at(t));
+        for (curve, speed) in [at.tip_speed, at.top_speed].into_iter().enumerate() {
+            let along = speed.normalize_or_zero();
+            let entry = |k: usize| {
+                let unknown = 3 * (curve * n + basis.first + k / 3) + k % 3;
+                (unknown, basis.values[k / 3] * along[k % 3])
+            };
+            for (row, a) in (0..12).map(entry) {
+                (0..12).map(entry).for_each(|(column, b)| matrix[(row, column)] += weight * a * b);
+            }
+        }
+    }
+    matrix
 }
 
 /// Matrix and slope of the squares that lie above the merit.

@@ -187,8 +187,10 @@ fn scratch3() {
             let coarse = DesignGrid::new(&surface, [21, 11]);
             let (d, feet) = coarse.deviation(&path.axis, &cutter, None).unwrap();
             let env = check(&coarse, &path.axis, &cutter, (&d, &feet));
-            let swept: Vec<f64> =
-                coarse.places().map(|p| swept_above(&path.axis, &cutter, (p.point, p.normal), 200).unwrap()).collect();
+            let swept: Vec<f64> = coarse
+                .places()
+                .map(|p| swept_above(&path.axis, &cutter, (p.point, p.normal), [-2.0, 40.0], 200).unwrap())
+                .collect();
             let off = swept.iter().zip(&env.deviation.values).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             let sum: f64 = swept.iter().map(|x| x.abs()).sum();
             println!(

@@ -85,8 +85,8 @@ fn of_coverage(name: &str, path: &FlankPath) -> Vec<String> {
     let [lowest, _] = path.coverage.height_range_mm;
     if lowest < -1e-3 {
         warnings.push(format!(
-            "on the {name} path the flutes end {:.4} mm above the lowest line of the surface that they should cut; let the \
-             cutter reach lower by that much, with a bottom radius to match",
+            "on the {name} path the flutes end {:.4} mm above the lowest line of the surface that they should cut; raise \
+             below_mm by that much",
             -lowest
         ));
     }

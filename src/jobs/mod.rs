@@ -5,6 +5,8 @@ pub mod auto_size;
 pub mod compare;
 pub mod electrodes;
 pub mod finish;
+pub mod flank;
+pub mod flank_files;
 pub mod live;
 pub mod mold;
 pub mod pipeline;

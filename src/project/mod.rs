@@ -7,6 +7,8 @@ mod document;
 pub mod electrode_file;
 mod field_table;
 mod fields;
+pub mod flank_file;
+pub mod flank_params;
 mod history;
 mod job_file;
 mod kept_plan;

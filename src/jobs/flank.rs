@@ -1,0 +1,356 @@
+//! A flank milled with the side of a cutter: the surface, the path in three steps, the checks of the one that is milled,
+//! and its positions on a machine. Pure: what is in files is read by [`super::flank_files`].
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::export::flank_nc::FlankNcSettings;
+use crate::flank::FlankError;
+use crate::flank::cutter::FlankCutter;
+use crate::flank::fit_ruled::{Candidate, CandidateFit, RuledFit};
+use crate::flank::gouge::{self, GougeCheck};
+use crate::flank::guide::GuideCurve;
+use crate::flank::joint_feed::{Feeds, paces};
+use crate::flank::linearise::{LinearisationParams, MachinePath, linearise};
+use crate::flank::milling_machine::{Kinematics, MillingMachine, ToolPose};
+use crate::flank::params::FlankParams;
+use crate::flank::path::FlankPath;
+use crate::flank::plan::{FlankPlan, plan_flank};
+use crate::flank::ruled_surface::{RuledSurface, Side};
+use crate::flank::tool_path::{ToolPath, ToolPathError};
+use crate::geometry::mesh::Mesh;
+use crate::progress::{Cancel, Cancelled, Progress};
+use crate::project::flank_params::{MillingSettings, PathChoice};
+
+mod checks;
+
+pub use checks::{CheckKind, FlankCheck};
+
+/// How far the surface itself may be off its mesh without counting as a neighbouring wall (mm), where nothing else is
+/// known.
+const OWN_MM: f64 = 0.01;
+
+/// What a surface is made of, read from its files.
+#[derive(Debug, Clone)]
+pub enum LoadedSurface {
+    /// Two guides.
+    Guides {
+        /// The one that the cutter's bottom follows.
+        lower: GuideCurve,
+        /// The other one.
+        upper: GuideCurve,
+    },
+    /// A face of a mesh.
+    Face {
+        /// The mesh.
+        mesh: Arc<Mesh>,
+        /// Its faces that could be milled, the largest first.
+        candidates: Arc<Vec<Candidate>>,
+        /// Which one, from 1.
+        number: usize,
+        /// Whether the rest of the mesh is looked at for gouges.
+        is_own_wall: bool,
+    },
+}
+
+/// All that a job works on.
+#[derive(Debug, Clone)]
+pub struct FlankInput {
+    /// What to call it.
+    pub name: String,
+    /// The surface.
+    pub surface: LoadedSurface,
+    /// On which side of it the cutter stands.
+    pub side: Side,
+    /// The cutter.
+    pub cutter: FlankCutter,
+    /// How the path is planned.
+    pub params: FlankParams,
+    /// Which path is milled.
+    pub path: PathChoice,
+    /// Other walls that must not be cut.
+    pub walls: Option<Arc<Mesh>>,
+    /// The machine; none for cutter locations only.
+    pub machine: Option<MillingMachine>,
+    /// How it is milled.
+    pub milling: MillingSettings,
+    /// How much the moving cutter may cut otherwise than the standing one at any place (mm).
+    pub envelope_tolerance_mm: f64,
+    /// Names of checks that do not keep anything from being exported.
+    pub overrides: Vec<String>,
+}
+
+/// Why there is no flank path at all.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FlankJobError {
+    /// The surface, the cutter or the parameters.
+    #[error(transparent)]
+    Flank(#[from] FlankError),
+    /// A face that there is not.
+    #[error("there is no flank {number}: the mesh has {count} that could be milled; they are counted from 1, the largest first")]
+    NoCandidate {
+        /// Which one was asked for.
+        number: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// A face without a ruled surface.
+    #[error("flank {number} has no ruled surface: {why}; choose another flank")]
+    NotFitted {
+        /// Which one.
+        number: usize,
+        /// Why.
+        why: String,
+    },
+}
+
+impl FlankJobError {
+    /// Whether it was told to stop.
+    pub fn is_cancelled(&self) -> bool {
+        matches!(self, Self::Flank(FlankError::Cancelled(_)))
+    }
+}
+
+impl From<Cancelled> for FlankJobError {
+    fn from(cancelled: Cancelled) -> Self {
+        Self::Flank(cancelled.into())
+    }
+}
+
+/// The path in the positions of a machine.
+#[derive(Debug, Clone)]
+pub struct Milled {
+    /// The machine.
+    pub machine: Kinematics,
+    /// Its positions.
+    pub line: MachinePath,
+    /// What they were made with.
+    pub params: LinearisationParams,
+    /// Time of every move (min), one less than the positions.
+    pub move_minutes: Vec<f64>,
+    /// Time from the first position to the last (min).
+    pub minutes: f64,
+    /// Where an axis would be too fast: how many moves are slower than asked for, the least share of the feed that is
+    /// left, and the axis.
+    pub slowed: Option<(usize, f64, char)>,
+}
+
+/// A planned flank.
+#[derive(Debug, Clone)]
+pub struct FlankResult {
+    /// What to call it.
+    pub name: String,
+    /// The surface, on the side that was chosen.
+    pub surface: RuledSurface,
+    /// The fit to the face of a mesh; none for guides.
+    pub fit: Option<RuledFit>,
+    /// The paths.
+    pub plan: FlankPlan,
+    /// Which of them is milled.
+    pub path: PathChoice,
+    /// Its clearances; none if there is nothing that could be gouged.
+    pub gouge: Option<GougeCheck>,
+    /// The straight moves that lead to it and from it, outside first.
+    pub approach: Vec<ToolPose>,
+    /// See `approach`.
+    pub retract: Vec<ToolPose>,
+    /// The machine's path, or why there is none; none of both without a machine.
+    pub milled: Option<Result<Milled, String>>,
+    /// How it is milled.
+    pub milling: MillingSettings,
+    /// How much the moving cutter may cut otherwise than the standing one at any place (mm).
+    pub envelope_tolerance_mm: f64,
+    /// What was checked.
+    pub checks: Vec<FlankCheck>,
+    /// What the reader must know, in words.
+    pub warnings: Vec<String>,
+}
+
+impl FlankResult {
+    /// The path that is milled.
+    pub fn path(&self) -> &FlankPath {
+        path_of(&self.plan, self.path)
+    }
+
+    /// Whether every check holds.
+    pub fn holds(&self) -> bool {
+        self.checks.iter().all(|c| c.holds)
+    }
+
+    /// Why nothing is exported: the checks that fail and are not overridden; none if there are none such.
+    pub fn why_blocked(&self) -> Option<String> {
+        let failed = self.checks.iter().filter(|c| !c.holds && !c.is_overridden);
+        let failed: Vec<String> = failed.map(|c| format!("{}: {}", c.kind.name(), c.text)).collect();
+        (!failed.is_empty()).then(|| failed.join("; "))
+    }
+
+    /// The path that is milled with its leads, as a function for machines and posts.
+    ///
+    /// # Errors
+    /// [`ToolPathError`].
+    pub fn tool_path(&self) -> Result<ToolPath<'_>, ToolPathError> {
+        tool_path(self.path(), &self.approach, &self.retract)
+    }
+
+    /// The machine's path, if there is one.
+    pub fn milled(&self) -> Option<&Milled> {
+        self.milled.as_ref()?.as_ref().ok()
+    }
+}
+
+/// The path of a plan that was chosen.
+pub fn path_of(plan: &FlankPlan, choice: PathChoice) -> &FlankPath {
+    match choice {
+        PathChoice::Initial => &plan.initial,
+        PathChoice::Chosen => &plan.chosen,
+        PathChoice::Refined => &plan.refined,
+    }
+}
+
+/// Plans a flank, checks the path that is milled and puts it on the machine. What fails a check is in the result.
+///
+/// # Errors
+/// [`FlankJobError`] if there is no path at all; cancelled.
+pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result<FlankResult, FlankJobError> {
+    let (surface, fit) = surface(input)?;
+    let plan = plan_flank(&surface, &input.cutter, &input.params, progress, cancel)?;
+    let path = path_of(&plan, input.path);
+    let gouge = gouge_check(input, (&surface, fit.as_ref()), path, progress, cancel)?;
+    let [approach, retract] = leads(&surface, path, &input.milling);
+    progress.report("positions of the machine", 0.0, "");
+    let milled = input.machine.as_ref().map(|machine| {
+        let path = tool_path(path, &approach, &retract).map_err(|e| e.to_string())?;
+        milled(machine, &path, &input.milling, input.cutter.length_mm)
+    });
+    cancel.check()?;
+    progress.report("positions of the machine", 1.0, "");
+    let mut result = FlankResult {
+        name: input.name.clone(),
+        surface,
+        fit,
+        plan,
+        path: input.path,
+        gouge,
+        approach,
+        retract,
+        milled,
+        milling: input.milling.clone(),
+        envelope_tolerance_mm: input.envelope_tolerance_mm,
+        checks: Vec::new(),
+        warnings: Vec::new(),
+    };
+    result.checks = checks::of(&result, &input.overrides);
+    result.warnings = checks::warnings(&result, input);
+    Ok(result)
+}
+
+/// The surface, and the fit that it is from.
+///
+/// # Errors
+/// As [`flank`].
+pub fn surface(input: &FlankInput) -> Result<(RuledSurface, Option<RuledFit>), FlankJobError> {
+    match &input.surface {
+        LoadedSurface::Guides { lower, upper } => Ok((RuledSurface::from_guides(lower, upper, input.side)?, None)),
+        LoadedSurface::Face { candidates, number, .. } => {
+            let (number, count) = (*number, candidates.len());
+            let found = number.checked_sub(1).and_then(|i| candidates.get(i));
+            let fit = match &found.ok_or(FlankJobError::NoCandidate { number, count })?.fit {
+                CandidateFit::Fitted(fit) => fit,
+                CandidateFit::Refused(error) => {
+                    return Err(FlankJobError::NotFitted { number, why: error.to_string() });
+                }
+                CandidateFit::NotTried => {
+                    let why = "it is too small a face to be looked at".to_owned();
+                    return Err(FlankJobError::NotFitted { number, why });
+                }
+            };
+            // The fit's guides run so that the positive side is outside of the solid.
+            let side = if input.side == Side::Automatic { Side::Positive } else { input.side };
+            let surface = RuledSurface::new(fit.lower.clone(), fit.upper.clone(), side)?;
+            Ok((surface, Some(fit.as_ref().clone())))
+        }
+    }
+}
+
+/// Clearances from the given walls and from the part's own other faces; the lesser of each.
+fn gouge_check(
+    input: &FlankInput,
+    (surface, fit): (&RuledSurface, Option<&RuledFit>),
+    path: &FlankPath,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Option<GougeCheck>, FlankJobError> {
+    let own_mm = fit.map_or(OWN_MM, |f| OWN_MM + f.error.greatest.max(f.tolerance_mm) + f.chord_mm);
+    let part = match &input.surface {
+        LoadedSurface::Face { mesh, is_own_wall: true, .. } => Some(mesh),
+        _ => None,
+    };
+    let mut found: Option<GougeCheck> = None;
+    for walls in part.into_iter().chain(&input.walls) {
+        let next = gouge::check(path, &input.cutter, (walls, surface, own_mm), progress, cancel)?;
+        found = Some(found.map_or(next, |found| found.and(&next)));
+    }
+    Ok(found)
+}
+
+/// The moves that lead to both ends of a path, outside first: from the side onto the surface, and along the cutter's
+/// axis before that.
+fn leads(surface: &RuledSurface, path: &FlankPath, milling: &MillingSettings) -> [Vec<ToolPose>; 2] {
+    let lead = |t: f64, u: f64| {
+        let pose = path.pose(t);
+        let normal = surface.normal(u, 0.5);
+        // Square to the axis, so that the flutes come off all along.
+        let off = (normal - pose.axis * normal.dot(pose.axis)).normalize_or_zero();
+        let aside = pose.tip + milling.aside_mm * off;
+        let lifted = aside + milling.retract_mm * pose.axis;
+        let mut poses: Vec<DVec3> = Vec::new();
+        for place in [aside, lifted] {
+            if place != *poses.last().unwrap_or(&pose.tip) {
+                poses.push(place);
+            }
+        }
+        poses.into_iter().map(|tip| ToolPose { tip, axis: pose.axis }).collect::<Vec<_>>()
+    };
+    let mut approach = lead(0.0, 0.0);
+    approach.reverse();
+    [approach, lead(1.0, 1.0)]
+}
+
+fn tool_path<'a>(
+    path: &'a FlankPath,
+    approach: &[ToolPose],
+    retract: &[ToolPose],
+) -> Result<ToolPath<'a>, ToolPathError> {
+    let at = |t: f64| {
+        let pose = path.pose(t);
+        (pose.tip, pose.axis)
+    };
+    let places: Vec<f64> = path.poses.iter().map(|p| p.t).collect();
+    ToolPath::with_leads(at, &places, approach, retract)
+}
+
+fn milled(
+    machine: &MillingMachine,
+    path: &ToolPath,
+    milling: &MillingSettings,
+    flutes_mm: f64,
+) -> Result<Milled, String> {
+    let machine = machine.kinematics().map_err(|e| e.to_string())?;
+    let params = milling.linearisation(flutes_mm);
+    let line = linearise(&machine, path, &params).map_err(|e| e.to_string())?;
+    let FlankNcSettings { feed_mm_per_min, lead_mm_per_min, .. } = milling.program;
+    let feeds = Feeds {
+        cut_mm_min: feed_mm_per_min,
+        lead_mm_min: lead_mm_per_min,
+        reach_mm: params.reach_mm,
+        interpolation: params.interpolation,
+    };
+    let paces = paces(&machine, path, &line, &feeds);
+    let slower = paces.iter().filter(|p| p.share < 1.0);
+    let least = slower.clone().min_by(|a, b| a.share.total_cmp(&b.share));
+    let slowed = least.map(|p| (slower.clone().count(), p.share, p.axis));
+    let move_minutes: Vec<f64> = paces.iter().map(|p| p.minutes).collect();
+    let minutes = move_minutes.iter().sum();
+    Ok(Milled { machine, line, params, move_minutes, minutes, slowed })
+}

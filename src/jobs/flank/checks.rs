@@ -1,0 +1,265 @@
+//! What is checked of a flank path before it is exported, and what else its reader must know.
+
+use glam::DVec3;
+
+use super::{FlankInput, FlankResult, LoadedSurface};
+use crate::flank::FlankError;
+use crate::flank::gouge::{Clearance, ToolPart};
+use crate::flank::params::Objective;
+use crate::flank::refine::beyond_bounds;
+
+/// How far below the flutes the surface may go (mm): the bottom's own rounding.
+const BELOW_MM: f64 = 1e-3;
+/// What counts as keeping a bound (mm).
+const KEPT_MM: f64 = 1e-4;
+
+/// What a check looks at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum CheckKind {
+    /// That the face of the mesh is ruled.
+    Ruled,
+    /// That the cutter is long and thin enough.
+    Cutter,
+    /// That the path covers the whole surface.
+    Coverage,
+    /// That the bounds asked for are kept.
+    Bounds,
+    /// That the moving cutter cuts as the standing one.
+    Envelope,
+    /// That the flutes gouge no neighbouring wall.
+    Gouge,
+    /// That the holder touches nothing.
+    Holder,
+    /// That the machine can follow within its limits and the tolerance.
+    Machine,
+}
+
+impl CheckKind {
+    /// All of them.
+    pub const ALL: [Self; 8] = [
+        Self::Ruled,
+        Self::Cutter,
+        Self::Coverage,
+        Self::Bounds,
+        Self::Envelope,
+        Self::Gouge,
+        Self::Holder,
+        Self::Machine,
+    ];
+
+    /// Its name, by which it can be overridden.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ruled => "ruled",
+            Self::Cutter => "cutter",
+            Self::Coverage => "coverage",
+            Self::Bounds => "bounds",
+            Self::Envelope => "envelope",
+            Self::Gouge => "gouge",
+            Self::Holder => "holder",
+            Self::Machine => "machine",
+        }
+    }
+}
+
+/// What a check found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlankCheck {
+    /// What it looks at.
+    pub kind: CheckKind,
+    /// Whether it is as it should be.
+    pub holds: bool,
+    /// Whether it fails and the user decided that it does not matter.
+    pub is_overridden: bool,
+    /// What was found, with figures.
+    pub text: String,
+    /// Where (mm), in the axes of the surface.
+    pub place: Option<DVec3>,
+    /// At which t of the path.
+    pub t: Option<f64>,
+}
+
+impl FlankCheck {
+    fn new(kind: CheckKind, holds: bool, text: String) -> Self {
+        Self { kind, holds, is_overridden: false, text, place: None, t: None }
+    }
+
+    fn at(self, place: DVec3) -> Self {
+        Self { place: Some(place), ..self }
+    }
+}
+
+/// The checks of the path that is milled.
+pub(super) fn of(result: &FlankResult, overrides: &[String]) -> Vec<FlankCheck> {
+    let mut checks = Vec::new();
+    checks.extend(ruled(result));
+    checks.push(cutter(result));
+    checks.push(coverage(result));
+    checks.extend(bounds(result));
+    checks.push(envelope(result));
+    checks.extend(gouge(result));
+    checks.extend(machine(result));
+    for check in &mut checks {
+        check.is_overridden = !check.holds && overrides.iter().any(|name| name == check.kind.name());
+    }
+    checks
+}
+
+fn ruled(result: &FlankResult) -> Option<FlankCheck> {
+    let fit = result.fit.as_ref()?;
+    let text = fit.words.first().cloned().unwrap_or_default();
+    Some(FlankCheck::new(CheckKind::Ruled, fit.is_ruled, text).at(fit.worst))
+}
+
+fn cutter(result: &FlankResult) -> FlankCheck {
+    let (plan, surface) = (&result.plan, &result.surface);
+    match plan.cutter.fits(surface) {
+        Ok(()) => {
+            let text = format!("flutes of {:.3} mm reach the upper guide, and no hollow is too narrow", plan.cutter.length_mm);
+            FlankCheck::new(CheckKind::Cutter, true, text)
+        }
+        Err(error) => {
+            let place = match error {
+                FlankError::CutterTooShort { u, .. } => Some(surface.point(u, 1.0)),
+                FlankError::CutterTooThick { u, v, .. } => Some(surface.point(u, v)),
+                _ => None,
+            };
+            FlankCheck { place, ..FlankCheck::new(CheckKind::Cutter, false, error.to_string()) }
+        }
+    }
+}
+
+fn coverage(result: &FlankResult) -> FlankCheck {
+    let coverage = &result.path().coverage;
+    let ([first, last], [lowest, highest]) = (coverage.t_range, coverage.height_range_mm);
+    let flutes = result.plan.cutter.length_mm;
+    let mut missing = Vec::new();
+    if !coverage.is_whole {
+        missing.push(format!("the path runs from t = 0 to 1 and {first:.4} to {last:.4} are needed"));
+    }
+    if lowest < -BELOW_MM {
+        missing.push(format!("the flutes end {:.4} mm above the lowest line that they should cut", -lowest));
+    }
+    if highest > flutes {
+        missing.push(format!("the surface reaches {:.3} mm above the flutes' top", highest - flutes));
+    }
+    let text = if missing.is_empty() {
+        format!(
+            "the whole surface is covered: t from {first:.4} to {last:.4} of 0 to 1, heights from {lowest:.3} to \
+             {highest:.3} mm of 0 to {flutes:.3} mm"
+        )
+    } else {
+        missing.join("; ")
+    };
+    FlankCheck::new(CheckKind::Coverage, missing.is_empty(), text)
+}
+
+fn bounds(result: &FlankResult) -> Option<FlankCheck> {
+    let objective = result.plan.params.objective;
+    let Objective::Bounded { .. } = objective else { return None };
+    let deviation = &result.path().deviation;
+    let beyond = beyond_bounds(objective, deviation);
+    let text = format!(
+        "overcut up to {:.4} mm, undercut up to {:.4} mm: {}",
+        (-deviation.most_overcut).max(0.0),
+        deviation.most_undercut.max(0.0),
+        if beyond > KEPT_MM { format!("{beyond:.4} mm beyond the bounds") } else { "within the bounds".to_owned() }
+    );
+    Some(FlankCheck::new(CheckKind::Bounds, beyond <= KEPT_MM, text))
+}
+
+fn envelope(result: &FlankResult) -> FlankCheck {
+    let envelope = &result.path().envelope;
+    let tolerance = result.envelope_tolerance_mm;
+    let holds = envelope.greatest_difference <= tolerance && envelope.without == 0;
+    let mut text = format!(
+        "moving and standing cutter differ by {:.5} mm at most over {} places; allowed: {tolerance} mm",
+        envelope.greatest_difference,
+        envelope.deviation.values.len()
+    );
+    if envelope.without > 0 {
+        text += &format!("; over {} places the moving cutter touches nothing", envelope.without);
+    }
+    FlankCheck::new(CheckKind::Envelope, holds, text)
+}
+
+fn gouge(result: &FlankResult) -> Vec<FlankCheck> {
+    let Some(gouge) = &result.gouge else { return Vec::new() };
+    let tolerance = result.plan.params.gouge_tolerance_mm;
+    let one = |kind, what: &str, clearance: Option<Clearance>| {
+        let Some(Clearance { part, distance_mm, point, t }) = clearance else {
+            return FlankCheck::new(kind, true, format!("nothing is near the {what}"));
+        };
+        let part = match part {
+            ToolPart::Cutter => "the flutes".to_owned(),
+            ToolPart::Holder(i) => format!("part {} of the holder", i + 1),
+        };
+        let text = if distance_mm < 0.0 {
+            format!("{part} go {:.4} mm deep at t = {t:.4}; allowed: {tolerance} mm", -distance_mm)
+        } else {
+            format!("{part} keep {distance_mm:.4} mm away, nearest at t = {t:.4}")
+        };
+        FlankCheck { t: Some(t), ..FlankCheck::new(kind, distance_mm >= -tolerance, text).at(point) }
+    };
+    let mut checks = vec![one(CheckKind::Gouge, "flutes", gouge.cutter)];
+    if !result.plan.cutter.holder.is_empty() {
+        checks.push(one(CheckKind::Holder, "holder", gouge.holder));
+    }
+    checks
+}
+
+fn machine(result: &FlankResult) -> Option<FlankCheck> {
+    let check = match result.milled.as_ref()? {
+        Ok(milled) => FlankCheck::new(
+            CheckKind::Machine,
+            true,
+            format!(
+                "{} positions of {} within its limits; between them tip and flutes' top leave the path by {:.5} mm at most, \
+                 allowed: {} mm",
+                milled.line.points.len(),
+                milled.machine.machine().name,
+                milled.line.deviation_mm,
+                milled.params.linearisation_mm
+            ),
+        ),
+        Err(why) => FlankCheck::new(CheckKind::Machine, false, why.clone()),
+    };
+    Some(check)
+}
+
+/// The plan's warnings, what a fit and a machine have to say, and what was not checked.
+pub(super) fn warnings(result: &FlankResult, input: &FlankInput) -> Vec<String> {
+    let mut warnings = result.plan.warnings.clone();
+    if let Some(fit) = &result.fit {
+        warnings.extend(fit.words.iter().skip(usize::from(fit.is_ruled)).cloned());
+    }
+    let is_own_wall = matches!(input.surface, LoadedSurface::Face { is_own_wall: true, .. });
+    if input.walls.is_none() && !is_own_wall {
+        warnings.push("no neighbouring walls were given: nothing was checked for gouges by flutes or holder".to_owned());
+    } else {
+        warnings.push(
+            "approach and retraction were not checked against walls: they leave the surface along its normal and the \
+             cutter's axis"
+                .to_owned(),
+        );
+        if result.plan.cutter.holder.is_empty() {
+            warnings.push("the cutter has no holder: what is above the flutes was not checked".to_owned());
+        }
+    }
+    if let Some(milled) = result.milled() {
+        warnings.extend(milled.line.singular.iter().map(|passage| passage.to_string()));
+        if let Some((moves, share, axis)) = milled.slowed {
+            warnings.push(format!(
+                "{moves} moves are slower than asked for, at most down to {:.1} % of the feed, so that axis {axis} does not \
+                 exceed its speed",
+                100.0 * share
+            ));
+        }
+    }
+    let unknown = input.overrides.iter().filter(|name| {
+        let is_failed = |c: &FlankCheck| c.is_overridden && c.kind.name() == name.as_str();
+        !result.checks.iter().any(is_failed)
+    });
+    warnings.extend(unknown.map(|name| format!("override of {name:?}: no check of this name fails, it does nothing")));
+    warnings
+}

@@ -1,0 +1,65 @@
+use super::*;
+use crate::flank::guide::GuideCurve;
+use crate::flank::params::Objective;
+use crate::project::flank_params::{DemonstrationSurface, MeshFlank, WallsFile};
+
+#[test]
+fn a_flank_is_read_as_it_was_written_and_finds_its_files_beside_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let [here, there] = ["here", "there"].map(|name| folder.path().join(name));
+    [&here, &there].into_iter().for_each(|f| std::fs::create_dir(f).unwrap());
+    let curve = GuideCurve::Bezier { points: vec![glam::DVec3::X, glam::DVec3::Y] };
+    let mesh = MeshFlank { file: here.join("part.stl"), candidate: 3, ..MeshFlank::default() };
+    let sources = [
+        FlankSource::Demonstration { surface: DemonstrationSurface::B },
+        FlankSource::Guides { lower: GuideSource::File(here.join("lower.csv")), upper: GuideSource::Curve(curve) },
+        FlankSource::Mesh(mesh),
+    ];
+    for source in sources {
+        let mut document = FlankDocument { source, ..FlankDocument::default() };
+        document.plan.objective = Objective::Bounded { overcut_mm: Some(0.0), undercut_mm: None };
+        document.walls = Some(WallsFile { file: here.join("walls.obj"), units: Default::default() });
+        document.overrides.push("envelope".to_owned());
+        document.milling.machine = here.join("ours.toml").to_string_lossy().into_owned();
+        let file = here.join("part.sparkflank");
+        write_flank(&file, &document).unwrap();
+        assert!(is_flank_file(&file) && read_flank(&file).unwrap() == document);
+        std::fs::copy(&file, there.join("copy.sparkflank")).unwrap();
+        let copied = read_flank(&there.join("copy.sparkflank")).unwrap();
+        assert_eq!(copied.walls.unwrap().file, there.join("walls.obj"));
+        assert!(!std::fs::read_to_string(&file).unwrap().contains(&*folder.path().to_string_lossy()));
+    }
+    let short = here.join("short.sparkflank");
+    std::fs::write(&short, "").unwrap();
+    assert_eq!(read_flank(&short).unwrap(), FlankDocument::default());
+}
+
+#[test]
+fn what_is_no_flank_is_answered_with_the_place_and_the_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("wrong.sparkflank");
+    for (text, words) in [
+        ("version = 2", "version is 2"),
+        ("side = \"up\"", "unknown variant"),
+        ("[cutter]\nradius_mm = -1\nlength_mm = 20", "radius_mm is -1"),
+        ("[cutter]\nradius_mm = 1\nlength_mm = 20\ntaper_deg = 60", "taper_deg is 60"),
+        ("[plan]\ngrid = [1, 50]", "grid is 1"),
+        ("[plan]\nlocations = 5", "locations is 5"),
+        ("[milling]\nlinearisation_mm = nan", "linearisation_mm is NaN"),
+        ("[milling]\nretract_mm = -1", "retract_mm is -1"),
+        ("[milling]\npost = \"nobody's\"", "nobody's"),
+        ("[milling.program]\nfeed_mm_per_min = 0", "feed_mm_per_min is 0"),
+        ("[source]\nkind = \"mesh\"\nfile = \"a.stl\"\ncandidate = 0", "candidate is 0"),
+        ("[source]\nkind = \"sphere\"", "unknown variant"),
+        ("[source]\nkind = \"guides\"\nlower = { file = \"a.csv\" }", "missing field `upper`"),
+        ("envelope_tolerance_mm = 0", "envelope_tolerance_mm is 0"),
+        ("tolerance = 1", "unknown field"),
+    ] {
+        std::fs::write(&file, text).unwrap();
+        let said = read_flank(&file).unwrap_err().to_string();
+        assert!(said.contains("wrong.sparkflank") && said.contains(words), "{text}: {said}");
+    }
+    let broken = FlankDocument { envelope_tolerance_mm: 0.0, ..FlankDocument::default() };
+    assert!(write_flank(&file, &broken).is_err());
+    assert!(read_flank(&folder.path().join("none")).unwrap_err().to_string().contains("cannot be read"));
+}
