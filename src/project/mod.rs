@@ -21,7 +21,7 @@ mod project_file;
 mod recent;
 mod stage;
 
-pub use autosave::{Autosave, Recovered, Recovery};
+pub use autosave::{Autosave, CopyKind, Recovered, Recovery};
 pub use document::{Document, OpenError};
 pub use fields::{Field, Kind, Range, job_as_json, with_value};
 pub use history::History;
