@@ -71,7 +71,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<std::path::PathBuf> {
                     item(ui, core, command);
                 }
                 ui.separator();
-                for command in [Command::NextPath, Command::SideBySide, Command::MovingCutter] {
+                for command in [Command::NextPath, Command::SideBySide, Command::FaceFlank, Command::MovingCutter] {
                     item(ui, core, command);
                 }
                 ui.separator();

@@ -16,6 +16,7 @@ macro_rules! say {
 
 mod compare;
 mod electrodes;
+mod flank;
 mod inspect;
 mod plan;
 mod render;
@@ -109,6 +110,8 @@ enum Command {
     Uncut(uncut::UncutArguments),
     /// Electrodes for what milling cutters leave of a mold: files, burn table, burn sheet, report.
     Electrodes(electrodes::ElectrodesArguments),
+    /// A ruled surface milled with the flank of a cutter on five axes: path, checks, report, cutter locations, NC program.
+    Flank(Box<flank::FlankArguments>),
     /// Opens the window on a mold.
     Mold {
         /// Its mesh: STL, OBJ, glTF or GLB.
@@ -337,6 +340,7 @@ fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> 
         Command::Simulate { job, channels, out } => simulate::simulate(job, channels.as_ref(), out.as_deref(), session),
         Command::Uncut(arguments) => uncut::uncut(arguments, session),
         Command::Electrodes(arguments) => electrodes::electrodes(arguments, session),
+        Command::Flank(arguments) => flank::flank(arguments, session),
         Command::Mold { mesh } => {
             if let Some(file) = mesh.as_ref().filter(|f| !f.exists()) {
                 anyhow::bail!("{}: there is no file of that name", file.display());

@@ -173,7 +173,7 @@ fn header(w: &mut Lines, job: &FlankNcJob, settings: &FlankNcSettings) {
     };
     w.comment(&format!("Sparkpath {}: flank path {}", env!("CARGO_PKG_VERSION"), job.program));
     w.comment(&format!("Machine {}: {kind}, {} {}", machine.name, k.letter(0), k.letter(1)));
-    w.comment(&format!("Cutter: {}; spindle {} 1/min", job.cutter, settings.spindle_rpm));
+    w.comment(&format!("Cutter: {}, spindle {} 1/min", job.cutter, settings.spindle_rpm));
     w.comment(&format!(
         "Tool length {} mm from the spindle nose to the tip: THE PROGRAM HOLDS FOR THIS LENGTH AND THIS CLAMPING ONLY.",
         machine.gauge_length_mm
@@ -188,13 +188,13 @@ fn header(w: &mut Lines, job: &FlankNcJob, settings: &FlankNcSettings) {
         }
         TipControl::Angles => "X Y Z are the tip on the workpiece, which turns with the table; tool tip control is on.",
         TipControl::Vector => {
-            "X Y Z are the tip on the workpiece and I J K the direction to the spindle; the control chooses the rotary \
+            "X Y Z are the tip on the workpiece and I J K the direction to the spindle. The control chooses the rotary \
              axes, so that the moves between were measured for the ones that Sparkpath would choose."
         }
     });
     let (asked, bound) = (job.params.linearisation_mm, job.line.deviation_mm);
     w.comment(&format!(
-        "Between the points the tool leaves the path by {:.5} mm at most, from the tip to {} mm above; asked for: {asked} mm",
+        "Between the points the tool leaves the path by {:.5} mm at most, from the tip to {} mm above, asked for: {asked} mm",
         (bound * 1e5).ceil() / 1e5,
         job.params.reach_mm
     ));

@@ -382,9 +382,5 @@ fn a_real_flank_that_leans_to_both_sides_of_the_pole_is_followed_on_every_machin
         let nc = FlankNc::new(&job, &milling_post("milling").unwrap(), &FlankNcSettings::default()).unwrap();
         // 40 mm at 500 mm/min, more where an axis is too slow.
         assert!((0.08..0.5).contains(&nc.minutes), "{}", nc.minutes);
-        eprintln!("{} {} points {} min {:?}", machine.name, line.points.len(), nc.minutes, nc.slowed);
-        if let Ok(folder) = std::env::var("F2_OUT") {
-            std::fs::write(format!("{folder}/{}.ngc", machine.name), &nc.text).unwrap();
-        }
     }
 }

@@ -16,6 +16,8 @@ mod electrode_report_html;
 pub mod files;
 pub mod flank_cl;
 pub mod flank_nc;
+pub mod flank_report;
+mod flank_report_html;
 pub mod leftover_report;
 pub mod nc;
 pub mod nc_feed;

@@ -33,14 +33,13 @@ impl CubicBasis {
             functions[0][0] = 1.0;
             for degree in 1..=3isize {
                 let mut carried = [0.0; 4];
-                for r in 0..degree as usize {
-                    let left = knot(piece as isize + 1 + r as isize - degree);
-                    let right = knot(piece as isize + 1 + r as isize);
-                    let share = functions[r].map(|c| c / (right - left));
-                    let rising = times_line(&share, piece as f64 - left, 1.0);
+                for (r, function) in functions.iter_mut().enumerate().take(degree as usize) {
+                    let left = knot((piece + 1 + r) as isize - degree);
+                    let right = knot((piece + 1 + r) as isize);
+                    let share = function.map(|c| c / (right - left));
                     let falling = times_line(&share, right - piece as f64, -1.0);
-                    functions[r] = std::array::from_fn(|k| carried[k] + falling[k]);
-                    carried = rising;
+                    *function = std::array::from_fn(|k| carried[k] + falling[k]);
+                    carried = times_line(&share, piece as f64 - left, 1.0);
                 }
                 functions[degree as usize] = carried;
             }

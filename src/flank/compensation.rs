@@ -7,6 +7,7 @@
 use glam::{DMat2, DVec2, DVec3};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use serde::Serialize;
 
 use super::FlankError;
 use super::axis_surface::AxisSurface;
@@ -15,7 +16,7 @@ use super::deviation::{DesignGrid, Deviation, Feet, GridPlace};
 use crate::progress::Cancel;
 
 /// True sums of deviations over the number of singular values kept.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct RankCurve {
     /// The singular values, falling.
     pub singular_values: Vec<f64>,

@@ -6,6 +6,7 @@
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
+use serde::Serialize;
 
 use super::FlankError;
 use super::axis_surface::{AxisAt, AxisSurface};
@@ -13,7 +14,7 @@ use super::cutter::FlankCutter;
 use super::ruled_surface::{RuledSurface, SurfacePlace};
 
 /// Deviations over a grid, positive where stock is left.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Deviation {
     /// Places along u and along v.
     pub grid: [usize; 2],

@@ -7,13 +7,14 @@
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
+use serde::Serialize;
 
 use super::axis_surface::{AxisAt, AxisSurface};
 use super::cutter::FlankCutter;
 use super::deviation::{DesignGrid, Deviation, Feet, GridPlace};
 
 /// Deviation of the moving cutter, and how it compares with that of the standing one.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EnvelopeCheck {
     /// Deviation of the moving cutter over the same grid.
     pub deviation: Deviation,

@@ -13,6 +13,7 @@
 //! guaranteed: that a face that is said not to be ruled has no better ruled surface than the one found, nor what lies
 //! between places.
 
+mod band;
 mod candidates;
 mod measure;
 mod patch;
@@ -31,6 +32,7 @@ use self::solve::Samples;
 use self::strip::Strip;
 use crate::geometry::mesh::Mesh;
 use crate::geometry::nurbs::{FitError, NurbsCurve, NurbsError};
+use crate::progress::{Cancel, Cancelled};
 
 pub use self::candidates::{Candidate, CandidateFit, CandidateKind, flank_candidates};
 
@@ -41,6 +43,8 @@ const COMPARED: usize = 2_000;
 /// Points of the face by which the first surfaces are fitted, and the last one.
 const FIRST_POINTS: usize = 400;
 const LAST_POINTS: usize = 1_600;
+/// Share of the guides by which a face may reach beyond their ends.
+const COVERED: f64 = 2e-3;
 /// Triangles above which a face is fitted by fewer of its corners only.
 const MANY: usize = 100_000;
 
@@ -103,12 +107,23 @@ pub enum RuledFitError {
     /// No border at all.
     #[error("the face is closed, it has no border that guides could follow; choose a part of it")]
     Closed,
+    /// It was told to stop.
+    #[error("cancelled")]
+    Cancelled,
     /// No four sides.
-    #[error("the border of the face has no four sides, two guides and two end rulings; choose a face that is a strip, or join faces to one")]
+    #[error(
+        "the border of the face has no four sides, two guides and two end rulings; choose a face that is a strip, or join faces to one"
+    )]
     NoSides,
     /// Guides that cannot be made.
     #[error("no guides follow the border of the face: {0}")]
     Guides(#[from] NurbsError),
+}
+
+impl From<Cancelled> for RuledFitError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
 }
 
 /// A ruled surface fitted to a face, and how far it is off.
@@ -152,6 +167,8 @@ struct Trial {
     samples: Samples,
     strip: Strip,
     error: f64,
+    /// Whether it reaches beyond an end of the face.
+    is_longer: bool,
 }
 
 /// Fits a ruled surface to `triangles` of `mesh`, which should hang together and have two long sides. A face all
@@ -159,32 +176,41 @@ struct Trial {
 ///
 /// # Errors
 /// [`RuledFitError`] if the face cannot be laid out as a strip. One that is only not ruled is answered with the error.
-pub fn fit_ruled(mesh: &Mesh, triangles: &[u32], params: &RuledFitParams) -> Result<RuledFit, RuledFitError> {
+pub fn fit_ruled(
+    mesh: &Mesh,
+    triangles: &[u32],
+    params: &RuledFitParams,
+    cancel: &Cancel,
+) -> Result<RuledFit, RuledFitError> {
     params.validate()?;
+    cancel.check()?;
     let patch = Patch::of(mesh, triangles)?;
+    cancel.check()?;
     if patch.loops.is_empty() {
         return Err(RuledFitError::Closed);
     }
     let up = params.up.normalize_or_zero();
     let (choices, is_ring) = sides::choices(&patch, up);
-    let trials = first_trials(&patch, choices, params);
+    let trials = first_trials(&patch, choices, params, cancel);
+    cancel.check()?;
     let trial = best(trials, params, up).ok_or(RuledFitError::NoSides)?;
     let trial = refined(&patch, trial, params);
+    cancel.check()?;
     answer(&patch, &trial, params, is_ring)
 }
 
 /// Surfaces with few control points over each choice of sides, from two starts each. What is far worse than another
 /// after some steps is given up.
-fn first_trials(patch: &Patch, choices: Vec<Sides>, params: &RuledFitParams) -> Vec<Trial> {
+fn first_trials(patch: &Patch, choices: Vec<Sides>, params: &RuledFitParams, cancel: &Cancel) -> Vec<Trial> {
     let enough = 0.1 * params.tolerance_mm;
     let mut trials: Vec<Trial> = Vec::new();
     for sides in choices {
-        let samples = Samples::of(patch, &sides, FIRST_POINTS);
+        let samples = Samples::of(patch, &sides, FIRST_POINTS, cancel);
         let starts = [false, true].into_iter().filter_map(|by_tangents| sides.strip(FIRST_COUNT, by_tangents));
         let strips = starts.map(|start| samples.improved(start, 3, enough));
         let measured = strips.map(|strip| (measure::quick(patch, &strip, FIRST_POINTS), strip));
         if let Some((error, strip)) = measured.reduce(|a, b| if b.0 < 0.95 * a.0 { b } else { a }) {
-            trials.push(Trial { sides, samples, strip, error });
+            trials.push(Trial { sides, samples, strip, error, is_longer: false });
         }
     }
     let least = trials.iter().map(|t| t.error).fold(f64::INFINITY, f64::min);
@@ -208,22 +234,33 @@ fn best(trials: Vec<Trial>, params: &RuledFitParams, up: DVec3) -> Option<Trial>
     good.reduce(|a, b| if lean(&b) < lean(&a) { b } else { a })
 }
 
+/// With all points of the face and pieces halved; where that is not enough, with ends that are no rulings, too.
+fn refined(patch: &Patch, trial: Trial, params: &RuledFitParams) -> Trial {
+    let free = released(&trial, params);
+    let mut best = halved(patch, trial, params);
+    if best.error > params.tolerance_mm
+        && let Some(free) = free.map(|free| halved(patch, free, params))
+        && free.error < 0.8 * best.error
+    {
+        best = free;
+    }
+    covered(patch, &mut best, params);
+    best
+}
+
 /// With pieces halved as long as that helps.
-fn refined(patch: &Patch, mut trial: Trial, params: &RuledFitParams) -> Trial {
+fn halved(patch: &Patch, mut trial: Trial, params: &RuledFitParams) -> Trial {
     let enough = 0.25 * params.tolerance_mm;
     let points = trial.sides.guides.iter().map(Vec::len).max().unwrap_or(0);
     let most = params.most_control_points.min((points + 3).max(FIRST_COUNT));
-    let mut in_vain = 0;
-    if trial.error > params.tolerance_mm {
-        released(patch, &mut trial, params);
-    }
-    let holds_ends = trial.samples.holds_ends;
-    trial.samples = Samples::of(patch, &trial.sides, LAST_POINTS);
-    trial.samples.holds_ends = holds_ends;
+    let (ends, cancel) = (trial.samples.ends, trial.samples.cancel.clone());
+    trial.samples = Samples::of(patch, &trial.sides, LAST_POINTS, &cancel);
+    trial.samples.ends = ends;
     let mut strip = trial.samples.improved(trial.strip.clone(), 10, 0.1 * enough);
     let error = measure::quick(patch, &strip, COMPARED);
     (trial.strip, trial.error) = (strip.clone(), error);
-    while trial.error > enough && in_vain < 2 && 2 * strip.count() - 3 <= most {
+    let mut in_vain = 0;
+    while trial.error > enough && in_vain < 2 && !cancel.is_cancelled() && 2 * strip.count() - 3 <= most {
         let next = trial.samples.improved(strip.refined(), 10, 0.1 * enough);
         let error = measure::quick(patch, &next, COMPARED);
         in_vain = if error < 0.8 * trial.error { 0 } else { in_vain + 1 };
@@ -235,36 +272,52 @@ fn refined(patch: &Patch, mut trial: Trial, params: &RuledFitParams) -> Trial {
     trial
 }
 
-/// Lets go of the ends where these are no rulings, if that makes the surface better: it then reaches beyond the face.
-fn released(patch: &Patch, trial: &mut Trial, params: &RuledFitParams) {
+/// Makes the guides longer where the face reaches beyond the end rulings, by little as over an end that is bent.
+fn covered(patch: &Patch, trial: &mut Trial, params: &RuledFitParams) {
     if trial.sides.is_ring {
         return;
     }
-    trial.samples.holds_ends = false;
-    let mut strip = trial.strip.clone();
-    for _ in 0..4 {
-        strip = trial.samples.improved(strip, 8, 0.1 * params.tolerance_mm);
-        let [low, high] = trial.samples.reach(&strip);
-        if low > -1e-3 && high < 1.0 + 1e-3 {
-            break;
-        }
-        let Some(longer) = strip.between(low.min(0.0), high.max(1.0)) else { break };
-        strip = longer;
-    }
-    let error = measure::quick(patch, &strip, FIRST_POINTS);
-    if error < 0.6 * trial.error {
-        (trial.strip, trial.error) = (strip, error);
+    let held = trial.samples.ends;
+    let Some(longer) = longer(&mut trial.samples, &trial.strip, 0.1) else { return };
+    let strip = trial.samples.improved(longer, 8, 0.02 * params.tolerance_mm);
+    let error = measure::quick(patch, &strip, COMPARED);
+    if error <= params.tolerance_mm.max(1.05 * trial.error) {
+        (trial.strip, trial.error, trial.is_longer) = (strip, error, true);
     } else {
-        trial.samples.holds_ends = true;
+        trial.samples.ends = held;
     }
 }
 
-fn answer(
-    patch: &Patch,
-    trial: &Trial,
-    params: &RuledFitParams,
-    is_cut_open: bool,
-) -> Result<RuledFit, RuledFitError> {
+/// The strip with guides so long, by at most a share `most` at each end, that the face does not reach beyond its ends,
+/// which are held there; none if it does not.
+fn longer(samples: &mut Samples, strip: &Strip, most: f64) -> Option<Strip> {
+    let [low, high] = samples.reach(strip);
+    if low > -COVERED && high < 1.0 + COVERED {
+        return None;
+    }
+    let longer = strip.between(low.clamp(-most, 0.0), high.clamp(1.0, 1.0 + most))?;
+    let [start, end] = [longer.ends(0.0), longer.ends(1.0)];
+    samples.ends = Some([0, 1].map(|side| [start[side], end[side]]));
+    Some(longer)
+}
+
+/// The strip with its ends let go, where these may be no rulings: it then reaches beyond the face. None where it is good
+/// enough as it is.
+fn released(trial: &Trial, params: &RuledFitParams) -> Option<Trial> {
+    if trial.sides.is_ring || trial.error <= params.tolerance_mm {
+        return None;
+    }
+    let enough = 0.1 * params.tolerance_mm;
+    let mut samples = trial.samples.clone();
+    samples.ends = None;
+    let mut strip = samples.improved(trial.strip.clone(), 8, enough);
+    if let Some(longer) = longer(&mut samples, &strip, 0.25) {
+        strip = samples.improved(longer, 8, enough);
+    }
+    Some(Trial { sides: trial.sides.clone(), samples, strip, error: trial.error, is_longer: true })
+}
+
+fn answer(patch: &Patch, trial: &Trial, params: &RuledFitParams, is_cut_open: bool) -> Result<RuledFit, RuledFitError> {
     let [lower, upper] = trial.strip.guides(patch.origin)?;
     let found = measure::measured(patch, &trial.sides, &trial.strip);
     let tolerance = params.tolerance_mm;
@@ -294,19 +347,24 @@ fn answer(
 
 fn words(patch: &Patch, trial: &Trial, fit: &RuledFit) -> Vec<String> {
     let place = |p: DVec3| format!("({:.2}, {:.2}, {:.2})", p.x, p.y, p.z);
-    let off = fit.error_corners.greatest_mm;
-    let first = if fit.is_ruled {
-        format!("ruled within {:.4} mm: corners of the mesh are at most {off:.4} mm off", fit.tolerance_mm)
+    let (off, within) = (fit.error_corners.greatest_mm, fit.tolerance_mm);
+    let is_near = fit.error.greatest_mm <= within + fit.chord_mm && off <= within;
+    let mut words = vec![if fit.is_ruled {
+        format!("ruled within {within:.4} mm: corners of the mesh are at most {off:.4} mm off")
+    } else if is_near {
+        let back = fit.error_back.greatest_mm;
+        format!("not ruled within {within:.4} mm: the surface is up to {back:.4} mm off between points of the face")
     } else {
-        format!("not ruled within {:.4} mm: {:.4} mm off at {}", fit.tolerance_mm, worst_of(fit), place(fit.worst))
-    };
-    let mut words = vec![first];
+        format!("not ruled within {within:.4} mm: {:.4} mm off at {}", fit.error.greatest_mm, place(fit.worst))
+    }];
     words.push(format!(
         "inside of triangles it is {:.4} mm off at most; the triangles themselves leave about {:.4} mm",
         fit.error.greatest_mm, fit.chord_mm
     ));
     if fit.chord_mm > fit.tolerance_mm {
-        words.push("the triangles are coarser than the tolerance: between their corners nothing is known so well".into());
+        words.push(
+            "the triangles are coarser than the tolerance: between their corners nothing is known so well".into(),
+        );
     }
     if fit.is_cut_open {
         let seam = fit.lower.point(0.0);
@@ -314,18 +372,24 @@ fn words(patch: &Patch, trial: &Trial, fit: &RuledFit) -> Vec<String> {
     } else if patch.loops.len() > 1 {
         words.push(format!("the face has {} hole(s); the surface goes on over them", patch.loops.len() - 1));
     }
-    if !trial.samples.holds_ends {
-        words.push("an end of the face is no ruling: the surface reaches beyond it to the next one".into());
+    if trial.is_longer {
+        words.push("an end of the face is no ruling: the surface reaches beyond it".into());
     }
     let much = fit.tolerance_mm + fit.chord_mm;
     if fit.border_mm > much {
         words.push(format!("the guides leave the border of the face by up to {:.4} mm", fit.border_mm));
     }
     if fit.overhang_mm > much {
-        words.push(format!("the surface reaches up to {:.3} mm beyond the face: look at what is beside it", fit.overhang_mm));
+        words.push(format!(
+            "the surface reaches up to {:.3} mm beyond the face: look at what is beside it",
+            fit.overhang_mm
+        ));
     }
     if fit.uncovered_mm > much {
-        words.push(format!("the face reaches up to {:.3} mm beyond the surface: it has other than four sides", fit.uncovered_mm));
+        words.push(format!(
+            "the face reaches up to {:.3} mm beyond the surface: its ends are bent, or it has other than four sides",
+            fit.uncovered_mm
+        ));
     }
     if patch.turned > 0 {
         words.push(format!("{} triangle(s) faced the other way than the rest and were turned", patch.turned));
@@ -338,9 +402,4 @@ fn words(patch: &Patch, trial: &Trial, fit: &RuledFit) -> Vec<String> {
         words.push(format!("of its {} triangles a part, evenly chosen, is looked at", patch.triangles.len()));
     }
     words
-}
-
-/// The greatest of all distances (mm).
-fn worst_of(fit: &RuledFit) -> f64 {
-    fit.error.greatest_mm.max(fit.error_back.greatest_mm)
 }

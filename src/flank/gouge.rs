@@ -8,6 +8,7 @@ use std::collections::BinaryHeap;
 
 use glam::DVec3;
 use rayon::prelude::*;
+use serde::Serialize;
 
 use super::FlankError;
 use super::cutter::FlankCutter;
@@ -21,7 +22,8 @@ use crate::progress::{Cancel, Progress};
 pub const TOLERANCE: f64 = 1e-3;
 
 /// Which part of the tool comes near.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum ToolPart {
     /// The flutes.
     Cutter,
@@ -30,7 +32,7 @@ pub enum ToolPart {
 }
 
 /// The place of a path where a part of the tool is nearest to a mesh.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Clearance {
     /// Which part.
     pub part: ToolPart,
@@ -43,7 +45,7 @@ pub struct Clearance {
 }
 
 /// Least clearances of a path.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct GougeCheck {
     /// Of the flutes from neighbouring walls; none if there are none near.
     pub cutter: Option<Clearance>,
@@ -101,6 +103,26 @@ impl GougeCheck {
     pub fn gouge(&self, tolerance: f64) -> Option<Clearance> {
         let both = [self.cutter, self.holder].into_iter().flatten().filter(|c| c.distance_mm < -tolerance);
         both.min_by(|a, b| a.distance_mm.total_cmp(&b.distance_mm))
+    }
+
+    /// What gouges by more than `tolerance` (mm), in words.
+    pub fn warnings(&self, tolerance: f64) -> Vec<String> {
+        let gouges = [self.cutter, self.holder].into_iter().flatten().filter(|c| c.distance_mm < -tolerance);
+        let words = |c: Clearance| {
+            let (depth, at, t) = (-c.distance_mm, c.point, c.t);
+            let place = format!("at ({:.3}, {:.3}, {:.3}), t = {t:.4}", at.x, at.y, at.z);
+            match c.part {
+                ToolPart::Cutter => format!(
+                    "the cutter gouges a neighbouring wall {depth:.4} mm deep {place}; take a thinner or shorter cutter, or end \
+                     the path before"
+                ),
+                ToolPart::Holder(part) => format!(
+                    "part {} of the holder runs {depth:.4} mm into the part {place}; take longer flutes or a slimmer holder",
+                    part + 1
+                ),
+            }
+        };
+        gouges.map(words).collect()
     }
 }
 

@@ -13,6 +13,8 @@ use super::tool_path::{Place, ToolPath, ToolPathError};
 const OUTSIDE_COST: f64 = 1e6;
 /// What decides between positions of equal travel: the smaller values at the start.
 const TIE_COST: f64 = 1e-6;
+/// What travel costs while the tool moves along the path, beside turning in place.
+const MOVING_COST: f64 = 1.001;
 
 /// Why a machine cannot follow a path.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -29,7 +31,7 @@ pub enum MillingError {
         /// Where.
         at: Place,
         /// What it says.
-        source: MachineError,
+        source: Box<MachineError>,
     },
     /// An axis outside of its limits, whichever way is taken.
     #[error(
@@ -162,7 +164,8 @@ fn stay(
 }
 
 fn states(k: &Kinematics, path: &ToolPath, s: f64, pose: &ToolPose) -> Result<Vec<State>, MillingError> {
-    let solutions = k.inverse(pose.axis).map_err(|source| MillingError::Unreachable { at: path.place(s), source })?;
+    let solutions =
+        k.inverse(pose.axis).map_err(|e| MillingError::Unreachable { at: path.place(s), source: Box::new(e) })?;
     let turned = solutions.into_iter().enumerate().flat_map(|(b, rotary)| turns(k, pose, rotary, Some(b)));
     Ok(turned.collect())
 }
@@ -185,7 +188,7 @@ fn beside(
         let at = s + (other - s) * f64::min(part, 1.0);
         let axis = path.at(at)?.axis;
         if part >= 1.0 || k.off_pole(axis) >= 10.0 * params.pole_rad() {
-            let unreachable = |source| MillingError::Unreachable { at: path.place(at), source };
+            let unreachable = |e| MillingError::Unreachable { at: path.place(at), source: Box::new(e) };
             return Ok(k.inverse(axis).map_err(unreachable)?.map(|rotary| rotary[k.pole_axis()]).to_vec());
         }
         part *= 2.0;
@@ -239,9 +242,11 @@ fn least_travel(nodes: &[Node]) -> Vec<Chosen> {
     let mut cost: Vec<f64> = first.states.iter().map(start).collect();
     let mut came_from: Vec<Vec<usize>> = vec![Vec::new()];
     for pair in nodes.windows(2) {
+        // Of equal travel, the one that turns at the pole and not on the way to it.
+        let dearness = if pair[0].s == pair[1].s { 1.0 } else { MOVING_COST };
         let best = |to: &State| {
             let ways = pair[0].states.iter().enumerate();
-            let ways = ways.filter_map(|(i, from)| travel(from, to).map(|way| (i, cost[i] + way)));
+            let ways = ways.filter_map(|(i, from)| travel(from, to).map(|way| (i, cost[i] + way * dearness)));
             ways.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, f64::INFINITY))
         };
         let found: Vec<(usize, f64)> = pair[1].states.iter().map(best).collect();

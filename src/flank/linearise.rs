@@ -217,7 +217,7 @@ impl Follower<'_, '_> {
                 return Ok(self.point(&Chosen { s, pose, rotary: even, branch: None }));
             }
         }
-        let unreachable = |source| MillingError::Unreachable { at: self.path.place(s), source };
+        let unreachable = |e| MillingError::Unreachable { at: self.path.place(s), source: Box::new(e) };
         let solutions = self.k.inverse(pose.axis).map_err(unreachable)?.map(near);
         let off = |b: usize| (0..2).map(|i| (solutions[b][i] - guess[i]).abs()).sum::<f64>();
         let nearest = if off(1) < off(0) { 1 } else { 0 };

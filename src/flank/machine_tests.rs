@@ -302,6 +302,23 @@ fn a_corner_at_the_pole_is_turned_in_place() {
 }
 
 #[test]
+fn a_tilt_that_cannot_go_past_the_pole_turns_half_round_there() {
+    let mut machine = machines().remove(2);
+    machine.rotary[0].limits_deg = Some([-5.0, 120.0]);
+    let k = machine.kinematics().unwrap();
+    let params = LinearisationParams::default();
+    let path = ToolPath::new(passing(0.0), &points(6)).unwrap();
+    let line = linearise(&k, &path, &params).unwrap();
+    assert!(densely(&k, &path, &line, &params) <= params.linearisation_mm);
+    assert!(line.points.iter().all(|p| p.joints.rotary[0].to_degrees() >= -5.0));
+    let Passage::TurnedInPlace { by_deg } = line.singular[0].passage else { panic!("{}", line.singular[0]) };
+    assert!((by_deg - 180.0).abs() < 1e-3, "{by_deg}");
+    // While it turns the tip stays where it is.
+    let turning = line.points.windows(2).filter(|w| w[0].s == w[1].s);
+    assert!(turning.clone().count() > 20 && turning.clone().all(|w| w[0].tip == w[1].tip));
+}
+
+#[test]
 fn a_path_along_the_pole_turns_nothing() {
     for machine in machines() {
         let path = ToolPath::new(|u| (DVec3::new(20.0 * u, 0.0, 1.0), DVec3::Z), &points(5)).unwrap();
@@ -399,6 +416,11 @@ fn what_is_no_path_or_no_setting_is_said() {
     let path = ToolPath::new(step, &points(2)).unwrap();
     let error = linearise(&k, &path, &LinearisationParams::default()).unwrap_err();
     assert!(matches!(error, MillingError::Strays { .. }), "{error}");
+    let error = path.straightened(0.001, 20.0).unwrap_err();
+    assert!(
+        matches!(error, ToolPathError::Jumps { .. }) && error.to_string().contains("cut point 1 + 0.400"),
+        "{error}"
+    );
 }
 
 proptest! {

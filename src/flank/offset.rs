@@ -4,13 +4,15 @@
 //! Q2 are centres of spheres inscribed in the cone.
 
 use glam::{DVec2, DVec3};
+use serde::Serialize;
 
 use super::FlankError;
 use super::cutter::FlankCutter;
 use super::ruled_surface::{RuledSurface, SurfacePlace};
 
 /// What a location was made to do.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Touch {
     /// It touches both guides, as it was asked to.
     TwoPoints,
@@ -21,7 +23,7 @@ pub enum Touch {
 }
 
 /// A place of the cutter.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct CutterLocation {
     /// Parameter of the contact on the lower guide.
     pub u0: f64,

@@ -1,6 +1,7 @@
 //! A flank path: where the cutter goes, how far it is off, and whether that holds while it moves.
 
 use glam::DVec3;
+use serde::Serialize;
 
 use super::axis_surface::AxisSurface;
 use super::compensation::Measured;
@@ -9,7 +10,7 @@ use super::deviation::{DesignGrid, Deviation, Feet};
 use super::envelope::{self, EnvelopeCheck};
 
 /// A place of the cutter on a path.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FlankPose {
     /// Parameter of the path, 0 to 1.
     pub t: f64,
@@ -20,7 +21,7 @@ pub struct FlankPose {
 }
 
 /// What a path covers.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Coverage {
     /// Least and greatest parameter of the path that stands over the surface.
     pub t_range: [f64; 2],

@@ -188,8 +188,8 @@ fn normal_equations(
     let size = places.len().div_ceil(BLOCKS);
     let of_block = |block: usize| {
         let (mut matrix, mut slope) = (DMatrix::zeros(6 * n, 6 * n), DVector::zeros(6 * n));
-        for k in (block * size).min(places.len())..((block + 1) * size).min(places.len()) {
-            let row = Row::of(&now.axis, cutter, &places[k], now.feet.at[k], Model::Moving);
+        for (k, place) in places.iter().enumerate().skip(block * size).take(size) {
+            let row = Row::of(&now.axis, cutter, place, now.feet.at[k], Model::Moving);
             let entries = row.entries(n);
             let [_, first, weight] = merit.at(now.deviation.values[k]);
             for (c, (column, value)) in entries.iter().enumerate() {

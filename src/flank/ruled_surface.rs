@@ -50,7 +50,7 @@ impl RuledSurface {
     /// Places along the guides at which a new surface is looked at.
     const LOOKS: usize = 128;
     /// Share of the surface's size below which guides meet.
-    const MEETING: f64 = 1e-6;
+    const MEETING: f64 = 1e-5;
 
     /// The surface between two guides that run the same way.
     ///
@@ -192,19 +192,24 @@ impl RuledSurface {
     }
 
     fn check_apart(&self) -> Result<(), FlankError> {
-        let least = Self::MEETING * self.extent();
-        for i in 0..=Self::LOOKS {
-            let lower_u = i as f64 / Self::LOOKS as f64;
-            let near = self.upper.nearest(self.lower.point(lower_u));
-            // Between two looks the curves may come nearer than at either.
-            let back = self.lower.nearest(near.point);
-            let distance_mm = near.distance.min(back.distance);
-            let is_apart = distance_mm > least.max(1e-3 * self.lower.extent() / Self::LOOKS as f64);
-            if !is_apart {
-                return Err(FlankError::GuidesMeet { distance_mm, lower_u: back.u, upper_u: near.u });
-            }
+        const ROUNDS: usize = 40;
+        let off = |u: f64| self.upper.nearest(self.lower.point(u)).distance;
+        let look = |i: usize| i as f64 / Self::LOOKS as f64;
+        let looks: Vec<f64> = (0..=Self::LOOKS).map(|i| off(look(i))).collect();
+        let nearest = (0..=Self::LOOKS).min_by(|i, j| looks[*i].total_cmp(&looks[*j])).unwrap_or(0);
+        // Between two looks the curves may come nearer than at either: the stretch around is divided in three.
+        let (mut from, mut to) = (look(nearest.saturating_sub(1)), look((nearest + 1).min(Self::LOOKS)));
+        for _ in 0..ROUNDS {
+            let [a, b] = [from + (to - from) / 3.0, to - (to - from) / 3.0];
+            (from, to) = if off(a) < off(b) { (from, b) } else { (a, to) };
         }
-        Ok(())
+        let ends = [from, look(nearest), to];
+        let lower_u = ends.into_iter().min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(from);
+        let near = self.upper.nearest(self.lower.point(lower_u));
+        if near.distance > Self::MEETING * self.extent() {
+            return Ok(());
+        }
+        Err(FlankError::GuidesMeet { distance_mm: near.distance, lower_u, upper_u: near.u })
     }
 
     fn check_folds(&self) -> Result<(), FlankError> {

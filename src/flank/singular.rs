@@ -48,7 +48,7 @@ pub struct SingularPassage {
 impl std::fmt::Display for SingularPassage {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { at, least_deg, axis, passage } = self;
-        write!(f, "{at}: the tool comes within {least_deg:.4} degrees of lying along axis {axis} (singular); ")?;
+        write!(f, "{at}: the tool comes within {least_deg:.4} degrees of lying along axis {axis} (singular): ")?;
         match passage {
             Passage::Held => write!(f, "passed with {axis} held still"),
             Passage::TurnedInPlace { by_deg } => {
@@ -60,7 +60,7 @@ impl std::fmt::Display for SingularPassage {
             Passage::Swung { by_deg, over_mm } => {
                 write!(
                     f,
-                    "{axis} swings by {by_deg:.1} degrees over {over_mm:.3} mm of the path; a workpiece clamped tilted avoids it"
+                    "{axis} swings by {by_deg:.1} degrees over {over_mm:.3} mm of the path, which a workpiece clamped tilted avoids"
                 )
             }
         }

@@ -1,18 +1,29 @@
 //! The figures of an independent computation, and laws that hold whatever the figures.
 
-use glam::{DVec2, DVec3};
+use std::sync::OnceLock;
+
+use glam::DVec3;
 use serde_json::Value;
 
 use super::axis_surface::AxisSurface;
+use super::compensation::{Compensation, Measured, Model, best_rank};
 use super::cutter::FlankCutter;
 use super::deviation::{DesignGrid, on_axis_grid};
 use super::guide::GuideCurve;
 use super::offset::{CutterLocation, Touch, three_point, two_point};
+use super::params::{FlankParams, Objective, OffsetMethod};
+use super::plan::{FlankPlan, plan_flank};
 use super::ruled_surface::{RuledSurface, Side};
+use super::{FlankError, envelope};
+use crate::progress::{Cancel, Progress};
+
+mod bad_input;
+mod gouging;
+mod laws;
 
 const CASES: [&str; 4] = ["cone_r1_a5_A", "cone_r1_a5_B", "cyl_R2_A", "cyl_R2_B"];
 
-fn reference() -> Value {
+pub(super) fn reference() -> Value {
     serde_json::from_str(include_str!("../../tests/data/flank/reference.json")).unwrap()
 }
 
@@ -25,7 +36,7 @@ fn points(value: &Value) -> Vec<DVec3> {
 }
 
 /// Surface, cutter and figures of a case.
-fn case(reference: &Value, name: &str) -> (RuledSurface, FlankCutter, Value) {
+pub(super) fn case(reference: &Value, name: &str) -> (RuledSurface, FlankCutter, Value) {
     let which = &name[name.len() - 1..];
     let guide = |key: &str| GuideCurve::Bezier { points: points(&reference["surfaces"][which][key]) };
     let surface = RuledSurface::from_guides(&guide("B1"), &guide("B2"), Side::Positive).unwrap();
@@ -67,139 +78,178 @@ fn offsets_and_axes_agree_with_the_reference() {
     }
 }
 
+/// The path that the reference starts compensation from.
+fn covered_start(
+    surface: &RuledSurface,
+    cutter: &FlankCutter,
+    figures: &Value,
+    size: [usize; 2],
+) -> (DesignGrid, Measured) {
+    let covered = &figures["covered"];
+    let range = ["u0_lo", "u0_hi"].map(|key| covered[key].as_f64().unwrap());
+    let grid = DesignGrid::new(surface, size);
+    let axis = AxisSurface::new(points(&covered["D1"]), points(&covered["D2"]), range).unwrap();
+    let start = Measured::new(&grid, axis, cutter, None).unwrap();
+    (grid, start)
+}
+
+/// The plan of each case on the 100 x 50 grid, made once.
+fn plans() -> &'static Vec<(RuledSurface, FlankPlan)> {
+    static PLANS: OnceLock<Vec<(RuledSurface, FlankPlan)>> = OnceLock::new();
+    PLANS.get_or_init(|| {
+        let reference = reference();
+        let plan = |name: &str| {
+            let (surface, cutter, _) = case(&reference, name);
+            let plan = planned(&surface, &cutter, &FlankParams::default()).unwrap();
+            (surface, plan)
+        };
+        CASES.into_iter().map(plan).collect()
+    })
+}
+
+fn planned(surface: &RuledSurface, cutter: &FlankCutter, params: &FlankParams) -> Result<FlankPlan, FlankError> {
+    plan_flank(surface, cutter, params, &Progress::silent(), &Cancel::default())
+}
+
 #[test]
-fn scratch() {
+fn places_and_normals_agree_with_the_reference() {
     let reference = reference();
     for name in CASES {
-        let (surface, cutter, figures) = case(&reference, name);
-        let grid = DesignGrid::new(&surface, [100, 50]);
-        let cov = &figures["covered"];
-        let range = [cov["u0_lo"].as_f64().unwrap(), cov["u0_hi"].as_f64().unwrap()];
-        for (what, f) in [("cov", cov), ("ls", &cov["GN_LS"]), ("l1", &cov["L1"])] {
-            let axis = AxisSurface::new(points(&f["D1"]), points(&f["D2"]), range).unwrap();
-            let (d, feet) = grid.deviation(&axis, &cutter, None).unwrap();
-            println!("{name} {what} {} {} {} {:?}", d.sum, d.rms, d.most_overcut, feet.t_range());
+        let (surface, _, figures) = case(&reference, name);
+        let f = &figures["normals"];
+        for (i, uv) in f["uv"].as_array().unwrap().iter().map(numbers).enumerate() {
+            close(surface.point(uv[0], uv[1]), points(&f["R"])[i], 1e-8);
+            close(surface.normal(uv[0], uv[1]), points(&f["n"])[i], 1e-10);
         }
-        let f = &figures["initial_fit"];
-        let l: Vec<CutterLocation> =
-            (0..50).map(|i| three_point(&surface, &cutter, i as f64 / 49.0, 0.25).unwrap()).collect();
-        let axis = AxisSurface::fit(&l, 10).unwrap();
-        let off = axis.lower().iter().zip(points(&f["D1"])).map(|(a, b)| a.distance(b)).fold(0.0, f64::max);
-        let offu = axis.upper().iter().zip(points(&f["D2"])).map(|(a, b)| a.distance(b)).fold(0.0, f64::max);
-        println!("{off:e} {offu:e}");
-        for (key, size) in [("50x50", [50, 50]), ("100x50", [100, 50]), ("101x51", [101, 51]), ("50x100", [50, 100])] {
-            let (d, feet) = DesignGrid::new(&surface, size).deviation(&axis, &cutter, None).unwrap();
-            println!("surf {} {} {:?}", d.sum, figures["initial_sums_surf_grid"][key], feet.t_range());
-            let (d, _) = on_axis_grid(&surface, &axis, &cutter, size).unwrap();
-            println!("axis {} {}", d.sum, figures["initial_sums_axis_grid"][key]);
-        }
-        let _ = DVec2::ZERO;
     }
 }
 
 #[test]
-fn scratch2() {
-    use super::compensation::*;
-    use super::params::Objective;
-    use super::refine::refine;
-    use crate::progress::*;
+fn the_axis_surface_and_its_sums_agree_with_the_reference() {
     let reference = reference();
     for name in CASES {
         let (surface, cutter, figures) = case(&reference, name);
-        let grid = DesignGrid::new(&surface, [100, 50]);
-        let cov = &figures["covered"];
-        let range = [cov["u0_lo"].as_f64().unwrap(), cov["u0_hi"].as_f64().unwrap()];
-        let axis = AxisSurface::new(points(&cov["D1"]), points(&cov["D2"]), range).unwrap();
-        let start = Measured::new(&grid, axis, &cutter, None).unwrap();
-        let wanted = numbers(&cov["tsvd"]["sum_per_k"]);
-        for model in [Model::Shift, Model::Height, Model::Moving] {
-            let now = std::time::Instant::now();
-            let (best, curve) = best_rank(&grid, &start, &cutter, model, &Cancel::default()).unwrap();
-            let el = now.elapsed();
-            let off: Vec<String> = curve
-                .sums
-                .iter()
-                .zip(&wanted)
-                .step_by(6)
-                .map(|(a, b)| format!("{:.5}", a.unwrap_or(f64::NAN) - b))
-                .collect();
-            println!(
-                "{name} {model:?} k {} {} ratio {} {off:?} {el:?}",
-                curve.best,
-                best.deviation.sum,
-                best.deviation.sum / start.deviation.sum
-            );
-            if model == Model::Height {
-                for o in [
-                    Objective::Sum,
-                    Objective::Rms,
-                    Objective::Bounded { overcut_mm: Some(0.0), undercut_mm: None },
-                    Objective::Bounded { overcut_mm: None, undercut_mm: Some(0.02) },
-                    Objective::Bounded { overcut_mm: Some(0.02), undercut_mm: Some(0.02) },
-                ] {
-                    let now = std::time::Instant::now();
-                    let r = refine(&grid, &best, &cutter, (o, 100), (&Progress::silent(), &Cancel::default())).unwrap();
-                    println!(
-                        "  {o:?} {} ratio {} rms {} over {} under {} {:?} t {:?}",
-                        r.deviation.sum,
-                        r.deviation.sum / start.deviation.sum,
-                        r.deviation.rms,
-                        r.deviation.most_overcut,
-                        r.deviation.most_undercut,
-                        now.elapsed(),
-                        r.feet.t_range()
-                    );
+        let f = &figures["initial_fit"];
+        let locations: Vec<CutterLocation> =
+            (0..50).map(|i| three_point(&surface, &cutter, f64::from(i) / 49.0, 0.25).unwrap()).collect();
+        for (location, u1) in locations.iter().zip(numbers(&f["u1"])) {
+            assert!((location.u1 - u1).abs() < 1e-9);
+        }
+        let axis = AxisSurface::fit(&locations, 10).unwrap();
+        for (ours, theirs) in [(axis.lower(), points(&f["D1"])), (axis.upper(), points(&f["D2"]))] {
+            ours.iter().zip(theirs).for_each(|(a, b)| close(*a, b, 2e-8));
+        }
+        for (key, size) in [("50x50", [50, 50]), ("100x50", [100, 50])] {
+            let wanted = figures["initial_sums_surf_grid"][key].as_f64().unwrap();
+            let sum = DesignGrid::new(&surface, size).deviation(&axis, &cutter, None).unwrap().0.sum;
+            assert!((sum / wanted - 1.0).abs() < 1e-6, "{name} {key}: {sum} {wanted}");
+            let wanted = figures["initial_sums_axis_grid"][key].as_f64().unwrap();
+            let sum = on_axis_grid(&surface, &axis, &cutter, size).unwrap().0.sum;
+            assert!((sum / wanted - 1.0).abs() < 1e-6, "{name} {key}: {sum} {wanted}");
+        }
+    }
+}
+
+#[test]
+fn the_deviations_of_the_reference_paths_are_those_of_the_reference() {
+    let reference = reference();
+    for name in CASES {
+        let (surface, cutter, figures) = case(&reference, name);
+        let (grid, start) = covered_start(&surface, &cutter, &figures, [100, 50]);
+        let covered = &figures["covered"];
+        for (key, at) in [("GN_LS", &covered["GN_LS"]), ("L1", &covered["L1"]), ("init", &covered["init"])] {
+            let path = match at.get("D1") {
+                Some(lower) => {
+                    let axis = AxisSurface::new(points(lower), points(&at["D2"]), start.axis.u0_range).unwrap();
+                    Measured::new(&grid, axis, &cutter, None).unwrap()
                 }
+                None => start.clone(),
+            };
+            let d = &path.deviation;
+            let ours = [d.sum, d.mean, d.rms, d.most_overcut, d.most_undercut, d.sum_overcut, d.sum_undercut];
+            let keys = ["sum", "mean", "rms", "min_overcut", "max_undercut", "sum_overcut", "sum_undercut"];
+            for (ours, which) in ours.into_iter().zip(keys) {
+                let wanted = at[which].as_f64().unwrap();
+                assert!((ours / wanted - 1.0).abs() < 1e-5, "{name} {key} {which}: {ours} {wanted}");
             }
         }
     }
 }
 
 #[test]
-fn scratch3() {
-    use super::envelope::*;
-    use super::params::*;
-    use super::plan::plan_flank;
-    use crate::progress::*;
+fn every_rank_has_the_sum_of_the_reference_and_the_same_one_wins() {
     let reference = reference();
     for name in CASES {
         let (surface, cutter, figures) = case(&reference, name);
-        let now = std::time::Instant::now();
-        let plan =
-            plan_flank(&surface, &cutter, &FlankParams::default(), &Progress::silent(), &Cancel::default()).unwrap();
-        println!(
-            "{name} {:?} range {:?} {} {}",
-            now.elapsed(),
-            plan.initial.axis.u0_range,
-            figures["covered"]["u0_lo"],
-            figures["covered"]["u0_hi"]
-        );
-        for (what, path) in plan.paths() {
-            println!(
-                " {what} {} ratio {} env {} diff {} without {} cov {:?}",
-                path.deviation.sum,
-                plan.ratio(path),
-                path.envelope.deviation.sum,
-                path.envelope.greatest_difference,
-                path.envelope.without,
-                path.coverage
-            );
-            let coarse = DesignGrid::new(&surface, [21, 11]);
-            let (d, feet) = coarse.deviation(&path.axis, &cutter, None).unwrap();
-            let env = check(&coarse, &path.axis, &cutter, (&d, &feet));
-            let swept: Vec<f64> = coarse
-                .places()
-                .map(|p| swept_above(&path.axis, &cutter, (p.point, p.normal), [-2.0, 40.0], 200).unwrap())
-                .collect();
-            let off = swept.iter().zip(&env.deviation.values).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            let sum: f64 = swept.iter().map(|x| x.abs()).sum();
-            println!(
-                "    coarse static {} env {} swept {} env-swept {off:e} static-env {}",
-                d.sum, env.deviation.sum, sum, env.greatest_difference
-            );
+        let (grid, start) = covered_start(&surface, &cutter, &figures, [100, 50]);
+        let tsvd = &figures["covered"]["tsvd"];
+        let (best, ranks) = best_rank(&grid, &start, &cutter, Model::Height, &Cancel::default()).unwrap();
+        // Far ranks leave the part altogether; what they come to is noise.
+        for (k, wanted) in
+            numbers(&tsvd["sum_per_k"]).into_iter().enumerate().filter(|(_, sum)| *sum < 1.1 * start.deviation.sum)
+        {
+            let sum = ranks.sums[k].unwrap();
+            assert!((sum / wanted - 1.0).abs() < 1e-5, "{name} rank {}: {sum} {wanted}", k + 1);
         }
-        println!("{:?}", plan.warnings);
-        println!("{}", figures["checks"]["init_brute"]);
-        println!("{}", figures["checks"]["LS_brute"]);
+        assert_eq!(ranks.best as u64, tsvd["best_k"].as_u64().unwrap(), "{name}");
+        assert!(best.deviation.sum <= tsvd["best"].as_f64().unwrap() * 1.000_001);
+        assert!(ranks.singular_values.windows(2).all(|s| s[0] >= s[1]));
+    }
+}
+
+#[test]
+fn plans_reach_the_ratios_of_the_reference() {
+    let one_pass = [0.5593, 0.5449, 0.4536, 0.5579];
+    let refined = [0.538, 0.508, 0.429, 0.534];
+    for (((_, plan), name), (one_pass, refined)) in plans().iter().zip(CASES).zip(one_pass.into_iter().zip(refined)) {
+        let wanted = reference()["cases"][name]["covered"]["init"]["sum"].as_f64().unwrap();
+        assert!((plan.initial.deviation.sum / wanted - 1.0).abs() < 1e-3, "{name} {}", plan.initial.deviation.sum);
+        assert!(plan.ratio(&plan.chosen) < one_pass, "{name}: chosen {}", plan.ratio(&plan.chosen));
+        assert!(plan.ratio(&plan.refined) < refined, "{name}: refined {}", plan.ratio(&plan.refined));
+        for (which, path) in plan.paths() {
+            let [first, last] = path.coverage.t_range;
+            assert!(path.coverage.is_whole && first >= 0.0 && last <= 1.0, "{name} {which}");
+            assert_eq!(path.deviation.values.len(), 5000);
+        }
+    }
+}
+
+#[test]
+fn the_envelope_agrees_with_the_reference_and_with_a_brute_force_sweep() {
+    let reference = reference();
+    for name in CASES {
+        let (surface, cutter, figures) = case(&reference, name);
+        let (grid, start) = covered_start(&surface, &cutter, &figures, [21, 11]);
+        let moving = envelope::check(&grid, &start.axis, &cutter, (&start.deviation, &start.feet));
+        assert_eq!(moving.without, 0);
+        let wanted = &figures["checks"]["init_brute"];
+        let greatest = wanted["max_diff_all"].as_f64().unwrap();
+        assert!(
+            (moving.greatest_difference / greatest - 1.0).abs() < 0.05,
+            "{} {greatest}",
+            moving.greatest_difference
+        );
+        let swept_sum = wanted["sum_swept"].as_f64().unwrap();
+        assert!((moving.deviation.sum / swept_sum - 1.0).abs() < 1e-4, "{} {swept_sum}", moving.deviation.sum);
+        for (k, place) in grid.places().enumerate().step_by(5) {
+            let swept = envelope::swept_above(&start.axis, &cutter, (place.point, place.normal), [-2.0, 40.0], 100);
+            let envelope = moving.deviation.values[k];
+            assert!((swept.unwrap() - envelope).abs() < 1e-8, "{name} {k}: {swept:?} {envelope}");
+        }
+    }
+}
+
+#[test]
+fn the_moving_cutter_does_on_the_refined_path_nearly_what_the_standing_one_does() {
+    for (surface, plan) in plans() {
+        let path = &plan.refined;
+        let (still, moving) = (&path.deviation, &path.envelope.deviation);
+        assert!((moving.sum / still.sum - 1.0).abs() < 0.02, "{} {}", moving.sum, still.sum);
+        assert_eq!(path.envelope.without, 0);
+        let grid = DesignGrid::new(surface, [100, 50]);
+        for (k, place) in grid.places().enumerate().step_by(487) {
+            let swept = envelope::swept_above(&path.axis, &plan.cutter, (place.point, place.normal), [-2.0, 40.0], 100);
+            assert!((swept.unwrap() - moving.values[k]).abs() < 1e-5, "{k}: {swept:?} {}", moving.values[k]);
+        }
     }
 }

@@ -9,6 +9,8 @@ use glam::DVec3;
 const MOST_POINTS: usize = 100_000;
 /// The nearest to opposite that two directions of a straight move may be (rad).
 const MOST_TURN: f64 = PI - 0.1;
+/// The shortest straight move, as a part of the way from point to point.
+const SHORTEST_MOVE: f64 = 1e-6;
 
 /// Why a path is none.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -39,6 +41,16 @@ pub enum ToolPathError {
         at: Place,
         /// How far (degrees).
         by_deg: f64,
+    },
+    /// A path that no straight moves follow.
+    #[error(
+        "{at}: the path jumps by {by_mm:.5} mm there, and no points between help; smooth it or raise the tolerance"
+    )]
+    Jumps {
+        /// Where.
+        at: Place,
+        /// How far it still leaves the shortest move (mm).
+        by_mm: f64,
     },
 }
 
@@ -225,10 +237,12 @@ impl<'a> ToolPath<'a> {
             let mut open = vec![(i as f64 + 1.0, self.at(i as f64 + 1.0)?)];
             while let Some(&(to, end)) = open.last() {
                 let (from, start) = moves[moves.len() - 1];
-                let deepest = to - from < 1e-4;
-                if deepest || self.strays(from, &start, to, &end, reach_mm)? <= tolerance_mm {
+                let by_mm = self.strays(from, &start, to, &end, reach_mm)?;
+                if by_mm <= tolerance_mm {
                     moves.push((to, end));
                     open.pop();
+                } else if to - from < SHORTEST_MOVE || by_mm.is_nan() {
+                    return Err(ToolPathError::Jumps { at: self.place(from), by_mm });
                 } else {
                     let middle = 0.5 * (from + to);
                     open.push((middle, self.at(middle)?));

@@ -9,7 +9,7 @@ use crate::export::flank_nc::FlankNcSettings;
 use crate::flank::FlankError;
 use crate::flank::cutter::FlankCutter;
 use crate::flank::fit_ruled::{Candidate, CandidateFit, RuledFit};
-use crate::flank::gouge::{self, GougeCheck};
+use crate::flank::gouge::{self, Clearance, GougeCheck};
 use crate::flank::guide::GuideCurve;
 use crate::flank::joint_feed::{Feeds, paces};
 use crate::flank::linearise::{LinearisationParams, MachinePath, linearise};
@@ -88,7 +88,9 @@ pub enum FlankJobError {
     #[error(transparent)]
     Flank(#[from] FlankError),
     /// A face that there is not.
-    #[error("there is no flank {number}: the mesh has {count} that could be milled; they are counted from 1, the largest first")]
+    #[error(
+        "there is no flank {number}: the mesh has {count} that could be milled; they are counted from 1, the largest first"
+    )]
     NoCandidate {
         /// Which one was asked for.
         number: usize,
@@ -163,7 +165,7 @@ pub struct FlankResult {
     pub envelope_tolerance_mm: f64,
     /// What was checked.
     pub checks: Vec<FlankCheck>,
-    /// What the reader must know, in words.
+    /// What the reader must know of the path, in words.
     pub warnings: Vec<String>,
 }
 
@@ -183,6 +185,11 @@ impl FlankResult {
         let failed = self.checks.iter().filter(|c| !c.holds && !c.is_overridden);
         let failed: Vec<String> = failed.map(|c| format!("{}: {}", c.kind.name(), c.text)).collect();
         (!failed.is_empty()).then(|| failed.join("; "))
+    }
+
+    /// What the reader must know of the path, and what the machine has to say of it.
+    pub fn all_warnings(&self) -> Vec<String> {
+        self.warnings.iter().cloned().chain(checks::of_machine(self)).collect()
     }
 
     /// The path that is milled with its leads, as a function for machines and posts.
@@ -281,7 +288,7 @@ fn gouge_check(
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<Option<GougeCheck>, FlankJobError> {
-    let own_mm = fit.map_or(OWN_MM, |f| OWN_MM + f.error.greatest.max(f.tolerance_mm) + f.chord_mm);
+    let own_mm = fit.map_or(OWN_MM, |f| OWN_MM + f.error.greatest_mm.max(f.tolerance_mm) + f.chord_mm);
     let part = match &input.surface {
         LoadedSurface::Face { mesh, is_own_wall: true, .. } => Some(mesh),
         _ => None,
@@ -289,9 +296,17 @@ fn gouge_check(
     let mut found: Option<GougeCheck> = None;
     for walls in part.into_iter().chain(&input.walls) {
         let next = gouge::check(path, &input.cutter, (walls, surface, own_mm), progress, cancel)?;
-        found = Some(found.map_or(next, |found| found.and(&next)));
+        found = Some(found.map_or(next, |found| lesser(found, next)));
     }
     Ok(found)
+}
+
+/// The lesser clearances of two checks.
+fn lesser(a: GougeCheck, b: GougeCheck) -> GougeCheck {
+    let least = |a: Option<Clearance>, b: Option<Clearance>| {
+        a.into_iter().chain(b).min_by(|a, b| a.distance_mm.total_cmp(&b.distance_mm))
+    };
+    GougeCheck { cutter: least(a.cutter, b.cutter), holder: least(a.holder, b.holder) }
 }
 
 /// The moves that lead to both ends of a path, outside first: from the side onto the surface, and along the cutter's

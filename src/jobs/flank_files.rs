@@ -125,7 +125,7 @@ pub fn load_guide(guide: &GuideSource) -> Result<GuideCurve, FlankLoadError> {
 fn load_mesh(flank: &MeshFlank, progress: &Progress, cancel: &Cancel) -> Result<LoadedSurface, FlankLoadError> {
     let mesh = import(&flank.file, flank.units, progress, cancel)?;
     progress.report("faces that could be milled", 0.0, "");
-    let candidates = flank_candidates(&mesh, &flank.fit);
+    let candidates = flank_candidates(&mesh, &flank.fit, cancel);
     let candidates = candidates.map_err(|e| FlankLoadError(format!("{}: {e}", flank.file.display())))?;
     progress.report("faces that could be milled", 1.0, "");
     let MeshFlank { candidate: number, is_own_wall, .. } = *flank;

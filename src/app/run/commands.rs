@@ -80,6 +80,7 @@ impl SparkpathApp {
             Command::PlanFlank
             | Command::NextPath
             | Command::SideBySide
+            | Command::FaceFlank
             | Command::ShowCutter
             | Command::AxisSurface
             | Command::Rulings

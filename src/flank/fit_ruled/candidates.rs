@@ -7,6 +7,7 @@ use super::patch::mean_normal;
 use super::{RuledFit, RuledFitError, RuledFitParams, fit_ruled};
 use crate::geometry::mesh::Mesh;
 use crate::geometry::segmentation::{EdgeKind, FaceKind, Segmentation, SegmentationSettings};
+use crate::progress::Cancel;
 
 /// Faces that are fitted at most, the largest.
 const MOST_FITTED: usize = 40;
@@ -92,9 +93,14 @@ impl Candidate {
 /// fitted to them; the largest first.
 ///
 /// # Errors
-/// If a parameter has no meaning.
-pub fn flank_candidates(mesh: &Mesh, params: &RuledFitParams) -> Result<Vec<Candidate>, RuledFitError> {
+/// If a parameter has no meaning, or it was told to stop.
+pub fn flank_candidates(
+    mesh: &Mesh,
+    params: &RuledFitParams,
+    cancel: &Cancel,
+) -> Result<Vec<Candidate>, RuledFitError> {
     params.validate()?;
+    cancel.check()?;
     let up = params.up.normalize_or_zero();
     let segmentation = Segmentation::of(mesh, &SegmentationSettings::default());
     let single = (0..segmentation.faces.len() as u32).map(|f| vec![f]);
@@ -105,11 +111,12 @@ pub fn flank_candidates(mesh: &Mesh, params: &RuledFitParams) -> Result<Vec<Cand
     found.sort_by(|a, b| b.area_mm2.total_cmp(&a.area_mm2).then_with(|| a.faces.cmp(&b.faces)));
     let tried = found.iter().take(MOST_FITTED).take_while(|c| c.area_mm2 >= LEAST_SHARE * total).count();
     found[..tried].par_iter_mut().for_each(|c| {
-        c.fit = match fit_ruled(mesh, &c.triangles, params) {
+        c.fit = match fit_ruled(mesh, &c.triangles, params, cancel) {
             Ok(fit) => CandidateFit::Fitted(Box::new(fit)),
             Err(error) => CandidateFit::Refused(error),
         };
     });
+    cancel.check()?;
     Ok(found)
 }
 

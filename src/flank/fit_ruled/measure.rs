@@ -35,23 +35,34 @@ pub(super) struct Measured {
     pub border: f64,
 }
 
-/// Distances of points from the surface going on beyond its ends, and how far beyond them their feet lie.
+/// Distances of points from the surface, or from its tangent plane where they lie beyond its ends, and how far beyond.
 fn distances(strip: &Strip, points: &[DVec3]) -> Vec<[f64; 2]> {
     let rulings = strip.rulings();
     let measure = |p: &DVec3| {
         let foot = strip.foot(&rulings, *p);
         let kept = Foot { u: foot.u.clamp(0.0, 1.0), v: foot.v.clamp(0.0, 1.0) };
-        let [there, end] = [foot, kept].map(|f| strip.at(f).point);
-        [there.distance(*p), end.distance(there)]
+        let place = strip.at(kept);
+        let off = *p - place.point;
+        let is_within = foot.u == kept.u && foot.v == kept.v;
+        let upright = off.dot(place.first[0].cross(place.first[1]).normalize_or_zero()).abs();
+        if is_within {
+            [off.length(), 0.0]
+        } else {
+            [upright, (off.length_squared() - upright * upright).max(0.0).sqrt()]
+        }
     };
     points.par_iter().map(measure).collect()
 }
 
-/// Greatest distance of corners of the mesh from the surface, with how far they lie beyond its ends (mm), by fewer
-/// points: to choose between surfaces.
+/// How bad a surface is (mm), by at most `count` corners of the mesh and half as many places inside of triangles: the
+/// greatest distance, of the latter less the chord error, with a little for what lies beyond its ends.
 pub(super) fn quick(patch: &Patch, strip: &Strip, count: usize) -> f64 {
-    let points: Vec<DVec3> = patch.corner_samples(count).into_iter().map(|c| c.0).collect();
-    distances(strip, &points).into_iter().fold(0.0, |most, [off, beyond]| most.max(off.hypot(0.2 * beyond)))
+    let corners: Vec<DVec3> = patch.corner_samples(count).into_iter().map(|c| c.0).collect();
+    let worst = |points: &[DVec3], less: f64| {
+        let bad = |[off, beyond]: [f64; 2]| (off - less).max(0.0).hypot(0.02 * beyond);
+        distances(strip, points).into_iter().map(bad).fold(0.0, f64::max)
+    };
+    worst(&corners, 0.0).max(worst(&patch.inner_samples(count / 2), patch.chord))
 }
 
 pub(super) fn measured(patch: &Patch, sides: &Sides, strip: &Strip) -> Measured {
@@ -81,20 +92,36 @@ fn back(patch: &Patch, strip: &Strip) -> (FitError, f64) {
         .map(|i| [(i / BACK[1], BACK[0]), (i % BACK[1], BACK[1])].map(|(k, n)| (k as f64 + 0.5) / n as f64))
         .map(|[u, v]| Foot { u, v })
         .collect();
+    let mut border: Vec<[u32; 2]> = patch.loops.iter().flat_map(|l| sides_of(l)).collect();
+    border.sort_unstable();
     let measure = |foot: &Foot| {
         let p = strip.at(*foot).point;
         let nearest = exact.nearest(p);
-        let off = p - nearest.point;
-        let [a, b, c] = patch.corners(nearest.triangle as usize);
-        let normal = (b - a).cross(c - a).normalize_or_zero();
-        let upright = off.dot(normal).abs();
-        [upright, (off.length_squared() - upright * upright).max(0.0).sqrt()]
+        (p.distance(nearest.point), is_on_border(patch, &border, nearest.triangle as usize, nearest.point))
     };
-    let found: Vec<[f64; 2]> = places.par_iter().map(measure).collect();
-    // Over a convex edge of the mesh the nearest point is beside the plane by little more than it is away from it.
-    let is_over = |f: &&[f64; 2]| f[1] <= f[0] + patch.chord + 1e-6 * patch.size;
-    let error = FitError::of(found.iter().filter(is_over).map(|f| f[0].hypot(f[1])));
-    (error, found.iter().filter(|f| !is_over(f)).map(|f| f[1]).fold(0.0, f64::max))
+    let found: Vec<(f64, bool)> = places.par_iter().map(measure).collect();
+    let error = FitError::of(found.iter().filter(|f| !f.1).map(|f| f.0));
+    (error, found.iter().filter(|f| f.1).map(|f| f.0).fold(0.0, f64::max))
+}
+
+/// The sides of a closed border, each with its lower point first.
+fn sides_of(around: &[u32]) -> impl Iterator<Item = [u32; 2]> + '_ {
+    (0..around.len()).map(|i| [around[i], around[(i + 1) % around.len()]]).map(|[a, b]| [a.min(b), a.max(b)])
+}
+
+/// Whether a point of triangle `t` lies on the border of the face, given by its sorted sides.
+fn is_on_border(patch: &Patch, border: &[[u32; 2]], t: usize, p: DVec3) -> bool {
+    let near = 1e-9 * patch.size;
+    let corners = patch.triangles[t];
+    (0..3).any(|k| {
+        let (a, b) = (corners[k], corners[(k + 1) % 3]);
+        let [from, to] = [a, b].map(|v| patch.points[v as usize]);
+        let along = to - from;
+        let share = ((p - from).dot(along) / along.length_squared().max(1e-300)).clamp(0.0, 1.0);
+        let is_at_corner = p.distance(from) <= near && patch.is_border[a as usize];
+        is_at_corner
+            || (p.distance(from + along * share) <= near && border.binary_search(&[a.min(b), a.max(b)]).is_ok())
+    })
 }
 
 /// The greatest distance of the border's points from their guides.

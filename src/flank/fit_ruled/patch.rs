@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::RuledFitError;
-use crate::geometry::mesh::{Mesh, normal_times_two_areas, unit_normal};
+use crate::geometry::mesh::{Mesh, normal_times_two_areas};
 
 /// No triangle.
 const NONE: u32 = u32::MAX;
@@ -29,6 +29,8 @@ pub(super) struct Patch {
     pub size: f64,
     /// Borders, the face on the left seen from outside; the longest first.
     pub loops: Vec<Vec<u32>>,
+    /// Whether each point lies on a border.
+    pub is_border: Vec<bool>,
     /// Greatest distance between the triangles and a smooth surface through their corners (mm), estimated.
     pub chord: f64,
     /// Triangles that faced the other way than most of the others.
@@ -54,6 +56,7 @@ impl Patch {
             area: 0.0,
             size: 0.0,
             loops: Vec::new(),
+            is_border: Vec::new(),
             chord: 0.0,
             turned,
             lost,
@@ -63,6 +66,8 @@ impl Patch {
             return Err(RuledFitError::NoArea);
         }
         patch.loops = patch.borders();
+        patch.is_border = vec![false; patch.points.len()];
+        patch.loops.iter().flatten().for_each(|&v| patch.is_border[v as usize] = true);
         patch.chord = patch.chord_error();
         Ok(patch)
     }
@@ -275,12 +280,15 @@ fn oriented(points: &[DVec3], triangles: Vec<[u32; 3]>, across: &[[(u32, bool); 
     (kept, turned, if total > 0.0 { 1.0 - pieces[best].0 / total } else { 0.0 })
 }
 
-/// The mean of the unit normals of some triangles of `mesh`, by their areas.
+/// The mean of the unit normals of some triangles of `mesh`, by their areas; those without points do not count.
 pub(super) fn mean_normal(mesh: &Mesh, triangles: &[u32]) -> DVec3 {
-    let sum: DVec3 = triangles
-        .iter()
-        .map(|&t| mesh.corners(t as usize))
-        .map(|c| unit_normal(c) * normal_times_two_areas(c).length())
-        .sum();
-    sum.normalize_or_zero()
+    let of = |t: &u32| {
+        let [a, b, c] = *mesh.triangles.get(*t as usize)?;
+        let at = |v: u32| mesh.vertices.get(v as usize).copied();
+        Some(normal_times_two_areas([at(a)?, at(b)?, at(c)?])).filter(|n| n.is_finite())
+    };
+    let sum: DVec3 = triangles.iter().filter_map(of).sum();
+    let areas: f64 = triangles.iter().filter_map(of).map(DVec3::length).sum();
+    // What is left of a ring's is rounding.
+    if sum.length() > 1e-9 * areas { sum.normalize_or_zero() } else { DVec3::ZERO }
 }

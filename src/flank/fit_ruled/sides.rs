@@ -132,7 +132,7 @@ impl Border {
         self.points[i].lerp(self.points[(i + 1) % n], part.clamp(0.0, 1.0))
     }
 
-    /// Points where the border turns into the face by 25 degrees or more, over a stretch or at once, with the angle, in
+    /// Points where the border turns into the face by 25 degrees or more, at once and over a stretch, with the angle, in
     /// order: the sharpest within their stretch.
     fn corners(&self) -> Vec<(usize, f64)> {
         let n = self.points.len();
@@ -145,7 +145,8 @@ impl Border {
         let angle = |i: usize| {
             let sides = [(i + n - 1) % n, i].map(|k| self.lengths[k + 1] - self.lengths[k]);
             let small = (0.5 * sides[0].min(sides[1])).max(0.002 * self.total());
-            turn(i, reach).max(turn(i, small))
+            // A notch of a ragged border turns back within a stretch, a corner does not.
+            turn(i, reach).max(turn(i, small)).min(turn(i, 3.0 * reach))
         };
         let angles: Vec<f64> = (0..n).map(angle).collect();
         let apart = |i: usize, j: usize| {
@@ -217,7 +218,7 @@ impl Border {
     fn bend(&self, from: usize, to: usize) -> f64 {
         let (a, b) = (self.points[from], self.points[to]);
         let along = (b - a).normalize_or_zero();
-        let off = |i: usize| (self.points[i] - a).reject_from_normalized_or_zero(along).length();
+        let off = |i: usize| across(self.points[i] - a, along).length();
         self.stretch(from, to).map(off).fold(0.0, f64::max) / a.distance(b).max(1e-300)
     }
 
@@ -244,27 +245,21 @@ impl Border {
     }
 }
 
-trait Reject {
-    fn reject_from_normalized_or_zero(self, along: DVec3) -> DVec3;
-}
-
-impl Reject for DVec3 {
-    fn reject_from_normalized_or_zero(self, along: DVec3) -> DVec3 {
-        self - along * self.dot(along)
-    }
-}
-
 impl Sides {
     /// The first surface between the guides: with points at equal shares of their lengths on one ruling, or with those
     /// whose ruling lies best in the tangent planes at both of its ends.
     pub(super) fn strip(&self, count: usize, by_tangents: bool) -> Option<Strip> {
         let laid = [0, 1].map(|side| even(&self.guides[side]));
-        let pairs: Vec<[usize; 2]> =
-            if by_tangents { matched(&laid) } else { (0..=LAID).map(|i| [i, i]).collect() };
+        let pairs: Vec<[usize; 2]> = if by_tangents { matched(&laid) } else { (0..=LAID).map(|i| [i, i]).collect() };
         let steps = pairs.iter().map(|&[i, j]| 0.5 * (i + j) as f64 / LAID as f64);
         let ends: Vec<[DVec3; 2]> = pairs.iter().map(|&[i, j]| [laid[0][i].0, laid[1][j].0]).collect();
         Strip::through(count, &steps.collect::<Vec<f64>>(), &ends)
     }
+}
+
+/// What of `p` is across the unit vector `along`.
+fn across(p: DVec3, along: DVec3) -> DVec3 {
+    p - along * p.dot(along)
 }
 
 /// Points at even lengths, with normals.

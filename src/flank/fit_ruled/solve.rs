@@ -1,11 +1,12 @@
 //! Least squares of the distances of a face from the ruled surface, over the control points of both guides.
 
 use glam::DVec3;
-use nalgebra::{DMatrix, DVector};
 
+use super::band::Band;
 use super::patch::Patch;
 use super::sides::Sides;
 use super::strip::{Basis, Foot, Strip};
+use crate::progress::Cancel;
 
 /// Points of each guide's border that a fit looks at, for one of the face.
 const SIDE_POINTS: f64 = 0.1;
@@ -15,17 +16,25 @@ const INNER_WEIGHT: f64 = 0.02;
 const SIDE_WEIGHT: f64 = 0.1;
 /// What the four corners weigh beside the face, along the guides.
 const CORNER_WEIGHT: f64 = 0.01;
-/// What bends of the guides weigh: next to nothing, but it tells points apart that nothing else does.
+/// What uneven speed along the guides weighs beside the distances that are left, so that rulings are not turned far for
+/// little: where a face is nearly flat nothing else tells which ruling is the right one.
+const SPEED_WEIGHT: f64 = 0.05;
+/// What bends of the guides weigh: next to nothing, for control points that no sample is near to.
 const BEND_WEIGHT: f64 = 1e-9;
 
 /// What a surface is fitted to.
+#[derive(Clone)]
 pub(super) struct Samples {
     /// Points of the face and their weights.
     face: Vec<(DVec3, f64)>,
     /// Points of the lower and of the upper border with the normals of the face and weights.
     sides: [Vec<(DVec3, DVec3, f64)>; 2],
-    /// Whether the guides end at the corners of the face. They do not where an end of the face is no ruling.
-    pub holds_ends: bool,
+    /// Where the lower and the upper guide start and end, unless their ends are free.
+    pub ends: Option<[[DVec3; 2]; 2]>,
+    /// Diagonal of the box around the face (mm).
+    size: f64,
+    /// Tells fits to stop.
+    pub cancel: Cancel,
 }
 
 /// Feet of all samples.
@@ -33,12 +42,15 @@ pub(super) struct Samples {
 struct Feet {
     face: Vec<Foot>,
     sides: [Vec<f64>; 2],
-    cost: f64,
+    /// The weighted sum of the squares of distances (mm^2).
+    distances: f64,
+    /// The sum of the squares of changes of speed (mm^2).
+    speed: f64,
 }
 
 impl Samples {
     /// At most `count` corners of the face; places inside of its triangles too where it has few.
-    pub(super) fn of(patch: &Patch, sides: &Sides, count: usize) -> Self {
+    pub(super) fn of(patch: &Patch, laid: &Sides, count: usize, cancel: &Cancel) -> Self {
         let mut face = patch.corner_samples(count);
         let total: f64 = face.iter().map(|f| f.1).sum();
         face.iter_mut().for_each(|f| f.1 /= total.max(1e-300));
@@ -48,11 +60,10 @@ impl Samples {
             face.extend(inner.into_iter().map(|p| (p, weight)));
         }
         let sides = [0, 1].map(|s| {
-            let guide = &sides.guides[s];
+            let guide = &laid.guides[s];
             let step = guide.len().div_ceil((SIDE_POINTS * count as f64) as usize + 8).max(1);
-            let mut kept: Vec<(DVec3, DVec3, f64)> =
-                guide.iter().step_by(step).map(|&(p, n)| (p, n, 0.0)).collect();
-            if let (Some(last), false) = (guide.last(), (guide.len() - 1) % step == 0) {
+            let mut kept: Vec<(DVec3, DVec3, f64)> = guide.iter().step_by(step).map(|&(p, n)| (p, n, 0.0)).collect();
+            if let (Some(last), false) = (guide.last(), (guide.len() - 1).is_multiple_of(step)) {
                 kept.push((last.0, last.1, 0.0));
             }
             let total: f64 = kept.windows(2).map(|w| w[0].0.distance(w[1].0)).sum();
@@ -63,7 +74,11 @@ impl Samples {
             }
             kept
         });
-        Self { face, sides, holds_ends: true }
+        let ends = match [&laid.guides[0][..], &laid.guides[1][..]] {
+            [[a, .., b], [c, .., d]] => Some([[a.0, b.0], [c.0, d.0]]),
+            _ => None,
+        };
+        Self { face, sides, ends, size: patch.size, cancel: cancel.clone() }
     }
 
     fn feet(&self, strip: &Strip, before: Option<&Feet>) -> Feet {
@@ -78,10 +93,11 @@ impl Samples {
             let start = |i: usize, p: DVec3| before.map_or_else(|| strip.foot(&rulings, p).u, |f| f.sides[s][i]);
             points.map(|(i, side)| strip.foot_on_guide(s, start(i, side.0), side.0)).collect()
         });
-        let mut feet = Feet { face, sides, cost: 0.0 };
-        let mut cost = 0.0;
-        self.rows(strip, &feet, |_, residual, weight| cost += weight * residual * residual);
-        feet.cost = cost;
+        let mut feet = Feet { face, sides, distances: 0.0, speed: 0.0 };
+        let (mut distances, mut speed) = (0.0, 0.0);
+        self.rows(strip, &feet, |_, residual, weight| distances += weight * residual * residual);
+        Self::speed_rows(strip, 1.0, |_, residual, weight| speed += weight * residual * residual);
+        (feet.distances, feet.speed) = (distances, speed);
         feet
     }
 
@@ -102,57 +118,67 @@ impl Samples {
             each(&row, (*p - place.point).dot(normal), *weight);
         }
         for s in 0..2 {
-            let last = self.sides[s].len().saturating_sub(1);
-            for (i, ((p, normal, weight), &u)) in self.sides[s].iter().zip(&feet.sides[s]).enumerate() {
+            let mut along = |direction: DVec3, residual: f64, weight: f64, basis: &Basis| {
+                row.clear();
+                let shares = basis.orders[0].iter().enumerate();
+                row.extend(shares.map(|(k, share)| (s * n + basis.first + k, *share, direction)));
+                each(&row, residual, weight);
+            };
+            for ((p, normal, weight), &u) in self.sides[s].iter().zip(&feet.sides[s]) {
                 let [c, t, _] = strip.guide(s, u);
                 let across = t.cross(*normal).normalize_or_zero();
-                let basis = Basis::at(n, u);
-                let mut along = |direction: DVec3, residual: f64, weight: f64, basis: &Basis| {
-                    row.clear();
-                    let shares = basis.orders[0].iter().enumerate();
-                    row.extend(shares.map(|(k, share)| (s * n + basis.first + k, *share, direction)));
-                    each(&row, residual, weight);
-                };
-                along(across, (*p - c).dot(across), *weight, &basis);
-                if self.holds_ends && (i == 0 || i == last) {
-                    let end = if i == 0 { 0.0 } else { 1.0 };
-                    let [c, t, _] = strip.guide(s, end);
-                    let t = t.normalize_or_zero();
-                    along(t, (*p - c).dot(t), CORNER_WEIGHT, &Basis::at(n, end));
-                }
+                along(across, (*p - c).dot(across), *weight, &Basis::at(n, u));
+            }
+            for (end, p) in self.ends.iter().flat_map(|ends| [0.0, 1.0].into_iter().zip(ends[s])) {
+                let [c, t, _] = strip.guide(s, end);
+                let t = t.normalize_or_zero();
+                along(t, (p - c).dot(t), CORNER_WEIGHT, &Basis::at(n, end));
             }
         }
     }
 
-    /// The normal equations.
-    fn equations(&self, strip: &Strip, feet: &Feet) -> (DMatrix<f64>, DVector<f64>) {
+    /// The rows that keep the speed along both guides even.
+    fn speed_rows(strip: &Strip, weight: f64, mut each: impl FnMut(&[(usize, f64, DVec3)], f64, f64)) {
         let n = strip.count();
-        let mut matrix = DMatrix::<f64>::zeros(6 * n, 6 * n);
-        let mut right = DVector::<f64>::zeros(6 * n);
-        self.rows(strip, feet, |row, residual, weight| {
-            for &(a, x, d) in row {
-                for i in 0..3 {
-                    let left = weight * x * d[i];
-                    right[3 * a + i] += left * residual;
-                    for &(b, y, e) in row {
-                        for j in 0..3 {
-                            matrix[(3 * a + i, 3 * b + j)] += left * y * e[j];
-                        }
-                    }
-                }
-            }
-        });
+        let pieces = n - 3;
+        let even = |i: usize| [i, i + 1, i + 2].map(|k| k.saturating_sub(2).min(pieces) as f64).iter().sum::<f64>();
+        let place = |i: usize| even(i) / (3.0 * pieces as f64);
         for (s, guide) in [&strip.lower, &strip.upper].into_iter().enumerate() {
-            let bend = BEND_WEIGHT * n as f64;
+            for i in 1..n - 1 {
+                let along = (guide[i + 1] - guide[i - 1]).normalize_or_zero();
+                let (a, b) = (1.0 / (place(i) - place(i - 1)), 1.0 / (place(i + 1) - place(i)));
+                let change = (guide[i + 1] - guide[i]) * b - (guide[i] - guide[i - 1]) * a;
+                let at = s * n + i;
+                let row = [(at - 1, a, along), (at, -a - b, along), (at + 1, b, along)];
+                each(&row, -change.dot(along), weight * pieces as f64);
+            }
+        }
+    }
+
+    /// The normal equations, the coordinates of both guides' control points by turns.
+    fn equations(&self, strip: &Strip, feet: &Feet, speed: f64) -> (Band, Vec<f64>) {
+        let n = strip.count();
+        let mut matrix = Band::new(6 * n);
+        let mut right = vec![0.0; 6 * n];
+        let mut shares: Vec<(usize, f64)> = Vec::with_capacity(24);
+        let mut add = |row: &[(usize, f64, DVec3)], residual: f64, weight: f64| {
+            shares.clear();
+            for &(a, x, d) in row {
+                shares.extend((0..3).map(|i| (first_unknown(a, n) + i, x * d[i])));
+            }
+            for &(i, x) in &shares {
+                right[i] += weight * x * residual;
+                shares.iter().for_each(|&(j, y)| matrix.add(i, j, weight * x * y));
+            }
+        };
+        self.rows(strip, feet, &mut add);
+        Self::speed_rows(strip, speed, &mut add);
+        for (s, guide) in [&strip.lower, &strip.upper].into_iter().enumerate() {
             for i in 1..n - 1 {
                 let second = guide[i - 1] - 2.0 * guide[i] + guide[i + 1];
-                for (k, x) in [(i - 1, 1.0), (i, -2.0), (i + 1, 1.0)] {
-                    for c in 0..3 {
-                        right[3 * (s * n + k) + c] -= bend * x * second[c];
-                        for (l, y) in [(i - 1, 1.0), (i, -2.0), (i + 1, 1.0)] {
-                            matrix[(3 * (s * n + k) + c, 3 * (s * n + l) + c)] += bend * x * y;
-                        }
-                    }
+                for axis in DVec3::AXES {
+                    let row = [(-1.0, i - 1), (2.0, i), (-1.0, i + 1)].map(|(x, k)| (s * n + k, x, axis));
+                    add(&row, second.dot(axis), BEND_WEIGHT * n as f64);
                 }
             }
         }
@@ -167,22 +193,25 @@ impl Samples {
         let mut feet = self.feet(&strip, None);
         let mut damping = 1e-4;
         for _ in 0..rounds {
-            if feet.cost <= enough * enough {
+            if feet.distances <= enough * enough || self.cancel.is_cancelled() {
                 break;
             }
-            let (matrix, right) = self.equations(&strip, &feet);
-            let size = matrix.nrows();
-            let mean = matrix.trace() / size as f64;
+            let speed = SPEED_WEIGHT * feet.distances.max(enough * enough) / (self.size * self.size);
+            let (matrix, right) = self.equations(&strip, &feet, speed);
+            let mean = matrix.mean();
             let mut is_better = false;
-            let before = feet.cost;
+            let cost = |feet: &Feet| feet.distances + speed * feet.speed;
+            let before = cost(&feet);
             for _ in 0..5 {
                 let mut damped = matrix.clone();
-                for i in 0..size {
-                    damped[(i, i)] += damping * (matrix[(i, i)] + 1e-3 * mean) + 1e-12 * mean;
+                for i in 0..right.len() {
+                    damped.add(i, i, damping * (matrix.diagonal(i) + 1e-3 * mean) + 1e-12 * mean);
                 }
-                let step = damped.cholesky().map(|c| c.solve(&right));
-                let next = step.and_then(|step| moved(&strip, &step)).map(|next| (self.feet(&next, Some(&feet)), next));
-                if let Some((there, next)) = next.filter(|(there, _)| there.cost < feet.cost) {
+                let next = damped
+                    .solve(&right)
+                    .and_then(|step| moved(&strip, &step))
+                    .map(|next| (self.feet(&next, Some(&feet)), next));
+                if let Some((there, next)) = next.filter(|(there, _)| cost(there) < before) {
                     (feet, strip) = (there, next);
                     damping = (0.1 * damping).max(1e-9);
                     is_better = true;
@@ -190,7 +219,7 @@ impl Samples {
                 }
                 damping *= 10.0;
             }
-            if !is_better || feet.cost > before * (1.0 - 3e-3) {
+            if !is_better || cost(&feet) > before * (1.0 - 3e-3) {
                 break;
             }
         }
@@ -205,10 +234,15 @@ impl Samples {
     }
 }
 
+/// The first of three unknowns of control point `i`, those of the upper guide counted on.
+fn first_unknown(i: usize, count: usize) -> usize {
+    if i < count { 6 * i } else { 6 * (i - count) + 3 }
+}
+
 /// The strip with its control points moved, if all of them are points.
-fn moved(strip: &Strip, step: &DVector<f64>) -> Option<Strip> {
+fn moved(strip: &Strip, step: &[f64]) -> Option<Strip> {
     let n = strip.count();
-    let at = |i: usize| DVec3::new(step[3 * i], step[3 * i + 1], step[3 * i + 2]);
+    let at = |i: usize| DVec3::from_slice(&step[first_unknown(i, n)..]);
     let guide = |points: &[DVec3], from: usize| -> Vec<DVec3> {
         points.iter().enumerate().map(|(i, p)| *p + at(from + i)).collect()
     };

@@ -55,7 +55,7 @@ impl Basis {
         let span = ((u * pieces as f64).floor().max(0.0) as usize).min(pieces - 1);
         let knot = |i: usize| ((span + i).saturating_sub(2).min(pieces)) as f64 / pieces as f64;
         // The knots around the span: three before it, itself, three behind.
-        let k: [f64; 6] = std::array::from_fn(|i| knot(i));
+        let k: [f64; 6] = std::array::from_fn(knot);
         let mut rows = [[0.0; 4]; 4];
         rows[0][0] = 1.0;
         for d in 1..=3 {
@@ -81,7 +81,11 @@ impl Basis {
     }
 
     fn sum(&self, order: usize, points: &[DVec3]) -> DVec3 {
-        (0..4).map(|k| points[self.first + k] * self.orders[order][k]).sum()
+        let [a, b, c, d] = self.orders[order];
+        match &points[self.first..] {
+            [p, q, r, s, ..] => *p * a + *q * b + *r * c + *s * d,
+            _ => DVec3::NAN,
+        }
     }
 }
 
@@ -160,7 +164,7 @@ impl Strip {
             let b = ru.dot(rv) + d.dot(place.second[1]);
             let (a, b) = if a * c - b * b > 1e-6 * a.abs() * c { (a, b) } else { (ru.length_squared(), 0.0) };
             let det = a * c - b * b;
-            if !(det > 0.0) {
+            if det.is_nan() || det <= 0.0 {
                 break;
             }
             let (du, dv) = ((b * h - c * g) / det, (b * g - a * h) / det);
@@ -184,7 +188,8 @@ impl Strip {
             }
             let moved = (next.u - foot.u).abs() + (next.v - foot.v).abs();
             (foot, place) = (next, there);
-            if moved < 1e-11 {
+            // Newton's steps shrink as squares: the next one would be nothing.
+            if moved < 1e-8 {
                 break;
             }
         }

@@ -115,7 +115,8 @@ fn cutter(result: &FlankResult) -> FlankCheck {
     let (plan, surface) = (&result.plan, &result.surface);
     match plan.cutter.fits(surface) {
         Ok(()) => {
-            let text = format!("flutes of {:.3} mm reach the upper guide, and no hollow is too narrow", plan.cutter.length_mm);
+            let text =
+                format!("flutes of {:.3} mm reach the upper guide, and no hollow is too narrow", plan.cutter.length_mm);
             FlankCheck::new(CheckKind::Cutter, true, text)
         }
         Err(error) => {
@@ -227,7 +228,7 @@ fn machine(result: &FlankResult) -> Option<FlankCheck> {
     Some(check)
 }
 
-/// The plan's warnings, what a fit and a machine have to say, and what was not checked.
+/// The plan's warnings, what a fit has to say, and what was not checked.
 pub(super) fn warnings(result: &FlankResult, input: &FlankInput) -> Vec<String> {
     let mut warnings = result.plan.warnings.clone();
     if let Some(fit) = &result.fit {
@@ -235,7 +236,8 @@ pub(super) fn warnings(result: &FlankResult, input: &FlankInput) -> Vec<String> 
     }
     let is_own_wall = matches!(input.surface, LoadedSurface::Face { is_own_wall: true, .. });
     if input.walls.is_none() && !is_own_wall {
-        warnings.push("no neighbouring walls were given: nothing was checked for gouges by flutes or holder".to_owned());
+        warnings
+            .push("no neighbouring walls were given: nothing was checked for gouges by flutes or holder".to_owned());
     } else {
         warnings.push(
             "approach and retraction were not checked against walls: they leave the surface along its normal and the \
@@ -246,20 +248,24 @@ pub(super) fn warnings(result: &FlankResult, input: &FlankInput) -> Vec<String> 
             warnings.push("the cutter has no holder: what is above the flutes was not checked".to_owned());
         }
     }
-    if let Some(milled) = result.milled() {
-        warnings.extend(milled.line.singular.iter().map(|passage| passage.to_string()));
-        if let Some((moves, share, axis)) = milled.slowed {
-            warnings.push(format!(
-                "{moves} moves are slower than asked for, at most down to {:.1} % of the feed, so that axis {axis} does not \
-                 exceed its speed",
-                100.0 * share
-            ));
-        }
-    }
     let unknown = input.overrides.iter().filter(|name| {
         let is_failed = |c: &FlankCheck| c.is_overridden && c.kind.name() == name.as_str();
         !result.checks.iter().any(is_failed)
     });
     warnings.extend(unknown.map(|name| format!("override of {name:?}: no check of this name fails, it does nothing")));
+    warnings
+}
+
+/// What the machine has to say of a path that it can follow.
+pub(super) fn of_machine(result: &FlankResult) -> Vec<String> {
+    let Some(milled) = result.milled() else { return Vec::new() };
+    let mut warnings: Vec<String> = milled.line.singular.iter().map(ToString::to_string).collect();
+    if let Some((moves, share, axis)) = milled.slowed {
+        warnings.push(format!(
+            "{moves} moves are slower than asked for, at most down to {:.1} % of the feed, so that axis {axis} does not exceed \
+             its speed",
+            100.0 * share
+        ));
+    }
     warnings
 }
