@@ -315,7 +315,9 @@ impl FlankWork {
             return Err(format!("a check fails: {why}"));
         }
         let (folder, document) = (folder.to_owned(), document.clone());
-        self.exporter.submit(0, move |_, _, cancel| steps::export(&folder, &result, &document, choice, cancel));
+        self.exporter.submit(0, move |_, progress, cancel| {
+            steps::export(&folder, &result, &document, choice, (progress, cancel))
+        });
         Ok(())
     }
 }

@@ -5,8 +5,12 @@ use std::sync::Arc;
 
 use super::curves::{MachineCurves, Profile};
 use crate::flank::params::FlankParams;
+use crate::export::files::write_atomically;
 use crate::geometry::mesh::Mesh;
 use crate::jobs::flank::{FlankInput, FlankResult, LoadedSurface, flank, surface};
+use crate::jobs::flank_export::{self, CL_FILE, CSV_FILE, PROGRAM};
+use crate::jobs::flank_maps::deviation_maps;
+use crate::jobs::flank_report::report;
 use crate::jobs::flank_files::{self, input, load_machine, load_surface};
 use crate::progress::{Cancel, Progress};
 use crate::project::flank_params::{FlankDocument, FlankSource, PathChoice, WallsFile};
@@ -185,7 +189,7 @@ impl ExportChoice {
     }
 }
 
-/// Writes the files. Answers what was written.
+/// Writes the files that were chosen of a plan whose checks hold or were overridden. Answers what was written.
 ///
 /// # Errors
 /// One line naming the file.
@@ -194,9 +198,34 @@ pub(super) fn export(
     result: &FlankResult,
     document: &FlankDocument,
     choice: ExportChoice,
-    cancel: &Cancel,
+    (progress, cancel): (&Progress, &Cancel),
 ) -> Result<String, String> {
-    let _ = (result, document, choice);
-    cancel.check().map_err(|e| e.to_string())?;
-    Err(format!("{}: nothing is written yet", folder.display()))
+    if choice == ExportChoice::ALL {
+        return flank_export::export(folder, result, document, progress, cancel).map(|written| written.sentence());
+    }
+    let mut texts = Vec::new();
+    if choice.csv {
+        texts.push((CSV_FILE.to_owned(), flank_export::path_csv(result.path())));
+    }
+    if choice.cl {
+        texts.push((CL_FILE.to_owned(), flank_export::cl(result)?));
+    }
+    if let Some(milled) = result.milled().filter(|_| choice.nc) {
+        let nc = flank_export::nc(result, milled)?;
+        texts.push((format!("{PROGRAM}.{}", nc.extension), nc.text));
+    }
+    flank_export::check_folder(folder)?;
+    std::fs::create_dir_all(folder)
+        .map_err(|e| format!("{}: the folder cannot be made ({e}); choose another", folder.display()))?;
+    for (name, text) in &texts {
+        cancel.check().map_err(|e| e.to_string())?;
+        write_atomically(&folder.join(name), text.as_bytes()).map_err(|e| e.to_string())?;
+    }
+    let mut names: Vec<&str> = texts.iter().map(|(name, _)| name.as_str()).collect();
+    if choice.report {
+        let maps = deviation_maps(&result.plan, cancel).map_err(|e| e.to_string())?;
+        report(result, document).write(folder, &maps).map_err(|e| e.to_string())?;
+        names.push("report.html");
+    }
+    Ok(format!("{} written to {}", names.join(", "), folder.display()))
 }
