@@ -92,6 +92,8 @@ pub struct FlankDesk {
     /// When something was last changed of which the plan is not known.
     edited: Option<Instant>,
     shown: Option<Arc<Planned>>,
+    /// The surface that the view has flown onto.
+    looked_at: Option<FlankSource>,
     standing: Standing,
 }
 
@@ -127,6 +129,7 @@ impl FlankDesk {
             machines: load_milling_machines(None).unwrap_or_default().into_iter().map(|m| [m.name, m.title]).collect(),
             edited: None,
             shown: None,
+            looked_at: None,
             standing: Standing::Nothing,
         })
     }
@@ -271,14 +274,24 @@ impl FlankDesk {
             (Some(planned), _) if self.is_of_same_surface(&planned) => (Some(planned), Standing::Stale),
             _ => (None, Standing::Nothing),
         };
-        let is_first = self.shown.is_none() && shown.is_some();
+        let is_first = shown.is_some() && self.looked_at.as_ref() != Some(&self.params.source);
         if shown.as_ref().map(Arc::as_ptr) != self.shown.as_ref().map(Arc::as_ptr) {
             self.rank = None;
         }
         (self.shown, self.standing) = (shown, standing);
+        if is_first {
+            self.looked_at = Some(self.params.source.clone());
+        }
         if is_first && self.fly.is_none() {
             self.fly = Some(if self.is_side_by_side { Fly::Square } else { Fly::Onto });
         }
+    }
+
+    /// The plan or the quick look that the present surface is known from, whatever cutter they are of.
+    pub fn surface_from(&self) -> (Option<&Arc<Planned>>, Option<&Arc<Sketch>>) {
+        let planned = self.shown.as_ref().or(self.work.planned().filter(|planned| self.is_of_same_surface(planned)));
+        let sketch = self.work.sketched(&self.params, true).filter(|_| planned.is_none());
+        (planned, sketch)
     }
 
     fn is_of_same_surface(&self, planned: &Planned) -> bool {

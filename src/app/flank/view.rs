@@ -35,7 +35,8 @@ pub struct FlankView {
 #[derive(Debug, PartialEq)]
 struct SceneKey {
     planned: Source<Planned>,
-    sketch: Source<Sketch>,
+    /// What the surface is of.
+    surface_of: (Source<Planned>, Source<Sketch>),
     part: Source<LoadedFlank>,
     walls: Source<LoadedWalls>,
     paths: Vec<PathChoice>,
@@ -51,9 +52,10 @@ struct SceneKey {
 impl SceneKey {
     fn of(core: &Core, dark: bool) -> Self {
         let flank = &core.flank;
+        let (known, sketch) = flank.surface_from();
         Self {
             planned: Source(flank.planned().cloned()),
-            sketch: Source(flank.sketched().filter(|_| flank.planned().is_none()).cloned()),
+            surface_of: (Source(known.cloned()), Source(sketch.cloned())),
             part: Source(flank.work.loaded(&flank.params).cloned()),
             walls: Source(flank.work.walls(&flank.params).cloned()),
             paths: flank.shown_paths(),
@@ -67,27 +69,25 @@ impl SceneKey {
     }
 
     fn surface(&self) -> Option<&FlankSurface> {
-        let planned = self.planned.0.as_ref().map(|planned| &planned.shapes.surface);
-        planned.or_else(|| self.sketch.0.as_ref()?.surface.as_ref())
+        let (planned, sketch) = &self.surface_of;
+        let known = planned.0.as_ref().map(|planned| &planned.shapes.surface);
+        known.or_else(|| sketch.0.as_ref()?.surface.as_ref())
     }
 
     fn scene(&self) -> (Scene, Vec<(DVec3, &'static str)>) {
         let planned = self.planned.0.as_ref();
-        let all = |planned: &Arc<Planned>| -> Vec<FlankPath> {
-            self.paths.iter().map(|path| path_of(&planned.result.plan, *path).clone()).collect()
-        };
-        let paths = planned.map(all).unwrap_or_default();
+        let paths: Vec<&FlankPath> = planned.map_or_else(Vec::new, |planned| {
+            self.paths.iter().map(|path| path_of(&planned.result.plan, *path)).collect()
+        });
         let surface = planned.map(|planned| &planned.result.surface);
         let contact = |path: &FlankPath, t: f64| -> Vec<DVec3> {
             let line = contact_line(path, t);
             surface.map_or_else(Vec::new, |s| line.iter().map(|[u, v, _]| s.point(*u, *v)).collect())
         };
-        let at = |f: &dyn Fn(&FlankPath, f64) -> Vec<DVec3>| -> Vec<Vec<DVec3>> {
-            self.t.map_or_else(Vec::new, |t| paths.iter().map(|path| f(path, t)).collect())
-        };
         let poses: Vec<_> = self.t.map_or_else(Vec::new, |t| paths.iter().map(|path| path.pose(t)).collect());
         let tips: Vec<Vec<DVec3>> = paths.iter().map(|path| path.poses.iter().map(|p| p.tip).collect()).collect();
-        let contacts = at(&contact);
+        let contacts: Vec<Vec<DVec3>> =
+            self.t.map_or_else(Vec::new, |t| paths.iter().map(|path| contact(path, t)).collect());
         let inputs = FlankScene {
             surface: self.surface(),
             shapes: planned.map(|planned| &planned.shapes),
@@ -184,11 +184,11 @@ impl FlankView {
 /// The scale of the colours, and what its ends mean.
 fn legend(ui: &mut Ui, rect: Rect, planned: &Planned) {
     let area = overlay::legend(ui, rect, &planned.shapes.legend());
-    let faint = palette(ui).faint;
-    let words = [(area.top() + 21.0, "stock left"), (area.bottom() - 3.0, "cut too deep")];
-    let font = FontId::proportional(10.5);
-    for (y, text) in words {
-        ui.painter().text(pos2(area.left() + 8.0, y), Align2::LEFT_BOTTOM, text, font.clone(), faint);
+    let below = Rect::from_min_size(area.left_bottom() + vec2(0.0, 3.0), vec2(area.width(), 34.0));
+    ui.painter().rect_filled(below, 6.0, ui.visuals().window_fill.gamma_multiply(0.88));
+    for (y, text) in [(10.0, "+ stock left"), (24.0, "\u{2212} cut too deep")] {
+        let at = below.left_top() + vec2(8.0, y);
+        ui.painter().text(at, Align2::LEFT_CENTER, text, FontId::proportional(11.0), palette(ui).faint);
     }
 }
 
