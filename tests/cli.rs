@@ -5,6 +5,8 @@ mod common;
 mod compare;
 #[path = "cli/electrodes.rs"]
 mod electrodes;
+#[path = "cli/flank.rs"]
+mod flank;
 #[path = "cli/pictures.rs"]
 mod pictures;
 #[path = "cli/sections.rs"]

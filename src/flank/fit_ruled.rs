@@ -38,6 +38,8 @@ pub use self::candidates::{Candidate, CandidateFit, CandidateKind, flank_candida
 
 /// Control points of each guide that ways to take the sides are tried with.
 const FIRST_COUNT: usize = 7;
+/// The same for a face all around.
+const RING_COUNT: usize = 19;
 /// Corners of the mesh by which surfaces are compared while one is looked for.
 const COMPARED: usize = 2_000;
 /// Points of the face by which the first surfaces are fitted, and the last one.
@@ -205,8 +207,10 @@ fn first_trials(patch: &Patch, choices: Vec<Sides>, params: &RuledFitParams, can
     let enough = 0.1 * params.tolerance_mm;
     let mut trials: Vec<Trial> = Vec::new();
     for sides in choices {
+        let is_long = sides.is_ring && params.most_control_points >= RING_COUNT;
+        let count = if is_long { RING_COUNT } else { FIRST_COUNT };
         let samples = Samples::of(patch, &sides, FIRST_POINTS, cancel);
-        let starts = [false, true].into_iter().filter_map(|by_tangents| sides.strip(FIRST_COUNT, by_tangents));
+        let starts = [false, true].into_iter().filter_map(|by_tangents| sides.strip(count, by_tangents));
         let strips = starts.map(|start| samples.improved(start, 3, enough));
         let measured = strips.map(|strip| (measure::quick(patch, &strip, FIRST_POINTS), strip));
         if let Some((error, strip)) = measured.reduce(|a, b| if b.0 < 0.95 * a.0 { b } else { a }) {

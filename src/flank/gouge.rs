@@ -128,7 +128,18 @@ impl GougeCheck {
 
 /// The triangles of `part` that are not the design surface: some corner or the middle is further from it than `own_mm`.
 pub fn neighbours(part: &Mesh, surface: &RuledSurface, own_mm: f64) -> Mesh {
-    let is_own = |p: DVec3| surface.nearest(p).point.distance(p) <= own_mm;
+    const ALONG: usize = 64;
+    const ACROSS: usize = 8;
+    let at = |i: usize, j: usize| surface.point(i as f64 / ALONG as f64, j as f64 / ACROSS as f64);
+    let looks: Vec<DVec3> = (0..=ALONG).flat_map(|i| (0..=ACROSS).map(move |j| at(i, j))).collect();
+    let steps = |k: usize| {
+        let (i, j) = (k / ACROSS, k % ACROSS);
+        at(i, j).distance(at(i + 1, j)).max(at(i, j + 1).distance(at(i + 1, j + 1))) + at(i, j).distance(at(i, j + 1))
+    };
+    let cell = (0..ALONG * ACROSS).map(steps).fold(0.0, f64::max);
+    // Most of a part is so far off that a coarse look is enough.
+    let is_near = |p: DVec3| looks.iter().any(|q| q.distance_squared(p) <= (own_mm + cell).powi(2));
+    let is_own = |p: DVec3| is_near(p) && surface.nearest(p).point.distance(p) <= own_mm;
     let vertices: Vec<bool> = part.vertices.par_iter().map(|p| is_own(*p)).collect();
     let is_neighbour = |t: &&[u32; 3]| {
         let corners = t.map(|i| part.vertices[i as usize]);

@@ -12,6 +12,7 @@ pub mod axis_surface;
 pub mod compensation;
 pub mod cutter;
 pub mod deviation;
+mod edges;
 pub mod envelope;
 pub mod fit_ruled;
 pub mod gouge;

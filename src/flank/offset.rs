@@ -136,23 +136,36 @@ pub fn three_point(
     u0: f64,
     slide: f64,
 ) -> Result<CutterLocation, FlankError> {
-    const LOOKS: i32 = 10;
-    let at = |u1: f64| two_point(surface, cutter, u0, u1).ok().and_then(|l| l.middle_mm.map(|m| (u1, m, l)));
+    /// A deviation (mm) that is none: the surface is touched wherever its guides are.
+    const NONE: f64 = 1e-10;
+    /// What counts as touching (mm) where the deviation has no change of sign.
+    const TOUCHING: f64 = 1e-7;
+    const LOOKS: [i32; 2] = [10, 100];
     let plain = two_point(surface, cutter, u0, u0)?;
-    // From the middle outwards, so that the change of sign nearest to u0 is taken.
-    let mut found: [Vec<(f64, f64, CutterLocation)>; 2] = [at(u0).into_iter().collect(), at(u0).into_iter().collect()];
-    for i in 1..=LOOKS {
-        for (side, sign) in [(0, 1.0), (1, -1.0)] {
-            let Some(next) = at(u0 + sign * slide * f64::from(i) / f64::from(LOOKS)) else { continue };
-            if let Some(last) = found[side].last().filter(|last| last.1 * next.1 <= 0.0) {
-                return Ok(root(&at, *last, next));
+    if plain.middle_mm.is_some_and(|m| m.abs() < NONE) {
+        return Ok(CutterLocation { touch: Touch::ThreePoints, ..plain });
+    }
+    let at = |u1: f64| two_point(surface, cutter, u0, u1).ok().and_then(|l| l.middle_mm.map(|m| (u1, m, l)));
+    let mut nearest: Option<Slide> = at(u0);
+    for looks in LOOKS {
+        // From the middle outwards, so that the change of sign nearest to u0 is taken.
+        let mut last = [at(u0); 2];
+        for i in 1..=looks {
+            for (last, sign) in last.iter_mut().zip([1.0, -1.0]) {
+                let Some(next) = at(u0 + sign * slide * f64::from(i) / f64::from(looks)) else { continue };
+                if let Some(last) = last.filter(|last| last.1 * next.1 <= 0.0) {
+                    return Ok(root(&at, last, next));
+                }
+                *last = Some(next);
+                if nearest.is_none_or(|n| next.1.abs() < n.1.abs()) {
+                    nearest = Some(next);
+                }
             }
-            found[side].push(next);
         }
     }
-    let all = found.into_iter().flatten();
-    let nearest = all.min_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).map_or(plain, |(_, _, location)| location);
-    Ok(CutterLocation { touch: Touch::NearestToThree, ..nearest })
+    let (_, off, location) = nearest.unwrap_or((u0, f64::INFINITY, plain));
+    let touch = if off.abs() < TOUCHING { Touch::ThreePoints } else { Touch::NearestToThree };
+    Ok(CutterLocation { touch, ..location })
 }
 
 type Slide = (f64, f64, CutterLocation);

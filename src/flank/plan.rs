@@ -10,7 +10,7 @@ use super::deviation::DesignGrid;
 use super::offset::{CutterLocation, three_point, two_point};
 use super::params::{FlankParams, OffsetMethod};
 use super::path::FlankPath;
-use super::refine::refine;
+use super::refine::{is_better, refine};
 use super::ruled_surface::RuledSurface;
 use super::warning;
 use crate::progress::{Cancel, Progress};
@@ -69,7 +69,7 @@ pub fn plan_flank(
     let (locations, start) = covering_start(surface, cutter, params, &grid, cancel)?;
     progress.report("trying every rank", 0.0, "");
     let (chosen, ranks) = best_rank(&grid, &start, cutter, Model::Height, cancel)?;
-    let refined = refine(&grid, &chosen, cutter, (params.objective, params.rounds), (progress, cancel))?;
+    let refined = refined(surface, &grid, &chosen, cutter, params, (progress, cancel))?;
     progress.report("checking the moving cutter", 0.0, "");
     let path = |measured: Measured| -> Result<FlankPath, FlankError> {
         cancel.check()?;
@@ -81,6 +81,32 @@ pub fn plan_flank(
     plan.warnings = warning::of_plan(surface, &plan);
     progress.report("checking the moving cutter", 1.0, "");
     Ok(plan)
+}
+
+/// The path refined; on a fine grid first on a coarser one, which costs little and leads near to the answer.
+fn refined(
+    surface: &RuledSurface,
+    grid: &DesignGrid,
+    chosen: &Measured,
+    cutter: &FlankCutter,
+    params: &FlankParams,
+    control: (&Progress, &Cancel),
+) -> Result<Measured, FlankError> {
+    const COARSE: [usize; 2] = [100, 50];
+    let [along, across] = grid.size();
+    let enough = COARSE[0] * COARSE[1] >= 6 * params.control_points;
+    if along * across <= 4 * COARSE[0] * COARSE[1] || !enough {
+        return refine(grid, chosen, cutter, (params.objective, params.rounds, 0.5), control);
+    }
+    let coarse = DesignGrid::new(surface, COARSE);
+    let near = Measured::new(&coarse, chosen.axis.clone(), cutter, None)
+        .and_then(|start| refine(&coarse, &start, cutter, (params.objective, params.rounds, 0.5), control))
+        .and_then(|near| Measured::new(grid, near.axis, cutter, Some(&chosen.feet)));
+    control.1.check()?;
+    let near = near.ok().filter(|near| is_better(params.objective, &near.deviation, &chosen.deviation));
+    let near = near.filter(|near| near.covers() || !chosen.covers());
+    let start = near.as_ref().unwrap_or(chosen);
+    refine(grid, start, cutter, (params.objective, params.rounds.div_ceil(4), 0.05), control)
 }
 
 /// The location at `u0` by the method asked for.

@@ -2,7 +2,8 @@
 //! re-weighting, with bounds by growing penalties.
 //!
 //! Guaranteed: the answer is no worse in its objective than the start, and covers the surface if the start does. Not
-//! guaranteed: that no other path is better.
+//! guaranteed: that no other path is better. Steps stop where the moving cutter no longer does what the standing one
+//! does, see [`envelope`].
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rayon::prelude::*;
@@ -11,6 +12,8 @@ use super::FlankError;
 use super::compensation::{Measured, Model, Row};
 use super::cutter::FlankCutter;
 use super::deviation::{DesignGrid, Deviation};
+use super::edges::Edges;
+use super::envelope;
 use super::params::Objective;
 use crate::progress::{Cancel, Progress};
 
@@ -59,7 +62,7 @@ fn bounds_of(objective: Objective) -> [f64; 2] {
 }
 
 /// Whether `a` is a better answer than `b`: nearer to the bounds first, then by what is summed.
-fn is_better(objective: Objective, a: &Deviation, b: &Deviation) -> bool {
+pub(super) fn is_better(objective: Objective, a: &Deviation, b: &Deviation) -> bool {
     /// What is beyond a bound by less counts as within (mm).
     const NOTHING: f64 = 1e-7;
     let beyond = [a, b].map(|d| beyond_bounds(objective, d).max(NOTHING));
@@ -67,7 +70,8 @@ fn is_better(objective: Objective, a: &Deviation, b: &Deviation) -> bool {
     if beyond[0] != beyond[1] { beyond[0] < beyond[1] } else { of(a) < of(b) }
 }
 
-/// Refines `start` in at most `rounds` steps.
+/// Refines `start` in at most `rounds` steps. `soft` says from which share of the mean deviation on absolute values are
+/// rounded off at first: 0.5 far from the answer, less near to it.
 ///
 /// # Errors
 /// Cancelled.
@@ -75,19 +79,23 @@ pub fn refine(
     grid: &DesignGrid,
     start: &Measured,
     cutter: &FlankCutter,
-    (objective, rounds): (Objective, usize),
+    (objective, rounds, soft): (Objective, usize, f64),
     (progress, cancel): (&Progress, &Cancel),
 ) -> Result<Measured, FlankError> {
     const STAGE: usize = 8;
+    /// Share by which the moving cutter's sum may differ from the standing one's.
+    const TRUSTED: f64 = 0.03;
     let scale = start.deviation.mean.max(1e-9);
     let bounds = bounds_of(objective);
-    let mut merit = Merit { is_square: objective == Objective::Rms, soft: 0.5 * scale, bounds, penalty: 10.0 / scale };
+    let mut merit = Merit { is_square: objective == Objective::Rms, soft: soft * scale, bounds, penalty: 10.0 / scale };
+    let edges = Edges::of(grid, start, cutter, scale);
     let (mut best, mut now, mut damping) = (start.clone(), start.clone(), 1e-3);
-    let mut in_stage = 0;
+    let allowed = moving_difference(grid, start, cutter).max(TRUSTED);
+    let (mut trusted, mut checked, mut in_stage) = (start.clone(), 0, 0);
     for round in 0..rounds {
         cancel.check()?;
         progress.report("refining the path", round as f64 / rounds as f64, "");
-        let (next, gained) = step(grid, &now, cutter, &merit, &mut damping);
+        let (next, gained) = step(grid, &now, cutter, (&merit, &edges), &mut damping);
         in_stage += 1;
         if let Some(next) = next {
             if is_better(objective, &next.deviation, &best.deviation) {
@@ -97,6 +105,12 @@ pub fn refine(
         }
         if gained > 2e-4 && in_stage < STAGE {
             continue;
+        }
+        if round >= checked + STAGE {
+            if moving_difference(grid, &best, cutter) > allowed {
+                return Ok(trusted);
+            }
+            (trusted, checked) = (best.clone(), round);
         }
         let is_sharp = merit.is_square || merit.soft < 2e-3 * scale;
         let beyond = beyond_bounds(objective, &now.deviation);
@@ -113,7 +127,14 @@ pub fn refine(
             merit.bounds = [merit.bounds[0] + least, merit.bounds[1] - most];
         }
     }
-    Ok(best)
+    Ok(if moving_difference(grid, &best, cutter) > allowed { trusted } else { best })
+}
+
+/// By which share of it the sum of deviations differs while the cutter moves. A path that swings from side to side can
+/// have little deviation wherever it stands and much between.
+fn moving_difference(grid: &DesignGrid, path: &Measured, cutter: &FlankCutter) -> f64 {
+    let moving = envelope::check(grid, &path.axis, cutter, (&path.deviation, &path.feet));
+    (moving.deviation.sum - path.deviation.sum).abs() / path.deviation.sum.max(f64::MIN_POSITIVE)
 }
 
 /// One step that makes the merit smaller, and by which share of it; none if no damping is enough.
@@ -121,16 +142,15 @@ fn step(
     grid: &DesignGrid,
     now: &Measured,
     cutter: &FlankCutter,
-    merit: &Merit,
+    (merit, edges): (&Merit, &Edges),
     damping: &mut f64,
 ) -> (Option<Measured>, f64) {
     const TRIES: usize = 8;
-    /// How much sliding along the path is held back, as a share of the matrix's mean diagonal.
-    const GAUGE: f64 = 0.03;
-    let (matrix, slope) = normal_equations(grid, now, cutter, merit);
-    let value = merit.of(&now.deviation);
+    let (mut matrix, mut slope) = normal_equations(grid, now, cutter, merit);
+    edges.add_to(grid, now, &mut matrix, &mut slope);
+    let cost = |path: &Measured| merit.of(&path.deviation) + edges.cost(grid, path);
+    let value = cost(now);
     let mean = matrix.diagonal().mean();
-    let matrix = matrix + sliding(now, GAUGE * mean);
     for _ in 0..TRIES {
         let mut damped = matrix.clone();
         // Sliding the control points along the path changes nothing: those directions need damping of their own.
@@ -140,7 +160,7 @@ fn step(
             Measured::new(grid, axis, cutter, Some(&now.feet)).ok()
         });
         if let Some(next) = next.filter(|next| next.covers() || !now.covers()) {
-            let gain = value - merit.of(&next.deviation);
+            let gain = value - cost(&next);
             if gain > 0.0 {
                 *damping = (*damping * 0.2).max(1e-9);
                 return (Some(next), gain / value);
@@ -149,29 +169,6 @@ fn step(
         *damping = (*damping * 8.0).min(1e6);
     }
     (None, 0.0)
-}
-
-/// Squares of how far the axis's ends slide along their own curves: such steps change next to nothing but, left free,
-/// carry the path's ends off the surface.
-fn sliding(now: &Measured, weight: f64) -> DMatrix<f64> {
-    let n = now.axis.lower().len();
-    let mut matrix = DMatrix::zeros(6 * n, 6 * n);
-    let looks = 3 * n;
-    for i in 0..looks {
-        let t = i as f64 / (looks - 1) as f64;
-        let (at, basis) = (now.axis.at(t), now.axis.basis().at(t));
-        for (curve, speed) in [at.tip_speed, at.top_speed].into_iter().enumerate() {
-            let along = speed.normalize_or_zero();
-            let entry = |k: usize| {
-                let unknown = 3 * (curve * n + basis.first + k / 3) + k % 3;
-                (unknown, basis.values[k / 3] * along[k % 3])
-            };
-            for (row, a) in (0..12).map(entry) {
-                (0..12).map(entry).for_each(|(column, b)| matrix[(row, column)] += weight * a * b);
-            }
-        }
-    }
-    matrix
 }
 
 /// Matrix and slope of the squares that lie above the merit.

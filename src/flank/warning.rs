@@ -50,7 +50,7 @@ fn of_locations(plan: &FlankPlan) -> Option<String> {
     let worst = missed().filter_map(|l| l.middle_mm).fold(0.0, |worst: f64, m| worst.max(m.abs()));
     Some(format!(
         "{} of {} locations, the first at u0 = {:.4}, cannot touch the surface midway however far the upper contact slides \
-         within {} of u: each was put where it comes nearest to it, at worst {worst:.4} mm off",
+         within {} of u: each was put where it comes nearest to it, at worst {worst:.1e} mm off",
         missed().count(),
         plan.locations.len(),
         first.u0,
@@ -83,7 +83,7 @@ fn of_coverage(name: &str, path: &FlankPath) -> Vec<String> {
         ));
     }
     let [lowest, _] = path.coverage.height_range_mm;
-    if lowest < -1e-3 {
+    if lowest < -5e-3 {
         warnings.push(format!(
             "on the {name} path the flutes end {:.4} mm above the lowest line of the surface that they should cut; raise \
              below_mm by that much",
@@ -95,7 +95,8 @@ fn of_coverage(name: &str, path: &FlankPath) -> Vec<String> {
 
 fn of_envelope(path: &FlankPath) -> Option<String> {
     let (still, moving) = (&path.deviation, &path.envelope.deviation);
-    let differs = (moving.sum - still.sum).abs() > 0.05 * still.sum;
+    // Of next to nothing, a share is nothing too.
+    let differs = (moving.sum - still.sum).abs() > 0.05 * still.sum && still.mean > 1e-6;
     (differs || path.envelope.without > 0).then(|| {
         format!(
             "the moving cutter's sum of deviations is {:.4} mm, the standing one's {:.4} mm, at most {:.4} mm apart at one \

@@ -7,6 +7,7 @@ use super::flank::{FlankInput, LoadedSurface};
 use crate::flank::fit_ruled::flank_candidates;
 use crate::flank::guide::GuideCurve;
 use crate::flank::milling_machine::MillingMachine;
+use crate::flank::ruled_surface::Side;
 use crate::geometry::mesh::Mesh;
 use crate::mesh_io::{ImportOptions, Units, import_file};
 use crate::progress::{Cancel, Progress};
@@ -46,10 +47,13 @@ pub fn input(
     walls: Option<Arc<Mesh>>,
     machine: Option<MillingMachine>,
 ) -> FlankInput {
+    // The paper's surfaces are milled from the side that their figures are of.
+    let is_demonstration = matches!(document.source, FlankSource::Demonstration { .. });
+    let side = if is_demonstration && document.side == Side::Automatic { Side::Positive } else { document.side };
     FlankInput {
         name: document.name(),
         surface,
-        side: document.side,
+        side,
         cutter: document.cutter.clone(),
         params: document.plan.clone(),
         path: document.path,

@@ -11,8 +11,6 @@ use crate::geometry::nurbs::FitError;
 
 /// Corners of the mesh compared at most.
 const CORNERS: usize = 12_000;
-/// Places inside of triangles that are compared.
-const INNER: usize = 8_000;
 /// Places of the surface that are compared, along and across.
 const BACK: [usize; 2] = [120, 24];
 
@@ -67,7 +65,7 @@ pub(super) fn quick(patch: &Patch, strip: &Strip, count: usize) -> f64 {
 
 pub(super) fn measured(patch: &Patch, sides: &Sides, strip: &Strip) -> Measured {
     let corners: Vec<DVec3> = patch.corner_samples(CORNERS).into_iter().map(|c| c.0).collect();
-    let inner = patch.inner_samples(INNER);
+    let inner = patch.inner_samples(usize::MAX);
     let of_corners = distances(strip, &corners);
     let of_inner = distances(strip, &inner);
     let both = || corners.iter().zip(&of_corners).chain(inner.iter().zip(&of_inner));

@@ -10,6 +10,9 @@ use crate::geometry::mesh::{Mesh, normal_times_two_areas};
 /// No triangle.
 const NONE: u32 = u32::MAX;
 
+/// Places inside of triangles that are known.
+const INNER: usize = 8_000;
+
 /// The triangles of a face that hang together, all turned the same way.
 #[derive(Debug, Clone)]
 pub(super) struct Patch {
@@ -33,6 +36,8 @@ pub(super) struct Patch {
     pub is_border: Vec<bool>,
     /// Greatest distance between the triangles and a smooth surface through their corners (mm), estimated.
     pub chord: f64,
+    /// Places inside of triangles, evenly over the area (mm).
+    inner: Vec<DVec3>,
     /// Triangles that faced the other way than most of the others.
     pub turned: usize,
     /// Share of the area in pieces that do not hang together with the largest and are left out.
@@ -58,6 +63,7 @@ impl Patch {
             loops: Vec::new(),
             is_border: Vec::new(),
             chord: 0.0,
+            inner: Vec::new(),
             turned,
             lost,
         };
@@ -69,6 +75,7 @@ impl Patch {
         patch.is_border = vec![false; patch.points.len()];
         patch.loops.iter().flatten().for_each(|&v| patch.is_border[v as usize] = true);
         patch.chord = patch.chord_error();
+        patch.inner = patch.places(INNER);
         Ok(patch)
     }
 
@@ -144,13 +151,22 @@ impl Patch {
     /// At most `count` points of the corners, evenly over their number, with their shares of the area.
     pub(super) fn corner_samples(&self, count: usize) -> Vec<(DVec3, f64)> {
         let n = self.points.len();
-        let used: Vec<usize> = (0..n).filter(|&i| self.shares[i] > 0.0).collect();
-        let step = used.len().div_ceil(count.max(1)).max(1);
-        used.iter().step_by(step).map(|&i| (self.points[i], self.shares[i] / self.area * step as f64)).collect()
+        let count = count.clamp(1, n);
+        let step = n as f64 / count as f64;
+        // Uneven steps, or all samples of a grid of points could lie in one row of it.
+        let number = |k: usize| ((k as f64 + (0.618 * k as f64).fract()) * step) as usize;
+        let kept = (0..count).map(|k| if count == n { k } else { number(k).min(n - 1) });
+        let at = |i: usize| (self.points[i], self.shares[i] / self.area * step);
+        kept.filter(|&i| self.shares[i] > 0.0).map(at).collect()
     }
 
-    /// `count` points evenly over the area, inside of triangles.
+    /// At most `count` places inside of triangles, evenly over the area.
     pub(super) fn inner_samples(&self, count: usize) -> Vec<DVec3> {
+        self.inner.iter().step_by(self.inner.len().div_ceil(count.max(1)).max(1)).copied().collect()
+    }
+
+    /// `count` places inside of triangles, evenly over the area.
+    fn places(&self, count: usize) -> Vec<DVec3> {
         let mut found = Vec::with_capacity(count);
         let step = self.area / count as f64;
         let (mut sum, mut next) = (0.0, 0.5 * step);

@@ -73,7 +73,8 @@ fn is_ring(patch: &Patch, loops: [&Vec<u32>; 2]) -> bool {
         && short > 0.05 * long
 }
 
-/// A ring, cut open at a ruling: where a border turns most, or where its farthest point is.
+/// A ring, cut open at a ruling: where the longest side of its lower border starts, which is at a corner of a wall all
+/// around or where a rounding goes over into a plane.
 fn ring(patch: &Patch, [first, second]: [&Vec<u32>; 2], up: DVec3) -> Vec<Sides> {
     let height = |around: &Vec<u32>| {
         let sum: f64 = around.iter().map(|&v| patch.points[v as usize].dot(up)).sum();
@@ -81,8 +82,8 @@ fn ring(patch: &Patch, [first, second]: [&Vec<u32>; 2], up: DVec3) -> Vec<Sides>
     };
     let (low, high) = if height(first) <= height(second) { (first, second) } else { (second, first) };
     let border = Border::of(patch, low);
-    let sharpest = border.corners().into_iter().max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
-    let start = sharpest.map_or(0, |c| c.0);
+    let longest = |i: usize, k: usize| if border.side(k) > border.side(i) * (1.0 + 1e-6) { k } else { i };
+    let start = (0..border.points.len()).fold(0, longest);
     let opposite = Border::of(patch, high);
     let (p, n) = (border.points[start], border.normals[start]);
     let nearest = opposite.points.iter().map(|q| q.distance(p)).fold(f64::INFINITY, f64::min);
@@ -119,6 +120,11 @@ impl Border {
         Self { points, normals, lengths }
     }
 
+    /// Length from point `i` to the next (mm).
+    fn side(&self, i: usize) -> f64 {
+        self.lengths[i + 1] - self.lengths[i]
+    }
+
     fn total(&self) -> f64 {
         self.lengths[self.points.len()]
     }
@@ -143,7 +149,7 @@ impl Border {
             before.cross(after).dot(self.normals[i]).atan2(before.dot(after))
         };
         let angle = |i: usize| {
-            let sides = [(i + n - 1) % n, i].map(|k| self.lengths[k + 1] - self.lengths[k]);
+            let sides = [(i + n - 1) % n, i].map(|k| self.side(k));
             let small = (0.5 * sides[0].min(sides[1])).max(0.002 * self.total());
             // A notch of a ragged border turns back within a stretch, a corner does not.
             turn(i, reach).max(turn(i, small)).min(turn(i, 3.0 * reach))

@@ -11,7 +11,7 @@ use crate::progress::Cancel;
 /// Points of each guide's border that a fit looks at, for one of the face.
 const SIDE_POINTS: f64 = 0.1;
 /// What points inside of triangles, which lie off by the chord error, weigh beside the corners.
-const INNER_WEIGHT: f64 = 0.02;
+const INNER_WEIGHT: f64 = 0.01;
 /// What the borders weigh beside the face.
 const SIDE_WEIGHT: f64 = 0.1;
 /// What the four corners weigh beside the face, along the guides.
@@ -33,6 +33,8 @@ pub(super) struct Samples {
     pub ends: Option<[[DVec3; 2]; 2]>,
     /// Diagonal of the box around the face (mm).
     size: f64,
+    /// Whether the strip ends where it starts.
+    is_ring: bool,
     /// Tells fits to stop.
     pub cancel: Cancel,
 }
@@ -49,16 +51,15 @@ struct Feet {
 }
 
 impl Samples {
-    /// At most `count` corners of the face; places inside of its triangles too where it has few.
+    /// At most `count` corners of the face, and a third as many places inside of its triangles: the surface must not
+    /// swing between corners.
     pub(super) fn of(patch: &Patch, laid: &Sides, count: usize, cancel: &Cancel) -> Self {
         let mut face = patch.corner_samples(count);
         let total: f64 = face.iter().map(|f| f.1).sum();
         face.iter_mut().for_each(|f| f.1 /= total.max(1e-300));
-        if face.len() < count / 4 {
-            let inner = patch.inner_samples(count / 4);
-            let weight = INNER_WEIGHT / inner.len().max(1) as f64;
-            face.extend(inner.into_iter().map(|p| (p, weight)));
-        }
+        let inner = patch.inner_samples(count / 3);
+        let weight = INNER_WEIGHT / inner.len().max(1) as f64;
+        face.extend(inner.into_iter().map(|p| (p, weight)));
         let sides = [0, 1].map(|s| {
             let guide = &laid.guides[s];
             let step = guide.len().div_ceil((SIDE_POINTS * count as f64) as usize + 8).max(1);
@@ -78,14 +79,15 @@ impl Samples {
             [[a, .., b], [c, .., d]] => Some([[a.0, b.0], [c.0, d.0]]),
             _ => None,
         };
-        Self { face, sides, ends, size: patch.size, cancel: cancel.clone() }
+        Self { face, sides, ends, size: patch.size, is_ring: laid.is_ring, cancel: cancel.clone() }
     }
 
     fn feet(&self, strip: &Strip, before: Option<&Feet>) -> Feet {
         let rulings = strip.rulings();
-        let place = |(i, (p, _)): (usize, &(DVec3, f64))| match before {
-            Some(feet) => strip.foot_near(feet.face[i], *p),
-            None => strip.foot(&rulings, *p),
+        let place = |(i, (p, _)): (usize, &(DVec3, f64))| {
+            let foot = before.map_or_else(|| strip.foot(&rulings, *p), |feet| strip.foot_near(feet.face[i], *p));
+            // Beyond the seam of a ring lies its other end.
+            Foot { u: if self.is_ring { foot.u.clamp(0.0, 1.0) } else { foot.u }, ..foot }
         };
         let face: Vec<Foot> = self.face.iter().enumerate().map(place).collect();
         let sides = [0, 1].map(|s| {

@@ -172,7 +172,7 @@ fn objectives_do_what_they_say() {
     let (grid, start) = covered_start(&surface, &cutter, &figures, [40, 20]);
     let of = |objective| {
         let (progress, cancel) = (Progress::silent(), Cancel::default());
-        refine(&grid, &start, &cutter, (objective, 80), (&progress, &cancel)).unwrap().deviation
+        refine(&grid, &start, &cutter, (objective, 80, 0.5), (&progress, &cancel)).unwrap().deviation
     };
     let (sum, rms) = (of(Objective::Sum), of(Objective::Rms));
     assert!(sum.sum < rms.sum && rms.rms < sum.rms, "{} {} {} {}", sum.sum, rms.sum, rms.rms, sum.rms);

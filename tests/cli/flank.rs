@@ -1,0 +1,136 @@
+//! Flanks from the command line.
+
+use std::path::Path;
+
+use glam::DVec3;
+use sparkpath::geometry::mesh::Mesh;
+use sparkpath::mesh_io::write_stl;
+
+use super::{sparkpath, text};
+
+/// Coarse and unrefined is quick.
+const QUICK: [&str; 6] = ["--grid", "30x12", "--path", "chosen", "--objective", "rms"];
+
+fn run(arguments: &[&str]) -> (Option<i32>, String, String) {
+    let output = sparkpath(&[&["flank"], arguments, &QUICK[..]].concat());
+    let said = text(&output.stderr);
+    let last = said.lines().last().unwrap_or_default().to_owned();
+    (output.status.code(), text(&output.stdout), last)
+}
+
+fn file(folder: &Path, name: &str, content: &str) -> String {
+    let file = folder.join(name);
+    std::fs::write(&file, content).unwrap();
+    file.to_str().unwrap().to_owned()
+}
+
+#[test]
+fn a_demonstration_is_planned_written_and_the_same_again_from_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let [out, again, save] = ["out", "again", "a.sparkflank"].map(|name| folder.path().join(name));
+    let [out_name, again_name, save_name] = [&out, &again, &save].map(|p| p.to_str().unwrap());
+    let (code, said, _) = run(&["--demo", "a", "--out", out_name, "--save", save_name]);
+    assert_eq!(code, Some(0), "{said}");
+    for words in
+        ["The chosen path leaves a sum", "30 x 12 places", "Every check holds", "check machine: holds", "planned"]
+    {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    let json: serde_json::Value = serde_json::from_slice(&std::fs::read(out.join("flank.json")).unwrap()).unwrap();
+    assert_eq!((&json["holds"], &json["grid"]), (&true.into(), &serde_json::json!([30, 12])));
+    assert!(json["paths"][1]["ratio"].as_f64().unwrap() < 0.65);
+    // From the saved file, on one thread and as JSON.
+    let output = sparkpath(&["--threads", "1", "--json", "flank", save_name, "--out", again_name]);
+    assert_eq!(output.status.code(), Some(0));
+    for name in ["flank.json", "flank.cl", "flank.ngc", "path.csv", "report.html"] {
+        assert!(std::fs::read(out.join(name)).unwrap() == std::fs::read(again.join(name)).unwrap(), "{name}");
+    }
+    assert_eq!(output.stdout, [std::fs::read(again.join("flank.json")).unwrap(), b"\n".to_vec()].concat());
+}
+
+#[test]
+fn guide_curves_come_from_tables_and_a_cutter_that_is_too_short_blocks_what_would_be_milled() {
+    let folder = tempfile::tempdir().unwrap();
+    let lower = file(folder.path(), "lower.csv", "x,y,z\n0,0,0\n10,2,0\n20,2,0\n30,0,0\n");
+    let upper = file(folder.path(), "upper.csv", "# mm\n0;1;10\n10;3.5;10\n20;3;10\n30;0;10\n");
+    let out = folder.path().join("out");
+    let guides = ["--lower", &lower, "--upper", &upper, "--out", out.to_str().unwrap(), "--radius", "1.5"];
+    let (code, said, last) = run(&[&guides[..], &["--taper-deg", "0", "--holder", "20:1.5,10:8:12"]].concat());
+    assert_eq!(code, Some(0), "{said} {last}");
+    assert!(out.join("flank.ngc").exists() && said.contains("nothing was checked for gouges"));
+    std::fs::remove_file(out.join("flank.ngc")).unwrap();
+    let (code, said, _) = run(&[&guides[..], &["--length", "6"]].concat());
+    assert_eq!(code, Some(3), "{said}");
+    assert!(said.contains("check cutter: FAILS: the flutes are 6.000 mm long and must be"), "{said}");
+    assert!(said.contains("an older file is still there") && !out.join("flank.ngc").exists());
+    // A short cutter may be meant so.
+    let overrides = ["--length", "6", "--override", "cutter", "--override", "coverage"];
+    let (code, said, _) = run(&[&guides[..], &overrides].concat());
+    assert_eq!((code, out.join("flank.ngc").exists()), (Some(3), true), "{said}");
+}
+
+#[test]
+fn the_flanks_of_a_mesh_are_listed_and_one_is_milled() {
+    // A wedge: four side walls, two of them leaning.
+    let ring = |x: f64, y: f64, z: f64| [[-x, -y], [x, -y], [x, y], [-x, y]].map(|[x, y]| DVec3::new(x, y, z));
+    let mut triangles = vec![[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7]];
+    for i in 0..4 {
+        let (a, b) = (i, (i + 1) % 4);
+        triangles.extend([[a, b, b + 4], [a, b + 4, a + 4]]);
+    }
+    let mesh = Mesh { vertices: [ring(10.0, 6.0, 0.0), ring(10.0, 4.0, 12.0)].concat(), triangles };
+    assert!(mesh.is_watertight() && mesh.volume() > 0.0);
+    let folder = tempfile::tempdir().unwrap();
+    let part = folder.path().join("wedge.stl");
+    write_stl(&part, &mesh).unwrap();
+    let part = part.to_str().unwrap();
+    let output = sparkpath(&["--json", "flank", "--mesh", part, "--units", "mm", "--list"]);
+    assert_eq!(output.status.code(), Some(0));
+    let list: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let leaning = 20.0 * 12f64.hypot(2.0);
+    let is_leaning = |c: &&serde_json::Value| (c["area_mm2"].as_f64().unwrap() - leaning).abs() < 1e-6;
+    let found: Vec<&serde_json::Value> = list.as_array().unwrap().iter().filter(is_leaning).collect();
+    assert!(found.len() == 2 && found.iter().all(|c| c["kind"] == "plane" && c["is_ruled"] == true), "{list}");
+    let number = found[0]["flank"].to_string();
+    let taken = ["--mesh", part, "--units", "mm", "--flank", number.as_str()];
+    let (code, said, _) = run(&[&taken[..], &["--taper-deg", "0", "--machine", "fork-cb"]].concat());
+    // A plane is touched all along: nothing is off but rounding.
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("check ruled: holds") && said.contains("sum 0.000 mm"), "{said}");
+    let (code, _, last) = run(&["--mesh", part, "--flank", "99"]);
+    assert!(code == Some(2) && last.contains("no flank 99"), "{last}");
+}
+
+#[test]
+fn every_mistake_is_one_line_and_is_found_before_anything_is_computed() {
+    let folder = tempfile::tempdir().unwrap();
+    let lower = file(folder.path(), "lower.csv", "0,0,0\n10,0,0\n");
+    let crossing = file(folder.path(), "crossing.csv", "5,-5,0\n5,5,0\n");
+    let letters = file(folder.path(), "letters.csv", "0,0,1\n1,2,a\n");
+    let part = file(folder.path(), "part.stl", "solid\nendsolid\n");
+    let wrong = file(folder.path(), "wrong.sparkflank", "[cutter]\nradius = 1\n");
+    for (arguments, words) in [
+        (&["--lower", &lower, "--upper", &crossing][..], "cross or touch"),
+        (&["--lower", &lower, "--upper", &letters], "line 2"),
+        (&["--lower", &lower, "--upper", "nowhere.csv"], "cannot be read"),
+        (&["--lower", &lower], "--upper"),
+        (&[], "no surface was given"),
+        (&[part.as_str()], "give a mesh with --mesh"),
+        (&[wrong.as_str()], "unknown field `radius`"),
+        (&["--demo", "c"], "--demo"),
+        (&["--demo", "a", "--machine", "lathe"], "trunnion-ac, fork-cb, swivel-bc"),
+        (&["--demo", "a", "--radius", "-1"], "radius_mm is -1"),
+        (&["--demo", "a", "--taper-deg", "80"], "taper_deg is 80"),
+        (&["--demo", "a", "--holder", "20"], "expected length:radius"),
+        (&["--demo", "a", "--points", "3"], "control_points is 3"),
+        (&["--demo", "a", "--tolerance", "0"], "linearisation_mm is 0"),
+        (&["--demo", "a", "--feed", "nan"], "feed_mm_per_min is NaN"),
+        (&["--demo", "a", "--max-overcut", "0"], "are for --objective bounded"),
+        (&["--demo", "a", "--flank", "1"], "give one with --mesh"),
+        (&["--demo", "a", "--walls", "nowhere.stl"], "nowhere.stl"),
+        (&["--demo", "a", "--out", &lower], "lower.csv"),
+    ] {
+        let (code, said, last) = run(arguments);
+        assert!(code == Some(2) && said.is_empty() && last.contains(words), "{arguments:?}: {code:?} {last}");
+    }
+}

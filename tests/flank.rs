@@ -1,0 +1,276 @@
+//! Flanks from their files to the files of the path, through the library.
+
+use std::sync::{Arc, OnceLock};
+
+use glam::DVec3;
+use serde_json::Value;
+use sparkpath::flank::guide::GuideCurve;
+use sparkpath::flank::milling_machine::MillingMachine;
+use sparkpath::flank::params::FlankParams;
+use sparkpath::flank::ruled_surface::{RuledSurface, Side};
+use sparkpath::geometry::mesh::Mesh;
+use sparkpath::jobs::flank::{CheckKind, FlankInput, FlankResult, flank};
+use sparkpath::jobs::flank_export::{CL_FILE, CSV_FILE, WrittenFlank, export};
+use sparkpath::jobs::flank_files::load;
+use sparkpath::jobs::flank_report::report;
+use sparkpath::mesh_io::{Units, write_stl};
+use sparkpath::progress::{Cancel, Progress};
+use sparkpath::project::flank_params::{DemonstrationSurface, FlankDocument, FlankSource, MeshFlank, PathChoice};
+use tempfile::TempDir;
+
+fn demonstration(surface: DemonstrationSurface) -> FlankDocument {
+    FlankDocument { source: FlankSource::Demonstration { surface }, ..FlankDocument::default() }
+}
+
+/// Coarse and without refinement: for what does not hang on the figures.
+fn quick() -> FlankDocument {
+    let plan = FlankParams { grid: [30, 12], rounds: 0, ..FlankParams::default() };
+    FlankDocument { plan, path: PathChoice::Chosen, ..FlankDocument::default() }
+}
+
+fn loaded(document: &FlankDocument) -> FlankInput {
+    load(document, None, &Progress::silent(), &Cancel::default()).unwrap()
+}
+
+fn run(input: &FlankInput) -> FlankResult {
+    flank(input, &Progress::silent(), &Cancel::default()).unwrap()
+}
+
+/// Both of the paper's surfaces with every default.
+fn planned() -> &'static [(FlankDocument, FlankResult); 2] {
+    static PLANNED: OnceLock<[(FlankDocument, FlankResult); 2]> = OnceLock::new();
+    PLANNED.get_or_init(|| {
+        [DemonstrationSurface::A, DemonstrationSurface::B].map(|surface| {
+            let document = demonstration(surface);
+            let result = run(&loaded(&document));
+            (document, result)
+        })
+    })
+}
+
+fn exported(document: &FlankDocument, result: &FlankResult) -> (TempDir, WrittenFlank) {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let written = export(&out, result, document, &Progress::silent(), &Cancel::default()).unwrap();
+    (folder, written)
+}
+
+fn read(folder: &TempDir, file: &str) -> String {
+    std::fs::read_to_string(folder.path().join("out").join(file)).unwrap()
+}
+
+fn check(result: &FlankResult, kind: CheckKind) -> &sparkpath::jobs::flank::FlankCheck {
+    result.checks.iter().find(|c| c.kind == kind).unwrap()
+}
+
+#[test]
+fn the_papers_surfaces_reach_the_figures_of_the_reference_and_the_report_says_them() {
+    let reference: Value = serde_json::from_str(include_str!("data/flank/reference.json")).unwrap();
+    for ((document, result), (name, paper)) in planned().iter().zip([("A", 0.541), ("B", 0.526)]) {
+        let covered = &reference["cases"][format!("cone_r1_a5_{name}")]["covered"];
+        let figure = |way: &[&str]| way.iter().fold(covered, |v, key| &v[key]).as_f64().unwrap();
+        let (start, best) = (figure(&["init", "sum"]), figure(&["tsvd", "best"]));
+        let plan = &result.plan;
+        assert!((plan.initial.deviation.sum / start - 1.0).abs() < 1e-3, "{name}: {}", plan.initial.deviation.sum);
+        assert!(plan.chosen.deviation.sum < best * 1.001, "{name}: {} for {best}", plan.chosen.deviation.sum);
+        assert!(plan.refined.deviation.sum < plan.chosen.deviation.sum && plan.ratio(&plan.refined) < paper, "{name}");
+        assert!(result.holds(), "{name}: {:?}", result.why_blocked());
+
+        let (folder, written) = exported(document, result);
+        assert_eq!(written.files, [CSV_FILE, CL_FILE, "flank.ngc", "flank.json", "report.html"]);
+        let json: Value = serde_json::from_str(&read(&folder, "flank.json")).unwrap();
+        let said = |i: usize, key: &str| json["paths"][i]["standing"][key].as_f64().unwrap();
+        for (i, (_, path)) in plan.paths().iter().enumerate() {
+            assert_eq!(said(i, "sum_mm"), path.deviation.sum);
+            assert_eq!(said(i, "rms_mm"), path.deviation.rms);
+            assert_eq!(said(i, "most_overcut_mm"), -path.deviation.most_overcut);
+        }
+        assert_eq!(json["paper"]["comparable"].as_f64(), Some(paper));
+        assert_eq!(json["grid"], serde_json::json!([100, 50]));
+        let html = read(&folder, "report.html");
+        let ratio = format!("{:.3}", plan.ratio(&plan.refined));
+        assert!(html.contains(&format!("the refined path {ratio}")) && html.contains(&format!("leaves {paper} of")));
+        assert!(html.matches("<img").count() == 4 && html.contains("100 \u{d7} 50") && !html.contains("NaN"));
+    }
+}
+
+#[test]
+fn the_files_hold_the_path_that_was_checked() {
+    let (document, result) = &planned()[0];
+    let (folder, _) = exported(document, result);
+    let csv = read(&folder, CSV_FILE);
+    let rows: Vec<Vec<f64>> =
+        csv.lines().skip(1).map(|line| line.split(',').map(|c| c.parse().unwrap_or(f64::NAN)).collect()).collect();
+    assert_eq!(rows.len(), 50);
+    let places: f64 = rows.iter().map(|row| row[7]).sum();
+    assert_eq!(places, 5000.0, "every place of the grid belongs to one location");
+    let sum: f64 = rows.iter().filter(|row| row[7] > 0.0).map(|row| row[7] * row[8]).sum();
+    assert!((sum / result.path().deviation.sum - 1.0).abs() < 1e-3);
+    let goto = |line: &str| -> Vec<f64> { line[5..].split(',').map(|c| c.parse().unwrap()).collect() };
+    let cl = read(&folder, CL_FILE);
+    let locations: Vec<Vec<f64>> = cl.lines().filter(|l| l.starts_with("GOTO/")).map(goto).collect();
+    for row in &rows {
+        let is_there = |l: &Vec<f64>| (0..6).all(|k| (l[k] - row[k + 1]).abs() < 2e-6);
+        assert!(locations.iter().any(is_there), "{row:?}");
+    }
+    // Outside at both ends: beside the surface and lifted along the axis.
+    let [first, last] = [&locations[0], &locations[locations.len() - 1]];
+    for (outside, on) in [(first, &rows[0]), (last, &rows[49])] {
+        let away: f64 = (0..3).map(|k| (outside[k] - on[k + 1]).powi(2)).sum();
+        assert!((away.sqrt() - 3.0f64.hypot(30.0)).abs() < 1e-3, "{away}");
+    }
+    let nc = read(&folder, "flank.ngc");
+    let milled = result.milled().unwrap();
+    assert_eq!(nc.lines().filter(|l| l.contains("G01")).count(), milled.line.points.len());
+}
+
+#[test]
+fn what_fails_a_check_is_not_written_unless_it_is_overridden_by_name() {
+    let mut document = quick();
+    document.cutter.length_mm = 8.0;
+    let result = run(&loaded(&document));
+    let short = check(&result, CheckKind::Cutter);
+    assert!(!result.holds() && !short.holds && short.text.contains("flutes are 8.000 mm"), "{}", short.text);
+    // What was done instead is said.
+    assert!(result.warnings.iter().any(|w| w.contains("planned as if its flutes were long enough")));
+    let (folder, written) = exported(&document, &result);
+    assert_eq!(written.files, ["flank.json", "report.html"]);
+    assert!(written.sentence().contains("nothing to mill was written") && written.older.is_empty());
+    assert!(read(&folder, "report.html").contains("Check cutter fails."));
+
+    document.overrides = ["cutter", "coverage", "envelop"].map(str::to_owned).to_vec();
+    let result = run(&loaded(&document));
+    assert!(!result.holds() && result.why_blocked().is_none(), "{:?}", result.why_blocked());
+    assert!(result.warnings.iter().any(|w| w.contains("override of \"envelop\"")));
+    let (folder, written) = exported(&document, &result);
+    assert!(written.files.contains(&CL_FILE.to_owned()) && written.blocked.is_none());
+    assert!(read(&folder, CL_FILE).contains("WARNING: check cutter fails, overridden"));
+
+    // An older path is not passed off as that of a plan that is blocked.
+    document.overrides.clear();
+    let blocked = run(&loaded(&document));
+    let out = folder.path().join("out");
+    let written = export(&out, &blocked, &document, &Progress::silent(), &Cancel::default()).unwrap();
+    assert_eq!(written.older, [CSV_FILE, CL_FILE, "flank.ngc"].map(|f| out.join(f)));
+}
+
+#[test]
+fn a_machine_that_cannot_follow_says_where_and_why() {
+    let document = quick();
+    let mut input = loaded(&document);
+    let machine: &mut MillingMachine = input.machine.as_mut().unwrap();
+    machine.linear.x_mm = [-400.0, 0.0];
+    let result = run(&input);
+    let failed = check(&result, CheckKind::Machine);
+    assert!(!failed.holds && failed.text.contains("axis X") && failed.text.contains("outside of its limits"));
+    assert_eq!(result.why_blocked().unwrap(), format!("machine: {}", failed.text));
+    assert_eq!(report(&result, &document).machine.unwrap().trouble.as_deref(), Some(failed.text.as_str()));
+
+    input.machine = None;
+    let result = run(&input);
+    assert!(result.holds() && result.milled.is_none());
+    let (_, written) = exported(&document, &result);
+    assert_eq!(written.files, [CSV_FILE, CL_FILE, "flank.json", "report.html"]);
+}
+
+#[test]
+fn a_wall_behind_the_cutter_is_gouged_as_deep_as_it_reaches_into_it() {
+    const DEPTH: f64 = 0.3;
+    let document = quick();
+    let mut input = loaded(&document);
+    let free = run(&input);
+    let unchecked = |r: &FlankResult| r.warnings.iter().any(|w| w.contains("no neighbouring walls were given"));
+    assert!(free.gouge.is_none() && unchecked(&free));
+    // A needle into the flutes from behind, square to them.
+    let (pose, height) = (free.path().pose(0.5), 6.0);
+    let normal = free.surface.normal(0.5, 0.5);
+    let back = (normal - pose.axis * normal.dot(pose.axis)).normalize();
+    let taper = document.cutter.half_angle();
+    let outwards = back * taper.cos() - pose.axis * taper.sin();
+    let on = pose.tip + height * pose.axis + document.cutter.radius_at(height) * back;
+    let tip = on - DEPTH * outwards;
+    let across = pose.axis.cross(back) * 0.01;
+    let vertices = vec![tip, tip + 5.0 * outwards + across, tip + 5.0 * outwards - across];
+    input.walls = Some(Arc::new(Mesh { vertices, triangles: vec![[0, 1, 2]] }));
+    let result = run(&input);
+    let gouge = check(&result, CheckKind::Gouge);
+    assert!(!gouge.holds && !unchecked(&result), "{}", gouge.text);
+    let found = result.gouge.unwrap().cutter.unwrap();
+    assert!((found.distance_mm + DEPTH).abs() < 0.02 && found.point.distance(tip) < 0.02, "{found:?}");
+    assert!((found.t - 0.5).abs() < 0.02 && gouge.t == Some(found.t) && gouge.place == Some(found.point));
+}
+
+/// A solid whose front is the surface that `at` gives, fine enough for its chords not to matter.
+fn solid(at: impl Fn(f64, f64) -> DVec3, back: DVec3) -> Mesh {
+    const ALONG: usize = 80;
+    const UP: usize = 12;
+    let share = |i: usize, n: usize| i as f64 / n as f64;
+    let index = |i: usize, j: usize| (i * (UP + 1) + j) as u32;
+    let front: Vec<DVec3> = (0..=ALONG)
+        .flat_map(|i| (0..=UP).map(move |j| (i, j)))
+        .map(|(i, j)| at(share(i, ALONG), share(j, UP)))
+        .collect();
+    let behind = front.len() as u32;
+    let vertices: Vec<DVec3> = front.iter().copied().chain(front.iter().map(|p| *p + back)).collect();
+    let mut triangles = Vec::new();
+    for (i, j) in (0..ALONG).flat_map(|i| (0..UP).map(move |j| (i, j))) {
+        let [a, b, c, d] = [index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1)];
+        triangles.extend([[a, b, c], [a, c, d]]);
+        triangles.extend([[a, c, b], [a, d, c]].map(|t| t.map(|v| v + behind)));
+    }
+    let mut side = |a: u32, b: u32| triangles.extend([[b, a, a + behind], [b, a + behind, b + behind]]);
+    (0..ALONG).for_each(|i| side(index(i, 0), index(i + 1, 0)));
+    (0..ALONG).for_each(|i| side(index(i + 1, UP), index(i, UP)));
+    (0..UP).for_each(|j| side(index(ALONG, j), index(ALONG, j + 1)));
+    (0..UP).for_each(|j| side(index(0, j + 1), index(0, j)));
+    Mesh { vertices, triangles }
+}
+
+#[test]
+fn a_flank_of_a_mesh_is_milled_as_the_surface_that_it_was_made_from() {
+    let guides = DemonstrationSurface::B.guides().unwrap();
+    let surface = RuledSurface::from_guides(&guides.lower, &guides.upper, Side::Positive).unwrap();
+    let mesh = solid(|u, v| surface.point(u, v), -8.0 * surface.normal(0.5, 0.5));
+    assert!(mesh.is_watertight() && mesh.volume() > 0.0);
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("electrode.stl");
+    write_stl(&file, &mesh).unwrap();
+
+    let source = MeshFlank { file, units: Units::Mm, ..MeshFlank::default() };
+    let document = FlankDocument { source: FlankSource::Mesh(source), ..quick() };
+    let mut input = loaded(&document);
+    let sparkpath::jobs::flank::LoadedSurface::Face { candidates, number, .. } = &mut input.surface else {
+        panic!("a face of a mesh")
+    };
+    // The front and the back are equal in area: the front is the one that looks forwards.
+    let front = candidates.iter().position(|c| c.is_ruled() && c.outwards.dot(surface.normal(0.5, 0.5)) > 0.5);
+    *number = front.unwrap() + 1;
+    let result = run(&input);
+    let fit = result.fit.as_ref().unwrap();
+    assert!(fit.is_ruled && check(&result, CheckKind::Ruled).holds, "{:?}", fit.words);
+    let exact = run(&loaded(&FlankDocument { source: demonstration(DemonstrationSurface::B).source, ..quick() }));
+    let (found, wanted) = (result.plan.chosen.deviation.rms, exact.plan.chosen.deviation.rms);
+    assert!((found / wanted - 1.0).abs() < 0.2, "{found} for {wanted}");
+    // The rest of the solid is a wall that counts.
+    assert!(result.gouge.is_some() && result.plan.initial.coverage.is_whole);
+    // One that there is not.
+    let sparkpath::jobs::flank::LoadedSurface::Face { number, .. } = &mut input.surface else { return };
+    *number = 1000;
+    let said = flank(&input, &Progress::silent(), &Cancel::default()).unwrap_err().to_string();
+    assert!(said.contains("no flank 1000"), "{said}");
+}
+
+#[test]
+fn a_flank_that_cannot_be_is_answered_in_words_and_work_that_is_not_wanted_stops() {
+    let mut input = loaded(&quick());
+    let cancel = Cancel::default();
+    cancel.cancel();
+    assert!(flank(&input, &Progress::silent(), &cancel).unwrap_err().is_cancelled());
+    let line = |from: [f64; 3], to: [f64; 3]| GuideCurve::Bezier { points: vec![from.into(), to.into()] };
+    input.surface = sparkpath::jobs::flank::LoadedSurface::Guides {
+        lower: line([0.0, 0.0, 0.0], [10.0, 0.0, 0.0]),
+        upper: line([5.0, -5.0, 0.0], [5.0, 5.0, 0.0]),
+    };
+    let said = flank(&input, &Progress::silent(), &Cancel::default()).unwrap_err().to_string();
+    assert!(said.contains("cross or touch"), "{said}");
+}
