@@ -263,8 +263,9 @@ impl Command {
 
     /// Whether its keys are those that text fields and sliders need for themselves.
     fn yields_to_focus(self) -> bool {
-        self.shortcut()
-            .is_some_and(|s| s.modifiers == Modifiers::NONE && !matches!(s.logical_key, Key::F5 | Key::F6 | Key::F7 | Key::F8))
+        self.shortcut().is_some_and(|s| {
+            s.modifiers == Modifiers::NONE && !matches!(s.logical_key, Key::F5 | Key::F6 | Key::F7 | Key::F8)
+        })
     }
 
     /// Its name with its keys, for a tooltip.

@@ -196,7 +196,10 @@ impl FileDialogs {
             let path = match &purpose {
                 Purpose::Open => dialog
                     .set_title(purpose.title())
-                    .add_filter("Projects and meshes", &[&MESHES[..], &["sparkpath", "sparkmold", "sparkflank"]].concat())
+                    .add_filter(
+                        "Projects and meshes",
+                        &[&MESHES[..], &["sparkpath", "sparkmold", "sparkflank"]].concat(),
+                    )
                     .add_filter("All files", &["*"])
                     .pick_file(),
                 Purpose::MovedMesh(_) | Purpose::ElectrodeMesh => dialog
@@ -236,7 +239,11 @@ impl FileDialogs {
                 }
                 Purpose::Flank(what) => {
                     let (name, endings) = what.filter();
-                    dialog.set_title(what.title()).add_filter(name, &endings).add_filter("All files", &["*"]).pick_file()
+                    dialog
+                        .set_title(what.title())
+                        .add_filter(name, &endings)
+                        .add_filter("All files", &["*"])
+                        .pick_file()
                 }
                 Purpose::SaveFlank => dialog
                     .set_title(purpose.title())

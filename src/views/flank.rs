@@ -38,6 +38,9 @@ const BARE: [usize; 2] = [65, 5];
 /// Distance of the surfaces side by side, in parts of their own size that way.
 const APART: f64 = 1.35;
 
+/// The least end of the colours' scale (mm): smaller deviations are noise.
+const LEAST_LIMIT: f64 = 1e-4;
+
 const FIRST_SURFACE: u32 = 0;
 const FIRST_AXIS: u32 = 8;
 const FIRST_CUTTER: u32 = 16;
@@ -196,9 +199,13 @@ impl FlankShapes {
 
     /// The end of the colours' scale (mm), the same for all paths: the greatest deviation, rounded up.
     pub fn limit(&self) -> f64 {
-        let greatest = if self.greatest > 0.0 && self.greatest.is_finite() { self.greatest } else { 1e-3 };
+        let greatest = if self.greatest.is_finite() { self.greatest.max(LEAST_LIMIT) } else { LEAST_LIMIT };
         let decade = 10f64.powf(greatest.log10().floor());
-        [1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0].map(|s| s * decade).into_iter().find(|s| *s >= greatest).unwrap_or(greatest)
+        [1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0]
+            .map(|s| s * decade)
+            .into_iter()
+            .find(|s| *s >= 0.999_999 * greatest)
+            .unwrap_or(greatest)
     }
 
     /// What the colours mean.

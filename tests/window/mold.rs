@@ -320,7 +320,11 @@ fn a_mold_is_saved_and_dropped_on_either_workspace() {
     let app = desk.window.state_mut();
     app.open(&home.path("mine.sparkmold"));
     desk.until_loaded();
-    assert!(desk.app().core().workspace == sparkpath::app::Workspace::Mold && desk.mold().params == saved && desk.mold().name() == "mine");
+    assert!(
+        desk.app().core().workspace == sparkpath::app::Workspace::Mold
+            && desk.mold().params == saved
+            && desk.mold().name() == "mine"
+    );
     assert!(!desk.mold().is_unsaved());
     // While molds are shown a mesh is one, whatever blisk there is.
     let other = home.path("other.stl");

@@ -117,7 +117,7 @@ impl FlankDesk {
             shows_cutter: true,
             shows_axis: false,
             shows_rulings: true,
-            t: 0.0,
+            t: 0.5,
             is_playing: false,
             tab: Tab::Ranks,
             rank: None,

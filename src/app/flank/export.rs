@@ -6,11 +6,14 @@ use super::super::core::Core;
 use super::super::dialogs::{Answer, from_right};
 use super::super::theme::{palette, tick};
 use super::results;
+use crate::export::flank_nc::milling_post;
 
 /// Draws it.
 pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Answer> {
     let mut answer = None;
     let planned = core.flank.work.to_export(&core.flank.params);
+    let post = milling_post(&core.flank.params.milling.post);
+    let ending = post.map_or_else(|_| "nc".to_owned(), |post| post.extension);
     let has_machine = planned.as_ref().is_ok_and(|result| result.milled().is_some());
     egui::Grid::new("flank files").num_columns(2).min_col_width(150.0).spacing([12.0, 6.0]).show(ui, |ui| {
         let choice = &mut core.flank.choice;
@@ -18,7 +21,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Answer> {
         tick(ui, &mut choice.cl, RichText::new("flank.cl").monospace());
         says(ui, "cutter locations, APT");
         ui.end_row();
-        ui.add_enabled_ui(has_machine, |ui| tick(ui, &mut choice.nc, RichText::new("flank.nc").monospace()));
+        ui.add_enabled_ui(has_machine, |ui| tick(ui, &mut choice.nc, RichText::new(format!("flank.{ending}")).monospace()));
         says(ui, if has_machine { "program for the machine" } else { "no machine has a path" });
         ui.end_row();
         tick(ui, &mut choice.csv, RichText::new("path.csv").monospace());

@@ -9,6 +9,7 @@ use super::super::forms::file_name;
 use super::super::panel_parts::{named, section};
 use super::super::stepper::{command_button, notice, sentence};
 use super::super::theme::{palette, tick};
+use super::desk::Standing;
 use super::fields::{self, Number};
 use super::{results, source};
 use crate::flank::cutter::{FlankCutter, HolderPart};
@@ -17,6 +18,8 @@ use crate::flank::ruled_surface::Side;
 use crate::jobs::pipeline::StageState;
 use crate::project::flank_params::{FlankDocument, PathChoice};
 
+/// Height of the line that says how the plan stands (points).
+const ROW: f32 = 22.0;
 /// Bound that a path begins with when it is to be bounded (mm).
 const FIRST_BOUND: f64 = 0.01;
 
@@ -52,20 +55,34 @@ fn plan(ui: &mut Ui, core: &mut Core) {
         command_button(ui, core, Command::Export, "Export\u{2026}", false);
         tick(ui, &mut core.flank.follows, "again after a change").on_hover_text("Once something was planned");
     });
+    // Always as high: the fields below must not move away from the hand that drags them.
+    ui.allocate_ui(vec2(ui.available_width(), ROW), |ui| {
+        ui.set_min_height(ROW);
+        ui.horizontal(|ui| standing(ui, core));
+    });
+}
+
+/// What is being done, what is wrong, or what is known, in one line.
+fn standing(ui: &mut Ui, core: &mut Core) {
+    let colours = palette(ui);
     if let Some(doing) = core.flank.work.doing().cloned() {
-        ui.horizontal(|ui| {
-            let bar = ui.add(ProgressBar::new(doing.fraction as f32).desired_width(110.0).desired_height(8.0));
-            let percent = format!("{} {:.0} %", doing.stage, 100.0 * doing.fraction);
-            bar.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &percent));
-            if ui.small_button("Cancel").on_hover_text(Command::Cancel.hint(ui.ctx())).clicked() {
-                core.push(Command::Cancel);
-            }
-            ui.add(egui::Label::new(RichText::new(&doing.stage).color(palette(ui).faint)).truncate());
-        });
+        let bar = ui.add(ProgressBar::new(doing.fraction as f32).desired_width(110.0).desired_height(8.0));
+        let percent = format!("{} {:.0} %", doing.stage, 100.0 * doing.fraction);
+        bar.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &percent));
+        if ui.small_button("Cancel").on_hover_text(Command::Cancel.hint(ui.ctx())).clicked() {
+            core.push(Command::Cancel);
+        }
+        ui.add(egui::Label::new(RichText::new(&doing.stage).color(palette(ui).faint)).truncate());
+        return;
     }
-    if let Some(why) = core.flank.why_not() {
-        notice(ui, palette(ui).bad, &sentence(&why));
-    }
+    let (colour, text) = match (core.flank.why_not(), core.flank.standing()) {
+        (Some(why), _) => (colours.bad, sentence(&why)),
+        (None, Standing::Planned) => (colours.faint, "Planned".to_owned()),
+        (None, Standing::Sketch) => (colours.accent, "Quick look on a coarse grid, not yet planned".to_owned()),
+        (None, Standing::Stale) => (colours.warning, "What is shown is of other parameters".to_owned()),
+        (None, Standing::Nothing) => (colours.faint, "Not yet planned".to_owned()),
+    };
+    ui.add(egui::Label::new(RichText::new(&text).small().color(colour)).truncate()).on_hover_text(text);
 }
 
 /// Words of which one is chosen, in a row.
@@ -158,7 +175,12 @@ fn path(ui: &mut Ui, params: &mut FlankDocument, wrong: &mut Option<String>) {
         (OffsetMethod::ThreePoint, "three-point", "It touches both guides and the middle of the surface"),
     ];
     choice(ui, "Offset", &mut plan.offset, &all);
-    fields::count(ui, &mut plan.locations, Number::count("Locations", "Places of the cutter that the first path goes through"), wrong);
+    fields::count(
+        ui,
+        &mut plan.locations,
+        Number::count("Locations", "Places of the cutter that the first path goes through"),
+        wrong,
+    );
     let hint = "Control points of each of the two curves of the axis surface";
     fields::count(ui, &mut plan.control_points, Number::count("Points", hint), wrong);
     grid(ui, &mut plan.grid, wrong);
@@ -228,12 +250,7 @@ fn bound(ui: &mut Ui, name: &str, bound: &mut Option<f64>, hint: &str, wrong: &m
 }
 
 /// What must not be cut, and how closely that is looked at.
-fn walls(
-    ui: &mut Ui,
-    core: &Core,
-    params: &mut FlankDocument,
-    wrong: &mut Option<String>,
-) -> Option<Purpose> {
+fn walls(ui: &mut Ui, core: &Core, params: &mut FlankDocument, wrong: &mut Option<String>) -> Option<Purpose> {
     let mut asked = None;
     named(ui, "Mesh", |ui, _| {
         let name = params.walls.as_ref().map(|walls| file_name(&walls.file.to_string_lossy()));
@@ -284,7 +301,8 @@ fn machine(ui: &mut Ui, core: &Core, params: &mut FlankDocument, wrong: &mut Opt
     fields::number(ui, &mut milling.program.lead_mm_per_min, lead, wrong);
     let spindle = Number { name: "Spindle", unit: "1/min", hint: "Speed of the spindle", speed: 50.0, decimals: 0 };
     fields::number(ui, &mut milling.program.spindle_rpm, spindle, wrong);
-    let aside = Number::mm("Aside", "How far the cutter comes from the side, off the surface, at both ends of the path");
+    let aside =
+        Number::mm("Aside", "How far the cutter comes from the side, off the surface, at both ends of the path");
     fields::number(ui, &mut milling.aside_mm, aside, wrong);
     let retract = Number::mm("Retract", "How far it is then lifted along its axis");
     fields::number(ui, &mut milling.retract_mm, Number { speed: 0.2, ..retract }, wrong);

@@ -34,7 +34,7 @@ impl Tab {
     fn note(self) -> &'static str {
         [
             "sum of absolute deviations (mm) over the rank of the compensation",
-            "mm; positive where stock is left",
+            "left: least, greatest and mean (mm) along the guides; right: along the line of contact, up the ruling",
             "over the cut; spindle nose in machine coordinates",
         ][self as usize]
     }
@@ -99,7 +99,8 @@ fn decades(input: GridInput) -> Vec<GridMark> {
         return Vec::new();
     }
     let parts: &[f64] = if high - low > 2.2 { &[1.0] } else { &[1.0, 2.0, 5.0] };
-    let all = (low.floor() as i32..=high.ceil() as i32).flat_map(|n| parts.iter().map(move |p| f64::from(n) + p.log10()));
+    let all =
+        (low.floor() as i32..=high.ceil() as i32).flat_map(|n| parts.iter().map(move |p| f64::from(n) + p.log10()));
     all.filter(|v| (low..=high).contains(v)).map(|value| GridMark { value, step_size: 1.0 }).collect()
 }
 
@@ -181,14 +182,16 @@ fn deviation(ui: &mut Ui, core: &mut Core, planned: &Planned) {
     let mean_u = (!u.is_empty()).then(|| u.iter().sum::<f64>() / u.len() as f64);
     ui.horizontal(|ui| {
         legend(ui, colours.into_iter().zip(names));
-        let faint = palette(ui).faint;
-        ui.label(RichText::new("left: least, greatest and mean over the ruling, along u; right: along the line of contact, over v").small().color(faint));
     });
     let (accent, shown) = (palette(ui).accent, core.flank.path as usize);
-    let mut clicked = None;
+    let (mut clicked, height) = (None, ui.available_height());
     ui.columns(2, |columns| {
         let [left, right] = columns else { return };
-        let plot = still(left, "along the guides").include_x(0.0).include_x(1.0);
+        let plot = still(left, "along the guides")
+            .x_grid_spacer(|input| round_steps(input, 3.0))
+            .height(height)
+            .include_x(0.0)
+            .include_x(1.0);
         let response = plot.show(left, |plot| {
             for (i, profile) in planned.profiles.iter().enumerate() {
                 let width = if i == shown { 1.8 } else { 1.0 };
@@ -204,7 +207,11 @@ fn deviation(ui: &mut Ui, core: &mut Core, planned: &Planned) {
         response.response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Plot along the guides"));
         let pressed = response.response.clicked() || response.response.is_pointer_button_down_on();
         clicked = response.inner.filter(|_| pressed).map(|point| point.x);
-        let plot = still(right, "along the ruling").include_x(0.0).include_x(1.0);
+        let plot = still(right, "along the ruling")
+            .x_grid_spacer(|input| round_steps(input, 3.0))
+            .height(height)
+            .include_x(0.0)
+            .include_x(1.0);
         let response = plot.show(right, |plot| {
             plot.hline(HLine::new("", 0.0).color(accent.gamma_multiply(0.5)).width(1.0).allow_hover(false));
             for (i, line) in lines.iter().enumerate() {
@@ -277,7 +284,8 @@ fn axis_row(
     let ([least, greatest], [from, to]) = (axis.range(), axis.limits);
     // What does not move is a straight line in the middle.
     let spare = 0.08 * (greatest - least).max(1e-3);
-    let [low, high] = if shows_limits { [least.min(from), greatest.max(to)] } else { [least - spare, greatest + spare] };
+    let [low, high] =
+        if shows_limits { [least.min(from), greatest.max(to)] } else { [least - spare, greatest + spare] };
     let y_of = |v: f64| row.bottom() - row.height() * ((v - low) / (high - low)) as f32;
     for limit in [from, to].into_iter().filter(|limit| (low..=high).contains(limit)) {
         let y = y_of(limit).clamp(row.top() + 1.0, row.bottom() - 1.0);

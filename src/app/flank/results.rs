@@ -1,6 +1,6 @@
 //! The right panel: the figures of the three paths, what was checked, and what the reader must know.
 
-use egui::{Grid, Label, RichText, Role, Sense, Ui, WidgetInfo};
+use egui::{Grid, Label, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 
 use super::super::core::Core;
 use super::super::stepper::{fact, notice, sentence};
@@ -10,6 +10,9 @@ use crate::flank::deviation::Deviation;
 use crate::jobs::flank::{FlankCheck, path_of};
 use crate::jobs::flank_work::Planned;
 use crate::project::flank_params::PathChoice;
+
+/// Width of the column of a path (points).
+const COLUMN: f32 = 56.0;
 
 /// Draws it.
 pub fn show(ui: &mut Ui, core: &mut Core) {
@@ -74,7 +77,7 @@ fn figures(ui: &mut Ui, core: &mut Core, planned: &Planned) {
     let text = format!("mm, over {nu} × {nv} places of the surface");
     ui.label(RichText::new(text).small().color(palette(ui).faint));
     let paths = PathChoice::ALL.map(|choice| path_of(plan, choice));
-    Grid::new("flank figures").num_columns(4).striped(true).spacing([10.0, 2.0]).min_col_width(46.0).show(ui, |ui| {
+    Grid::new("flank figures").num_columns(4).striped(true).spacing([8.0, 2.0]).min_col_width(40.0).show(ui, |ui| {
         ui.label("");
         for choice in PathChoice::ALL {
             head(ui, core, choice);
@@ -96,7 +99,7 @@ fn figures(ui: &mut Ui, core: &mut Core, planned: &Planned) {
             for path in paths {
                 let sum = if moving { path.envelope.deviation.sum } else { path.deviation.sum };
                 let ratio = sum / plan.initial.deviation.sum.max(f64::MIN_POSITIVE);
-                ui.label(RichText::new(format!("{ratio:.3}")).monospace());
+                cell(ui, format!("{ratio:.3}"));
             }
             ui.end_row();
         }
@@ -116,7 +119,16 @@ fn number(ui: &mut Ui, value: f64) {
     } else {
         5
     };
-    ui.label(RichText::new(format!("{value:.decimals$}")).monospace());
+    cell(ui, format!("{value:.decimals$}"));
+}
+
+/// A number in its column, below the others.
+fn cell(ui: &mut Ui, text: String) {
+    let layout = egui::Layout::right_to_left(egui::Align::Center);
+    ui.allocate_ui_with_layout(vec2(COLUMN, 18.0), layout, |ui| {
+        ui.set_min_width(COLUMN);
+        ui.label(RichText::new(text).monospace());
+    });
 }
 
 /// The head of a path's column, which shows it.
@@ -127,7 +139,8 @@ fn head(ui: &mut Ui, core: &mut Core, choice: PathChoice) {
         PathChoice::Chosen => "That of the best rank",
         PathChoice::Refined => "The refined one",
     };
-    let response = ui.selectable_label(is_on, RichText::new(choice.name()).small()).on_hover_text(hint);
+    let button = egui::Button::selectable(is_on, RichText::new(choice.name()).small());
+    let response = ui.add_sized(vec2(COLUMN, 20.0), button).on_hover_text(hint);
     response.widget_info(|| WidgetInfo::selected(Role::Tab, true, is_on, format!("Path {}", choice.name())));
     if response.clicked() {
         core.flank.path = choice;

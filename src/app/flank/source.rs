@@ -70,7 +70,8 @@ pub fn show(ui: &mut Ui, core: &Core, params: &mut FlankDocument, wrong: &mut Op
                         GuideSource::Curve(_) => "as in the file of the flank".to_owned(),
                     };
                     let response = ui.add_sized(vec2(176.0, 22.0), egui::Button::new(text).truncate());
-                    if response.on_hover_text("Points of the curve: x, y, z in mm on each line of a CSV file").clicked() {
+                    if response.on_hover_text("Points of the curve: x, y, z in mm on each line of a CSV file").clicked()
+                    {
                         asked = Some(Purpose::Flank(what));
                     }
                 });

@@ -27,7 +27,8 @@ fn controls(ui: &mut Ui, core: &mut Core) {
     ];
     for (command, sign, name) in buttons {
         let button = egui::Button::new(RichText::new(sign).size(13.0)).min_size(vec2(28.0, 22.0));
-        let keys = command.shortcut().map(|keys| format!("  ({})", ui.ctx().format_shortcut(&keys))).unwrap_or_default();
+        let keys =
+            command.shortcut().map(|keys| format!("  ({})", ui.ctx().format_shortcut(&keys))).unwrap_or_default();
         let response = ui.add_enabled(command.is_enabled(core), button).on_hover_text(format!("{name}{keys}"));
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
         if response.clicked() {
@@ -95,7 +96,13 @@ fn strip(ui: &mut Ui, core: &mut Core) {
         let x = x_of(f64::from(i) / 10.0);
         if (x - pin).abs() > 14.0 {
             let text = format!("{:.1}", f64::from(i) / 10.0);
-            painter.text(pos2(x, rect.top() + 8.0), Align2::CENTER_CENTER, text, FontId::proportional(10.0), colours.faint);
+            painter.text(
+                pos2(x, rect.top() + 8.0),
+                Align2::CENTER_CENTER,
+                text,
+                FontId::proportional(10.0),
+                colours.faint,
+            );
         }
     }
     // Where the nearest wall is, and where the machine's pole is passed.

@@ -85,9 +85,7 @@ impl SparkpathApp {
         let path = path.to_owned();
         self.edit_flank(|params| {
             params.source = match &params.source {
-                FlankSource::Mesh(mesh) => {
-                    FlankSource::Mesh(MeshFlank { file: path, candidate: 1, ..mesh.clone() })
-                }
+                FlankSource::Mesh(mesh) => FlankSource::Mesh(MeshFlank { file: path, candidate: 1, ..mesh.clone() }),
                 _ => FlankSource::Mesh(MeshFlank { file: path, ..MeshFlank::default() }),
             };
         });

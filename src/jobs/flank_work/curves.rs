@@ -80,9 +80,9 @@ impl MachineCurves {
         let curve = |letter, unit, limits| AxisCurve { letter, unit, values: Vec::new(), limits };
         let mut axes: Vec<AxisCurve> =
             ['X', 'Y', 'Z'].into_iter().zip(linear).map(|(letter, limits)| curve(letter, "mm", limits)).collect();
-        axes.extend(machine.rotary.iter().map(|axis| {
-            curve(axis.letter.letter(), "deg", axis.limits().map(f64::to_degrees))
-        }));
+        axes.extend(
+            machine.rotary.iter().map(|axis| curve(axis.letter.letter(), "deg", axis.limits().map(f64::to_degrees))),
+        );
         let mut t = Vec::new();
         for point in &milled.line.points {
             let place = path.place(point.s);

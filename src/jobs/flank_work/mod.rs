@@ -131,7 +131,8 @@ impl FlankWork {
         let Some(key) = self.walls_key(document) else { return };
         if matches!(self.walls.state(&key), StageState::Missing | StageState::Stale) {
             let walls = key.0.clone();
-            let id = self.walls_loader.submit(0, move |_, progress, cancel| steps::load_walls(&walls, progress, cancel));
+            let id =
+                self.walls_loader.submit(0, move |_, progress, cancel| steps::load_walls(&walls, progress, cancel));
             self.walls.running = Some((id, key));
         }
     }
@@ -139,9 +140,7 @@ impl FlankWork {
     /// What of the source has to be read: not which of its faces is chosen.
     fn source_key(&self, document: &FlankDocument) -> SourceKey {
         let source = match &document.source {
-            FlankSource::Mesh(mesh) => {
-                FlankSource::Mesh(MeshFlank { candidate: 1, is_own_wall: true, ..mesh.clone() })
-            }
+            FlankSource::Mesh(mesh) => FlankSource::Mesh(MeshFlank { candidate: 1, is_own_wall: true, ..mesh.clone() }),
             other => other.clone(),
         };
         (source, self.reloads)
@@ -232,9 +231,8 @@ impl FlankWork {
         let walls = self.walls(document).map(|walls| walls.mesh.clone());
         let question = self.question(document);
         let asked = document.clone();
-        let id = self.planner.submit(0, move |_, progress, cancel| {
-            steps::plan(&asked, surface, walls, progress, cancel)
-        });
+        let id =
+            self.planner.submit(0, move |_, progress, cancel| steps::plan(&asked, surface, walls, progress, cancel));
         self.planned.failure = None;
         self.planned.running = Some((id, question));
         Ok(())

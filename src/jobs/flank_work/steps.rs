@@ -4,14 +4,14 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::curves::{MachineCurves, Profile};
-use crate::flank::params::FlankParams;
 use crate::export::files::write_atomically;
+use crate::flank::params::FlankParams;
 use crate::geometry::mesh::Mesh;
 use crate::jobs::flank::{FlankInput, FlankResult, LoadedSurface, flank, surface};
 use crate::jobs::flank_export::{self, CL_FILE, CSV_FILE, PROGRAM};
+use crate::jobs::flank_files::{self, input, load_machine, load_surface};
 use crate::jobs::flank_maps::deviation_maps;
 use crate::jobs::flank_report::report;
-use crate::jobs::flank_files::{self, input, load_machine, load_surface};
 use crate::progress::{Cancel, Progress};
 use crate::project::flank_params::{FlankDocument, FlankSource, PathChoice, WallsFile};
 use crate::render::mesh::RenderMesh;
@@ -150,7 +150,8 @@ pub(super) fn plan(
 
 /// Looks quickly: on a coarse grid, with few rounds, without walls and machine.
 pub(super) fn sketch(document: &FlankDocument, loaded: LoadedSurface, cancel: &Cancel) -> Sketch {
-    let least = FlankParams { grid: SKETCH_GRID, rounds: document.plan.rounds.min(SKETCH_ROUNDS), ..document.plan.clone() };
+    let least =
+        FlankParams { grid: SKETCH_GRID, rounds: document.plan.rounds.min(SKETCH_ROUNDS), ..document.plan.clone() };
     let [nu, nv] = document.plan.grid;
     let grid = [SKETCH_GRID[0].min(nu), SKETCH_GRID[1].min(nv)];
     let asked = FlankDocument { plan: FlankParams { grid, ..least }, ..document.clone() };
@@ -161,7 +162,9 @@ pub(super) fn sketch(document: &FlankDocument, loaded: LoadedSurface, cancel: &C
     let made = surface(&coarse);
     let shown = made.as_ref().ok().map(|(surface, _)| FlankSurface::bare(surface));
     let planned = made.map_err(|e| e.to_string()).and_then(|_| {
-        flank(&coarse, &Progress::silent(), cancel).map(|result| Arc::new(Planned::of(result))).map_err(|e| e.to_string())
+        flank(&coarse, &Progress::silent(), cancel)
+            .map(|result| Arc::new(Planned::of(result)))
+            .map_err(|e| e.to_string())
     });
     Sketch { surface: shown, planned }
 }
