@@ -173,6 +173,18 @@ fn a_machine_that_cannot_follow_says_where_and_why() {
     assert_eq!(written.files, [CSV_FILE, CL_FILE, "flank.json", "report.html"]);
 }
 
+/// A needle towards the flutes from behind, square to them `height` above the tip, `away` from them (mm) at `t` of the path.
+fn needle(result: &FlankResult, (t, height, away): (f64, f64, f64)) -> (DVec3, Arc<Mesh>) {
+    let (pose, cutter) = (result.path().pose(t), &result.plan.cutter);
+    let normal = result.surface.normal(t, 0.5);
+    let back = (normal - pose.axis * normal.dot(pose.axis)).normalize();
+    let outwards = back * cutter.half_angle().cos() - pose.axis * cutter.half_angle().sin();
+    let tip = pose.tip + height * pose.axis + cutter.radius_at(height) * back + away * outwards;
+    let across = pose.axis.cross(back) * 0.01;
+    let vertices = vec![tip, tip + 5.0 * outwards + across, tip + 5.0 * outwards - across];
+    (tip, Arc::new(Mesh { vertices, triangles: vec![[0, 1, 2]] }))
+}
+
 #[test]
 fn a_wall_behind_the_cutter_is_gouged_as_deep_as_it_reaches_into_it() {
     const DEPTH: f64 = 0.3;
@@ -181,23 +193,25 @@ fn a_wall_behind_the_cutter_is_gouged_as_deep_as_it_reaches_into_it() {
     let free = run(&input);
     let unchecked = |r: &FlankResult| r.warnings.iter().any(|w| w.contains("no neighbouring walls were given"));
     assert!(free.gouge.is_none() && unchecked(&free));
-    // A needle into the flutes from behind, square to them.
-    let (pose, height) = (free.path().pose(0.5), 6.0);
-    let normal = free.surface.normal(0.5, 0.5);
-    let back = (normal - pose.axis * normal.dot(pose.axis)).normalize();
-    let taper = document.cutter.half_angle();
-    let outwards = back * taper.cos() - pose.axis * taper.sin();
-    let on = pose.tip + height * pose.axis + document.cutter.radius_at(height) * back;
-    let tip = on - DEPTH * outwards;
-    let across = pose.axis.cross(back) * 0.01;
-    let vertices = vec![tip, tip + 5.0 * outwards + across, tip + 5.0 * outwards - across];
-    input.walls = Some(Arc::new(Mesh { vertices, triangles: vec![[0, 1, 2]] }));
+    let (tip, wall) = needle(&free, (0.5, 6.0, -DEPTH));
+    input.walls = Some(wall);
     let result = run(&input);
     let gouge = check(&result, CheckKind::Gouge);
     assert!(!gouge.holds && !unchecked(&result), "{}", gouge.text);
     let found = result.gouge.unwrap().cutter.unwrap();
     assert!((found.distance_mm + DEPTH).abs() < 0.02 && found.point.distance(tip) < 0.02, "{found:?}");
     assert!((found.t - 0.5).abs() < 0.02 && gouge.t == Some(found.t) && gouge.place == Some(found.point));
+
+    // One that only the way off the surface meets: 3 mm to the side.
+    let (tip, wall) = needle(&free, (1.0, 6.0, 2.5));
+    input.walls = Some(wall);
+    let result = run(&input);
+    assert!(check(&result, CheckKind::Gouge).holds);
+    let leads = check(&result, CheckKind::Leads);
+    assert!(!leads.holds && leads.text.contains("on the retraction the flutes go"), "{}", leads.text);
+    let found = result.lead_gouge[1].unwrap().cutter.unwrap();
+    let deep = 3.0 * document.cutter.half_angle().cos() - 2.5;
+    assert!((found.distance_mm + deep).abs() < 0.02 && found.point.distance(tip) < 0.02, "{found:?} for {deep}");
 }
 
 /// A solid whose front is the surface that `at` gives, fine enough for its chords not to matter.

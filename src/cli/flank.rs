@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
+use glam::DVec3;
 
 use super::{Answer, Session, unit};
 use crate::export::flank_nc::TipControl;
@@ -64,6 +65,10 @@ struct SurfaceArguments {
     /// How far a flank of the mesh may be off its ruled surface (mm).
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     fit_tolerance: Option<f64>,
+    /// Which way is up, from the lower guide to the upper, on the mesh: +z, -x, or three numbers with commas between
+    /// [default: +z].
+    #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true, value_parser = direction)]
+    up: Option<DVec3>,
     /// Unit of the mesh and of the walls: auto, mm, cm, m, inch.
     #[arg(long, value_name = "UNIT", value_parser = unit)]
     units: Option<Units>,
@@ -88,7 +93,7 @@ struct CutterArguments {
     /// Angle between the cutter's axis and its flute; 0 for a cylinder [default: 5].
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     taper_deg: Option<f64>,
-    /// Length of the flutes (mm) [default: 20].
+    /// Length of the flutes (mm) [default: 30].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     length: Option<f64>,
     /// What is above the flutes, from below, with commas between: length:radius or length:lower radius:upper radius (mm),
@@ -121,7 +126,7 @@ struct PlanArguments {
     /// Greatest undercut (mm) of the bounded objective.
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     max_undercut: Option<f64>,
-    /// How far the cutter's bottom reaches below the lower guide (mm) [default: 0].
+    /// How far the cutter's bottom reaches below the lower guide (mm) [default: 0.1].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     below: Option<f64>,
     /// Which path is milled: initial, chosen or refined [default: refined].
@@ -135,6 +140,16 @@ struct MillingArguments {
     /// The machine: trunnion-ac, fork-cb, swivel-bc, a TOML file with one, or none [default: trunnion-ac].
     #[arg(long, value_name = "NAME")]
     machine: Option<String>,
+    /// Where the workpiece's zero is on the machine (mm), three numbers with commas between [default: the machine's].
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = vector)]
+    zero: Option<DVec3>,
+    /// The machine's direction along which the workpiece's Z points, as -z for one that is clamped upside down [default: the
+    /// machine's].
+    #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true, value_parser = direction)]
+    clamp_z: Option<DVec3>,
+    /// The same of its X.
+    #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true, value_parser = direction)]
+    clamp_x: Option<DVec3>,
     /// The post: milling, or one of those that `plan` knows [default: milling].
     #[arg(long, value_name = "NAME")]
     post: Option<String>,
@@ -157,7 +172,7 @@ struct MillingArguments {
     /// (the tip, with the tool's direction: G43.5) [default: off].
     #[arg(long, value_name = "NAME")]
     tip_control: Option<TipName>,
-    /// Exports although this check fails: ruled, cutter, coverage, bounds, envelope, gouge, holder, machine. May be given
+    /// Exports although this check fails: ruled, cutter, coverage, bounds, envelope, gouge, holder, leads, machine. May be given
     /// more than once.
     #[arg(long = "override", value_name = "CHECK")]
     overrides: Vec<String>,
@@ -219,6 +234,30 @@ fn holder_part(text: &str) -> Result<HolderPart, String> {
     }
 }
 
+fn vector(text: &str) -> Result<DVec3, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|n| n.trim().parse::<f64>()).collect();
+    match numbers.unwrap_or_default()[..] {
+        [x, y, z] if DVec3::new(x, y, z).is_finite() => Ok(DVec3::new(x, y, z)),
+        _ => Err("expected three numbers with commas between, as in 0,0,30".to_owned()),
+    }
+}
+
+fn direction(text: &str) -> Result<DVec3, String> {
+    let (sign, letter) = match text.strip_prefix('-') {
+        Some(rest) => (-1.0, rest),
+        None => (1.0, text.strip_prefix('+').unwrap_or(text)),
+    };
+    let found = match letter.to_ascii_lowercase().as_str() {
+        "x" => sign * DVec3::X,
+        "y" => sign * DVec3::Y,
+        "z" => sign * DVec3::Z,
+        _ => vector(text)
+            .map_err(|_| "expected +x, -x, +y, -y, +z, -z, or three numbers with commas between".to_owned())?,
+    };
+    // No zero with a sign.
+    Ok(found + DVec3::ZERO)
+}
+
 fn grid(text: &str) -> Result<[usize; 2], String> {
     let wrong = || "expected the places along u and v, as in 100x50".to_owned();
     let (u, v) = text.split_once('x').ok_or_else(wrong)?;
@@ -278,10 +317,13 @@ impl SurfaceArguments {
             FlankSource::Mesh(mesh) => {
                 set(&mut mesh.candidate, self.flank.map(|n| n as usize));
                 set(&mut mesh.fit.tolerance_mm, self.fit_tolerance);
+                set(&mut mesh.fit.up, self.up);
                 set(&mut mesh.units, self.units);
             }
-            _ if self.flank.is_some() || self.list || self.fit_tolerance.is_some() => {
-                anyhow::bail!("--flank, --list and --fit-tolerance are for the flanks of a mesh; give one with --mesh")
+            _ if self.flank.is_some() || self.list || self.fit_tolerance.is_some() || self.up.is_some() => {
+                anyhow::bail!(
+                    "--flank, --list, --up and --fit-tolerance are for the flanks of a mesh; give one with --mesh"
+                )
             }
             _ => {}
         }
@@ -370,13 +412,30 @@ impl MillingArguments {
         set(&mut milling.program.tip_control, tip);
         document.overrides.extend(self.overrides.iter().cloned());
     }
+
+    /// Puts the workpiece where it was asked for; what was not said stays where the machine's file has it.
+    fn clamp(&self, document: &mut FlankDocument) -> anyhow::Result<()> {
+        if self.zero.is_none() && self.clamp_z.is_none() && self.clamp_x.is_none() {
+            return Ok(());
+        }
+        let Some(machine) = load_machine(document, None)? else {
+            anyhow::bail!("--zero, --clamp-x and --clamp-z are for a machine; give one with --machine")
+        };
+        let mut place = machine.workpiece;
+        set(&mut place.zero_mm, self.zero);
+        set(&mut place.z_axis, self.clamp_z);
+        set(&mut place.x_axis, self.clamp_x);
+        document.milling.workpiece = Some(place);
+        Ok(())
+    }
 }
 
 /// Plans the flank, checks the path, writes what may be milled. The answer is no where a check fails, overridden or not.
 pub(super) fn flank(arguments: &FlankArguments, session: &Session) -> anyhow::Result<Answer> {
-    let document = arguments.document()?;
+    let mut document = arguments.document()?;
     let (progress, cancel) = (&session.progress, &session.cancel);
     // What is quick to find wrong comes before what takes long.
+    arguments.milling.clamp(&mut document)?;
     let machine = load_machine(&document, None)?;
     if let Some(folder) = &arguments.out {
         check_folder(folder).map_err(anyhow::Error::msg)?;
@@ -414,7 +473,14 @@ fn list(surface: &LoadedSurface, session: &Session) -> anyhow::Result<Answer> {
         let entries: Vec<serde_json::Value> = candidates.iter().enumerate().map(|(i, c)| entry(i + 1, c)).collect();
         say!("{}", serde_json::to_string_pretty(&entries)?);
     } else {
-        let lines = candidates.iter().enumerate().map(|(i, c)| format!("{}: {}", i + 1, c.summary()));
+        let lines = candidates.iter().enumerate().map(|(i, c)| {
+            let looks = if c.outwards.length() < 0.5 {
+                "looks all around".to_owned()
+            } else {
+                format!("looks along ({:.3}, {:.3}, {:.3})", c.outwards.x + 0.0, c.outwards.y + 0.0, c.outwards.z + 0.0)
+            };
+            format!("{}: {}; {looks}", i + 1, c.summary())
+        });
         say!("{}", lines.collect::<Vec<_>>().join("\n"));
     }
     Ok(if candidates.iter().any(Candidate::is_ruled) { Answer::Yes } else { Answer::No })
@@ -441,13 +507,14 @@ fn entry(number: usize, candidate: &Candidate) -> serde_json::Value {
 /// The answer in words.
 fn lines(result: &FlankResult) -> Vec<String> {
     let mut lines = vec![sentence(result)];
+    let ratio = |path| result.has_deviation().then(|| result.plan.ratio(path));
     for (name, path) in result.plan.paths() {
         let (d, moving) = (&path.deviation, &path.envelope.deviation);
         lines.push(format!(
-            "{name}: sum {:.3} mm (ratio {:.3}), mean {:.2} um, rms {:.2} um, overcut {:.1} um, undercut {:.1} um; moving cutter: \
+            "{name}: sum {:.3} mm{}, mean {:.2} um, rms {:.2} um, overcut {:.1} um, undercut {:.1} um; moving cutter: \
              sum {:.3} mm, overcut {:.1} um, undercut {:.1} um",
             d.sum,
-            result.plan.ratio(path),
+            ratio(path).map_or_else(String::new, |ratio| format!(" (ratio {ratio:.3})")),
             1e3 * d.mean,
             1e3 * d.rms,
             1e3 * (-d.most_overcut).max(0.0),
@@ -475,6 +542,7 @@ fn lines(result: &FlankResult) -> Vec<String> {
     if let Some(milled) = result.milled() {
         lines.push(format!("{:.1} s of milling, approach and retraction included", 60.0 * milled.minutes));
     }
+    lines.extend(result.fit.iter().flat_map(|fit| fit.words.iter().skip(1)).map(|words| format!("fit: {words}")));
     lines.extend(result.all_warnings().into_iter().map(|warning| format!("note: {warning}")));
     lines
 }
@@ -489,6 +557,9 @@ mod tests {
         assert_eq!((part.length_mm, part.lower_radius_mm, part.upper_radius_mm), (20.0, 10.0, 15.0));
         assert_eq!(holder_part("30:3").unwrap().upper_radius_mm, 3.0);
         assert_eq!(grid("100x50"), Ok([100, 50]));
+        assert_eq!(direction("-Z"), Ok(-DVec3::Z));
+        assert_eq!(direction("0,1,-2.5"), Ok(DVec3::new(0.0, 1.0, -2.5)));
+        assert!(direction("w").is_err() && direction("1,2").is_err() && direction("nan,0,0").is_err());
         for text in ["", "20", "20:a", "1:2:3:4"] {
             assert!(holder_part(text).is_err(), "{text}");
         }

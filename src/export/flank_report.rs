@@ -108,7 +108,7 @@ pub struct PathEntry {
     pub name: &'static str,
     /// Whether it is the one that is milled.
     pub is_milled: bool,
-    /// Its sum as a share of the initial path's.
+    /// Its sum as a share of the initial path's; not a number if that is nothing but rounding.
     pub ratio: f64,
     /// Figures of the standing cutter.
     pub standing: Figures,

@@ -225,7 +225,7 @@ fn ranks(out: &mut String, report: &FlankReport) {
     let best = points.iter().find(|p| p[0] == ranks.best as f64);
     let marks: Vec<([f64; 2], String)> =
         best.map(|p| (*p, format!("k = {}: {}", ranks.best, number(p[1], 3)))).into_iter().collect();
-    let plot = |title: &str, log_y: bool, points: Vec<[f64; 2]>, size| {
+    let plot = |title: &str, log_y: bool, points: Vec<[f64; 2]>, marks: &[([f64; 2], String)], size| {
         let series = vec![Series { points, class: "c0", dots: false }];
         let (title, levels) = (title.to_owned(), vec![(start, format!("initial {}", number(start, 3)))]);
         Plot {
@@ -235,14 +235,16 @@ fn ranks(out: &mut String, report: &FlankReport) {
             size,
             series,
             levels,
-            marks: marks.clone(),
+            marks: marks.to_vec(),
             ..Plot::default()
         }
     };
+    // Its figure stands in the other plot; here it would lie on the axis.
+    let circles: Vec<([f64; 2], String)> = marks.iter().map(|(place, _)| (*place, String::new())).collect();
     let close = points.iter().map(|p| if p[1] <= CLOSE * start { *p } else { [p[0], f64::NAN] }).collect();
     out.push_str("<section><h2>Error over rank</h2><div class=\"plot two\">");
-    out.push_str(&plot("Sum of deviations, mm, every rank", true, points, [620.0, 260.0]).svg());
-    out.push_str(&plot("Near the best", false, close, [360.0, 260.0]).svg());
+    out.push_str(&plot("Sum of deviations, mm, every rank", true, points, &marks, [620.0, 260.0]).svg());
+    out.push_str(&plot("Near the best", false, close, &circles, [360.0, 260.0]).svg());
     let words = match ranks.best {
         0 => "No rank makes the sum less than that of the initial path.".to_owned(),
         k => format!(

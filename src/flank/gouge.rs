@@ -157,6 +157,39 @@ pub fn neighbours(part: &Mesh, surface: &RuledSurface, own_mm: f64) -> Mesh {
 pub fn check(
     path: &FlankPath,
     cutter: &FlankCutter,
+    against: (&Mesh, &RuledSurface, f64),
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<GougeCheck, FlankError> {
+    check_along(&|t| path.pose(t), cutter, against, progress, cancel)
+}
+
+/// Checks straight moves without turns through `places` of the tip, as t from 0 to 1, in the same way.
+///
+/// # Errors
+/// Cancelled.
+pub fn check_moves(
+    (places, axis): (&[DVec3], DVec3),
+    cutter: &FlankCutter,
+    against: (&Mesh, &RuledSurface, f64),
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<GougeCheck, FlankError> {
+    let [.., _, _] = places else { return Ok(GougeCheck::default()) };
+    let pose = |t: f64| {
+        let along = t.clamp(0.0, 1.0) * (places.len() - 1) as f64;
+        let i = (along as usize).min(places.len() - 2);
+        FlankPose { t, tip: places[i].lerp(places[i + 1], along - i as f64), axis }
+    };
+    check_along(&pose, cutter, against, progress, cancel)
+}
+
+/// Where the cutter is at t from 0 to 1.
+type Motion<'a> = &'a dyn Fn(f64) -> FlankPose;
+
+fn check_along(
+    motion: Motion,
+    cutter: &FlankCutter,
     (part, surface, own_mm): (&Mesh, &RuledSurface, f64),
     progress: &Progress,
     cancel: &Cancel,
@@ -165,7 +198,7 @@ pub fn check(
     let flutes =
         Frustum { heights: [0.0, cutter.length_mm], radii: [cutter.radius_mm, cutter.radius_at(cutter.length_mm)] };
     let walls = neighbours(part, surface, own_mm);
-    let cutter_clearance = least(path, &[(ToolPart::Cutter, flutes)], &walls, cancel)?;
+    let cutter_clearance = least(motion, &[(ToolPart::Cutter, flutes)], &walls, cancel)?;
     progress.report("gouge by the holder", 0.5, "");
     let mut bottom = cutter.length_mm;
     let mut holder = Vec::new();
@@ -174,7 +207,7 @@ pub fn check(
         holder.push((ToolPart::Holder(i), Frustum { heights, radii: [part.lower_radius_mm, part.upper_radius_mm] }));
         bottom = heights[1];
     }
-    let holder_clearance = least(path, &holder, part, cancel)?;
+    let holder_clearance = least(motion, &holder, part, cancel)?;
     progress.report("gouge by the holder", 1.0, "");
     Ok(GougeCheck { cutter: cutter_clearance, holder: holder_clearance })
 }
@@ -207,7 +240,7 @@ impl Ord for Stretch {
 
 /// The least clearance of a stack of frusta along the path.
 fn least(
-    path: &FlankPath,
+    motion: Motion,
     tool: &[(ToolPart, Frustum)],
     mesh: &Mesh,
     cancel: &Cancel,
@@ -217,7 +250,7 @@ fn least(
         return Ok(None);
     }
     let tree = Bvh::new(mesh, cancel)?;
-    let at = |t: f64, most: f64| nearest(&tree, tool, &path.pose(t), t, most);
+    let at = |t: f64, most: f64| nearest(&tree, tool, &motion(t), t, most);
     let mut best: Option<Clearance> = None;
     let mut open = BinaryHeap::new();
     for i in 0..FIRST {
@@ -232,7 +265,7 @@ fn least(
         }
         let middle = 0.5 * (from + to);
         // What is further off than the least found by more than the tool moves does not matter on this stretch.
-        let moves = greatest_move(path, tool, from, to);
+        let moves = greatest_move(motion, tool, from, to);
         let found = at(middle, most + moves);
         if let Some(found) = found.filter(|f| f.distance_mm < most) {
             best = Some(found);
@@ -250,7 +283,7 @@ fn least(
 /// No point of the tool moves more (mm) between the middle and any other place of the stretch. Ends and middle of the
 /// axis are compared at several places; a cubic that turns more between them would need a stretch to be longer than a
 /// piece of the path, and half as much again is allowed for.
-fn greatest_move(path: &FlankPath, tool: &[(ToolPart, Frustum)], from: f64, to: f64) -> f64 {
+fn greatest_move(motion: Motion, tool: &[(ToolPart, Frustum)], from: f64, to: f64) -> f64 {
     const LOOKS: i32 = 8;
     const SAFETY: f64 = 1.5;
     let (mut reach, mut radius) = (0.0f64, 0.0f64);
@@ -258,9 +291,9 @@ fn greatest_move(path: &FlankPath, tool: &[(ToolPart, Frustum)], from: f64, to: 
         reach = reach.max(part.heights[1]);
         radius = radius.max(part.radii[0]).max(part.radii[1]);
     }
-    let middle = path.pose(0.5 * (from + to));
+    let middle = motion(0.5 * (from + to));
     let moves = (0..=LOOKS).map(|i| {
-        let pose = path.pose(from + (to - from) * f64::from(i) / f64::from(LOOKS));
+        let pose = motion(from + (to - from) * f64::from(i) / f64::from(LOOKS));
         let turn = (pose.axis - middle.axis).length();
         let tip = pose.tip.distance(middle.tip);
         let top = (pose.tip + reach * pose.axis).distance(middle.tip + reach * middle.axis);

@@ -51,7 +51,8 @@ pub struct FlankParams {
     pub is_covering: bool,
     /// How far past the last place needed they go, in u.
     pub overrun_u: f64,
-    /// How far the cutter's bottom reaches below the lower guide, along the axis (mm).
+    /// How far the cutter's bottom reaches below the lower guide, along the axis (mm). Refined paths need some: their
+    /// locations move along the axis too.
     pub below_mm: f64,
     /// How far the upper contact may slide away from the lower, in u.
     pub slide_u: f64,
@@ -72,7 +73,7 @@ impl Default for FlankParams {
             grid: [100, 50],
             is_covering: true,
             overrun_u: 0.005,
-            below_mm: 0.0,
+            below_mm: 0.1,
             slide_u: 0.25,
             objective: Objective::Sum,
             rounds: 60,

@@ -94,7 +94,7 @@ fn covered_start(
 /// A case and its path without refinement, for what does not depend on it.
 fn quick(name: &str) -> (RuledSurface, FlankPlan) {
     let (surface, cutter, _) = case(&reference(), name);
-    let params = FlankParams { grid: [20, 10], rounds: 0, ..FlankParams::default() };
+    let params = FlankParams { grid: [20, 10], rounds: 0, below_mm: 0.0, ..FlankParams::default() };
     let plan = planned(&surface, &cutter, &params).unwrap();
     (surface, plan)
 }
@@ -203,7 +203,8 @@ fn reaches_and_keeps(cases: [(&str, [f64; 2]); 2]) {
     let reference = reference();
     for (name, [one_pass, refined]) in cases {
         let (surface, cutter, figures) = case(&reference, name);
-        let plan = planned(&surface, &cutter, &FlankParams::default()).unwrap();
+        let params = FlankParams { below_mm: 0.0, ..FlankParams::default() };
+        let plan = planned(&surface, &cutter, &params).unwrap();
         let wanted = figures["covered"]["init"]["sum"].as_f64().unwrap();
         assert!((plan.initial.deviation.sum / wanted - 1.0).abs() < 1e-3, "{name} {}", plan.initial.deviation.sum);
         assert!(plan.ratio(&plan.chosen) < one_pass, "{name}: chosen {}", plan.ratio(&plan.chosen));

@@ -15,7 +15,7 @@ use crate::flank::joint_feed::{Feeds, paces};
 use crate::flank::linearise::{LinearisationParams, MachinePath, linearise};
 use crate::flank::milling_machine::{Kinematics, MillingMachine, ToolPose};
 use crate::flank::params::FlankParams;
-use crate::flank::path::FlankPath;
+use crate::flank::path::{FlankPath, FlankPose};
 use crate::flank::plan::{FlankPlan, plan_flank};
 use crate::flank::ruled_surface::{RuledSurface, Side};
 use crate::flank::tool_path::{ToolPath, ToolPathError};
@@ -97,6 +97,14 @@ pub enum FlankJobError {
         /// How many there are.
         count: usize,
     },
+    /// A cutter for which no path can be made.
+    #[error("{misfit}; no path can be made for it ({why})")]
+    Cutter {
+        /// Why it does not fit.
+        misfit: FlankError,
+        /// What went wrong then.
+        why: FlankError,
+    },
     /// A face without a ruled surface.
     #[error("flank {number} has no ruled surface: {why}; choose another flank")]
     NotFitted {
@@ -153,6 +161,8 @@ pub struct FlankResult {
     pub path: PathChoice,
     /// Its clearances; none if there is nothing that could be gouged.
     pub gouge: Option<GougeCheck>,
+    /// The same of the approach and of the retraction, each from the surface outwards.
+    pub lead_gouge: [Option<GougeCheck>; 2],
     /// The straight moves that lead to it and from it, outside first.
     pub approach: Vec<ToolPose>,
     /// See `approach`.
@@ -173,6 +183,13 @@ impl FlankResult {
     /// The path that is milled.
     pub fn path(&self) -> &FlankPath {
         path_of(&self.plan, self.path)
+    }
+
+    /// Whether there is any deviation to speak of: a plane or a cylinder is touched everywhere from the start, and shares
+    /// of what rounding leaves mean nothing.
+    pub fn has_deviation(&self) -> bool {
+        const ROUNDING_MM: f64 = 1e-7;
+        self.plan.initial.deviation.mean > ROUNDING_MM
     }
 
     /// Whether every check holds.
@@ -221,10 +238,26 @@ pub fn path_of(plan: &FlankPlan, choice: PathChoice) -> &FlankPath {
 /// [`FlankJobError`] if there is no path at all; cancelled.
 pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result<FlankResult, FlankJobError> {
     let (surface, fit) = surface(input)?;
-    let plan = plan_flank(&surface, &input.cutter, &input.params, progress, cancel)?;
+    let plan = plan_flank(&surface, &input.cutter, &input.params, progress, cancel).map_err(|why| {
+        // A cutter that does not fit is what is to blame, wherever it showed.
+        let misfit = input.cutter.fits(&surface).err().filter(|misfit| *misfit != why);
+        match (&why, misfit) {
+            (FlankError::Unmeasured { .. } | FlankError::NoLocation { .. }, Some(misfit)) => {
+                FlankJobError::Cutter { misfit, why }
+            }
+            _ => why.into(),
+        }
+    })?;
     let path = path_of(&plan, input.path);
-    let gouge = gouge_check(input, (&surface, fit.as_ref()), path, progress, cancel)?;
     let [approach, retract] = leads(&surface, path, &input.milling);
+    let walls = walls(input, &surface, fit.as_ref());
+    let gouge = lesser_of(&walls, |wall| gouge::check(path, &input.cutter, wall, progress, cancel))?;
+    let moves = |from: FlankPose, lead: &[ToolPose]| -> Result<Option<GougeCheck>, FlankError> {
+        let places: Vec<DVec3> = std::iter::once(from.tip).chain(lead.iter().map(|p| p.tip)).collect();
+        lesser_of(&walls, |wall| gouge::check_moves((&places, from.axis), &input.cutter, wall, progress, cancel))
+    };
+    let inwards: Vec<ToolPose> = approach.iter().rev().copied().collect();
+    let lead_gouge = [moves(path.pose(0.0), &inwards)?, moves(path.pose(1.0), &retract)?];
     progress.report("positions of the machine", 0.0, "");
     let milled = input.machine.as_ref().map(|machine| {
         let path = tool_path(path, &approach, &retract).map_err(|e| e.to_string())?;
@@ -239,6 +272,7 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
         plan,
         path: input.path,
         gouge,
+        lead_gouge,
         approach,
         retract,
         milled,
@@ -280,22 +314,29 @@ pub fn surface(input: &FlankInput) -> Result<(RuledSurface, Option<RuledFit>), F
     }
 }
 
-/// Clearances from the given walls and from the part's own other faces; the lesser of each.
-fn gouge_check(
-    input: &FlankInput,
-    (surface, fit): (&RuledSurface, Option<&RuledFit>),
-    path: &FlankPath,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<Option<GougeCheck>, FlankJobError> {
+/// What must not be cut: the given walls and the part's own other faces, each with the surface that is to be cut and how
+/// far it may be off its mesh.
+fn walls<'a>(
+    input: &'a FlankInput,
+    surface: &'a RuledSurface,
+    fit: Option<&RuledFit>,
+) -> Vec<(&'a Mesh, &'a RuledSurface, f64)> {
     let own_mm = fit.map_or(OWN_MM, |f| OWN_MM + f.error.greatest_mm.max(f.tolerance_mm) + f.chord_mm);
     let part = match &input.surface {
         LoadedSurface::Face { mesh, is_own_wall: true, .. } => Some(mesh),
         _ => None,
     };
+    part.into_iter().chain(&input.walls).map(|wall| (wall.as_ref(), surface, own_mm)).collect()
+}
+
+/// The lesser clearances of a check against each wall; none without walls.
+fn lesser_of<'a>(
+    walls: &[(&'a Mesh, &'a RuledSurface, f64)],
+    check: impl Fn((&'a Mesh, &'a RuledSurface, f64)) -> Result<GougeCheck, FlankError>,
+) -> Result<Option<GougeCheck>, FlankError> {
     let mut found: Option<GougeCheck> = None;
-    for walls in part.into_iter().chain(&input.walls) {
-        let next = gouge::check(path, &input.cutter, (walls, surface, own_mm), progress, cancel)?;
+    for wall in walls {
+        let next = check(*wall)?;
         found = Some(found.map_or(next, |found| lesser(found, next)));
     }
     Ok(found)

@@ -117,13 +117,14 @@ fn notes(result: &FlankResult) -> Vec<String> {
     let path = result.path();
     let (standing, moving) = (&path.deviation, &path.envelope.deviation);
     let [nu, nv] = standing.grid;
+    let ratio = if result.has_deviation() {
+        format!(", {:.3} of the initial path's", result.plan.ratio(path))
+    } else {
+        String::new()
+    };
     vec![
         format!("Flank {}, {} path", result.name, result.path.name()),
-        format!(
-            "Sum of absolute deviations {:.4} mm over {nu} x {nv} places of the surface, {:.3} of the initial path's",
-            standing.sum,
-            result.plan.ratio(path)
-        ),
+        format!("Sum of absolute deviations {:.4} mm over {nu} x {nv} places of the surface{ratio}", standing.sum),
         format!(
             "Moving cutter: overcut up to {:.4} mm, undercut up to {:.4} mm",
             (-moving.most_overcut).max(0.0),

@@ -74,8 +74,15 @@ pub fn load_machine(
     user_folder: Option<&Path>,
 ) -> Result<Option<MillingMachine>, FlankLoadError> {
     let name = document.milling.machine.as_str();
-    let found = (!name.is_empty()).then(|| milling_machine(name, user_folder));
-    found.transpose().map_err(|e| FlankLoadError(e.to_string()))
+    if name.is_empty() {
+        return Ok(None);
+    }
+    let mut machine = milling_machine(name, user_folder).map_err(|e| FlankLoadError(e.to_string()))?;
+    if let Some(workpiece) = &document.milling.workpiece {
+        machine.workpiece = workpiece.clone();
+        machine.kinematics().map_err(|e| FlankLoadError(e.to_string()))?;
+    }
+    Ok(Some(machine))
 }
 
 /// The walls that must not be cut.

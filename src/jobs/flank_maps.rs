@@ -11,6 +11,8 @@ use crate::render::offscreen::{RenderError, png_bytes};
 
 /// The most pixels of a map, across and up.
 const MOST_PIXELS: [usize; 2] = [400, 200];
+/// The least deviation (mm) at the end of the scale: what is less is rounding.
+const LEAST_MM: f64 = 1e-6;
 /// Pixels of the bar of colours.
 const BAR_PIXELS: u32 = 256;
 
@@ -20,7 +22,7 @@ const BAR_PIXELS: u32 = 256;
 /// Cancelled, or the PNG encoder's own.
 pub fn deviation_maps(plan: &FlankPlan, cancel: &Cancel) -> Result<DeviationMaps, RenderError> {
     let greatest = |d: &Deviation| d.most_undercut.max(-d.most_overcut).max(0.0);
-    let end_mm = plan.paths().iter().map(|(_, path)| greatest(&path.deviation)).fold(1e-9, f64::max);
+    let end_mm = plan.paths().iter().map(|(_, path)| greatest(&path.deviation)).fold(LEAST_MM, f64::max);
     let map = |name: &str, deviation: &Deviation, ratio: f64| {
         let caption = format!(
             "sum {:.3} mm, {ratio:.3} of the initial; overcut up to {:.1} \u{b5}m, undercut up to {:.1} \u{b5}m",

@@ -55,19 +55,12 @@ pub fn report(result: &FlankResult, document: &FlankDocument) -> FlankReport {
 
 /// The answer in a sentence.
 pub fn sentence(result: &FlankResult) -> String {
-    let path = result.path();
-    let [nu, nv] = path.deviation.grid;
-    let moving = &path.envelope.deviation;
-    let mut text = format!(
-        "The {} path leaves a sum of deviations of {:.3} mm over {nu} x {nv} places of the surface, {:.3} of the first one's \
-         {:.3} mm; overcut up to {:.1} \u{b5}m, undercut up to {:.1} \u{b5}m as the cutter moves.",
-        result.path.name(),
-        path.deviation.sum,
-        result.plan.ratio(path),
-        result.plan.initial.deviation.sum,
-        1e3 * (-moving.most_overcut).max(0.0),
-        1e3 * moving.most_undercut.max(0.0),
-    );
+    let [nu, nv] = result.path().deviation.grid;
+    let mut text = if result.has_deviation() {
+        leaves(result)
+    } else {
+        format!("The cutter touches the surface everywhere over {nu} x {nv} places: nothing is off but rounding.")
+    };
     let named = |is_overridden: bool| {
         let failed = result.checks.iter().filter(|c| !c.holds && c.is_overridden == is_overridden);
         failed.map(|c| c.kind.name()).collect::<Vec<_>>().join(", ")
@@ -85,13 +78,29 @@ pub fn sentence(result: &FlankResult) -> String {
     text
 }
 
+fn leaves(result: &FlankResult) -> String {
+    let path = result.path();
+    let [nu, nv] = path.deviation.grid;
+    let moving = &path.envelope.deviation;
+    format!(
+        "The {} path leaves a sum of deviations of {:.3} mm over {nu} x {nv} places of the surface, {:.3} of the first one's \
+         {:.3} mm; overcut up to {:.1} \u{b5}m, undercut up to {:.1} \u{b5}m as the cutter moves.",
+        result.path.name(),
+        path.deviation.sum,
+        result.plan.ratio(path),
+        result.plan.initial.deviation.sum,
+        1e3 * (-moving.most_overcut).max(0.0),
+        1e3 * moving.most_undercut.max(0.0),
+    )
+}
+
 fn path(result: &FlankResult, choice: PathChoice) -> PathEntry {
     let path = path_of(&result.plan, choice);
     let points = |points: &[glam::DVec3]| points.iter().map(|p| p.to_array()).collect();
     PathEntry {
         name: choice.name(),
         is_milled: choice == result.path,
-        ratio: result.plan.ratio(path),
+        ratio: if result.has_deviation() { result.plan.ratio(path) } else { f64::NAN },
         standing: Figures::of(&path.deviation),
         moving: Figures::of(&path.envelope.deviation),
         greatest_difference_mm: path.envelope.greatest_difference,

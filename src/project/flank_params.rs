@@ -9,6 +9,7 @@ use crate::flank::cutter::FlankCutter;
 use crate::flank::fit_ruled::RuledFitParams;
 use crate::flank::guide::GuideCurve;
 use crate::flank::linearise::LinearisationParams;
+use crate::flank::milling_machine::Workpiece;
 use crate::flank::params::FlankParams;
 use crate::flank::ruled_surface::Side;
 use crate::mesh_io::Units;
@@ -170,6 +171,8 @@ impl PathChoice {
 pub struct MillingSettings {
     /// Name of a machine, or a TOML file whose first machine it is; empty for none.
     pub machine: String,
+    /// Where the workpiece stands on the machine, if not where the machine's file says.
+    pub workpiece: Option<Workpiece>,
     /// Name of the post.
     pub post: String,
     /// The furthest that tip and flutes' top may leave the path between programmed points (mm).
@@ -189,6 +192,7 @@ impl Default for MillingSettings {
         let LinearisationParams { linearisation_mm, singular_cone_deg, .. } = LinearisationParams::default();
         Self {
             machine: "trunnion-ac".to_owned(),
+            workpiece: None,
             post: "milling".to_owned(),
             linearisation_mm,
             singular_cone_deg,
@@ -255,12 +259,12 @@ impl Default for FlankDocument {
             version: VERSION,
             source: FlankSource::default(),
             side: Side::default(),
-            cutter: FlankCutter { name: "cone R1 5 deg".to_owned(), ..FlankCutter::cone(1.0, 5.0, 20.0) },
+            cutter: FlankCutter { name: "cone R1 5 deg".to_owned(), ..FlankCutter::cone(1.0, 5.0, 30.0) },
             plan: FlankParams::default(),
             path: PathChoice::default(),
             walls: None,
             milling: MillingSettings::default(),
-            envelope_tolerance_mm: 0.005,
+            envelope_tolerance_mm: 0.02,
             overrides: Vec::new(),
         }
     }

@@ -30,13 +30,15 @@ pub enum CheckKind {
     Gouge,
     /// That the holder touches nothing.
     Holder,
+    /// That approach and retraction touch nothing else.
+    Leads,
     /// That the machine can follow within its limits and the tolerance.
     Machine,
 }
 
 impl CheckKind {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Ruled,
         Self::Cutter,
         Self::Coverage,
@@ -44,6 +46,7 @@ impl CheckKind {
         Self::Envelope,
         Self::Gouge,
         Self::Holder,
+        Self::Leads,
         Self::Machine,
     ];
 
@@ -57,6 +60,7 @@ impl CheckKind {
             Self::Envelope => "envelope",
             Self::Gouge => "gouge",
             Self::Holder => "holder",
+            Self::Leads => "leads",
             Self::Machine => "machine",
         }
     }
@@ -98,6 +102,7 @@ pub(super) fn of(result: &FlankResult, overrides: &[String]) -> Vec<FlankCheck> 
     checks.extend(bounds(result));
     checks.push(envelope(result));
     checks.extend(gouge(result));
+    checks.extend(leads(result));
     checks.extend(machine(result));
     for check in &mut checks {
         check.is_overridden = !check.holds && overrides.iter().any(|name| name == check.kind.name());
@@ -184,6 +189,33 @@ fn envelope(result: &FlankResult) -> FlankCheck {
     FlankCheck::new(CheckKind::Envelope, holds, text)
 }
 
+fn part_name(part: ToolPart) -> String {
+    match part {
+        ToolPart::Cutter => "the flutes".to_owned(),
+        ToolPart::Holder(i) => format!("part {} of the holder", i + 1),
+    }
+}
+
+fn leads(result: &FlankResult) -> Option<FlankCheck> {
+    let tolerance = result.plan.params.gouge_tolerance_mm;
+    let names = ["approach", "retraction"].into_iter().zip(result.lead_gouge);
+    let near = names.flat_map(|(name, gouge)| {
+        gouge.into_iter().flat_map(|g| [g.cutter, g.holder]).flatten().map(move |clearance| (name, clearance))
+    });
+    let nearest = near.min_by(|a, b| a.1.distance_mm.total_cmp(&b.1.distance_mm));
+    result.lead_gouge[0].or(result.lead_gouge[1])?;
+    let Some((name, Clearance { part, distance_mm, point, .. })) = nearest else {
+        return Some(FlankCheck::new(CheckKind::Leads, true, "nothing is near approach and retraction".to_owned()));
+    };
+    let part = part_name(part);
+    let text = if distance_mm < 0.0 {
+        format!("on the {name} {part} go {:.4} mm deep; allowed: {tolerance} mm", -distance_mm)
+    } else {
+        format!("on approach and retraction {part} keep {distance_mm:.4} mm away")
+    };
+    Some(FlankCheck::new(CheckKind::Leads, distance_mm >= -tolerance, text).at(point))
+}
+
 fn gouge(result: &FlankResult) -> Vec<FlankCheck> {
     let Some(gouge) = &result.gouge else { return Vec::new() };
     let tolerance = result.plan.params.gouge_tolerance_mm;
@@ -191,10 +223,7 @@ fn gouge(result: &FlankResult) -> Vec<FlankCheck> {
         let Some(Clearance { part, distance_mm, point, t }) = clearance else {
             return FlankCheck::new(kind, true, format!("nothing is near the {what}"));
         };
-        let part = match part {
-            ToolPart::Cutter => "the flutes".to_owned(),
-            ToolPart::Holder(i) => format!("part {} of the holder", i + 1),
-        };
+        let part = part_name(part);
         let text = if distance_mm < 0.0 {
             format!("{part} go {:.4} mm deep at t = {t:.4}; allowed: {tolerance} mm", -distance_mm)
         } else {
@@ -228,25 +257,15 @@ fn machine(result: &FlankResult) -> Option<FlankCheck> {
     Some(check)
 }
 
-/// The plan's warnings, what a fit has to say, and what was not checked.
+/// The plan's warnings, and what was not checked.
 pub(super) fn warnings(result: &FlankResult, input: &FlankInput) -> Vec<String> {
     let mut warnings = result.plan.warnings.clone();
-    if let Some(fit) = &result.fit {
-        warnings.extend(fit.words.iter().skip(usize::from(fit.is_ruled)).cloned());
-    }
     let is_own_wall = matches!(input.surface, LoadedSurface::Face { is_own_wall: true, .. });
     if input.walls.is_none() && !is_own_wall {
         warnings
             .push("no neighbouring walls were given: nothing was checked for gouges by flutes or holder".to_owned());
-    } else {
-        warnings.push(
-            "approach and retraction were not checked against walls: they leave the surface along its normal and the \
-             cutter's axis"
-                .to_owned(),
-        );
-        if result.plan.cutter.holder.is_empty() {
-            warnings.push("the cutter has no holder: what is above the flutes was not checked".to_owned());
-        }
+    } else if result.plan.cutter.holder.is_empty() {
+        warnings.push("the cutter has no holder: what is above the flutes was not checked".to_owned());
     }
     let unknown = input.overrides.iter().filter(|name| {
         let is_failed = |c: &FlankCheck| c.is_overridden && c.kind.name() == name.as_str();
