@@ -25,6 +25,8 @@ use crate::render::view::looking;
 const FLUTES: Colour = Colour::rgb(0xb9, 0xc4, 0xce);
 /// Opacity of the cutter, so that the surface is seen through it.
 const CUTTER_OPACITY: f32 = 0.5;
+/// The same side by side, where cutters stand before other surfaces.
+const CUTTERS_OPACITY: f32 = 0.22;
 /// Opacity of the surface of the axis.
 const AXIS_OPACITY: f32 = 0.4;
 /// Opacity of walls and of the part that a flank is of.
@@ -314,7 +316,10 @@ impl FlankScene<'_> {
                     let shape = &shapes.axes[*path as usize];
                     scene.objects.push(flat(FIRST_AXIS + i as u32, shape, HIGH).at(to).with_opacity(AXIS_OPACITY));
                 }
-                scene.objects.extend(self.poses.get(i).into_iter().flat_map(|pose| cutter(shapes, pose, i, to)));
+                scene.objects.extend(self.poses.get(i).into_iter().flat_map(|pose| {
+                    let opacity = if self.paths.len() > 1 { CUTTERS_OPACITY } else { CUTTER_OPACITY };
+                    cutter(shapes, pose, i, to).into_iter().map(move |part| part.with_opacity(opacity))
+                }));
             }
         }
         if self.paths.len() < 2 {
@@ -352,9 +357,8 @@ impl FlankScene<'_> {
 fn cutter(shapes: &FlankShapes, pose: &FlankPose, i: usize, to: DAffine3) -> Vec<Object> {
     let turn = DMat3::from_quat(DQuat::from_rotation_arc(DVec3::Z, pose.axis.normalize_or(DVec3::Z)));
     let at = to * DAffine3::from_mat3_translation(turn, pose.tip);
-    let part = |id: u32, shape: &Arc<RenderMesh>, colour| {
-        Object::new(ObjectId(id + i as u32), shape.clone(), colour).at(at).with_opacity(CUTTER_OPACITY)
-    };
+    let part =
+        |id: u32, shape: &Arc<RenderMesh>, colour| Object::new(ObjectId(id + i as u32), shape.clone(), colour).at(at);
     let flutes = part(FIRST_CUTTER, &shapes.cutter.flutes, FLUTES);
     let holder = shapes.cutter.holder.as_ref().map(|shape| part(FIRST_HOLDER, shape, MACHINE));
     std::iter::once(flutes).chain(holder).collect()

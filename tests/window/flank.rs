@@ -119,6 +119,7 @@ fn a_cutter_is_changed_in_passing_refused_in_words_and_taken_back() {
     desk.enter("Flutes", "-3");
     desk.assert_shows("Cutter length_mm is -3");
     assert!(!desk.flank().can_plan());
+    desk.until("nothing is worked on", |desk| !desk.flank().work.is_busy());
     desk.picture("flank_refused_1000_dark");
     desk.enter("Flutes", "5");
     desk.until("it is looked at", |desk| desk.flank().planned().is_some());

@@ -21,7 +21,9 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Answer> {
         tick(ui, &mut choice.cl, RichText::new("flank.cl").monospace());
         says(ui, "cutter locations, APT");
         ui.end_row();
-        ui.add_enabled_ui(has_machine, |ui| tick(ui, &mut choice.nc, RichText::new(format!("flank.{ending}")).monospace()));
+        ui.add_enabled_ui(has_machine, |ui| {
+            tick(ui, &mut choice.nc, RichText::new(format!("flank.{ending}")).monospace())
+        });
         says(ui, if has_machine { "program for the machine" } else { "no machine has a path" });
         ui.end_row();
         tick(ui, &mut choice.csv, RichText::new("path.csv").monospace());

@@ -65,7 +65,8 @@ fn plan(ui: &mut Ui, core: &mut Core) {
 /// What is being done, what is wrong, or what is known, in one line.
 fn standing(ui: &mut Ui, core: &mut Core) {
     let colours = palette(ui);
-    if let Some(doing) = core.flank.work.doing().cloned() {
+    let is_possible = core.flank.params.validate().is_ok();
+    if let Some(doing) = core.flank.work.doing().filter(|_| is_possible).cloned() {
         let bar = ui.add(ProgressBar::new(doing.fraction as f32).desired_width(110.0).desired_height(8.0));
         let percent = format!("{} {:.0} %", doing.stage, 100.0 * doing.fraction);
         bar.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &percent));
@@ -186,6 +187,8 @@ fn path(ui: &mut Ui, params: &mut FlankDocument, wrong: &mut Option<String>) {
     grid(ui, &mut plan.grid, wrong);
     objective(ui, &mut plan.objective, wrong);
     fields::count(ui, &mut plan.rounds, Number::count("Rounds", "Most rounds of refinement; 0 for none"), wrong);
+    let hint = "How far the cutter's bottom reaches below the lower guide, along its axis";
+    fields::number(ui, &mut plan.below_mm, Number::mm("Below", hint), wrong);
     named(ui, "Ends", |ui, _| {
         let hint = "Go on past the ends of the guides until the whole surface is covered";
         tick(ui, &mut plan.is_covering, "cover the whole surface").on_hover_text(hint);
