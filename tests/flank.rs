@@ -36,12 +36,15 @@ fn run(input: &FlankInput) -> FlankResult {
     flank(input, &Progress::silent(), &Cancel::default()).unwrap()
 }
 
-/// Both of the paper's surfaces with every default.
+/// Both of the paper's surfaces with the paper's cone and every default.
 fn planned() -> &'static [(FlankDocument, FlankResult); 2] {
     static PLANNED: OnceLock<[(FlankDocument, FlankResult); 2]> = OnceLock::new();
     PLANNED.get_or_init(|| {
         [DemonstrationSurface::A, DemonstrationSurface::B].map(|surface| {
-            let document = demonstration(surface);
+            let mut document = demonstration(surface);
+            // The reference's cutter of radius 1 mm ends where it touches the lower guide.
+            let cutter = &mut document.cutter;
+            cutter.radius_mm -= document.plan.below_mm * cutter.half_angle().tan();
             let result = run(&loaded(&document));
             (document, result)
         })

@@ -14,6 +14,8 @@ use crate::project::flank_params::{DemonstrationSurface, FlankDocument, FlankSou
 
 /// Places at which lengths are measured.
 const LOOKS: usize = 512;
+/// How far a radius may be off the paper's 1 mm to be compared with it (mm).
+const NEAR_MM: f64 = 0.02;
 /// The most points of the curve of an axis.
 const MOST_POINTS: usize = 4000;
 
@@ -115,7 +117,9 @@ fn path(result: &FlankResult, choice: PathChoice) -> PathEntry {
 
 fn paper(document: &FlankDocument) -> PaperEntry {
     let cutter = &document.cutter;
-    let is_its_cone = cutter.radius_mm == 1.0 && cutter.taper_deg == 5.0;
+    // Where it touches the lower guide, which its bottom may reach below.
+    let radius = cutter.radius_at(document.plan.below_mm);
+    let is_its_cone = (radius - 1.0).abs() <= NEAR_MM && cutter.taper_deg == 5.0;
     let comparable = match &document.source {
         FlankSource::Demonstration { surface } if is_its_cone => Some(surface.paper_ratio()),
         _ => None,

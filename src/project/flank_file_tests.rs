@@ -63,3 +63,25 @@ fn what_is_no_flank_is_answered_with_the_place_and_the_reason() {
     assert!(write_flank(&file, &broken).is_err());
     assert!(read_flank(&folder.path().join("none")).unwrap_err().to_string().contains("cannot be read"));
 }
+
+#[test]
+fn every_change_has_a_name_for_undo() {
+    let before = FlankDocument::default();
+    let changes: [(&str, fn(&mut FlankDocument)); 9] = [
+        ("Surface", |d| d.source = FlankSource::Demonstration { surface: DemonstrationSurface::B }),
+        ("Radius of the cutter", |d| d.cutter.radius_mm = 2.0),
+        ("Cutter", |d| d.cutter.name.push('x')),
+        ("Grid", |d| d.plan.grid = [50, 20]),
+        ("Plan", |d| d.plan.rounds = 3),
+        ("Machine", |d| d.milling.machine.clear()),
+        ("Milling", |d| d.milling.program.feed_mm_per_min = 1.0),
+        ("Envelope tolerance", |d| d.envelope_tolerance_mm = 0.01),
+        ("Override of gouge", |d| d.overrides.push("gouge".to_owned())),
+    ];
+    for (name, change) in changes {
+        let mut after = before.clone();
+        change(&mut after);
+        assert_eq!(after.change_since(&before), name);
+    }
+    assert_eq!(before.change_since(&before), "");
+}

@@ -38,9 +38,9 @@ fn a_demonstration_is_planned_written_and_the_same_again_from_its_file() {
     }
     let json: serde_json::Value = serde_json::from_slice(&std::fs::read(out.join("flank.json")).unwrap()).unwrap();
     assert_eq!((&json["holds"], &json["grid"]), (&true.into(), &serde_json::json!([30, 12])));
-    assert!(json["paths"][1]["ratio"].as_f64().unwrap() < 0.65);
+    assert!(json["paths"][1]["ratio"].as_f64().unwrap() < 0.75);
     // From the saved file, on one thread and as JSON.
-    let output = sparkpath(&["--threads", "1", "--json", "flank", save_name, "--out", again_name]);
+    let output = sparkpath(&["flank", "--threads", "1", "--json", save_name, "--out", again_name]);
     assert_eq!(output.status.code(), Some(0));
     for name in ["flank.json", "flank.cl", "flank.ngc", "path.csv", "report.html"] {
         assert!(std::fs::read(out.join(name)).unwrap() == std::fs::read(again.join(name)).unwrap(), "{name}");
@@ -78,16 +78,16 @@ fn the_flanks_of_a_mesh_are_listed_and_one_is_milled() {
         let (a, b) = (i, (i + 1) % 4);
         triangles.extend([[a, b, b + 4], [a, b + 4, a + 4]]);
     }
-    let mesh = Mesh { vertices: [ring(10.0, 6.0, 0.0), ring(10.0, 4.0, 12.0)].concat(), triangles };
+    let mesh = Mesh { vertices: [ring(1.5, 1.5, 0.0), ring(1.5, 1.0, 3.0)].concat(), triangles };
     assert!(mesh.is_watertight() && mesh.volume() > 0.0);
     let folder = tempfile::tempdir().unwrap();
     let part = folder.path().join("wedge.stl");
     write_stl(&part, &mesh).unwrap();
     let part = part.to_str().unwrap();
-    let output = sparkpath(&["--json", "flank", "--mesh", part, "--units", "mm", "--list"]);
+    let output = sparkpath(&["flank", "--json", "--mesh", part, "--units", "mm", "--list"]);
     assert_eq!(output.status.code(), Some(0));
     let list: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    let leaning = 20.0 * 12f64.hypot(2.0);
+    let leaning = 3.0 * 3f64.hypot(0.5);
     let is_leaning = |c: &&serde_json::Value| (c["area_mm2"].as_f64().unwrap() - leaning).abs() < 1e-6;
     let found: Vec<&serde_json::Value> = list.as_array().unwrap().iter().filter(is_leaning).collect();
     assert!(found.len() == 2 && found.iter().all(|c| c["kind"] == "plane" && c["is_ruled"] == true), "{list}");
