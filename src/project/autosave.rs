@@ -320,6 +320,24 @@ mod tests {
     }
 
     #[test]
+    fn a_flank_is_kept_with_the_file_that_it_belongs_to() {
+        let folder = tempfile::tempdir().unwrap();
+        let copies = folder.path().join("copies");
+        let mut autosave = Autosave::start(&copies).unwrap();
+        let document = FlankDocument { envelope_tolerance_mm: 0.007, ..FlankDocument::default() };
+        let file = folder.path().join("mine.sparkflank");
+        autosave.update_flank(Some(&document), Some(&file)).unwrap();
+        let broken = FlankDocument { envelope_tolerance_mm: 0.0, ..document.clone() };
+        autosave.update_flank(Some(&broken), Some(&file)).unwrap();
+        drop(autosave);
+        let found = Recovery::find(&copies);
+        let [flank] = &found[..] else { panic!("{found:?}") };
+        assert_eq!(flank.kind(), CopyKind::Flank);
+        let Recovered::Flank(recovered, of) = flank.work().unwrap() else { panic!("{flank:?}") };
+        assert_eq!((*recovered, of), (document, Some(file)));
+    }
+
+    #[test]
     fn unsaved_work_is_found_after_its_program_is_gone_but_not_before() {
         let folder = tempfile::tempdir().unwrap();
         let document = unsaved(77);

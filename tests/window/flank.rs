@@ -1,6 +1,7 @@
 //! The workspace of flanks.
 
 use egui::{Key, Modifiers, Role};
+use egui_kittest::kittest::{By, Queryable as _};
 use sparkpath::app::{FlankDesk, Opening, Workspace};
 use sparkpath::flank::ruled_surface::Side;
 use sparkpath::jobs::pipeline::StageState;
@@ -58,6 +59,14 @@ fn a_flank_is_planned_looked_at_and_exported() {
     desk.assert_shows("40 × 20 places of the surface");
     desk.key(Key::Num5);
     desk.pictures("flank");
+    let plot = desk.window.get(By::new().role(Role::Image).label("Plot of ranks")).rect();
+    desk.window.hover_at(plot.center());
+    desk.window.drag_at(plot.center());
+    desk.window.drop_at(plot.center());
+    desk.settle();
+    let rank = desk.flank().rank.unwrap();
+    let sum = plan.ranks.sums[rank - 1].unwrap();
+    desk.assert_shows(&format!("rank {rank}: sum {sum:.3} mm"));
 
     // Where the cutter stands.
     let cutter = |desk: &Desk| desk.app().scene().objects.last().unwrap().transform.translation;
