@@ -14,6 +14,8 @@ mod electrodes;
 mod exporting;
 #[path = "window/failures.rs"]
 mod failures;
+#[path = "window/flank.rs"]
+mod flank;
 #[path = "window/journey.rs"]
 mod journey;
 #[path = "window/keeping.rs"]

@@ -3,6 +3,8 @@
 use egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::core::Core;
+use super::flank::FlankDesk;
+use super::workspace::Workspace;
 use crate::jobs::pipeline::StageState;
 use crate::project::Stage;
 use crate::render::view::StandardView;
@@ -45,9 +47,8 @@ pub enum Command {
     Colours,
     /// Shows the stock left in the channel as colours.
     Leftover,
-    /// Shows blisks or molds.
-    BliskWorkspace,
-    MoldWorkspace,
+    /// Shows one of the workspaces.
+    Workspace(Workspace),
     FindUncut,
     DesignElectrodes,
     /// Shows regions or electrodes.
@@ -58,6 +59,14 @@ pub enum Command {
     Layers,
     DepthColours,
     FaintMold,
+    PlanFlank,
+    NextPath,
+    SideBySide,
+    FaceFlank,
+    ShowCutter,
+    AxisSurface,
+    Rulings,
+    MovingCutter,
     FoldPanel,
     FoldList,
     Screenshot,
@@ -100,8 +109,6 @@ impl Command {
             C::Measure,
             C::Colours,
             C::Leftover,
-            C::BliskWorkspace,
-            C::MoldWorkspace,
             C::FindUncut,
             C::DesignElectrodes,
             C::Electrodes,
@@ -111,6 +118,14 @@ impl Command {
             C::Layers,
             C::DepthColours,
             C::FaintMold,
+            C::PlanFlank,
+            C::NextPath,
+            C::SideBySide,
+            C::FaceFlank,
+            C::ShowCutter,
+            C::AxisSurface,
+            C::Rulings,
+            C::MovingCutter,
             C::FoldPanel,
             C::FoldList,
             C::Screenshot,
@@ -121,6 +136,7 @@ impl Command {
             C::About,
             C::Quit,
         ];
+        all.extend(Workspace::ALL.map(C::Workspace));
         all.extend(StandardView::ALL.map(C::View));
         all.extend(Stage::ALL.map(C::Step));
         all
@@ -159,8 +175,9 @@ impl Command {
             Self::Measure => "Measure",
             Self::Colours => "Clearance colours",
             Self::Leftover => "Stock left as colours",
-            Self::BliskWorkspace => "Workspace: blisk feed",
-            Self::MoldWorkspace => "Workspace: mold",
+            Self::Workspace(Workspace::Blisk) => "Workspace: blisk feed",
+            Self::Workspace(Workspace::Mold) => "Workspace: mold",
+            Self::Workspace(Workspace::Flank) => "Workspace: flank milling",
             Self::FindUncut => "Find what is left uncut",
             Self::DesignElectrodes => "Design electrodes",
             Self::Electrodes => "Regions or electrodes",
@@ -170,8 +187,16 @@ impl Command {
             Self::Layers => "Layers of the mold",
             Self::DepthColours => "Regions by depth or by number",
             Self::FaintMold => "Mold faint or solid",
-            Self::FoldPanel => "Show or fold the mold's panel",
-            Self::FoldList => "Show or fold the list of regions",
+            Self::PlanFlank => "Plan the flank's path",
+            Self::NextPath => "Next of initial, chosen and refined path",
+            Self::SideBySide => "Initial, chosen and refined side by side",
+            Self::FaceFlank => "View square to the flank",
+            Self::ShowCutter => "Show or hide the cutter",
+            Self::AxisSurface => "Show or hide the surface of its axis",
+            Self::Rulings => "Show or hide rulings",
+            Self::MovingCutter => "Deviation of the moving or the standing cutter",
+            Self::FoldPanel => "Show or fold the panel on the left",
+            Self::FoldList => "Show or fold the panel on the right",
             Self::Screenshot => "Save picture…",
             Self::Theme => "Dark or light",
             Self::Palette => "Commands…",
@@ -200,6 +225,13 @@ impl Command {
             Self::Plan => (NONE, Key::F5),
             Self::FindUncut => (NONE, Key::F6),
             Self::DesignElectrodes => (NONE, Key::F7),
+            Self::PlanFlank => (NONE, Key::F8),
+            Self::NextPath => (NONE, Key::N),
+            Self::SideBySide => (NONE, Key::V),
+            Self::FaceFlank => (NONE, Key::Num5),
+            Self::ShowCutter => (NONE, Key::T),
+            Self::AxisSurface => (NONE, Key::A),
+            Self::MovingCutter => (NONE, Key::W),
             Self::Electrodes => (NONE, Key::E),
             Self::Isolate => (NONE, Key::I),
             Self::Layers => (NONE, Key::L),
@@ -231,8 +263,9 @@ impl Command {
 
     /// Whether its keys are those that text fields and sliders need for themselves.
     fn yields_to_focus(self) -> bool {
-        self.shortcut()
-            .is_some_and(|s| s.modifiers == Modifiers::NONE && !matches!(s.logical_key, Key::F5 | Key::F6 | Key::F7))
+        self.shortcut().is_some_and(|s| {
+            s.modifiers == Modifiers::NONE && !matches!(s.logical_key, Key::F5 | Key::F6 | Key::F7 | Key::F8)
+        })
     }
 
     /// Its name with its keys, for a tooltip.
@@ -245,24 +278,25 @@ impl Command {
 
     /// Whether it can be done now.
     pub fn is_enabled(self, core: &Core) -> bool {
-        let mold = &core.mold;
+        let (mold, is_of_mold) = (&core.mold, core.workspace == Workspace::Mold);
         match self {
-            _ if !self.is_of_workspace(mold.is_shown) => false,
-            Self::Cancel if mold.is_shown => mold.work.is_busy(),
+            _ if !self.is_of_workspace(core.workspace) => false,
+            _ if core.workspace == Workspace::Flank => self.is_enabled_for_flank(&core.flank),
+            Self::Cancel if is_of_mold => mold.work.is_busy(),
             Self::FindUncut | Self::DesignElectrodes => mold.work.mold_state(&mold.params) == StageState::Done,
             Self::Electrodes => mold.electrodes.designed().is_some(),
             Self::FlyToRegion | Self::Isolate if mold.electrodes.seen().is_some() => mold.electrodes.chosen().is_some(),
             Self::Section | Self::Play | Self::NextNode | Self::PreviousNode | Self::FirstNode | Self::LastNode
-                if mold.is_shown =>
+                if is_of_mold =>
             {
                 mold.electrodes.seen().is_some() && mold.electrodes.chosen().is_some()
             }
-            Self::Export if mold.is_shown => mold.is_designed(),
+            Self::Export if is_of_mold => mold.is_designed(),
             Self::CompareCutters => mold.state() == StageState::Done,
             Self::FlyToRegion | Self::Isolate => mold.selected.is_some(),
             Self::Layers if mold.electrodes.seen().is_some() => false,
             Self::Layers => mold.found().is_some_and(|found| !found.uncut.layers.is_empty()),
-            Self::Undo | Self::Redo if mold.is_shown => mold.undo_label(self == Self::Redo).is_some(),
+            Self::Undo | Self::Redo if is_of_mold => mold.undo_label(self == Self::Redo).is_some(),
             Self::Undo => core.document.undo_label().is_some(),
             Self::Redo => core.document.redo_label().is_some(),
             // A job file names a mesh file.
@@ -282,18 +316,37 @@ impl Command {
         }
     }
 
-    /// Whether it means something while molds are shown, or else blisks.
-    fn is_of_workspace(self, of_molds: bool) -> bool {
-        use Command as C;
+    /// The same while flanks are shown.
+    fn is_enabled_for_flank(self, flank: &FlankDesk) -> bool {
         match self {
-            C::FindUncut | C::DesignElectrodes | C::Electrodes | C::CompareCutters | C::FlyToRegion => of_molds,
-            C::Section | C::Export => true,
-            C::Play | C::NextNode | C::PreviousNode | C::FirstNode | C::LastNode => true,
-            C::Isolate | C::Layers | C::DepthColours | C::FaintMold | C::FoldPanel | C::FoldList => of_molds,
+            Self::Cancel => flank.work.is_busy(),
+            Self::PlanFlank => flank.can_plan(),
+            Self::Export => flank.is_planned(),
+            Self::Undo | Self::Redo => flank.record.undo_label(self == Self::Redo).is_some(),
+            Self::Play | Self::NextNode | Self::PreviousNode | Self::FirstNode | Self::LastNode => {
+                flank.planned().is_some()
+            }
+            Self::NextPath | Self::SideBySide | Self::AxisSurface | Self::MovingCutter => flank.planned().is_some(),
+            _ => true,
+        }
+    }
+
+    /// Whether it means something in `workspace`.
+    fn is_of_workspace(self, workspace: Workspace) -> bool {
+        use Command as C;
+        let [of_mold, of_flank] = [Workspace::Mold, Workspace::Flank].map(|one| workspace == one);
+        match self {
+            C::FindUncut | C::DesignElectrodes | C::Electrodes | C::CompareCutters | C::FlyToRegion => of_mold,
+            C::Section => !of_flank,
+            C::Play | C::NextNode | C::PreviousNode | C::FirstNode | C::LastNode | C::Export => true,
+            C::Isolate | C::Layers | C::DepthColours | C::FaintMold => of_mold,
+            C::FoldPanel | C::FoldList => of_mold || of_flank,
+            C::PlanFlank | C::NextPath | C::SideBySide | C::FaceFlank | C::ShowCutter => of_flank,
+            C::AxisSurface | C::Rulings | C::MovingCutter => of_flank,
             C::Open | C::Reload | C::Quit | C::Preferences | C::Cancel | C::Fit | C::View(_) | C::Projection => true,
-            C::BliskWorkspace | C::MoldWorkspace | C::Save | C::SaveAs | C::Undo | C::Redo => true,
+            C::Workspace(_) | C::Save | C::SaveAs | C::Undo | C::Redo => true,
             C::Screenshot | C::Theme | C::Palette | C::Log | C::About => true,
-            _ => !of_molds,
+            _ => workspace == Workspace::Blisk,
         }
     }
 

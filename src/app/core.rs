@@ -8,6 +8,7 @@ use std::time::{Duration, Instant, SystemTime};
 
 use super::commands::Command;
 pub use super::cursor::Cursor;
+use super::flank::FlankDesk;
 use super::kept_runs::KeptRuns;
 use super::machine_bodies::MachineBodies;
 use super::machine_motion::MachineMotion;
@@ -15,6 +16,7 @@ use super::mold::MoldDesk;
 use super::preferences::Preferences;
 use super::swept::Swept;
 use super::tuning::Tuning;
+use super::workspace::Workspace;
 use crate::feed::pose::Pose;
 use crate::feed::search::Strategy;
 use crate::jobs::pipeline::{Event, EventKind, Pipeline, StageState};
@@ -60,8 +62,12 @@ pub struct Core {
     /// The whole motion on the machine.
     pub machine: MachineMotion,
     bodies: MachineBodies,
+    /// What the window shows.
+    pub workspace: Workspace,
     /// The workspace of molds.
     pub mold: MoldDesk,
+    /// That of flanks.
+    pub flank: FlankDesk,
     /// Plans that are kept to compare with.
     pub kept: KeptRuns,
     /// Withdrawn distances at which ghosts of the electrode are pinned (mm).
@@ -141,7 +147,9 @@ impl Core {
             bodies: MachineBodies::start(wake.clone())?,
             kept: KeptRuns::start(wake.clone())?,
             tuning: Tuning::start(wake.clone())?,
-            mold: MoldDesk::start(wake)?,
+            mold: MoldDesk::start(wake.clone())?,
+            flank: FlankDesk::start(wake)?,
+            workspace: Workspace::default(),
             machine: MachineMotion::default(),
             coloured: None,
             colours_asked: None,
@@ -178,7 +186,7 @@ impl Core {
     /// Takes in what the worker has said. Answers what has happened.
     pub fn follow(&mut self) -> Vec<Event> {
         // Nothing is made of a blisk that nobody has looked at.
-        if self.mold.is_shown && self.pipeline.state(Stage::Part) == StageState::Missing {
+        if self.workspace != Workspace::Blisk && self.pipeline.state(Stage::Part) == StageState::Missing {
             return Vec::new();
         }
         let events = self.pipeline.follow(&mut self.document);

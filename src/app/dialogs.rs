@@ -11,7 +11,7 @@ use super::preferences::{LengthUnit, Navigation, Preferences, ThemeChoice};
 use super::status::colour_of;
 use super::stepper::sentence;
 use super::theme::palette;
-use crate::project::{MovedMesh, ProjectFile, Recovery};
+use crate::project::{CopyKind, MovedMesh, ProjectFile, Recovery};
 
 /// What the user is asked, one thing at a time.
 #[derive(Default)]
@@ -29,6 +29,8 @@ pub enum Dialog {
     Preferences,
     /// What is exported and where.
     Export,
+    /// The same of a flank.
+    ExportFlank,
     /// A path, typed because the system has no file dialogs.
     Path(Purpose, String),
     /// This file is there already.
@@ -46,17 +48,20 @@ pub enum Work {
     Blisk,
     /// Those of the mold.
     Mold,
+    /// Those of the flank.
+    Flank,
 }
 
 impl Work {
-    /// Both, in the order in which they are asked about.
-    pub const ALL: [Self; 2] = [Self::Blisk, Self::Mold];
+    /// All of it, in the order in which it is asked about.
+    pub const ALL: [Self; 3] = [Self::Blisk, Self::Mold, Self::Flank];
 
     /// Whether there is work of this kind that no file holds.
     pub fn is_unsaved(self, core: &Core) -> bool {
         match self {
             Self::Blisk => core.document.is_unsaved(),
             Self::Mold => core.mold.is_unsaved(),
+            Self::Flank => core.flank.is_unsaved(),
         }
     }
 }
@@ -70,6 +75,8 @@ pub enum Intent {
     Open(PathBuf),
     /// Opens this mold, saved or a mesh.
     OpenMold(PathBuf),
+    /// Opens this flank.
+    OpenFlank(PathBuf),
     /// Asks for a file to open.
     AskOpen,
     /// Starts from the demonstration blisk.
@@ -82,6 +89,7 @@ impl Intent {
         match self {
             Self::Quit => true,
             Self::OpenMold(_) => work == Work::Mold,
+            Self::OpenFlank(_) => work == Work::Flank,
             Self::Open(_) | Self::AskOpen | Self::Demonstration => work == Work::Blisk,
         }
     }
@@ -104,6 +112,8 @@ pub enum Answer {
     OpenAnyway,
     /// Choose the folder and export.
     ExportTo,
+    /// Choose the folder and export the flank.
+    ExportFlankTo,
     /// Choose an NC post of one's own, and go on with the export.
     OwnPost,
     /// Take this path.
@@ -122,7 +132,7 @@ pub fn show(ctx: &egui::Context, core: &mut Core, dialog: &mut Dialog, adapter: 
         Dialog::Recover(_) => "Recovered work",
         Dialog::Moved(..) => "Meshes of this project",
         Dialog::Preferences => "Preferences",
-        Dialog::Export => "Export",
+        Dialog::Export | Dialog::ExportFlank => "Export",
         Dialog::Path(purpose, _) => purpose.title(),
         Dialog::Overwrite(..) => "Replace this file?",
         Dialog::About => "About Sparkpath",
@@ -157,6 +167,7 @@ fn contents(ui: &mut Ui, core: &mut Core, dialog: &mut Dialog, adapter: &str) ->
         Dialog::Moved(_, moved, _) => moved_meshes(ui, moved),
         Dialog::Preferences => preferences(ui, &mut core.preferences),
         Dialog::Export => export_dialog::show(ui, core),
+        Dialog::ExportFlank => super::flank::export_dialog(ui, core),
         Dialog::Path(purpose, text) => path(ui, purpose, text),
         Dialog::Overwrite(_, path) => {
             ui.label(format!("{} is there already. What it holds would be lost.", path.display()));
@@ -194,6 +205,7 @@ fn unsaved(ui: &mut Ui, core: &Core, work: Work, intent: &Intent) -> Option<Answ
     let name = match work {
         Work::Blisk => core.document.name(),
         Work::Mold => format!("The mold {}", core.mold.name()),
+        Work::Flank => format!("The flank {}", core.flank.name()),
     };
     ui.label(format!("{name} has changes that no file holds."));
     buttons(
@@ -217,7 +229,11 @@ fn recover(ui: &mut Ui, copies: &[Recovery]) -> Option<Answer> {
             if ui.button("Recover").clicked() {
                 answer = Some(Answer::Recover(i));
             }
-            ui.label(if copy.is_of_mold() { format!("Mold, {name}") } else { name });
+            ui.label(match copy.kind() {
+                CopyKind::Blisk => name,
+                CopyKind::Mold => format!("Mold, {name}"),
+                CopyKind::Flank => format!("Flank, {name}"),
+            });
             ui.label(RichText::new(age).color(palette(ui).faint));
         });
     }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
+use crate::project::flank_file;
 use crate::project::mold_file::ENDING;
 
 /// What a chosen path is for.
@@ -39,6 +40,53 @@ pub enum Purpose {
     SaveCutters,
     /// The mesh that was at this path.
     MovedMesh(PathBuf),
+    /// Something of a flank.
+    Flank(FlankPurpose),
+    /// Where the flank is saved.
+    SaveFlank,
+}
+
+/// What of a flank a chosen path is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FlankPurpose {
+    /// A flank that was saved, or a mesh with one.
+    Open,
+    /// Points of the lower guide curve.
+    Lower,
+    /// Of the upper one.
+    Upper,
+    /// A mesh with the flank.
+    Mesh,
+    /// Walls that must not be cut.
+    Walls,
+    /// A machine of one's own.
+    Machine,
+    /// Folder for the exported files.
+    Folder,
+}
+
+impl FlankPurpose {
+    fn title(self) -> &'static str {
+        match self {
+            Self::Open => "Open a flank",
+            Self::Lower => "Points of the lower guide curve",
+            Self::Upper => "Points of the upper guide curve",
+            Self::Mesh => "Mesh with the flank",
+            Self::Walls => "Neighbouring walls",
+            Self::Machine => "Your own milling machine",
+            Self::Folder => "Folder for the flank's files",
+        }
+    }
+
+    /// What the dialog offers, and the endings of that.
+    fn filter(self) -> (&'static str, Vec<&'static str>) {
+        match self {
+            Self::Open => ("Flanks and meshes", [&MESHES[..], &["sparkflank"]].concat()),
+            Self::Lower | Self::Upper => ("Points", vec!["csv", "txt"]),
+            Self::Mesh | Self::Walls => ("Meshes", MESHES.to_vec()),
+            Self::Machine | Self::Folder => ("Machine", vec!["toml"]),
+        }
+    }
 }
 
 /// A native dialog that comes back this soon was never seen by anybody: the system has none.
@@ -90,6 +138,8 @@ impl Purpose {
             Self::SaveCutters => "Save cutters",
             Self::ElectrodeFolder => "Folder for the electrodes",
             Self::MovedMesh(_) => "Find the mesh",
+            Self::Flank(what) => what.title(),
+            Self::SaveFlank => "Save flank",
         }
     }
 
@@ -98,12 +148,13 @@ impl Purpose {
         match self {
             Self::SaveProject => Some(".sparkpath"),
             Self::SaveMold => Some(ENDING),
+            Self::SaveFlank => Some(flank_file::ENDING),
             Self::SaveJob | Self::SaveCutters => Some(".toml"),
             Self::Picture => Some(".png"),
             Self::Open | Self::ExportFolder | Self::ElectrodeMesh | Self::Post | Self::Machine | Self::MovedMesh(_) => {
                 None
             }
-            Self::Mold | Self::Cutters | Self::OtherCutters | Self::ElectrodeFolder => None,
+            Self::Mold | Self::Cutters | Self::OtherCutters | Self::ElectrodeFolder | Self::Flank(_) => None,
         }
     }
 
@@ -145,7 +196,10 @@ impl FileDialogs {
             let path = match &purpose {
                 Purpose::Open => dialog
                     .set_title(purpose.title())
-                    .add_filter("Projects and meshes", &[&MESHES[..], &["sparkpath"]].concat())
+                    .add_filter(
+                        "Projects and meshes",
+                        &[&MESHES[..], &["sparkpath", "sparkmold", "sparkflank"]].concat(),
+                    )
                     .add_filter("All files", &["*"])
                     .pick_file(),
                 Purpose::MovedMesh(_) | Purpose::ElectrodeMesh => dialog
@@ -180,7 +234,22 @@ impl FileDialogs {
                 }
                 Purpose::Machine => dialog.set_title(purpose.title()).add_filter("Machine", &["toml"]).pick_file(),
                 Purpose::Post => dialog.set_title(purpose.title()).add_filter("Post", &["toml"]).pick_file(),
-                Purpose::ExportFolder | Purpose::ElectrodeFolder => dialog.set_title(purpose.title()).pick_folder(),
+                Purpose::ExportFolder | Purpose::ElectrodeFolder | Purpose::Flank(FlankPurpose::Folder) => {
+                    dialog.set_title(purpose.title()).pick_folder()
+                }
+                Purpose::Flank(what) => {
+                    let (name, endings) = what.filter();
+                    dialog
+                        .set_title(what.title())
+                        .add_filter(name, &endings)
+                        .add_filter("All files", &["*"])
+                        .pick_file()
+                }
+                Purpose::SaveFlank => dialog
+                    .set_title(purpose.title())
+                    .add_filter("Flank", &["sparkflank"])
+                    .set_file_name(name)
+                    .save_file(),
             };
             let _ = sender.send(path);
             ctx.request_repaint();

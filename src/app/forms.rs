@@ -325,7 +325,7 @@ fn number(ui: &mut Ui, value: &Value, decimals: usize, label: egui::Id) -> Optio
 }
 
 /// A typed number; what is none goes into `wrong`.
-fn parsed_or(text: &str, wrong: &RefCell<Option<String>>) -> Option<f64> {
+pub(super) fn parsed_or(text: &str, wrong: &RefCell<Option<String>>) -> Option<f64> {
     let number = parsed(text);
     if number.is_none() && !text.trim().is_empty() {
         *wrong.borrow_mut() = Some(text.to_owned());
@@ -334,7 +334,7 @@ fn parsed_or(text: &str, wrong: &RefCell<Option<String>>) -> Option<f64> {
 }
 
 /// A number in the room that a field has: one that is far out of every range is written with an exponent.
-fn short(number: f64, decimals: std::ops::RangeInclusive<usize>) -> String {
+pub(super) fn short(number: f64, decimals: std::ops::RangeInclusive<usize>) -> String {
     const LARGE: f64 = 1e6;
     if number.abs() < LARGE {
         egui::emath::format_with_decimals_in_range(number, decimals)
@@ -421,7 +421,7 @@ pub fn shown_choice(words: &[(&str, &str)], now: &str) -> String {
     shown.unwrap_or_else(|| file_name(now))
 }
 
-fn file_name(path: &str) -> String {
+pub(super) fn file_name(path: &str) -> String {
     std::path::Path::new(path).file_name().map_or(path.to_owned(), |n| n.to_string_lossy().into_owned())
 }
 

@@ -4,6 +4,7 @@ use egui::{RichText, Role, Ui, WidgetInfo};
 
 use super::commands::Command;
 use super::core::Core;
+use super::workspace::Workspace;
 use crate::render::view::StandardView;
 
 /// Draws it. Answers a file to be opened from the list of recent ones.
@@ -26,9 +27,10 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<std::path::PathBuf> {
             item(ui, core, Command::Quit);
         });
         ui.menu_button("Edit", |ui| {
-            let [undo, redo] = match core.mold.is_shown {
-                true => [false, true].map(|again| core.mold.undo_label(again)),
-                false => [core.document.undo_label(), core.document.redo_label()],
+            let [undo, redo] = match core.workspace {
+                Workspace::Mold => [false, true].map(|again| core.mold.undo_label(again)),
+                Workspace::Flank => [false, true].map(|again| core.flank.record.undo_label(again)),
+                Workspace::Blisk => [core.document.undo_label(), core.document.redo_label()],
             };
             let [undo, redo] = [undo.map(|l| format!("Undo {l}")), redo.map(|l| format!("Redo {l}"))];
             named(ui, core, Command::Undo, undo);
@@ -36,14 +38,14 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<std::path::PathBuf> {
             ui.separator();
             item(ui, core, Command::Preferences);
         });
-        if !core.mold.is_shown {
+        if core.workspace == Workspace::Blisk {
             ui.menu_button("Plan", |ui| {
                 for command in [Command::Plan, Command::Cancel, Command::Keep, Command::Approve, Command::Withdraw] {
                     item(ui, core, command);
                 }
             });
         }
-        if core.mold.is_shown {
+        if core.workspace == Workspace::Mold {
             ui.menu_button("Mold", |ui| {
                 for command in [Command::FindUncut, Command::DesignElectrodes, Command::CompareCutters, Command::Cancel]
                 {
@@ -59,6 +61,25 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<std::path::PathBuf> {
                 }
                 ui.separator();
                 for command in [Command::FlyToRegion, Command::Isolate] {
+                    item(ui, core, command);
+                }
+            });
+        }
+        if core.workspace == Workspace::Flank {
+            ui.menu_button("Flank", |ui| {
+                for command in [Command::PlanFlank, Command::Cancel] {
+                    item(ui, core, command);
+                }
+                ui.separator();
+                for command in [Command::NextPath, Command::SideBySide, Command::FaceFlank, Command::MovingCutter] {
+                    item(ui, core, command);
+                }
+                ui.separator();
+                for command in [Command::ShowCutter, Command::AxisSurface, Command::Rulings] {
+                    item(ui, core, command);
+                }
+                ui.separator();
+                for command in [Command::FoldPanel, Command::FoldList] {
                     item(ui, core, command);
                 }
             });
@@ -89,8 +110,9 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<std::path::PathBuf> {
 
 /// The switch between the workspaces, always in the same place, and before it what the window is about.
 fn title(ui: &mut Ui, core: &mut Core) {
-    let [blisk, mold] = [Command::BliskWorkspace, Command::MoldWorkspace];
-    for (name, command, on) in [("Mold", mold, core.mold.is_shown), ("Blisk", blisk, !core.mold.is_shown)] {
+    // From right to left.
+    for workspace in Workspace::ALL.into_iter().rev() {
+        let (name, command, on) = (workspace.name(), Command::Workspace(workspace), core.workspace == workspace);
         let response = ui.selectable_label(on, name).on_hover_text(command.hint(ui.ctx()));
         response.widget_info(|| WidgetInfo::selected(Role::Tab, true, on, format!("{name} workspace")));
         if response.clicked() {
@@ -98,10 +120,10 @@ fn title(ui: &mut Ui, core: &mut Core) {
         }
     }
     ui.separator();
-    if core.mold.is_shown {
-        document(ui, core.mold.name(), core.mold.is_unsaved());
-    } else {
-        document(ui, core.document.name(), core.document.is_unsaved());
+    match core.workspace {
+        Workspace::Blisk => document(ui, core.document.name(), core.document.is_unsaved()),
+        Workspace::Mold => document(ui, core.mold.name(), core.mold.is_unsaved()),
+        Workspace::Flank => document(ui, core.flank.name(), core.flank.is_unsaved()),
     }
 }
 

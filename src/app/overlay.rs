@@ -10,7 +10,7 @@ use super::viewport::Viewport;
 use crate::feed::simulation::Simulation;
 use crate::jobs::pipeline::StageState;
 use crate::project::Stage;
-use crate::render::colour_map::Legend;
+use crate::render::colour_map::{ColourMap, Legend};
 use crate::render::scene::SectionPlane;
 use crate::render::view::StandardView;
 
@@ -46,8 +46,9 @@ pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core, viewport: &mut Viewport) {
     }
 }
 
-/// The bar of colours with round values beside it and a mark at the value that counts.
-pub fn legend(ui: &Ui, rect: Rect, legend: &Legend) {
+/// The bar of colours with round values beside it and a mark at the value that counts, or at the middle of a map that has
+/// one. Answers where it is.
+pub fn legend(ui: &Ui, rect: Rect, legend: &Legend) -> Rect {
     let size = vec2(14.0, (rect.height() - 150.0).clamp(50.0, 180.0));
     let bar = Rect::from_min_size(pos2(rect.left() + 18.0, rect.top() + 78.0), size);
     let colours = palette(ui);
@@ -94,6 +95,11 @@ pub fn legend(ui: &Ui, rect: Rect, legend: &Legend) {
             colours.faint,
         );
     }
+    if legend.map == ColourMap::Diverging {
+        let line = egui::Stroke::new(1.5, Color32::from_gray(40));
+        painter.hline(bar.left() - 3.0..=bar.right() + 3.0, y(0.5 * (legend.min + legend.max)), line);
+    }
+    back
 }
 
 /// A row of commands with their short names, and whether they are on.

@@ -2,6 +2,7 @@
 
 mod commands;
 mod documents;
+mod flanks;
 mod molds;
 mod writing;
 
@@ -15,12 +16,14 @@ use super::commands::Command;
 use super::core::Core;
 use super::dialogs::{self, Dialog, Intent, Work};
 use super::files::{Chosen, FileDialogs, Purpose};
+use super::flank::{self, FlankView};
 use super::mold::{self, MoldView};
 use super::palette::CommandPalette;
 use super::pictures::Pictures;
 use super::plots::{self, Curves, Tab};
 use super::preferences::Preferences;
 use super::viewport::Viewport;
+use super::workspace::Workspace;
 use super::{forms::Request, inspector, menu, status, stepper, theme, timeline};
 use crate::jobs::pipeline::EventKind;
 use crate::project::{Autosave, Document, PlanJob, Recovery, user_folder};
@@ -64,6 +67,7 @@ pub struct SparkpathApp {
     core: Core,
     viewport: Viewport,
     mold_view: MoldView,
+    flank_view: FlankView,
     curves: Curves,
     tab: Tab,
     palette: CommandPalette,
@@ -110,6 +114,7 @@ impl SparkpathApp {
             core,
             viewport: Viewport::default(),
             mold_view: MoldView::default(),
+            flank_view: FlankView::default(),
             curves: Curves::default(),
             tab: Tab::Positions,
             palette: CommandPalette::default(),
@@ -141,7 +146,7 @@ impl SparkpathApp {
             Opening::Demonstration => {}
             Opening::File(path) => app.open(path),
             Opening::Mold(path) => {
-                app.core.mold.is_shown = true;
+                app.core.workspace = Workspace::Mold;
                 path.iter().for_each(|path| app.open_mold(path));
             }
         }
@@ -231,11 +236,20 @@ impl SparkpathApp {
             self.open_here(path, &ui.ctx().clone());
         }
         Panel::bottom("status").exact_size(26.0).show(ui, |ui| status::show(ui, &mut self.core));
-        if self.core.mold.is_shown {
-            if let Some(purpose) = mold::show(ui, &mut self.core, &mut self.mold_view) {
-                self.ask(purpose, "cutters.toml", &ui.ctx().clone());
+        match self.core.workspace {
+            Workspace::Blisk => {}
+            Workspace::Mold => {
+                if let Some(purpose) = mold::show(ui, &mut self.core, &mut self.mold_view) {
+                    self.ask(purpose, "cutters.toml", &ui.ctx().clone());
+                }
+                return;
             }
-            return;
+            Workspace::Flank => {
+                if let Some(purpose) = flank::show(ui, &mut self.core, &mut self.flank_view) {
+                    self.ask(purpose, "", &ui.ctx().clone());
+                }
+                return;
+            }
         }
         // In a small window, or one drawn large, the view comes first: what can be spared gives way to it.
         let room = ui.available_size();
@@ -305,9 +319,10 @@ impl SparkpathApp {
     }
 
     fn retitle(&mut self, ctx: &egui::Context) {
-        let (name, work) = match self.core.mold.is_shown {
-            true => (self.core.mold.name(), Work::Mold),
-            false => (self.core.document.name(), Work::Blisk),
+        let (name, work) = match self.core.workspace {
+            Workspace::Blisk => (self.core.document.name(), Work::Blisk),
+            Workspace::Mold => (self.core.mold.name(), Work::Mold),
+            Workspace::Flank => (self.core.flank.name(), Work::Flank),
         };
         let mark = if work.is_unsaved(&self.core) { "*" } else { "" };
         let title = format!("{name}{mark} - Sparkpath");
@@ -324,6 +339,7 @@ impl eframe::App for SparkpathApp {
         let ctx = ui.ctx().clone();
         self.core.follow();
         self.follow_mold(&ctx);
+        self.follow_flank(&ctx);
         self.plan_at_rest(&ctx);
         self.follow_pictures();
         let elapsed = Duration::from_secs_f32(ctx.input(|i| i.stable_dt).clamp(0.0, 0.1));
@@ -346,7 +362,7 @@ impl eframe::App for SparkpathApp {
         if Work::ALL.iter().any(|work| work.is_unsaved(&self.core)) {
             ctx.request_repaint_after(AUTOSAVE);
         }
-        if self.core.pipeline.is_busy() || self.core.mold.work.is_busy() {
+        if self.core.pipeline.is_busy() || self.core.mold.work.is_busy() || self.core.flank.work.is_busy() {
             // Time left and elapsed go on even while nothing is reported.
             ctx.request_repaint_after(Duration::from_millis(250));
         }

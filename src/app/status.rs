@@ -6,13 +6,21 @@ use super::commands::Command;
 use super::core::Core;
 use super::stepper::sentence;
 use super::theme::palette;
+use super::workspace::Workspace;
+use crate::jobs::kept::Doing;
 use crate::jobs::pipeline::EventKind;
 
 /// Draws it.
 pub fn show(ui: &mut Ui, core: &mut Core) {
     ui.horizontal(|ui| {
-        if core.mold.is_shown {
-            mold(ui, core);
+        let doing = match core.workspace {
+            Workspace::Blisk => None,
+            Workspace::Mold => core.mold.work.doing(),
+            Workspace::Flank => core.flank.work.doing(),
+        };
+        if let Some(doing) = doing.cloned() {
+            other(ui, &doing);
+        } else if core.workspace != Workspace::Blisk {
         } else if let Some(running) = core.pipeline.running().cloned() {
             ui.label(RichText::new(format!("{}: {}", running.stage.name(), running.doing)));
             let bar = ProgressBar::new(running.fraction as f32).desired_width(140.0).desired_height(8.0);
@@ -50,9 +58,8 @@ fn sizing(ui: &mut Ui, core: &mut Core) {
     ui.separator();
 }
 
-/// What is being done for a mold.
-fn mold(ui: &mut Ui, core: &mut Core) {
-    let Some(doing) = core.mold.work.doing() else { return };
+/// What is being done in another workspace.
+fn other(ui: &mut Ui, doing: &Doing) {
     ui.label(format!("{}: {}", doing.what, doing.stage));
     ui.add(ProgressBar::new(doing.fraction as f32).desired_width(140.0).desired_height(8.0));
     let elapsed = doing.since.elapsed().as_secs();
@@ -90,7 +97,12 @@ fn facts(ui: &mut Ui, core: &Core) {
     ui.label(RichText::new(unit).color(palette(ui).faint));
     let of_mold = core.mold.work.mold().map(|mold| mold.mesh.triangles.len());
     let of_part = core.pipeline.part().map(|part| part.mesh.triangles.len());
-    if let Some(count) = if core.mold.is_shown { of_mold } else { of_part } {
+    let count = match core.workspace {
+        Workspace::Blisk => of_part,
+        Workspace::Mold => of_mold,
+        Workspace::Flank => None,
+    };
+    if let Some(count) = count {
         ui.separator();
         let count = grouped(count);
         ui.label(RichText::new(format!("{count} triangles")).color(palette(ui).faint));

@@ -28,6 +28,19 @@ const FLIGHT: f64 = 0.25;
 /// How long after the last movement the view is drawn with full care.
 const REST: Duration = Duration::from_millis(160);
 
+/// Something that a scene was made of. It is held: the next one might else lie at its address.
+#[derive(Debug)]
+pub struct Source<T>(pub Option<Arc<T>>);
+
+impl<T> PartialEq for Source<T> {
+    fn eq(&self, other: &Self) -> bool {
+        match (&self.0, &other.0) {
+            (Some(one), Some(other)) => Arc::ptr_eq(one, other),
+            (one, other) => one.is_none() && other.is_none(),
+        }
+    }
+}
+
 /// What was clicked, in the coordinates of the loaded mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Probe {

@@ -1,6 +1,6 @@
 //! Unsaved work, kept in a folder of the program's own while there is any, so that it survives a kill.
 //!
-//! Each running program writes `<process>.sparkpath` and `<process>.sparkmold` beside `<process>.lock`, on which it holds
+//! Each running program writes `<process>.sparkpath`, `.sparkmold` and `.sparkflank` beside `<process>.lock`, on which it holds
 //! a lock as long as it lives. A copy whose lock can be taken was left by a program that did not end properly.
 
 use std::fs::{File, TryLockError};
@@ -10,18 +10,44 @@ use serde::{Deserialize, Serialize};
 
 use super::MoldParams;
 use super::document::Document;
+use super::flank_file::{is_flank_file, read_flank, write_flank};
+use super::flank_params::FlankDocument;
 use super::mold_file::{is_mold_file, read_mold, write_mold};
 use super::project_file::ProjectFile;
 use crate::mesh_io::atomic_write;
 
-/// How the names of copies end: of blisks and of molds.
-const COPIES: [&str; 2] = ["sparkpath", "sparkmold"];
+/// How the names of copies end, in the order of [`CopyKind`].
+const COPIES: [&str; 3] = ["sparkpath", "sparkmold", "sparkflank"];
+
+/// What a copy is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CopyKind {
+    /// A blisk's document.
+    Blisk,
+    /// A mold.
+    Mold,
+    /// A flank.
+    Flank,
+}
+
+impl CopyKind {
+    fn of(copy: &Path) -> Self {
+        if is_mold_file(copy) {
+            Self::Mold
+        } else if is_flank_file(copy) {
+            Self::Flank
+        } else {
+            Self::Blisk
+        }
+    }
+}
 
 /// Keeps the copies of one running program.
 #[derive(Debug)]
 pub struct Autosave {
     blisk: Kept<ProjectFile>,
     mold: Kept<MoldParams>,
+    flank: Kept<FlankDocument>,
     lock_path: PathBuf,
     _lock: File,
 }
@@ -67,6 +93,8 @@ pub enum Recovered {
     Blisk(Box<Document>),
     /// A mold, and the file that it was to be saved in if it had one.
     Mold(Box<MoldParams>, Option<PathBuf>),
+    /// A flank, likewise.
+    Flank(Box<FlankDocument>, Option<PathBuf>),
 }
 
 /// A copy that an earlier program left behind.
@@ -86,7 +114,11 @@ struct Note {
 }
 
 fn note_of(copy: &Path) -> PathBuf {
-    copy.with_extension(if is_mold_file(copy) { "mold-note" } else { "note" })
+    copy.with_extension(match CopyKind::of(copy) {
+        CopyKind::Blisk => "note",
+        CopyKind::Mold => "mold-note",
+        CopyKind::Flank => "flank-note",
+    })
 }
 
 impl Autosave {
@@ -104,9 +136,10 @@ impl Autosave {
             let lock = File::options().create(true).truncate(false).write(true).open(&lock_path)?;
             let copies = COPIES.map(path);
             if lock.try_lock().is_ok() && !copies.iter().any(|copy| copy.exists()) {
-                let [blisk, mold] = copies;
+                let [blisk, mold, flank] = copies;
                 let (blisk, mold) = (Kept { copy: blisk, written: None }, Kept { copy: mold, written: None });
-                return Ok(Self { blisk, mold, lock_path, _lock: lock });
+                let flank = Kept { copy: flank, written: None };
+                return Ok(Self { blisk, mold, flank, lock_path, _lock: lock });
             }
         }
         Err(std::io::Error::other("no free name for a copy"))
@@ -142,6 +175,21 @@ impl Autosave {
         Ok(())
     }
 
+    /// The same for a flank.
+    ///
+    /// # Errors
+    /// As [`Self::update_mold`].
+    pub fn update_flank(&mut self, unsaved: Option<&FlankDocument>, file: Option<&Path>) -> Result<(), String> {
+        match unsaved {
+            None => self.flank.discard(),
+            Some(document) if document.validate().is_err() => {}
+            Some(document) => self
+                .flank
+                .update(document.clone(), file, |one, copy| write_flank(copy, one).map_err(|e| e.to_string()))?,
+        }
+        Ok(())
+    }
+
     /// Removes the copy of the blisk: the work is saved, or was given up on purpose.
     pub fn discard(&mut self) {
         self.blisk.discard();
@@ -151,12 +199,17 @@ impl Autosave {
     pub fn discard_mold(&mut self) {
         self.mold.discard();
     }
+
+    /// Removes the copy of the flank.
+    pub fn discard_flank(&mut self) {
+        self.flank.discard();
+    }
 }
 
 impl Drop for Autosave {
     fn drop(&mut self) {
         // A copy that is still there stays with its lock file, to be found and recovered.
-        if !self.blisk.copy.exists() && !self.mold.copy.exists() {
+        if ![&self.blisk.copy, &self.mold.copy, &self.flank.copy].into_iter().any(|copy| copy.exists()) {
             let _ = std::fs::remove_file(&self.lock_path);
         }
     }
@@ -184,9 +237,9 @@ impl Recovery {
         Some(Self { copy, note, lock, file: known.file })
     }
 
-    /// Whether it is of a mold.
-    pub fn is_of_mold(&self) -> bool {
-        is_mold_file(&self.copy)
+    /// What it is of.
+    pub fn kind(&self) -> CopyKind {
+        CopyKind::of(&self.copy)
     }
 
     /// The work as it was. The copy stays until [`discard`](Self::discard).
@@ -195,11 +248,14 @@ impl Recovery {
     /// One line if the copy cannot be read.
     pub fn work(&self) -> Result<Recovered, String> {
         let file = self.file.clone();
-        if self.is_of_mold() {
-            return Ok(Recovered::Mold(Box::new(read_mold(&self.copy).map_err(|e| e.to_string())?), file));
+        match self.kind() {
+            CopyKind::Mold => Ok(Recovered::Mold(Box::new(read_mold(&self.copy).map_err(|e| e.to_string())?), file)),
+            CopyKind::Flank => Ok(Recovered::Flank(Box::new(read_flank(&self.copy).map_err(|e| e.to_string())?), file)),
+            CopyKind::Blisk => {
+                let project = ProjectFile::read(&self.copy).map_err(|e| e.to_string())?;
+                Ok(Recovered::Blisk(Box::new(Document::recovered(project, file))))
+            }
         }
-        let project = ProjectFile::read(&self.copy).map_err(|e| e.to_string())?;
-        Ok(Recovered::Blisk(Box::new(Document::recovered(project, file))))
     }
 
     /// When the copy was written.
@@ -261,6 +317,24 @@ mod tests {
         autosave.update_mold(None, None).unwrap();
         drop(autosave);
         assert_eq!(std::fs::read_dir(&copies).unwrap().count(), 0, "saved work leaves nothing");
+    }
+
+    #[test]
+    fn a_flank_is_kept_with_the_file_that_it_belongs_to() {
+        let folder = tempfile::tempdir().unwrap();
+        let copies = folder.path().join("copies");
+        let mut autosave = Autosave::start(&copies).unwrap();
+        let document = FlankDocument { envelope_tolerance_mm: 0.007, ..FlankDocument::default() };
+        let file = folder.path().join("mine.sparkflank");
+        autosave.update_flank(Some(&document), Some(&file)).unwrap();
+        let broken = FlankDocument { envelope_tolerance_mm: 0.0, ..document.clone() };
+        autosave.update_flank(Some(&broken), Some(&file)).unwrap();
+        drop(autosave);
+        let found = Recovery::find(&copies);
+        let [flank] = &found[..] else { panic!("{found:?}") };
+        assert_eq!(flank.kind(), CopyKind::Flank);
+        let Recovered::Flank(recovered, of) = flank.work().unwrap() else { panic!("{flank:?}") };
+        assert_eq!((*recovered, of), (document, Some(file)));
     }
 
     #[test]

@@ -66,8 +66,9 @@ fn what_is_no_flank_is_answered_with_the_place_and_the_reason() {
 
 #[test]
 fn every_change_has_a_name_for_undo() {
+    type Change = fn(&mut FlankDocument);
     let before = FlankDocument::default();
-    let changes: [(&str, fn(&mut FlankDocument)); 9] = [
+    let changes: [(&str, Change); 9] = [
         ("Surface", |d| d.source = FlankSource::Demonstration { surface: DemonstrationSurface::B }),
         ("Radius of the cutter", |d| d.cutter.radius_mm = 2.0),
         ("Cutter", |d| d.cutter.name.push('x')),

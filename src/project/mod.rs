@@ -23,7 +23,7 @@ mod recent;
 mod stage;
 mod user_folder;
 
-pub use autosave::{Autosave, Recovered, Recovery};
+pub use autosave::{Autosave, CopyKind, Recovered, Recovery};
 pub use document::{Document, OpenError};
 pub use fields::{Field, Kind, Range, job_as_json, with_value};
 pub use history::History;

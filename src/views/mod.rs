@@ -6,6 +6,7 @@ mod caps;
 mod colours;
 mod electrode_pictures;
 mod electrodes;
+mod flank;
 mod leftover;
 mod machine;
 mod mold;
@@ -22,6 +23,7 @@ pub use electrode_pictures::{ElectrodePicture, electrode_pictures};
 pub use electrodes::{
     BurnCut, BurnOf, BurnPhase, BurnWay, ElectrodeScene, ElectrodeShape, electrode_colour, electrode_shapes,
 };
+pub use flank::{FlankScene, FlankShapes, FlankSurface, contact_line, flank_surface_of};
 pub use leftover::{LeftoverShape, colour_limit, leftover_legend};
 pub use machine::{BodyShape, MachineBody, Moment, WholeMotion, body_shapes, meeting};
 pub use mold::{

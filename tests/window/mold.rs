@@ -320,7 +320,11 @@ fn a_mold_is_saved_and_dropped_on_either_workspace() {
     let app = desk.window.state_mut();
     app.open(&home.path("mine.sparkmold"));
     desk.until_loaded();
-    assert!(desk.mold().is_shown && desk.mold().params == saved && desk.mold().name() == "mine");
+    assert!(
+        desk.app().core().workspace == sparkpath::app::Workspace::Mold
+            && desk.mold().params == saved
+            && desk.mold().name() == "mine"
+    );
     assert!(!desk.mold().is_unsaved());
     // While molds are shown a mesh is one, whatever blisk there is.
     let other = home.path("other.stl");
@@ -395,10 +399,10 @@ fn a_mold_in_a_window_of_1000_by_700() {
     desk.until("the view has turned", |d| d.app().camera().backward().z > 0.9999);
     desk.picture("mold_1000_dark");
     assert!(width(&desk) > 400.0, "{}", width(&desk));
-    desk.press("Show or fold the mold's panel");
-    desk.press("Show or fold the list of regions");
+    desk.press("Show or fold the panel on the left");
+    desk.press("Show or fold the panel on the right");
     assert!(width(&desk) > 990.0, "{}", width(&desk));
-    desk.press("Show or fold the list of regions");
+    desk.press("Show or fold the panel on the right");
     assert!(desk.shows("Regions") && !desk.shows("Tolerance"));
 }
 

@@ -1,42 +1,30 @@
 //! The state of the workspace: the question, the answer, and how it is looked at.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::electrode::ElectrodeDesk;
 use super::list::Column;
+use crate::app::record::{Hands, Record};
 use crate::geometry::mesh::Bounds;
-use crate::jobs::mold::{FoundUncut, Glance, MoldEvent, MoldWork};
+use crate::jobs::kept::WorkEvent;
+use crate::jobs::mold::{FoundUncut, Glance, MoldWork};
 use crate::jobs::pipeline::StageState;
 use crate::jobs::uncut::LayerFound;
 use crate::mold::cutter::CutterLibrary;
 use crate::mold::electrode::params::Holder;
 use crate::mold::uncut_region::UncutRegion;
+use crate::project::MoldParams;
 use crate::project::electrode_file::load_electrodes;
 use crate::project::holder_files::load_holders;
-use crate::project::{History, MoldParams};
 use crate::views::RegionColours;
 
 /// How long nothing may change before what was seen at a glance is found exactly.
 const REST: Duration = Duration::from_millis(300);
 
-/// What the hands of the user do.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Hands {
-    /// Nothing.
-    #[default]
-    Idle,
-    /// They hold a button of the mouse down: what is dragged is not at rest.
-    Holding,
-    /// They type.
-    Typing,
-}
-
 /// See the module's page.
 pub struct MoldDesk {
-    /// Whether molds are what the window shows.
-    pub is_shown: bool,
     /// Whether the panel on the left is there, or folded away.
     pub shows_panel: bool,
     /// Whether the list of regions is there, where it has a panel of its own.
@@ -75,15 +63,8 @@ pub struct MoldDesk {
     pub follows: bool,
     /// The region that the view is to fly to.
     pub fly_to: Option<usize>,
-    /// The file of the mold.
-    pub file: Option<PathBuf>,
-    /// What that file holds, or else what the mold was opened with; none if no file holds anything of it.
-    kept: Option<MoldParams>,
-    /// The steps that can be undone.
-    history: History<MoldParams>,
-    /// What the user's hands do, and the number of what they are doing, whose changes make one step.
-    hands: Hands,
-    gesture: u64,
+    /// Its file and the steps that can be undone.
+    pub record: Record<MoldParams>,
     /// When something was last changed of which the answer is not known.
     edited: Option<Instant>,
     /// Electrodes for what is left.
@@ -109,14 +90,10 @@ impl MoldDesk {
         let electrodes = ElectrodeDesk::default();
         let params = with_holders(MoldParams::default(), &electrodes.holders);
         Ok(Self {
-            is_shown: false,
             shows_panel: true,
             shows_list: true,
             other: params.library.clone(),
-            kept: Some(params.clone()),
-            history: History::default(),
-            hands: Hands::Idle,
-            gesture: 0,
+            record: Record::of(&params),
             params,
             work: MoldWork::start(wake)?,
             cutter: 0,
@@ -133,7 +110,6 @@ impl MoldDesk {
             only_vanishing: false,
             follows: true,
             fly_to: None,
-            file: None,
             edited: None,
             electrodes,
             shown: None,
@@ -152,7 +128,7 @@ impl MoldDesk {
             // These are where a mold begins, and no change of the user's.
             Ok(electrodes) => {
                 self.params.electrodes = electrodes;
-                self.kept = Some(self.params.clone());
+                self.record.kept = Some(self.params.clone());
             }
             // What both say is said once.
             Err(error) => wrong.extend(Some(error.to_string()).filter(|text| !wrong.contains(text))),
@@ -164,19 +140,19 @@ impl MoldDesk {
     pub fn open(&mut self, mesh: &Path) {
         let mesh = Some(mesh.to_owned());
         let was_empty = self.params.mesh.is_none();
-        let kept = self.kept.clone().map(|kept| MoldParams { mesh: mesh.clone(), ..kept });
-        let history = self.history.clone();
+        let kept = self.record.kept.clone().map(|kept| MoldParams { mesh: mesh.clone(), ..kept });
+        let history = self.record.history.clone();
         self.replace(MoldParams { mesh, ..self.params.clone() }, None);
         // Cutters that were chosen before there was a mold are still in no file.
         if was_empty {
-            (self.kept, self.history) = (kept, history);
+            (self.record.kept, self.record.history) = (kept, history);
         }
     }
 
     /// Takes unsaved work that an earlier program left behind, which was to be saved as `file`.
     pub fn recover(&mut self, params: MoldParams, file: Option<&Path>) {
         self.replace(params, file);
-        self.kept = None;
+        self.record.kept = None;
     }
 
     /// Takes all of `params`, which are those of `file` if there is one.
@@ -184,27 +160,25 @@ impl MoldDesk {
         if self.params.mesh == params.mesh {
             self.work.reload();
         }
-        self.file = file.map(Path::to_owned);
         let params = with_holders(params, &self.electrodes.holders);
-        (self.kept, self.params, self.edited) = (Some(params.clone()), params, None);
-        self.history = History::default();
+        self.record.replace(&params, file);
+        (self.params, self.edited) = (params, None);
         self.work.forget_glance();
     }
 
     /// Notes that `file` holds the present parameters.
     pub fn saved_as(&mut self, file: &Path) {
-        (self.file, self.kept) = (Some(file.to_owned()), Some(self.params.clone()));
+        self.record.saved_as(file, &self.params);
     }
 
     /// Whether the mold has been changed since it was opened or saved.
     pub fn is_unsaved(&self) -> bool {
-        self.kept.as_ref() != Some(&self.params)
+        self.record.is_unsaved(&self.params)
     }
 
     /// What to call the mold: after its file, or else its mesh.
     pub fn name(&self) -> String {
-        let name = self.file.as_deref().and_then(Path::file_stem);
-        name.map_or_else(|| self.params.name(), |n| n.to_string_lossy().into_owned())
+        self.record.name().unwrap_or_else(|| self.params.name())
     }
 
     /// Takes other parameters. While they go on changing they are looked at quickly.
@@ -212,11 +186,7 @@ impl MoldDesk {
         if params == self.params {
             return;
         }
-        let label = params.change_since(&self.params);
-        if self.history.undo_label() != Some(&label) {
-            self.gesture += 1;
-        }
-        self.history.record(&label, &self.params, Some(self.gesture));
+        self.record.note(&params.change_since(&self.params), &self.params);
         self.change_to(params);
     }
 
@@ -231,15 +201,14 @@ impl MoldDesk {
 
     /// Takes the last step back, or does the one again that was taken back last (`again`). The mold stays.
     pub fn undo(&mut self, again: bool) {
-        let found = if again { self.history.redo(&self.params) } else { self.history.undo(&self.params) };
-        if let Some(params) = found {
+        if let Some(params) = self.record.undo(&self.params, again) {
             self.change_to(MoldParams { mesh: self.params.mesh.clone(), ..params });
         }
     }
 
     /// What can be undone, or done again.
     pub fn undo_label(&self, again: bool) -> Option<&str> {
-        if again { self.history.redo_label() } else { self.history.undo_label() }
+        self.record.undo_label(again)
     }
 
     /// How the answer for the present parameters stands.
@@ -277,12 +246,8 @@ impl MoldDesk {
 
     /// Takes in what has been made, once a frame. Answers what has happened, and after how long there is something to be
     /// done again.
-    pub fn follow(&mut self, hands: Hands) -> (Vec<MoldEvent>, Option<Duration>) {
-        // The frame in which a button is let go still belongs to what was done with it.
-        if self.hands == Hands::Idle || (hands != Hands::Idle && hands != self.hands) {
-            self.gesture += 1;
-        }
-        self.hands = hands;
+    pub fn follow(&mut self, hands: Hands) -> (Vec<WorkEvent>, Option<Duration>) {
+        self.record.follow(hands);
         let mut events = self.work.follow(&self.params);
         self.follow_answer();
         self.electrodes.follow(self.work.designed());
@@ -300,7 +265,7 @@ impl MoldDesk {
         let wait = REST.saturating_sub(edited.elapsed());
         if wait.is_zero() {
             if let Err(text) = self.find() {
-                events.push(MoldEvent { kind: crate::jobs::pipeline::EventKind::Failed, text, took: None });
+                events.push(WorkEvent { kind: crate::jobs::pipeline::EventKind::Failed, text, took: None });
             }
             return (events, None);
         }
@@ -338,7 +303,7 @@ impl MoldDesk {
 
     /// What was seen at a glance of the present parameters, or while they are dragged of the last ones.
     pub fn glanced(&self) -> Option<&Arc<Glance>> {
-        self.work.glanced(&self.params, self.hands == Hands::Holding)
+        self.work.glanced(&self.params, self.record.hands() == Hands::Holding)
     }
 
     /// The regions that are left.

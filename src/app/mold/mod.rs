@@ -5,13 +5,12 @@ mod compare;
 mod cutters;
 mod desk;
 mod electrode;
-mod folds;
 mod list;
 mod panel;
 mod strip;
 mod view;
 
-pub use desk::{Hands, MoldDesk};
+pub use desk::MoldDesk;
 pub use electrode::ElectrodeDesk;
 pub use list::Column;
 pub use view::MoldView;
@@ -21,6 +20,7 @@ use egui::{Panel, Role, Ui, WidgetInfo};
 use super::commands::Command;
 use super::core::Core;
 use super::files::Purpose;
+use super::folds;
 
 /// Draws the workspace. Answers what a path is wanted for.
 pub fn show(ui: &mut Ui, core: &mut Core, view: &mut MoldView) -> Option<Purpose> {
@@ -43,7 +43,7 @@ pub fn show(ui: &mut Ui, core: &mut Core, view: &mut MoldView) -> Option<Purpose
     egui::CentralPanel::no_frame().show(ui, |ui| {
         let rect = ui.available_rect_before_wrap();
         view.show(ui, core);
-        folds::show(ui, rect, core, wide);
+        folds::show(ui, rect, core, core.mold.shows_panel, wide.then_some(core.mold.shows_list));
     });
     asked
 }

@@ -1,10 +1,11 @@
 //! The left panel: the mold, its cutters, what they leave, and what others would leave.
 
-use egui::{CollapsingHeader, ComboBox, DragValue, ProgressBar, RichText, Ui, vec2};
+use egui::{ComboBox, DragValue, ProgressBar, RichText, Ui, vec2};
 
 use super::super::commands::Command;
 use super::super::core::Core;
 use super::super::files::Purpose;
+use super::super::panel_parts::{named, section};
 use super::super::status::grouped;
 use super::super::stepper::{command_button, fact, notice};
 use super::super::theme::{palette, tick};
@@ -35,27 +36,6 @@ pub fn show(ui: &mut Ui, core: &mut Core, with_list: bool) -> Option<Purpose> {
         section(ui, "Compare cutters", false, |ui| asked = compare::show(ui, core).or(asked.take()));
     });
     asked
-}
-
-fn section(ui: &mut Ui, name: &str, open: bool, body: impl FnOnce(&mut Ui)) {
-    let title = RichText::new(name).strong();
-    CollapsingHeader::new(title).id_salt(name).default_open(open).show_unindented(ui, |ui| {
-        body(ui);
-        ui.add_space(6.0);
-    });
-}
-
-/// A name before what is chosen, as in the forms of the other workspace.
-pub(super) fn named<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui, egui::Id) -> R) -> R {
-    let row = ui.horizontal(|ui| {
-        let layout = egui::Layout::left_to_right(egui::Align::Center);
-        let label = ui.allocate_ui_with_layout(vec2(84.0, 22.0), layout, |ui| {
-            ui.set_min_width(84.0);
-            ui.label(name).id
-        });
-        add(ui, label.inner)
-    });
-    row.inner
 }
 
 fn mold(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {

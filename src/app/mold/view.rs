@@ -8,7 +8,7 @@ use super::super::commands::Command;
 use super::super::core::Core;
 use super::super::overlay;
 use super::super::theme::palette;
-use super::super::viewport::Viewport;
+use super::super::viewport::{Source, Viewport};
 use super::electrode::{self, Fly, Look};
 use super::strip;
 use crate::jobs::mold::{Designed, FoundUncut, Glance, LoadedMold};
@@ -29,19 +29,6 @@ pub struct MoldView {
     key: Option<SceneKey>,
     /// From where was looked before a cut was.
     before: Option<Camera>,
-}
-
-/// Something that a scene was made of. It is held: the next one might else lie at its address.
-#[derive(Debug)]
-struct Source<T>(Option<Arc<T>>);
-
-impl<T> PartialEq for Source<T> {
-    fn eq(&self, other: &Self) -> bool {
-        match (&self.0, &other.0) {
-            (Some(one), Some(other)) => Arc::ptr_eq(one, other),
-            (one, other) => one.is_none() && other.is_none(),
-        }
-    }
 }
 
 /// Everything that the scene depends on.

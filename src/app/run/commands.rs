@@ -7,6 +7,7 @@ use crate::app::files::Purpose;
 use crate::app::forms;
 use crate::app::plots::Tab;
 use crate::app::preferences::ThemeChoice;
+use crate::app::workspace::Workspace;
 use crate::jobs::pipeline::EventKind;
 use crate::project::Stage;
 use crate::render::scene::SectionPlane;
@@ -17,35 +18,41 @@ impl SparkpathApp {
             return;
         }
         let now = ctx.input(|i| i.time);
+        let is_of_mold = self.core.workspace == Workspace::Mold;
         match command {
             Command::NewDemonstration => self.intend(Intent::Demonstration, ctx),
-            Command::Open if self.core.mold.is_shown => self.ask(Purpose::Mold, "", ctx),
+            _ if self.core.workspace == Workspace::Flank && self.run_on_flank(command, ctx) => {}
+            Command::Open if is_of_mold => self.ask(Purpose::Mold, "", ctx),
             Command::Open => self.intend(Intent::AskOpen, ctx),
             Command::Quit => self.intend(Intent::Quit, ctx),
-            Command::Reload if self.core.mold.is_shown => self.core.mold.work.reload(),
+            Command::Reload if is_of_mold => self.core.mold.work.reload(),
             Command::Reload => self.core.pipeline.reload(),
-            Command::Save | Command::SaveAs if self.core.mold.is_shown => self.save_mold(command == Command::Save, ctx),
+            Command::Save | Command::SaveAs if is_of_mold => self.save_mold(command == Command::Save, ctx),
             Command::Save => self.save(ctx),
             Command::SaveAs => self.ask_where_to_save(ctx),
             Command::SaveJob => {
                 let name = format!("{}.toml", self.core.document.name());
                 self.ask(Purpose::SaveJob, &name, ctx);
             }
-            Command::Undo | Command::Redo if self.core.mold.is_shown => self.core.mold.undo(command == Command::Redo),
+            Command::Undo | Command::Redo if is_of_mold => self.core.mold.undo(command == Command::Redo),
             Command::Undo => drop(self.core.document.undo()),
             Command::Redo => drop(self.core.document.redo()),
             Command::Preferences => self.dialog = Dialog::Preferences,
             Command::Plan => self.plan(),
-            Command::Cancel if self.core.mold.is_shown => self.core.mold.work.cancel(),
+            Command::Cancel if is_of_mold => self.core.mold.work.cancel(),
             Command::Cancel => self.core.pipeline.cancel(),
             Command::Approve => self.approve(),
             Command::Withdraw => self.core.pipeline.withdraw(),
-            Command::Export if self.core.mold.is_shown => self.ask(Purpose::ElectrodeFolder, "", ctx),
+            Command::Export if is_of_mold => self.ask(Purpose::ElectrodeFolder, "", ctx),
             Command::Export => self.dialog = Dialog::Export,
             Command::Step(stage) => self.core.step = stage,
             Command::Screenshot => {
-                let mold = self.core.mold.is_shown.then(|| self.core.mold.params.name());
-                let name = format!("{}.png", mold.unwrap_or_else(|| self.core.document.name()));
+                let name = match self.core.workspace {
+                    Workspace::Blisk => self.core.document.name(),
+                    Workspace::Mold => self.core.mold.params.name(),
+                    Workspace::Flank => self.core.flank.params.name(),
+                };
+                let name = format!("{name}.png");
                 self.ask(Purpose::Picture, &name, ctx);
             }
             Command::Theme => {
@@ -68,9 +75,16 @@ impl SparkpathApp {
                 self.core.layers.whole_blisk();
                 self.viewport.look(crate::render::view::StandardView::Isometric, now);
             }
-            Command::BliskWorkspace | Command::MoldWorkspace => {
-                self.core.mold.is_shown = command == Command::MoldWorkspace;
-            }
+            Command::Workspace(workspace) => self.core.workspace = workspace,
+            // Flanks have their own.
+            Command::PlanFlank
+            | Command::NextPath
+            | Command::SideBySide
+            | Command::FaceFlank
+            | Command::ShowCutter
+            | Command::AxisSurface
+            | Command::Rulings
+            | Command::MovingCutter => {}
             Command::FindUncut
             | Command::DesignElectrodes
             | Command::Electrodes
@@ -82,7 +96,7 @@ impl SparkpathApp {
             | Command::FaintMold
             | Command::FoldPanel
             | Command::FoldList => self.run_on_mold(command),
-            Command::Section if self.core.mold.is_shown => self.core.mold.electrodes.toggle_cut(),
+            Command::Section if is_of_mold => self.core.mold.electrodes.toggle_cut(),
             Command::Section => self.toggle_section(),
             Command::Measure => {
                 self.core.measuring = !self.core.measuring;
@@ -96,7 +110,7 @@ impl SparkpathApp {
             }
             Command::Colours => self.core.colours = !self.core.colours,
             Command::Play | Command::NextNode | Command::PreviousNode | Command::FirstNode | Command::LastNode => {
-                if self.core.mold.is_shown {
+                if is_of_mold {
                     return self.step_along_burn(command);
                 }
                 self.step_along(command);

@@ -5,8 +5,10 @@ use std::time::Instant;
 
 use super::SparkpathApp;
 use crate::app::dialogs::{Answer, Dialog, Intent, Work};
-use crate::app::files::Purpose;
+use crate::app::files::{FlankPurpose, Purpose};
+use crate::app::workspace::Workspace;
 use crate::jobs::pipeline::EventKind;
+use crate::project::flank_file::is_flank_file;
 use crate::project::mold_file::is_mold_file;
 use crate::project::{Document, OpenError, Recovered, Recovery, Stage};
 
@@ -23,8 +25,12 @@ impl SparkpathApp {
     /// Opens a project or a mesh, in whose place there was no unsaved work.
     pub fn open(&mut self, path: &Path) {
         if is_mold_file(path) {
-            self.core.mold.is_shown = true;
+            self.core.workspace = Workspace::Mold;
             return self.open_mold(path);
+        }
+        if is_flank_file(path) {
+            self.core.workspace = Workspace::Flank;
+            return self.open_flank(path);
         }
         if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("sparkpath")) {
             match Document::open(path) {
@@ -50,7 +56,7 @@ impl SparkpathApp {
             autosave.discard();
         }
         self.core.document = document;
-        self.core.mold.is_shown = false;
+        self.core.workspace = Workspace::Blisk;
         self.given_up = None;
         self.core.pipeline.reset();
         self.core.tuning.forget_sizes();
@@ -82,7 +88,7 @@ impl SparkpathApp {
 
     /// Goes on with what was to be done once `work` is out of the way.
     fn go_on(&mut self, work: Work, intent: Intent, ctx: &egui::Context) {
-        let next = if work == Work::Blisk { &[Work::Mold][..] } else { &[] };
+        let next = Work::ALL.iter().position(|one| *one == work).map_or(&[][..], |i| &Work::ALL[i + 1..]);
         self.intend_past(next, intent, ctx);
     }
 
@@ -105,13 +111,18 @@ impl SparkpathApp {
                 if let Some(autosave) = &mut self.autosave {
                     autosave.discard();
                     autosave.discard_mold();
+                    autosave.discard_flank();
                 }
                 ctx.send_viewport_cmd(egui::ViewportCommand::Close);
             }
             Intent::Open(path) => self.open(&path),
             Intent::OpenMold(path) => {
-                self.core.mold.is_shown = true;
+                self.core.workspace = Workspace::Mold;
                 self.open_mold(&path);
+            }
+            Intent::OpenFlank(path) => {
+                self.core.workspace = Workspace::Flank;
+                self.open_flank(&path);
             }
             Intent::AskOpen => self.ask(Purpose::Open, "", ctx),
             Intent::Demonstration => self.replace(Document::default()),
@@ -120,10 +131,11 @@ impl SparkpathApp {
 
     /// The folder that a file dialog starts in.
     pub(super) fn folder(&self) -> Option<PathBuf> {
-        if self.core.mold.is_shown {
-            return self.core.mold.params.mesh.as_deref().and_then(Path::parent).map(Path::to_owned);
-        }
-        let path = self.core.document.file().or(self.core.document.job().blisk.mesh.as_deref());
+        let path = match self.core.workspace {
+            Workspace::Blisk => self.core.document.file().or(self.core.document.job().blisk.mesh.as_deref()),
+            Workspace::Mold => self.core.mold.params.mesh.as_deref(),
+            Workspace::Flank => self.core.flank.file(),
+        };
         path.and_then(Path::parent).map(Path::to_owned)
     }
 
@@ -151,6 +163,7 @@ impl SparkpathApp {
         match purpose {
             Purpose::SaveProject => self.not_saved(Work::Blisk),
             Purpose::SaveMold => self.not_saved(Work::Mold),
+            Purpose::SaveFlank => self.not_saved(Work::Flank),
             Purpose::Open => self.given_up = None,
             _ => {}
         }
@@ -194,6 +207,9 @@ impl SparkpathApp {
     fn chosen(&mut self, purpose: Purpose, path: PathBuf, ctx: &egui::Context) {
         match purpose {
             Purpose::Open if is_mold_file(&path) => self.intend(Intent::OpenMold(path), ctx),
+            Purpose::Open if is_flank_file(&path) => self.intend(Intent::OpenFlank(path), ctx),
+            Purpose::Flank(what) => self.take_flank_path(what, path, ctx),
+            Purpose::SaveFlank => self.write_flank(&path, ctx),
             Purpose::Open => {
                 // The window went on while the dialog was open.
                 if self.given_up.take().as_ref() == Some(self.core.document.job()) {
@@ -245,6 +261,7 @@ impl SparkpathApp {
                 match work {
                     Work::Blisk => self.save(ctx),
                     Work::Mold => self.save_mold(true, ctx),
+                    Work::Flank => self.save_flank(true, ctx),
                 }
             }
             (Answer::Discard(intent), Dialog::Unsaved(work, _)) => {
@@ -280,6 +297,7 @@ impl SparkpathApp {
                 self.ask(Purpose::Post, "", ctx);
             }
             (Answer::ExportTo, _) => self.ask(Purpose::ExportFolder, "", ctx),
+            (Answer::ExportFlankTo, _) => self.ask(Purpose::Flank(FlankPurpose::Folder), "", ctx),
             _ => {}
         }
     }
@@ -291,7 +309,11 @@ impl SparkpathApp {
             Ok(Recovered::Blisk(document)) => self.replace(*document),
             Ok(Recovered::Mold(params, file)) => {
                 self.core.mold.recover(*params, file.as_deref());
-                self.core.mold.is_shown = true;
+                self.core.workspace = Workspace::Mold;
+            }
+            Ok(Recovered::Flank(document, file)) => {
+                self.core.flank.recover(*document, file.as_deref());
+                self.core.workspace = Workspace::Flank;
             }
             Err(why) => {
                 self.dialog = Dialog::Error("The copy cannot be read".to_owned(), why);
@@ -302,7 +324,7 @@ impl SparkpathApp {
             copy.discard();
         }
         self.core.say(EventKind::Done, "unsaved work was recovered");
-        copies.retain(|other| other.is_of_mold() != copy.is_of_mold());
+        copies.retain(|other| other.kind() != copy.kind());
         if !copies.is_empty() {
             self.dialog = Dialog::Recover(copies);
         }
@@ -312,10 +334,13 @@ impl SparkpathApp {
     pub(super) fn autosave_now(&mut self) -> bool {
         self.autosaved = Instant::now();
         let Some(autosave) = &mut self.autosave else { return false };
-        let mold = &self.core.mold;
-        let unsaved = mold.is_unsaved().then_some(&mold.params);
-        let updated =
-            autosave.update(&self.core.document).and_then(|()| autosave.update_mold(unsaved, mold.file.as_deref()));
+        let (mold, flank) = (&self.core.mold, &self.core.flank);
+        let molds = mold.is_unsaved().then_some(&mold.params);
+        let flanks = flank.is_unsaved().then_some(&flank.params);
+        let updated = autosave
+            .update(&self.core.document)
+            .and_then(|()| autosave.update_mold(molds, mold.record.file.as_deref()))
+            .and_then(|()| autosave.update_flank(flanks, flank.record.file.as_deref()));
         if let Err(e) = &updated {
             self.core.say(EventKind::Failed, format!("no copy of the unsaved work could be kept: {e}"));
             self.autosave = None;

@@ -1,27 +1,39 @@
 //! What the window does for the workspace of molds.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use super::SparkpathApp;
 use crate::app::commands::Command;
 use crate::app::core::LogLine;
 use crate::app::dialogs::{Dialog, Intent, Work};
 use crate::app::files::Purpose;
-use crate::app::mold::Hands;
+use crate::app::record::Hands;
 use crate::app::viewport::Viewport;
+use crate::app::workspace::Workspace;
+use crate::jobs::kept::WorkEvent;
 use crate::jobs::pipeline::EventKind;
 use crate::project::cutter_file::{read_cutters, write_cutters};
+use crate::project::flank_file::is_flank_file;
 use crate::project::mold_file::{ENDING, is_mold_file, read_mold, write_mold};
 use crate::views::{MoldLook, RegionColours};
 
 impl SparkpathApp {
     /// The view of the workspace that is shown.
     pub(super) fn seen(&self) -> &Viewport {
-        if self.core.mold.is_shown { &self.mold_view.viewport } else { &self.viewport }
+        match self.core.workspace {
+            Workspace::Blisk => &self.viewport,
+            Workspace::Mold => &self.mold_view.viewport,
+            Workspace::Flank => &self.flank_view.viewport,
+        }
     }
 
     pub(super) fn seen_mut(&mut self) -> &mut Viewport {
-        if self.core.mold.is_shown { &mut self.mold_view.viewport } else { &mut self.viewport }
+        match self.core.workspace {
+            Workspace::Blisk => &mut self.viewport,
+            Workspace::Mold => &mut self.mold_view.viewport,
+            Workspace::Flank => &mut self.flank_view.viewport,
+        }
     }
 
     /// Opens a file in the workspace where it belongs: while molds are shown a mesh is one, and a table of cutters is
@@ -30,8 +42,12 @@ impl SparkpathApp {
         let is = |ending| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending));
         if is_mold_file(&path) {
             self.intend(Intent::OpenMold(path), ctx);
-        } else if !self.core.mold.is_shown || is("sparkpath") {
+        } else if is_flank_file(&path) {
+            self.intend(Intent::OpenFlank(path), ctx);
+        } else if self.core.workspace == Workspace::Blisk || is("sparkpath") {
             self.intend(Intent::Open(path), ctx);
+        } else if self.core.workspace == Workspace::Flank {
+            self.take_for_flank(&path);
         } else if is("toml") {
             self.load_cutters(&path, false);
         } else {
@@ -68,7 +84,7 @@ impl SparkpathApp {
 
     /// Saves the mold, in its file if it has one and that will do.
     pub(super) fn save_mold(&mut self, in_its_file: bool, ctx: &egui::Context) {
-        match self.core.mold.file.clone().filter(|_| in_its_file) {
+        match self.core.mold.record.file.clone().filter(|_| in_its_file) {
             Some(file) => self.write_mold(&file, ctx),
             None => {
                 let name = format!("{}{ENDING}", self.core.mold.params.name());
@@ -113,12 +129,12 @@ impl SparkpathApp {
 
     /// Keeps the answer up with the parameters, and the log with both.
     pub(super) fn follow_mold(&mut self, ctx: &egui::Context) {
-        let hands = match (ctx.input(|i| i.pointer.any_down()), ctx.egui_wants_keyboard_input()) {
-            (true, _) => Hands::Holding,
-            (false, true) => Hands::Typing,
-            (false, false) => Hands::Idle,
-        };
-        let (events, wait) = self.core.mold.follow(hands);
+        let (events, wait) = self.core.mold.follow(Hands::of(ctx));
+        self.note_events(events, wait, ctx);
+    }
+
+    /// Keeps the log up with what has happened, and comes back after `wait`.
+    pub(super) fn note_events(&mut self, events: Vec<WorkEvent>, wait: Option<Duration>, ctx: &egui::Context) {
         for event in events {
             let at = std::time::SystemTime::now();
             self.core.log.push(LogLine { at, kind: event.kind, stage: None, text: event.text, took: event.took });

@@ -7,11 +7,11 @@ use std::time::Duration;
 use glam::{DVec2, DVec3};
 
 use super::electrode_export::{Exported, export};
-use super::kept::Kept;
-use super::{Doing, FoundUncut, LoadedMold, MoldEvent, Question, note};
+use super::{FoundUncut, LoadedMold, Question};
 use crate::export::electrode_files::ElectrodeFormat;
 use crate::export::electrode_report::ElectrodesReport;
 use crate::jobs::electrodes::electrodes;
+use crate::jobs::kept::{Doing, Kept, WorkEvent, note};
 use crate::jobs::pipeline::{EventKind, StageState};
 use crate::jobs::worker::{Ended, Reporter, Worker};
 use crate::mold::electrode::design::{ElectrodeSet, PartNode};
@@ -107,7 +107,7 @@ impl Designer {
     }
 
     /// Takes in what was made. What other parameters lead to is of no use to anybody.
-    pub fn follow(&mut self, question: Option<&Question>, params: &ElectrodeParams) -> Vec<MoldEvent> {
+    pub fn follow(&mut self, question: Option<&Question>, params: &ElectrodeParams) -> Vec<WorkEvent> {
         let mut events = Vec::new();
         for message in self.worker.messages() {
             if !self.made.awaits(message.task()) {
@@ -201,8 +201,8 @@ impl Designer {
     }
 }
 
-fn event((kind, text): (EventKind, String), took: Option<Duration>) -> MoldEvent {
-    MoldEvent { kind, text: format!("Electrodes: {text}"), took }
+fn event((kind, text): (EventKind, String), took: Option<Duration>) -> WorkEvent {
+    WorkEvent { kind, text: format!("Electrodes: {text}"), took }
 }
 
 /// Makes them.

@@ -4,13 +4,13 @@
 mod design;
 mod electrode_export;
 mod glance;
-mod kept;
 mod steps;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
+use super::glances::Glances;
+use super::kept::{Doing, Kept, WorkEvent, note};
 use super::pipeline::{EventKind, StageState};
 use super::uncut::UncutParams;
 use super::uncut_compare::Comparison;
@@ -23,8 +23,6 @@ use crate::project::MoldParams;
 pub use design::Designed;
 use design::Designer;
 pub use glance::Glance;
-use glance::Glancer;
-use kept::Kept;
 pub use steps::{FoundUncut, LoadedMold};
 
 /// What a mesh is read from: the file, its unit, how often it was asked for.
@@ -38,30 +36,6 @@ enum Made {
     Other(Box<(FoundUncut, Comparison)>),
 }
 
-/// What is being worked on.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Doing {
-    /// What it is for.
-    pub what: &'static str,
-    /// What is being done, in the words of the computation.
-    pub stage: String,
-    /// How much of that is done, 0 to 1.
-    pub fraction: f64,
-    /// When it began.
-    pub since: Instant,
-}
-
-/// Something for the log.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MoldEvent {
-    /// What became of it.
-    pub kind: EventKind,
-    /// In one sentence.
-    pub text: String,
-    /// How long it was worked on.
-    pub took: Option<Duration>,
-}
-
 /// What the places in the queue are for; a later one is of no use once an earlier one is asked anew.
 const FIND: u32 = 0;
 const COMPARE: u32 = 1;
@@ -72,7 +46,7 @@ pub struct MoldWork {
     loader: Worker<(), LoadedMold>,
     loading: Option<Doing>,
     worker: Worker<(), Made>,
-    glancer: Glancer,
+    glancer: Glances<Question, Glance>,
     mold: Kept<MeshKey, LoadedMold>,
     found: Kept<Question, FoundUncut>,
     other: Kept<(Question, CutterLibrary), (FoundUncut, Comparison)>,
@@ -91,7 +65,7 @@ impl MoldWork {
             loader: Worker::start(wake.clone())?,
             loading: None,
             worker: Worker::start(wake.clone())?,
-            glancer: Glancer::start(wake.clone())?,
+            glancer: Glances::start(wake.clone())?,
             designer: Designer::start(wake)?,
             mold: Kept::default(),
             found: Kept::default(),
@@ -102,7 +76,7 @@ impl MoldWork {
     }
 
     /// Takes in what the workers have said, and loads the mesh that `params` name. Answers what has happened.
-    pub fn follow(&mut self, params: &MoldParams) -> Vec<MoldEvent> {
+    pub fn follow(&mut self, params: &MoldParams) -> Vec<WorkEvent> {
         let loaded: Vec<_> = self.loader.messages().into_iter().filter_map(|m| self.take_loaded(m)).collect();
         let made: Vec<_> = self.worker.messages().into_iter().filter_map(|m| self.take(m)).collect();
         self.glancer.follow();
@@ -123,14 +97,14 @@ impl MoldWork {
     }
 
     /// Makes electrodes that were asked for before it was known what is left.
-    fn follow_wish(&mut self, params: &MoldParams) -> Option<MoldEvent> {
+    fn follow_wish(&mut self, params: &MoldParams) -> Option<WorkEvent> {
         if !self.designer.is_waiting || self.state(params) == StageState::Running {
             return None;
         }
         self.designer.is_waiting = false;
         // What became of the search has been said.
         let why = if self.state(params) == StageState::Done { self.design(params).err()? } else { return None };
-        Some(MoldEvent { kind: EventKind::Failed, text: format!("Electrodes: {why}"), took: None })
+        Some(WorkEvent { kind: EventKind::Failed, text: format!("Electrodes: {why}"), took: None })
     }
 
     /// Loads the mesh that `params` name, unless that is done.
@@ -145,21 +119,21 @@ impl MoldWork {
         }
     }
 
-    fn take_loaded(&mut self, message: Message<(), LoadedMold>) -> Option<MoldEvent> {
+    fn take_loaded(&mut self, message: Message<(), LoadedMold>) -> Option<WorkEvent> {
         if !self.mold.awaits(message.task()) {
             return None;
         }
         let (ended, took) = note(&mut self.loading, "Mold", message)?;
         let (kind, text) = self.mold.end(ended, LoadedMold::sentence)?;
-        Some(MoldEvent { kind, text: format!("Mold: {text}"), took })
+        Some(WorkEvent { kind, text: format!("Mold: {text}"), took })
     }
 
-    fn take(&mut self, message: Message<(), Made>) -> Option<MoldEvent> {
+    fn take(&mut self, message: Message<(), Made>) -> Option<WorkEvent> {
         let task = message.task();
         let what = self.what(task)?;
         let (ended, took) = note(&mut self.doing, what, message)?;
         let (kind, text) = self.finish(task, ended)?;
-        Some(MoldEvent { kind, text: format!("{what}: {text}"), took })
+        Some(WorkEvent { kind, text: format!("{what}: {text}"), took })
     }
 
     fn what(&self, task: TaskId) -> Option<&'static str> {
@@ -292,7 +266,8 @@ impl MoldWork {
     /// again with other cutters every look comes to its end, and the last one is of the last.
     pub fn glance(&mut self, params: &MoldParams) {
         if let (Some(question), Some(mold)) = (self.question(params), self.current_mold(params).cloned()) {
-            self.glancer.ask(question, mold);
+            let params = question.1.clone();
+            self.glancer.ask(question, move |cancel| glance::look(&mold, &params, cancel));
         }
     }
 
@@ -304,7 +279,8 @@ impl MoldWork {
     /// What was seen at a glance of `params`; while they go on changing (`is_held`) also of earlier ones, but never of
     /// another mold.
     pub fn glanced(&self, params: &MoldParams, is_held: bool) -> Option<&Arc<Glance>> {
-        self.glancer.seen(&self.question(params)?, is_held)
+        let question = self.question(params)?;
+        self.glancer.seen(|of| *of == question || (is_held && of.0 == question.0))
     }
 
     /// What is being worked on.
@@ -388,28 +364,6 @@ impl MoldWork {
         let name = params.name();
         self.designer.export(folder, (made, mold), (name, &params.electrodes), formats.to_vec());
         Ok(())
-    }
-}
-
-/// Keeps in `doing` what `message` says of the task for `what`. Answers how it has ended, and how long it took.
-fn note<T>(
-    doing: &mut Option<Doing>,
-    what: &'static str,
-    message: Message<(), T>,
-) -> Option<(Ended<T>, Option<Duration>)> {
-    match message {
-        Message::Started(_) => {
-            *doing = Some(Doing { what, stage: String::new(), fraction: 0.0, since: Instant::now() });
-            None
-        }
-        Message::Progress { stage, fraction, .. } => {
-            if let Some(doing) = doing {
-                (doing.stage, doing.fraction) = (stage, fraction);
-            }
-            None
-        }
-        Message::Partial(..) => None,
-        Message::Finished(_, ended) => Some((ended, doing.take_if(|d| d.what == what).map(|d| d.since.elapsed()))),
     }
 }
 

@@ -4,9 +4,9 @@ use egui::{ComboBox, DragValue, RichText, TextEdit, Ui, vec2};
 
 use super::super::super::commands::Command;
 use super::super::super::core::Core;
+use super::super::super::panel_parts::named;
 use super::super::super::stepper::{command_button, fact, notice, sentence};
 use super::super::super::theme::{palette, tick};
-use super::super::panel::named;
 use crate::export::electrode_files::ElectrodeFormat;
 use crate::jobs::pipeline::StageState;
 use crate::mold::electrode::params::{ElectrodeParams, Holder, Orbit, Shape, Stage};

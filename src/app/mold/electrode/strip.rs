@@ -1,9 +1,10 @@
 //! The strips over the view: how far electrodes are lifted out, the way of the selected one, and the cut through it.
 
-use egui::{Rect, RichText, Role, Slider, Ui, UiBuilder, WidgetInfo, vec2};
+use egui::{Rect, RichText, Role, Slider, Ui, WidgetInfo, vec2};
 
 use super::super::super::commands::Command;
 use super::super::super::core::Core;
+use super::super::super::panel_parts::row;
 use super::super::super::theme::palette;
 use super::desk::Fly;
 use crate::views::{BurnCut, BurnPhase, MoldLook};
@@ -31,16 +32,6 @@ pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core) {
     if core.mold.electrodes.cut.is_some() {
         row(ui, rect, 2, |ui| cut(ui, core));
     }
-}
-
-/// Row number `i` from below.
-fn row(ui: &mut Ui, rect: Rect, i: usize, add: impl FnOnce(&mut Ui)) {
-    let width = (rect.width() - 16.0).min(560.0);
-    let area = Rect::from_min_size(rect.left_bottom() + vec2(8.0, -40.0 - 36.0 * i as f32), vec2(width, 32.0));
-    let layout = egui::Layout::left_to_right(egui::Align::Center);
-    let mut child = ui.new_child(UiBuilder::new().max_rect(area.shrink2(vec2(8.0, 0.0))).layout(layout));
-    child.painter().rect_filled(area, 5.0, child.visuals().window_fill.gamma_multiply(0.92));
-    add(&mut child);
 }
 
 fn looks(ui: &mut Ui, core: &mut Core) {

@@ -2,18 +2,19 @@
 
 use egui::{Align2, FontId, Rect, Role, Sense, Ui, WidgetInfo, vec2};
 
-use super::super::commands::Command;
-use super::super::core::Core;
-use super::super::theme::palette;
+use super::commands::Command;
+use super::core::Core;
+use super::theme::palette;
 
-/// Draws them over the view in `rect`; `with_list` tells that the list of regions has a panel of its own.
-pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core, with_list: bool) {
+/// Draws them over the view in `rect`, with whether the panel on the left is there, and that on the right if it has one
+/// of its own.
+pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core, shows_panel: bool, shows_list: Option<bool>) {
     const SIZE: egui::Vec2 = vec2(12.0, 46.0);
     let [left, right] = [rect.left_center(), rect.right_center()];
     let inwards = vec2(0.5 * SIZE.x, 0.0);
-    handle(ui, Rect::from_center_size(left + inwards, SIZE), core, Command::FoldPanel, !core.mold.shows_panel);
-    if with_list {
-        handle(ui, Rect::from_center_size(right - inwards, SIZE), core, Command::FoldList, core.mold.shows_list);
+    handle(ui, Rect::from_center_size(left + inwards, SIZE), core, Command::FoldPanel, !shows_panel);
+    if let Some(shows_list) = shows_list {
+        handle(ui, Rect::from_center_size(right - inwards, SIZE), core, Command::FoldList, shows_list);
     }
 }
 

@@ -1,9 +1,34 @@
-//! One result of the work on a mold: what it was made from, and what is running.
+//! One result of the work behind a workspace: what it was made from, and what is running.
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use crate::jobs::pipeline::{EventKind, StageState};
-use crate::jobs::worker::{Ended, TaskId};
+use crate::jobs::worker::{Ended, Message, TaskId};
+
+/// What is being worked on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Doing {
+    /// What it is for.
+    pub what: &'static str,
+    /// What is being done, in the words of the computation.
+    pub stage: String,
+    /// How much of that is done, 0 to 1.
+    pub fraction: f64,
+    /// When it began.
+    pub since: Instant,
+}
+
+/// Something for the log.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WorkEvent {
+    /// What became of it.
+    pub kind: EventKind,
+    /// In one sentence.
+    pub text: String,
+    /// How long it was worked on.
+    pub took: Option<Duration>,
+}
 
 /// A result with all that tells whether it is that of the present question.
 pub(super) struct Kept<K, T> {
@@ -72,6 +97,28 @@ impl<K: PartialEq + Clone, T> Kept<K, T> {
         };
         self.failure = Some((of, text.clone()));
         Some((EventKind::Failed, text))
+    }
+}
+
+/// Keeps in `doing` what `message` says of the task for `what`. Answers how it has ended, and how long it took.
+pub(super) fn note<T>(
+    doing: &mut Option<Doing>,
+    what: &'static str,
+    message: Message<(), T>,
+) -> Option<(Ended<T>, Option<Duration>)> {
+    match message {
+        Message::Started(_) => {
+            *doing = Some(Doing { what, stage: String::new(), fraction: 0.0, since: Instant::now() });
+            None
+        }
+        Message::Progress { stage, fraction, .. } => {
+            if let Some(doing) = doing {
+                (doing.stage, doing.fraction) = (stage, fraction);
+            }
+            None
+        }
+        Message::Partial(..) => None,
+        Message::Finished(_, ended) => Some((ended, doing.take_if(|d| d.what == what).map(|d| d.since.elapsed()))),
     }
 }
 

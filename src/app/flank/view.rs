@@ -1,0 +1,242 @@
+//! The 3-D view of a flank, and what is drawn over it.
+
+use std::sync::Arc;
+
+use egui::{Align2, Color32, FontId, Rect, Ui, pos2, vec2};
+use glam::DVec3;
+
+use super::super::commands::Command;
+use super::super::core::Core;
+use super::super::overlay;
+use super::super::theme::palette;
+use super::super::viewport::{Source, Viewport};
+use super::desk::{Fly, Standing};
+use crate::flank::path::FlankPath;
+use crate::jobs::flank::path_of;
+use crate::jobs::flank_work::{LoadedFlank, LoadedWalls, Planned, Sketch};
+use crate::jobs::pipeline::StageState;
+use crate::project::flank_params::PathChoice;
+use crate::render::colour::Theme;
+use crate::render::scene::Scene;
+use crate::render::view::StandardView;
+use crate::views::{FlankScene, FlankSurface, bodies, contact_line};
+
+/// State of the view.
+#[derive(Default)]
+pub struct FlankView {
+    /// The camera and the hands that move it.
+    pub viewport: Viewport,
+    scene: Arc<Scene>,
+    names: Vec<(DVec3, &'static str)>,
+    key: Option<SceneKey>,
+}
+
+/// Everything that the scene depends on.
+#[derive(Debug, PartialEq)]
+struct SceneKey {
+    planned: Source<Planned>,
+    /// What the surface is of.
+    surface_of: (Source<Planned>, Source<Sketch>),
+    part: Source<LoadedFlank>,
+    walls: Source<LoadedWalls>,
+    paths: Vec<PathChoice>,
+    moving: bool,
+    /// Where the cutter stands, if it is shown.
+    t: Option<f64>,
+    shows_axis: bool,
+    shows_rulings: bool,
+    place: Option<DVec3>,
+    dark: bool,
+}
+
+impl SceneKey {
+    fn of(core: &Core, dark: bool) -> Self {
+        let flank = &core.flank;
+        let (known, sketch) = flank.surface_from();
+        Self {
+            planned: Source(flank.planned().cloned()),
+            surface_of: (Source(known.cloned()), Source(sketch.cloned())),
+            part: Source(flank.work.loaded(&flank.params).cloned()),
+            walls: Source(flank.work.walls(&flank.params).cloned()),
+            paths: flank.shown_paths(),
+            moving: flank.is_moving,
+            t: flank.shows_cutter.then_some(flank.t),
+            shows_axis: flank.shows_axis,
+            shows_rulings: flank.shows_rulings,
+            place: flank.place,
+            dark,
+        }
+    }
+
+    fn surface(&self) -> Option<&FlankSurface> {
+        let (planned, sketch) = &self.surface_of;
+        let known = planned.0.as_ref().map(|planned| &planned.shapes.surface);
+        known.or_else(|| sketch.0.as_ref()?.surface.as_ref())
+    }
+
+    fn scene(&self) -> (Scene, Vec<(DVec3, &'static str)>) {
+        let planned = self.planned.0.as_ref();
+        let paths: Vec<&FlankPath> = planned.map_or_else(Vec::new, |planned| {
+            self.paths.iter().map(|path| path_of(&planned.result.plan, *path)).collect()
+        });
+        let surface = planned.map(|planned| &planned.result.surface);
+        let contact = |path: &FlankPath, t: f64| -> Vec<DVec3> {
+            let line = contact_line(path, t);
+            surface.map_or_else(Vec::new, |s| line.iter().map(|[u, v, _]| s.point(*u, *v)).collect())
+        };
+        let poses: Vec<_> = self.t.map_or_else(Vec::new, |t| paths.iter().map(|path| path.pose(t)).collect());
+        let tips: Vec<Vec<DVec3>> = paths.iter().map(|path| path.poses.iter().map(|p| p.tip).collect()).collect();
+        let contacts: Vec<Vec<DVec3>> =
+            self.t.map_or_else(Vec::new, |t| paths.iter().map(|path| contact(path, t)).collect());
+        let inputs = FlankScene {
+            surface: self.surface(),
+            shapes: planned.map(|planned| &planned.shapes),
+            paths: &self.paths,
+            moving: self.moving,
+            poses: &poses,
+            contacts: &contacts,
+            tips: &tips,
+            shows_axis: self.shows_axis,
+            shows_rulings: self.shows_rulings,
+            part: self.part.0.as_ref().and_then(|loaded| loaded.part.as_ref()),
+            walls: self.walls.0.as_ref().map(|walls| &walls.shape),
+            place: self.place,
+            theme: if self.dark { Theme::DARK } else { Theme::LIGHT },
+        };
+        (inputs.build(), inputs.names())
+    }
+}
+
+impl FlankView {
+    /// Draws it.
+    pub fn show(&mut self, ui: &mut Ui, core: &mut Core) {
+        let seconds = f64::from(ui.input(|i| i.stable_dt.clamp(0.0, 0.1)));
+        if core.flank.is_playing {
+            core.flank.advance(seconds);
+            ui.ctx().request_repaint();
+        }
+        let key = SceneKey::of(core, ui.visuals().dark_mode);
+        if self.key.as_ref() != Some(&key) {
+            let (scene, names) = key.scene();
+            (self.scene, self.names, self.key) = (Arc::new(scene), names, Some(key));
+        }
+        let navigation = core.preferences.navigation;
+        let has_surface = self.key.as_ref().is_some_and(|key| key.surface().is_some());
+        let fitted_to = usize::from(has_surface);
+        let (rect, _) = self.viewport.show_scene(ui, navigation, &self.scene, (fitted_to, core.flank.is_playing));
+        self.fly(core, ui);
+        overlay::buttons(ui, rect, core, &buttons(core));
+        overlay::gizmo(ui, rect, &mut self.viewport);
+        self.label(ui, rect, core);
+        if let Some(planned) = core.flank.planned() {
+            legend(ui, rect, planned);
+        }
+        if !has_surface && core.flank.why_not().is_none() {
+            empty(ui, rect, core);
+        }
+        caption(ui, rect, core);
+    }
+
+    /// Goes where the workspace wants it.
+    fn fly(&mut self, core: &mut Core, ui: &Ui) {
+        let Some(surface) = self.key.as_ref().and_then(SceneKey::surface) else { return };
+        let Some(fly) = core.flank.fly.take() else { return };
+        let (now, (camera, [width, height])) = (ui.input(|i| i.time), self.viewport.camera());
+        let aspect = f64::from(width) / f64::from(height.max(1));
+        let all = bodies(&self.scene);
+        let to = match fly {
+            Fly::Onto => surface.camera(&all, *camera, aspect, false),
+            Fly::Square => surface.camera(&all, *camera, aspect, true),
+            Fly::Place(place) => {
+                ui.ctx().request_repaint();
+                return self.viewport.fly_into(&surface.around(place), now);
+            }
+        };
+        self.viewport.fly_onto(to, now);
+        ui.ctx().request_repaint();
+    }
+
+    /// Names the paths that are side by side, with their figures.
+    fn label(&self, ui: &Ui, rect: Rect, core: &Core) {
+        let (camera, size) = self.viewport.camera();
+        let Some(planned) = core.flank.planned().filter(|_| self.names.len() > 1) else { return };
+        let plan = &planned.result.plan;
+        for ((at, name), choice) in self.names.iter().zip(PathChoice::ALL) {
+            let Some(seen) = camera.project(*at, size) else { continue };
+            let p = seen.pixel / f64::from(ui.pixels_per_point());
+            let at = rect.min + vec2(p.x as f32, p.y as f32);
+            if !rect.shrink(4.0).contains(at) {
+                continue;
+            }
+            let path = path_of(plan, choice);
+            let deviation = if core.flank.is_moving { &path.envelope.deviation } else { &path.deviation };
+            let text = format!("{name}   \u{2211} {:.3} mm   ratio {:.3}", deviation.sum, plan.ratio(path));
+            let strong = choice == core.flank.path;
+            let colour = if strong { ui.visuals().strong_text_color() } else { ui.visuals().text_color() };
+            let galley = ui.painter().layout_no_wrap(text, FontId::proportional(12.5), colour);
+            let area = Rect::from_min_size(at - vec2(0.0, galley.size().y), galley.size()).expand2(vec2(6.0, 3.0));
+            ui.painter().rect_filled(area, 4.0, ui.visuals().window_fill.gamma_multiply(0.8));
+            ui.painter().galley(area.min + vec2(6.0, 3.0), galley, colour);
+        }
+    }
+}
+
+/// The scale of the colours, and what its ends mean.
+fn legend(ui: &mut Ui, rect: Rect, planned: &Planned) {
+    let area = overlay::legend(ui, rect, &planned.shapes.legend());
+    let below = Rect::from_min_size(area.left_bottom() + vec2(0.0, 3.0), vec2(area.width(), 34.0));
+    ui.painter().rect_filled(below, 6.0, ui.visuals().window_fill.gamma_multiply(0.88));
+    for (y, text) in [(10.0, "+ stock left"), (24.0, "\u{2212} cut too deep")] {
+        let at = below.left_top() + vec2(8.0, y);
+        ui.painter().text(at, Align2::LEFT_CENTER, text, FontId::proportional(11.0), palette(ui).faint);
+    }
+}
+
+fn buttons(core: &Core) -> Vec<(&'static str, Command, bool)> {
+    let flank = &core.flank;
+    vec![
+        ("Fit", Command::Fit, false),
+        ("Face", Command::FaceFlank, false),
+        ("Iso", Command::View(StandardView::Isometric), false),
+        ("Side by side", Command::SideBySide, flank.is_side_by_side),
+        ("Moving", Command::MovingCutter, flank.is_moving),
+        ("Cutter", Command::ShowCutter, flank.shows_cutter),
+        ("Axis", Command::AxisSurface, flank.shows_axis),
+        ("Rulings", Command::Rulings, flank.shows_rulings),
+    ]
+}
+
+/// How what is shown stands, at the bottom of the view.
+fn caption(ui: &mut Ui, rect: Rect, core: &Core) {
+    let (flank, colours) = (&core.flank, palette(ui));
+    let sentence = |planned: &Planned| {
+        let plan = &planned.result.plan;
+        let path = path_of(plan, flank.path);
+        let [nu, nv] = path.deviation.grid;
+        format!("sum {:.3} mm over {nu} × {nv} places, ratio {:.3}", path.deviation.sum, plan.ratio(path))
+    };
+    let (colour, text) = match (flank.standing(), flank.planned(), flank.why_not()) {
+        (Standing::Planned, ..) => return,
+        (Standing::Sketch, Some(planned), _) => {
+            (colours.accent, format!("Quick look, {} path: {}", flank.path.name(), sentence(planned)))
+        }
+        (Standing::Stale, Some(planned), None) => {
+            (colours.warning, format!("Of other parameters, {} path: {}", flank.path.name(), sentence(planned)))
+        }
+        (.., Some(why)) => (colours.bad, super::super::stepper::sentence(&why)),
+        _ => return,
+    };
+    overlay::caption(ui, rect, 10.0, colour, &text);
+}
+
+fn empty(ui: &Ui, rect: Rect, core: &Core) {
+    let (title, line) = match core.flank.work.source_state(&core.flank.params) {
+        StageState::Running => ("Loading…", ""),
+        _ => ("Drop a part or two guide curves here", "STL, OBJ, glTF or GLB; or points as CSV."),
+    };
+    let c = rect.center();
+    let accent = palette(ui).accent;
+    ui.painter().text(c - vec2(0.0, 24.0), Align2::CENTER_CENTER, title, FontId::proportional(22.0), accent);
+    let grey = Color32::from_gray(150);
+    ui.painter().text(pos2(c.x, c.y + 8.0), Align2::CENTER_CENTER, line, FontId::proportional(13.5), grey);
+}

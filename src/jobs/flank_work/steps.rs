@@ -1,0 +1,234 @@
+//! The steps of the work on a flank, each a function of what it is given.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::curves::{MachineCurves, Profile};
+use crate::export::files::write_atomically;
+use crate::flank::params::FlankParams;
+use crate::geometry::mesh::Mesh;
+use crate::jobs::flank::{FlankInput, FlankResult, LoadedSurface, flank, surface};
+use crate::jobs::flank_export::{self, CL_FILE, CSV_FILE, PROGRAM};
+use crate::jobs::flank_files::{self, input, load_machine, load_surface};
+use crate::jobs::flank_maps::deviation_maps;
+use crate::jobs::flank_report::report;
+use crate::progress::{Cancel, Progress};
+use crate::project::flank_params::{FlankDocument, FlankSource, PathChoice, WallsFile};
+use crate::render::mesh::RenderMesh;
+use crate::views::{FlankShapes, FlankSurface};
+
+/// Places of the grid of a quick look, and its most rounds of refinement.
+const SKETCH_GRID: [usize; 2] = [34, 18];
+const SKETCH_ROUNDS: usize = 8;
+
+/// What a surface is made of, as loaded.
+#[derive(Debug)]
+pub struct LoadedFlank {
+    /// It.
+    pub surface: LoadedSurface,
+    /// The part that it is a face of, for the screen.
+    pub part: Option<Arc<RenderMesh>>,
+}
+
+impl LoadedFlank {
+    pub(super) fn sentence(&self) -> String {
+        match &self.surface {
+            LoadedSurface::Guides { .. } => "two guide curves".to_owned(),
+            LoadedSurface::Face { candidates, .. } => {
+                let ruled = candidates.iter().filter(|c| c.is_ruled()).count();
+                format!("{} faces could be milled, {ruled} of them are ruled within the tolerance", candidates.len())
+            }
+        }
+    }
+}
+
+/// Walls, as loaded.
+#[derive(Debug)]
+pub struct LoadedWalls {
+    /// They.
+    pub mesh: Arc<Mesh>,
+    /// The same for the screen.
+    pub shape: Arc<RenderMesh>,
+}
+
+impl LoadedWalls {
+    pub(super) fn sentence(&self) -> String {
+        format!("{} triangles", self.mesh.triangles.len())
+    }
+}
+
+/// A planned flank with all that is shown of it.
+#[derive(Debug)]
+pub struct Planned {
+    /// It.
+    pub result: FlankResult,
+    /// For the screen.
+    pub shapes: FlankShapes,
+    /// For each path how far it is off along the guides.
+    pub profiles: [Profile; 3],
+    /// The axes of the machine, if there is a path of it.
+    pub machine: Option<MachineCurves>,
+}
+
+impl Planned {
+    fn of(result: FlankResult) -> Self {
+        let shapes = FlankShapes::of(&result.surface, &result.plan);
+        let plan = &result.plan;
+        let profiles = [&plan.initial, &plan.chosen, &plan.refined].map(|path| Profile::of(&path.deviation));
+        Self { machine: MachineCurves::of(&result), shapes, profiles, result }
+    }
+
+    /// What came out, in a sentence.
+    pub fn sentence(&self) -> String {
+        let plan = &self.result.plan;
+        let sums = PathChoice::ALL.map(|path| crate::jobs::flank::path_of(plan, path).deviation.sum);
+        let blocked = self.result.checks.iter().filter(|c| !c.holds).count();
+        let checks = match blocked {
+            0 => "every check holds".to_owned(),
+            1 => "1 check fails".to_owned(),
+            n => format!("{n} checks fail"),
+        };
+        format!(
+            "sum of deviations {:.3} mm at first, {:.3} mm with rank {}, {:.3} mm refined (ratio {:.3}); {checks}",
+            sums[0],
+            sums[1],
+            plan.ranks.best,
+            sums[2],
+            plan.ratio(&plan.refined)
+        )
+    }
+}
+
+/// What was seen at a glance.
+#[derive(Debug)]
+pub struct Sketch {
+    /// The surface, if there is one.
+    pub surface: Option<FlankSurface>,
+    /// A plan on a coarse grid, or why there is none.
+    pub planned: Result<Arc<Planned>, String>,
+}
+
+/// Reads what a surface is made of.
+///
+/// # Errors
+/// One line naming file, place and remedy.
+pub(super) fn load(source: &FlankSource, progress: &Progress, cancel: &Cancel) -> Result<LoadedFlank, String> {
+    let surface = load_surface(source, progress, cancel).map_err(|e| e.to_string())?;
+    let part = match &surface {
+        LoadedSurface::Guides { .. } => None,
+        LoadedSurface::Face { mesh, .. } => Some(Arc::new(RenderMesh::new(mesh))),
+    };
+    Ok(LoadedFlank { surface, part })
+}
+
+/// Reads walls.
+///
+/// # Errors
+/// As [`load`].
+pub(super) fn load_walls(walls: &WallsFile, progress: &Progress, cancel: &Cancel) -> Result<LoadedWalls, String> {
+    let mesh = flank_files::load_walls(walls, progress, cancel).map_err(|e| e.to_string())?;
+    let shape = Arc::new(RenderMesh::new(&mesh));
+    Ok(LoadedWalls { mesh, shape })
+}
+
+/// Plans.
+///
+/// # Errors
+/// One line for the user.
+pub(super) fn plan(
+    document: &FlankDocument,
+    surface: LoadedSurface,
+    walls: Option<Arc<Mesh>>,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Planned, String> {
+    let machine = load_machine(document, None).map_err(|e| e.to_string())?;
+    let result = flank(&input(document, surface, walls, machine), progress, cancel).map_err(|e| e.to_string())?;
+    cancel.check().map_err(|e| e.to_string())?;
+    Ok(Planned::of(result))
+}
+
+/// Looks quickly: on a coarse grid, with few rounds, without walls and machine.
+pub(super) fn sketch(document: &FlankDocument, loaded: LoadedSurface, cancel: &Cancel) -> Sketch {
+    let least =
+        FlankParams { grid: SKETCH_GRID, rounds: document.plan.rounds.min(SKETCH_ROUNDS), ..document.plan.clone() };
+    let [nu, nv] = document.plan.grid;
+    let grid = [SKETCH_GRID[0].min(nu), SKETCH_GRID[1].min(nv)];
+    let asked = FlankDocument { plan: FlankParams { grid, ..least }, ..document.clone() };
+    let mut coarse: FlankInput = input(&asked, loaded, None, None);
+    if let LoadedSurface::Face { is_own_wall, .. } = &mut coarse.surface {
+        *is_own_wall = false;
+    }
+    let made = surface(&coarse);
+    let shown = made.as_ref().ok().map(|(surface, _)| FlankSurface::bare(surface));
+    let planned = made.map_err(|e| e.to_string()).and_then(|_| {
+        flank(&coarse, &Progress::silent(), cancel)
+            .map(|result| Arc::new(Planned::of(result)))
+            .map_err(|e| e.to_string())
+    });
+    Sketch { surface: shown, planned }
+}
+
+/// Which files are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ExportChoice {
+    /// Cutter locations.
+    pub cl: bool,
+    /// The program of the machine.
+    pub nc: bool,
+    /// The path with its deviations as a table.
+    pub csv: bool,
+    /// The report, for people and for programs.
+    pub report: bool,
+}
+
+impl ExportChoice {
+    /// All of them.
+    pub const ALL: Self = Self { cl: true, nc: true, csv: true, report: true };
+
+    /// Whether there is anything to write.
+    pub fn any(self) -> bool {
+        self.cl || self.nc || self.csv || self.report
+    }
+}
+
+/// Writes the files that were chosen of a plan whose checks hold or were overridden. Answers what was written.
+///
+/// # Errors
+/// One line naming the file.
+pub(super) fn export(
+    folder: &Path,
+    result: &FlankResult,
+    document: &FlankDocument,
+    choice: ExportChoice,
+    (progress, cancel): (&Progress, &Cancel),
+) -> Result<String, String> {
+    if choice == ExportChoice::ALL {
+        return flank_export::export(folder, result, document, progress, cancel).map(|written| written.sentence());
+    }
+    let mut texts = Vec::new();
+    if choice.csv {
+        texts.push((CSV_FILE.to_owned(), flank_export::path_csv(result.path())));
+    }
+    if choice.cl {
+        texts.push((CL_FILE.to_owned(), flank_export::cl(result)?));
+    }
+    if let Some(milled) = result.milled().filter(|_| choice.nc) {
+        let nc = flank_export::nc(result, milled)?;
+        texts.push((format!("{PROGRAM}.{}", nc.extension), nc.text));
+    }
+    flank_export::check_folder(folder)?;
+    std::fs::create_dir_all(folder)
+        .map_err(|e| format!("{}: the folder cannot be made ({e}); choose another", folder.display()))?;
+    for (name, text) in &texts {
+        cancel.check().map_err(|e| e.to_string())?;
+        write_atomically(&folder.join(name), text.as_bytes()).map_err(|e| e.to_string())?;
+    }
+    let mut names: Vec<&str> = texts.iter().map(|(name, _)| name.as_str()).collect();
+    if choice.report {
+        let maps = deviation_maps(&result.plan, cancel).map_err(|e| e.to_string())?;
+        report(result, document).write(folder, &maps).map_err(|e| e.to_string())?;
+        names.push("report.html");
+    }
+    Ok(format!("{} written to {}", names.join(", "), folder.display()))
+}

@@ -1,0 +1,147 @@
+//! The workspace of flanks.
+
+use egui::{Key, Modifiers, Role};
+use egui_kittest::kittest::{By, Queryable as _};
+use sparkpath::app::{FlankDesk, Opening, Workspace};
+use sparkpath::flank::ruled_surface::Side;
+use sparkpath::jobs::pipeline::StageState;
+use sparkpath::project::flank_file::{read_flank, write_flank};
+use sparkpath::project::flank_params::{FlankDocument, PathChoice};
+
+use crate::desk::{Desk, Home};
+
+impl Home {
+    /// A flank that is planned in no time: the paper's surface A on a coarse grid.
+    fn flank(&self) -> Opening {
+        let mut document = FlankDocument::default();
+        document.plan.grid = [40, 20];
+        document.side = Side::Positive;
+        let file = self.path("coarse.sparkflank");
+        write_flank(&file, &document).unwrap();
+        Opening::File(file)
+    }
+}
+
+impl Desk {
+    fn flank(&self) -> &FlankDesk {
+        &self.app().core().flank
+    }
+
+    fn until_planned(&mut self) {
+        self.until("the flank is planned", |desk| {
+            desk.flank().state() == StageState::Done && desk.flank().is_planned()
+        });
+        // The view flies onto what is new.
+        std::thread::sleep(std::time::Duration::from_millis(300));
+        self.settle();
+    }
+
+    /// The objects of the scene that have colours of deviations.
+    fn coloured(&self) -> usize {
+        self.app().scene().objects.iter().filter(|o| o.values.is_some()).count()
+    }
+}
+
+#[test]
+fn a_flank_is_planned_looked_at_and_exported() {
+    let home = Home::new();
+    let mut desk = home.start(home.flank());
+    assert_eq!(desk.app().core().workspace, Workspace::Flank);
+    desk.until("it is looked at quickly", |desk| desk.flank().planned().is_some());
+    assert_eq!((desk.flank().is_planned(), desk.coloured()), (false, 1));
+    desk.assert_shows("Quick look");
+    desk.press("Plan");
+    desk.until_planned();
+    let planned = desk.flank().planned().unwrap().clone();
+    let plan = &planned.result.plan;
+    // Edges count for more on a coarse grid: on the one of 100 by 50 it is 0.54.
+    assert!(plan.ratio(&plan.refined) < 0.62 && plan.ratio(&plan.chosen) < 0.65, "{}", planned.sentence());
+    desk.assert_shows("40 × 20 places of the surface");
+    desk.key(Key::Num5);
+    desk.pictures("flank");
+    let plot = desk.window.get(By::new().role(Role::Image).label("Plot of ranks")).rect();
+    desk.window.hover_at(plot.center());
+    desk.window.drag_at(plot.center());
+    desk.window.drop_at(plot.center());
+    desk.settle();
+    let rank = desk.flank().rank.unwrap();
+    let sum = plan.ranks.sums[rank - 1].unwrap();
+    desk.assert_shows(&format!("rank {rank}: sum {sum:.3} mm"));
+
+    // Where the cutter stands.
+    let cutter = |desk: &Desk| desk.app().scene().objects.last().unwrap().transform.translation;
+    let start = cutter(&desk);
+    desk.slide("Timeline", 0.9, 3);
+    assert!((desk.flank().t - 0.9).abs() < 0.02 && cutter(&desk).distance(start) > 10.0, "{}", desk.flank().t);
+    desk.press("Next location");
+    let steps = desk.flank().t * 49.0;
+    assert!((steps - steps.round()).abs() < 1e-9);
+    desk.press("Deviation");
+    desk.key(Key::V);
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    assert_eq!(desk.coloured(), 3);
+    desk.pictures("flank_side_by_side");
+    desk.key(Key::V);
+    desk.press_role(Role::Tab, "Path initial");
+    assert_eq!(desk.flank().path, PathChoice::Initial);
+    desk.press("Machine");
+    desk.key(Key::A);
+    desk.pictures("flank_machine");
+
+    let folder = home.path("out");
+    desk.key_with(Modifiers::COMMAND, Key::E);
+    let failing: Vec<_> = planned.result.checks.iter().filter(|check| !check.holds).collect();
+    assert_eq!(desk.shows("Blocked"), !failing.is_empty());
+    desk.picture("flank_export_dark");
+    desk.press("Cancel");
+    for check in failing {
+        desk.press_role(Role::CheckBox, &format!("Export although {} fails", check.kind.name()));
+    }
+    desk.key_with(Modifiers::COMMAND, Key::E);
+    desk.press("Choose folder…");
+    desk.type_path(&folder);
+    desk.until("it is exported", |desk| !desk.flank().work.is_busy());
+    for file in ["flank.cl", "path.csv", "report.html"] {
+        assert!(folder.join(file).exists(), "{file}; {:?}", desk.log());
+    }
+    assert!(desk.flank().is_planned(), "what is let pass changes no path");
+}
+
+#[test]
+fn a_cutter_is_changed_in_passing_refused_in_words_and_taken_back() {
+    let home = Home::new();
+    let mut desk = home.start_in(home.flank(), [1000, 700], 1.0);
+    desk.press("Plan");
+    desk.until_planned();
+    let kept = desk.flank().params.clone();
+    desk.slide("Radius", 0.5, 4);
+    let radius = desk.flank().params.cutter.radius_mm;
+    assert!(radius > 2.0, "{radius}");
+    assert!(!desk.flank().is_planned(), "what is shown is of another cutter");
+    // Half a second after the slider rests the plan follows by itself.
+    desk.until_planned();
+    assert_eq!(desk.flank().planned().unwrap().result.plan.cutter.radius_mm, radius);
+    assert_eq!(desk.flank().record.undo_label(false), Some("Radius of the cutter"));
+    desk.key_with(Modifiers::COMMAND, Key::Z);
+    assert_eq!(desk.flank().params, kept, "one slide is one step");
+
+    desk.enter("Flutes", "-3");
+    desk.assert_shows("Cutter length_mm is -3");
+    assert!(!desk.flank().can_plan());
+    desk.until("nothing is worked on", |desk| !desk.flank().work.is_busy());
+    desk.picture("flank_refused_1000_dark");
+    desk.enter("Flutes", "5");
+    desk.until("it is looked at", |desk| desk.flank().planned().is_some());
+    desk.until_planned();
+    desk.assert_shows("must be");
+    assert!(!desk.flank().planned().unwrap().result.holds(), "too short a cutter is said to be so");
+    desk.enter("Flutes", "long");
+    desk.assert_shows("is no number");
+    assert_eq!(desk.flank().params.cutter.length_mm, 5.0);
+
+    let file = home.path("mine.sparkflank");
+    desk.key_with(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    desk.type_path(&file);
+    assert_eq!(read_flank(&file).unwrap(), desk.flank().params);
+    assert!(!desk.flank().is_unsaved());
+}
