@@ -17,6 +17,7 @@ macro_rules! say {
 mod compare;
 mod electrodes;
 mod flank;
+mod flank_arguments;
 mod inspect;
 mod plan;
 mod render;
@@ -111,7 +112,7 @@ enum Command {
     /// Electrodes for what milling cutters leave of a mold: files, burn table, burn sheet, report.
     Electrodes(electrodes::ElectrodesArguments),
     /// A ruled surface milled with the flank of a cutter on five axes: path, checks, report, cutter locations, NC program.
-    Flank(Box<flank::FlankArguments>),
+    Flank(Box<flank_arguments::FlankArguments>),
     /// Opens the window on a mold.
     Mold {
         /// Its mesh: STL, OBJ, glTF or GLB.

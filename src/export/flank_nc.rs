@@ -32,9 +32,10 @@ pub enum TipControl {
     /// Positions of the axes.
     #[default]
     Off,
-    /// The tip on the workpiece, with the rotary axes: G43.4.
+    /// The tip on the workpiece, with the rotary axes (G43.4 on many controls); the post must have the word.
     Angles,
-    /// The tip on the workpiece, with the tool's direction as I J K: G43.5. The control chooses the rotary axes.
+    /// The tip on the workpiece, with the tool's direction as I J K (G43.5 on many); the post must have the word. The
+    /// control chooses the rotary axes.
     Vector,
 }
 
@@ -86,6 +87,18 @@ impl FlankNcSettings {
         let wrong = settings.into_iter().find(|(_, value, low, high, _)| !(*low..=*high).contains(value));
         wrong.map_or(Ok(()), |(name, value, _, _, range)| Err(NcError::Setting { name, value, range }))
     }
+
+    /// The feeds of a program in the words of `post`, along positions that were made with `params`.
+    pub fn feeds(&self, params: &LinearisationParams, post: &Post) -> Feeds {
+        let is_timed = post.feed.mode != FeedMode::PerMinute;
+        Feeds {
+            cut_mm_min: self.feed_mm_per_min,
+            lead_mm_min: self.lead_mm_per_min,
+            reach_mm: params.reach_mm,
+            least_minutes: if is_timed { LEAST_BLOCK_MINUTES } else { 0.0 },
+            interpolation: params.interpolation,
+        }
+    }
 }
 
 /// The built-in post for milling, or any other that [`Post::named`] knows.
@@ -128,13 +141,16 @@ pub struct FlankNc {
     /// Where an axis would be too fast: how many moves are slower than asked for, the least share of the feed that is
     /// left, and the axis.
     pub slowed: Option<(usize, f64, char)>,
+    /// Where a move would be shorter than the time that any block is given: how many moves take longer for it, and the
+    /// least share of their speed that is left.
+    pub stretched: Option<(usize, f64)>,
 }
 
 impl FlankNc {
     /// Writes the program of `job` in the words of `post`.
     ///
     /// # Errors
-    /// [`NcError`] when the post lacks an axis, a setting is out of range, or a line gets longer than the control takes.
+    /// [`NcError`] when the post lacks an axis or the word for what is asked, a setting is out of range, or a line gets longer than the control takes.
     pub fn new(job: &FlankNcJob, post: &Post, settings: &FlankNcSettings) -> Result<Self, NcError> {
         settings.validate()?;
         if settings.tip_control.interpolation() != job.params.interpolation {
@@ -142,24 +158,21 @@ impl FlankNc {
             return Err(NcError::Setting { name: "tip_control", value: f64::from(settings.tip_control as u8), range });
         }
         let words = Words::new(job.machine, post, settings)?;
-        let feeds = Feeds {
-            cut_mm_min: settings.feed_mm_per_min,
-            lead_mm_min: settings.lead_mm_per_min,
-            reach_mm: job.params.reach_mm,
-            interpolation: job.params.interpolation,
-        };
-        let paces = paces(job.machine, job.path, job.line, &feeds);
+        let paces = paces(job.machine, job.path, job.line, &settings.feeds(job.params, post));
         let slower = paces.iter().filter(|p| p.share < 1.0);
         let least = slower.clone().min_by(|a, b| a.share.total_cmp(&b.share));
         let slowed = least.map(|p| (slower.count(), p.share, p.axis));
+        let short = paces.iter().filter(|p| p.short_share < 1.0).map(|p| p.short_share);
+        let shortest = short.clone().fold(1.0, f64::min);
+        let stretched = (shortest < 1.0).then(|| (short.count(), shortest));
         let minutes = paces.iter().map(|p| p.minutes).sum();
         let mut lines = Lines::new(post, job.program, 0.0);
         post.program_start.iter().for_each(|line| lines.raw(line));
         header(&mut lines, job, settings);
-        speed_comments(&mut lines, post, settings, slowed);
+        speed_comments(&mut lines, post, settings, slowed, stretched);
         motion(&mut lines, job, &words, &paces)?;
         post.program_end.iter().for_each(|line| lines.raw(line));
-        Ok(Self { text: lines.finish()?, extension: post.extension.clone(), minutes, slowed })
+        Ok(Self { text: lines.finish()?, extension: post.extension.clone(), minutes, slowed, stretched })
     }
 }
 
@@ -203,7 +216,13 @@ fn header(w: &mut Lines, job: &FlankNcJob, settings: &FlankNcSettings) {
     job.line.singular.iter().for_each(|passage| w.comment(&format!("SINGULAR: {passage}")));
 }
 
-fn speed_comments(w: &mut Lines, post: &Post, settings: &FlankNcSettings, slowed: Option<(usize, f64, char)>) {
+fn speed_comments(
+    w: &mut Lines,
+    post: &Post,
+    settings: &FlankNcSettings,
+    slowed: Option<(usize, f64, char)>,
+    stretched: Option<(usize, f64)>,
+) {
     let FlankNcSettings { feed_mm_per_min: feed, lead_mm_per_min: lead, .. } = settings;
     w.comment(&format!(
         "Feed {feed} mm/min of the faster end of the flutes along the workpiece, approach and retraction {lead} mm/min"
@@ -216,7 +235,16 @@ fn speed_comments(w: &mut Lines, post: &Post, settings: &FlankNcSettings, slowed
         FeedMode::InverseTime => "F is 1 / minutes of the block.",
         FeedMode::Seconds => "F is the seconds of the block.",
     });
+    if let Some((blocks, share)) = stretched {
+        w.comment(&format!(
+            "SHORT MOVES: {blocks} moves are given {} s, the shortest time of a block, which leaves them {:.1} percent of \
+             their speed at least",
+            60.0 * LEAST_BLOCK_MINUTES,
+            100.0 * share
+        ));
+    }
     match slowed {
+        None if stretched.is_some() => w.comment("No axis would exceed its speed."),
         None => w.comment("No axis would exceed its speed: the feed is as asked for throughout."),
         Some((blocks, share, axis)) => w.comment(&format!(
             "LOWERED FEED: {blocks} moves are slower than asked for, so that no axis exceeds its speed, at most down to \
@@ -233,10 +261,8 @@ fn motion(w: &mut Lines, job: &FlankNcJob, words: &Words, paces: &[Pace]) -> Res
     w.comment("The way to the first position is NOT verified: have the tool clear of the workpiece.");
     post.safe_start.iter().for_each(|line| w.block(line));
     w.block(&format!("S{:.0} M03", settings.spindle_rpm));
-    match settings.tip_control {
-        TipControl::Off => {}
-        TipControl::Angles => w.block(&format!("G43.4 H{}", settings.tool_number)),
-        TipControl::Vector => w.block(&format!("G43.5 H{}", settings.tool_number)),
+    if let Some([on, _]) = words.tip {
+        w.block(&format!("{on} H{}", settings.tool_number));
     }
     w.block(&post.feed.approach_word);
     let Some(first) = job.line.points.first() else { return Ok(()) };
@@ -265,8 +291,8 @@ fn motion(w: &mut Lines, job: &FlankNcJob, words: &Words, paces: &[Pace]) -> Res
         w.block(&if is_kept { format!("{} {axes}", post.linear) } else { format!("{} {axes} F{feed}", post.linear) });
         (given, feed_given) = (axes, feed);
     }
-    if settings.tip_control != TipControl::Off {
-        w.block("G49");
+    if let Some([_, off]) = words.tip {
+        w.block(off);
     }
     if post.feed.word != post.feed.approach_word {
         w.block(&post.feed.approach_word);
@@ -276,11 +302,25 @@ fn motion(w: &mut Lines, job: &FlankNcJob, words: &Words, paces: &[Pace]) -> Res
     Ok(())
 }
 
+/// The words that switch following the tool's tip on and off; none where it is not asked for.
+fn tip_words(post: &Post, asked: TipControl) -> Result<Option<[&str; 2]>, NcError> {
+    let words = post.tip_control.as_ref();
+    let (word, wanted) = match asked {
+        TipControl::Off => return Ok(None),
+        TipControl::Angles => (words.and_then(|w| w.angles.as_deref()), "angles"),
+        TipControl::Vector => (words.and_then(|w| w.vector.as_deref()), "vector"),
+    };
+    let both = word.zip(words).map(|(on, words)| [on, words.off.as_str()]);
+    both.map(Some).ok_or(NcError::NoTipControl { wanted })
+}
+
 struct Words<'a> {
     post: &'a Post,
     settings: &'a FlankNcSettings,
     linear: [(&'a str, f64); 3],
     rotary: [(&'a str, f64); 2],
+    /// What switches following the tool's tip on and off.
+    tip: Option<[&'a str; 2]>,
 }
 
 impl<'a> Words<'a> {
@@ -296,7 +336,8 @@ impl<'a> Words<'a> {
             _ => word(Axis::C),
         };
         let linear = [word(Axis::X)?, word(Axis::Y)?, word(Axis::Z)?];
-        Ok(Self { post, settings, linear, rotary: [rotary(0)?, rotary(1)?] })
+        let tip = tip_words(post, settings.tip_control)?;
+        Ok(Self { post, settings, linear, rotary: [rotary(0)?, rotary(1)?], tip })
     }
 
     fn too_slow(&self, block: usize) -> NcError {
@@ -319,8 +360,10 @@ impl<'a> Words<'a> {
         let xyz = self.linear.into_iter().zip(self.xyz(point)).map(|(word, v)| length(word, v));
         let turned: Vec<String> = match self.settings.tip_control {
             TipControl::Vector => {
-                let direction = [("I", point.axis.x), ("J", point.axis.y), ("K", point.axis.z)];
-                direction.map(|(word, v)| format!("{word}{:.DIRECTION_DECIMALS$}", v)).to_vec()
+                // The direction is counted along the same axes as the tip.
+                let signs = self.linear.map(|(_, sign)| sign);
+                let direction = ["I", "J", "K"].into_iter().zip(point.axis.to_array().into_iter().zip(signs));
+                direction.map(|(word, (v, sign))| format!("{word}{:.DIRECTION_DECIMALS$}", sign * v + 0.0)).collect()
             }
             _ => self.rotary.into_iter().zip(point.joints.rotary).map(|(word, v)| angle(word, v)).collect(),
         };
@@ -339,8 +382,8 @@ impl<'a> Words<'a> {
                 let length = if linear > 0.0 { linear } else { turn(0).hypot(turn(1)).to_degrees() };
                 slow_down(length / minutes, decimals)
             }
-            FeedMode::InverseTime => slow_down(1.0 / minutes.max(LEAST_BLOCK_MINUTES), decimals),
-            FeedMode::Seconds => Some(whole_seconds(minutes.max(LEAST_BLOCK_MINUTES), decimals)),
+            FeedMode::InverseTime => slow_down(1.0 / minutes, decimals),
+            FeedMode::Seconds => Some(whole_seconds(minutes, decimals)),
         };
         f.map(|f| format!("{f:.decimals$}"))
     }

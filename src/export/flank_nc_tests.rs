@@ -7,6 +7,7 @@ use crate::export::flank_cl::{ClJob, cl_text};
 use crate::flank::linearise::linearise;
 use crate::flank::milling_machine::{MillingMachine, ToolPose};
 use crate::flank::singular::Passage;
+use crate::progress::Cancel;
 
 const REACH: f64 = 20.0;
 
@@ -43,7 +44,7 @@ fn made(k: &Kinematics, post: &Post, tip_control: TipControl) -> Made {
     let interpolation = tip_control.interpolation();
     let params = LinearisationParams { reach_mm: REACH, interpolation, ..LinearisationParams::default() };
     let path = path();
-    let line = linearise(k, &path, &params).unwrap();
+    let line = linearise(k, &path, &params, &Cancel::default()).unwrap();
     let (notes, warnings) = (["Surface (A); tolerance 0.01 mm".to_owned()], ["the holder is near".to_owned()]);
     let job = FlankNcJob {
         program: "flank_1",
@@ -196,10 +197,97 @@ fn per_minute_feeds_and_seconds_take_the_same_time() {
     assert!(seconds / 60.0 >= total && seconds / 60.0 < total * 1.01);
 }
 
+/// The built-in post with the words of a control that follows the tool's tip.
+fn following_post() -> Post {
+    let words = "[tip_control]\nangles = \"G43.4\"\nvector = \"G43.5\"\noff = \"G49\"\n\n[comment]";
+    Post::from_toml(&BUILT_IN_POST.1.replacen("[comment]", words, 1), "following").unwrap()
+}
+
+#[test]
+fn a_tools_direction_is_counted_along_the_same_axes_as_its_tip() {
+    let k = machines()[2].kinematics().unwrap();
+    let plain = moves(&made(&k, &following_post(), TipControl::Vector).nc.text, "XYZIJK");
+    for reversed in [vec![Axis::X], vec![Axis::Y, Axis::Z], vec![Axis::X, Axis::Y, Axis::Z], vec![Axis::C]] {
+        let mut post = following_post();
+        post.axes.iter_mut().for_each(|a| a.reversed = reversed.contains(&a.axis));
+        let text = made(&k, &post, TipControl::Vector).nc.text;
+        let signs = [Axis::X, Axis::Y, Axis::Z].map(|a| if reversed.contains(&a) { -1.0 } else { 1.0 });
+        for (p, r) in plain.iter().zip(moves(&text, "XYZIJK")) {
+            for i in 0..6 {
+                assert_eq!(r.0[i], signs[i % 3] * p.0[i], "{reversed:?}");
+            }
+        }
+        assert!(!text.contains("I-0.000000000 "));
+    }
+}
+
+#[test]
+fn a_post_without_words_for_the_tip_is_refused_one() {
+    let k = machines()[2].kinematics().unwrap();
+    let path = path();
+    let mut only_angles = following_post();
+    only_angles.tip_control.as_mut().unwrap().vector = None;
+    for (post, tip_control, wanted) in [
+        (milling_post("milling").unwrap(), TipControl::Angles, "angles"),
+        (milling_post("milling").unwrap(), TipControl::Vector, "vector"),
+        (only_angles, TipControl::Vector, "vector"),
+    ] {
+        let params = LinearisationParams { interpolation: tip_control.interpolation(), ..Default::default() };
+        let line = linearise(&k, &path, &params, &Cancel::default()).unwrap();
+        let job = FlankNcJob {
+            program: "p",
+            cutter: "",
+            machine: &k,
+            path: &path,
+            line: &line,
+            params: &params,
+            notes: &[],
+            warnings: &[],
+        };
+        let settings = FlankNcSettings { tip_control, ..FlankNcSettings::default() };
+        let error = FlankNc::new(&job, &post, &settings).unwrap_err();
+        assert_eq!(error, NcError::NoTipControl { wanted });
+        assert!(error.to_string().contains("[tip_control]"), "{error}");
+    }
+}
+
+#[test]
+fn short_blocks_take_the_time_that_is_said() {
+    let k = machines()[0].kinematics().unwrap();
+    let path = path();
+    let params = LinearisationParams { linearisation_mm: 1e-4, reach_mm: REACH, ..LinearisationParams::default() };
+    let line = linearise(&k, &path, &params, &Cancel::default()).unwrap();
+    let job = FlankNcJob {
+        program: "p",
+        cutter: "",
+        machine: &k,
+        path: &path,
+        line: &line,
+        params: &params,
+        notes: &[],
+        warnings: &[],
+    };
+    let settings = FlankNcSettings { feed_mm_per_min: 20_000.0, lead_mm_per_min: 20_000.0, ..Default::default() };
+    let post = milling_post("milling").unwrap();
+    let nc = FlankNc::new(&job, &post, &settings).unwrap();
+    let times: Vec<f64> = moves(&nc.text, "XYZAC").iter().skip(1).map(|m| 1.0 / m.1).collect();
+    let total: f64 = times.iter().sum();
+    assert!(total >= nc.minutes && total < nc.minutes * 1.001, "{total} {}", nc.minutes);
+    let (count, share) = nc.stretched.unwrap();
+    let shortest = times.iter().filter(|t| **t < 0.010_001 / 60.0).count();
+    assert!(count == shortest && (0.0..1.0).contains(&share), "{count} {shortest} {share}");
+    assert!(nc.text.contains("SHORT MOVES") && !nc.text.contains("as asked for throughout"));
+    // F as the speed along X Y Z needs no such time.
+    let mut per_minute = post;
+    (per_minute.feed.mode, per_minute.feed.word) = (FeedMode::PerMinute, "G94".to_owned());
+    let nc = FlankNc::new(&job, &per_minute, &settings).unwrap();
+    assert!(nc.stretched.is_none() && nc.minutes < total && !nc.text.contains("SHORT MOVES"));
+}
+
 #[test]
 fn a_control_that_follows_the_tip_gets_tip_and_turn() {
     let k = machines()[2].kinematics().unwrap();
-    let post = milling_post("milling").unwrap();
+    let post = following_post();
     let angles = made(&k, &post, TipControl::Angles);
     assert!(angles.nc.text.contains("\nG43.4 H1\n") && angles.nc.text.contains("\nG49\n"));
     let vector = made(&k, &post, TipControl::Vector);
@@ -217,7 +305,7 @@ fn a_control_that_follows_the_tip_gets_tip_and_turn() {
     }
     // Positions that were measured for another kind of motion are refused.
     let job_params = LinearisationParams::default();
-    let line = linearise(&k, &path, &job_params).unwrap();
+    let line = linearise(&k, &path, &job_params, &Cancel::default()).unwrap();
     let job = FlankNcJob {
         program: "p",
         cutter: "",
@@ -362,7 +450,7 @@ fn a_real_flank_that_leans_to_both_sides_of_the_pole_is_followed_on_every_machin
         let k = machine.kinematics().unwrap();
         let path = ToolPath::new(cut, &points).unwrap();
         let params = LinearisationParams { linearisation_mm: 0.001, reach_mm: 16.0, ..LinearisationParams::default() };
-        let line = linearise(&k, &path, &params).unwrap();
+        let line = linearise(&k, &path, &params, &Cancel::default()).unwrap();
         assert!(line.deviation_mm <= 0.001);
         // The tool passes 1.88 degrees beside the vertical, as computed from the same points elsewhere.
         let [passage] = &line.singular[..] else { panic!("{:?}", line.singular) };

@@ -301,9 +301,6 @@ fn machine(out: &mut String, entry: &MachineEntry) {
     out.push_str("<div class=\"plot three\">");
     entry.axes.iter().enumerate().for_each(|(i, axis)| out.push_str(&axis_plot(axis, i).svg()));
     out.push_str("</div>");
-    for passage in &entry.singular {
-        let _ = write!(out, "<p class=\"soft\">{}</p>", escape(passage));
-    }
     out.push_str("</section>");
 }
 

@@ -42,6 +42,11 @@ pub enum NcError {
     NotSimulated,
     #[error("the motion was simulated for {simulated}, but the program is for {asked}; simulate it again")]
     OtherMachineSimulated { simulated: String, asked: String },
+    #[error(
+        "the post has no word for a control that follows the tool's tip ({wanted}); set tip_control to off, or add \
+             {wanted} under [tip_control] to a post whose control does"
+    )]
+    NoTipControl { wanted: &'static str },
     #[error("{name} is {value}, but must be {range}")]
     Setting { name: &'static str, value: f64, range: &'static str },
 }

@@ -106,6 +106,20 @@ pub struct AxisWord {
     pub reversed: bool,
 }
 
+/// The words of a control that follows the tool's tip. The number of the length offset is written behind as `H1`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TipWords {
+    /// The word after which X Y Z are the tip and the rotary axes are given, e.g. `G43.4`; none if the control has none.
+    #[serde(default)]
+    pub angles: Option<String>,
+    /// The word after which X Y Z are the tip and I J K the tool's direction, e.g. `G43.5`; none if it has none.
+    #[serde(default)]
+    pub vector: Option<String>,
+    /// The word that ends it, e.g. `G49`.
+    pub off: String,
+}
+
 /// How a control wants its program written.
 ///
 /// Lines of `program_start`, `safe_start`, `burn`, `safe_end`, `program_end` and `dwell` may hold the
@@ -148,6 +162,9 @@ pub struct Post {
     /// Numbering of blocks; none without it.
     #[serde(default)]
     pub block_numbers: Option<BlockNumbers>,
+    /// How the control is told to follow the tool's tip; it does not know how without it.
+    #[serde(default)]
+    pub tip_control: Option<TipWords>,
     /// Axis words in the order they are written.
     pub axes: Vec<AxisWord>,
 }
@@ -266,7 +283,11 @@ impl Post {
         let single =
             [&self.modes, &self.exact_path, &self.dwell, &self.linear, &self.feed.word, &self.feed.approach_word];
         let marks = [&self.comment.open, &self.comment.close];
-        for line in blocks.into_iter().flatten().chain(single).chain(marks) {
+        let tip = self.tip_control.iter().flat_map(|t| [t.angles.as_ref(), t.vector.as_ref(), Some(&t.off)]).flatten();
+        if let Some(empty) = tip.clone().find(|word| word.trim().is_empty()) {
+            return bad("tip_control", empty, "give the control's word, or leave the key out");
+        }
+        for line in blocks.into_iter().flatten().chain(single).chain(marks).chain(tip) {
             if !line.chars().all(|c| c == ' ' || c.is_ascii_graphic()) {
                 return bad("a line", line, "use printable ASCII only");
             }
@@ -319,6 +340,11 @@ mod tests {
         assert!(iso_with("word = \"Y\"", "word = \"X\"").is_err());
         assert!(iso_with("program_start", "programme_start").is_err());
         assert!(iso_with("{seconds}", "{minutes}").is_err());
+        let tip = |words: &str| iso_with("[comment]", &format!("[tip_control]\n{words}\n[comment]"));
+        assert!(tip("angles = \"G43.4\"\noff = \"G49\"").is_ok());
+        for wrong in ["angles = \"\"\noff = \"G49\"", "angles = \"G43.4\"", "off = \"G49 \u{e4}\""] {
+            assert!(tip(wrong).is_err(), "{wrong}");
+        }
     }
 
     #[test]

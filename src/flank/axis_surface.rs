@@ -187,6 +187,29 @@ impl AxisSurface {
         at.tip.lerp(at.top, a)
     }
 
+    /// Number of polynomial pieces that both curves are made of.
+    pub(super) fn pieces(&self) -> usize {
+        self.pieces.len()
+    }
+
+    /// The axis at the middle of a stretch, `middle` and `half` as shares of a piece, and how far its lower end (mm) and
+    /// its unit vector move from there at most: bounds by the terms of the cubics, which nothing on the stretch exceeds.
+    pub(super) fn stretch(&self, piece: usize, middle: f64, half: f64) -> (AxisAt, [f64; 2]) {
+        let moves = |c: [DVec3; 4]| {
+            let first = c[1] + middle * (2.0 * c[2] + 3.0 * middle * c[3]);
+            let second = c[2] + 3.0 * middle * c[3];
+            half * (first.length() + half * (second.length() + half * c[3].length()))
+        };
+        let at = self.at((piece as f64 + middle) / self.pieces.len() as f64);
+        let [lower, upper] = &self.pieces[piece];
+        let (tip, between) = (moves(*lower), moves(std::array::from_fn(|k| upper[k] - lower[k])));
+        let length = at.length();
+        // Two vectors of lengths a and b that are d apart have unit vectors at most 2 d / (a + b) apart, and none are
+        // more than 2.
+        let turn = if between < length { 2.0 * between / (2.0 * length - between) } else { 2.0 };
+        (at, [tip, turn])
+    }
+
     /// u0 of the location at `t`.
     pub fn u0(&self, t: f64) -> f64 {
         self.u0_range[0] + t * (self.u0_range[1] - self.u0_range[0])

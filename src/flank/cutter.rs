@@ -110,24 +110,28 @@ impl FlankCutter {
         Ok(())
     }
 
-    /// Whether it is long enough for `surface` and fits into its hollows, judged with its axis along the rulings.
+    /// Whether it is long enough for `surface` and fits into its hollows, judged with its axis along the rulings and its
+    /// bottom `below_mm` below the lower guide.
     ///
     /// # Errors
-    /// [`FlankError::CutterTooShort`] or [`FlankError::CutterTooThick`] with the place; or as [`Self::validate`].
-    pub fn fits(&self, surface: &RuledSurface) -> Result<(), FlankError> {
+    /// [`FlankError::CutterTooShort`] or [`FlankError::CutterTooThick`] with the place; or as [`Self::validate`] and
+    /// [`Self::above`].
+    pub fn fits(&self, surface: &RuledSurface, below_mm: f64) -> Result<(), FlankError> {
         const PLACES: usize = 64;
         const ACROSS: usize = 8;
         self.validate()?;
+        let touching = self.above(below_mm)?;
         for i in 0..=PLACES {
             let u = i as f64 / PLACES as f64;
             let ruling = surface.point(u, 1.0) - surface.point(u, 0.0);
-            let needed_mm = self.contact_height_needed(ruling.length());
+            let highest = self.contact_height_needed(ruling.length());
+            let needed_mm = below_mm + highest;
             if needed_mm > self.length_mm {
                 return Err(FlankError::CutterTooShort { length_mm: self.length_mm, needed_mm, u });
             }
             for j in 0..=ACROSS {
                 let v = j as f64 / ACROSS as f64;
-                let radius_mm = self.radius_at(v * needed_mm) / self.half_angle().cos();
+                let radius_mm = touching.radius_at(v * highest) / self.half_angle().cos();
                 let hollow_mm = surface.hollow_radius(u, v);
                 if radius_mm > hollow_mm {
                     return Err(FlankError::CutterTooThick { radius_mm, hollow_mm, u, v });

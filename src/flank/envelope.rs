@@ -100,7 +100,8 @@ fn envelope_over(axis: &AxisSurface, cutter: &FlankCutter, place: &GridPlace, fo
 
 /// How far above a point (mm) its normal first enters the cutter's flutes anywhere on the path, by brute force: the part
 /// of the cone between two `heights` above the tip (mm), at `samples` places of the path and ever finer around the
-/// nearest. None if it never does. For checks: it knows nothing of envelopes.
+/// nearest. None if it never does. Where the normal has left the cutter again below the point, that is the other side of
+/// a wall and does not count. For checks: it knows nothing of envelopes.
 pub fn swept_above(
     axis: &AxisSurface,
     cutter: &FlankCutter,
@@ -143,7 +144,7 @@ fn entry(
     if a <= 0.0 || inner.is_nan() || inner < 0.0 {
         return None;
     }
-    let s = (-b - inner.sqrt()) / a;
+    let [s, leaves] = [-1.0, 1.0].map(|sign| (-b + sign * inner.sqrt()) / a);
     let height = h + s * by_h;
-    (cutter.radius_at(height) > 0.0 && (lowest..=highest).contains(&height)).then_some(s)
+    (leaves > 0.0 && cutter.radius_at(height) > 0.0 && (lowest..=highest).contains(&height)).then_some(s)
 }

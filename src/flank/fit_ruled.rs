@@ -47,6 +47,9 @@ const FIRST_POINTS: usize = 400;
 const LAST_POINTS: usize = 1_600;
 /// Share of the guides by which a face may reach beyond their ends.
 const COVERED: f64 = 2e-3;
+/// The chord error that is allowed for beside the tolerance, as so many tolerances: triangles that leave more say too
+/// little about the surface.
+const MOST_CHORD: f64 = 20.0;
 /// Triangles above which a face is fitted by fewer of its corners only.
 const MANY: usize = 100_000;
 
@@ -89,7 +92,7 @@ impl RuledFitParams {
 }
 
 /// Why no ruled surface is fitted.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RuledFitError {
     /// A parameter without meaning.
     #[error("the fit of a ruled surface cannot be made: {0}")]
@@ -117,6 +120,9 @@ pub enum RuledFitError {
         "the border of the face has no four sides, two guides and two end rulings; choose a face that is a strip, or join faces to one"
     )]
     NoSides,
+    /// Triangles to which no distance can be measured.
+    #[error("no distances to the triangles of the face can be measured: {0}; repair the mesh")]
+    NoDistances(String),
     /// Guides that cannot be made.
     #[error("no guides follow the border of the face: {0}")]
     Guides(#[from] NurbsError),
@@ -152,11 +158,22 @@ pub struct RuledFit {
     pub overhang_mm: f64,
     /// How far the face reaches beyond the surface (mm): so much stays unmilled at its ends.
     pub uncovered_mm: f64,
+    /// Where that is (mm).
+    pub uncovered_at: DVec3,
+    /// How far pieces of the face that do not hang together with the largest one are off the surface or beyond it (mm).
+    pub lost_mm: f64,
+    /// Where the face is cut open: how far the guides leave it within a tenth of their parameter beyond the seam (mm), where
+    /// paths go on a little. Zero elsewhere.
+    pub seam_mm: f64,
     /// The tolerance that was asked for (mm).
     pub tolerance_mm: f64,
-    /// Whether the face is ruled within the tolerance: the corners are as near as that, other places and those of the
-    /// surface nearer than the tolerance and the chord error together.
+    /// Whether the form of the face is ruled within the tolerance: the corners are as near as that, other places and those
+    /// of the surface nearer than the tolerance and the chord error together, of which twenty tolerances are allowed for.
     pub is_ruled: bool,
+    /// Whether what mills the surface mills all of the face: neither the face nor a piece of it reaches beyond the surface
+    /// by more than the tolerance and the chord error together, the latter is not above twenty tolerances, and a face that
+    /// is cut open is followed within the tolerance beyond its seam.
+    pub covers: bool,
     /// Whether the face runs all around and was cut open: both end rulings are the same place.
     pub is_cut_open: bool,
     /// What an engineer should know of it, one sentence each; the first says whether it is ruled.
@@ -323,12 +340,15 @@ fn released(trial: &Trial, params: &RuledFitParams) -> Option<Trial> {
 
 fn answer(patch: &Patch, trial: &Trial, params: &RuledFitParams, is_cut_open: bool) -> Result<RuledFit, RuledFitError> {
     let [lower, upper] = trial.strip.guides(patch.origin)?;
-    let found = measure::measured(patch, &trial.sides, &trial.strip);
+    let found = measure::measured(patch, &trial.sides, &trial.strip)?;
     let tolerance = params.tolerance_mm;
-    let with_chord = tolerance + patch.chord;
+    let with_chord = tolerance + patch.chord.min(MOST_CHORD * tolerance);
     let is_ruled = found.corners.greatest_mm <= tolerance
         && found.all.greatest_mm <= with_chord
         && found.back.greatest_mm <= with_chord;
+    let covers = found.uncovered <= with_chord && found.lost <= with_chord && patch.chord <= MOST_CHORD * tolerance;
+    let seam = if is_cut_open { measure::beyond_seam(&trial.strip) } else { 0.0 };
+    let covers = covers && seam <= tolerance;
     let mut fit = RuledFit {
         lower,
         upper,
@@ -340,8 +360,12 @@ fn answer(patch: &Patch, trial: &Trial, params: &RuledFitParams, is_cut_open: bo
         border_mm: found.border,
         overhang_mm: found.overhang,
         uncovered_mm: found.uncovered,
+        uncovered_at: found.uncovered_at,
+        lost_mm: found.lost,
+        seam_mm: seam,
         tolerance_mm: tolerance,
         is_ruled,
+        covers,
         is_cut_open,
         words: Vec::new(),
     };
@@ -352,7 +376,8 @@ fn answer(patch: &Patch, trial: &Trial, params: &RuledFitParams, is_cut_open: bo
 fn words(patch: &Patch, trial: &Trial, fit: &RuledFit) -> Vec<String> {
     let place = |p: DVec3| format!("({:.2}, {:.2}, {:.2})", p.x, p.y, p.z);
     let (off, within) = (fit.error_corners.greatest_mm, fit.tolerance_mm);
-    let is_near = fit.error.greatest_mm <= within + fit.chord_mm && off <= within;
+    let much = within + fit.chord_mm.min(MOST_CHORD * within);
+    let is_near = fit.error.greatest_mm <= much && off <= within;
     let mut words = vec![if fit.is_ruled {
         format!("ruled within {within:.4} mm: corners of the mesh are at most {off:.4} mm off")
     } else if is_near {
@@ -365,7 +390,13 @@ fn words(patch: &Patch, trial: &Trial, fit: &RuledFit) -> Vec<String> {
         "inside of triangles it is {:.4} mm off at most; the triangles themselves leave about {:.4} mm",
         fit.error.greatest_mm, fit.chord_mm
     ));
-    if fit.chord_mm > fit.tolerance_mm {
+    if fit.chord_mm > MOST_CHORD * within {
+        words.push(format!(
+            "the triangles are too coarse: they leave {:.4} mm, and no more than {:.4} mm is allowed for; export the mesh finer",
+            fit.chord_mm,
+            MOST_CHORD * within
+        ));
+    } else if fit.chord_mm > within {
         words.push(
             "the triangles are coarser than the tolerance: between their corners nothing is known so well".into(),
         );
@@ -373,13 +404,19 @@ fn words(patch: &Patch, trial: &Trial, fit: &RuledFit) -> Vec<String> {
     if fit.is_cut_open {
         let seam = fit.lower.point(0.0);
         words.push(format!("the face runs all around; it was cut open at {}", place(seam)));
+        if fit.seam_mm > within {
+            words.push(format!(
+                "NOT COVERED: beyond the seam the guides leave the face by up to {:.3} mm, and paths go on there; mill it as two \
+                 or more faces that are not closed",
+                fit.seam_mm
+            ));
+        }
     } else if patch.loops.len() > 1 {
         words.push(format!("the face has {} hole(s); the surface goes on over them", patch.loops.len() - 1));
     }
     if trial.is_longer {
         words.push("an end of the face is no ruling: the surface reaches beyond it".into());
     }
-    let much = fit.tolerance_mm + fit.chord_mm;
     if fit.border_mm > much {
         words.push(format!("the guides leave the border of the face by up to {:.4} mm", fit.border_mm));
     }
@@ -391,8 +428,10 @@ fn words(patch: &Patch, trial: &Trial, fit: &RuledFit) -> Vec<String> {
     }
     if fit.uncovered_mm > much {
         words.push(format!(
-            "the face reaches up to {:.3} mm beyond the surface: its ends are bent, or it has other than four sides",
-            fit.uncovered_mm
+            "NOT COVERED: the face reaches up to {:.3} mm beyond the surface, farthest at {}, and stays unmilled there: its ends \
+             are bent, or it has other than four sides",
+            fit.uncovered_mm,
+            place(fit.uncovered_at)
         ));
     }
     if patch.turned > 0 {
@@ -401,6 +440,12 @@ fn words(patch: &Patch, trial: &Trial, fit: &RuledFit) -> Vec<String> {
     if patch.lost > 1e-9 {
         let share = 100.0 * patch.lost;
         words.push(format!("the face is in pieces: only the largest is fitted, {share:.1} % of the area is left out"));
+    }
+    if fit.lost_mm > much {
+        words.push(format!(
+            "NOT COVERED: pieces that are left out reach up to {:.3} mm away from the surface",
+            fit.lost_mm
+        ));
     }
     if patch.triangles.len() > MANY {
         words.push(format!("of its {} triangles a part, evenly chosen, is looked at", patch.triangles.len()));

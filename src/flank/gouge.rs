@@ -195,11 +195,19 @@ fn check_along(
     cancel: &Cancel,
 ) -> Result<GougeCheck, FlankError> {
     progress.report("gouge of neighbouring walls", 0.0, "");
-    let flutes =
-        Frustum { heights: [0.0, cutter.length_mm], radii: [cutter.radius_mm, cutter.radius_at(cutter.length_mm)] };
+    let (flutes, holder) = tool_of(cutter);
     let walls = neighbours(part, surface, own_mm);
-    let cutter_clearance = least(motion, &[(ToolPart::Cutter, flutes)], &walls, cancel)?;
+    let cutter_clearance = least(motion, &[flutes], &walls, cancel)?;
     progress.report("gouge by the holder", 0.5, "");
+    let holder_clearance = least(motion, &holder, part, cancel)?;
+    progress.report("gouge by the holder", 1.0, "");
+    Ok(GougeCheck { cutter: cutter_clearance, holder: holder_clearance })
+}
+
+/// The flutes, and the parts of what holds them from below upwards.
+pub(super) fn tool_of(cutter: &FlankCutter) -> ((ToolPart, Frustum), Vec<(ToolPart, Frustum)>) {
+    let radii = [cutter.radius_mm, cutter.radius_at(cutter.length_mm)];
+    let flutes = Frustum { heights: [0.0, cutter.length_mm], radii };
     let mut bottom = cutter.length_mm;
     let mut holder = Vec::new();
     for (i, part) in cutter.holder.iter().enumerate() {
@@ -207,9 +215,7 @@ fn check_along(
         holder.push((ToolPart::Holder(i), Frustum { heights, radii: [part.lower_radius_mm, part.upper_radius_mm] }));
         bottom = heights[1];
     }
-    let holder_clearance = least(motion, &holder, part, cancel)?;
-    progress.report("gouge by the holder", 1.0, "");
-    Ok(GougeCheck { cutter: cutter_clearance, holder: holder_clearance })
+    ((ToolPart::Cutter, flutes), holder)
 }
 
 /// A stretch of the path that is still to be looked at; those that may hold the least come first.

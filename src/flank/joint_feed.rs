@@ -1,4 +1,5 @@
-//! How long each move takes, so that the flank is milled at the feed that is asked for and no axis is too fast.
+//! How long each move takes, so that the flank is milled at the feed that is asked for, no axis is too fast and no move is
+//! shorter than the control takes.
 
 use super::linearise::{Interpolation, MachinePath, MachinePoint, on_the_way};
 use super::milling_machine::Kinematics;
@@ -16,6 +17,8 @@ pub struct Feeds {
     pub lead_mm_min: f64,
     /// Height of the flutes' top above the tip (mm).
     pub reach_mm: f64,
+    /// The shortest time that a move is given (min); 0 where the control takes any.
+    pub least_minutes: f64,
     /// How the control moves between points.
     pub interpolation: Interpolation,
 }
@@ -34,6 +37,8 @@ pub struct Pace {
     pub share: f64,
     /// The axis that would be too fast with more.
     pub axis: char,
+    /// What the shortest time of a move leaves of the speed that axes and feed allow; 1 where it takes longer anyway.
+    pub short_share: f64,
 }
 
 /// The pace of every move of `machine_path`: one less than its points.
@@ -49,7 +54,11 @@ fn pace(k: &Kinematics, path: &ToolPath, from: &MachinePoint, to: &MachinePoint,
     let way_mm = way(0.0).max(way(feeds.reach_mm));
     let (least, axis) = least_minutes(k, from, to);
     let asked = way_mm / feed;
-    Pace { section, minutes: asked.max(least), way_mm, share: if least > asked { asked / least } else { 1.0 }, axis }
+    let free = asked.max(least);
+    let share = |part: f64, whole: f64| if whole > part { part / whole } else { 1.0 };
+    let short_share = share(free, feeds.least_minutes);
+    let minutes = free.max(feeds.least_minutes);
+    Pace { section, minutes, way_mm, share: share(asked, least), axis, short_share }
 }
 
 /// The shortest time (min) in which every axis gets from one point to the other, and the axis that needs it.

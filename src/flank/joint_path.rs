@@ -8,6 +8,7 @@ use super::linearise::LinearisationParams;
 use super::milling_machine::{Joints, Kinematics, MachineError, ToolPose};
 use super::singular::pole_places;
 use super::tool_path::{Place, ToolPath, ToolPathError};
+use crate::progress::{Cancel, Cancelled};
 
 /// What being outside of the limits by 1 mm or 1 rad costs beside the travel (rad): it is never worth it.
 const OUTSIDE_COST: f64 = 1e6;
@@ -71,6 +72,9 @@ pub enum MillingError {
         /// The most that are made.
         most: usize,
     },
+    /// It was told to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// A value out of range.
     #[error("{name} is {value}; it must be {range}")]
     Setting {
@@ -112,13 +116,17 @@ pub(super) fn chosen(
     k: &Kinematics,
     path: &ToolPath,
     params: &LinearisationParams,
+    cancel: &Cancel,
 ) -> Result<Vec<Chosen>, MillingError> {
     let mut nodes = Vec::new();
-    let places = pole_places(k, path, params)?;
+    cancel.check()?;
+    let places = pole_places(k, path, params, cancel)?;
+    cancel.check()?;
     let is_pole = |s: f64| Ok::<bool, MillingError>(k.off_pole(path.at(s)?.axis) <= params.pole_rad());
     let poles = places.iter().map(|&s| is_pole(s)).collect::<Result<Vec<bool>, _>>()?;
     let mut i = 0;
     while i < places.len() {
+        cancel.check()?;
         let end = (i..places.len()).find(|&j| !poles[j]).unwrap_or(places.len());
         if end > i {
             nodes.extend(stay(k, path, &places, i..end, params)?);
@@ -129,7 +137,7 @@ pub(super) fn chosen(
             i += 1;
         }
     }
-    let mut line = least_travel(&nodes);
+    let mut line = least_travel(&nodes, cancel)?;
     line.dedup_by(|next, kept| next.s == kept.s && next.rotary == kept.rotary);
     Ok(line)
 }
@@ -235,13 +243,14 @@ fn travel(from: &State, to: &State) -> Option<f64> {
 }
 
 /// Dynamic programming over the points: for every position the cheapest way to it.
-fn least_travel(nodes: &[Node]) -> Vec<Chosen> {
-    let Some(first) = nodes.first() else { return Vec::new() };
+fn least_travel(nodes: &[Node], cancel: &Cancel) -> Result<Vec<Chosen>, Cancelled> {
+    let Some(first) = nodes.first() else { return Ok(Vec::new()) };
     let own = |state: &State| OUTSIDE_COST * state.outside;
     let start = |state: &State| own(state) + TIE_COST * (state.rotary[0].abs() + state.rotary[1].abs());
     let mut cost: Vec<f64> = first.states.iter().map(start).collect();
     let mut came_from: Vec<Vec<usize>> = vec![Vec::new()];
     for pair in nodes.windows(2) {
+        cancel.check()?;
         // Of equal travel, the one that turns at the pole and not on the way to it.
         let dearness = if pair[0].s == pair[1].s { 1.0 } else { MOVING_COST };
         let best = |to: &State| {
@@ -261,7 +270,7 @@ fn least_travel(nodes: &[Node]) -> Vec<Chosen> {
         at = from.get(at).copied().unwrap_or(0);
     }
     line.reverse();
-    line
+    Ok(line)
 }
 
 /// The first axis to blame where a position is outside of the limits: the one that is furthest outside.

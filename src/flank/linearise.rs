@@ -16,6 +16,7 @@ use super::joint_path::{Chosen, MillingError, chosen, furthest_outside};
 use super::milling_machine::{Joints, Kinematics, ToolPose};
 use super::singular::{SingularPassage, passages};
 use super::tool_path::ToolPath;
+use crate::progress::Cancel;
 
 /// Decimals of X, Y, Z (mm) and of the rotary axes (degrees) in programs: positions are rounded to them before the moves
 /// are measured.
@@ -132,13 +133,18 @@ pub struct MachinePath {
 /// The path of `machine` along `path`, within every limit and within the tolerance.
 ///
 /// # Errors
-/// [`MillingError`].
-pub fn linearise(k: &Kinematics, path: &ToolPath, params: &LinearisationParams) -> Result<MachinePath, MillingError> {
+/// [`MillingError`], also when it was told to stop.
+pub fn linearise(
+    k: &Kinematics,
+    path: &ToolPath,
+    params: &LinearisationParams,
+    cancel: &Cancel,
+) -> Result<MachinePath, MillingError> {
     params.validate()?;
-    let line = chosen(k, path, params)?;
+    let line = chosen(k, path, params, cancel)?;
     let exact: Vec<(f64, Joints)> = line.iter().map(|c| (c.s, k.with_tip(c.pose.tip, c.rotary))).collect();
     furthest_outside(k, path, exact.iter().map(|(s, joints)| (*s, joints)))?;
-    let follower = Follower { k, path, params };
+    let follower = Follower { k, path, params, cancel };
     let mut points = Vec::new();
     let (mut deviation_mm, mut measured_mm) = (0.0f64, 0.0f64);
     for to in line.iter().map(|c| follower.point(c)) {
@@ -167,6 +173,7 @@ struct Follower<'a, 'p> {
     k: &'a Kinematics,
     path: &'a ToolPath<'p>,
     params: &'a LinearisationParams,
+    cancel: &'a Cancel,
 }
 
 impl Follower<'_, '_> {
@@ -186,6 +193,7 @@ impl Follower<'_, '_> {
         let (mut bound, mut measured) = (0.0f64, 0.0f64);
         let mut open = vec![to];
         while let Some(to) = open.pop() {
+            self.cancel.check()?;
             let Some(from) = points.last().copied() else { break };
             let strays = self.strays(&from, &to)?;
             if strays.0 <= self.params.linearisation_mm {

@@ -11,6 +11,7 @@ use super::linearise::{Interpolation, LinearisationParams, MachinePath, linearis
 use super::milling_machine::{CarriedBy, Joints, Kinematics, MachineError, MillingMachine, ToolPose};
 use super::singular::Passage;
 use super::tool_path::{Section, ToolPath, ToolPathError};
+use crate::progress::Cancel;
 
 pub(crate) fn machines() -> Vec<MillingMachine> {
     #[derive(serde::Deserialize)]
@@ -145,7 +146,7 @@ fn a_direction_out_of_reach_is_said_with_how_far() {
     let Err(MachineError::Unreachable { by_deg, .. }) = k.inverse(tilted(97.0)) else { panic!() };
     assert!((by_deg - 7.0).abs() < 1e-9);
     let path = ToolPath::new(|u| (DVec3::X * u, tilted(80.0 + 20.0 * u)), &[0.0, 0.3, 1.0]).unwrap();
-    let said = linearise(&k, &path, &LinearisationParams::default()).unwrap_err().to_string();
+    let said = linearise(&k, &path, &LinearisationParams::default(), &Cancel::default()).unwrap_err().to_string();
     assert!(said.contains("cut point 3 (u = 1.00000)") && said.contains("10.000 degrees beyond"), "{said}");
 }
 
@@ -183,7 +184,7 @@ fn the_tolerance_holds_everywhere_and_the_points_are_not_wasted() {
         for interpolation in [Interpolation::Joints, Interpolation::Tip] {
             let count = |tolerance: f64| {
                 let params = LinearisationParams { linearisation_mm: tolerance, interpolation, ..Default::default() };
-                let line = linearise(&k, &path, &params).unwrap();
+                let line = linearise(&k, &path, &params, &Cancel::default()).unwrap();
                 let found = densely(&k, &path, &line, &params);
                 assert!(found <= line.deviation_mm && line.deviation_mm <= tolerance, "{found} {}", line.deviation_mm);
                 assert!(line.measured_mm <= line.deviation_mm && found > 0.2 * tolerance);
@@ -209,14 +210,14 @@ fn the_shorter_way_within_the_limits_is_taken() {
     };
     let path = ToolPath::new(round, &points(31)).unwrap();
     let params = LinearisationParams { linearisation_mm: 0.02, ..Default::default() };
-    let line = linearise(&machine.kinematics().unwrap(), &path, &params).unwrap();
+    let line = linearise(&machine.kinematics().unwrap(), &path, &params, &Cancel::default()).unwrap();
     let c: Vec<f64> = line.points.iter().map(|p| p.joints.rotary[1].to_degrees()).collect();
     assert!(c.iter().all(|v| v.abs() <= 220.0));
     assert!(((c[c.len() - 1] - c[0]).abs() - 300.0).abs() < 1e-3);
     assert!(c.windows(2).all(|w| (w[1] - w[0]).abs() < 15.0));
     // And within 140 degrees each way nothing fits: the best start ends at 210.
     machine.rotary[1].limits_deg = Some([-140.0, 140.0]);
-    let error = linearise(&machine.kinematics().unwrap(), &path, &params).unwrap_err();
+    let error = linearise(&machine.kinematics().unwrap(), &path, &params, &Cancel::default()).unwrap_err();
     let MillingError::OutsideLimits { axis: 'C', by, unit: "degrees", .. } = error else { panic!("{error}") };
     assert!((by - 70.0).abs() < 1e-9, "{by}");
 }
@@ -227,18 +228,22 @@ fn limits_of_straight_and_tilting_axes_are_said_with_the_place() {
     machine.linear.x_mm = [-400.0, 20.0];
     machine.rotary[1].limits_deg = Some([-10.0, 10.0]);
     let path = ToolPath::new(|u| (DVec3::new(50.0 * u, 0.0, 0.0), DVec3::Z), &points(6)).unwrap();
-    let error = linearise(&machine.kinematics().unwrap(), &path, &LinearisationParams::default()).unwrap_err();
+    let error = linearise(&machine.kinematics().unwrap(), &path, &LinearisationParams::default(), &Cancel::default())
+        .unwrap_err();
     // 50 mm times the cosine of 10 degrees: the table turns as far as it can to help.
     assert!(matches!(error, MillingError::OutsideLimits { axis: 'X', .. }), "{error}");
     let said = error.to_string();
     assert!(said.contains("cut point 6") && said.contains("49.240 mm, 29.240 mm outside"), "{said}");
     // A table that turns further lets the same cut go along -X or Y.
     machine.rotary[1].limits_deg = None;
-    assert!(linearise(&machine.kinematics().unwrap(), &path, &LinearisationParams::default()).is_ok());
+    assert!(
+        linearise(&machine.kinematics().unwrap(), &path, &LinearisationParams::default(), &Cancel::default()).is_ok()
+    );
     let mut machine = trunnion();
     machine.rotary[0].limits_deg = Some([-15.0, 15.0]);
     let path = ToolPath::new(|u| (DVec3::X * u, DVec3::new(u, 0.0, 1.0)), &points(6)).unwrap();
-    let error = linearise(&machine.kinematics().unwrap(), &path, &LinearisationParams::default()).unwrap_err();
+    let error = linearise(&machine.kinematics().unwrap(), &path, &LinearisationParams::default(), &Cancel::default())
+        .unwrap_err();
     let MillingError::OutsideLimits { axis: 'A', by, at, .. } = error else { panic!("{error}") };
     assert!((by - 30.0).abs() < 1e-6 && at.point == 6);
 }
@@ -261,7 +266,7 @@ fn the_pole_is_passed_and_said() {
         let params = LinearisationParams::default();
         for (off_deg, n) in [(0.0, 5), (0.0, 6), (1e-4, 6), (0.05, 6), (0.5, 6), (1.5, 40)] {
             let path = ToolPath::new(passing(off_deg), &points(n)).unwrap();
-            let line = linearise(&k, &path, &params).unwrap();
+            let line = linearise(&k, &path, &params, &Cancel::default()).unwrap();
             assert!(densely(&k, &path, &line, &params) <= params.linearisation_mm);
             let [passage] = &line.singular[..] else { panic!("{:?}", line.singular) };
             assert!((passage.least_deg - off_deg).abs() < 1e-3 && (passage.at.u.unwrap() - 0.5).abs() < 1e-4);
@@ -294,7 +299,7 @@ fn a_corner_at_the_pole_is_turned_in_place() {
         let k = machine.kinematics().unwrap();
         let params = LinearisationParams::default();
         let path = ToolPath::new(lean, &points(5)).unwrap();
-        let line = linearise(&k, &path, &params).unwrap();
+        let line = linearise(&k, &path, &params, &Cancel::default()).unwrap();
         assert!(densely(&k, &path, &line, &params) <= params.linearisation_mm);
         let Passage::TurnedInPlace { by_deg } = line.singular[0].passage else { panic!("{}", line.singular[0]) };
         assert!((by_deg - 90.0).abs() < 1e-3, "{by_deg}");
@@ -308,7 +313,7 @@ fn a_tilt_that_cannot_go_past_the_pole_turns_half_round_there() {
     let k = machine.kinematics().unwrap();
     let params = LinearisationParams::default();
     let path = ToolPath::new(passing(0.0), &points(6)).unwrap();
-    let line = linearise(&k, &path, &params).unwrap();
+    let line = linearise(&k, &path, &params, &Cancel::default()).unwrap();
     assert!(densely(&k, &path, &line, &params) <= params.linearisation_mm);
     assert!(line.points.iter().all(|p| p.joints.rotary[0].to_degrees() >= -5.0));
     let Passage::TurnedInPlace { by_deg } = line.singular[0].passage else { panic!("{}", line.singular[0]) };
@@ -322,7 +327,9 @@ fn a_tilt_that_cannot_go_past_the_pole_turns_half_round_there() {
 fn a_path_along_the_pole_turns_nothing() {
     for machine in machines() {
         let path = ToolPath::new(|u| (DVec3::new(20.0 * u, 0.0, 1.0), DVec3::Z), &points(5)).unwrap();
-        let line = linearise(&machine.kinematics().unwrap(), &path, &LinearisationParams::default()).unwrap();
+        let line =
+            linearise(&machine.kinematics().unwrap(), &path, &LinearisationParams::default(), &Cancel::default())
+                .unwrap();
         assert_eq!(line.points.len(), 5, "straight cuts need no points between");
         assert!(line.points.iter().all(|p| p.joints.rotary == [0.0; 2]));
         assert_eq!(line.singular[0].passage, Passage::Held);
@@ -341,9 +348,10 @@ fn no_axis_exceeds_its_speed_and_no_contact_the_feed() {
         let k = machine.kinematics().unwrap();
         let params = LinearisationParams::default();
         let path = ToolPath::new(passing(0.5), &points(21)).unwrap();
-        let line = linearise(&k, &path, &params).unwrap();
+        let line = linearise(&k, &path, &params, &Cancel::default()).unwrap();
         let interpolation = params.interpolation;
-        let feeds = Feeds { cut_mm_min: 800.0, lead_mm_min: 2000.0, reach_mm: params.reach_mm, interpolation };
+        let reach_mm = params.reach_mm;
+        let feeds = Feeds { cut_mm_min: 800.0, lead_mm_min: 2000.0, reach_mm, least_minutes: 0.0, interpolation };
         let paces = paces(&k, &path, &line, &feeds);
         let mut slowed = 0;
         for (pace, w) in paces.iter().zip(line.points.windows(2)) {
@@ -361,6 +369,47 @@ fn no_axis_exceeds_its_speed_and_no_contact_the_feed() {
         }
         assert!(slowed > 0 && slowed < paces.len());
     }
+}
+
+#[test]
+fn a_control_that_takes_no_shorter_moves_is_given_longer_ones_and_it_is_said() {
+    let k = machines()[0].kinematics().unwrap();
+    let params = LinearisationParams { linearisation_mm: 1e-4, ..LinearisationParams::default() };
+    let path = ToolPath::new(passing(0.5), &points(21)).unwrap();
+    let line = linearise(&k, &path, &params, &Cancel::default()).unwrap();
+    let (reach_mm, interpolation) = (params.reach_mm, params.interpolation);
+    let with = |least_minutes: f64| {
+        let feeds = Feeds { cut_mm_min: 8000.0, lead_mm_min: 8000.0, reach_mm, least_minutes, interpolation };
+        paces(&k, &path, &line, &feeds)
+    };
+    let (free, least) = (with(0.0), 0.01 / 60.0);
+    assert!(free.iter().all(|p| p.short_share == 1.0) && free.iter().any(|p| p.minutes < least));
+    for (free, held) in free.iter().zip(with(least)) {
+        assert_eq!(held.minutes, free.minutes.max(least));
+        assert!((held.short_share - (free.minutes / held.minutes)).abs() < 1e-12 && held.share == free.share);
+    }
+}
+
+#[test]
+fn following_a_path_can_be_stopped() {
+    let cancel = Cancel::default();
+    cancel.cancel();
+    let path = ToolPath::new(passing(0.5), &points(21)).unwrap();
+    let answer = linearise(&machines()[0].kinematics().unwrap(), &path, &LinearisationParams::default(), &cancel);
+    assert!(matches!(answer, Err(MillingError::Cancelled(_))));
+    // In the middle, too: the path itself raises the flag.
+    let cancel = Cancel::default();
+    let looks = std::sync::atomic::AtomicUsize::new(0);
+    let stopping = |u: f64| {
+        if looks.fetch_add(1, std::sync::atomic::Ordering::Relaxed) > 3000 {
+            cancel.cancel();
+        }
+        passing(0.5)(u)
+    };
+    let path = ToolPath::new(stopping, &points(21)).unwrap();
+    let params = LinearisationParams { linearisation_mm: 1e-4, ..LinearisationParams::default() };
+    let answer = linearise(&machines()[0].kinematics().unwrap(), &path, &params, &cancel);
+    assert!(matches!(answer, Err(MillingError::Cancelled(_))));
 }
 
 #[test]
@@ -384,7 +433,7 @@ fn leads_belong_to_the_path_and_are_named() {
     assert_eq!(path.place(6.0).to_string(), "retract point 1");
     let params = LinearisationParams::default();
     let k = trunnion().kinematics().unwrap();
-    let line = linearise(&k, &path, &params).unwrap();
+    let line = linearise(&k, &path, &params, &Cancel::default()).unwrap();
     assert!(densely(&k, &path, &line, &params) <= params.linearisation_mm);
     let moves = path.straightened(0.001, 20.0).unwrap();
     assert!(moves.len() > 7 && moves.windows(2).all(|w| w[0].0 < w[1].0));
@@ -409,12 +458,12 @@ fn what_is_no_path_or_no_setting_is_said() {
         (LinearisationParams { linearisation_mm: 0.0, ..Default::default() }, "linearisation_mm"),
         (LinearisationParams { reach_mm: f64::NAN, ..Default::default() }, "reach_mm"),
     ] {
-        assert!(linearise(&k, &path, &params).unwrap_err().to_string().contains(name));
+        assert!(linearise(&k, &path, &params, &Cancel::default()).unwrap_err().to_string().contains(name));
     }
     // A step in the path itself cannot be followed.
     let step = |u: f64| (DVec3::new(u, if u < 0.4 { 0.0 } else { 1.0 }, 0.0), DVec3::new(0.1, 0.2, 1.0));
     let path = ToolPath::new(step, &points(2)).unwrap();
-    let error = linearise(&k, &path, &LinearisationParams::default()).unwrap_err();
+    let error = linearise(&k, &path, &LinearisationParams::default(), &Cancel::default()).unwrap_err();
     assert!(matches!(error, MillingError::Strays { .. }), "{error}");
     let error = path.straightened(0.001, 20.0).unwrap_err();
     assert!(
@@ -440,7 +489,7 @@ proptest! {
         };
         let path = ToolPath::new(path, &points(n)).unwrap();
         let params = LinearisationParams { linearisation_mm: 10f64.powf(tolerance), ..Default::default() };
-        match linearise(&k, &path, &params) {
+        match linearise(&k, &path, &params, &Cancel::default()) {
             Ok(line) => prop_assert!(densely(&k, &path, &line, &params) <= params.linearisation_mm),
             Err(MillingError::Unreachable { .. } | MillingError::OutsideLimits { .. }) => {}
             Err(error) => prop_assert!(false, "{error}"),

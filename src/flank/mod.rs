@@ -25,6 +25,7 @@ pub mod linearise;
 mod machine_tests;
 pub mod milling_machine;
 pub mod offset;
+pub mod own_surface;
 pub mod params;
 pub mod path;
 pub mod plan;
@@ -35,6 +36,8 @@ pub mod singular;
 mod tests;
 pub mod tool_path;
 mod warning;
+
+use glam::DVec3;
 
 use crate::geometry::nurbs::NurbsError;
 use crate::progress::Cancelled;
@@ -83,6 +86,17 @@ pub enum FlankError {
         u: f64,
         /// Along the ruling.
         v: f64,
+    },
+    /// A side that only the user can know.
+    #[error(
+        "on which side of the surface the cutter stands must be said: at the surface's middle, ({:.2}, {:.2}, {:.2}), the positive          side is towards ({:.2}, {:.2}, {:.2}) and the negative side opposite; choose the one away from the part",
+        point.x, point.y, point.z, normal.x, normal.y, normal.z
+    )]
+    SideOpen {
+        /// The middle of the surface (mm).
+        point: DVec3,
+        /// Unit vector to the positive side there.
+        normal: DVec3,
     },
     /// A surface that turns too far along a ruling.
     #[error(

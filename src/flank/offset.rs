@@ -140,13 +140,32 @@ pub fn three_point(
     const NONE: f64 = 1e-10;
     /// What counts as touching (mm) where the deviation has no change of sign.
     const TOUCHING: f64 = 1e-7;
-    const LOOKS: [i32; 2] = [10, 100];
     let plain = two_point(surface, cutter, u0, u0)?;
     if plain.middle_mm.is_some_and(|m| m.abs() < NONE) {
         return Ok(CutterLocation { touch: Touch::ThreePoints, ..plain });
     }
     let at = |u1: f64| two_point(surface, cutter, u0, u1).ok().and_then(|l| l.middle_mm.map(|m| (u1, m, l)));
+    let (_, off, location) = slide_to_touch(&at, u0, slide, TOUCHING).unwrap_or((u0, f64::INFINITY, plain));
+    let touch = if off.abs() < TOUCHING { Touch::ThreePoints } else { Touch::NearestToThree };
+    Ok(CutterLocation { touch, ..location })
+}
+
+/// The slide within `slide` of `u0` that is nearest to it among those that touch midway to within `touching` (mm); if
+/// there is none, the one with the least deviation. A deviation can change its sign in a jump, without a touch: then it
+/// is looked for further on.
+pub(super) fn slide_to_touch(
+    at: &dyn Fn(f64) -> Option<Slide>,
+    u0: f64,
+    slide: f64,
+    touching: f64,
+) -> Option<Slide> {
+    const LOOKS: [i32; 2] = [10, 100];
     let mut nearest: Option<Slide> = at(u0);
+    let keep = |nearest: &mut Option<Slide>, found: Slide| {
+        if nearest.is_none_or(|n| found.1.abs() < n.1.abs()) {
+            *nearest = Some(found);
+        }
+    };
     for looks in LOOKS {
         // From the middle outwards, so that the change of sign nearest to u0 is taken.
         let mut last = [at(u0); 2];
@@ -154,25 +173,26 @@ pub fn three_point(
             for (last, sign) in last.iter_mut().zip([1.0, -1.0]) {
                 let Some(next) = at(u0 + sign * slide * f64::from(i) / f64::from(looks)) else { continue };
                 if let Some(last) = last.filter(|last| last.1 * next.1 <= 0.0) {
-                    return Ok(root(&at, last, next));
+                    let found = root(at, last, next);
+                    if found.1.abs() < touching {
+                        return Some(found);
+                    }
+                    keep(&mut nearest, found);
                 }
                 *last = Some(next);
-                if nearest.is_none_or(|n| next.1.abs() < n.1.abs()) {
-                    nearest = Some(next);
-                }
+                keep(&mut nearest, next);
             }
         }
     }
-    let (_, off, location) = nearest.unwrap_or((u0, f64::INFINITY, plain));
-    let touch = if off.abs() < TOUCHING { Touch::ThreePoints } else { Touch::NearestToThree };
-    Ok(CutterLocation { touch, ..location })
+    nearest
 }
 
-type Slide = (f64, f64, CutterLocation);
+/// u1, the deviation midway (mm) and the location.
+pub(super) type Slide = (f64, f64, CutterLocation);
 
-/// The location without deviation midway, between two whose deviations differ in sign: the Illinois variant of the
+/// The slide with the least deviation midway, between two whose deviations differ in sign: the Illinois variant of the
 /// method of false position, which never leaves the bracket.
-fn root(at: &dyn Fn(f64) -> Option<Slide>, first: Slide, second: Slide) -> CutterLocation {
+fn root(at: &dyn Fn(f64) -> Option<Slide>, first: Slide, second: Slide) -> Slide {
     const ROUNDS: usize = 60;
     let ((mut a, mut fa), (mut b, mut fb)) = ((first.0, first.1), (second.0, second.1));
     let mut best = if fa.abs() < fb.abs() { first } else { second };
@@ -192,5 +212,5 @@ fn root(at: &dyn Fn(f64) -> Option<Slide>, first: Slide, second: Slide) -> Cutte
         }
         (b, fb) = (next.0, next.1);
     }
-    CutterLocation { touch: Touch::ThreePoints, ..best.2 }
+    best
 }

@@ -15,7 +15,8 @@ pub enum Side {
     Positive,
     /// The other one (-1).
     Negative,
-    /// Where the surface bulges out more, so that a thicker cutter fits; positive if it is the same.
+    /// Outside of the solid, for a face of a mesh. Two guides alone do not say where the part is: they need one of the
+    /// others.
     #[default]
     Automatic,
 }
@@ -55,7 +56,8 @@ impl RuledSurface {
     /// The surface between two guides that run the same way.
     ///
     /// # Errors
-    /// [`FlankError`] if the guides meet, or if the surface folds over or turns too far along a ruling.
+    /// [`FlankError`] if the guides meet, if the surface folds over or turns too far along a ruling, or if the side is
+    /// left open.
     pub fn new(lower: NurbsCurve, upper: NurbsCurve, side: Side) -> Result<Self, FlankError> {
         let mut surface = Self { lower: unit(lower, "lower")?, upper: unit(upper, "upper")?, sign: 1.0 };
         surface.check_apart()?;
@@ -63,7 +65,10 @@ impl RuledSurface {
         surface.sign = match side {
             Side::Positive => 1.0,
             Side::Negative => -1.0,
-            Side::Automatic => surface.bulging_side(),
+            Side::Automatic => {
+                let SurfacePlace { point, normal, .. } = surface.at(0.5, 0.5);
+                return Err(FlankError::SideOpen { point, normal });
+            }
         };
         Ok(surface)
     }
@@ -130,11 +135,6 @@ impl RuledSurface {
         let (e, f, g) = (ru.length_squared(), ru.dot(rv), rv.length_squared());
         let (l, m) = (ruu.dot(normal), ruv.dot(normal));
         (g * l - 2.0 * f * m) / (e * g - f * f)
-    }
-
-    fn bulging_side(&self) -> f64 {
-        let bends = (0..=32).flat_map(|i| [0.0, 0.5, 1.0].map(|v| self.bend_across(f64::from(i) / 32.0, v)));
-        if bends.sum::<f64>() <= 1e-12 { 1.0 } else { -1.0 }
     }
 
     /// The foot of the perpendicular from `p` onto the surface gone on past its edges, near `start`; none if Newton's

@@ -5,6 +5,7 @@ use super::joint_path::MillingError;
 use super::linearise::{LinearisationParams, MachinePoint};
 use super::milling_machine::Kinematics;
 use super::tool_path::{Place, ToolPath, ToolPathError};
+use crate::progress::Cancel;
 
 /// Places at which a stretch between two points is looked at for the pole.
 const LOOKS: usize = 16;
@@ -72,10 +73,12 @@ pub(super) fn pole_places(
     k: &Kinematics,
     path: &ToolPath,
     params: &LinearisationParams,
+    cancel: &Cancel,
 ) -> Result<Vec<f64>, MillingError> {
     let off = |s: f64| Ok::<f64, ToolPathError>(k.off_pole(path.at(s)?.axis));
     let mut places = vec![0.0];
     for i in 0..path.last() {
+        cancel.check()?;
         let at = |n: usize| i as f64 + n as f64 / LOOKS as f64;
         let seen = (0..=LOOKS).map(|n| off(at(n))).collect::<Result<Vec<f64>, _>>()?;
         for n in 0..=LOOKS {

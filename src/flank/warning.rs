@@ -10,7 +10,7 @@ use super::ruled_surface::RuledSurface;
 /// All warnings of a plan.
 pub(super) fn of_plan(surface: &RuledSurface, plan: &FlankPlan) -> Vec<String> {
     let mut warnings = Vec::new();
-    if let Err(error) = plan.cutter.fits(surface) {
+    if let Err(error) = plan.cutter.fits(surface, plan.params.below_mm) {
         let instead = match error {
             FlankError::CutterTooShort { .. } => "the path was planned as if its flutes were long enough",
             _ => "the path was planned all the same: see its overcut",

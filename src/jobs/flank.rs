@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::export::flank_nc::FlankNcSettings;
+use crate::export::flank_nc::milling_post;
 use crate::flank::FlankError;
 use crate::flank::cutter::FlankCutter;
 use crate::flank::fit_ruled::{Candidate, CandidateFit, RuledFit};
 use crate::flank::gouge::{self, Clearance, GougeCheck};
 use crate::flank::guide::GuideCurve;
-use crate::flank::joint_feed::{Feeds, paces};
+use crate::flank::joint_feed::paces;
 use crate::flank::linearise::{LinearisationParams, MachinePath, linearise};
 use crate::flank::milling_machine::{Kinematics, MillingMachine, ToolPose};
 use crate::flank::params::FlankParams;
@@ -240,7 +240,7 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
     let (surface, fit) = surface(input)?;
     let plan = plan_flank(&surface, &input.cutter, &input.params, progress, cancel).map_err(|why| {
         // A cutter that does not fit is what is to blame, wherever it showed.
-        let misfit = input.cutter.fits(&surface).err().filter(|misfit| *misfit != why);
+        let misfit = input.cutter.fits(&surface, input.params.below_mm).err().filter(|misfit| *misfit != why);
         match (&why, misfit) {
             (FlankError::Unmeasured { .. } | FlankError::NoLocation { .. }, Some(misfit)) => {
                 FlankJobError::Cutter { misfit, why }
@@ -261,7 +261,7 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
     progress.report("positions of the machine", 0.0, "");
     let milled = input.machine.as_ref().map(|machine| {
         let path = tool_path(path, &approach, &retract).map_err(|e| e.to_string())?;
-        milled(machine, &path, &input.milling, input.cutter.length_mm)
+        milled(machine, &path, &input.milling, input.cutter.length_mm, cancel)
     });
     cancel.check()?;
     progress.report("positions of the machine", 1.0, "");
@@ -391,18 +391,13 @@ fn milled(
     path: &ToolPath,
     milling: &MillingSettings,
     flutes_mm: f64,
+    cancel: &Cancel,
 ) -> Result<Milled, String> {
     let machine = machine.kinematics().map_err(|e| e.to_string())?;
     let params = milling.linearisation(flutes_mm);
-    let line = linearise(&machine, path, &params).map_err(|e| e.to_string())?;
-    let FlankNcSettings { feed_mm_per_min, lead_mm_per_min, .. } = milling.program;
-    let feeds = Feeds {
-        cut_mm_min: feed_mm_per_min,
-        lead_mm_min: lead_mm_per_min,
-        reach_mm: params.reach_mm,
-        interpolation: params.interpolation,
-    };
-    let paces = paces(&machine, path, &line, &feeds);
+    let line = linearise(&machine, path, &params, cancel).map_err(|e| e.to_string())?;
+    let post = milling_post(&milling.post).map_err(|e| e.to_string())?;
+    let paces = paces(&machine, path, &line, &milling.program.feeds(&params, &post));
     let slower = paces.iter().filter(|p| p.share < 1.0);
     let least = slower.clone().min_by(|a, b| a.share.total_cmp(&b.share));
     let slowed = least.map(|p| (slower.clone().count(), p.share, p.axis));

@@ -78,10 +78,18 @@ impl Candidate {
         matches!(&self.fit, CandidateFit::Fitted(fit) if fit.is_ruled)
     }
 
+    /// Whether it is ruled within the tolerance and the surface covers all of it.
+    pub fn is_millable(&self) -> bool {
+        matches!(&self.fit, CandidateFit::Fitted(fit) if fit.is_ruled && fit.covers)
+    }
+
     /// One line for a list.
     pub fn summary(&self) -> String {
         let fit = match &self.fit {
-            CandidateFit::Fitted(fit) => fit.words.first().cloned().unwrap_or_default(),
+            CandidateFit::Fitted(fit) => {
+                let words = fit.words.first().cloned().unwrap_or_default();
+                if fit.covers { words } else { format!("{words}; the surface does not cover all of it") }
+            }
             CandidateFit::Refused(error) => error.to_string(),
             CandidateFit::NotTried => "too small to be tried".to_owned(),
         };

@@ -3,6 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::RuledFitError;
 use super::patch::Patch;
 use super::sides::Sides;
 use super::strip::{Foot, Strip};
@@ -27,8 +28,11 @@ pub(super) struct Measured {
     pub worst: DVec3,
     /// How far the surface reaches beyond the face, as far as it was looked at (mm).
     pub overhang: f64,
-    /// How far the face reaches beyond the surface (mm).
+    /// How far the face reaches beyond the surface (mm), and where.
     pub uncovered: f64,
+    pub uncovered_at: DVec3,
+    /// How far pieces that were left out are off the surface or beyond it (mm).
+    pub lost: f64,
     /// How far the guides are off the face's border (mm).
     pub border: f64,
 }
@@ -63,29 +67,47 @@ pub(super) fn quick(patch: &Patch, strip: &Strip, count: usize) -> f64 {
     worst(&corners, 0.0).max(worst(&patch.inner_samples(count / 2), patch.chord))
 }
 
-pub(super) fn measured(patch: &Patch, sides: &Sides, strip: &Strip) -> Measured {
+pub(super) fn measured(patch: &Patch, sides: &Sides, strip: &Strip) -> Result<Measured, RuledFitError> {
     let corners: Vec<DVec3> = patch.corner_samples(CORNERS).into_iter().map(|c| c.0).collect();
     let inner = patch.inner_samples(usize::MAX);
     let of_corners = distances(strip, &corners);
     let of_inner = distances(strip, &inner);
     let both = || corners.iter().zip(&of_corners).chain(inner.iter().zip(&of_inner));
     let worst = both().fold((DVec3::ZERO, -1.0), |w, (p, [d, _])| if *d > w.1 { (*p, *d) } else { w });
-    let (back, overhang) = back(patch, strip);
-    Measured {
+    let farthest = both().fold((DVec3::ZERO, -1.0), |w, (p, [_, d])| if *d > w.1 { (*p, *d) } else { w });
+    let lost = distances(strip, &patch.left_out).into_iter().map(|[off, beyond]| off.hypot(beyond));
+    let (back, overhang) = back(patch, strip)?;
+    Ok(Measured {
         corners: FitError::of(of_corners.iter().map(|d| d[0])),
         all: FitError::of(both().map(|b| b.1[0])),
         back,
         worst: worst.0 + patch.origin,
         overhang,
-        uncovered: both().map(|b| b.1[1]).fold(0.0, f64::max),
+        uncovered: farthest.1.max(0.0),
+        uncovered_at: farthest.0 + patch.origin,
+        lost: lost.fold(0.0, f64::max),
         border: border(sides, strip),
-    }
+    })
+}
+
+/// How far a ring's surface, followed for a tenth of its parameter beyond both sides of the seam, leaves the ring (mm).
+pub(super) fn beyond_seam(strip: &Strip) -> f64 {
+    let steps = (1..=10).map(|i| 0.01 * f64::from(i));
+    let places = steps.flat_map(|by| [-by, 1.0 + by]).flat_map(|u| [0.0, 0.5, 1.0].map(|v| Foot { u, v }));
+    let points: Vec<DVec3> = places.map(|foot| strip.at(foot).point).collect();
+    // The ring's own other end is nearest, not what goes on beyond it.
+    let rulings = strip.rulings();
+    let off = |p: &DVec3| {
+        let foot = strip.foot_within(&rulings, *p);
+        strip.at(foot).point.distance(*p)
+    };
+    points.iter().map(off).fold(0.0, f64::max)
 }
 
 /// From places of the surface to the nearest triangles: distances where the surface lies over them, and how far it
 /// reaches beyond.
-fn back(patch: &Patch, strip: &Strip) -> (FitError, f64) {
-    let Ok(exact) = ExactMesh::new(&patch.mesh()) else { return (FitError::default(), 0.0) };
+fn back(patch: &Patch, strip: &Strip) -> Result<(FitError, f64), RuledFitError> {
+    let exact = ExactMesh::new(&patch.mesh()).map_err(|e| RuledFitError::NoDistances(e.to_string()))?;
     let places: Vec<Foot> = (0..BACK[0] * BACK[1])
         .map(|i| [(i / BACK[1], BACK[0]), (i % BACK[1], BACK[1])].map(|(k, n)| (k as f64 + 0.5) / n as f64))
         .map(|[u, v]| Foot { u, v })
@@ -98,8 +120,10 @@ fn back(patch: &Patch, strip: &Strip) -> (FitError, f64) {
         (p.distance(nearest.point), is_on_border(patch, &border, nearest.triangle as usize, nearest.point))
     };
     let found: Vec<(f64, bool)> = places.par_iter().map(measure).collect();
-    let error = FitError::of(found.iter().filter(|f| !f.1).map(|f| f.0));
-    (error, found.iter().filter(|f| f.1).map(|f| f.0).fold(0.0, f64::max))
+    let is_over = found.iter().any(|f| !f.1);
+    // A surface that lies nowhere over the face is as far off as it is from its border.
+    let error = FitError::of(found.iter().filter(|f| !f.1 || !is_over).map(|f| f.0));
+    Ok((error, found.iter().filter(|f| f.1).map(|f| f.0).fold(0.0, f64::max)))
 }
 
 /// The sides of a closed border, each with its lower point first.

@@ -42,6 +42,8 @@ pub(super) struct Patch {
     pub turned: usize,
     /// Share of the area in pieces that do not hang together with the largest and are left out.
     pub lost: f64,
+    /// Corners of those pieces, not all where they are many.
+    pub left_out: Vec<DVec3>,
 }
 
 impl Patch {
@@ -51,7 +53,9 @@ impl Patch {
         if let Some(p) = branching {
             return Err(RuledFitError::Branching(points[p as usize] + origin));
         }
+        let all = triangles.clone();
         let (triangles, turned, lost) = oriented(&points, triangles, &neighbours);
+        let left_out = left_out(&points, &all, &triangles);
         let mut patch = Self {
             origin,
             points,
@@ -66,6 +70,7 @@ impl Patch {
             inner: Vec::new(),
             turned,
             lost,
+            left_out,
         };
         patch.measure();
         if patch.area <= 1e-12 * patch.size * patch.size {
@@ -294,6 +299,19 @@ fn oriented(points: &[DVec3], triangles: Vec<[u32; 3]>, across: &[[(u32, bool); 
     });
     let kept: Vec<[u32; 3]> = kept.collect();
     (kept, turned, if total > 0.0 { 1.0 - pieces[best].0 / total } else { 0.0 })
+}
+
+/// Points of `all` triangles that none of the `kept` has: a part of them, evenly chosen, where they are many.
+fn left_out(points: &[DVec3], all: &[[u32; 3]], kept: &[[u32; 3]]) -> Vec<DVec3> {
+    if all.len() == kept.len() {
+        return Vec::new();
+    }
+    let mut is_left = vec![false; points.len()];
+    all.iter().flatten().for_each(|&v| is_left[v as usize] = true);
+    kept.iter().flatten().for_each(|&v| is_left[v as usize] = false);
+    let left: Vec<DVec3> = points.iter().zip(&is_left).filter(|(_, left)| **left).map(|(p, _)| *p).collect();
+    let step = left.len().div_ceil(INNER).max(1);
+    left.into_iter().step_by(step).collect()
 }
 
 /// The mean of the unit normals of some triangles of `mesh`, by their areas; those without points do not count.

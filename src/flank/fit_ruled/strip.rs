@@ -137,6 +137,24 @@ impl Strip {
         Rulings((0..=n).map(|i| (at(i), self.ends(at(i)))).map(|(u, [a, b])| (u, a, b)).collect())
     }
 
+    /// The place nearest to `p` between the ends, near enough to measure distances of more than a thousandth of a piece.
+    pub(super) fn foot_within(&self, rulings: &Rulings, p: DVec3) -> Foot {
+        let on = |u: f64| {
+            let [a, b] = self.ends(u);
+            let v = ((p - a).dot(b - a) / (b - a).length_squared().max(1e-300)).clamp(0.0, 1.0);
+            (a.lerp(b, v).distance_squared(p), Foot { u, v })
+        };
+        let nearer = |a: (f64, Foot), b: (f64, Foot)| if b.0 < a.0 { b } else { a };
+        let seen = rulings.0.iter().map(|r| on(r.0)).fold((f64::INFINITY, Foot { u: 0.5, v: 0.5 }), nearer);
+        let step = 1.0 / (rulings.0.len().max(2) - 1) as f64;
+        let (mut low, mut high) = ((seen.1.u - step).max(0.0), (seen.1.u + step).min(1.0));
+        for _ in 0..30 {
+            let [a, b] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
+            (low, high) = if on(a).0 < on(b).0 { (low, b) } else { (a, high) };
+        }
+        nearer(seen, on(0.5 * (low + high))).1
+    }
+
     /// The foot of `p`, looked for everywhere.
     pub(super) fn foot(&self, rulings: &Rulings, p: DVec3) -> Foot {
         let mut best = (f64::INFINITY, Foot { u: 0.5, v: 0.5 });

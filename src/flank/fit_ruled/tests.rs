@@ -193,6 +193,12 @@ fn a_closed_cylinder_and_cone_are_cut_open() {
         let fit = fit_ruled(&mesh, &all, &RuledFitParams::default(), &Cancel::default()).unwrap();
         assert!(fit.is_ruled && fit.is_cut_open, "{:?}", fit.words);
         assert!(fit.words.iter().any(|w| w.contains("cut open")), "{:?}", fit.words);
+        // Beyond the seam a cubic leaves a circle: by how much is measured at the circle itself.
+        let radius = |p: DVec3| p.truncate().length() + (low - high) * p.z / 10.0;
+        let off = |i: i32| (radius(fit.lower.point(1.0 + 0.01 * f64::from(i))) - low).abs();
+        let (reached, seam) = ((1..=10).map(off).fold(0.0, f64::max), fit.seam_mm);
+        assert!(seam > 0.5 * reached && reached > 0.01 && !fit.covers, "{seam} {reached} {:?}", fit.words);
+        assert!(fit.words.iter().any(|w| w.contains("beyond the seam")), "{:?}", fit.words);
         let gap = fit.lower.point(0.0).distance(fit.lower.point(1.0));
         assert!(gap < 0.02 && fit.lower.length(0.0, 1.0) > 6.2 * low - 0.1, "{gap}");
         for u in [0.1, 0.4, 0.8] {
@@ -228,6 +234,56 @@ fn an_oblique_end_a_hole_and_turned_triangles_are_said() {
             .unwrap();
     let said = format!("{} triangle(s) faced the other way", front.len().div_ceil(7));
     assert!(fit.is_ruled && fit.words.iter().any(|w| w.starts_with(&said)), "{:?}", fit.words);
+}
+
+#[test]
+fn a_face_that_the_surface_does_not_cover_is_said() {
+    let params = RuledFitParams { tolerance_mm: 2e-3, ..Default::default() };
+    let fit_of = |mesh: &Mesh, face: &[u32]| fit_ruled(mesh, face, &params, &Cancel::default()).unwrap();
+    let says = |fit: &RuledFit, word: &str| fit.words.iter().any(|w| w.contains(word));
+    // The end of a wall of 15 mm by 10 mm reaches 8 mm further in an arc.
+    let arched = |u: f64, v: f64| {
+        let t = u * (15.0 + 8.0 * (1.0 - (2.0 * v - 1.0).powi(2))) / 60.0;
+        DVec3::new(60.0 * t.cos(), 60.0 * t.sin(), 10.0 * v)
+    };
+    let (mesh, front) = solid(&arched, [30, 16], 2.0);
+    let fit = fit_of(&mesh, &front);
+    assert!(fit.is_ruled && !fit.covers && fit.uncovered_mm > 0.1, "{:?}", fit.words);
+    let at = fit.uncovered_at;
+    assert!(says(&fit, "NOT COVERED") && (at.truncate().length() - 60.0).abs() < 0.05, "{at}");
+    // A slot cuts 4 mm of a wall of 16 mm off; an island in a hole lies on the surface.
+    let wall = |u: f64, v: f64| DVec3::new(10.0 * (1.6 * u).cos(), 10.0 * (1.6 * u).sin(), 8.0 * v);
+    let (mesh, front) = solid(&wall, [40, 8], 2.0);
+    let [slot, ring]: [fn(u32, u32) -> bool; 2] = [
+        |i, _| i == 29,
+        |i, j| (16..24).contains(&i) && (1..7).contains(&j) && !((18..22).contains(&i) && (3..5).contains(&j)),
+    ];
+    let without = |is_in: fn(u32, u32) -> bool| {
+        front.iter().copied().filter(|t| !is_in(t / 16, t % 16 / 2)).collect::<Vec<u32>>()
+    };
+    assert!(fit_of(&mesh, &front).covers);
+    let fit = fit_of(&mesh, &without(slot));
+    let lost = 11.0 / 40.0 * 16.0;
+    assert!(fit.is_ruled && !fit.covers && (0.7 * lost..1.1 * lost).contains(&fit.lost_mm), "{} {lost}", fit.lost_mm);
+    assert!(says(&fit, "NOT COVERED"), "{:?}", fit.words);
+    let fit = fit_of(&mesh, &without(ring));
+    assert!(fit.is_ruled && fit.covers && says(&fit, "in pieces"), "{:?}", fit.words);
+}
+
+#[test]
+fn triangles_that_say_too_little_are_not_allowed_for() {
+    // Six chords of an eighth of their turn's square times the radius.
+    let wall = |u: f64, v: f64| DVec3::new(8.0 * (2.2 * u).cos(), 8.0 * (2.2 * u).sin(), 8.0 * v);
+    let (mesh, front) = solid(&wall, [6, 3], 2.0);
+    let fit_of = |tolerance_mm: f64| {
+        let params = RuledFitParams { tolerance_mm, ..Default::default() };
+        fit_ruled(&mesh, &front, &params, &Cancel::default()).unwrap()
+    };
+    let chord = 8.0 * (2.2f64 / 6.0).powi(2) / 8.0;
+    let fit = fit_of(0.04 * chord);
+    assert!(!fit.covers && !fit.is_ruled && (fit.chord_mm / chord - 1.0).abs() < 0.1, "{:?}", fit.words);
+    assert!(fit.words.iter().any(|w| w.contains("too coarse")), "{:?}", fit.words);
+    assert!(fit_of(0.06 * chord).covers);
 }
 
 #[test]

@@ -27,6 +27,18 @@ fn guides_that_cross_touch_or_run_apart_are_told_so() {
 }
 
 #[test]
+fn the_side_of_two_guides_is_asked_for_and_each_is_named_by_where_it_is() {
+    // Along X below and along X above: X x Z is -Y.
+    let (lower, upper) = (line([0.0, 0.0, 0.0], [10.0, 0.0, 0.0]), line([0.0, 0.0, 5.0], [10.0, 0.0, 5.0]));
+    let open = RuledSurface::from_guides(&lower, &upper, Side::Automatic).unwrap_err();
+    assert_eq!(open, FlankError::SideOpen { point: DVec3::new(5.0, 0.0, 2.5), normal: DVec3::NEG_Y });
+    let words = open.to_string();
+    assert!(words.contains("positive side is towards") && words.contains("-1.00"), "{words}");
+    let positive = spanned(&lower, &upper).unwrap();
+    assert_eq!(positive.normal(0.5, 0.5), DVec3::NEG_Y, "what is named is what is taken");
+}
+
+#[test]
 fn a_point_of_no_number_and_too_few_points_are_refused() {
     let good = line([0.0, 0.0, 5.0], [10.0, 0.0, 5.0]);
     let wrong = GuideCurve::Points { points: vec![DVec3::ZERO, DVec3::NAN, DVec3::X], degree: 3 };
@@ -70,7 +82,7 @@ fn a_cutter_too_short_or_too_thick_is_planned_with_and_told_so() {
     let params = FlankParams { grid: [20, 10], rounds: 0, ..FlankParams::default() };
     let (surface, ..) = case(&reference, "cyl_R2_A");
     let short = FlankCutter::cylinder(2.0, 8.0);
-    assert!(matches!(short.fits(&surface), Err(FlankError::CutterTooShort { .. })));
+    assert!(matches!(short.fits(&surface, 0.0), Err(FlankError::CutterTooShort { .. })));
     let plan = planned(&surface, &short, &params).unwrap();
     assert!(plan.warnings.iter().any(|w| w.contains("as if its flutes were long enough")), "{:?}", plan.warnings);
     // A hollow of radius 6, seen from inside.
@@ -80,9 +92,20 @@ fn a_cutter_too_short_or_too_thick_is_planned_with_and_told_so() {
     };
     let hollow = RuledSurface::from_guides(&arc(0.0), &arc(8.0), Side::Negative).unwrap();
     assert!((hollow.hollow_radius(0.5, 0.5) - 6.0).abs() < 1e-2 && hollow.normal(0.5, 0.5).dot(DVec3::X) < 0.0);
-    assert!(FlankCutter::cylinder(5.5, 20.0).fits(&hollow).is_ok());
-    let thick = FlankCutter::cylinder(7.0, 20.0).fits(&hollow);
+    assert!(FlankCutter::cylinder(5.5, 20.0).fits(&hollow, 0.0).is_ok());
+    let thick = FlankCutter::cylinder(7.0, 20.0).fits(&hollow, 0.0);
     assert!(matches!(thick, Err(FlankError::CutterTooThick { .. })), "{thick:?}");
+    // What touches is the part of a cone that is left above its reach below the surface.
+    let cone = FlankCutter::cone(1.0, 20.0, 30.0);
+    assert!(cone.fits(&hollow, 0.0).is_ok(), "1 mm at the bottom, 3.9 mm at the top");
+    let raised = cone.fits(&hollow, 10.0);
+    let Err(FlankError::CutterTooThick { radius_mm, v, .. }) = raised else { panic!("{raised:?}") };
+    let wanted = cone.radius_at(10.0 + v * 8.0 * cone.half_angle().cos()) / cone.half_angle().cos();
+    assert!((radius_mm - wanted).abs() < 1e-6 && radius_mm > 6.0, "{radius_mm} {wanted}");
+    let reaching = FlankCutter::cylinder(2.0, 12.0);
+    assert!(reaching.fits(&hollow, 3.9).is_ok());
+    let Err(FlankError::CutterTooShort { needed_mm, .. }) = reaching.fits(&hollow, 4.5) else { panic!() };
+    assert!((needed_mm - 12.5).abs() < 1e-6, "8 mm of surface and 4.5 mm below it: {needed_mm}");
 }
 
 #[test]
@@ -99,6 +122,20 @@ fn without_a_change_of_sign_the_nearest_location_is_taken_and_said() {
     let plan = planned(&surface, &cutter, &params).unwrap();
     assert!(plan.warnings.iter().any(|w| w.contains("cannot touch the surface midway")), "{:?}", plan.warnings);
     assert!(plan.warnings.iter().any(|w| w.contains("does not cover")), "{:?}", plan.warnings);
+}
+
+#[test]
+fn a_jump_through_zero_is_no_touch() {
+    use crate::flank::offset::slide_to_touch;
+    let (surface, cutter, _) = case(&reference(), "cyl_R2_A");
+    let any = two_point(&surface, &cutter, 0.5, 0.5).unwrap();
+    // From -0.4 to 0.6 at 0.53 without being 0, and 0 at 0.36 on the other side.
+    let jumping = |u1: f64| Some((u1, if u1 > 0.53 { 0.6 } else { 2.5 * (0.36 - u1) }, any));
+    let found = slide_to_touch(&jumping, 0.5, 0.25, 1e-7).unwrap();
+    assert!((found.0 - 0.36).abs() < 1e-7 && found.1.abs() < 1e-7, "{} {}", found.0, found.1);
+    let only = |u1: f64| Some((u1, if u1 > 0.53 { 0.6 } else { -0.4 - (0.53 - u1) }, any));
+    let found = slide_to_touch(&only, 0.5, 0.25, 1e-7).unwrap();
+    assert!((found.1 + 0.4).abs() < 1e-3, "the least there is, not a touch: {}", found.1);
 }
 
 #[test]

@@ -112,13 +112,19 @@ pub(super) fn of(result: &FlankResult, overrides: &[String]) -> Vec<FlankCheck> 
 
 fn ruled(result: &FlankResult) -> Option<FlankCheck> {
     let fit = result.fit.as_ref()?;
-    let text = fit.words.first().cloned().unwrap_or_default();
-    Some(FlankCheck::new(CheckKind::Ruled, fit.is_ruled, text).at(fit.worst))
+    // What is not covered says so itself, after the form.
+    let text = match fit.words.first() {
+        Some(form) if fit.covers => form.clone(),
+        Some(form) => format!("{form}; the surface does not cover all of the face"),
+        None => String::new(),
+    };
+    let at = if fit.is_ruled && !fit.covers { fit.uncovered_at } else { fit.worst };
+    Some(FlankCheck::new(CheckKind::Ruled, fit.is_ruled && fit.covers, text).at(at))
 }
 
 fn cutter(result: &FlankResult) -> FlankCheck {
     let (plan, surface) = (&result.plan, &result.surface);
-    match plan.cutter.fits(surface) {
+    match plan.cutter.fits(surface, plan.params.below_mm) {
         Ok(()) => {
             let text =
                 format!("flutes of {:.3} mm reach the upper guide, and no hollow is too narrow", plan.cutter.length_mm);
@@ -260,6 +266,7 @@ fn machine(result: &FlankResult) -> Option<FlankCheck> {
 /// The plan's warnings, and what was not checked.
 pub(super) fn warnings(result: &FlankResult, input: &FlankInput) -> Vec<String> {
     let mut warnings = result.plan.warnings.clone();
+    warnings.extend(sinks(result));
     let is_own_wall = matches!(input.surface, LoadedSurface::Face { is_own_wall: true, .. });
     if input.walls.is_none() && !is_own_wall {
         warnings
@@ -273,6 +280,25 @@ pub(super) fn warnings(result: &FlankResult, input: &FlankInput) -> Vec<String> 
     });
     warnings.extend(unknown.map(|name| format!("override of {name:?}: no check of this name fails, it does nothing")));
     warnings
+}
+
+/// A refined path may sink a cone along its axis to have a fitting radius: what is below the lower guide is then in its
+/// way.
+fn sinks(result: &FlankResult) -> Option<String> {
+    /// What counts as sunk (mm).
+    const SUNK_MM: f64 = 0.5;
+    let (path, asked) = (result.path(), result.plan.params.below_mm);
+    let touching = result.plan.cutter.above(asked).ok()?;
+    let on_lower_guide = path.feet.at.iter().step_by(path.deviation.grid[1].max(1));
+    let heights = on_lower_guide.map(|q| asked + touching.contact_height(q.y * path.axis.at(q.x).length()));
+    let deepest = heights.fold(asked, f64::max);
+    (deepest > asked + SUNK_MM).then(|| {
+        format!(
+            "the {} path sinks the cutter's bottom up to {deepest:.2} mm below the lower guide, {asked} mm were asked for: see \
+             that nothing is there, or mill the chosen path",
+            result.path.name()
+        )
+    })
 }
 
 /// What the machine has to say of a path that it can follow.

@@ -1,0 +1,447 @@
+//! What `sparkpath flank` is asked.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use glam::DVec3;
+
+use super::unit;
+use crate::export::flank_nc::TipControl;
+use crate::flank::cutter::HolderPart;
+use crate::flank::params::{Objective, OffsetMethod};
+use crate::flank::ruled_surface::Side;
+use crate::jobs::flank_files::load_machine;
+use crate::mesh_io::Units;
+use crate::project::flank_file::{ENDING, is_flank_file, read_flank};
+use crate::project::flank_params::{
+    DemonstrationSurface, FlankDocument, FlankSource, GuideSource, MeshFlank, PathChoice, WallsFile,
+};
+
+#[derive(Debug, Args)]
+pub(super) struct FlankArguments {
+    #[command(flatten)]
+    pub(super) surface: SurfaceArguments,
+    #[command(flatten)]
+    cutter: CutterArguments,
+    #[command(flatten)]
+    plan: PlanArguments,
+    #[command(flatten)]
+    pub(super) milling: MillingArguments,
+    /// Writes what was asked as a file that can be given again.
+    #[arg(long, value_name = "FILE")]
+    pub(super) save: Option<PathBuf>,
+    /// Folder for report.html, flank.json, and, where no check fails, path.csv, flank.cl and the NC program; made if it is
+    /// not there.
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+}
+
+/// Where the surface comes from.
+#[derive(Debug, Args)]
+pub(super) struct SurfaceArguments {
+    /// What was saved before (.sparkflank); the other arguments then change it.
+    file: Option<PathBuf>,
+    /// The guide curve that the cutter's bottom follows: a CSV file with x, y, z (mm) of a point on each line.
+    #[arg(long, value_name = "CSV", requires = "upper", conflicts_with_all = ["mesh", "demo"])]
+    lower: Option<PathBuf>,
+    /// The other guide curve, in the same direction.
+    #[arg(long, value_name = "CSV", requires = "lower", conflicts_with_all = ["mesh", "demo"])]
+    upper: Option<PathBuf>,
+    /// A mesh with a flank to be milled, such as an electrode: STL, OBJ, glTF or GLB.
+    #[arg(long, value_name = "MESH", conflicts_with = "demo")]
+    mesh: Option<PathBuf>,
+    /// Which flank of the mesh, from 1, the largest first [default: 1].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    flank: Option<u32>,
+    /// Lists the flanks of the mesh and ends.
+    #[arg(long)]
+    pub(super) list: bool,
+    /// How far a flank of the mesh may be off its ruled surface (mm).
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    fit_tolerance: Option<f64>,
+    /// Which way is up, from the lower guide to the upper, on the mesh: +z, -x, or three numbers with commas between
+    /// [default: +z].
+    #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true, value_parser = direction)]
+    up: Option<DVec3>,
+    /// Unit of the mesh and of the walls: auto, mm, cm, m, inch.
+    #[arg(long, value_name = "UNIT", value_parser = unit)]
+    units: Option<Units>,
+    /// A surface that comes with the program: a or b, those of the paper that the method is from.
+    #[arg(long, value_name = "NAME")]
+    demo: Option<Demo>,
+    /// The side of the surface that the cutter stands on: automatic, positive (where R_u x R_v points) or negative.
+    #[arg(long, value_name = "SIDE")]
+    side: Option<SideName>,
+    /// A mesh of neighbouring walls that must not be cut. Of a mesh with the flank its other faces count without being
+    /// named.
+    #[arg(long, value_name = "MESH")]
+    walls: Option<PathBuf>,
+}
+
+/// The cutter.
+#[derive(Debug, Args)]
+struct CutterArguments {
+    /// Radius of the cutter's bottom (mm) [default: 1].
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    radius: Option<f64>,
+    /// Angle between the cutter's axis and its flute; 0 for a cylinder [default: 5].
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    taper_deg: Option<f64>,
+    /// Length of the flutes (mm) [default: 30].
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    length: Option<f64>,
+    /// What is above the flutes, from below, with commas between: length:radius or length:lower radius:upper radius (mm),
+    /// as in 30:3,20:10:15.
+    #[arg(long, value_name = "PARTS", value_delimiter = ',', value_parser = holder_part)]
+    holder: Vec<HolderPart>,
+}
+
+/// How the path is planned.
+#[derive(Debug, Args)]
+struct PlanArguments {
+    /// How the cutter is placed first: two-point or three-point [default: three-point].
+    #[arg(long, value_name = "NAME")]
+    offset: Option<OffsetName>,
+    /// Places along u and v of the surface at which deviations are taken [default: 100x50].
+    #[arg(long, value_name = "UxV", value_parser = grid)]
+    grid: Option<[usize; 2]>,
+    /// Control points of each curve of the axis surface [default: 10].
+    #[arg(long, value_name = "N")]
+    points: Option<usize>,
+    /// Locations of the cutter that the first path goes through [default: 50].
+    #[arg(long, value_name = "N")]
+    locations: Option<usize>,
+    /// What the refined path is made best in: sum, rms or bounded [default: sum].
+    #[arg(long, value_name = "NAME")]
+    objective: Option<ObjectiveName>,
+    /// Greatest overcut (mm) of the bounded objective, as 0 for none.
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    max_overcut: Option<f64>,
+    /// Greatest undercut (mm) of the bounded objective.
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    max_undercut: Option<f64>,
+    /// How far the cutter's bottom reaches below the lower guide (mm) [default: 0.1].
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    below: Option<f64>,
+    /// Which path is milled: initial, chosen or refined [default: refined].
+    #[arg(long, value_name = "NAME")]
+    path: Option<PathName>,
+}
+
+/// How it is milled.
+#[derive(Debug, Args)]
+pub(super) struct MillingArguments {
+    /// The machine: trunnion-ac, fork-cb, swivel-bc, a TOML file with one, or none [default: trunnion-ac].
+    #[arg(long, value_name = "NAME")]
+    machine: Option<String>,
+    /// Where the workpiece's zero is on the machine (mm), three numbers with commas between [default: the machine's].
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = vector)]
+    zero: Option<DVec3>,
+    /// The machine's direction along which the workpiece's Z points, as -z for one that is clamped upside down [default: the
+    /// machine's].
+    #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true, value_parser = direction)]
+    clamp_z: Option<DVec3>,
+    /// The same of its X.
+    #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true, value_parser = direction)]
+    clamp_x: Option<DVec3>,
+    /// The post: milling, or one of those that `plan` knows [default: milling].
+    #[arg(long, value_name = "NAME")]
+    post: Option<String>,
+    /// The furthest that tip and flutes' top may leave the path between programmed points (mm) [default: 0.002].
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    tolerance: Option<f64>,
+    /// Feed along the flank (mm/min) [default: 500].
+    #[arg(long, value_name = "MM/MIN", allow_negative_numbers = true)]
+    feed: Option<f64>,
+    /// Spindle speed (1/min) [default: 12000].
+    #[arg(long, value_name = "RPM", allow_negative_numbers = true)]
+    spindle: Option<f64>,
+    /// How far the cutter comes from the side at both ends (mm) [default: 3].
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    aside: Option<f64>,
+    /// How far it is lifted along its axis there (mm) [default: 30].
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    retract: Option<f64>,
+    /// What X Y Z of the program mean: off (positions of the axes), angles (the tip, with the rotary axes: G43.4) or vector
+    /// (the tip, with the tool's direction: G43.5) [default: off].
+    #[arg(long, value_name = "NAME")]
+    tip_control: Option<TipName>,
+    /// Exports although this check fails: ruled, cutter, coverage, bounds, envelope, gouge, holder, leads, machine. May be given
+    /// more than once.
+    #[arg(long = "override", value_name = "CHECK")]
+    overrides: Vec<String>,
+}
+
+/// A demonstration.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Demo {
+    A,
+    B,
+}
+
+/// See [`Side`].
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum SideName {
+    Automatic,
+    Positive,
+    Negative,
+}
+
+/// See [`OffsetMethod`].
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum OffsetName {
+    TwoPoint,
+    ThreePoint,
+}
+
+/// See [`Objective`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum ObjectiveName {
+    Sum,
+    Rms,
+    Bounded,
+}
+
+/// See [`PathChoice`].
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum PathName {
+    Initial,
+    Chosen,
+    Refined,
+}
+
+/// See [`TipControl`].
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum TipName {
+    Off,
+    Angles,
+    Vector,
+}
+
+fn holder_part(text: &str) -> Result<HolderPart, String> {
+    let wrong = || "expected length:radius or length:lower radius:upper radius in mm, as in 20:10:15".to_owned();
+    let numbers: Result<Vec<f64>, _> = text.split(':').map(|n| n.trim().parse::<f64>()).collect();
+    match numbers.map_err(|_| wrong())?[..] {
+        [length_mm, radius] => Ok(HolderPart { length_mm, lower_radius_mm: radius, upper_radius_mm: radius }),
+        [length_mm, lower_radius_mm, upper_radius_mm] => Ok(HolderPart { length_mm, lower_radius_mm, upper_radius_mm }),
+        _ => Err(wrong()),
+    }
+}
+
+fn vector(text: &str) -> Result<DVec3, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|n| n.trim().parse::<f64>()).collect();
+    match numbers.unwrap_or_default()[..] {
+        [x, y, z] if DVec3::new(x, y, z).is_finite() => Ok(DVec3::new(x, y, z)),
+        _ => Err("expected three numbers with commas between, as in 0,0,30".to_owned()),
+    }
+}
+
+fn direction(text: &str) -> Result<DVec3, String> {
+    let (sign, letter) = match text.strip_prefix('-') {
+        Some(rest) => (-1.0, rest),
+        None => (1.0, text.strip_prefix('+').unwrap_or(text)),
+    };
+    let found = match letter.to_ascii_lowercase().as_str() {
+        "x" => sign * DVec3::X,
+        "y" => sign * DVec3::Y,
+        "z" => sign * DVec3::Z,
+        _ => vector(text)
+            .map_err(|_| "expected +x, -x, +y, -y, +z, -z, or three numbers with commas between".to_owned())?,
+    };
+    // No zero with a sign.
+    Ok(found + DVec3::ZERO)
+}
+
+fn grid(text: &str) -> Result<[usize; 2], String> {
+    let wrong = || "expected the places along u and v, as in 100x50".to_owned();
+    let (u, v) = text.split_once('x').ok_or_else(wrong)?;
+    let number = |text: &str| text.trim().parse::<usize>().map_err(|_| wrong());
+    Ok([number(u)?, number(v)?])
+}
+
+/// Puts a value in the place of another if it was given.
+fn set<T>(place: &mut T, given: Option<impl Into<T>>) {
+    if let Some(given) = given {
+        *place = given.into();
+    }
+}
+
+impl FlankArguments {
+    /// What is asked.
+    pub(super) fn document(&self) -> anyhow::Result<FlankDocument> {
+        let mut document = match &self.surface.file {
+            Some(file) if is_flank_file(file) => read_flank(file)?,
+            Some(file) => anyhow::bail!(
+                "{}: a flank's file ends in {ENDING}; give a mesh with --mesh and guide curves with --lower and --upper",
+                file.display()
+            ),
+            None => FlankDocument::default(),
+        };
+        self.surface.apply(&mut document)?;
+        self.cutter.apply(&mut document);
+        self.plan.apply(&mut document)?;
+        self.milling.apply(&mut document);
+        document.validate().map_err(anyhow::Error::msg)?;
+        Ok(document)
+    }
+}
+
+impl SurfaceArguments {
+    fn apply(&self, document: &mut FlankDocument) -> anyhow::Result<()> {
+        let given = match (&self.lower, &self.upper, &self.mesh, self.demo) {
+            (Some(lower), Some(upper), _, _) => {
+                let [lower, upper] = [lower, upper].map(|file| GuideSource::File(file.clone()));
+                Some(FlankSource::Guides { lower, upper })
+            }
+            (_, _, Some(mesh), _) => Some(FlankSource::Mesh(MeshFlank { file: mesh.clone(), ..MeshFlank::default() })),
+            (_, _, _, Some(demo)) => {
+                let surface = match demo {
+                    Demo::A => DemonstrationSurface::A,
+                    Demo::B => DemonstrationSurface::B,
+                };
+                Some(FlankSource::Demonstration { surface })
+            }
+            _ if self.file.is_none() => anyhow::bail!(
+                "no surface was given; name a {ENDING} file, --lower and --upper guide curves, a --mesh, or --demo a"
+            ),
+            _ => None,
+        };
+        set(&mut document.source, given);
+        match &mut document.source {
+            FlankSource::Mesh(mesh) => {
+                set(&mut mesh.candidate, self.flank.map(|n| n as usize));
+                set(&mut mesh.fit.tolerance_mm, self.fit_tolerance);
+                set(&mut mesh.fit.up, self.up);
+                set(&mut mesh.units, self.units);
+            }
+            _ if self.flank.is_some() || self.list || self.fit_tolerance.is_some() || self.up.is_some() => {
+                anyhow::bail!(
+                    "--flank, --list, --up and --fit-tolerance are for the flanks of a mesh; give one with --mesh"
+                )
+            }
+            _ => {}
+        }
+        let side = self.side.map(|side| match side {
+            SideName::Automatic => Side::Automatic,
+            SideName::Positive => Side::Positive,
+            SideName::Negative => Side::Negative,
+        });
+        set(&mut document.side, side);
+        if let Some(file) = &self.walls {
+            document.walls = Some(WallsFile { file: file.clone(), units: self.units.unwrap_or_default() });
+        }
+        Ok(())
+    }
+}
+
+impl CutterArguments {
+    fn apply(&self, document: &mut FlankDocument) {
+        let cutter = &mut document.cutter;
+        let before = cutter.clone();
+        set(&mut cutter.radius_mm, self.radius);
+        set(&mut cutter.taper_deg, self.taper_deg);
+        set(&mut cutter.length_mm, self.length);
+        set(&mut cutter.holder, (!self.holder.is_empty()).then(|| self.holder.clone()));
+        if cutter.radius_mm != before.radius_mm || cutter.taper_deg != before.taper_deg {
+            // Its name says what it no longer is.
+            cutter.name.clear();
+        }
+    }
+}
+
+impl PlanArguments {
+    fn apply(&self, document: &mut FlankDocument) -> anyhow::Result<()> {
+        let plan = &mut document.plan;
+        let offset = self.offset.map(|offset| match offset {
+            OffsetName::TwoPoint => OffsetMethod::TwoPoint,
+            OffsetName::ThreePoint => OffsetMethod::ThreePoint,
+        });
+        set(&mut plan.offset, offset);
+        set(&mut plan.grid, self.grid);
+        set(&mut plan.control_points, self.points);
+        set(&mut plan.locations, self.locations);
+        set(&mut plan.below_mm, self.below);
+        let (overcut_mm, undercut_mm) = (self.max_overcut, self.max_undercut);
+        let has_bounds = overcut_mm.is_some() || undercut_mm.is_some();
+        match self.objective {
+            Some(ObjectiveName::Bounded) if !has_bounds => {
+                anyhow::bail!("the bounded objective has no bound; give --max-overcut or --max-undercut")
+            }
+            Some(ObjectiveName::Sum | ObjectiveName::Rms) if has_bounds => {
+                anyhow::bail!("--max-overcut and --max-undercut are for --objective bounded")
+            }
+            Some(ObjectiveName::Sum) => plan.objective = Objective::Sum,
+            Some(ObjectiveName::Rms) => plan.objective = Objective::Rms,
+            Some(ObjectiveName::Bounded) | None if has_bounds => {
+                plan.objective = Objective::Bounded { overcut_mm, undercut_mm };
+            }
+            Some(ObjectiveName::Bounded) | None => {}
+        }
+        let path = self.path.map(|path| match path {
+            PathName::Initial => PathChoice::Initial,
+            PathName::Chosen => PathChoice::Chosen,
+            PathName::Refined => PathChoice::Refined,
+        });
+        set(&mut document.path, path);
+        Ok(())
+    }
+}
+
+impl MillingArguments {
+    fn apply(&self, document: &mut FlankDocument) {
+        let milling = &mut document.milling;
+        let machine = self.machine.as_deref().map(|name| if name == "none" { "" } else { name });
+        set(&mut milling.machine, machine);
+        set(&mut milling.post, self.post.clone());
+        set(&mut milling.linearisation_mm, self.tolerance);
+        set(&mut milling.program.feed_mm_per_min, self.feed);
+        set(&mut milling.program.spindle_rpm, self.spindle);
+        set(&mut milling.aside_mm, self.aside);
+        set(&mut milling.retract_mm, self.retract);
+        let tip = self.tip_control.map(|tip| match tip {
+            TipName::Off => TipControl::Off,
+            TipName::Angles => TipControl::Angles,
+            TipName::Vector => TipControl::Vector,
+        });
+        set(&mut milling.program.tip_control, tip);
+        document.overrides.extend(self.overrides.iter().cloned());
+    }
+
+    /// Puts the workpiece where it was asked for; what was not said stays where the machine's file has it.
+    pub(super) fn clamp(&self, document: &mut FlankDocument) -> anyhow::Result<()> {
+        if self.zero.is_none() && self.clamp_z.is_none() && self.clamp_x.is_none() {
+            return Ok(());
+        }
+        let Some(machine) = load_machine(document, None)? else {
+            anyhow::bail!("--zero, --clamp-x and --clamp-z are for a machine; give one with --machine")
+        };
+        let mut place = machine.workpiece;
+        set(&mut place.zero_mm, self.zero);
+        set(&mut place.z_axis, self.clamp_z);
+        set(&mut place.x_axis, self.clamp_x);
+        document.milling.workpiece = Some(place);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_of_holders_and_grids_are_read_or_refused() {
+        let part = holder_part("20:10:15").unwrap();
+        assert_eq!((part.length_mm, part.lower_radius_mm, part.upper_radius_mm), (20.0, 10.0, 15.0));
+        assert_eq!(holder_part("30:3").unwrap().upper_radius_mm, 3.0);
+        assert_eq!(grid("100x50"), Ok([100, 50]));
+        assert_eq!(direction("-Z"), Ok(-DVec3::Z));
+        assert_eq!(direction("0,1,-2.5"), Ok(DVec3::new(0.0, 1.0, -2.5)));
+        assert!(direction("w").is_err() && direction("1,2").is_err() && direction("nan,0,0").is_err());
+        for text in ["", "20", "20:a", "1:2:3:4"] {
+            assert!(holder_part(text).is_err(), "{text}");
+        }
+        for text in ["", "100", "100x", "-1x5", "1x2x3"] {
+            assert!(grid(text).is_err(), "{text}");
+        }
+    }
+}

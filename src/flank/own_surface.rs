@@ -1,0 +1,217 @@
+//! What the whole tool does to the design surface itself, all along the path.
+//!
+//! Deviation and envelope are taken where the cutter stands over a place. Elsewhere on the path it may come back to that
+//! place from aside: the other lip of a groove, the other leg of a corner. So every place of a grid is held against
+//! every position of flutes and holder; stretches of the path are divided until none can hide a deeper cut.
+//!
+//! Guaranteed: no place of the grid is cut deeper than said, by more than [`EXACT`]. Not guaranteed: what happens
+//! between places of the grid.
+
+use glam::DVec3;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::FlankError;
+use super::cutter::FlankCutter;
+use super::deviation::DesignGrid;
+use super::envelope;
+use super::gouge::{Frustum, ToolPart, tool_of};
+use super::path::{FlankPath, FlankPose};
+use super::ruled_surface::RuledSurface;
+use crate::progress::{Cancel, Progress};
+
+/// How exact depths are (mm).
+pub const EXACT: f64 = 1e-3;
+
+/// The finest grid that is of use here: finer ones cost time and tell the same.
+pub const USUAL_GRID: [usize; 2] = [100, 50];
+
+/// A place of the design surface that the tool cuts deeper than the moving cutter does where it stands over it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct OwnGouge {
+    /// Along the guides.
+    pub u: f64,
+    /// Along the ruling.
+    pub v: f64,
+    /// Where it is (mm).
+    pub point: DVec3,
+    /// Which part of the tool cuts it.
+    pub part: ToolPart,
+    /// At which t of the path.
+    pub t: f64,
+    /// How deep it lies in the tool (mm).
+    pub depth_mm: f64,
+    /// How deep the moving cutter cuts where it stands over it (mm); 0 if it leaves stock.
+    pub expected_mm: f64,
+}
+
+impl OwnGouge {
+    /// How much deeper it is cut than expected (mm).
+    pub fn excess_mm(&self) -> f64 {
+        self.depth_mm - self.expected_mm
+    }
+}
+
+/// The envelope beside a sweep by brute force along the normals.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SweepCheck {
+    /// Places along u and v.
+    pub grid: [usize; 2],
+    /// Greatest difference between both (mm).
+    pub greatest_difference_mm: f64,
+    /// The place of it, u and v.
+    pub place: [f64; 2],
+    /// Sum of absolute deviations by the envelope and by the sweep (mm), over places that both know.
+    pub sums_mm: [f64; 2],
+    /// Places whose normals the flutes never reach.
+    pub without: usize,
+}
+
+/// How the whole tool keeps off the design surface.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OwnSurfaceCheck {
+    /// Places along u and v.
+    pub grid: [usize; 2],
+    /// What is allowed beyond what the moving cutter does where it stands (mm).
+    pub tolerance_mm: f64,
+    /// Places that are cut deeper than that.
+    pub count: usize,
+    /// The one that is cut deepest beyond what is expected.
+    pub worst: Option<OwnGouge>,
+    /// The second opinion of the envelope.
+    pub sweep: SweepCheck,
+}
+
+impl OwnSurfaceCheck {
+    /// Whether no place is cut deeper than expected.
+    pub fn holds(&self) -> bool {
+        self.worst.is_none()
+    }
+
+    /// What was found, in words.
+    pub fn text(&self) -> String {
+        let [nu, nv] = self.grid;
+        let Some(worst) = &self.worst else {
+            return format!(
+                "no place of {nu} x {nv} is cut more than {} mm deeper from elsewhere on the path than where the cutter stands \
+                 over it",
+                self.tolerance_mm
+            );
+        };
+        let part = match worst.part {
+            ToolPart::Cutter => "the flutes".to_owned(),
+            ToolPart::Holder(i) => format!("part {} of the holder", i + 1),
+        };
+        format!(
+            "{part} cut the surface itself {:.4} mm deep at u = {:.4}, v = {:.4} while at t = {:.4} ({} of {nu} x {nv} places \
+             are cut deeper than {} mm beyond what is expected there, {:.4} mm); take a thinner cutter, or divide the surface",
+            worst.depth_mm, worst.u, worst.v, worst.t, self.count, self.tolerance_mm, worst.expected_mm
+        )
+    }
+}
+
+/// Holds every place of a grid of the design surface against the whole `cutter`, flutes and holder, all along `path`.
+/// A place fails where it lies deeper in the tool than the moving cutter cuts there, by more than `tolerance_mm`.
+///
+/// # Errors
+/// [`FlankError::Parameter`] if the grid is empty or too fine, [`FlankError::Unmeasured`] if the path is too far off;
+/// cancelled.
+pub fn own_surface(
+    path: &FlankPath,
+    cutter: &FlankCutter,
+    surface: &RuledSurface,
+    (size, tolerance_mm): ([usize; 2], f64),
+    (progress, cancel): (&Progress, &Cancel),
+) -> Result<OwnSurfaceCheck, FlankError> {
+    const MOST: usize = 200_000;
+    let places = size[0].saturating_mul(size[1]);
+    if size[0] < 2 || size[1] < 2 || places > MOST {
+        let wanted = "2 places at least both ways, and at most 200000 in all";
+        return Err(FlankError::Parameter { name: "grid of the surface's own check", value: places as f64, wanted });
+    }
+    progress.report("the tool against its own surface", 0.0, "");
+    let touching = cutter.above(path.below_mm)?;
+    let grid = DesignGrid::new(surface, size);
+    let (standing, feet) = grid.deviation(&path.axis, &touching, None)?;
+    let moving = envelope::check(&grid, &path.axis, &touching, (&standing, &feet)).deviation;
+    let (flutes, holder) = tool_of(cutter);
+    let tool: Vec<(ToolPart, Frustum)> = std::iter::once(flutes).chain(holder).collect();
+    let one = |(place, moving): (&super::deviation::GridPlace, &f64)| -> Result<Option<OwnGouge>, FlankError> {
+        cancel.check()?;
+        let (u, v, point) = (place.at.u, place.at.v, place.at.point);
+        let expected_mm = (-moving).max(0.0);
+        let found = deepest(path, &tool, point, -expected_mm - tolerance_mm);
+        Ok(found.map(|(distance, t, part)| OwnGouge { u, v, point, part, t, depth_mm: -distance, expected_mm }))
+    };
+    let found: Result<Vec<Option<OwnGouge>>, FlankError> =
+        grid.grid_places().par_iter().zip(&moving.values).map(one).collect();
+    let found = found?;
+    let gouges = || found.iter().flatten();
+    let worst = gouges().max_by(|a, b| a.excess_mm().total_cmp(&b.excess_mm())).copied();
+    progress.report("the tool against its own surface", 0.9, "");
+    let sweep = swept(path, &touching, surface, cancel)?;
+    progress.report("the tool against its own surface", 1.0, "");
+    Ok(OwnSurfaceCheck { grid: size, tolerance_mm, count: gouges().count(), worst, sweep })
+}
+
+/// The least distance from a point to the tool along the path, where and by which part, if it is less than `most`.
+fn deepest(path: &FlankPath, tool: &[(ToolPart, Frustum)], p: DVec3, most: f64) -> Option<(f64, f64, ToolPart)> {
+    const SHORTEST: f64 = 1e-9;
+    let pieces = path.axis.pieces();
+    let (mut best, mut least) = (None, most);
+    let mut open: Vec<(usize, f64, f64)> = (0..pieces).rev().map(|piece| (piece, 0.5, 0.5)).collect();
+    while let Some((piece, middle, half)) = open.pop() {
+        let (at, [tip_moves, turns]) = path.axis.stretch(piece, middle, half);
+        let (axis, t) = (at.axis(), (piece as f64 + middle) / pieces as f64);
+        let pose = FlankPose { t, tip: at.tip - path.below_mm * axis, axis };
+        // Height and distance from the axis, on which all depends, change by no more than this.
+        let moves = tip_moves + turns * p.distance(at.tip);
+        let mut here = f64::INFINITY;
+        for (part, frustum) in tool {
+            let distance = frustum.distance(&pose, p).0;
+            here = here.min(distance);
+            if distance < least {
+                (least, best) = (distance, Some((distance, t, *part)));
+            }
+        }
+        if here - moves < least - EXACT && half > SHORTEST {
+            let quarter = 0.5 * half;
+            open.extend([(piece, middle + quarter, quarter), (piece, middle - quarter, quarter)]);
+        }
+    }
+    best
+}
+
+/// The envelope beside the brute-force sweep, on a coarse grid.
+fn swept(
+    path: &FlankPath,
+    touching: &FlankCutter,
+    surface: &RuledSurface,
+    cancel: &Cancel,
+) -> Result<SweepCheck, FlankError> {
+    const SIZE: [usize; 2] = [15, 7];
+    const SAMPLES: usize = 100;
+    let grid = DesignGrid::new(surface, SIZE);
+    let (standing, feet) = grid.deviation(&path.axis, touching, None)?;
+    let moving = envelope::check(&grid, &path.axis, touching, (&standing, &feet)).deviation;
+    let heights = [-path.below_mm, touching.length_mm];
+    let one = |place: &super::deviation::GridPlace| -> Result<Option<f64>, FlankError> {
+        cancel.check()?;
+        Ok(envelope::swept_above(&path.axis, touching, (place.at.point, place.at.normal), heights, SAMPLES))
+    };
+    let found: Result<Vec<Option<f64>>, FlankError> = grid.grid_places().par_iter().map(one).collect();
+    let mut check =
+        SweepCheck { grid: SIZE, greatest_difference_mm: 0.0, place: [0.0; 2], sums_mm: [0.0; 2], without: 0 };
+    for ((place, swept), moving) in grid.places().zip(found?).zip(&moving.values) {
+        let Some(swept) = swept else {
+            check.without += 1;
+            continue;
+        };
+        check.sums_mm = [check.sums_mm[0] + moving.abs(), check.sums_mm[1] + swept.abs()];
+        if (swept - moving).abs() > check.greatest_difference_mm {
+            check.greatest_difference_mm = (swept - moving).abs();
+            check.place = [place.u, place.v];
+        }
+    }
+    Ok(check)
+}

@@ -1,0 +1,97 @@
+//! What the tool does to the design surface from elsewhere on the path.
+
+use super::*;
+use crate::flank::gouge::{Frustum, ToolPart};
+use crate::flank::own_surface::{EXACT, OwnSurfaceCheck, own_surface};
+use crate::flank::path::FlankPath;
+
+/// The wall over a line in the plane, 10 mm high.
+fn upright(points: &[[f64; 2]], degree: usize, side: Side) -> RuledSurface {
+    let guide = |z: f64| GuideCurve::Points { points: points.iter().map(|p| DVec3::new(p[0], p[1], z)).collect(), degree };
+    RuledSurface::from_guides(&guide(0.0), &guide(10.0), side).unwrap()
+}
+
+/// A round pocket of radius 8 with a mouth of 8 between lips of radius 2 that bulge out.
+fn omega() -> RuledSurface {
+    let mut points = Vec::new();
+    let mut arc = |[x, y]: [f64; 2], r: f64, [from, to]: [f64; 2], n: u32| {
+        points.extend((0..n).map(|i| from + (to - from) * f64::from(i) / f64::from(n)).map(|a| {
+            let a = a.to_radians();
+            [x + r * a.cos(), y + r * a.sin()]
+        }));
+    };
+    // Lips touch the pocket where both centres are in line: at 3 : 4 : 5.
+    let lean = 0.8f64.asin().to_degrees();
+    arc([-6.0, 8.0], 2.0, [90.0, -lean], 16);
+    arc([0.0, 0.0], 8.0, [180.0 - lean, 360.0 + lean], 60);
+    arc([6.0, 8.0], 2.0, [180.0 + lean, 90.0], 16);
+    let flat = (0..8).map(f64::from);
+    let left = flat.clone().map(|i| [-14.0 + i, 10.0]);
+    let right = flat.map(|i| [6.0 + i, 10.0]);
+    let all: Vec<[f64; 2]> = left.chain(points).chain(right).collect();
+    upright(&all, 3, Side::Negative)
+}
+
+fn checked(path: &FlankPath, cutter: &FlankCutter, surface: &RuledSurface, size: [usize; 2]) -> OwnSurfaceCheck {
+    own_surface(path, cutter, surface, (size, 0.01), (&Progress::silent(), &Cancel::default())).unwrap()
+}
+
+/// The depth that is found is that of dense sampling along the path.
+fn assert_sampled(found: &OwnSurfaceCheck, path: &FlankPath, cutter: &FlankCutter) {
+    let worst = found.worst.unwrap();
+    let flutes = Frustum { heights: [0.0, cutter.length_mm], radii: [cutter.radius_mm, cutter.radius_mm] };
+    let at = |i: u32| flutes.distance(&path.pose(f64::from(i) / 4000.0), worst.point).0;
+    let depth = -(0..=4000).map(at).fold(f64::INFINITY, f64::min);
+    assert!((depth - worst.depth_mm).abs() < 2.0 * EXACT && worst.part == ToolPart::Cutter, "{depth} {worst:?}");
+}
+
+#[test]
+fn a_cutter_on_one_lip_of_a_pocket_cuts_the_other() {
+    let surface = omega();
+    let params = FlankParams { locations: 160, control_points: 60, grid: [160, 4], rounds: 0, ..FlankParams::default() };
+    let cutter = FlankCutter::cylinder(5.0, 20.0);
+    assert!(cutter.fits(&surface, 0.0).is_ok(), "nowhere is it hollow with less than 8 mm");
+    let plan = planned(&surface, &cutter, &params).unwrap();
+    let found = checked(&plan.chosen, &cutter, &surface, [60, 3]);
+    // On one lip the axis is 5 mm from the other lip's centre, whose radius is 2 mm.
+    let worst = found.worst.unwrap();
+    assert!((worst.excess_mm() - 2.0).abs() < 0.25, "{worst:?}");
+    assert!(!found.holds() && found.count >= 6 && found.text().contains("the surface itself"), "{}", found.text());
+    assert_sampled(&found, &plan.chosen, &cutter);
+    // The sweep along normals sees it as well, and the envelope alone does not.
+    assert!(plan.chosen.envelope.deviation.most_overcut > -0.5, "{}", plan.chosen.envelope.deviation.most_overcut);
+    let slim = FlankCutter::cylinder(2.5, 20.0);
+    let plan = planned(&surface, &slim, &params).unwrap();
+    let found = checked(&plan.chosen, &slim, &surface, [60, 3]);
+    assert!(found.holds(), "{}", found.text());
+}
+
+#[test]
+fn a_hollow_corner_is_cut_from_its_other_leg() {
+    let turn = 60f64.to_radians();
+    let surface = upright(&[[0.0, 0.0], [20.0, 0.0], [20.0 + 20.0 * turn.cos(), 20.0 * turn.sin()]], 1, Side::Negative);
+    let params = FlankParams { locations: 100, control_points: 40, grid: [100, 4], rounds: 0, ..FlankParams::default() };
+    let cutter = FlankCutter::cylinder(3.0, 20.0);
+    let plan = planned(&surface, &cutter, &params).unwrap();
+    let found = checked(&plan.chosen, &cutter, &surface, [101, 3]);
+    assert!(found.worst.unwrap().excess_mm() > 0.5, "{}", found.text());
+    assert_sampled(&found, &plan.chosen, &cutter);
+}
+
+#[test]
+fn paths_of_the_reference_keep_off_their_own_surface_and_the_holder_does_not() {
+    use crate::flank::cutter::HolderPart;
+    for name in ["cone_r1_a5_A", "cyl_R2_B"] {
+        let (surface, plan) = quick(name);
+        let found = checked(&plan.chosen, &plan.cutter, &surface, [24, 9]);
+        assert!(found.holds(), "{name}: {}", found.text());
+        assert!(found.sweep.without == 0 && found.sweep.greatest_difference_mm < 1e-5, "{name}: {:?}", found.sweep);
+        let [envelope, swept] = found.sweep.sums_mm;
+        assert!((envelope / swept - 1.0).abs() < 1e-4, "{name}: {envelope} {swept}");
+        // Flutes that end within the surface, and above them a collar.
+        let holder = vec![HolderPart { length_mm: 5.0, lower_radius_mm: 6.0, upper_radius_mm: 6.0 }];
+        let collar = FlankCutter { length_mm: 6.0, holder, ..plan.cutter.clone() };
+        let found = checked(&plan.chosen, &collar, &surface, [24, 9]);
+        assert!(found.worst.is_some_and(|w| w.part == ToolPart::Holder(0) && w.depth_mm > 1.0), "{}", found.text());
+    }
+}
