@@ -124,6 +124,7 @@ fn a_cutter_is_changed_in_passing_refused_in_words_and_taken_back() {
     assert_eq!(desk.flank().record.undo_label(false), Some("Radius of the cutter"));
     desk.key_with(Modifiers::COMMAND, Key::Z);
     assert_eq!(desk.flank().params, kept, "one slide is one step");
+    desk.until_planned();
 
     desk.enter("Flutes", "-3");
     desk.assert_shows("Cutter length_mm is -3");
