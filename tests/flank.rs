@@ -4,9 +4,10 @@ use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 use serde_json::Value;
+use sparkpath::flank::cutter::FlankCutter;
 use sparkpath::flank::guide::GuideCurve;
 use sparkpath::flank::milling_machine::MillingMachine;
-use sparkpath::flank::params::FlankParams;
+use sparkpath::flank::params::{FlankParams, OffsetMethod};
 use sparkpath::flank::ruled_surface::{RuledSurface, Side};
 use sparkpath::geometry::mesh::Mesh;
 use sparkpath::jobs::flank::{CheckKind, FlankInput, FlankResult, flank};
@@ -125,6 +126,23 @@ fn the_files_hold_the_path_that_was_checked() {
     let nc = read(&folder, "flank.ngc");
     let milled = result.milled().unwrap();
     assert_eq!(nc.lines().filter(|l| l.contains("G01")).count(), milled.line.points.len());
+}
+
+#[test]
+fn a_path_that_is_off_more_than_is_allowed_is_no_program() {
+    // A cylinder that touches both guides only cuts far into the surface between them.
+    let mut document = quick();
+    document.plan.offset = OffsetMethod::TwoPoint;
+    document.path = PathChoice::Initial;
+    document.cutter = FlankCutter::cylinder(2.0, 30.0);
+    let result = run(&loaded(&document));
+    let off = check(&result, CheckKind::Deviation);
+    let most = -result.path().envelope.deviation.most_overcut;
+    assert!(most > document.overcut_tolerance_mm && !off.holds && result.why_blocked().is_some(), "{}", off.text);
+    assert!(off.place.is_some() && off.text.contains(&format!("{most:.4}")), "{}", off.text);
+    document.overcut_tolerance_mm = most + 1e-3;
+    document.undercut_tolerance_mm = 1.0;
+    assert!(check(&run(&loaded(&document)), CheckKind::Deviation).holds);
 }
 
 #[test]

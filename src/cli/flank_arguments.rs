@@ -121,6 +121,12 @@ struct PlanArguments {
     /// Greatest undercut (mm) of the bounded objective.
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     max_undercut: Option<f64>,
+    /// How deep the path may cut into the surface before the check of deviations fails (mm) [default: 0.1].
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    overcut_tolerance: Option<f64>,
+    /// How much stock it may leave before that check fails (mm) [default: 0.15].
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    undercut_tolerance: Option<f64>,
     /// How far the cutter's bottom reaches below the lower guide (mm) [default: 0.1].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     below: Option<f64>,
@@ -352,6 +358,8 @@ impl CutterArguments {
 
 impl PlanArguments {
     fn apply(&self, document: &mut FlankDocument) -> anyhow::Result<()> {
+        set(&mut document.overcut_tolerance_mm, self.overcut_tolerance);
+        set(&mut document.undercut_tolerance_mm, self.undercut_tolerance);
         let plan = &mut document.plan;
         let offset = self.offset.map(|offset| match offset {
             OffsetName::TwoPoint => OffsetMethod::TwoPoint,

@@ -78,6 +78,10 @@ pub struct FlankInput {
     pub milling: MillingSettings,
     /// How much the moving cutter may cut otherwise than the standing one at any place (mm).
     pub envelope_tolerance_mm: f64,
+    /// How deep the path may cut into the surface, standing or moving (mm).
+    pub overcut_tolerance_mm: f64,
+    /// How much stock it may leave on the surface, standing or moving (mm).
+    pub undercut_tolerance_mm: f64,
     /// Names of checks that do not keep anything from being exported.
     pub overrides: Vec<String>,
 }
@@ -176,6 +180,10 @@ pub struct FlankResult {
     pub milling: MillingSettings,
     /// How much the moving cutter may cut otherwise than the standing one at any place (mm).
     pub envelope_tolerance_mm: f64,
+    /// How deep the path may cut into the surface, standing or moving (mm).
+    pub overcut_tolerance_mm: f64,
+    /// How much stock it may leave on the surface, standing or moving (mm).
+    pub undercut_tolerance_mm: f64,
     /// What was checked.
     pub checks: Vec<FlankCheck>,
     /// What the reader must know of the path, in words.
@@ -285,6 +293,8 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
         milled,
         milling: input.milling.clone(),
         envelope_tolerance_mm: input.envelope_tolerance_mm,
+        overcut_tolerance_mm: input.overcut_tolerance_mm,
+        undercut_tolerance_mm: input.undercut_tolerance_mm,
         checks: Vec::new(),
         warnings: Vec::new(),
     };

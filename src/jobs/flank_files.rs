@@ -61,6 +61,8 @@ pub fn input(
         machine,
         milling: document.milling.clone(),
         envelope_tolerance_mm: document.envelope_tolerance_mm,
+        overcut_tolerance_mm: document.overcut_tolerance_mm,
+        undercut_tolerance_mm: document.undercut_tolerance_mm,
         overrides: document.overrides.clone(),
     }
 }

@@ -68,7 +68,7 @@ fn what_is_no_flank_is_answered_with_the_place_and_the_reason() {
 fn every_change_has_a_name_for_undo() {
     type Change = fn(&mut FlankDocument);
     let before = FlankDocument::default();
-    let changes: [(&str, Change); 9] = [
+    let changes: [(&str, Change); 11] = [
         ("Surface", |d| d.source = FlankSource::Demonstration { surface: DemonstrationSurface::B }),
         ("Radius of the cutter", |d| d.cutter.radius_mm = 2.0),
         ("Cutter", |d| d.cutter.name.push('x')),
@@ -77,6 +77,8 @@ fn every_change_has_a_name_for_undo() {
         ("Machine", |d| d.milling.machine.clear()),
         ("Milling", |d| d.milling.program.feed_mm_per_min = 1.0),
         ("Envelope tolerance", |d| d.envelope_tolerance_mm = 0.01),
+        ("Overcut tolerance", |d| d.overcut_tolerance_mm = 0.01),
+        ("Undercut tolerance", |d| d.undercut_tolerance_mm = 0.01),
         ("Override of gouge", |d| d.overrides.push("gouge".to_owned())),
     ];
     for (name, change) in changes {

@@ -249,6 +249,10 @@ pub struct FlankDocument {
     pub milling: MillingSettings,
     /// How much the moving cutter may cut otherwise than the standing one at any place (mm).
     pub envelope_tolerance_mm: f64,
+    /// How deep the path may cut into the surface, standing or moving (mm).
+    pub overcut_tolerance_mm: f64,
+    /// How much stock it may leave on the surface, standing or moving (mm).
+    pub undercut_tolerance_mm: f64,
     /// Names of checks that do not keep anything from being exported.
     pub overrides: Vec<String>,
 }
@@ -265,6 +269,8 @@ impl Default for FlankDocument {
             walls: None,
             milling: MillingSettings::default(),
             envelope_tolerance_mm: 0.02,
+            overcut_tolerance_mm: 0.1,
+            undercut_tolerance_mm: 0.15,
             overrides: Vec::new(),
         }
     }
@@ -295,9 +301,14 @@ impl FlankDocument {
         self.cutter.validate().map_err(|e| e.to_string())?;
         self.plan.validate().map_err(|e| format!("plan: {e}"))?;
         self.milling.validate(self.cutter.length_mm).map_err(|e| format!("milling: {e}"))?;
-        let tolerance = self.envelope_tolerance_mm;
-        if !(1e-6..=1.0).contains(&tolerance) {
-            return Err(format!("envelope_tolerance_mm is {tolerance}: it must be from 0.000001 to 1 mm"));
+        for (name, tolerance) in [
+            ("envelope_tolerance_mm", self.envelope_tolerance_mm),
+            ("overcut_tolerance_mm", self.overcut_tolerance_mm),
+            ("undercut_tolerance_mm", self.undercut_tolerance_mm),
+        ] {
+            if !(1e-6..=1.0).contains(&tolerance) {
+                return Err(format!("{name} is {tolerance}: it must be from 0.000001 to 1 mm"));
+            }
         }
         if let FlankSource::Mesh(mesh) = &self.source {
             mesh.fit.validate().map_err(|e| e.to_string())?;
@@ -333,6 +344,8 @@ impl FlankDocument {
             (self.milling.machine != before.milling.machine, "Machine"),
             (self.milling != before.milling, "Milling"),
             (self.envelope_tolerance_mm != before.envelope_tolerance_mm, "Envelope tolerance"),
+            (self.overcut_tolerance_mm != before.overcut_tolerance_mm, "Overcut tolerance"),
+            (self.undercut_tolerance_mm != before.undercut_tolerance_mm, "Undercut tolerance"),
         ];
         what.iter().find(|(differs, _)| *differs).map_or("", |(_, name)| name).to_owned()
     }

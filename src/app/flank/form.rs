@@ -275,6 +275,10 @@ fn walls(ui: &mut Ui, core: &Core, params: &mut FlankDocument, wrong: &mut Optio
     let hint = "How much the moving cutter may cut otherwise than the standing one at any place";
     let envelope = Number { speed: 0.0005, decimals: 5, ..Number::mm("Moving to", hint) };
     fields::number(ui, &mut params.envelope_tolerance_mm, envelope, wrong);
+    let overcut = Number::mm("Overcut to", "How deep the path may cut into the surface, standing or moving");
+    fields::number(ui, &mut params.overcut_tolerance_mm, Number { speed: 0.001, ..overcut }, wrong);
+    let undercut = Number::mm("Undercut to", "How much stock the path may leave on the surface, standing or moving");
+    fields::number(ui, &mut params.undercut_tolerance_mm, Number { speed: 0.001, ..undercut }, wrong);
     asked
 }
 

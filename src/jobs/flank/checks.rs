@@ -23,6 +23,8 @@ pub enum CheckKind {
     Cutter,
     /// That the path covers the whole surface.
     Coverage,
+    /// That what is cut too deep and what is left are within their tolerances.
+    Deviation,
     /// That the bounds asked for are kept.
     Bounds,
     /// That the moving cutter cuts as the standing one.
@@ -41,10 +43,11 @@ pub enum CheckKind {
 
 impl CheckKind {
     /// All of them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Ruled,
         Self::Cutter,
         Self::Coverage,
+        Self::Deviation,
         Self::Bounds,
         Self::Envelope,
         Self::Surface,
@@ -60,6 +63,7 @@ impl CheckKind {
             Self::Ruled => "ruled",
             Self::Cutter => "cutter",
             Self::Coverage => "coverage",
+            Self::Deviation => "deviation",
             Self::Bounds => "bounds",
             Self::Envelope => "envelope",
             Self::Surface => "surface",
@@ -104,6 +108,7 @@ pub(super) fn of(result: &FlankResult, overrides: &[String]) -> Vec<FlankCheck> 
     checks.extend(ruled(result));
     checks.push(cutter(result));
     checks.push(coverage(result));
+    checks.push(deviation(result));
     checks.extend(bounds(result));
     checks.push(envelope(result));
     checks.push(own_surface(result));
@@ -170,6 +175,35 @@ fn coverage(result: &FlankResult) -> FlankCheck {
         missing.join("; ")
     };
     FlankCheck::new(CheckKind::Coverage, missing.is_empty(), text)
+}
+
+/// The worse of the standing and the moving cutter, to which the fit of a face adds its own error.
+fn deviation(result: &FlankResult) -> FlankCheck {
+    let path = result.path();
+    let both = [&path.deviation, &path.envelope.deviation];
+    let overcut = both.iter().fold(0.0, |most: f64, d| most.max(-d.most_overcut));
+    let undercut = both.iter().fold(0.0, |most: f64, d| most.max(d.most_undercut));
+    let allowed = [result.overcut_tolerance_mm, result.undercut_tolerance_mm];
+    let holds = overcut <= allowed[0] && undercut <= allowed[1];
+    let mut text = format!(
+        "overcut up to {overcut:.4} mm, undercut up to {undercut:.4} mm, standing or moving; allowed: {} and {} mm",
+        allowed[0], allowed[1]
+    );
+    if !holds {
+        text += "; mill the refined path, bound it (objective bounded), or take a thinner cutter";
+    }
+    if let Some(fit) = &result.fit {
+        text += &format!("; the surface itself is up to {:.4} mm off the face", fit.error.greatest_mm);
+    }
+    let values = &path.envelope.deviation.values;
+    let worst = (0..values.len()).max_by(|a, b| values[*a].abs().total_cmp(&values[*b].abs()));
+    let [_, along_v] = path.envelope.deviation.grid;
+    let share = |i: usize, n: usize| i as f64 / (n.max(2) - 1) as f64;
+    let place = worst.filter(|_| !holds && along_v > 0).map(|k| {
+        let [n, m] = path.envelope.deviation.grid;
+        result.surface.point(share(k / m, n), share(k % m, m))
+    });
+    FlankCheck { place, ..FlankCheck::new(CheckKind::Deviation, holds, text) }
 }
 
 fn bounds(result: &FlankResult) -> Option<FlankCheck> {
