@@ -15,6 +15,8 @@ pub(super) struct Edges {
     margin: f64,
     /// Least height (mm) above the tip of a place of the axis over the lower guide.
     floor: f64,
+    /// The greatest: a cone that sinks along its axis has any radius, but something may be below.
+    ceiling: f64,
     /// Cost of the square of a share of the path.
     by_t: f64,
     /// Cost of the square of a height (1/mm^2).
@@ -27,6 +29,8 @@ impl Edges {
         /// A share of the path and a height (mm) that cost as much as a deviation of the usual size.
         const SHARE: f64 = 2e-4;
         const HEIGHT: f64 = 5e-3;
+        /// How much deeper than before the cutter may sink (mm).
+        const DEEPER: f64 = 0.3;
         let [first, last] = start.feet.t_range();
         // The moving cutter grazes the ends a little before or after it stands over them.
         let margin = (0.5 * first.min(1.0 - last)).min(2e-3).max(1.2 * start.lag);
@@ -34,8 +38,9 @@ impl Edges {
         let heights = start.feet.at.iter().step_by(across).map(|q| q.y * start.axis.at(q.x).length());
         // The contact on the rim has its sphere this high.
         let rim = cutter.radius_mm * cutter.half_angle().tan();
-        let floor = heights.fold(rim, f64::min);
-        Self { margin, floor, by_t: scale / (SHARE * SHARE), by_height: scale / (HEIGHT * HEIGHT) }
+        let [floor, highest] = heights.fold([rim, rim], |[low, high], h| [low.min(h), high.max(h)]);
+        let ceiling = highest + DEEPER;
+        Self { margin, floor, ceiling, by_t: scale / (SHARE * SHARE), by_height: scale / (HEIGHT * HEIGHT) }
     }
 
     /// Places that are beyond a bound: by how much, the cost of its square, and how that changes.
@@ -55,8 +60,11 @@ impl Edges {
         let at_bottom = (0..along).filter_map(move |i| {
             let (t, a) = path.feet.at[i * across].into();
             let at = path.axis.at(t);
-            let beyond = self.floor - a * at.length();
-            (beyond > 0.0).then(|| (beyond, self.by_height, row(path, t, [at.axis(), DVec3::ZERO])))
+            let height = a * at.length();
+            let (low, high) = (self.floor - height, height - self.ceiling);
+            let upwards = if low > 0.0 { at.axis() } else { -at.axis() };
+            let beyond = low.max(high);
+            (beyond > 0.0).then(|| (beyond, self.by_height, row(path, t, [upwards, DVec3::ZERO])))
         });
         at_ends.chain(at_bottom)
     }

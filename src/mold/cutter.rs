@@ -250,10 +250,7 @@ mod tests {
             assert!(matches!(read(wrong), Err(CutterError::OutOfRange { .. })), "{wrong}");
         }
         let said = read("bull:1:2").unwrap_err().to_string();
-        assert!(
-            said.starts_with("cutter bull-nose 2 r 2: corner_mm is 2 mm") && said.contains("at most 1 mm"),
-            "{said}"
-        );
+        assert!(said.starts_with("cutter bull:1:2: corner_mm is 2 mm") && said.contains("at most 1 mm"), "{said}");
         assert_eq!(read("bull:1:1").unwrap().kind(), CutterKind::Ball);
         assert_eq!(CutterLibrary::default().validate(), Err(CutterError::Empty));
     }

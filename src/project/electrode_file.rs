@@ -199,7 +199,7 @@ mod tests {
     fn what_is_asked_is_read_as_it_was_written() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join(FILE_NAME);
-        let orbits = [Orbit::Circular { radius_mm: 0.1 }, Orbit::Square { radius_mm: 1.0 / 3.0 }, Orbit::None];
+        let orbits = [Orbit::Square { radius_mm: 1.0 / 3.0 }, Orbit::Circular { radius_mm: 0.1 }, Orbit::None];
         let stage = |(i, orbit)| Stage { name: format!("s_{i}"), orbit, quantity: 3, ..Stage::finish(0.2) };
         let place = DVec3::new(0.1, -2.0, 1e-7);
         let library = CutterLibrary { cutter: vec![Cutter::bull_nose(3.0, 0.5), Cutter::ball(0.25)] };
