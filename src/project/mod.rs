@@ -21,6 +21,7 @@ mod paths;
 mod project_file;
 mod recent;
 mod stage;
+mod toml_file;
 mod user_folder;
 
 pub use autosave::{Autosave, CopyKind, Recovered, Recovery};
@@ -33,4 +34,5 @@ pub use mold_params::MoldParams;
 pub use project_file::{MeshReference, MovedMesh, ProjectFile, ProjectFileError};
 pub use recent::RecentFiles;
 pub use stage::{Fingerprint, Stage};
+pub use toml_file::TomlFileError;
 pub use user_folder::user_folder;

@@ -1,66 +1,38 @@
 //! Files of molds: the mesh, the question about it and the cutters.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::MoldParams;
-use super::paths::{absolute, relative, without_detours};
-use crate::mesh_io::atomic_write;
+use super::paths::{relative, without_detours};
+use super::toml_file::{self, TomlFileError, folder_of};
 
 /// How the name of such a file ends.
 pub const ENDING: &str = ".sparkmold";
-/// The largest file that is written or read (bytes).
-const LARGEST_FILE: u64 = 1 << 20;
-
-/// Why the file of a mold cannot be read or written.
-#[derive(Debug, thiserror::Error)]
-#[error("{file}: {problem}")]
-pub struct MoldFileError {
-    /// The file.
-    pub file: PathBuf,
-    /// What is wrong and what to do, in one line.
-    pub problem: String,
-}
 
 /// Whether `path` is named as a file of a mold.
 pub fn is_mold_file(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case(&ENDING[1..]))
+    toml_file::has_ending(path, ENDING)
 }
 
 /// Writes `params` as a TOML file, with the mesh as seen from the file's folder.
 ///
 /// # Errors
-/// [`MoldFileError`], also of parameters that could not be read again.
-pub fn write_mold(file: &Path, params: &MoldParams) -> Result<(), MoldFileError> {
-    let wrong = |problem: String| MoldFileError { file: file.to_owned(), problem };
-    params.validate().map_err(wrong)?;
-    let folder = absolute(file.parent().unwrap_or(Path::new("")));
+/// [`TomlFileError`], also of parameters that could not be read again.
+pub fn write_mold(file: &Path, params: &MoldParams) -> Result<(), TomlFileError> {
+    params.validate().map_err(|problem| TomlFileError::of(file, problem))?;
+    let folder = folder_of(file);
     let mesh = params.mesh.as_deref().map(|mesh| relative(mesh, &folder));
-    let text = toml::to_string_pretty(&MoldParams { mesh, ..params.clone() }).map_err(|e| wrong(e.to_string()))?;
-    let size = text.len() as u64;
-    if size > LARGEST_FILE {
-        return Err(wrong(format!(
-            "not written: it would have {size} bytes and at most {LARGEST_FILE} are read again"
-        )));
-    }
-    atomic_write(file, |out| out.write_all(text.as_bytes()))
-        .map_err(|e| wrong(format!("cannot be written ({e}); choose another place")))
+    toml_file::write(file, &MoldParams { mesh, ..params.clone() })
 }
 
 /// The parameters in a file that [`write_mold`] has written.
 ///
 /// # Errors
-/// [`MoldFileError`].
-pub fn read_mold(file: &Path) -> Result<MoldParams, MoldFileError> {
-    let wrong = |problem: String| MoldFileError { file: file.to_owned(), problem };
-    let unreadable = |e: std::io::Error| wrong(format!("cannot be read ({e}); check the path"));
-    let size = std::fs::metadata(file).map_err(unreadable)?.len();
-    if size > LARGEST_FILE {
-        return Err(wrong(format!("it has {size} bytes; the file of a mold has at most {LARGEST_FILE}")));
-    }
-    let text = std::fs::read_to_string(file).map_err(unreadable)?;
-    let mut params: MoldParams = toml::from_str(&text).map_err(|e| wrong(e.message().replace('\n', " ")))?;
-    params.validate().map_err(wrong)?;
-    let folder = absolute(file.parent().unwrap_or(Path::new("")));
+/// [`TomlFileError`].
+pub fn read_mold(file: &Path) -> Result<MoldParams, TomlFileError> {
+    let mut params: MoldParams = toml_file::read(file, "mold")?;
+    params.validate().map_err(|problem| TomlFileError::of(file, problem))?;
+    let folder = folder_of(file);
     params.mesh = params.mesh.map(|mesh| without_detours(&folder.join(mesh)));
     Ok(params)
 }
