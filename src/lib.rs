@@ -8,6 +8,7 @@
 //! * [`mesh_io`]: mesh files to meshes and back.
 //! * [`blisk`]: axis, channel, electrode, and a parametric blisk.
 //! * [`feed`]: poses, search strategies, path and certificate.
+//! * [`mold`]: cutters, what they leave uncut, and the electrodes for it.
 //! * [`flank`]: ruled surfaces milled with the flank of a cutter.
 //! * [`export`]: NC, CSV and reports.
 //! * [`project`]: the document: parameters of a whole job, undo, files.

@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde_json::Value;
 use sparkpath::flank::cutter::FlankCutter;
 use sparkpath::flank::guide::GuideCurve;
-use sparkpath::flank::milling_machine::MillingMachine;
+use sparkpath::flank::machine::milling_machine::MillingMachine;
 use sparkpath::flank::params::{FlankParams, OffsetMethod};
 use sparkpath::flank::ruled_surface::{RuledSurface, Side};
 use sparkpath::geometry::mesh::Mesh;

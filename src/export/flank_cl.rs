@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use crate::flank::milling_machine::ToolPose;
-use crate::flank::tool_path::{Section, ToolPath, ToolPathError};
+use crate::flank::machine::kinematics::ToolPose;
+use crate::flank::machine::tool_path::{Section, ToolPath, ToolPathError};
 
 /// The longest remark line.
 const LONGEST_LINE: usize = 100;

@@ -12,10 +12,10 @@ use super::nc_lines::Lines;
 use super::post::{FeedMode, Post, PostError};
 use super::quantise::{self, deg_text, mm_text};
 use crate::feed::pose::Axis;
-use crate::flank::joint_feed::{Feeds, Pace, paces};
-use crate::flank::linearise::{self, Interpolation, LinearisationParams, MachinePath, MachinePoint};
-use crate::flank::milling_machine::{Kinematics, MachineKind};
-use crate::flank::tool_path::{Section, ToolPath};
+use crate::flank::machine::joint_feed::{Feeds, Pace, paces};
+use crate::flank::machine::kinematics::{Kinematics, MachineKind};
+use crate::flank::machine::linearise::{self, Interpolation, LinearisationParams, MachinePath, MachinePoint};
+use crate::flank::machine::tool_path::{Section, ToolPath};
 
 /// What was measured has the decimals that are written.
 const _: () =

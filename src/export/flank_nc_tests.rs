@@ -4,9 +4,10 @@ use glam::{DMat3, DVec3};
 
 use super::*;
 use crate::export::flank_cl::{ClJob, cl_text};
-use crate::flank::linearise::linearise;
-use crate::flank::milling_machine::{MillingMachine, ToolPose};
-use crate::flank::singular::Passage;
+use crate::flank::machine::kinematics::ToolPose;
+use crate::flank::machine::linearise::linearise;
+use crate::flank::machine::milling_machine::MillingMachine;
+use crate::flank::machine::singular::Passage;
 use crate::progress::Cancel;
 
 const REACH: f64 = 20.0;

@@ -17,13 +17,7 @@ pub mod envelope;
 pub mod fit_ruled;
 pub mod gouge;
 pub mod guide;
-pub mod joint_feed;
-pub mod joint_path;
-pub mod linearise;
-#[cfg(test)]
-#[path = "machine_tests.rs"]
-mod machine_tests;
-pub mod milling_machine;
+pub mod machine;
 pub mod offset;
 pub mod own_surface;
 pub mod params;
@@ -31,10 +25,8 @@ pub mod path;
 pub mod plan;
 pub mod refine;
 pub mod ruled_surface;
-pub mod singular;
 #[cfg(test)]
 mod tests;
-pub mod tool_path;
 mod warning;
 
 use glam::DVec3;

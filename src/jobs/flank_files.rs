@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::flank::{FlankInput, LoadedSurface};
 use crate::flank::fit_ruled::flank_candidates;
 use crate::flank::guide::GuideCurve;
-use crate::flank::milling_machine::MillingMachine;
+use crate::flank::machine::milling_machine::MillingMachine;
 use crate::flank::ruled_surface::Side;
 use crate::geometry::mesh::Mesh;
 use crate::mesh_io::{ImportOptions, Units, import_file};

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::flank::milling_machine::{MachineError, MillingMachine};
+use crate::flank::machine::milling_machine::{MachineError, MillingMachine};
 use crate::mesh_io::atomic_write;
 
 /// The file that holds without one, with remarks: to be copied and changed.
@@ -156,7 +156,7 @@ fn check(file: &Path, machines: &[MillingMachine]) -> Result<(), MillingMachineF
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::flank::milling_machine::MachineKind;
+    use crate::flank::machine::kinematics::MachineKind;
 
     #[test]
     fn the_standard_file_holds_one_machine_of_each_kind_and_a_users_file_comes_first() {

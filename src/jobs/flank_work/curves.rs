@@ -1,7 +1,7 @@
 //! Curves over a flank's path for plots: made where the work is done and not where they are shown.
 
 use crate::flank::deviation::Deviation;
-use crate::flank::tool_path::Section;
+use crate::flank::machine::tool_path::Section;
 use crate::jobs::flank::FlankResult;
 
 /// How far a path is off along the guides: for each u the least, the greatest and the mean absolute deviation over v.

@@ -1,8 +1,8 @@
 //! How long each move takes, so that the flank is milled at the feed that is asked for, no axis is too fast and no move is
 //! shorter than the control takes.
 
+use super::kinematics::Kinematics;
 use super::linearise::{Interpolation, MachinePath, MachinePoint, on_the_way};
-use super::milling_machine::Kinematics;
 use super::tool_path::{Section, ToolPath};
 
 /// Pieces that a move is measured in.

@@ -13,7 +13,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::joint_path::{Chosen, MillingError, chosen, furthest_outside};
-use super::milling_machine::{Joints, Kinematics, ToolPose};
+use super::kinematics::{Joints, Kinematics, ToolPose};
 use super::singular::{SingularPassage, passages};
 use super::tool_path::ToolPath;
 use crate::progress::Cancel;

@@ -2,8 +2,8 @@
 //! there. Passing it closely makes this axis swing by up to half a turn within a short way.
 
 use super::joint_path::MillingError;
+use super::kinematics::Kinematics;
 use super::linearise::{LinearisationParams, MachinePoint};
-use super::milling_machine::Kinematics;
 use super::tool_path::{Place, ToolPath, ToolPathError};
 use crate::progress::Cancel;
 

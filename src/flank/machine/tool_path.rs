@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::milling_machine::ToolPose;
+use super::kinematics::ToolPose;
 use glam::DVec3;
 
 /// The most points of a path.

@@ -7,8 +7,9 @@ use proptest::prelude::*;
 
 use super::joint_feed::{Feeds, least_minutes, paces};
 use super::joint_path::MillingError;
+use super::kinematics::{Joints, Kinematics, ToolPose};
 use super::linearise::{Interpolation, LinearisationParams, MachinePath, linearise, on_the_way};
-use super::milling_machine::{CarriedBy, Joints, Kinematics, MachineError, MillingMachine, ToolPose};
+use super::milling_machine::{CarriedBy, MachineError, MillingMachine};
 use super::singular::Passage;
 use super::tool_path::{Section, ToolPath, ToolPathError};
 use crate::progress::Cancel;
@@ -18,7 +19,7 @@ pub(crate) fn machines() -> Vec<MillingMachine> {
     struct Library {
         machine: Vec<MillingMachine>,
     }
-    toml::from_str::<Library>(include_str!("../../assets/milling_machines.toml")).unwrap().machine
+    toml::from_str::<Library>(include_str!("../../../assets/milling_machines.toml")).unwrap().machine
 }
 
 fn trunnion() -> MillingMachine {

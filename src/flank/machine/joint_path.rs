@@ -4,8 +4,9 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::Range;
 
+use super::kinematics::{Joints, Kinematics, ToolPose};
 use super::linearise::LinearisationParams;
-use super::milling_machine::{Joints, Kinematics, MachineError, ToolPose};
+use super::milling_machine::MachineError;
 use super::singular::pole_places;
 use super::tool_path::{Place, ToolPath, ToolPathError};
 use crate::progress::{Cancel, Cancelled};
