@@ -13,6 +13,7 @@ use crate::flank::ruled_surface::Side;
 use crate::jobs::flank_files::load_machine;
 use crate::mesh_io::Units;
 use crate::project::flank_file::{ENDING, is_flank_file, read_flank};
+use crate::project::flank_override::FlankOverride;
 use crate::project::flank_params::{
     DemonstrationSurface, FlankDocument, FlankSource, GuideSource, MeshFlank, PathChoice, WallsFile,
 };
@@ -173,10 +174,11 @@ pub(super) struct MillingArguments {
     /// (the tip, with the tool's direction: G43.5) [default: off].
     #[arg(long, value_name = "NAME")]
     tip_control: Option<TipName>,
-    /// Exports although this check fails: ruled, cutter, coverage, bounds, envelope, surface, gouge, holder, leads, machine. May be given
-    /// more than once.
-    #[arg(long = "override", value_name = "CHECK")]
-    overrides: Vec<String>,
+    /// Exports although this check fails: ruled, cutter, coverage, deviation, bounds, envelope, surface, gouge, holder, leads,
+    /// machine. With a figure, as in gouge:0.12, only while none of the check's figures is greater. May be given more than
+    /// once.
+    #[arg(long = "override", value_name = "CHECK[:FIGURE]")]
+    overrides: Vec<FlankOverride>,
 }
 
 /// A demonstration.

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use super::electrode_folder::ExportFolder;
+use super::export_folder::ExportFolder;
 use super::files::WriteError;
 use crate::mesh_io::{glb_bytes, obj_bytes, stl_bytes};
 use crate::mold::electrode::design::{Electrode, ElectrodeSet};

@@ -12,7 +12,7 @@ use super::nc_lines::Lines;
 use super::post::{FeedMode, Post, PostError};
 use super::quantise::{self, deg_text, mm_text};
 use crate::feed::pose::Axis;
-use crate::flank::machine::joint_feed::{Feeds, Pace, paces};
+use crate::flank::machine::joint_feed::{Feeds, Pace, Slowed, paces};
 use crate::flank::machine::kinematics::{Kinematics, MachineKind};
 use crate::flank::machine::linearise::{self, Interpolation, LinearisationParams, MachinePath, MachinePoint};
 use crate::flank::machine::tool_path::{Section, ToolPath};
@@ -159,12 +159,8 @@ impl FlankNc {
         }
         let words = Words::new(job.machine, post, settings)?;
         let paces = paces(job.machine, job.path, job.line, &settings.feeds(job.params, post));
-        let slower = paces.iter().filter(|p| p.share < 1.0);
-        let least = slower.clone().min_by(|a, b| a.share.total_cmp(&b.share));
-        let slowed = least.map(|p| (slower.count(), p.share, p.axis));
-        let short = paces.iter().filter(|p| p.short_share < 1.0).map(|p| p.short_share);
-        let shortest = short.clone().fold(1.0, f64::min);
-        let stretched = (shortest < 1.0).then(|| (short.count(), shortest));
+        let all = Slowed::of(&paces);
+        let (slowed, stretched) = (all.and_then(|s| s.by_axis), all.and_then(|s| s.short));
         let minutes = paces.iter().map(|p| p.minutes).sum();
         let mut lines = Lines::new(post, job.program, 0.0);
         post.program_start.iter().for_each(|line| lines.raw(line));

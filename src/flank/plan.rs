@@ -15,6 +15,9 @@ use super::ruled_surface::RuledSurface;
 use super::warning;
 use crate::progress::{Cancel, Progress};
 
+/// What is said where the cutter touches all of the surface from the start.
+pub const WITHIN_ROUNDING: &str = "touches within rounding";
+
 /// A path and those that it came from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlankPlan {
@@ -45,6 +48,23 @@ impl FlankPlan {
     /// The sum of absolute deviations of a path as a share of the initial one's.
     pub fn ratio(&self, path: &FlankPath) -> f64 {
         path.deviation.sum / self.initial.deviation.sum.max(f64::MIN_POSITIVE)
+    }
+
+    /// Whether there is any deviation to speak of: a plane or a cylinder is touched everywhere from the start, and shares
+    /// of what rounding leaves mean nothing.
+    pub fn has_deviation(&self) -> bool {
+        const ROUNDING_MM: f64 = 1e-6;
+        self.initial.deviation.mean > ROUNDING_MM
+    }
+
+    /// A sum of absolute deviations (mm) as a share of the initial one, unless that is nothing but rounding.
+    pub fn share(&self, sum: f64) -> Option<f64> {
+        self.has_deviation().then(|| sum / self.initial.deviation.sum)
+    }
+
+    /// The same in words, as in `ratio 0.541`.
+    pub fn ratio_words(&self, sum: f64) -> String {
+        self.share(sum).map_or_else(|| WITHIN_ROUNDING.to_owned(), |share| format!("ratio {share:.3}"))
     }
 }
 

@@ -1,6 +1,7 @@
 use super::*;
 use crate::flank::guide::GuideCurve;
 use crate::flank::params::Objective;
+use crate::project::flank_override::FlankOverride;
 use crate::project::flank_params::{DemonstrationSurface, MeshFlank, WallsFile};
 
 #[test]
@@ -19,7 +20,8 @@ fn a_flank_is_read_as_it_was_written_and_finds_its_files_beside_it() {
         let mut document = FlankDocument { source, ..FlankDocument::default() };
         document.plan.objective = Objective::Bounded { overcut_mm: Some(0.0), undercut_mm: None };
         document.walls = Some(WallsFile { file: here.join("walls.obj"), units: Default::default() });
-        document.overrides.push("envelope".to_owned());
+        document.overrides.push(FlankOverride::whatever("envelope"));
+        document.overrides.push(FlankOverride::of("gouge", &[("depth_mm".to_owned(), 0.12)].into()));
         document.milling.machine = here.join("ours.toml").to_string_lossy().into_owned();
         let file = here.join("part.sparkflank");
         write_flank(&file, &document).unwrap();
@@ -54,6 +56,8 @@ fn what_is_no_flank_is_answered_with_the_place_and_the_reason() {
         ("[source]\nkind = \"guides\"\nlower = { file = \"a.csv\" }", "missing field `upper`"),
         ("envelope_tolerance_mm = 0", "envelope_tolerance_mm is 0"),
         ("tolerance = 1", "unknown field"),
+        ("overrides = [{ check = \"gouge\", figures = { depth_mm = -1.0 } }]", "override of gouge: a figure is -1"),
+        ("overrides = [\"gouge:deep\"]", "expected the name of a check"),
     ] {
         std::fs::write(&file, text).unwrap();
         let said = read_flank(&file).unwrap_err().to_string();
@@ -79,7 +83,7 @@ fn every_change_has_a_name_for_undo() {
         ("Envelope tolerance", |d| d.envelope_tolerance_mm = 0.01),
         ("Overcut tolerance", |d| d.overcut_tolerance_mm = 0.01),
         ("Undercut tolerance", |d| d.undercut_tolerance_mm = 0.01),
-        ("Override of gouge", |d| d.overrides.push("gouge".to_owned())),
+        ("Override of gouge", |d| d.overrides.push(FlankOverride::whatever("gouge"))),
     ];
     for (name, change) in changes {
         let mut after = before.clone();

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::flank_override::FlankOverride;
 use crate::export::flank_nc::{FlankNcSettings, milling_post};
 use crate::flank::cutter::FlankCutter;
 use crate::flank::fit_ruled::RuledFitParams;
@@ -253,8 +254,8 @@ pub struct FlankDocument {
     pub overcut_tolerance_mm: f64,
     /// How much stock it may leave on the surface, standing or moving (mm).
     pub undercut_tolerance_mm: f64,
-    /// Names of checks that do not keep anything from being exported.
-    pub overrides: Vec<String>,
+    /// Checks that do not keep anything from being exported.
+    pub overrides: Vec<FlankOverride>,
 }
 
 impl Default for FlankDocument {
@@ -310,6 +311,7 @@ impl FlankDocument {
                 return Err(format!("{name} is {tolerance}: it must be from 0.000001 to 1 mm"));
             }
         }
+        self.overrides.iter().try_for_each(FlankOverride::validate)?;
         if let FlankSource::Mesh(mesh) = &self.source {
             mesh.fit.validate().map_err(|e| e.to_string())?;
             if mesh.candidate == 0 {
@@ -321,8 +323,8 @@ impl FlankDocument {
 
     /// What makes it another than `before`, as a step that can be undone is called.
     pub fn change_since(&self, before: &Self) -> String {
-        if let Some(name) = self.overrides.iter().find(|name| !before.overrides.contains(name)) {
-            return format!("Override of {name}");
+        if let Some(new) = self.overrides.iter().find(|one| !before.overrides.contains(one)) {
+            return format!("Override of {}", new.check);
         }
         let (cutter, old) = (&self.cutter, &before.cutter);
         let (plan, old_plan) = (&self.plan, &before.plan);

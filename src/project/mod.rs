@@ -8,6 +8,7 @@ pub mod electrode_file;
 mod field_table;
 mod fields;
 pub mod flank_file;
+pub mod flank_override;
 pub mod flank_params;
 mod history;
 pub mod holder_files;

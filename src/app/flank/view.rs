@@ -170,7 +170,7 @@ impl FlankView {
             }
             let path = path_of(plan, choice);
             let deviation = if core.flank.is_moving { &path.envelope.deviation } else { &path.deviation };
-            let text = format!("{name}   \u{2211} {:.3} mm   ratio {:.3}", deviation.sum, plan.ratio(path));
+            let text = format!("{name}   \u{2211} {:.3} mm   {}", deviation.sum, plan.ratio_words(deviation.sum));
             let strong = choice == core.flank.path;
             let colour = if strong { ui.visuals().strong_text_color() } else { ui.visuals().text_color() };
             let galley = ui.painter().layout_no_wrap(text, FontId::proportional(12.5), colour);
@@ -213,7 +213,7 @@ fn caption(ui: &mut Ui, rect: Rect, core: &Core) {
         let plan = &planned.result.plan;
         let path = path_of(plan, flank.path);
         let [nu, nv] = path.deviation.grid;
-        format!("sum {:.3} mm over {nu} × {nv} places, ratio {:.3}", path.deviation.sum, plan.ratio(path))
+        format!("sum {:.3} mm over {nu} × {nv} places, {}", path.deviation.sum, plan.ratio_words(path.deviation.sum))
     };
     let (colour, text) = match (flank.standing(), flank.planned(), flank.why_not()) {
         (Standing::Planned, ..) => return,

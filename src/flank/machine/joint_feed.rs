@@ -41,6 +41,41 @@ pub struct Pace {
     pub short_share: f64,
 }
 
+/// Moves that are slower than asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slowed {
+    /// How many, for whichever reason.
+    pub moves: usize,
+    /// The least share of the feed asked for that is left.
+    pub share: f64,
+    /// Where an axis would be too fast: how many moves, the least share that the axes leave, and the axis.
+    pub by_axis: Option<(usize, f64, char)>,
+    /// Where a move would be shorter than the control takes: how many moves, and the least share of their speed that is
+    /// left.
+    pub short: Option<(usize, f64)>,
+}
+
+impl Slowed {
+    /// Those among `paces`; none if every move has the feed that was asked for.
+    pub fn of(paces: &[Pace]) -> Option<Self> {
+        let slow = |share: fn(&Pace) -> f64| {
+            let slow = paces.iter().filter(move |p| share(p) < 1.0);
+            let least = slow.clone().min_by(|a, b| share(a).total_cmp(&share(b)))?;
+            Some((slow.count(), share(least), least.axis))
+        };
+        let (moves, share, _) = slow(Pace::left)?;
+        let short = slow(|p| p.short_share).map(|(moves, share, _)| (moves, share));
+        Some(Self { moves, share, by_axis: slow(|p| p.share), short })
+    }
+}
+
+impl Pace {
+    /// What is left of the feed that was asked for, whatever takes it.
+    fn left(&self) -> f64 {
+        self.share * self.short_share
+    }
+}
+
 /// The pace of every move of `machine_path`: one less than its points.
 pub fn paces(k: &Kinematics, path: &ToolPath, machine_path: &MachinePath, feeds: &Feeds) -> Vec<Pace> {
     machine_path.points.windows(2).map(|w| pace(k, path, &w[0], &w[1], feeds)).collect()
