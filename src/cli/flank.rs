@@ -15,14 +15,13 @@ use crate::project::flank_params::FlankDocument;
 
 /// Plans the flank, checks the path, writes what may be milled. The answer is no where a check fails, overridden or not.
 pub(super) fn flank(arguments: &FlankArguments, session: &Session) -> anyhow::Result<Answer> {
-    let mut document = arguments.document()?;
-    let (progress, cancel) = (&session.progress, &session.cancel);
     // What is quick to find wrong comes before what takes long.
-    arguments.milling.clamp(&mut document)?;
-    let machine = load_machine(&document, None)?;
     if let Some(folder) = &arguments.out {
         check_folder(folder).map_err(anyhow::Error::msg)?;
     }
+    let document = arguments.document(session)?;
+    let (progress, cancel) = (&session.progress, &session.cancel);
+    let machine = load_machine(&document, None)?;
     if let Some(file) = &arguments.save {
         write_flank(file, &document)?;
     }

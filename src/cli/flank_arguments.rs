@@ -5,11 +5,12 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use glam::DVec3;
 
-use super::unit;
+use super::{Session, flank_electrode, unit};
 use crate::export::flank_nc::TipControl;
 use crate::flank::cutter::HolderPart;
 use crate::flank::params::{Objective, OffsetMethod};
 use crate::flank::ruled_surface::Side;
+use crate::jobs::flank_electrode::turn_over;
 use crate::jobs::flank_files::load_machine;
 use crate::mesh_io::Units;
 use crate::project::flank_file::{ENDING, is_flank_file, read_flank};
@@ -51,6 +52,14 @@ pub(super) struct SurfaceArguments {
     /// A mesh with a flank to be milled, such as an electrode: STL, OBJ, glTF or GLB.
     #[arg(long, value_name = "MESH", conflicts_with = "demo")]
     mesh: Option<PathBuf>,
+    /// An electrode with a flank to be milled, by its name: one of a mold, of a job or of a folder with exported ones, which
+    /// --of names. Those of a mold stand upside down, tips to the spindle.
+    #[arg(long, value_name = "NAME", requires = "of", conflicts_with_all = ["mesh", "demo", "lower"])]
+    electrode: Option<String>,
+    /// Where the electrode is from: a mold's file (.sparkmold) or a job (.toml), for which it is made anew, or a folder that
+    /// `electrodes` has written.
+    #[arg(long, value_name = "PATH", requires = "electrode")]
+    of: Option<PathBuf>,
     /// Which flank of the mesh, from 1, the largest first [default: 1].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     flank: Option<u32>,
@@ -277,7 +286,7 @@ fn set<T>(place: &mut T, given: Option<impl Into<T>>) {
 
 impl FlankArguments {
     /// What is asked.
-    pub(super) fn document(&self) -> anyhow::Result<FlankDocument> {
+    pub(super) fn document(&self, session: &Session) -> anyhow::Result<FlankDocument> {
         let mut document = match &self.surface.file {
             Some(file) if is_flank_file(file) => read_flank(file)?,
             Some(file) => anyhow::bail!(
@@ -286,11 +295,20 @@ impl FlankArguments {
             ),
             None => FlankDocument::default(),
         };
-        self.surface.apply(&mut document)?;
         self.cutter.apply(&mut document);
         self.plan.apply(&mut document)?;
         self.milling.apply(&mut document);
         document.validate().map_err(anyhow::Error::msg)?;
+        if let (Some(name), Some(of)) = (&self.surface.electrode, &self.surface.of) {
+            let found = flank_electrode::find(name, of, session)?;
+            (document.source, document.milling.workpiece) = (found.source, None);
+            if found.is_upside_down {
+                turn_over(&mut document)?;
+            }
+        }
+        self.surface.apply(&mut document)?;
+        document.validate().map_err(anyhow::Error::msg)?;
+        self.milling.clamp(&mut document)?;
         Ok(document)
     }
 }
@@ -302,7 +320,7 @@ impl SurfaceArguments {
                 let [lower, upper] = [lower, upper].map(|file| GuideSource::File(file.clone()));
                 Some(FlankSource::Guides { lower, upper })
             }
-            (_, _, Some(mesh), _) => Some(FlankSource::Mesh(MeshFlank { file: mesh.clone(), ..MeshFlank::default() })),
+            (_, _, Some(mesh), _) => Some(FlankSource::Mesh(MeshFlank::of(mesh))),
             (_, _, _, Some(demo)) => {
                 let surface = match demo {
                     Demo::A => DemonstrationSurface::A,
@@ -310,8 +328,9 @@ impl SurfaceArguments {
                 };
                 Some(FlankSource::Demonstration { surface })
             }
-            _ if self.file.is_none() => anyhow::bail!(
-                "no surface was given; name a {ENDING} file, --lower and --upper guide curves, a --mesh, or --demo a"
+            _ if self.file.is_none() && self.electrode.is_none() => anyhow::bail!(
+                "no surface was given; name a {ENDING} file, --lower and --upper guide curves, a --mesh, an --electrode, or \
+                 --demo a"
             ),
             _ => None,
         };
@@ -419,7 +438,7 @@ impl MillingArguments {
     }
 
     /// Puts the workpiece where it was asked for; what was not said stays where the machine's file has it.
-    pub(super) fn clamp(&self, document: &mut FlankDocument) -> anyhow::Result<()> {
+    fn clamp(&self, document: &mut FlankDocument) -> anyhow::Result<()> {
         if self.zero.is_none() && self.clamp_z.is_none() && self.clamp_x.is_none() {
             return Ok(());
         }

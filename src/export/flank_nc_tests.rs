@@ -277,6 +277,13 @@ fn short_blocks_take_the_time_that_is_said() {
     let (count, share) = nc.stretched.unwrap();
     let shortest = times.iter().filter(|t| **t < 0.010_001 / 60.0).count();
     assert!(count == shortest && (0.0..1.0).contains(&share), "{count} {shortest} {share}");
+    // They count among the moves that are slower than asked for, with what both reasons leave together.
+    let paces = paces(&k, &path, &line, &settings.feeds(&params, &post));
+    let slowed = Slowed::of(&paces).unwrap();
+    let left = |p: &Pace| p.way_mm / (p.minutes * 20_000.0);
+    let slow: Vec<f64> = paces.iter().map(left).filter(|share| *share < 1.0 - 1e-9).collect();
+    assert_eq!((slowed.moves, slowed.short), (slow.len(), Some((count, share))));
+    assert!((slow.iter().copied().fold(1.0, f64::min) - slowed.share).abs() < 1e-9 && slowed.share <= share);
     assert!(nc.text.contains("SHORT MOVES") && !nc.text.contains("as asked for throughout"));
     // F as the speed along X Y Z needs no such time.
     let mut per_minute = post;

@@ -13,7 +13,9 @@ use crate::flank::path::FlankPath;
 use crate::flank::ruled_surface::{RuledSurface, Side};
 use crate::geometry::nurbs::NurbsCurve;
 use crate::project::flank_override::FlankOverride;
-use crate::project::flank_params::{DemonstrationSurface, FlankDocument, FlankSource, GuideSource, PathChoice};
+use crate::project::flank_params::{
+    DemonstrationSurface, FlankDocument, FlankSource, GuideSource, MeshFlank, PathChoice,
+};
 
 /// Places at which lengths are measured.
 const LOOKS: usize = 512;
@@ -54,8 +56,17 @@ pub fn report(result: &FlankResult, document: &FlankDocument) -> FlankReport {
         clearances: clearances(result),
         machine: result.milled.as_ref().map(|milled| machine(milled, document)),
         warnings: result.all_warnings(),
-        parameters: serde_json::to_value(document).unwrap_or_default(),
+        parameters: parameters(document),
     }
+}
+
+/// Every parameter; of a mesh that the document holds only what it is called.
+fn parameters(document: &FlankDocument) -> serde_json::Value {
+    let mut document = document.clone();
+    if let FlankSource::Mesh(MeshFlank { kept: Some(kept), .. }) = &mut document.source {
+        kept.obj = format!("{} bytes", kept.obj.len()).into();
+    }
+    serde_json::to_value(&document).unwrap_or_default()
 }
 
 /// The answer in a sentence.
@@ -168,10 +179,7 @@ fn source(source: &FlankSource) -> String {
     match source {
         FlankSource::Demonstration { surface } => format!("{} of the paper (P4)", surface.name()),
         FlankSource::Guides { lower, upper } => format!("guides: {} and {}", guide(lower), guide(upper)),
-        FlankSource::Mesh(mesh) => {
-            let file = mesh.file.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-            format!("{file}, flank {}", mesh.candidate)
-        }
+        FlankSource::Mesh(mesh) => format!("{}, flank {}", mesh.part(), mesh.candidate),
     }
 }
 

@@ -3,6 +3,7 @@ use crate::flank::guide::GuideCurve;
 use crate::flank::params::Objective;
 use crate::project::flank_override::FlankOverride;
 use crate::project::flank_params::{DemonstrationSurface, MeshFlank, WallsFile};
+use crate::project::kept_mesh::KeptMesh;
 
 #[test]
 fn a_flank_is_read_as_it_was_written_and_finds_its_files_beside_it() {
@@ -11,10 +12,13 @@ fn a_flank_is_read_as_it_was_written_and_finds_its_files_beside_it() {
     [&here, &there].into_iter().for_each(|f| std::fs::create_dir(f).unwrap());
     let curve = GuideCurve::Bezier { points: vec![glam::DVec3::X, glam::DVec3::Y] };
     let mesh = MeshFlank { file: here.join("part.stl"), candidate: 3, ..MeshFlank::default() };
+    let part = crate::geometry::mesh::tests::cuboid(glam::DVec3::new(1.0 / 3.0, 2.0, 40.0));
+    let kept = KeptMesh::new("E01", "'''mold\"", &part).unwrap();
     let sources = [
         FlankSource::Demonstration { surface: DemonstrationSurface::B },
         FlankSource::Guides { lower: GuideSource::File(here.join("lower.csv")), upper: GuideSource::Curve(curve) },
         FlankSource::Mesh(mesh),
+        FlankSource::Mesh(MeshFlank { kept: Some(kept), candidate: 2, ..MeshFlank::default() }),
     ];
     for source in sources {
         let mut document = FlankDocument { source, ..FlankDocument::default() };

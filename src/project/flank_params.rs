@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::flank_override::FlankOverride;
+use super::kept_mesh::KeptMesh;
 use crate::export::flank_nc::{FlankNcSettings, milling_post};
 use crate::flank::cutter::FlankCutter;
 use crate::flank::fit_ruled::RuledFitParams;
@@ -83,7 +84,8 @@ pub enum GuideSource {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MeshFlank {
-    /// The mesh: STL, OBJ, glTF or GLB.
+    /// The mesh: STL, OBJ, glTF or GLB; empty where it is kept.
+    #[serde(skip_serializing_if = "is_empty")]
     pub file: PathBuf,
     /// Its unit.
     pub units: Units,
@@ -93,12 +95,34 @@ pub struct MeshFlank {
     pub fit: RuledFitParams,
     /// Whether the rest of the mesh is looked at for gouges.
     pub is_own_wall: bool,
+    /// The mesh itself (mm) where it is in no file, as an electrode that was just designed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kept: Option<KeptMesh>,
+}
+
+fn is_empty(path: &Path) -> bool {
+    path.as_os_str().is_empty()
 }
 
 impl Default for MeshFlank {
     fn default() -> Self {
-        let file = PathBuf::new();
-        Self { file, units: Units::Auto, candidate: 1, fit: RuledFitParams::default(), is_own_wall: true }
+        let (file, fit) = (PathBuf::new(), RuledFitParams::default());
+        Self { file, units: Units::Auto, candidate: 1, fit, is_own_wall: true, kept: None }
+    }
+}
+
+impl MeshFlank {
+    /// The mesh in `file`, its largest face.
+    pub fn of(file: &Path) -> Self {
+        Self { file: file.to_owned(), ..Self::default() }
+    }
+
+    /// What the mesh is called: the name of its file, or its own.
+    pub fn part(&self) -> String {
+        match &self.kept {
+            Some(kept) => kept.words(),
+            None => self.file.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned()),
+        }
     }
 }
 
@@ -287,6 +311,9 @@ impl FlankDocument {
                 format!("{} to {}", stem(lower), stem(upper))
             }
             FlankSource::Guides { .. } => "guide curves".to_owned(),
+            FlankSource::Mesh(MeshFlank { kept: Some(kept), candidate, .. }) => {
+                format!("{} flank {candidate}", kept.name)
+            }
             FlankSource::Mesh(mesh) => format!("{} flank {}", stem(&mesh.file), mesh.candidate),
         }
     }

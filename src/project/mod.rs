@@ -13,6 +13,7 @@ pub mod flank_params;
 mod history;
 pub mod holder_files;
 mod job_file;
+pub mod kept_mesh;
 mod kept_plan;
 pub mod machine_file;
 pub mod milling_machine_file;

@@ -4,8 +4,14 @@ use std::path::Path;
 
 use glam::DVec3;
 use sparkpath::geometry::mesh::Mesh;
-use sparkpath::mesh_io::write_stl;
+use sparkpath::mesh_io::{Units, write_stl};
+use sparkpath::mold::cutter::{Cutter, CutterLibrary};
+use sparkpath::project::MoldParams;
+use sparkpath::project::flank_file::read_flank;
+use sparkpath::project::flank_params::FlankSource;
+use sparkpath::project::mold_file::write_mold;
 
+use super::uncut::pocket;
 use super::{sparkpath, text};
 
 /// Coarse and unrefined is quick.
@@ -135,5 +141,45 @@ fn every_mistake_is_one_line_and_is_found_before_anything_is_computed() {
     ] {
         let (code, said, last) = run(arguments);
         assert!(code == Some(2) && said.is_empty() && last.contains(words), "{arguments:?}: {code:?} {last}");
+    }
+}
+
+#[test]
+fn an_electrode_of_a_mold_or_of_a_folder_is_milled_as_it_stands_on_the_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let [mesh, file, out] = ["mold.stl", "pocket.sparkmold", "out"].map(|name| folder.path().join(name));
+    write_stl(&mesh, &pocket()).unwrap();
+    let mut asked = MoldParams { mesh: Some(mesh.clone()), units: Units::Mm, ..MoldParams::default() };
+    asked.library = CutterLibrary { cutter: vec![Cutter::flat(1.0)] };
+    write_mold(&file, &asked).unwrap();
+    let [mesh, file, out] = [&mesh, &file, &out].map(|p| p.to_str().unwrap());
+    let design = ["electrodes", mesh, "--units", "mm", "--cutters", "flat:1", "--no-pictures", "--out", out];
+    assert_eq!(sparkpath(&design).status.code(), Some(0));
+    let list = |of: &str| {
+        let output = sparkpath(&["flank", "--json", "--electrode", "E01", "--of", of, "--list"]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        let list: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        list.as_array().unwrap().iter().map(|c| c["area_mm2"].as_f64().unwrap()).collect::<Vec<_>>()
+    };
+    let (designed, exported) = (list(file), list(out));
+    assert!(designed.len() == exported.len() && !designed.is_empty());
+    assert!(designed.iter().zip(&exported).all(|(a, b)| (a - b).abs() < 1e-3), "{designed:?} {exported:?}");
+    // What is saved holds the mesh, and the electrode stands on its base.
+    let save = folder.path().join("e01.sparkflank");
+    let more = ["--taper-deg", "0", "--radius", "0.5", "--save", save.to_str().unwrap()];
+    let (code, said, last) = run(&[&["--electrode", "E01", "--of", file][..], &more].concat());
+    assert!(matches!(code, Some(0 | 3)), "{said} {last}");
+    let saved = read_flank(&save).unwrap();
+    let FlankSource::Mesh(source) = &saved.source else { panic!("{said}") };
+    assert!(source.part() == "E01 of mold" && source.fit.up == DVec3::NEG_Z);
+    assert_eq!(saved.milling.workpiece.unwrap().z_axis, DVec3::NEG_Z);
+    for (of, name, words) in [
+        (file, "E99", "there is no electrode \"E99\"; there are E01"),
+        (out, "E99", "there is no electrode \"E99\"; there are E01"),
+        (mesh, "E01", "electrodes are in a mold's file"),
+        ("nowhere.toml", "1", "nowhere.toml"),
+    ] {
+        let (code, said, last) = run(&["--electrode", name, "--of", of]);
+        assert!(code == Some(2) && said.is_empty() && last.contains(words), "{of} {name}: {code:?} {last}");
     }
 }

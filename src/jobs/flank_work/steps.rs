@@ -2,10 +2,14 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use super::curves::{MachineCurves, Profile};
+use crate::flank::FlankError;
 use crate::flank::params::FlankParams;
+use crate::flank::ruled_surface::Side;
 use crate::geometry::mesh::Mesh;
-use crate::jobs::flank::{FlankInput, FlankResult, LoadedSurface, flank, surface};
+use crate::jobs::flank::{FlankInput, FlankJobError, FlankResult, LoadedSurface, flank, surface};
 use crate::jobs::flank_files::{self, input, load_machine, load_surface};
 use crate::progress::{Cancel, Progress};
 use crate::project::flank_params::{FlankDocument, FlankSource, PathChoice, WallsFile};
@@ -101,6 +105,9 @@ pub struct Sketch {
     pub surface: Option<FlankSurface>,
     /// A plan on a coarse grid, or why there is none.
     pub planned: Result<Arc<Planned>, String>,
+    /// Where the side of the cutter is still to be chosen: a place of the surface, and the unit vector to its positive
+    /// side there.
+    pub open_side: Option<[DVec3; 2]>,
 }
 
 /// Reads what a surface is made of.
@@ -155,11 +162,17 @@ pub(super) fn sketch(document: &FlankDocument, loaded: LoadedSurface, cancel: &C
         *is_own_wall = false;
     }
     let made = surface(&coarse);
-    let shown = made.as_ref().ok().map(|(surface, _)| FlankSurface::bare(surface));
+    let open_side = match &made {
+        Err(FlankJobError::Flank(FlankError::SideOpen { point, normal })) => Some([*point, *normal]),
+        _ => None,
+    };
+    // The surface itself does not depend on its side.
+    let of_a_side = open_side.and_then(|_| surface(&FlankInput { side: Side::Positive, ..coarse.clone() }).ok());
+    let shown = made.as_ref().ok().or(of_a_side.as_ref()).map(|(surface, _)| FlankSurface::bare(surface));
     let planned = made.map_err(|e| e.to_string()).and_then(|_| {
         flank(&coarse, &Progress::silent(), cancel)
             .map(|result| Arc::new(Planned::of(result)))
             .map_err(|e| e.to_string())
     });
-    Sketch { surface: shown, planned }
+    Sketch { surface: shown, planned, open_side }
 }
