@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 use serde_json::Value;
-use sparkpath::flank::cutter::FlankCutter;
+use sparkpath::flank::cutter::{FlankCutter, HolderPart};
 use sparkpath::flank::guide::GuideCurve;
 use sparkpath::flank::machine::milling_machine::MillingMachine;
 use sparkpath::flank::params::{FlankParams, OffsetMethod};
@@ -17,7 +17,9 @@ use sparkpath::jobs::flank_report::report;
 use sparkpath::mesh_io::{Units, write_stl};
 use sparkpath::progress::{Cancel, Progress};
 use sparkpath::project::flank_override::FlankOverride;
-use sparkpath::project::flank_params::{DemonstrationSurface, FlankDocument, FlankSource, MeshFlank, PathChoice};
+use sparkpath::project::flank_params::{
+    CutDirection, DemonstrationSurface, FlankDocument, FlankSource, MeshFlank, PathChoice,
+};
 use tempfile::TempDir;
 
 fn demonstration(surface: DemonstrationSurface) -> FlankDocument {
@@ -231,6 +233,46 @@ fn a_machine_that_cannot_follow_says_where_and_why() {
     assert!(result.holds() && result.milled.is_none());
     let (_, written) = exported(&document, &result);
     assert_eq!(written.files, [CSV_FILE, CL_FILE, "flank.json", "report.html"]);
+}
+
+#[test]
+fn climb_milling_has_the_surface_to_the_right_of_the_travel_and_conventional_to_the_left() {
+    let leads: Vec<DVec3> = [CutDirection::Climb, CutDirection::Conventional]
+        .into_iter()
+        .map(|cut| {
+            let mut document = quick();
+            document.milling.cut = cut;
+            let result = run(&loaded(&document));
+            let path = result.path();
+            for pair in path.poses.windows(2) {
+                let right = (pair[1].tip - pair[0].tip).cross(pair[0].axis);
+                // Towards the cutter.
+                let normal = result.surface.nearest(pair[0].tip + pair[0].axis).normal;
+                assert!(if cut == CutDirection::Climb { right.dot(normal) < 0.0 } else { right.dot(normal) > 0.0 });
+            }
+            let words = format!("({} milling", if cut == CutDirection::Climb { "Climb" } else { "Conventional" });
+            let (folder, _) = exported(&document, &result);
+            assert!(read(&folder, "flank.ngc").contains(&words));
+            result.approach[0].tip
+        })
+        .collect();
+    assert!(leads[0].distance(leads[1]) > 20.0, "they begin at opposite ends");
+}
+
+#[test]
+fn a_tool_longer_than_the_machines_is_said() {
+    let mut document = quick();
+    let part = HolderPart { length_mm: 100.0, lower_radius_mm: 4.0, upper_radius_mm: 20.0 };
+    document.cutter.holder = vec![part];
+    let result = run(&loaded(&document));
+    let failed = check(&result, CheckKind::Machine);
+    assert!(
+        !failed.holds && failed.text.contains("130.000 mm long") && failed.text.contains("120.000 mm"),
+        "{}",
+        failed.text
+    );
+    document.milling.gauge_length_mm = Some(130.0);
+    assert!(check(&run(&loaded(&document)), CheckKind::Machine).holds);
 }
 
 /// A needle towards the flutes from behind, square to them `height` above the tip, `away` from them (mm) at `t` of the path.

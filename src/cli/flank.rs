@@ -12,6 +12,7 @@ use crate::jobs::flank_files::{input, load_machine, load_surface, load_walls};
 use crate::jobs::flank_report::{report, sentence};
 use crate::project::flank_file::write_flank;
 use crate::project::flank_params::FlankDocument;
+use crate::project::user_folder;
 
 /// Plans the flank, checks the path, writes what may be milled. The answer is no where a check fails, overridden or not.
 pub(super) fn flank(arguments: &FlankArguments, session: &Session) -> anyhow::Result<Answer> {
@@ -21,7 +22,7 @@ pub(super) fn flank(arguments: &FlankArguments, session: &Session) -> anyhow::Re
     }
     let document = arguments.document(session)?;
     let (progress, cancel) = (&session.progress, &session.cancel);
-    let machine = load_machine(&document, None)?;
+    let machine = load_machine(&document, user_folder().as_deref())?;
     if let Some(file) = &arguments.save {
         write_flank(file, &document)?;
     }

@@ -16,8 +16,9 @@ use crate::mesh_io::Units;
 use crate::project::flank_file::{ENDING, is_flank_file, read_flank};
 use crate::project::flank_override::FlankOverride;
 use crate::project::flank_params::{
-    DemonstrationSurface, FlankDocument, FlankSource, GuideSource, MeshFlank, PathChoice, WallsFile,
+    CutDirection, DemonstrationSurface, FlankDocument, FlankSource, GuideSource, MeshFlank, PathChoice, WallsFile,
 };
+use crate::project::user_folder;
 
 #[derive(Debug, Args)]
 pub(super) struct FlankArguments {
@@ -161,6 +162,12 @@ pub(super) struct MillingArguments {
     /// The same of its X.
     #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true, value_parser = direction)]
     clamp_x: Option<DVec3>,
+    /// From the spindle nose to the tip (mm) [default: the machine's].
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    gauge_length: Option<f64>,
+    /// Which way along the surface, with the spindle clockwise: climb or conventional [default: climb].
+    #[arg(long, value_name = "NAME")]
+    cut: Option<CutName>,
     /// The post: milling, or one of those that `plan` knows [default: milling].
     #[arg(long, value_name = "NAME")]
     post: Option<String>,
@@ -188,6 +195,13 @@ pub(super) struct MillingArguments {
     /// once.
     #[arg(long = "override", value_name = "CHECK[:FIGURE]")]
     overrides: Vec<FlankOverride>,
+}
+
+/// See [`CutDirection`].
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum CutName {
+    Climb,
+    Conventional,
 }
 
 /// A demonstration.
@@ -320,7 +334,11 @@ impl SurfaceArguments {
                 let [lower, upper] = [lower, upper].map(|file| GuideSource::File(file.clone()));
                 Some(FlankSource::Guides { lower, upper })
             }
-            (_, _, Some(mesh), _) => Some(FlankSource::Mesh(MeshFlank::of(mesh))),
+            // What else a file says of its mesh is meant for the one that takes its place.
+            (_, _, Some(mesh), _) => Some(FlankSource::Mesh(match &document.source {
+                FlankSource::Mesh(before) => MeshFlank { file: mesh.clone(), kept: None, ..before.clone() },
+                _ => MeshFlank::of(mesh),
+            })),
             (_, _, _, Some(demo)) => {
                 let surface = match demo {
                     Demo::A => DemonstrationSurface::A,
@@ -356,7 +374,11 @@ impl SurfaceArguments {
         });
         set(&mut document.side, side);
         if let Some(file) = &self.walls {
-            document.walls = Some(WallsFile { file: file.clone(), units: self.units.unwrap_or_default() });
+            let units = document.walls.as_ref().map_or_else(Units::default, |walls| walls.units);
+            document.walls = Some(WallsFile { file: file.clone(), units });
+        }
+        if let Some(walls) = &mut document.walls {
+            set(&mut walls.units, self.units);
         }
         Ok(())
     }
@@ -394,7 +416,7 @@ impl PlanArguments {
         let (overcut_mm, undercut_mm) = (self.max_overcut, self.max_undercut);
         let has_bounds = overcut_mm.is_some() || undercut_mm.is_some();
         match self.objective {
-            Some(ObjectiveName::Bounded) if !has_bounds => {
+            Some(ObjectiveName::Bounded) if !has_bounds && !matches!(plan.objective, Objective::Bounded { .. }) => {
                 anyhow::bail!("the bounded objective has no bound; give --max-overcut or --max-undercut")
             }
             Some(ObjectiveName::Sum | ObjectiveName::Rms) if has_bounds => {
@@ -403,6 +425,11 @@ impl PlanArguments {
             Some(ObjectiveName::Sum) => plan.objective = Objective::Sum,
             Some(ObjectiveName::Rms) => plan.objective = Objective::Rms,
             Some(ObjectiveName::Bounded) | None if has_bounds => {
+                let before = match plan.objective {
+                    Objective::Bounded { overcut_mm, undercut_mm } => [overcut_mm, undercut_mm],
+                    _ => [None; 2],
+                };
+                let (overcut_mm, undercut_mm) = (overcut_mm.or(before[0]), undercut_mm.or(before[1]));
                 plan.objective = Objective::Bounded { overcut_mm, undercut_mm };
             }
             Some(ObjectiveName::Bounded) | None => {}
@@ -422,6 +449,12 @@ impl MillingArguments {
         let milling = &mut document.milling;
         let machine = self.machine.as_deref().map(|name| if name == "none" { "" } else { name });
         set(&mut milling.machine, machine);
+        let cut = self.cut.map(|cut| match cut {
+            CutName::Climb => CutDirection::Climb,
+            CutName::Conventional => CutDirection::Conventional,
+        });
+        set(&mut milling.cut, cut);
+        milling.gauge_length_mm = self.gauge_length.or(milling.gauge_length_mm);
         set(&mut milling.post, self.post.clone());
         set(&mut milling.linearisation_mm, self.tolerance);
         set(&mut milling.program.feed_mm_per_min, self.feed);
@@ -442,7 +475,7 @@ impl MillingArguments {
         if self.zero.is_none() && self.clamp_z.is_none() && self.clamp_x.is_none() {
             return Ok(());
         }
-        let Some(machine) = load_machine(document, None)? else {
+        let Some(machine) = load_machine(document, user_folder().as_deref())? else {
             anyhow::bail!("--zero, --clamp-x and --clamp-z are for a machine; give one with --machine")
         };
         let mut place = machine.workpiece;

@@ -58,8 +58,10 @@ pub struct FlankReport {
 pub struct SurfaceEntry {
     /// Where it comes from, in words.
     pub source: String,
-    /// On which side the cutter stands: +1 where R_u x R_v points to, -1 on the other.
+    /// On which side the cutter stands as u runs: +1 where R_u x R_v points to, -1 on the other.
     pub side: i8,
+    /// Whether u, along the cutter's travel, runs against the guides as they were given.
+    pub is_reversed: bool,
     /// Least and greatest length of its rulings (mm).
     pub ruling_mm: [f64; 2],
     /// Lengths of the lower and the upper guide (mm).
@@ -125,7 +127,9 @@ pub struct PathEntry {
     pub t_range: [f64; 2],
     /// Least and greatest height above the cutter's bottom that touches (mm).
     pub height_range_mm: [f64; 2],
-    /// Control points of the curve of the bottom's centre (mm), of a clamped uniform cubic B-spline over t.
+    /// How far below the curve of `control_lower` the bottom's centre is, along the axis (mm).
+    pub below_mm: f64,
+    /// Control points of the curve of the axis at the lower guide (mm), of a clamped uniform cubic B-spline over t.
     pub control_lower: Vec<[f64; 3]>,
     /// The same of the upper end of the axis.
     pub control_upper: Vec<[f64; 3]>,

@@ -11,7 +11,7 @@ use crate::flank::cutter::FlankCutter;
 use crate::flank::fit_ruled::{Candidate, CandidateFit, RuledFit};
 use crate::flank::gouge::{self, Clearance, GougeCheck};
 use crate::flank::guide::GuideCurve;
-use crate::flank::machine::joint_feed::{Slowed, paces};
+use crate::flank::machine::joint_feed::{Contact, Slowed, paces};
 use crate::flank::machine::kinematics::{Kinematics, ToolPose};
 use crate::flank::machine::linearise::{LinearisationParams, MachinePath, linearise};
 use crate::flank::machine::milling_machine::MillingMachine;
@@ -24,7 +24,7 @@ use crate::flank::ruled_surface::{RuledSurface, Side};
 use crate::geometry::mesh::Mesh;
 use crate::progress::{Cancel, Cancelled, Progress};
 use crate::project::flank_override::FlankOverride;
-use crate::project::flank_params::{MillingSettings, PathChoice};
+use crate::project::flank_params::{CutDirection, MillingSettings, PathChoice};
 
 mod checks;
 
@@ -33,6 +33,8 @@ pub use checks::{CheckKind, FlankCheck};
 /// How far the surface itself may be off its mesh without counting as a neighbouring wall (mm), where nothing else is
 /// known.
 const OWN_MM: f64 = 0.01;
+/// How much longer than the machine's tool flutes and holder may be drawn (mm).
+const TOOL_MM: f64 = 1e-6;
 
 /// What a surface is made of, read from its files.
 #[derive(Debug, Clone)]
@@ -144,6 +146,8 @@ pub struct Milled {
     pub line: MachinePath,
     /// What they were made with.
     pub params: LinearisationParams,
+    /// Where the flutes touch, for the feed.
+    pub contact: Contact,
     /// Time of every move (min), one less than the positions.
     pub move_minutes: Vec<f64>,
     /// Time from the first position to the last (min).
@@ -288,7 +292,7 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
     progress.report("positions of the machine", 0.0, "");
     let milled = input.machine.as_ref().map(|machine| {
         let path = tool_path(path, &approach, &retract).map_err(|e| e.to_string())?;
-        milled(machine, &path, &input.milling, input.cutter.length_mm, cancel)
+        milled(machine, &path, (&input.milling, &input.cutter), cancel)
     });
     cancel.check()?;
     progress.report("positions of the machine", 1.0, "");
@@ -318,11 +322,19 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
     Ok(result)
 }
 
-/// The surface, and the fit that it is from.
+/// The surface, with u along the cutter's travel, and the fit that it is from.
 ///
 /// # Errors
 /// As [`flank`].
 pub fn surface(input: &FlankInput) -> Result<(RuledSurface, Option<RuledFit>), FlankJobError> {
+    let (surface, fit) = surface_as_given(input)?;
+    // Along u with the rulings upwards the cutter goes on the right of the surface if it stands where R_u x R_v points to.
+    let is_climb = surface.side() == Side::Negative;
+    let is_wanted = is_climb == (input.milling.cut == CutDirection::Climb);
+    Ok((if is_wanted { surface } else { surface.reversed() }, fit))
+}
+
+fn surface_as_given(input: &FlankInput) -> Result<(RuledSurface, Option<RuledFit>), FlankJobError> {
     match &input.surface {
         LoadedSurface::Guides { lower, upper } => Ok((RuledSurface::from_guides(lower, upper, input.side)?, None)),
         LoadedSurface::Face { candidates, number, .. } => {
@@ -421,17 +433,25 @@ fn tool_path<'a>(
 fn milled(
     machine: &MillingMachine,
     path: &ToolPath,
-    milling: &MillingSettings,
-    flutes_mm: f64,
+    (milling, cutter): (&MillingSettings, &FlankCutter),
     cancel: &Cancel,
 ) -> Result<Milled, String> {
+    let (tool_mm, gauge_mm) = (cutter.tool_length(), machine.gauge_length_mm);
+    if tool_mm > gauge_mm + TOOL_MM {
+        return Err(format!(
+            "flutes and holder are {tool_mm:.3} mm long, but the tip of the machine's tool is {gauge_mm:.3} mm from the spindle \
+             nose (gauge_length_mm): give the tool's true length, or a holder that ends at the nose"
+        ));
+    }
     let machine = machine.kinematics().map_err(|e| e.to_string())?;
-    let params = milling.linearisation(flutes_mm);
+    let params = milling.linearisation(cutter.length_mm);
     let line = linearise(&machine, path, &params, cancel).map_err(|e| e.to_string())?;
     let post = milling_post(&milling.post).map_err(|e| e.to_string())?;
-    let paces = paces(&machine, path, &line, &milling.program.feeds(&params, &post));
+    let radii_mm = [0.0, cutter.length_mm].map(|height| cutter.radius_at(height));
+    let contact = Contact { radii_mm, is_right: milling.cut == CutDirection::Climb };
+    let paces = paces(&machine, path, &line, &milling.program.feeds(&params, &post, Some(contact)));
     let slowed = Slowed::of(&paces);
     let move_minutes: Vec<f64> = paces.iter().map(|p| p.minutes).collect();
     let minutes = move_minutes.iter().sum();
-    Ok(Milled { machine, line, params, move_minutes, minutes, slowed })
+    Ok(Milled { machine, line, params, contact, move_minutes, minutes, slowed })
 }

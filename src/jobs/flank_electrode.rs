@@ -13,6 +13,7 @@ use crate::geometry::mesh::Mesh;
 use crate::mold::electrode::design::Electrode as MoldElectrode;
 use crate::project::flank_params::{FlankDocument, FlankSource, MeshFlank};
 use crate::project::kept_mesh::KeptMesh;
+use crate::project::user_folder;
 
 /// Which way is up on electrodes of molds, whose files have their tips along -Z.
 pub const UP_OF_MOLDS: DVec3 = DVec3::NEG_Z;
@@ -84,7 +85,7 @@ impl FlankElectrode {
 /// # Errors
 /// [`FlankLoadError`] if the machine cannot be read.
 pub fn turn_over(document: &mut FlankDocument) -> Result<(), FlankLoadError> {
-    if let Some(machine) = load_machine(document, None)? {
+    if let Some(machine) = load_machine(document, user_folder().as_deref())? {
         let place = machine.workpiece;
         document.milling.workpiece = Some(Workpiece { z_axis: DVec3::ZERO - place.z_axis, ..place });
     }

@@ -193,6 +193,7 @@ fn notes(result: &FlankResult) -> Vec<String> {
     };
     vec![
         format!("Flank {}, {} path", result.name, result.path.name()),
+        format!("{} milling with the spindle clockwise (M03)", capital(result.milling.cut.name())),
         format!("Sum of absolute deviations {:.4} mm over {nu} x {nv} places of the surface{ratio}", standing.sum),
         format!(
             "Moving cutter: overcut up to {:.4} mm, undercut up to {:.4} mm",
@@ -200,6 +201,11 @@ fn notes(result: &FlankResult) -> Vec<String> {
             moving.most_undercut.max(0.0)
         ),
     ]
+}
+
+fn capital(word: &str) -> String {
+    let mut letters = word.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// What is to be heeded: checks that fail and were overridden come first.
@@ -247,6 +253,7 @@ pub fn nc(result: &FlankResult, milled: &Milled) -> Result<FlankNc, String> {
         path: &path,
         line: &milled.line,
         params: &milled.params,
+        contact: Some(milled.contact),
         notes: &notes,
         warnings: &warnings,
     };

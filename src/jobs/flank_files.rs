@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::flank::{FlankInput, LoadedSurface};
+use crate::export::flank_nc::{FlankNc, milling_post};
 use crate::flank::fit_ruled::flank_candidates;
 use crate::flank::guide::GuideCurve;
 use crate::flank::machine::milling_machine::MillingMachine;
@@ -80,11 +81,14 @@ pub fn load_machine(
     if name.is_empty() {
         return Ok(None);
     }
+    let milling = &document.milling;
     let mut machine = milling_machine(name, user_folder).map_err(|e| FlankLoadError(e.to_string()))?;
-    if let Some(workpiece) = &document.milling.workpiece {
-        machine.workpiece = workpiece.clone();
-        machine.kinematics().map_err(|e| FlankLoadError(e.to_string()))?;
-    }
+    machine.workpiece = milling.workpiece.clone().unwrap_or(machine.workpiece);
+    machine.gauge_length_mm = milling.gauge_length_mm.unwrap_or(machine.gauge_length_mm);
+    let kinematics = machine.kinematics().map_err(|e| FlankLoadError(e.to_string()))?;
+    // What the post cannot say is found before anything is computed.
+    let post = milling_post(&milling.post).map_err(|e| FlankLoadError(e.to_string()))?;
+    FlankNc::check_words(&kinematics, &post, &milling.program).map_err(|e| FlankLoadError(e.to_string()))?;
     Ok(Some(machine))
 }
 

@@ -125,6 +125,7 @@ fn path(result: &FlankResult, choice: PathChoice) -> PathEntry {
         covers: path.coverage.is_whole,
         t_range: path.coverage.t_range,
         height_range_mm: path.coverage.height_range_mm,
+        below_mm: result.plan.params.below_mm,
         control_lower: points(path.axis.lower()),
         control_upper: points(path.axis.upper()),
     }
@@ -157,6 +158,7 @@ fn surface(surface: &RuledSurface, fit: Option<&RuledFit>, document: &FlankDocum
     SurfaceEntry {
         source: source(&document.source),
         side: if surface.side() == Side::Negative { -1 } else { 1 },
+        is_reversed: surface.is_reversed(),
         ruling_mm,
         guide_mm: [length(surface.lower()), length(surface.upper())],
         fit: fit.map(|fit| FitEntry {

@@ -190,6 +190,31 @@ impl PathChoice {
     }
 }
 
+/// How the cutter's rotation and its travel go together. The spindle turns clockwise, seen from above.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CutDirection {
+    /// The flutes move against the travel where they cut: the surface is to the right of the travel, and chips begin
+    /// thick. What flanks are finished with.
+    #[default]
+    Climb,
+    /// The surface is to the left of the travel, and chips begin thin.
+    Conventional,
+}
+
+impl CutDirection {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Climb, Self::Conventional];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Climb => "climb",
+            Self::Conventional => "conventional",
+        }
+    }
+}
+
 /// How the path is milled on a machine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -198,6 +223,11 @@ pub struct MillingSettings {
     pub machine: String,
     /// Where the workpiece stands on the machine, if not where the machine's file says.
     pub workpiece: Option<Workpiece>,
+    /// Length from the spindle nose to the tip (mm), if not that of the machine's file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gauge_length_mm: Option<f64>,
+    /// Which way along the surface it goes.
+    pub cut: CutDirection,
     /// Name of the post.
     pub post: String,
     /// The furthest that tip and flutes' top may leave the path between programmed points (mm).
@@ -218,6 +248,8 @@ impl Default for MillingSettings {
         Self {
             machine: "trunnion-ac".to_owned(),
             workpiece: None,
+            gauge_length_mm: None,
+            cut: CutDirection::default(),
             post: "milling".to_owned(),
             linearisation_mm,
             singular_cone_deg,
@@ -240,6 +272,12 @@ impl MillingSettings {
     }
 
     fn validate(&self, flutes_mm: f64) -> Result<(), String> {
+        if flutes_mm > LinearisationParams::LONGEST_REACH_MM {
+            return Err(format!(
+                "the flutes are {flutes_mm} mm long: a machine's moves are measured up to {} mm",
+                LinearisationParams::LONGEST_REACH_MM
+            ));
+        }
         self.linearisation(flutes_mm).validate().map_err(|e| e.to_string())?;
         self.program.validate().map_err(|e| e.to_string())?;
         milling_post(&self.post).map_err(|e| e.to_string())?;

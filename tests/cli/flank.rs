@@ -3,16 +3,17 @@
 use std::path::Path;
 
 use glam::DVec3;
+use sparkpath::flank::params::Objective;
 use sparkpath::geometry::mesh::Mesh;
 use sparkpath::mesh_io::{Units, write_stl};
 use sparkpath::mold::cutter::{Cutter, CutterLibrary};
 use sparkpath::project::MoldParams;
 use sparkpath::project::flank_file::read_flank;
-use sparkpath::project::flank_params::FlankSource;
+use sparkpath::project::flank_params::{CutDirection, FlankSource};
 use sparkpath::project::mold_file::write_mold;
 
 use super::uncut::pocket;
-use super::{sparkpath, text};
+use super::{sparkpath, sparkpath_with, text};
 
 /// Coarse and unrefined is quick.
 const QUICK: [&str; 6] = ["--grid", "30x12", "--path", "chosen", "--objective", "rms"];
@@ -182,4 +183,43 @@ fn an_electrode_of_a_mold_or_of_a_folder_is_milled_as_it_stands_on_the_table() {
         let (code, said, last) = run(&["--electrode", name, "--of", of]);
         assert!(code == Some(2) && said.is_empty() && last.contains(words), "{of} {name}: {code:?} {last}");
     }
+}
+
+#[test]
+fn a_users_own_machine_and_what_is_said_beside_a_file_are_taken() {
+    let folder = tempfile::tempdir().unwrap();
+    let settings = folder.path().join("sparkpath");
+    std::fs::create_dir(&settings).unwrap();
+    let own = sparkpath::project::milling_machine_file::STANDARD_FILE.replacen("trunnion-ac", "my-mill", 1);
+    file(&settings, "milling_machines.toml", &own);
+    let save = folder.path().join("a.sparkflank");
+    let save = save.to_str().unwrap();
+    let told = |arguments: &[&str]| {
+        let output = sparkpath_with(folder.path().to_str().unwrap(), &[&["flank"], arguments, &QUICK[..4]].concat());
+        (output.status.code(), text(&output.stderr))
+    };
+    let (code, said) = told(&[
+        "--demo",
+        "a",
+        "--machine",
+        "my-mill",
+        "--max-overcut",
+        "0.05",
+        "--max-undercut",
+        "0.07",
+        "--save",
+        save,
+    ]);
+    assert_eq!(code, Some(0), "{said}");
+    assert_eq!(run(&["--demo", "a", "--machine", "my-mill"]).0, Some(2), "another user has no such machine");
+    let (code, said) = told(&[save, "--max-overcut", "0.04", "--cut", "conventional", "--save", save]);
+    assert_eq!(code, Some(0), "{said}");
+    let document = read_flank(Path::new(save)).unwrap();
+    let bounds = Objective::Bounded { overcut_mm: Some(0.04), undercut_mm: Some(0.07) };
+    assert_eq!((document.plan.objective, document.milling.cut), (bounds, CutDirection::Conventional));
+    // What the post cannot say is found before anything is computed.
+    let post = sparkpath::export::flank_nc::BUILT_IN_POST.1.replacen("[[axes]]\naxis = \"c\"\nword = \"C\"\n", "", 1);
+    let post = file(folder.path(), "no_c.toml", &post);
+    let (code, _, said) = run(&["--demo", "a", "--post", &post]);
+    assert!(code == Some(2) && said.contains("axis C"), "{said}");
 }

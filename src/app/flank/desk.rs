@@ -16,6 +16,7 @@ use crate::jobs::kept::WorkEvent;
 use crate::jobs::pipeline::{EventKind, StageState};
 use crate::project::flank_params::{FlankDocument, FlankSource, GuideSource, PathChoice};
 use crate::project::milling_machine_file::load_milling_machines;
+use crate::project::user_folder;
 
 /// How long nothing may change before what was seen at a glance is planned in full.
 const REST: Duration = Duration::from_millis(300);
@@ -127,7 +128,11 @@ impl FlankDesk {
             fly: None,
             choice: ExportChoice::ALL,
             // Those of a broken file would be none: the one that the flank names is there in any case.
-            machines: load_milling_machines(None).unwrap_or_default().into_iter().map(|m| [m.name, m.title]).collect(),
+            machines: load_milling_machines(user_folder().as_deref())
+                .unwrap_or_default()
+                .into_iter()
+                .map(|m| [m.name, m.title])
+                .collect(),
             edited: None,
             shown: None,
             looked_at: None,

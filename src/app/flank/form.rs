@@ -16,7 +16,7 @@ use crate::flank::cutter::{FlankCutter, HolderPart};
 use crate::flank::params::{Objective, OffsetMethod};
 use crate::flank::ruled_surface::Side;
 use crate::jobs::pipeline::StageState;
-use crate::project::flank_params::{FlankDocument, FlankSource, PathChoice};
+use crate::project::flank_params::{CutDirection, FlankDocument, FlankSource, PathChoice};
 
 /// Height of the line that says how the plan stands (points).
 const ROW: f32 = 22.0;
@@ -313,6 +313,15 @@ fn machine(ui: &mut Ui, core: &Core, params: &mut FlankDocument, wrong: &mut Opt
         });
         shown.response.labelled_by(label);
     });
+    let ways = [
+        (CutDirection::Climb, "climb", "The surface to the right of the travel, with the spindle clockwise"),
+        (
+            CutDirection::Conventional,
+            "conventional",
+            "The surface to the left of the travel, with the spindle clockwise",
+        ),
+    ];
+    choice(ui, "Cut", &mut milling.cut, &ways);
     let hint = "The furthest that tip and flutes' top may leave the path between programmed points";
     let tolerance = Number { speed: 0.0005, decimals: 5, ..Number::mm("Tolerance", hint) };
     fields::number(ui, &mut milling.linearisation_mm, tolerance, wrong);

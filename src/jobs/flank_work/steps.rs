@@ -13,6 +13,7 @@ use crate::jobs::flank::{FlankInput, FlankJobError, FlankResult, LoadedSurface, 
 use crate::jobs::flank_files::{self, input, load_machine, load_surface};
 use crate::progress::{Cancel, Progress};
 use crate::project::flank_params::{FlankDocument, FlankSource, PathChoice, WallsFile};
+use crate::project::user_folder;
 use crate::render::mesh::RenderMesh;
 use crate::views::{FlankShapes, FlankSurface};
 
@@ -144,7 +145,7 @@ pub(super) fn plan(
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<Planned, String> {
-    let machine = load_machine(document, None).map_err(|e| e.to_string())?;
+    let machine = load_machine(document, user_folder().as_deref()).map_err(|e| e.to_string())?;
     let result = flank(&input(document, surface, walls, machine), progress, cancel).map_err(|e| e.to_string())?;
     cancel.check().map_err(|e| e.to_string())?;
     Ok(Planned::of(result))
