@@ -205,7 +205,7 @@ fn an_override_holds_for_what_it_was_given_for_and_for_nothing_worse() {
     let worse = run(&loaded(&document));
     let (now, why) = (check(&worse, CheckKind::Cutter), worse.why_blocked().unwrap());
     assert!((now.figures["too_short_mm"] - short - 1.0).abs() < 1e-9 && !now.is_overridden);
-    assert!(why.contains(&format!("was {short:.4} when this was decided")), "{why}");
+    assert!(why.contains(&format!("more than the {short:.4} that this was decided for")), "{why}");
     let entry = serde_json::to_value(report(&worse, &document)).unwrap();
     let entry = entry["checks"].as_array().unwrap().iter().find(|c| c["name"] == "cutter").unwrap().clone();
     assert!(entry["lapsed"].as_str().unwrap().contains("decide again"), "{entry}");

@@ -100,10 +100,11 @@ impl FlankOverride {
             .iter()
             // What is no number is worse than any.
             .filter(|(name, now)| !(**now <= allowed(name) + NO_WORSE))
-            .map(|(name, now)| format!("{} is {now:.4} and was {:.4}", words(name), allowed(name)))
+            .map(|(name, now)| {
+                format!("{} is {now:.4}, more than the {:.4} that this was decided for", words(name), allowed(name))
+            })
             .collect();
-        (!worse.is_empty())
-            .then(|| format!("{} when this was decided, so it does not hold: decide again", worse.join(", ")))
+        (!worse.is_empty()).then(|| format!("{}; it does not hold: decide again", worse.join(", ")))
     }
 
     /// What it was decided for, in words; none for whatever the check finds.
@@ -177,7 +178,7 @@ mod tests {
             assert_eq!(then.lapsed(&figures(&now)), None, "{now:?}");
         }
         let why = then.lapsed(&figures(&[("overcut_mm", 0.5), ("undercut_mm", 0.1)])).unwrap();
-        assert!(why.contains("overcut mm is 0.5000 and was 0.1200") && !why.contains("undercut"), "{why}");
+        assert!(why.contains("overcut mm is 0.5000, more than the 0.1200") && !why.contains("undercut"), "{why}");
         assert!(then.lapsed(&figures(&[("overcut_mm", f64::NAN)])).is_some());
         assert!(then.lapsed(&figures(&[("missed", 1.0)])).is_some(), "it was not wrong in this way then");
         let most: FlankOverride = "gouge:0.12".parse().unwrap();

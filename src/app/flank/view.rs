@@ -52,6 +52,8 @@ struct SceneKey {
     shows_axis: bool,
     shows_rulings: bool,
     place: Option<DVec3>,
+    /// Where the side is to be chosen.
+    open_side: Option<[DVec3; 2]>,
     dark: bool,
 }
 
@@ -70,6 +72,7 @@ impl SceneKey {
             shows_axis: flank.shows_axis,
             shows_rulings: flank.shows_rulings,
             place: flank.place,
+            open_side: flank.open_side(),
             dark,
         }
     }
@@ -107,14 +110,10 @@ impl SceneKey {
             part: self.part.0.as_ref().and_then(|loaded| loaded.part.as_ref()),
             walls: self.walls.0.as_ref().map(|walls| &walls.shape),
             place: self.place,
-            open_side: self.open_side(),
+            open_side: self.open_side,
             theme: if self.dark { Theme::DARK } else { Theme::LIGHT },
         };
         (inputs.build(), inputs.names(), inputs.sides())
-    }
-
-    fn open_side(&self) -> Option<[DVec3; 2]> {
-        self.surface_of.1.0.as_ref()?.open_side
     }
 }
 

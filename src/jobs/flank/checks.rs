@@ -14,6 +14,8 @@ use crate::project::flank_override::{Figures, FlankOverride};
 
 /// How far below the flutes the surface may go (mm): the bottom's own rounding.
 const BELOW_MM: f64 = 1e-3;
+/// The greatest figure of what is wrong: what is no number is as bad as that.
+const WORST: f64 = 1e9;
 /// What counts as keeping a bound (mm).
 const KEPT_MM: f64 = 1e-4;
 
@@ -108,7 +110,8 @@ impl FlankCheck {
     /// The same with figures of what is wrong; those that are not wrong are left out.
     fn with(mut self, figures: &[(&str, f64)]) -> Self {
         let wrong = figures.iter().filter(|(_, figure)| !self.holds && !(*figure <= 0.0));
-        self.figures.extend(wrong.map(|(name, figure)| ((*name).to_owned(), *figure)));
+        let kept = |figure: f64| if figure.is_finite() { figure.min(WORST) } else { WORST };
+        self.figures.extend(wrong.map(|(name, figure)| ((*name).to_owned(), kept(*figure))));
         self
     }
 
