@@ -8,6 +8,7 @@ use glam::DVec3;
 use crate::export::flank_nc::milling_post;
 use crate::flank::FlankError;
 use crate::flank::cutter::FlankCutter;
+use crate::flank::deviation::ROUNDING_MM;
 use crate::flank::fit_ruled::{Candidate, CandidateFit, RuledFit};
 use crate::flank::gouge::{self, Clearance, GougeCheck};
 use crate::flank::guide::GuideCurve;
@@ -200,7 +201,6 @@ impl FlankResult {
     /// Whether there is any deviation to speak of: a plane or a cylinder is touched everywhere from the start, and shares
     /// of what rounding leaves mean nothing.
     pub fn has_deviation(&self) -> bool {
-        const ROUNDING_MM: f64 = 1e-7;
         self.plan.initial.deviation.mean > ROUNDING_MM
     }
 
