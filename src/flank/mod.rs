@@ -17,6 +17,7 @@ pub mod envelope;
 pub mod fit_ruled;
 pub mod gouge;
 pub mod guide;
+pub mod inside_wall;
 pub mod machine;
 pub mod offset;
 pub mod own_surface;
