@@ -20,6 +20,7 @@ pub mod guide;
 pub mod inside_wall;
 pub mod machine;
 pub mod offset;
+pub mod own_leads;
 pub mod own_surface;
 pub mod params;
 pub mod path;
