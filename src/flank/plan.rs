@@ -6,7 +6,7 @@ use super::FlankError;
 use super::axis_surface::AxisSurface;
 use super::compensation::{Measured, Model, RankCurve, best_rank};
 use super::cutter::FlankCutter;
-use super::deviation::DesignGrid;
+use super::deviation::{DesignGrid, ROUNDING_MM};
 use super::offset::{CutterLocation, three_point, two_point};
 use super::params::{FlankParams, OffsetMethod};
 use super::path::FlankPath;
@@ -53,7 +53,6 @@ impl FlankPlan {
     /// Whether there is any deviation to speak of: a plane or a cylinder is touched everywhere from the start, and shares
     /// of what rounding leaves mean nothing.
     pub fn has_deviation(&self) -> bool {
-        const ROUNDING_MM: f64 = 1e-6;
         self.initial.deviation.mean > ROUNDING_MM
     }
 
@@ -127,7 +126,9 @@ fn ranked(
     let (chosen, mut ranks) = best_rank(&coarse, &near, cutter, Model::Height, cancel)?;
     let chosen = Measured::new(grid, chosen.axis, cutter, Some(&start.feet)).ok();
     let is_of_use = |path: &Measured| {
-        path.deviation.sum < start.deviation.sum && (path.stands_over_all() || !start.stands_over_all())
+        // Not by the rounding of either.
+        let gained = start.deviation.mean - path.deviation.mean;
+        gained > ROUNDING_MM && (path.stands_over_all() || !start.stands_over_all())
     };
     let chosen = chosen.filter(is_of_use);
     if chosen.is_none() {
@@ -136,7 +137,8 @@ fn ranked(
     Ok((chosen.unwrap_or_else(|| start.clone()), ranks))
 }
 
-/// The path refined; on a fine grid first on a coarser one, which costs little and leads near to the answer.
+/// The path refined; on a fine grid first on a coarser one, which costs little and leads near to the answer. One that
+/// touches everywhere is kept: steps would only slide it along the surface.
 fn refined(
     surface: &RuledSurface,
     grid: &DesignGrid,
@@ -145,6 +147,9 @@ fn refined(
     params: &FlankParams,
     control: (&Progress, &Cancel),
 ) -> Result<Measured, FlankError> {
+    if chosen.deviation.is_rounding() {
+        return Ok(chosen.clone());
+    }
     if !is_fine(grid.size()) {
         return refine(grid, chosen, cutter, (params.objective, params.rounds, 0.5), control);
     }
