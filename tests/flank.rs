@@ -4,19 +4,22 @@ use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 use serde_json::Value;
-use sparkpath::flank::cutter::FlankCutter;
+use sparkpath::flank::cutter::{FlankCutter, HolderPart};
 use sparkpath::flank::guide::GuideCurve;
 use sparkpath::flank::machine::milling_machine::MillingMachine;
 use sparkpath::flank::params::{FlankParams, OffsetMethod};
 use sparkpath::flank::ruled_surface::{RuledSurface, Side};
 use sparkpath::geometry::mesh::Mesh;
 use sparkpath::jobs::flank::{CheckKind, FlankInput, FlankResult, flank};
-use sparkpath::jobs::flank_export::{CL_FILE, CSV_FILE, WrittenFlank, export};
+use sparkpath::jobs::flank_export::{CL_FILE, CSV_FILE, ExportChoice, WrittenFlank, export};
 use sparkpath::jobs::flank_files::load;
 use sparkpath::jobs::flank_report::report;
 use sparkpath::mesh_io::{Units, write_stl};
 use sparkpath::progress::{Cancel, Progress};
-use sparkpath::project::flank_params::{DemonstrationSurface, FlankDocument, FlankSource, MeshFlank, PathChoice};
+use sparkpath::project::flank_override::FlankOverride;
+use sparkpath::project::flank_params::{
+    CutDirection, DemonstrationSurface, FlankDocument, FlankSource, MeshFlank, PathChoice,
+};
 use tempfile::TempDir;
 
 fn demonstration(surface: DemonstrationSurface) -> FlankDocument {
@@ -55,7 +58,8 @@ fn planned() -> &'static [(FlankDocument, FlankResult); 2] {
 fn exported(document: &FlankDocument, result: &FlankResult) -> (TempDir, WrittenFlank) {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
-    let written = export(&out, result, document, &Progress::silent(), &Cancel::default()).unwrap();
+    let written = export(&out, (result, document), ExportChoice::ALL, &Progress::silent(), &Cancel::default());
+    let written = written.unwrap();
     (folder, written)
 }
 
@@ -156,13 +160,13 @@ fn what_fails_a_check_is_not_written_unless_it_is_overridden_by_name() {
     assert!(result.warnings.iter().any(|w| w.contains("planned as if its flutes were long enough")));
     let (folder, written) = exported(&document, &result);
     assert_eq!(written.files, ["flank.json", "report.html"]);
-    assert!(written.sentence().contains("nothing to mill was written") && written.older.is_empty());
+    assert!(written.sentence().contains("nothing to mill was written") && written.set_aside.is_empty());
     assert!(read(&folder, "report.html").contains("Check cutter fails."));
 
-    document.overrides = ["cutter", "coverage", "envelop"].map(str::to_owned).to_vec();
+    document.overrides = ["cutter", "coverage", "envelop"].map(FlankOverride::whatever).to_vec();
     let result = run(&loaded(&document));
     assert!(!result.holds() && result.why_blocked().is_none(), "{:?}", result.why_blocked());
-    assert!(result.warnings.iter().any(|w| w.contains("override of \"envelop\"")));
+    assert!(result.all_warnings().iter().any(|w| w.contains("override of \"envelop\"")));
     let (folder, written) = exported(&document, &result);
     assert!(written.files.contains(&CL_FILE.to_owned()) && written.blocked.is_none());
     assert!(read(&folder, CL_FILE).contains("WARNING: check cutter fails, overridden"));
@@ -171,8 +175,45 @@ fn what_fails_a_check_is_not_written_unless_it_is_overridden_by_name() {
     document.overrides.clear();
     let blocked = run(&loaded(&document));
     let out = folder.path().join("out");
-    let written = export(&out, &blocked, &document, &Progress::silent(), &Cancel::default()).unwrap();
-    assert_eq!(written.older, [CSV_FILE, CL_FILE, "flank.ngc"].map(|f| out.join(f)));
+    let before = read(&folder, "flank.ngc");
+    std::fs::write(out.join("flank.tap"), before.replace("G93", "G94")).unwrap();
+    std::fs::write(out.join("flank.nc"), "(of another program)").unwrap();
+    let write = |result: &FlankResult| {
+        export(&out, (result, &document), ExportChoice::ALL, &Progress::silent(), &Cancel::default()).unwrap()
+    };
+    let written = write(&blocked);
+    let named = |name: &str| [name.to_owned(), format!("{name}.old")];
+    assert_eq!(written.set_aside, [CSV_FILE, CL_FILE, "flank.ngc", "flank.tap"].map(named));
+    assert!(written.sentence().contains("flank.ngc of an earlier path is now called flank.ngc.old"));
+    assert!(read(&folder, "flank.ngc.old") == before && !out.join("flank.ngc").exists());
+    assert!(out.join("flank.nc").exists(), "what is not ours keeps its name");
+    assert!(write(&blocked).set_aside.is_empty(), "what was set aside once stays so");
+}
+
+#[test]
+fn an_override_holds_for_what_it_was_given_for_and_for_nothing_worse() {
+    let mut document = quick();
+    document.cutter.length_mm = 8.0;
+    let result = run(&loaded(&document));
+    document.overrides = result.checks.iter().filter(|c| !c.holds).map(|c| c.let_pass()).collect();
+    let short = check(&result, CheckKind::Cutter).figures["too_short_mm"];
+    assert!(short > 0.0 && run(&loaded(&document)).why_blocked().is_none());
+    // Longer flutes lack less, shorter ones more.
+    document.cutter.length_mm = 8.5;
+    assert!(run(&loaded(&document)).why_blocked().is_none());
+    document.cutter.length_mm = 7.0;
+    let worse = run(&loaded(&document));
+    let (now, why) = (check(&worse, CheckKind::Cutter), worse.why_blocked().unwrap());
+    assert!((now.figures["too_short_mm"] - short - 1.0).abs() < 1e-9 && !now.is_overridden);
+    assert!(why.contains(&format!("more than the {short:.4} that this was decided for")), "{why}");
+    let entry = serde_json::to_value(report(&worse, &document)).unwrap();
+    let entry = entry["checks"].as_array().unwrap().iter().find(|c| c["name"] == "cutter").unwrap().clone();
+    assert!(entry["lapsed"].as_str().unwrap().contains("decide again"), "{entry}");
+    assert_eq!(entry["given_for"], format!("too short mm {short:.4}"));
+    // A name alone is for whatever there is, and is remembered for what there was.
+    document.overrides.iter_mut().for_each(|one| one.figures.clear());
+    assert!(run(&loaded(&document)).why_blocked().is_none());
+    assert_eq!(worse.remembered(&document.overrides)[0], now.let_pass());
 }
 
 #[test]
@@ -192,6 +233,46 @@ fn a_machine_that_cannot_follow_says_where_and_why() {
     assert!(result.holds() && result.milled.is_none());
     let (_, written) = exported(&document, &result);
     assert_eq!(written.files, [CSV_FILE, CL_FILE, "flank.json", "report.html"]);
+}
+
+#[test]
+fn climb_milling_has_the_surface_to_the_right_of_the_travel_and_conventional_to_the_left() {
+    let leads: Vec<DVec3> = [CutDirection::Climb, CutDirection::Conventional]
+        .into_iter()
+        .map(|cut| {
+            let mut document = quick();
+            document.milling.cut = cut;
+            let result = run(&loaded(&document));
+            let path = result.path();
+            for pair in path.poses.windows(2) {
+                let right = (pair[1].tip - pair[0].tip).cross(pair[0].axis);
+                // Towards the cutter.
+                let normal = result.surface.nearest(pair[0].tip + pair[0].axis).normal;
+                assert!(if cut == CutDirection::Climb { right.dot(normal) < 0.0 } else { right.dot(normal) > 0.0 });
+            }
+            let words = format!("({} milling", if cut == CutDirection::Climb { "Climb" } else { "Conventional" });
+            let (folder, _) = exported(&document, &result);
+            assert!(read(&folder, "flank.ngc").contains(&words));
+            result.approach[0].tip
+        })
+        .collect();
+    assert!(leads[0].distance(leads[1]) > 20.0, "they begin at opposite ends");
+}
+
+#[test]
+fn a_tool_longer_than_the_machines_is_said() {
+    let mut document = quick();
+    let part = HolderPart { length_mm: 100.0, lower_radius_mm: 4.0, upper_radius_mm: 20.0 };
+    document.cutter.holder = vec![part];
+    let result = run(&loaded(&document));
+    let failed = check(&result, CheckKind::Machine);
+    assert!(
+        !failed.holds && failed.text.contains("130.000 mm long") && failed.text.contains("120.000 mm"),
+        "{}",
+        failed.text
+    );
+    document.milling.gauge_length_mm = Some(130.0);
+    assert!(check(&run(&loaded(&document)), CheckKind::Machine).holds);
 }
 
 /// A needle towards the flutes from behind, square to them `height` above the tip, `away` from them (mm) at `t` of the path.

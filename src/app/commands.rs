@@ -59,6 +59,8 @@ pub enum Command {
     Layers,
     DepthColours,
     FaintMold,
+    /// Shows the electrode's flanks in their workspace.
+    MillFlanks,
     PlanFlank,
     NextPath,
     SideBySide,
@@ -118,6 +120,7 @@ impl Command {
             C::Layers,
             C::DepthColours,
             C::FaintMold,
+            C::MillFlanks,
             C::PlanFlank,
             C::NextPath,
             C::SideBySide,
@@ -187,6 +190,7 @@ impl Command {
             Self::Layers => "Layers of the mold",
             Self::DepthColours => "Regions by depth or by number",
             Self::FaintMold => "Mold faint or solid",
+            Self::MillFlanks => "Mill the electrode's flanks",
             Self::PlanFlank => "Plan the flank's path",
             Self::NextPath => "Next of initial, chosen and refined path",
             Self::SideBySide => "Initial, chosen and refined side by side",
@@ -282,6 +286,10 @@ impl Command {
         match self {
             _ if !self.is_of_workspace(core.workspace) => false,
             _ if core.workspace == Workspace::Flank => self.is_enabled_for_flank(&core.flank),
+            Self::MillFlanks if is_of_mold => mold.is_designed() && mold.electrodes.chosen().is_some(),
+            Self::MillFlanks => {
+                core.pipeline.state(Stage::Electrode) == StageState::Done && core.shown_electrode().is_some()
+            }
             Self::Cancel if is_of_mold => mold.work.is_busy(),
             Self::FindUncut | Self::DesignElectrodes => mold.work.mold_state(&mold.params) == StageState::Done,
             Self::Electrodes => mold.electrodes.designed().is_some(),
@@ -341,6 +349,7 @@ impl Command {
             C::Play | C::NextNode | C::PreviousNode | C::FirstNode | C::LastNode | C::Export => true,
             C::Isolate | C::Layers | C::DepthColours | C::FaintMold => of_mold,
             C::FoldPanel | C::FoldList => of_mold || of_flank,
+            C::MillFlanks => !of_flank,
             C::PlanFlank | C::NextPath | C::SideBySide | C::FaceFlank | C::ShowCutter => of_flank,
             C::AxisSurface | C::Rulings | C::MovingCutter => of_flank,
             C::Open | C::Reload | C::Quit | C::Preferences | C::Cancel | C::Fit | C::View(_) | C::Projection => true,
@@ -354,6 +363,7 @@ impl Command {
     pub fn needs(self) -> Option<&'static str> {
         match self {
             Self::SaveJob => Some("A job names a mesh file, which the demonstration blisk has not"),
+            Self::MillFlanks => Some("An electrode of the present parameters that is selected"),
             Self::CompareCutters => Some("First find what the present cutters leave"),
             Self::Keep => Some("A finished plan of the present parameters, each once, six at most"),
             _ => None,

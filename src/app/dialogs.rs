@@ -1,6 +1,7 @@
 //! Windows that ask or tell: unsaved work, recovery, moved meshes, preferences, export, log, about.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use egui::{Align2, Id, Modal, RichText, Ui};
 
@@ -11,6 +12,7 @@ use super::preferences::{LengthUnit, Navigation, Preferences, ThemeChoice};
 use super::status::colour_of;
 use super::stepper::sentence;
 use super::theme::palette;
+use crate::jobs::flank_electrode::FlankElectrode;
 use crate::project::{CopyKind, MovedMesh, ProjectFile, Recovery};
 
 /// What the user is asked, one thing at a time.
@@ -67,7 +69,7 @@ impl Work {
 }
 
 /// What is done once unsaved work is out of the way.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Intent {
     /// Ends the program.
     Quit,
@@ -77,6 +79,8 @@ pub enum Intent {
     OpenMold(PathBuf),
     /// Opens this flank.
     OpenFlank(PathBuf),
+    /// Mills the flanks of this electrode.
+    MillFlanks(Arc<FlankElectrode>),
     /// Asks for a file to open.
     AskOpen,
     /// Starts from the demonstration blisk.
@@ -89,7 +93,7 @@ impl Intent {
         match self {
             Self::Quit => true,
             Self::OpenMold(_) => work == Work::Mold,
-            Self::OpenFlank(_) => work == Work::Flank,
+            Self::OpenFlank(_) | Self::MillFlanks(_) => work == Work::Flank,
             Self::Open(_) | Self::AskOpen | Self::Demonstration => work == Work::Blisk,
         }
     }

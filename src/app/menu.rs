@@ -43,6 +43,8 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<std::path::PathBuf> {
                 for command in [Command::Plan, Command::Cancel, Command::Keep, Command::Approve, Command::Withdraw] {
                     item(ui, core, command);
                 }
+                ui.separator();
+                item(ui, core, Command::MillFlanks);
             });
         }
         if core.workspace == Workspace::Mold {
@@ -60,7 +62,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<std::path::PathBuf> {
                     item(ui, core, command);
                 }
                 ui.separator();
-                for command in [Command::FlyToRegion, Command::Isolate] {
+                for command in [Command::FlyToRegion, Command::Isolate, Command::MillFlanks] {
                     item(ui, core, command);
                 }
             });

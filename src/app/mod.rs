@@ -39,6 +39,7 @@ mod viewport;
 mod viewport_gpu;
 mod workspace;
 
+pub use commands::Command;
 pub use flank::FlankDesk;
 pub use mold::{Column, ElectrodeDesk, MoldDesk};
 pub use preferences::{Preferences, ThemeChoice};

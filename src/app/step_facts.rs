@@ -105,6 +105,8 @@ fn electrode(ui: &mut Ui, core: &mut Core) {
         }
     }
     if core.pipeline.state(Stage::Electrode) == StageState::Done {
+        ui.add_space(4.0);
+        command_button(ui, core, Command::MillFlanks, "Mill its flanks", false);
         next(ui, core, Stage::Plan);
     }
     super::sizes::show(ui, core);

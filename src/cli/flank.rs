@@ -7,21 +7,22 @@ use super::{Answer, Session};
 use crate::export::flank_report::FlankReport;
 use crate::flank::fit_ruled::{Candidate, CandidateFit};
 use crate::jobs::flank::{FlankResult, LoadedSurface, flank as plan};
-use crate::jobs::flank_export::{check_folder, export};
+use crate::jobs::flank_export::{ExportChoice, check_folder, export};
 use crate::jobs::flank_files::{input, load_machine, load_surface, load_walls};
 use crate::jobs::flank_report::{report, sentence};
 use crate::project::flank_file::write_flank;
+use crate::project::flank_params::FlankDocument;
+use crate::project::user_folder;
 
 /// Plans the flank, checks the path, writes what may be milled. The answer is no where a check fails, overridden or not.
 pub(super) fn flank(arguments: &FlankArguments, session: &Session) -> anyhow::Result<Answer> {
-    let mut document = arguments.document()?;
-    let (progress, cancel) = (&session.progress, &session.cancel);
     // What is quick to find wrong comes before what takes long.
-    arguments.milling.clamp(&mut document)?;
-    let machine = load_machine(&document, None)?;
     if let Some(folder) = &arguments.out {
         check_folder(folder).map_err(anyhow::Error::msg)?;
     }
+    let document = arguments.document(session)?;
+    let (progress, cancel) = (&session.progress, &session.cancel);
+    let machine = load_machine(&document, user_folder().as_deref())?;
     if let Some(file) = &arguments.save {
         write_flank(file, &document)?;
     }
@@ -35,10 +36,16 @@ pub(super) fn flank(arguments: &FlankArguments, session: &Session) -> anyhow::Re
     let result = plan(&input, progress, cancel).map_err(|e| anyhow::anyhow!("{}: {e}", document.name()))?;
     let seconds = start.elapsed().as_secs_f64();
     session.cancel.check()?;
+    // What is let pass now is not let pass again however bad it gets.
+    let remembered = FlankDocument { overrides: result.remembered(&document.overrides), ..document.clone() };
+    if let Some(file) = arguments.save.as_ref().filter(|_| remembered != document) {
+        write_flank(file, &remembered)?;
+    }
     let mut lines = lines(&result);
     lines.push(format!("planned and checked in {seconds:.2} s"));
     if let Some(folder) = &arguments.out {
-        let written = export(folder, &result, &document, progress, cancel).map_err(anyhow::Error::msg)?;
+        let written =
+            export(folder, (&result, &document), ExportChoice::ALL, progress, cancel).map_err(anyhow::Error::msg)?;
         lines.push(written.sentence());
     }
     super::terminal::finish();
@@ -90,14 +97,13 @@ fn entry(number: usize, candidate: &Candidate) -> serde_json::Value {
 /// The answer in words.
 fn lines(result: &FlankResult) -> Vec<String> {
     let mut lines = vec![sentence(result)];
-    let ratio = |path| result.has_deviation().then(|| result.plan.ratio(path));
     for (name, path) in result.plan.paths() {
         let (d, moving) = (&path.deviation, &path.envelope.deviation);
         lines.push(format!(
-            "{name}: sum {:.3} mm{}, mean {:.2} um, rms {:.2} um, overcut {:.1} um, undercut {:.1} um; moving cutter: \
+            "{name}: sum {:.3} mm ({}), mean {:.2} um, rms {:.2} um, overcut {:.1} um, undercut {:.1} um; moving cutter: \
              sum {:.3} mm, overcut {:.1} um, undercut {:.1} um",
             d.sum,
-            ratio(path).map_or_else(String::new, |ratio| format!(" (ratio {ratio:.3})")),
+            result.plan.ratio_words(d.sum),
             1e3 * d.mean,
             1e3 * d.rms,
             1e3 * (-d.most_overcut).max(0.0),
@@ -116,6 +122,7 @@ fn lines(result: &FlankResult) -> Vec<String> {
         let state = match (check.holds, check.is_overridden) {
             (true, _) => "holds",
             (false, true) => "fails, overridden",
+            (false, false) if check.lapsed.is_some() => "FAILS, its override has lapsed",
             (false, false) => "FAILS",
         };
         let place = check.place.filter(|_| !check.holds);

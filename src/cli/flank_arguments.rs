@@ -5,17 +5,20 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use glam::DVec3;
 
-use super::unit;
+use super::{Session, flank_electrode, unit};
 use crate::export::flank_nc::TipControl;
 use crate::flank::cutter::HolderPart;
 use crate::flank::params::{Objective, OffsetMethod};
 use crate::flank::ruled_surface::Side;
+use crate::jobs::flank_electrode::turn_over;
 use crate::jobs::flank_files::load_machine;
 use crate::mesh_io::Units;
 use crate::project::flank_file::{ENDING, is_flank_file, read_flank};
+use crate::project::flank_override::FlankOverride;
 use crate::project::flank_params::{
-    DemonstrationSurface, FlankDocument, FlankSource, GuideSource, MeshFlank, PathChoice, WallsFile,
+    CutDirection, DemonstrationSurface, FlankDocument, FlankSource, GuideSource, MeshFlank, PathChoice, WallsFile,
 };
+use crate::project::user_folder;
 
 #[derive(Debug, Args)]
 pub(super) struct FlankArguments {
@@ -50,6 +53,14 @@ pub(super) struct SurfaceArguments {
     /// A mesh with a flank to be milled, such as an electrode: STL, OBJ, glTF or GLB.
     #[arg(long, value_name = "MESH", conflicts_with = "demo")]
     mesh: Option<PathBuf>,
+    /// An electrode with a flank to be milled, by its name: one of a mold, of a job or of a folder with exported ones, which
+    /// --of names. Those of a mold stand upside down, tips to the spindle.
+    #[arg(long, value_name = "NAME", requires = "of", conflicts_with_all = ["mesh", "demo", "lower"])]
+    electrode: Option<String>,
+    /// Where the electrode is from: a mold's file (.sparkmold) or a job (.toml), for which it is made anew, or a folder that
+    /// `electrodes` has written.
+    #[arg(long, value_name = "PATH", requires = "electrode")]
+    of: Option<PathBuf>,
     /// Which flank of the mesh, from 1, the largest first [default: 1].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     flank: Option<u32>,
@@ -151,6 +162,12 @@ pub(super) struct MillingArguments {
     /// The same of its X.
     #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true, value_parser = direction)]
     clamp_x: Option<DVec3>,
+    /// From the spindle nose to the tip (mm) [default: the machine's].
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    gauge_length: Option<f64>,
+    /// Which way along the surface, with the spindle clockwise: climb or conventional [default: climb].
+    #[arg(long, value_name = "NAME")]
+    cut: Option<CutName>,
     /// The post: milling, or one of those that `plan` knows [default: milling].
     #[arg(long, value_name = "NAME")]
     post: Option<String>,
@@ -173,10 +190,18 @@ pub(super) struct MillingArguments {
     /// (the tip, with the tool's direction: G43.5) [default: off].
     #[arg(long, value_name = "NAME")]
     tip_control: Option<TipName>,
-    /// Exports although this check fails: ruled, cutter, coverage, bounds, envelope, surface, gouge, holder, leads, machine. May be given
-    /// more than once.
-    #[arg(long = "override", value_name = "CHECK")]
-    overrides: Vec<String>,
+    /// Exports although this check fails: ruled, cutter, coverage, deviation, bounds, envelope, surface, gouge, holder, leads,
+    /// machine. With a figure, as in gouge:0.12, only while none of the check's figures is greater. May be given more than
+    /// once.
+    #[arg(long = "override", value_name = "CHECK[:FIGURE]")]
+    overrides: Vec<FlankOverride>,
+}
+
+/// See [`CutDirection`].
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum CutName {
+    Climb,
+    Conventional,
 }
 
 /// A demonstration.
@@ -275,7 +300,7 @@ fn set<T>(place: &mut T, given: Option<impl Into<T>>) {
 
 impl FlankArguments {
     /// What is asked.
-    pub(super) fn document(&self) -> anyhow::Result<FlankDocument> {
+    pub(super) fn document(&self, session: &Session) -> anyhow::Result<FlankDocument> {
         let mut document = match &self.surface.file {
             Some(file) if is_flank_file(file) => read_flank(file)?,
             Some(file) => anyhow::bail!(
@@ -284,11 +309,20 @@ impl FlankArguments {
             ),
             None => FlankDocument::default(),
         };
-        self.surface.apply(&mut document)?;
         self.cutter.apply(&mut document);
         self.plan.apply(&mut document)?;
         self.milling.apply(&mut document);
         document.validate().map_err(anyhow::Error::msg)?;
+        if let (Some(name), Some(of)) = (&self.surface.electrode, &self.surface.of) {
+            let found = flank_electrode::find(name, of, session)?;
+            (document.source, document.milling.workpiece) = (found.source, None);
+            if found.is_upside_down {
+                turn_over(&mut document)?;
+            }
+        }
+        self.surface.apply(&mut document)?;
+        document.validate().map_err(anyhow::Error::msg)?;
+        self.milling.clamp(&mut document)?;
         Ok(document)
     }
 }
@@ -300,7 +334,11 @@ impl SurfaceArguments {
                 let [lower, upper] = [lower, upper].map(|file| GuideSource::File(file.clone()));
                 Some(FlankSource::Guides { lower, upper })
             }
-            (_, _, Some(mesh), _) => Some(FlankSource::Mesh(MeshFlank { file: mesh.clone(), ..MeshFlank::default() })),
+            // What else a file says of its mesh is meant for the one that takes its place.
+            (_, _, Some(mesh), _) => Some(FlankSource::Mesh(match &document.source {
+                FlankSource::Mesh(before) => MeshFlank { file: mesh.clone(), kept: None, ..before.clone() },
+                _ => MeshFlank::of(mesh),
+            })),
             (_, _, _, Some(demo)) => {
                 let surface = match demo {
                     Demo::A => DemonstrationSurface::A,
@@ -308,8 +346,9 @@ impl SurfaceArguments {
                 };
                 Some(FlankSource::Demonstration { surface })
             }
-            _ if self.file.is_none() => anyhow::bail!(
-                "no surface was given; name a {ENDING} file, --lower and --upper guide curves, a --mesh, or --demo a"
+            _ if self.file.is_none() && self.electrode.is_none() => anyhow::bail!(
+                "no surface was given; name a {ENDING} file, --lower and --upper guide curves, a --mesh, an --electrode, or \
+                 --demo a"
             ),
             _ => None,
         };
@@ -335,7 +374,11 @@ impl SurfaceArguments {
         });
         set(&mut document.side, side);
         if let Some(file) = &self.walls {
-            document.walls = Some(WallsFile { file: file.clone(), units: self.units.unwrap_or_default() });
+            let units = document.walls.as_ref().map_or_else(Units::default, |walls| walls.units);
+            document.walls = Some(WallsFile { file: file.clone(), units });
+        }
+        if let Some(walls) = &mut document.walls {
+            set(&mut walls.units, self.units);
         }
         Ok(())
     }
@@ -373,7 +416,7 @@ impl PlanArguments {
         let (overcut_mm, undercut_mm) = (self.max_overcut, self.max_undercut);
         let has_bounds = overcut_mm.is_some() || undercut_mm.is_some();
         match self.objective {
-            Some(ObjectiveName::Bounded) if !has_bounds => {
+            Some(ObjectiveName::Bounded) if !has_bounds && !matches!(plan.objective, Objective::Bounded { .. }) => {
                 anyhow::bail!("the bounded objective has no bound; give --max-overcut or --max-undercut")
             }
             Some(ObjectiveName::Sum | ObjectiveName::Rms) if has_bounds => {
@@ -382,6 +425,11 @@ impl PlanArguments {
             Some(ObjectiveName::Sum) => plan.objective = Objective::Sum,
             Some(ObjectiveName::Rms) => plan.objective = Objective::Rms,
             Some(ObjectiveName::Bounded) | None if has_bounds => {
+                let before = match plan.objective {
+                    Objective::Bounded { overcut_mm, undercut_mm } => [overcut_mm, undercut_mm],
+                    _ => [None; 2],
+                };
+                let (overcut_mm, undercut_mm) = (overcut_mm.or(before[0]), undercut_mm.or(before[1]));
                 plan.objective = Objective::Bounded { overcut_mm, undercut_mm };
             }
             Some(ObjectiveName::Bounded) | None => {}
@@ -401,6 +449,12 @@ impl MillingArguments {
         let milling = &mut document.milling;
         let machine = self.machine.as_deref().map(|name| if name == "none" { "" } else { name });
         set(&mut milling.machine, machine);
+        let cut = self.cut.map(|cut| match cut {
+            CutName::Climb => CutDirection::Climb,
+            CutName::Conventional => CutDirection::Conventional,
+        });
+        set(&mut milling.cut, cut);
+        milling.gauge_length_mm = self.gauge_length.or(milling.gauge_length_mm);
         set(&mut milling.post, self.post.clone());
         set(&mut milling.linearisation_mm, self.tolerance);
         set(&mut milling.program.feed_mm_per_min, self.feed);
@@ -417,11 +471,11 @@ impl MillingArguments {
     }
 
     /// Puts the workpiece where it was asked for; what was not said stays where the machine's file has it.
-    pub(super) fn clamp(&self, document: &mut FlankDocument) -> anyhow::Result<()> {
+    fn clamp(&self, document: &mut FlankDocument) -> anyhow::Result<()> {
         if self.zero.is_none() && self.clamp_z.is_none() && self.clamp_x.is_none() {
             return Ok(());
         }
-        let Some(machine) = load_machine(document, None)? else {
+        let Some(machine) = load_machine(document, user_folder().as_deref())? else {
             anyhow::bail!("--zero, --clamp-x and --clamp-z are for a machine; give one with --machine")
         };
         let mut place = machine.workpiece;

@@ -18,6 +18,7 @@ mod compare;
 mod electrodes;
 mod flank;
 mod flank_arguments;
+mod flank_electrode;
 mod inspect;
 mod plan;
 mod render;

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use super::electrode_folder::ExportFolder;
+use super::export_folder::ExportFolder;
 use super::files::WriteError;
 use crate::mesh_io::{glb_bytes, obj_bytes, stl_bytes};
 use crate::mold::electrode::design::{Electrode, ElectrodeSet};
@@ -161,9 +161,7 @@ pub fn file_stems(set: &ElectrodeSet) -> Vec<String> {
 
 fn file_stem(electrode: &Electrode, params: &ElectrodeParams) -> String {
     let stage = &params.stages[electrode.stage];
-    // The name of an electrode ends with its stage where there are several.
-    let name = electrode.name.strip_suffix(&format!("-{}", stage.name)).unwrap_or(&electrode.name);
-    let mut parts = vec![plain(name), plain(&stage.name), format!("g{}", stage.gap_mm)];
+    let mut parts = vec![format!("{}g{}", file_start(&electrode.name, &stage.name), stage.gap_mm)];
     match stage.orbit {
         Orbit::None => {}
         Orbit::Circular { radius_mm } => parts.push(format!("circular{radius_mm}")),
@@ -175,6 +173,13 @@ fn file_stem(electrode: &Electrode, params: &ElectrodeParams) -> String {
     }
     parts.extend([plain(&params.material), format!("x{}", stage.quantity)]);
     parts.join("_")
+}
+
+/// How the names of an electrode's files begin.
+pub fn file_start(electrode: &str, stage: &str) -> String {
+    // The name of an electrode ends with its stage where there are several.
+    let name = electrode.strip_suffix(&format!("-{stage}")).unwrap_or(electrode);
+    format!("{}_{}_", plain(name), plain(stage))
 }
 
 /// Text as a part of a file's name on every system.

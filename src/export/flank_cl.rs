@@ -21,9 +21,9 @@ pub struct ClJob<'a> {
     pub flute_mm: f64,
     /// Spindle speed, clockwise (1/min).
     pub spindle_rpm: f64,
-    /// Feed of the tip along the cut, and along approach and retraction (mm/min).
+    /// Feed of the tip along the cut and on the moves onto it and off it (mm/min).
     pub feed_mm_per_min: f64,
-    /// See `feed_mm_per_min`.
+    /// Feed of the other moves of approach and retraction (mm/min).
     pub lead_mm_per_min: f64,
     /// The furthest that straight moves of tip and direction may leave the path (mm), up to the flutes' top.
     pub tolerance_mm: f64,
@@ -53,18 +53,23 @@ pub fn cl_text(path: &ToolPath, job: &ClJob) -> Result<String, ToolPathError> {
     // Diameter, corner radius, place of its centre across and along, bottom and side angle, height.
     lines.push(format!("CUTTER/{:.5},0,{radius:.5},0,0,{:.6},{:.5}", job.diameter_mm, job.taper_deg, job.flute_mm));
     lines.push(format!("SPINDL/{:.0},CLW", job.spindle_rpm));
-    let mut section = None;
+    let (mut section, mut feed_given) = (None, 0.0);
     for (s, pose) in &moves {
         // A record belongs to the part of the move that ends there.
         let own = path.section((s - 1e-9).max(0.0));
         if section != Some(own) {
             section = Some(own);
-            let (name, feed) = match own {
-                Section::Approach => ("approach", job.lead_mm_per_min),
-                Section::Cut => ("cut", job.feed_mm_per_min),
-                Section::Retract => ("retract", job.lead_mm_per_min),
+            let name = match own {
+                Section::Approach => "approach",
+                Section::Cut => "cut",
+                Section::Retract => "retract",
             };
             lines.push(format!("$$ {name}"));
+        }
+        let is_on_flank = path.is_on_flank((s - 1e-9).max(0.0));
+        let feed = if is_on_flank { job.feed_mm_per_min } else { job.lead_mm_per_min };
+        if feed != feed_given {
+            feed_given = feed;
             lines.push(format!("FEDRAT/{feed:.3},MMPM"));
         }
         lines.push(goto(pose));

@@ -12,7 +12,7 @@ use super::nc_lines::Lines;
 use super::post::{FeedMode, Post, PostError};
 use super::quantise::{self, deg_text, mm_text};
 use crate::feed::pose::Axis;
-use crate::flank::machine::joint_feed::{Feeds, Pace, paces};
+use crate::flank::machine::joint_feed::{Contact, Feeds, Pace, Slowed, paces};
 use crate::flank::machine::kinematics::{Kinematics, MachineKind};
 use crate::flank::machine::linearise::{self, Interpolation, LinearisationParams, MachinePath, MachinePoint};
 use crate::flank::machine::tool_path::{Section, ToolPath};
@@ -32,10 +32,11 @@ pub enum TipControl {
     /// Positions of the axes.
     #[default]
     Off,
-    /// The tip on the workpiece, with the rotary axes (G43.4 on many controls); the post must have the word.
+    /// The tip on the workpiece in the machine's directions, with the rotary axes (G43.4 on many controls); the post must
+    /// have the word.
     Angles,
-    /// The tip on the workpiece, with the tool's direction as I J K (G43.5 on many); the post must have the word. The
-    /// control chooses the rotary axes.
+    /// The same with the tool's direction as I J K (G43.5 on many); the post must have the word. The control chooses the
+    /// rotary axes.
     Vector,
 }
 
@@ -53,9 +54,9 @@ impl TipControl {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FlankNcSettings {
-    /// Feed of the cut along the flank (mm/min).
+    /// Feed of the cut along the flank, and of the moves onto it and off it (mm/min).
     pub feed_mm_per_min: f64,
-    /// Feed of approach and retraction (mm/min).
+    /// Feed of the other moves of approach and retraction (mm/min).
     pub lead_mm_per_min: f64,
     /// Spindle speed, clockwise (1/min).
     pub spindle_rpm: f64,
@@ -88,8 +89,9 @@ impl FlankNcSettings {
         wrong.map_or(Ok(()), |(name, value, _, _, range)| Err(NcError::Setting { name, value, range }))
     }
 
-    /// The feeds of a program in the words of `post`, along positions that were made with `params`.
-    pub fn feeds(&self, params: &LinearisationParams, post: &Post) -> Feeds {
+    /// The feeds of a program in the words of `post`, along positions that were made with `params`, of flutes that touch as
+    /// `contact` says.
+    pub fn feeds(&self, params: &LinearisationParams, post: &Post, contact: Option<Contact>) -> Feeds {
         let is_timed = post.feed.mode != FeedMode::PerMinute;
         Feeds {
             cut_mm_min: self.feed_mm_per_min,
@@ -97,6 +99,7 @@ impl FlankNcSettings {
             reach_mm: params.reach_mm,
             least_minutes: if is_timed { LEAST_BLOCK_MINUTES } else { 0.0 },
             interpolation: params.interpolation,
+            contact,
         }
     }
 }
@@ -123,6 +126,8 @@ pub struct FlankNcJob<'a> {
     pub line: &'a MachinePath,
     /// What they were made with.
     pub params: &'a LinearisationParams,
+    /// Where the flutes touch, for the feed; none where it is that of the tool's axis.
+    pub contact: Option<Contact>,
     /// What else the operator should know: surface, tolerances, the deviation of the path.
     pub notes: &'a [String],
     /// What is to be heeded.
@@ -147,6 +152,14 @@ pub struct FlankNc {
 }
 
 impl FlankNc {
+    /// Whether `post` has every word that programs for `machine` need.
+    ///
+    /// # Errors
+    /// [`NcError`] that names what it lacks.
+    pub fn check_words(machine: &Kinematics, post: &Post, settings: &FlankNcSettings) -> Result<(), NcError> {
+        Words::new(machine, post, settings).map(|_| ())
+    }
+
     /// Writes the program of `job` in the words of `post`.
     ///
     /// # Errors
@@ -158,13 +171,9 @@ impl FlankNc {
             return Err(NcError::Setting { name: "tip_control", value: f64::from(settings.tip_control as u8), range });
         }
         let words = Words::new(job.machine, post, settings)?;
-        let paces = paces(job.machine, job.path, job.line, &settings.feeds(job.params, post));
-        let slower = paces.iter().filter(|p| p.share < 1.0);
-        let least = slower.clone().min_by(|a, b| a.share.total_cmp(&b.share));
-        let slowed = least.map(|p| (slower.count(), p.share, p.axis));
-        let short = paces.iter().filter(|p| p.short_share < 1.0).map(|p| p.short_share);
-        let shortest = short.clone().fold(1.0, f64::min);
-        let stretched = (shortest < 1.0).then(|| (short.count(), shortest));
+        let paces = paces(job.machine, job.path, job.line, &settings.feeds(job.params, post, job.contact));
+        let all = Slowed::of(&paces);
+        let (slowed, stretched) = (all.and_then(|s| s.by_axis), all.and_then(|s| s.short));
         let minutes = paces.iter().map(|p| p.minutes).sum();
         let mut lines = Lines::new(post, job.program, 0.0);
         post.program_start.iter().for_each(|line| lines.raw(line));
@@ -199,10 +208,14 @@ fn header(w: &mut Lines, job: &FlankNcJob, settings: &FlankNcSettings) {
             "X Y Z are positions of the axes: zero with the tip at the workpiece zero and both rotary axes at zero. No \
              tool length offset and no tool tip control may be active."
         }
-        TipControl::Angles => "X Y Z are the tip on the workpiece, which turns with the table; tool tip control is on.",
+        TipControl::Angles => {
+            "X Y Z are the tip from the workpiece zero, along the machine's axes as they stand with both rotary axes at \
+             zero; they turn with the table. Tool tip control is on."
+        }
         TipControl::Vector => {
-            "X Y Z are the tip on the workpiece and I J K the direction to the spindle. The control chooses the rotary \
-             axes, so that the moves between were measured for the ones that Sparkpath would choose."
+            "X Y Z are the tip from the workpiece zero and I J K the direction to the spindle, along the machine's axes as \
+             they stand with both rotary axes at zero. The control chooses the rotary axes, so that the moves between \
+             were measured for the ones that Sparkpath would choose."
         }
     });
     let (asked, bound) = (job.params.linearisation_mm, job.line.deviation_mm);
@@ -225,7 +238,8 @@ fn speed_comments(
 ) {
     let FlankNcSettings { feed_mm_per_min: feed, lead_mm_per_min: lead, .. } = settings;
     w.comment(&format!(
-        "Feed {feed} mm/min of the faster end of the flutes along the workpiece, approach and retraction {lead} mm/min"
+        "Feed {feed} mm/min along the workpiece of what is fastest there of the flutes: either end of their axis, or where \
+         they touch at its height; also onto the flank and off it. Other moves {lead} mm/min"
     ));
     w.comment(match post.feed.mode {
         FeedMode::PerMinute => {
@@ -317,6 +331,7 @@ fn tip_words(post: &Post, asked: TipControl) -> Result<Option<[&str; 2]>, NcErro
 struct Words<'a> {
     post: &'a Post,
     settings: &'a FlankNcSettings,
+    machine: &'a Kinematics,
     linear: [(&'a str, f64); 3],
     rotary: [(&'a str, f64); 2],
     /// What switches following the tool's tip on and off.
@@ -324,7 +339,7 @@ struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
-    fn new(k: &Kinematics, post: &'a Post, settings: &'a FlankNcSettings) -> Result<Self, NcError> {
+    fn new(k: &'a Kinematics, post: &'a Post, settings: &'a FlankNcSettings) -> Result<Self, NcError> {
         let word = |axis: Axis| {
             let found = post.axes.iter().find(|a| a.axis == axis);
             let found = found.ok_or(NcError::AxisNotInPost { axis: axis.letter() })?;
@@ -337,7 +352,7 @@ impl<'a> Words<'a> {
         };
         let linear = [word(Axis::X)?, word(Axis::Y)?, word(Axis::Z)?];
         let tip = tip_words(post, settings.tip_control)?;
-        Ok(Self { post, settings, linear, rotary: [rotary(0)?, rotary(1)?], tip })
+        Ok(Self { post, settings, machine: k, linear, rotary: [rotary(0)?, rotary(1)?], tip })
     }
 
     fn too_slow(&self, block: usize) -> NcError {
@@ -347,7 +362,7 @@ impl<'a> Words<'a> {
     fn xyz(&self, point: &MachinePoint) -> [f64; 3] {
         match self.settings.tip_control {
             TipControl::Off => point.joints.linear,
-            _ => point.tip,
+            _ => self.machine.in_machine(point.tip),
         }
         .to_array()
     }
@@ -362,7 +377,8 @@ impl<'a> Words<'a> {
             TipControl::Vector => {
                 // The direction is counted along the same axes as the tip.
                 let signs = self.linear.map(|(_, sign)| sign);
-                let direction = ["I", "J", "K"].into_iter().zip(point.axis.to_array().into_iter().zip(signs));
+                let axis = self.machine.in_machine(point.axis).to_array();
+                let direction = ["I", "J", "K"].into_iter().zip(axis.into_iter().zip(signs));
                 direction.map(|(word, (v, sign))| format!("{word}{:.DIRECTION_DECIMALS$}", sign * v + 0.0)).collect()
             }
             _ => self.rotary.into_iter().zip(point.joints.rotary).map(|(word, v)| angle(word, v)).collect(),

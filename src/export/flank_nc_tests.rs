@@ -54,6 +54,7 @@ fn made(k: &Kinematics, post: &Post, tip_control: TipControl) -> Made {
         path: &path,
         line: &line,
         params: &params,
+        contact: None,
         notes: &notes,
         warnings: &warnings,
     };
@@ -242,6 +243,7 @@ fn a_post_without_words_for_the_tip_is_refused_one() {
             path: &path,
             line: &line,
             params: &params,
+            contact: None,
             notes: &[],
             warnings: &[],
         };
@@ -265,6 +267,7 @@ fn short_blocks_take_the_time_that_is_said() {
         path: &path,
         line: &line,
         params: &params,
+        contact: None,
         notes: &[],
         warnings: &[],
     };
@@ -277,6 +280,13 @@ fn short_blocks_take_the_time_that_is_said() {
     let (count, share) = nc.stretched.unwrap();
     let shortest = times.iter().filter(|t| **t < 0.010_001 / 60.0).count();
     assert!(count == shortest && (0.0..1.0).contains(&share), "{count} {shortest} {share}");
+    // They count among the moves that are slower than asked for, with what both reasons leave together.
+    let paces = paces(&k, &path, &line, &settings.feeds(&params, &post, None));
+    let slowed = Slowed::of(&paces).unwrap();
+    let left = |p: &Pace| p.way_mm / (p.minutes * 20_000.0);
+    let slow: Vec<f64> = paces.iter().map(left).filter(|share| *share < 1.0 - 1e-9).collect();
+    assert_eq!((slowed.moves, slowed.short), (slow.len(), Some((count, share))));
+    assert!((slow.iter().copied().fold(1.0, f64::min) - slowed.share).abs() < 1e-9 && slowed.share <= share);
     assert!(nc.text.contains("SHORT MOVES") && !nc.text.contains("as asked for throughout"));
     // F as the speed along X Y Z needs no such time.
     let mut per_minute = post;
@@ -314,11 +324,33 @@ fn a_control_that_follows_the_tip_gets_tip_and_turn() {
         path: &path,
         line: &line,
         params: &job_params,
+        contact: None,
         notes: &[],
         warnings: &[],
     };
     let settings = FlankNcSettings { tip_control: TipControl::Angles, ..FlankNcSettings::default() };
     assert!(FlankNc::new(&job, &post, &settings).unwrap_err().to_string().contains("tip_control"));
+}
+
+#[test]
+fn a_control_that_follows_the_tip_gets_it_in_the_machines_directions_however_the_workpiece_is_clamped() {
+    let mut machine = machines().remove(1);
+    // Turned about X by 30 degrees: the workpiece's Z leans towards the machine's Y.
+    let (y, z) = (DVec3::new(0.0, 0.75f64.sqrt(), -0.5), DVec3::new(0.0, 0.5, 0.75f64.sqrt()));
+    (machine.workpiece.x_axis, machine.workpiece.z_axis) = (DVec3::X, z);
+    let k = machine.kinematics().unwrap();
+    let turned = |v: DVec3| DVec3::X * v.x + y * v.y + z * v.z;
+    let angles = made(&k, &following_post(), TipControl::Angles);
+    let vector = made(&k, &following_post(), TipControl::Vector);
+    let path = path();
+    let moves = [moves(&angles.nc.text, "XYZCB"), moves(&vector.nc.text, "XYZIJK")];
+    for ((a, v), point) in moves[0].iter().zip(&moves[1]).zip(&angles.line.points) {
+        let wanted = path.at(point.s).unwrap();
+        assert!(DVec3::new(a.0[0], a.0[1], a.0[2]).distance(turned(wanted.tip)) < 1e-5);
+        let axis = DVec3::new(v.0[3], v.0[4], v.0[5]);
+        assert!(axis.distance(turned(wanted.axis)) < 1e-7 && a.0[..3] == v.0[..3]);
+        assert!(tool(1, &[0.0, 0.0, 0.0, a.0[3], a.0[4]]).1.distance(axis) < 1e-7);
+    }
 }
 
 #[test]
@@ -351,6 +383,7 @@ fn the_program_says_what_it_is_for() {
         path: &path,
         line: &made.line,
         params: &made.params,
+        contact: None,
         notes: &[],
         warnings: &[],
     };
@@ -465,6 +498,7 @@ fn a_real_flank_that_leans_to_both_sides_of_the_pole_is_followed_on_every_machin
             path: &path,
             line: &line,
             params: &params,
+            contact: None,
             notes: &[],
             warnings: &[],
         };

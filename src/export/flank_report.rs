@@ -1,17 +1,16 @@
 //! The report on a flank path, as `flank.json` for programs and `report.html` for people.
 
-use std::path::Path;
+use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::files::{WriteError, write_atomically};
 use super::flank_report_html;
 use crate::flank::cutter::FlankCutter;
 use crate::flank::deviation::Deviation;
 use crate::geometry::nurbs::FitError;
 
 /// Version of the keys of `flank.json`.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;
 
 /// All that a report says of a flank path. Lengths in mm, places in the axes of the surface.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -59,8 +58,10 @@ pub struct FlankReport {
 pub struct SurfaceEntry {
     /// Where it comes from, in words.
     pub source: String,
-    /// On which side the cutter stands: +1 where R_u x R_v points to, -1 on the other.
+    /// On which side the cutter stands as u runs: +1 where R_u x R_v points to, -1 on the other.
     pub side: i8,
+    /// Whether u, along the cutter's travel, runs against the guides as they were given.
+    pub is_reversed: bool,
     /// Least and greatest length of its rulings (mm).
     pub ruling_mm: [f64; 2],
     /// Lengths of the lower and the upper guide (mm).
@@ -108,8 +109,10 @@ pub struct PathEntry {
     pub name: &'static str,
     /// Whether it is the one that is milled.
     pub is_milled: bool,
-    /// Its sum as a share of the initial path's; not a number if that is nothing but rounding.
-    pub ratio: f64,
+    /// Its sum as a share of the initial path's; none if that is nothing but rounding.
+    pub ratio: Option<f64>,
+    /// The same of the moving cutter: its sum as a share of its own on the initial path.
+    pub moving_ratio: Option<f64>,
     /// Figures of the standing cutter.
     pub standing: Figures,
     /// Figures of the moving cutter: its true envelope.
@@ -124,7 +127,9 @@ pub struct PathEntry {
     pub t_range: [f64; 2],
     /// Least and greatest height above the cutter's bottom that touches (mm).
     pub height_range_mm: [f64; 2],
-    /// Control points of the curve of the bottom's centre (mm), of a clamped uniform cubic B-spline over t.
+    /// How far below the curve of `control_lower` the bottom's centre is, along the axis (mm).
+    pub below_mm: f64,
+    /// Control points of the curve of the axis at the lower guide (mm), of a clamped uniform cubic B-spline over t.
     pub control_lower: Vec<[f64; 3]>,
     /// The same of the upper end of the axis.
     pub control_upper: Vec<[f64; 3]>,
@@ -196,6 +201,12 @@ pub struct CheckEntry {
     pub place: Option<[f64; 3]>,
     /// At which t of the path.
     pub t: Option<f64>,
+    /// How bad it is where it fails, by name of the figure.
+    pub figures: BTreeMap<String, f64>,
+    /// What an override for it was decided for, in words.
+    pub given_for: Option<String>,
+    /// Why that override no longer holds.
+    pub lapsed: Option<String>,
 }
 
 /// Where a part of the tool is nearest to a wall.
@@ -226,12 +237,45 @@ pub struct MachineEntry {
     pub deviation_mm: f64,
     /// Time (min).
     pub minutes: f64,
-    /// Moves that are slower than asked for, the least share of the feed that is left, and the axis.
-    pub slowed: Option<(usize, f64, char)>,
+    /// Moves that are slower than asked for; none if all have the feed that was asked for.
+    pub slowed: Option<SlowedEntry>,
     /// Where the pole is passed.
     pub singular: Vec<String>,
     /// Its axes over time.
     pub axes: Vec<AxisEntry>,
+}
+
+/// Moves that are slower than asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SlowedEntry {
+    /// How many, for whichever reason.
+    pub moves: usize,
+    /// The least share of the feed that is left.
+    pub least_share: f64,
+    /// Those where an axis would be too fast.
+    pub for_axes: Option<AxisSlowedEntry>,
+    /// Those that would be shorter than the time that the control gives any block.
+    pub short: Option<ShortEntry>,
+}
+
+/// Moves where an axis would be too fast.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct AxisSlowedEntry {
+    /// How many.
+    pub moves: usize,
+    /// The least share of the feed that the axes leave.
+    pub least_share: f64,
+    /// The axis that leaves it.
+    pub axis: char,
+}
+
+/// Moves that take the control's shortest time.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ShortEntry {
+    /// How many.
+    pub moves: usize,
+    /// The least share of their speed that is left.
+    pub least_share: f64,
 }
 
 /// An axis of a machine.
@@ -269,17 +313,6 @@ pub struct DeviationMaps {
     pub end_mm: f64,
 }
 
-/// Why a report could not be written.
-#[derive(Debug, thiserror::Error)]
-pub enum FlankReportError {
-    /// The figures have no JSON.
-    #[error("the report on a flank as JSON: {0}")]
-    Json(#[from] serde_json::Error),
-    /// The file system's refusal.
-    #[error(transparent)]
-    Write(#[from] WriteError),
-}
-
 impl FlankReport {
     /// The path that is milled.
     pub fn milled(&self) -> Option<&PathEntry> {
@@ -297,14 +330,5 @@ impl FlankReport {
     /// The report as one self-contained page.
     pub fn html(&self, maps: &DeviationMaps) -> String {
         flank_report_html::page(self, maps)
-    }
-
-    /// Writes `flank.json` and `report.html` into `folder`.
-    ///
-    /// # Errors
-    /// [`FlankReportError`] naming the file.
-    pub fn write(&self, folder: &Path, maps: &DeviationMaps) -> Result<(), FlankReportError> {
-        write_atomically(&folder.join("flank.json"), self.json()?.as_bytes())?;
-        Ok(write_atomically(&folder.join("report.html"), self.html(maps).as_bytes())?)
     }
 }

@@ -4,11 +4,12 @@ use std::fmt::Write;
 
 use super::flank_report::{
     AxisEntry, CheckEntry, ClearanceEntry, DeviationMaps, Figures, FlankPicture, FlankReport, MachineEntry, PathEntry,
-    SurfaceEntry,
+    SlowedEntry, SurfaceEntry,
 };
 use super::report_html::{STYLE, base64};
 use super::report_tables::{number, parameters, row, table};
 use super::svg_plot::{Plot, Series, escape};
+use crate::flank::plan::WITHIN_ROUNDING;
 
 /// Ranks whose sum is up to this share of the initial one are shown closely.
 const CLOSE: f64 = 1.25;
@@ -51,9 +52,14 @@ fn troubles(out: &mut String, report: &FlankReport) {
     let mut banner = |name: &str, text: &str| {
         let _ = write!(out, "<p class=\"banner no\"><b>{}</b> {}</p>", escape(name), escape(text));
     };
-    for CheckEntry { name, is_overridden, text, .. } in report.checks.iter().filter(|c| !c.holds) {
-        let decided = if *is_overridden { " (overridden by decision)" } else { "" };
-        banner(&format!("Check {name} fails{decided}."), text);
+    for CheckEntry { name, is_overridden, text, lapsed, given_for, .. } in report.checks.iter().filter(|c| !c.holds) {
+        let decided = match (is_overridden, given_for) {
+            (true, Some(figures)) => format!(" (overridden by decision for {figures})"),
+            (true, None) => " (overridden by decision)".to_owned(),
+            (false, _) => String::new(),
+        };
+        let lapsed = lapsed.as_ref().map_or_else(String::new, |why| format!("; the override: {why}"));
+        banner(&format!("Check {name} fails{decided}."), &format!("{text}{lapsed}"));
     }
     if report.blocked.is_some() {
         banner("Nothing to mill was written.", "A check fails; override it by its name if it does not matter.");
@@ -65,7 +71,7 @@ fn key_figures(out: &mut String, report: &FlankReport) {
     let mut figures = vec![
         ("path milled", path.name.to_owned(), ""),
         ("sum of deviations", number(path.standing.sum_mm, 3), "mm"),
-        ("of the initial sum", number(path.ratio, 3), ""),
+        ("of the initial sum", ratio(path.ratio, 3), ""),
         ("mean of absolute values", number(1e3 * path.standing.mean_absolute_mm, 2), "\u{b5}m"),
         ("rms", number(1e3 * path.standing.rms_mm, 2), "\u{b5}m"),
         ("overcut up to", number(1e3 * path.moving.most_overcut_mm, 1), "\u{b5}m"),
@@ -81,6 +87,11 @@ fn key_figures(out: &mut String, report: &FlankReport) {
         let _ = write!(out, "<div><dt>{name}</dt><dd>{value} <small>{unit}</small></dd></div>");
     }
     out.push_str("</dl>");
+}
+
+/// A share of the initial sum, unless that is nothing but rounding.
+fn ratio(share: Option<f64>, decimals: usize) -> String {
+    share.map_or_else(|| WITHIN_ROUNDING.to_owned(), |share| number(share, decimals))
 }
 
 fn image(out: &mut String, alt: &str, png: &[u8], style: &str) {
@@ -124,21 +135,20 @@ fn deviation_maps(out: &mut String, report: &FlankReport, maps: &DeviationMaps) 
 fn figures(out: &mut String, report: &FlankReport) {
     let [nu, nv] = report.grid;
     out.push_str("<section><h2>Figures</h2>");
-    let line = |path: &PathEntry, what: &str, f: &Figures, ratio: f64| {
+    let line = |path: &PathEntry, what: &str, f: &Figures, share: Option<f64>| {
         let milled = if path.is_milled { " <small>milled</small>" } else { "" };
         let mut cells = vec![format!("<b>{}</b>{milled}", path.name), what.to_owned()];
         cells.push(number(f.sum_mm, 4));
-        cells.push(number(ratio, 4));
+        cells.push(ratio(share, 4));
         let micrometres =
             [f.mean_absolute_mm, f.rms_mm, f.most_overcut_mm, f.most_undercut_mm].map(|v| number(1e3 * v, 2));
         cells.extend(micrometres);
         cells.extend([number(f.sum_overcut_mm, 3), number(f.sum_undercut_mm, 3)]);
         cells
     };
-    let start = report.paths.first().map_or(1.0, |p| p.moving.sum_mm.max(f64::MIN_POSITIVE));
     let rows = report.paths.iter().flat_map(|path| {
         let standing = line(path, "standing", &path.standing, path.ratio);
-        let mut moving = line(path, "moving (envelope)", &path.moving, path.moving.sum_mm / start);
+        let mut moving = line(path, "moving (envelope)", &path.moving, path.moving_ratio);
         moving[0] = String::new();
         [standing, moving]
     });
@@ -193,22 +203,23 @@ fn figures(out: &mut String, report: &FlankReport) {
 /// Our ratios beside those of the paper.
 fn comparison(out: &mut String, report: &FlankReport) {
     let paper = &report.paper;
-    let ours = |i: usize| report.paths.get(i).map_or(f64::NAN, |p| p.ratio);
+    let ours: Vec<f64> = report.paths.iter().filter_map(|p| p.ratio).collect();
+    let [_, chosen, refined] = ours[..] else { return };
     let text = match paper.comparable {
         Some(ratio) => format!(
             "Against the paper (P4): its method leaves {} of the initial sum on this surface; here one pass over every rank \
              leaves {}, the refined path {}.",
             number(ratio, 3),
-            number(ours(1), 3),
-            number(ours(2), 3)
+            number(chosen, 3),
+            number(refined, 3)
         ),
         None => format!(
             "For reference: the paper's method (P4) left {} of the initial sum on its surface A and {} on its surface B, with \
              a cone of 5 degrees. This is another case: here one pass over every rank leaves {}, the refined path {}.",
             number(paper.ratio_a, 3),
             number(paper.ratio_b, 3),
-            number(ours(1), 3),
-            number(ours(2), 3)
+            number(chosen, 3),
+            number(refined, 3)
         ),
     };
     let _ = write!(
@@ -267,6 +278,7 @@ fn checks(out: &mut String, report: &FlankReport) {
         let state = match (c.holds, c.is_overridden) {
             (true, _) => "holds",
             (false, true) => "fails, overridden",
+            (false, false) if c.lapsed.is_some() => "<b>fails</b>, override lapsed",
             (false, false) => "<b>fails</b>",
         };
         let at = c.t.map_or(String::new(), |t| number(t, 4));
@@ -299,10 +311,28 @@ fn machine(out: &mut String, entry: &MachineEntry) {
         number(1e3 * entry.linearisation_mm, 3),
         number(60.0 * entry.minutes, 2)
     );
+    slowed(out, entry.slowed.as_ref());
     out.push_str("<div class=\"plot three\">");
     entry.axes.iter().enumerate().for_each(|(i, axis)| out.push_str(&axis_plot(axis, i).svg()));
     out.push_str("</div>");
     out.push_str("</section>");
+}
+
+/// Moves that do not have the feed that was asked for.
+fn slowed(out: &mut String, slowed: Option<&SlowedEntry>) {
+    let Some(SlowedEntry { moves, least_share, for_axes, short }) = slowed else { return };
+    let _ = write!(
+        out,
+        "<p class=\"soft\">{moves} moves are slower than asked for, at most down to {} % of the feed",
+        number(100.0 * least_share, 1)
+    );
+    if let Some(axes) = for_axes {
+        let _ = write!(out, "; {} so that no axis exceeds its speed, most for {}", axes.moves, axes.axis);
+    }
+    if let Some(short) = short {
+        let _ = write!(out, "; {} as no block is shorter than the control takes", short.moves);
+    }
+    out.push_str(".</p>");
 }
 
 fn axis_plot(axis: &AxisEntry, i: usize) -> Plot {

@@ -16,6 +16,7 @@ pub mod electrode_files;
 pub mod electrode_folder;
 pub mod electrode_report;
 mod electrode_report_html;
+pub mod export_folder;
 pub mod files;
 pub mod flank_cl;
 pub mod flank_nc;

@@ -12,7 +12,7 @@ use crate::geometry::mesh::Bounds;
 const PIECES: usize = 8;
 
 /// Shortest time a block is given where F is a time (min): a block that moves nothing still needs one.
-pub(super) const LEAST_BLOCK_MINUTES: f64 = 0.01 / 60.0;
+pub const LEAST_BLOCK_MINUTES: f64 = 0.01 / 60.0;
 
 /// What F words are made from.
 #[derive(Debug, Clone, Copy)]

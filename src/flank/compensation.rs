@@ -12,7 +12,7 @@ use serde::Serialize;
 use super::FlankError;
 use super::axis_surface::AxisSurface;
 use super::cutter::FlankCutter;
-use super::deviation::{DesignGrid, Deviation, Feet, GridPlace};
+use super::deviation::{DesignGrid, Deviation, Feet, GridPlace, ROUNDING_MM};
 use super::envelope::envelope_over;
 use crate::progress::Cancel;
 
@@ -252,7 +252,8 @@ impl Measured {
     }
 }
 
-/// Tries every rank in one step from `start` and answers the best path; `start` itself if none is better.
+/// Tries every rank in one step from `start` and answers the best path; `start` itself if none is better by more than
+/// rounding.
 ///
 /// # Errors
 /// [`FlankError::Singular`], cancelled.
@@ -272,7 +273,8 @@ pub fn best_rank(
     let found: Result<Vec<_>, _> = (1..=ranks).into_par_iter().map(candidate).collect();
     let found = found?;
     let must_cover = start.stands_over_all();
-    let mut best = (0, start.deviation.sum);
+    let rounding = ROUNDING_MM * start.deviation.values.len() as f64;
+    let mut best = (0, start.deviation.sum - rounding);
     for (i, candidate) in found.iter().enumerate() {
         if let Some((sum, covers)) = *candidate
             && sum < best.1

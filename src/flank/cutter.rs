@@ -70,6 +70,11 @@ impl FlankCutter {
         Ok(Self { radius_mm, length_mm, ..self.clone() })
     }
 
+    /// Length of flutes and holder together (mm).
+    pub fn tool_length(&self) -> f64 {
+        self.length_mm + self.holder.iter().map(|part| part.length_mm).sum::<f64>()
+    }
+
     /// Radius of its cross-section at a height (mm).
     pub fn radius_at(&self, height: f64) -> f64 {
         self.radius_mm + height * self.half_angle().tan()

@@ -13,6 +13,9 @@ use super::axis_surface::{AxisAt, AxisSurface};
 use super::cutter::FlankCutter;
 use super::ruled_surface::{RuledSurface, SurfacePlace};
 
+/// A deviation (mm) that is rounding, of guides too, and no stock: nothing is gained by making it less.
+pub const ROUNDING_MM: f64 = 1e-6;
+
 /// Deviations over a grid, positive where stock is left.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Deviation {
@@ -48,6 +51,12 @@ impl Deviation {
         let most_overcut = values.iter().copied().fold(f64::INFINITY, f64::min);
         let most_undercut = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         Self { grid, values, sum, mean: sum / count, rms, most_overcut, most_undercut, sum_overcut, sum_undercut }
+    }
+
+    /// Whether the cutter touches everywhere to within rounding: there is nothing to gain, and what seems less still has
+    /// come about by sliding along the surface.
+    pub fn is_rounding(&self) -> bool {
+        self.most_undercut.max(-self.most_overcut) <= ROUNDING_MM
     }
 
     /// The deviation at the place (i, j) of the grid (mm).

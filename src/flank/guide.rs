@@ -73,7 +73,8 @@ pub fn pairing_warning(lower: &GuideCurve, upper: &GuideCurve) -> Option<String>
     };
     (low.len() != high.len()).then(|| {
         format!(
-            "the lower guide has {} points and the upper one {}: rulings join places at the same share of each row's length,              not point to point; give as many points of both for rulings between them",
+            "the lower guide has {} points and the upper one {}: rulings join places at the same share of each row's length, \
+             not point to point; give as many points of both for rulings between them",
             low.len(),
             high.len()
         )

@@ -136,12 +136,11 @@ pub fn three_point(
     u0: f64,
     slide: f64,
 ) -> Result<CutterLocation, FlankError> {
-    /// A deviation (mm) that is none: the surface is touched wherever its guides are.
-    const NONE: f64 = 1e-10;
-    /// What counts as touching (mm) where the deviation has no change of sign.
+    /// What counts as touching (mm), where no slide is needed and where the deviation has no change of sign. On a surface
+    /// that is flat but for the digits of its guides a slide would follow these.
     const TOUCHING: f64 = 1e-7;
     let plain = two_point(surface, cutter, u0, u0)?;
-    if plain.middle_mm.is_some_and(|m| m.abs() < NONE) {
+    if plain.middle_mm.is_some_and(|m| m.abs() < TOUCHING) {
         return Ok(CutterLocation { touch: Touch::ThreePoints, ..plain });
     }
     let at = |u1: f64| two_point(surface, cutter, u0, u1).ok().and_then(|l| l.middle_mm.map(|m| (u1, m, l)));

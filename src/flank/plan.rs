@@ -6,7 +6,7 @@ use super::FlankError;
 use super::axis_surface::AxisSurface;
 use super::compensation::{Measured, Model, RankCurve, best_rank};
 use super::cutter::FlankCutter;
-use super::deviation::DesignGrid;
+use super::deviation::{DesignGrid, ROUNDING_MM};
 use super::offset::{CutterLocation, three_point, two_point};
 use super::params::{FlankParams, OffsetMethod};
 use super::path::FlankPath;
@@ -14,6 +14,9 @@ use super::refine::{is_better, refine};
 use super::ruled_surface::RuledSurface;
 use super::warning;
 use crate::progress::{Cancel, Progress};
+
+/// What is said where the cutter touches all of the surface from the start.
+pub const WITHIN_ROUNDING: &str = "touches within rounding";
 
 /// A path and those that it came from.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,6 +48,22 @@ impl FlankPlan {
     /// The sum of absolute deviations of a path as a share of the initial one's.
     pub fn ratio(&self, path: &FlankPath) -> f64 {
         path.deviation.sum / self.initial.deviation.sum.max(f64::MIN_POSITIVE)
+    }
+
+    /// Whether there is any deviation to speak of: a plane or a cylinder is touched everywhere from the start, and shares
+    /// of what rounding leaves mean nothing.
+    pub fn has_deviation(&self) -> bool {
+        self.initial.deviation.mean > ROUNDING_MM
+    }
+
+    /// A sum of absolute deviations (mm) as a share of the initial one, unless that is nothing but rounding.
+    pub fn share(&self, sum: f64) -> Option<f64> {
+        self.has_deviation().then(|| sum / self.initial.deviation.sum)
+    }
+
+    /// The same in words, as in `ratio 0.541`.
+    pub fn ratio_words(&self, sum: f64) -> String {
+        self.share(sum).map_or_else(|| WITHIN_ROUNDING.to_owned(), |share| format!("ratio {share:.3}"))
     }
 }
 
@@ -107,7 +126,9 @@ fn ranked(
     let (chosen, mut ranks) = best_rank(&coarse, &near, cutter, Model::Height, cancel)?;
     let chosen = Measured::new(grid, chosen.axis, cutter, Some(&start.feet)).ok();
     let is_of_use = |path: &Measured| {
-        path.deviation.sum < start.deviation.sum && (path.stands_over_all() || !start.stands_over_all())
+        // Not by the rounding of either.
+        let gained = start.deviation.mean - path.deviation.mean;
+        gained > ROUNDING_MM && (path.stands_over_all() || !start.stands_over_all())
     };
     let chosen = chosen.filter(is_of_use);
     if chosen.is_none() {
@@ -116,7 +137,8 @@ fn ranked(
     Ok((chosen.unwrap_or_else(|| start.clone()), ranks))
 }
 
-/// The path refined; on a fine grid first on a coarser one, which costs little and leads near to the answer.
+/// The path refined; on a fine grid first on a coarser one, which costs little and leads near to the answer. One that
+/// touches everywhere is kept: steps would only slide it along the surface.
 fn refined(
     surface: &RuledSurface,
     grid: &DesignGrid,
@@ -125,6 +147,9 @@ fn refined(
     params: &FlankParams,
     control: (&Progress, &Cancel),
 ) -> Result<Measured, FlankError> {
+    if chosen.deviation.is_rounding() {
+        return Ok(chosen.clone());
+    }
     if !is_fine(grid.size()) {
         return refine(grid, chosen, cutter, (params.objective, params.rounds, 0.5), control);
     }

@@ -28,6 +28,7 @@ pub struct RuledSurface {
     upper: NurbsCurve,
     /// +1 or -1.
     sign: f64,
+    is_reversed: bool,
 }
 
 /// A place of a surface.
@@ -59,7 +60,8 @@ impl RuledSurface {
     /// [`FlankError`] if the guides meet, if the surface folds over or turns too far along a ruling, or if the side is
     /// left open.
     pub fn new(lower: NurbsCurve, upper: NurbsCurve, side: Side) -> Result<Self, FlankError> {
-        let mut surface = Self { lower: unit(lower, "lower")?, upper: unit(upper, "upper")?, sign: 1.0 };
+        let mut surface =
+            Self { lower: unit(lower, "lower")?, upper: unit(upper, "upper")?, sign: 1.0, is_reversed: false };
         surface.check_apart()?;
         surface.check_folds()?;
         surface.sign = match side {
@@ -81,6 +83,17 @@ impl RuledSurface {
     pub fn from_guides(lower: &GuideCurve, upper: &GuideCurve, side: Side) -> Result<Self, FlankError> {
         let [lower, upper] = guide::pair(lower, upper)?;
         Self::new(lower, upper, side)
+    }
+
+    /// The same surface and the same side with u run the other way.
+    pub fn reversed(&self) -> Self {
+        let (lower, upper) = (self.lower.reversed(), self.upper.reversed());
+        Self { lower, upper, sign: -self.sign, is_reversed: !self.is_reversed }
+    }
+
+    /// Whether u runs against the guides as they were given.
+    pub fn is_reversed(&self) -> bool {
+        self.is_reversed
     }
 
     /// The lower guide, at v = 0.

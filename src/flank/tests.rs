@@ -16,6 +16,7 @@ use super::{FlankError, envelope};
 use crate::progress::{Cancel, Progress};
 
 mod bad_input;
+mod flat;
 mod gouging;
 mod laws;
 mod own_surface;
@@ -252,5 +253,20 @@ fn the_envelope_agrees_with_the_reference_and_with_a_brute_force_sweep() {
             let envelope = moving.deviation.values[k];
             assert!((swept.unwrap() - envelope).abs() < 1e-8, "{name} {k}: {swept:?} {envelope}");
         }
+    }
+}
+
+#[test]
+fn a_surface_run_the_other_way_is_the_same_surface() {
+    let guide = |points: [[f64; 3]; 4]| GuideCurve::Bezier { points: points.map(DVec3::from_array).to_vec() };
+    let lower = guide([[0.0, 1.0, 0.0], [10.0, 4.0, 0.0], [22.0, 3.0, 1.0], [30.0, 0.0, 0.0]]);
+    let upper = guide([[0.0, 0.0, 10.0], [9.0, 5.0, 10.0], [20.0, 1.0, 11.0], [31.0, 2.0, 12.0]]);
+    let surface = RuledSurface::from_guides(&lower, &upper, Side::Positive).unwrap();
+    let reversed = surface.reversed();
+    assert!(reversed.is_reversed() && reversed.side() == Side::Negative && reversed.reversed() == surface);
+    for (u, v) in [(0.0, 0.0), (0.2, 0.7), (0.5, 0.1), (1.0, 1.0)] {
+        let (there, back) = (surface.at(u, v), reversed.at(1.0 - u, v));
+        assert!(there.point.distance(back.point) < 1e-12 && there.normal.distance(back.normal) < 1e-12);
+        assert!(there.along_u.distance(-back.along_u) < 1e-10);
     }
 }

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::exact::ExactMesh;
+use super::mesh::Mesh;
 
 /// Directions in which crossings are counted; askew, so that they run along no edge of a mesh drawn by hand.
 const DIRECTIONS: [DVec3; 3] =
@@ -14,8 +15,17 @@ const DIRECTIONS: [DVec3; 3] =
 /// Counted along a ray, that is exact but for a ray that meets an edge to rounding; so two rays must agree, or
 /// else two of three.
 pub fn winding_number(mesh: &ExactMesh, p: DVec3) -> i32 {
-    let along = |direction: DVec3| signed_crossings(mesh.triangles_along(p, direction), p, direction);
-    let [first, second] = [DIRECTIONS[0], DIRECTIONS[1]].map(along);
+    agreed(|direction| signed_crossings(mesh.triangles_along(p, direction), p, direction))
+}
+
+/// Whether `p` is inside of a mesh of which only few points are asked: every triangle is looked at, nothing is prepared.
+pub fn is_inside_of(mesh: &Mesh, p: DVec3) -> bool {
+    agreed(|direction| signed_crossings(mesh.iter_corners(), p, direction)) != 0
+}
+
+/// The number of crossings that two directions agree on, or else two of three.
+fn agreed(along: impl Fn(DVec3) -> i32) -> i32 {
+    let [first, second] = [DIRECTIONS[0], DIRECTIONS[1]].map(&along);
     if first == second {
         return first;
     }
@@ -64,7 +74,6 @@ pub(super) fn crossing([a, b, c]: [DVec3; 3], direction: DVec3) -> Option<(i32, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::mesh::Mesh;
     use crate::geometry::mesh::tests::cuboid;
 
     /// A prism between z = 0 and z = 1 over a crescent, its top a fan around a point in the middle of the crescent.
@@ -105,6 +114,7 @@ mod tests {
                 }
                 let inside = p.y > below && p.y < above;
                 assert_eq!(guarded_distance(&exact, p) < 0.0, inside, "{p}");
+                assert_eq!(is_inside_of(&mesh, p), inside, "{p}");
                 mended += usize::from((exact.signed_distance(p) < 0.0) != inside);
             }
         }

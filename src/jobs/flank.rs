@@ -11,7 +11,7 @@ use crate::flank::cutter::FlankCutter;
 use crate::flank::fit_ruled::{Candidate, CandidateFit, RuledFit};
 use crate::flank::gouge::{self, Clearance, GougeCheck};
 use crate::flank::guide::GuideCurve;
-use crate::flank::machine::joint_feed::paces;
+use crate::flank::machine::joint_feed::{Contact, Slowed, paces};
 use crate::flank::machine::kinematics::{Kinematics, ToolPose};
 use crate::flank::machine::linearise::{LinearisationParams, MachinePath, linearise};
 use crate::flank::machine::milling_machine::MillingMachine;
@@ -23,7 +23,8 @@ use crate::flank::plan::{FlankPlan, plan_flank};
 use crate::flank::ruled_surface::{RuledSurface, Side};
 use crate::geometry::mesh::Mesh;
 use crate::progress::{Cancel, Cancelled, Progress};
-use crate::project::flank_params::{MillingSettings, PathChoice};
+use crate::project::flank_override::FlankOverride;
+use crate::project::flank_params::{CutDirection, MillingSettings, PathChoice};
 
 mod checks;
 
@@ -32,6 +33,8 @@ pub use checks::{CheckKind, FlankCheck};
 /// How far the surface itself may be off its mesh without counting as a neighbouring wall (mm), where nothing else is
 /// known.
 const OWN_MM: f64 = 0.01;
+/// How much longer than the machine's tool flutes and holder may be drawn (mm).
+const TOOL_MM: f64 = 1e-6;
 
 /// What a surface is made of, read from its files.
 #[derive(Debug, Clone)]
@@ -83,8 +86,8 @@ pub struct FlankInput {
     pub overcut_tolerance_mm: f64,
     /// How much stock it may leave on the surface, standing or moving (mm).
     pub undercut_tolerance_mm: f64,
-    /// Names of checks that do not keep anything from being exported.
-    pub overrides: Vec<String>,
+    /// Checks that do not keep anything from being exported.
+    pub overrides: Vec<FlankOverride>,
 }
 
 /// Why there is no flank path at all.
@@ -143,13 +146,14 @@ pub struct Milled {
     pub line: MachinePath,
     /// What they were made with.
     pub params: LinearisationParams,
+    /// Where the flutes touch, for the feed.
+    pub contact: Contact,
     /// Time of every move (min), one less than the positions.
     pub move_minutes: Vec<f64>,
     /// Time from the first position to the last (min).
     pub minutes: f64,
-    /// Where an axis would be too fast: how many moves are slower than asked for, the least share of the feed that is
-    /// left, and the axis.
-    pub slowed: Option<(usize, f64, char)>,
+    /// Moves that are slower than asked for.
+    pub slowed: Option<Slowed>,
 }
 
 /// A planned flank.
@@ -189,6 +193,8 @@ pub struct FlankResult {
     pub checks: Vec<FlankCheck>,
     /// What the reader must know of the path, in words.
     pub warnings: Vec<String>,
+    /// Overrides that override nothing, and why, in words.
+    pub idle_overrides: Vec<String>,
 }
 
 impl FlankResult {
@@ -197,11 +203,20 @@ impl FlankResult {
         path_of(&self.plan, self.path)
     }
 
-    /// Whether there is any deviation to speak of: a plane or a cylinder is touched everywhere from the start, and shares
-    /// of what rounding leaves mean nothing.
-    pub fn has_deviation(&self) -> bool {
-        const ROUNDING_MM: f64 = 1e-7;
-        self.plan.initial.deviation.mean > ROUNDING_MM
+    /// Decides anew which failing checks are let pass.
+    pub fn decide(&mut self, overrides: &[FlankOverride]) {
+        self.checks.iter_mut().for_each(|check| check.decide(overrides));
+        self.idle_overrides = checks::idle(&self.checks, overrides);
+    }
+
+    /// The same decisions with what each was made for: those for whatever a check finds are for what it found here.
+    pub fn remembered(&self, overrides: &[FlankOverride]) -> Vec<FlankOverride> {
+        let failing = |name: &str| self.checks.iter().find(|c| !c.holds && c.kind.name() == name);
+        let remembered = |one: &FlankOverride| match failing(&one.check) {
+            Some(check) if one.is_for_whatever() => check.let_pass(),
+            _ => one.clone(),
+        };
+        overrides.iter().map(remembered).collect()
     }
 
     /// Whether every check holds.
@@ -212,13 +227,14 @@ impl FlankResult {
     /// Why nothing is exported: the checks that fail and are not overridden; none if there are none such.
     pub fn why_blocked(&self) -> Option<String> {
         let failed = self.checks.iter().filter(|c| !c.holds && !c.is_overridden);
-        let failed: Vec<String> = failed.map(|c| format!("{}: {}", c.kind.name(), c.text)).collect();
+        let lapsed = |c: &FlankCheck| c.lapsed.as_ref().map_or_else(String::new, |why| format!(" (override: {why})"));
+        let failed: Vec<String> = failed.map(|c| format!("{}: {}{}", c.kind.name(), c.text, lapsed(c))).collect();
         (!failed.is_empty()).then(|| failed.join("; "))
     }
 
     /// What the reader must know of the path, and what the machine has to say of it.
     pub fn all_warnings(&self) -> Vec<String> {
-        self.warnings.iter().cloned().chain(checks::of_machine(self)).collect()
+        self.warnings.iter().chain(&self.idle_overrides).cloned().chain(checks::of_machine(self)).collect()
     }
 
     /// The path that is milled with its leads, as a function for machines and posts.
@@ -276,7 +292,7 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
     progress.report("positions of the machine", 0.0, "");
     let milled = input.machine.as_ref().map(|machine| {
         let path = tool_path(path, &approach, &retract).map_err(|e| e.to_string())?;
-        milled(machine, &path, &input.milling, input.cutter.length_mm, cancel)
+        milled(machine, &path, (&input.milling, &input.cutter), cancel)
     });
     cancel.check()?;
     progress.report("positions of the machine", 1.0, "");
@@ -298,17 +314,27 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
         undercut_tolerance_mm: input.undercut_tolerance_mm,
         checks: Vec::new(),
         warnings: Vec::new(),
+        idle_overrides: Vec::new(),
     };
-    result.checks = checks::of(&result, &input.overrides);
+    result.checks = checks::of(&result);
+    result.decide(&input.overrides);
     result.warnings = checks::warnings(&result, input);
     Ok(result)
 }
 
-/// The surface, and the fit that it is from.
+/// The surface, with u along the cutter's travel, and the fit that it is from.
 ///
 /// # Errors
 /// As [`flank`].
 pub fn surface(input: &FlankInput) -> Result<(RuledSurface, Option<RuledFit>), FlankJobError> {
+    let (surface, fit) = surface_as_given(input)?;
+    // Along u with the rulings upwards the cutter goes on the right of the surface if it stands where R_u x R_v points to.
+    let is_climb = surface.side() == Side::Negative;
+    let is_wanted = is_climb == (input.milling.cut == CutDirection::Climb);
+    Ok((if is_wanted { surface } else { surface.reversed() }, fit))
+}
+
+fn surface_as_given(input: &FlankInput) -> Result<(RuledSurface, Option<RuledFit>), FlankJobError> {
     match &input.surface {
         LoadedSurface::Guides { lower, upper } => Ok((RuledSurface::from_guides(lower, upper, input.side)?, None)),
         LoadedSurface::Face { candidates, number, .. } => {
@@ -407,19 +433,25 @@ fn tool_path<'a>(
 fn milled(
     machine: &MillingMachine,
     path: &ToolPath,
-    milling: &MillingSettings,
-    flutes_mm: f64,
+    (milling, cutter): (&MillingSettings, &FlankCutter),
     cancel: &Cancel,
 ) -> Result<Milled, String> {
+    let (tool_mm, gauge_mm) = (cutter.tool_length(), machine.gauge_length_mm);
+    if tool_mm > gauge_mm + TOOL_MM {
+        return Err(format!(
+            "flutes and holder are {tool_mm:.3} mm long, but the tip of the machine's tool is {gauge_mm:.3} mm from the spindle \
+             nose (gauge_length_mm): give the tool's true length, or a holder that ends at the nose"
+        ));
+    }
     let machine = machine.kinematics().map_err(|e| e.to_string())?;
-    let params = milling.linearisation(flutes_mm);
+    let params = milling.linearisation(cutter.length_mm);
     let line = linearise(&machine, path, &params, cancel).map_err(|e| e.to_string())?;
     let post = milling_post(&milling.post).map_err(|e| e.to_string())?;
-    let paces = paces(&machine, path, &line, &milling.program.feeds(&params, &post));
-    let slower = paces.iter().filter(|p| p.share < 1.0);
-    let least = slower.clone().min_by(|a, b| a.share.total_cmp(&b.share));
-    let slowed = least.map(|p| (slower.clone().count(), p.share, p.axis));
+    let radii_mm = [0.0, cutter.length_mm].map(|height| cutter.radius_at(height));
+    let contact = Contact { radii_mm, is_right: milling.cut == CutDirection::Climb };
+    let paces = paces(&machine, path, &line, &milling.program.feeds(&params, &post, Some(contact)));
+    let slowed = Slowed::of(&paces);
     let move_minutes: Vec<f64> = paces.iter().map(|p| p.minutes).collect();
     let minutes = move_minutes.iter().sum();
-    Ok(Milled { machine, line, params, move_minutes, minutes, slowed })
+    Ok(Milled { machine, line, params, contact, move_minutes, minutes, slowed })
 }

@@ -2,17 +2,19 @@
 //! files.
 
 use std::fmt::Write as _;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use super::flank::{FlankResult, Milled};
 use super::flank_maps::deviation_maps;
 use super::flank_report::report;
 use super::plan_files::prepare;
-use crate::export::files::write_atomically;
+use crate::export::export_folder::ExportFolder;
 use crate::export::flank_cl::{ClJob, cl_text};
 use crate::export::flank_nc::{FlankNc, FlankNcJob, milling_post};
 use crate::flank::cutter::FlankCutter;
 use crate::flank::path::FlankPath;
+use crate::flank::plan::WITHIN_ROUNDING;
 use crate::progress::{Cancel, Progress};
 use crate::project::flank_params::FlankDocument;
 
@@ -23,6 +25,36 @@ pub const CSV_FILE: &str = "path.csv";
 /// What the NC program is called, without its ending.
 pub const PROGRAM: &str = "flank";
 
+/// The report for programs.
+pub const JSON_FILE: &str = "flank.json";
+/// The report for people.
+pub const REPORT_FILE: &str = "report.html";
+/// How much of a file is looked at to see whether it is an NC program of ours (bytes).
+const HEAD_BYTES: u64 = 4096;
+
+/// Which files are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ExportChoice {
+    /// Cutter locations.
+    pub cl: bool,
+    /// The program of the machine.
+    pub nc: bool,
+    /// The path with its deviations as a table.
+    pub csv: bool,
+    /// The report, for people and for programs.
+    pub report: bool,
+}
+
+impl ExportChoice {
+    /// All of them.
+    pub const ALL: Self = Self { cl: true, nc: true, csv: true, report: true };
+
+    /// Whether there is anything to write.
+    pub fn any(self) -> bool {
+        self.cl || self.nc || self.csv || self.report
+    }
+}
+
 /// What was written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct WrittenFlank {
@@ -32,8 +64,8 @@ pub struct WrittenFlank {
     pub files: Vec<String>,
     /// Why there is nothing to mill among them; none if there is.
     pub blocked: Option<String>,
-    /// Files of an earlier path that are still there, though this one has none.
-    pub older: Vec<PathBuf>,
+    /// Files of an earlier path that would have passed for those of this one, and what they are called now.
+    pub set_aside: Vec<[String; 2]>,
 }
 
 impl WrittenFlank {
@@ -43,8 +75,8 @@ impl WrittenFlank {
         if let Some(why) = &self.blocked {
             text += &format!("; nothing to mill was written ({why})");
         }
-        for file in &self.older {
-            text += &format!("; an older file is still there: {}", file.display());
+        for [was, is] in &self.set_aside {
+            text += &format!("; {was} of an earlier path is now called {is}");
         }
         text
     }
@@ -58,14 +90,16 @@ pub fn check_folder(folder: &Path) -> Result<(), String> {
     prepare(folder).map_err(|e| e.to_string())
 }
 
-/// Writes the report, and what can be milled unless a check fails, into `folder`, which is made if it is not there.
+/// Writes the report, and what can be milled unless a check fails, as far as they are chosen, into `folder`, which is made
+/// if it is not there: all of it or nothing. What is there of an earlier path and is not written anew is renamed, so that
+/// it cannot be taken for what belongs to this one.
 ///
 /// # Errors
 /// One line naming the file or what is wrong; cancelled.
 pub fn export(
     folder: &Path,
-    result: &FlankResult,
-    document: &FlankDocument,
+    (result, document): (&FlankResult, &FlankDocument),
+    choice: ExportChoice,
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<WrittenFlank, String> {
@@ -73,32 +107,68 @@ pub fn export(
     let blocked = result.why_blocked();
     // All texts are made before any is written.
     let mut texts = Vec::new();
-    if blocked.is_none() {
+    if choice.csv && blocked.is_none() {
         texts.push((CSV_FILE.to_owned(), path_csv(result.path())));
-        texts.push((CL_FILE.to_owned(), cl(result)?));
-        if let Some(milled) = result.milled() {
-            let nc = nc(result, milled)?;
-            texts.push((format!("{PROGRAM}.{}", nc.extension), nc.text));
-        }
     }
-    let report = report(result, document);
-    let maps = deviation_maps(&result.plan, cancel).map_err(|e| e.to_string())?;
-    check_folder(folder)?;
-    std::fs::create_dir_all(folder)
-        .map_err(|e| format!("{}: the folder cannot be made ({e}); choose another", folder.display()))?;
+    if choice.cl && blocked.is_none() {
+        texts.push((CL_FILE.to_owned(), cl(result)?));
+    }
+    if choice.report {
+        let report = report(result, document);
+        let maps = deviation_maps(&result.plan, cancel).map_err(|e| e.to_string())?;
+        let json = report.json().map_err(|e| format!("the report on a flank as JSON: {e}"))?;
+        texts.push((JSON_FILE.to_owned(), json));
+        texts.push((REPORT_FILE.to_owned(), report.html(&maps)));
+    }
+    // The program comes last, so that it never lies beside results that it does not belong to.
+    if let Some(milled) = result.milled().filter(|_| choice.nc && blocked.is_none()) {
+        let nc = nc(result, milled)?;
+        texts.push((format!("{PROGRAM}.{}", nc.extension), nc.text));
+    }
+    let mut out = ExportFolder::open(folder).map_err(|e| e.to_string())?;
     for (name, text) in &texts {
         cancel.check().map_err(|e| e.to_string())?;
-        write_atomically(&folder.join(name), text.as_bytes()).map_err(|e| e.to_string())?;
+        out.write(name, text.as_bytes()).map_err(|e| e.to_string())?;
     }
-    report.write(folder, &maps).map_err(|e| e.to_string())?;
-    let mut files: Vec<String> = texts.into_iter().map(|(name, _)| name).collect();
-    let extension = milling_post(&result.milling.post).map_or_else(|_| "nc".to_owned(), |post| post.extension);
-    let could_be = [CSV_FILE.to_owned(), CL_FILE.to_owned(), format!("{PROGRAM}.{extension}")];
-    let older = could_be.into_iter().filter(|name| !files.contains(name)).map(|name| folder.join(name));
-    let older = older.filter(|file| file.exists()).collect();
-    files.extend(["flank.json", "report.html"].map(str::to_owned));
+    let files: Vec<String> = texts.into_iter().map(|(name, _)| name).collect();
+    let mut set_aside = Vec::new();
+    for name in earlier(folder).into_iter().filter(|name| !files.contains(name)) {
+        set_aside.extend(out.set_aside(&name).map(|is| [name, is]));
+    }
+    cancel.check().map_err(|e| e.to_string())?;
+    out.publish().map_err(|e| e.to_string())?;
     progress.report("files", 1.0, "");
-    Ok(WrittenFlank { folder: folder.to_owned(), files, blocked, older })
+    Ok(WrittenFlank { folder: folder.to_owned(), files, blocked, set_aside })
+}
+
+/// Names of files in `folder` that are those of a flank's path, whatever post they were made with.
+fn earlier(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> = [CSV_FILE, CL_FILE].map(str::to_owned).to_vec();
+    // Any export has a report of this name; only one beside our figures is ours.
+    if folder.join(JSON_FILE).exists() {
+        names.extend([JSON_FILE, REPORT_FILE].map(str::to_owned));
+    }
+    // A folder that cannot be read has none that could be renamed.
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut programs: Vec<String> = entries.filter_map(|e| e.file_name().into_string().ok()).collect();
+    let is_program = |name: &str| {
+        let ending = name.strip_prefix(PROGRAM).and_then(|rest| rest.strip_prefix('.'));
+        ending.is_some_and(|ending| !ending.contains('.')) && is_program(&folder.join(name))
+    };
+    programs.retain(|name| !names.contains(name) && is_program(name));
+    programs.sort();
+    names.extend(programs);
+    names.retain(|name| folder.join(name).is_file());
+    names
+}
+
+/// Whether a file begins as the NC programs of flanks do.
+fn is_program(file: &Path) -> bool {
+    let mut head = Vec::new();
+    let is_read = file.is_file()
+        && std::fs::File::open(file).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head)).is_ok();
+    let text = String::from_utf8_lossy(&head).to_ascii_lowercase();
+    is_read && text.contains("sparkpath") && text.contains(&format!("flank path {PROGRAM}"))
 }
 
 /// A cutter in a few words.
@@ -117,13 +187,13 @@ fn notes(result: &FlankResult) -> Vec<String> {
     let path = result.path();
     let (standing, moving) = (&path.deviation, &path.envelope.deviation);
     let [nu, nv] = standing.grid;
-    let ratio = if result.has_deviation() {
-        format!(", {:.3} of the initial path's", result.plan.ratio(path))
-    } else {
-        String::new()
+    let ratio = match result.plan.share(standing.sum) {
+        Some(share) => format!(", {share:.3} of the initial path's"),
+        None => format!(", {WITHIN_ROUNDING}"),
     };
     vec![
         format!("Flank {}, {} path", result.name, result.path.name()),
+        format!("{} milling with the spindle clockwise (M03)", capital(result.milling.cut.name())),
         format!("Sum of absolute deviations {:.4} mm over {nu} x {nv} places of the surface{ratio}", standing.sum),
         format!(
             "Moving cutter: overcut up to {:.4} mm, undercut up to {:.4} mm",
@@ -131,6 +201,11 @@ fn notes(result: &FlankResult) -> Vec<String> {
             moving.most_undercut.max(0.0)
         ),
     ]
+}
+
+fn capital(word: &str) -> String {
+    let mut letters = word.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// What is to be heeded: checks that fail and were overridden come first.
@@ -178,6 +253,7 @@ pub fn nc(result: &FlankResult, milled: &Milled) -> Result<FlankNc, String> {
         path: &path,
         line: &milled.line,
         params: &milled.params,
+        contact: Some(milled.contact),
         notes: &notes,
         warnings: &warnings,
     };

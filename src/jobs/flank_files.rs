@@ -4,14 +4,16 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::flank::{FlankInput, LoadedSurface};
+use crate::export::flank_nc::{FlankNc, milling_post};
 use crate::flank::fit_ruled::flank_candidates;
 use crate::flank::guide::GuideCurve;
 use crate::flank::machine::milling_machine::MillingMachine;
 use crate::flank::ruled_surface::Side;
 use crate::geometry::mesh::Mesh;
-use crate::mesh_io::{ImportOptions, Units, import_file};
+use crate::mesh_io::{ImportOptions, Units, import_bytes, import_file};
 use crate::progress::{Cancel, Progress};
 use crate::project::flank_params::{FlankDocument, FlankSource, GuideSource, MeshFlank, WallsFile};
+use crate::project::kept_mesh::KeptMesh;
 use crate::project::milling_machine_file::milling_machine;
 
 /// The largest file of points (bytes).
@@ -79,11 +81,14 @@ pub fn load_machine(
     if name.is_empty() {
         return Ok(None);
     }
+    let milling = &document.milling;
     let mut machine = milling_machine(name, user_folder).map_err(|e| FlankLoadError(e.to_string()))?;
-    if let Some(workpiece) = &document.milling.workpiece {
-        machine.workpiece = workpiece.clone();
-        machine.kinematics().map_err(|e| FlankLoadError(e.to_string()))?;
-    }
+    machine.workpiece = milling.workpiece.clone().unwrap_or(machine.workpiece);
+    machine.gauge_length_mm = milling.gauge_length_mm.unwrap_or(machine.gauge_length_mm);
+    let kinematics = machine.kinematics().map_err(|e| FlankLoadError(e.to_string()))?;
+    // What the post cannot say is found before anything is computed.
+    let post = milling_post(&milling.post).map_err(|e| FlankLoadError(e.to_string()))?;
+    FlankNc::check_words(&kinematics, &post, &milling.program).map_err(|e| FlankLoadError(e.to_string()))?;
     Ok(Some(machine))
 }
 
@@ -136,10 +141,13 @@ pub fn load_guide(guide: &GuideSource) -> Result<GuideCurve, FlankLoadError> {
 }
 
 fn load_mesh(flank: &MeshFlank, progress: &Progress, cancel: &Cancel) -> Result<LoadedSurface, FlankLoadError> {
-    let mesh = import(&flank.file, flank.units, progress, cancel)?;
+    let (mesh, name) = match &flank.kept {
+        Some(kept) => (import_kept(kept, progress, cancel)?, kept.words()),
+        None => (import(&flank.file, flank.units, progress, cancel)?, flank.file.display().to_string()),
+    };
     progress.report("faces that could be milled", 0.0, "");
     let candidates = flank_candidates(&mesh, &flank.fit, cancel);
-    let candidates = candidates.map_err(|e| FlankLoadError(format!("{}: {e}", flank.file.display())))?;
+    let candidates = candidates.map_err(|e| FlankLoadError(format!("{name}: {e}")))?;
     progress.report("faces that could be milled", 1.0, "");
     let MeshFlank { candidate: number, is_own_wall, .. } = *flank;
     Ok(LoadedSurface::Face { mesh, candidates: Arc::new(candidates), number, is_own_wall })
@@ -149,4 +157,12 @@ fn import(file: &Path, units: Units, progress: &Progress, cancel: &Cancel) -> Re
     let options = ImportOptions { units, ..ImportOptions::default() };
     let imported = import_file(file, &options, progress, cancel).map_err(|e| FlankLoadError(e.to_string()))?;
     Ok(Arc::new(imported.mesh))
+}
+
+/// A mesh that a document holds, with the care that is taken of any file: it may have been read from one.
+fn import_kept(kept: &KeptMesh, progress: &Progress, cancel: &Cancel) -> Result<Arc<Mesh>, FlankLoadError> {
+    let options = ImportOptions { units: Units::Mm, ..ImportOptions::default() };
+    let name = format!("{}.obj", kept.name);
+    let imported = import_bytes(&name, kept.obj.as_bytes(), &options, progress, cancel);
+    Ok(Arc::new(imported.map_err(|e| FlankLoadError(e.to_string()))?.mesh))
 }

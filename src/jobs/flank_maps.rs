@@ -4,7 +4,7 @@ use image::{Rgba, RgbaImage};
 
 use crate::export::flank_report::{DeviationMaps, FlankPicture};
 use crate::flank::deviation::Deviation;
-use crate::flank::plan::FlankPlan;
+use crate::flank::plan::{FlankPlan, WITHIN_ROUNDING};
 use crate::progress::Cancel;
 use crate::render::colour_map::ColourMap;
 use crate::render::offscreen::{RenderError, png_bytes};
@@ -23,9 +23,11 @@ const BAR_PIXELS: u32 = 256;
 pub fn deviation_maps(plan: &FlankPlan, cancel: &Cancel) -> Result<DeviationMaps, RenderError> {
     let greatest = |d: &Deviation| d.most_undercut.max(-d.most_overcut).max(0.0);
     let end_mm = plan.paths().iter().map(|(_, path)| greatest(&path.deviation)).fold(LEAST_MM, f64::max);
-    let map = |name: &str, deviation: &Deviation, ratio: f64| {
+    let map = |name: &str, deviation: &Deviation| {
+        let share = plan.share(deviation.sum);
+        let share = share.map_or_else(|| WITHIN_ROUNDING.to_owned(), |share| format!("{share:.3} of the initial"));
         let caption = format!(
-            "sum {:.3} mm, {ratio:.3} of the initial; overcut up to {:.1} \u{b5}m, undercut up to {:.1} \u{b5}m",
+            "sum {:.3} mm, {share}; overcut up to {:.1} \u{b5}m, undercut up to {:.1} \u{b5}m",
             deviation.sum,
             1e3 * (-deviation.most_overcut).max(0.0),
             1e3 * deviation.most_undercut.max(0.0)
@@ -33,7 +35,7 @@ pub fn deviation_maps(plan: &FlankPlan, cancel: &Cancel) -> Result<DeviationMaps
         let png = png_bytes(&picture(deviation, end_mm), cancel)?;
         Ok::<_, RenderError>(FlankPicture { title: name.to_owned(), caption, png })
     };
-    let maps = plan.paths().map(|(name, path)| map(name, &path.deviation, plan.ratio(path)));
+    let maps = plan.paths().map(|(name, path)| map(name, &path.deviation));
     let maps = maps.into_iter().collect::<Result<Vec<_>, _>>()?;
     let bar = RgbaImage::from_fn(BAR_PIXELS, 1, |x, _| colour(f64::from(x) / f64::from(BAR_PIXELS - 1)));
     Ok(DeviationMaps { maps, bar_png: png_bytes(&bar, cancel)?, end_mm })

@@ -2,15 +2,20 @@
 
 use super::flank::{FlankResult, Milled, path_of};
 use crate::export::flank_report::{
-    AxisEntry, CheckEntry, ClearanceEntry, Figures, FitEntry, FlankReport, LocationsEntry, MachineEntry, PaperEntry,
-    PathEntry, RanksEntry, SCHEMA, SurfaceEntry,
+    AxisEntry, AxisSlowedEntry, CheckEntry, ClearanceEntry, Figures, FitEntry, FlankReport, LocationsEntry,
+    MachineEntry, PaperEntry, PathEntry, RanksEntry, SCHEMA, ShortEntry, SlowedEntry, SurfaceEntry,
 };
 use crate::flank::fit_ruled::RuledFit;
 use crate::flank::gouge::{Clearance, ToolPart};
+use crate::flank::machine::joint_feed::Slowed;
 use crate::flank::offset::Touch;
+use crate::flank::path::FlankPath;
 use crate::flank::ruled_surface::{RuledSurface, Side};
 use crate::geometry::nurbs::NurbsCurve;
-use crate::project::flank_params::{DemonstrationSurface, FlankDocument, FlankSource, GuideSource, PathChoice};
+use crate::project::flank_override::FlankOverride;
+use crate::project::flank_params::{
+    DemonstrationSurface, FlankDocument, FlankSource, GuideSource, MeshFlank, PathChoice,
+};
 
 /// Places at which lengths are measured.
 const LOOKS: usize = 512;
@@ -47,21 +52,30 @@ pub fn report(result: &FlankResult, document: &FlankDocument) -> FlankReport {
             sums_mm: plan.ranks.sums.clone(),
             best: plan.ranks.best,
         },
-        checks: checks(result),
+        checks: checks(result, &document.overrides),
         clearances: clearances(result),
         machine: result.milled.as_ref().map(|milled| machine(milled, document)),
         warnings: result.all_warnings(),
-        parameters: serde_json::to_value(document).unwrap_or_default(),
+        parameters: parameters(document),
     }
+}
+
+/// Every parameter; of a mesh that the document holds only what it is called.
+fn parameters(document: &FlankDocument) -> serde_json::Value {
+    let mut document = document.clone();
+    if let FlankSource::Mesh(MeshFlank { kept: Some(kept), .. }) = &mut document.source {
+        kept.obj = format!("{} bytes", kept.obj.len()).into();
+    }
+    serde_json::to_value(&document).unwrap_or_default()
 }
 
 /// The answer in a sentence.
 pub fn sentence(result: &FlankResult) -> String {
     let [nu, nv] = result.path().deviation.grid;
-    let mut text = if result.has_deviation() {
+    let mut text = if result.plan.has_deviation() {
         leaves(result)
     } else {
-        format!("The cutter touches the surface everywhere over {nu} x {nv} places: nothing is off but rounding.")
+        format!("The cutter touches the surface within rounding over {nu} x {nv} places: nothing else is off.")
     };
     let named = |is_overridden: bool| {
         let failed = result.checks.iter().filter(|c| !c.holds && c.is_overridden == is_overridden);
@@ -102,7 +116,8 @@ fn path(result: &FlankResult, choice: PathChoice) -> PathEntry {
     PathEntry {
         name: choice.name(),
         is_milled: choice == result.path,
-        ratio: if result.has_deviation() { result.plan.ratio(path) } else { f64::NAN },
+        ratio: result.plan.share(path.deviation.sum),
+        moving_ratio: result.plan.share(path.deviation.sum).map(|_| moving_share(result, path)),
         standing: Figures::of(&path.deviation),
         moving: Figures::of(&path.envelope.deviation),
         greatest_difference_mm: path.envelope.greatest_difference,
@@ -110,9 +125,15 @@ fn path(result: &FlankResult, choice: PathChoice) -> PathEntry {
         covers: path.coverage.is_whole,
         t_range: path.coverage.t_range,
         height_range_mm: path.coverage.height_range_mm,
+        below_mm: result.plan.params.below_mm,
         control_lower: points(path.axis.lower()),
         control_upper: points(path.axis.upper()),
     }
+}
+
+/// The moving cutter's sum as a share of its sum on the initial path.
+fn moving_share(result: &FlankResult, path: &FlankPath) -> f64 {
+    path.envelope.deviation.sum / result.plan.initial.envelope.deviation.sum.max(f64::MIN_POSITIVE)
 }
 
 fn paper(document: &FlankDocument) -> PaperEntry {
@@ -137,6 +158,7 @@ fn surface(surface: &RuledSurface, fit: Option<&RuledFit>, document: &FlankDocum
     SurfaceEntry {
         source: source(&document.source),
         side: if surface.side() == Side::Negative { -1 } else { 1 },
+        is_reversed: surface.is_reversed(),
         ruling_mm,
         guide_mm: [length(surface.lower()), length(surface.upper())],
         fit: fit.map(|fit| FitEntry {
@@ -159,14 +181,11 @@ fn source(source: &FlankSource) -> String {
     match source {
         FlankSource::Demonstration { surface } => format!("{} of the paper (P4)", surface.name()),
         FlankSource::Guides { lower, upper } => format!("guides: {} and {}", guide(lower), guide(upper)),
-        FlankSource::Mesh(mesh) => {
-            let file = mesh.file.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-            format!("{file}, flank {}", mesh.candidate)
-        }
+        FlankSource::Mesh(mesh) => format!("{}, flank {}", mesh.part(), mesh.candidate),
     }
 }
 
-fn checks(result: &FlankResult) -> Vec<CheckEntry> {
+fn checks(result: &FlankResult, overrides: &[FlankOverride]) -> Vec<CheckEntry> {
     let entry = |check: &super::flank::FlankCheck| CheckEntry {
         name: check.kind.name(),
         holds: check.holds,
@@ -174,6 +193,12 @@ fn checks(result: &FlankResult) -> Vec<CheckEntry> {
         text: check.text.clone(),
         place: check.place.map(|p| p.to_array()),
         t: check.t,
+        figures: check.figures.clone(),
+        lapsed: check.lapsed.clone(),
+        given_for: overrides
+            .iter()
+            .filter(|o| !check.holds && o.check == check.kind.name())
+            .find_map(|o| o.given_for()),
     };
     result.checks.iter().map(entry).collect()
 }
@@ -211,12 +236,22 @@ fn machine(milled: &Result<Milled, String>, document: &FlankDocument) -> Machine
             entry.name = format!("{}: {}", machine.name, machine.title);
             entry.positions = milled.line.points.len();
             entry.deviation_mm = milled.line.deviation_mm;
-            (entry.minutes, entry.slowed) = (milled.minutes, milled.slowed);
+            (entry.minutes, entry.slowed) = (milled.minutes, milled.slowed.map(slowed));
             entry.singular = milled.line.singular.iter().map(ToString::to_string).collect();
             entry.axes = axes(milled);
         }
     }
     entry
+}
+
+fn slowed(slowed: Slowed) -> SlowedEntry {
+    let Slowed { moves, share, by_axis, short } = slowed;
+    SlowedEntry {
+        moves,
+        least_share: share,
+        for_axes: by_axis.map(|(moves, least_share, axis)| AxisSlowedEntry { moves, least_share, axis }),
+        short: short.map(|(moves, least_share)| ShortEntry { moves, least_share }),
+    }
 }
 
 /// The five axes over time: the spindle nose in machine coordinates, and the rotary axes.

@@ -6,6 +6,7 @@ pub mod compare;
 pub mod electrodes;
 pub mod finish;
 pub mod flank;
+pub mod flank_electrode;
 pub mod flank_export;
 pub mod flank_files;
 pub mod flank_maps;

@@ -8,6 +8,8 @@ use super::toml_file::{self, TomlFileError, folder_of};
 
 /// How the name of such a file ends.
 pub const ENDING: &str = ".sparkflank";
+/// The largest that is written or read (bytes): it may hold a mesh.
+const LARGEST_FILE: u64 = 64 << 20;
 
 /// Whether `path` is named as a file of a flank.
 pub fn is_flank_file(path: &Path) -> bool {
@@ -21,7 +23,7 @@ pub fn is_flank_file(path: &Path) -> bool {
 pub fn write_flank(file: &Path, document: &FlankDocument) -> Result<(), TomlFileError> {
     document.validate().map_err(|problem| TomlFileError::of(file, problem))?;
     let folder = folder_of(file);
-    toml_file::write(file, &with_files(document, |f| relative(f, &folder)))
+    toml_file::write(file, &with_files(document, |f| relative(f, &folder)), LARGEST_FILE)
 }
 
 /// The document in a file that [`write_flank`] has written.
@@ -29,7 +31,7 @@ pub fn write_flank(file: &Path, document: &FlankDocument) -> Result<(), TomlFile
 /// # Errors
 /// [`TomlFileError`].
 pub fn read_flank(file: &Path) -> Result<FlankDocument, TomlFileError> {
-    let document: FlankDocument = toml_file::read(file, "flank")?;
+    let document: FlankDocument = toml_file::read(file, "flank", LARGEST_FILE)?;
     document.validate().map_err(|problem| TomlFileError::of(file, problem))?;
     let folder = folder_of(file);
     Ok(with_files(&document, |f| without_detours(&folder.join(f))))
@@ -47,6 +49,7 @@ fn with_files(document: &FlankDocument, change: impl Fn(&Path) -> PathBuf) -> Fl
                 }
             }
         }
+        FlankSource::Mesh(mesh) if mesh.kept.is_some() => {}
         FlankSource::Mesh(mesh) => mesh.file = change(&mesh.file),
     }
     if let Some(walls) = &mut changed.walls {

@@ -1,7 +1,9 @@
 use super::*;
 use crate::flank::guide::GuideCurve;
 use crate::flank::params::Objective;
+use crate::project::flank_override::FlankOverride;
 use crate::project::flank_params::{DemonstrationSurface, MeshFlank, WallsFile};
+use crate::project::kept_mesh::KeptMesh;
 
 #[test]
 fn a_flank_is_read_as_it_was_written_and_finds_its_files_beside_it() {
@@ -10,16 +12,20 @@ fn a_flank_is_read_as_it_was_written_and_finds_its_files_beside_it() {
     [&here, &there].into_iter().for_each(|f| std::fs::create_dir(f).unwrap());
     let curve = GuideCurve::Bezier { points: vec![glam::DVec3::X, glam::DVec3::Y] };
     let mesh = MeshFlank { file: here.join("part.stl"), candidate: 3, ..MeshFlank::default() };
+    let part = crate::geometry::mesh::tests::cuboid(glam::DVec3::new(1.0 / 3.0, 2.0, 40.0));
+    let kept = KeptMesh::new("E01", "'''mold\"", &part).unwrap();
     let sources = [
         FlankSource::Demonstration { surface: DemonstrationSurface::B },
         FlankSource::Guides { lower: GuideSource::File(here.join("lower.csv")), upper: GuideSource::Curve(curve) },
         FlankSource::Mesh(mesh),
+        FlankSource::Mesh(MeshFlank { kept: Some(kept), candidate: 2, ..MeshFlank::default() }),
     ];
     for source in sources {
         let mut document = FlankDocument { source, ..FlankDocument::default() };
         document.plan.objective = Objective::Bounded { overcut_mm: Some(0.0), undercut_mm: None };
         document.walls = Some(WallsFile { file: here.join("walls.obj"), units: Default::default() });
-        document.overrides.push("envelope".to_owned());
+        document.overrides.push(FlankOverride::whatever("envelope"));
+        document.overrides.push(FlankOverride::of("gouge", &[("depth_mm".to_owned(), 0.12)].into()));
         document.milling.machine = here.join("ours.toml").to_string_lossy().into_owned();
         let file = here.join("part.sparkflank");
         write_flank(&file, &document).unwrap();
@@ -54,6 +60,8 @@ fn what_is_no_flank_is_answered_with_the_place_and_the_reason() {
         ("[source]\nkind = \"guides\"\nlower = { file = \"a.csv\" }", "missing field `upper`"),
         ("envelope_tolerance_mm = 0", "envelope_tolerance_mm is 0"),
         ("tolerance = 1", "unknown field"),
+        ("overrides = [{ check = \"gouge\", figures = { depth_mm = -1.0 } }]", "override of gouge: a figure is -1"),
+        ("overrides = [\"gouge:deep\"]", "expected the name of a check"),
     ] {
         std::fs::write(&file, text).unwrap();
         let said = read_flank(&file).unwrap_err().to_string();
@@ -79,7 +87,7 @@ fn every_change_has_a_name_for_undo() {
         ("Envelope tolerance", |d| d.envelope_tolerance_mm = 0.01),
         ("Overcut tolerance", |d| d.overcut_tolerance_mm = 0.01),
         ("Undercut tolerance", |d| d.undercut_tolerance_mm = 0.01),
-        ("Override of gouge", |d| d.overrides.push("gouge".to_owned())),
+        ("Override of gouge", |d| d.overrides.push(FlankOverride::whatever("gouge"))),
     ];
     for (name, change) in changes {
         let mut after = before.clone();

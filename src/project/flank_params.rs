@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::flank_override::FlankOverride;
+use super::kept_mesh::KeptMesh;
 use crate::export::flank_nc::{FlankNcSettings, milling_post};
 use crate::flank::cutter::FlankCutter;
 use crate::flank::fit_ruled::RuledFitParams;
@@ -82,7 +84,8 @@ pub enum GuideSource {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MeshFlank {
-    /// The mesh: STL, OBJ, glTF or GLB.
+    /// The mesh: STL, OBJ, glTF or GLB; empty where it is kept.
+    #[serde(skip_serializing_if = "is_empty")]
     pub file: PathBuf,
     /// Its unit.
     pub units: Units,
@@ -92,12 +95,34 @@ pub struct MeshFlank {
     pub fit: RuledFitParams,
     /// Whether the rest of the mesh is looked at for gouges.
     pub is_own_wall: bool,
+    /// The mesh itself (mm) where it is in no file, as an electrode that was just designed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kept: Option<KeptMesh>,
+}
+
+fn is_empty(path: &Path) -> bool {
+    path.as_os_str().is_empty()
 }
 
 impl Default for MeshFlank {
     fn default() -> Self {
-        let file = PathBuf::new();
-        Self { file, units: Units::Auto, candidate: 1, fit: RuledFitParams::default(), is_own_wall: true }
+        let (file, fit) = (PathBuf::new(), RuledFitParams::default());
+        Self { file, units: Units::Auto, candidate: 1, fit, is_own_wall: true, kept: None }
+    }
+}
+
+impl MeshFlank {
+    /// The mesh in `file`, its largest face.
+    pub fn of(file: &Path) -> Self {
+        Self { file: file.to_owned(), ..Self::default() }
+    }
+
+    /// What the mesh is called: the name of its file, or its own.
+    pub fn part(&self) -> String {
+        match &self.kept {
+            Some(kept) => kept.words(),
+            None => self.file.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned()),
+        }
     }
 }
 
@@ -165,6 +190,31 @@ impl PathChoice {
     }
 }
 
+/// How the cutter's rotation and its travel go together. The spindle turns clockwise, seen from above.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CutDirection {
+    /// The flutes move against the travel where they cut: the surface is to the right of the travel, and chips begin
+    /// thick. What flanks are finished with.
+    #[default]
+    Climb,
+    /// The surface is to the left of the travel, and chips begin thin.
+    Conventional,
+}
+
+impl CutDirection {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Climb, Self::Conventional];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Climb => "climb",
+            Self::Conventional => "conventional",
+        }
+    }
+}
+
 /// How the path is milled on a machine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -173,6 +223,11 @@ pub struct MillingSettings {
     pub machine: String,
     /// Where the workpiece stands on the machine, if not where the machine's file says.
     pub workpiece: Option<Workpiece>,
+    /// Length from the spindle nose to the tip (mm), if not that of the machine's file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gauge_length_mm: Option<f64>,
+    /// Which way along the surface it goes.
+    pub cut: CutDirection,
     /// Name of the post.
     pub post: String,
     /// The furthest that tip and flutes' top may leave the path between programmed points (mm).
@@ -193,6 +248,8 @@ impl Default for MillingSettings {
         Self {
             machine: "trunnion-ac".to_owned(),
             workpiece: None,
+            gauge_length_mm: None,
+            cut: CutDirection::default(),
             post: "milling".to_owned(),
             linearisation_mm,
             singular_cone_deg,
@@ -215,6 +272,12 @@ impl MillingSettings {
     }
 
     fn validate(&self, flutes_mm: f64) -> Result<(), String> {
+        if flutes_mm > LinearisationParams::LONGEST_REACH_MM {
+            return Err(format!(
+                "the flutes are {flutes_mm} mm long: a machine's moves are measured up to {} mm",
+                LinearisationParams::LONGEST_REACH_MM
+            ));
+        }
         self.linearisation(flutes_mm).validate().map_err(|e| e.to_string())?;
         self.program.validate().map_err(|e| e.to_string())?;
         milling_post(&self.post).map_err(|e| e.to_string())?;
@@ -253,8 +316,8 @@ pub struct FlankDocument {
     pub overcut_tolerance_mm: f64,
     /// How much stock it may leave on the surface, standing or moving (mm).
     pub undercut_tolerance_mm: f64,
-    /// Names of checks that do not keep anything from being exported.
-    pub overrides: Vec<String>,
+    /// Checks that do not keep anything from being exported.
+    pub overrides: Vec<FlankOverride>,
 }
 
 impl Default for FlankDocument {
@@ -286,6 +349,9 @@ impl FlankDocument {
                 format!("{} to {}", stem(lower), stem(upper))
             }
             FlankSource::Guides { .. } => "guide curves".to_owned(),
+            FlankSource::Mesh(MeshFlank { kept: Some(kept), candidate, .. }) => {
+                format!("{} flank {candidate}", kept.name)
+            }
             FlankSource::Mesh(mesh) => format!("{} flank {}", stem(&mesh.file), mesh.candidate),
         }
     }
@@ -310,6 +376,7 @@ impl FlankDocument {
                 return Err(format!("{name} is {tolerance}: it must be from 0.000001 to 1 mm"));
             }
         }
+        self.overrides.iter().try_for_each(FlankOverride::validate)?;
         if let FlankSource::Mesh(mesh) = &self.source {
             mesh.fit.validate().map_err(|e| e.to_string())?;
             if mesh.candidate == 0 {
@@ -321,8 +388,8 @@ impl FlankDocument {
 
     /// What makes it another than `before`, as a step that can be undone is called.
     pub fn change_since(&self, before: &Self) -> String {
-        if let Some(name) = self.overrides.iter().find(|name| !before.overrides.contains(name)) {
-            return format!("Override of {name}");
+        if let Some(new) = self.overrides.iter().find(|one| !before.overrides.contains(one)) {
+            return format!("Override of {}", new.check);
         }
         let (cutter, old) = (&self.cutter, &before.cutter);
         let (plan, old_plan) = (&self.plan, &before.plan);

@@ -8,6 +8,8 @@ use super::toml_file::{self, TomlFileError, folder_of};
 
 /// How the name of such a file ends.
 pub const ENDING: &str = ".sparkmold";
+/// The largest that is written or read (bytes).
+const LARGEST_FILE: u64 = 1 << 20;
 
 /// Whether `path` is named as a file of a mold.
 pub fn is_mold_file(path: &Path) -> bool {
@@ -22,7 +24,7 @@ pub fn write_mold(file: &Path, params: &MoldParams) -> Result<(), TomlFileError>
     params.validate().map_err(|problem| TomlFileError::of(file, problem))?;
     let folder = folder_of(file);
     let mesh = params.mesh.as_deref().map(|mesh| relative(mesh, &folder));
-    toml_file::write(file, &MoldParams { mesh, ..params.clone() })
+    toml_file::write(file, &MoldParams { mesh, ..params.clone() }, LARGEST_FILE)
 }
 
 /// The parameters in a file that [`write_mold`] has written.
@@ -30,7 +32,7 @@ pub fn write_mold(file: &Path, params: &MoldParams) -> Result<(), TomlFileError>
 /// # Errors
 /// [`TomlFileError`].
 pub fn read_mold(file: &Path) -> Result<MoldParams, TomlFileError> {
-    let mut params: MoldParams = toml_file::read(file, "mold")?;
+    let mut params: MoldParams = toml_file::read(file, "mold", LARGEST_FILE)?;
     params.validate().map_err(|problem| TomlFileError::of(file, problem))?;
     let folder = folder_of(file);
     params.mesh = params.mesh.map(|mesh| without_detours(&folder.join(mesh)));

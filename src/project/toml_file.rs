@@ -8,9 +8,6 @@ use serde::de::DeserializeOwned;
 use super::paths::absolute;
 use crate::mesh_io::atomic_write;
 
-/// The largest file that is written or read (bytes).
-const LARGEST_FILE: u64 = 1 << 20;
-
 /// Why such a file cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 #[error("{file}: {problem}")]
@@ -38,33 +35,31 @@ pub(super) fn folder_of(file: &Path) -> PathBuf {
     absolute(file.parent().unwrap_or(Path::new("")))
 }
 
-/// Writes `content`, all of it or nothing.
+/// Writes `content` of at most `largest` bytes, all of it or nothing.
 ///
 /// # Errors
 /// [`TomlFileError`], also of a content that would be too large to be read again.
-pub(super) fn write(file: &Path, content: &impl Serialize) -> Result<(), TomlFileError> {
+pub(super) fn write(file: &Path, content: &impl Serialize, largest: u64) -> Result<(), TomlFileError> {
     let wrong = |problem: String| TomlFileError::of(file, problem);
     let text = toml::to_string_pretty(content).map_err(|e| wrong(e.to_string()))?;
     let size = text.len() as u64;
-    if size > LARGEST_FILE {
-        return Err(wrong(format!(
-            "not written: it would have {size} bytes and at most {LARGEST_FILE} are read again"
-        )));
+    if size > largest {
+        return Err(wrong(format!("not written: it would have {size} bytes and at most {largest} are read again")));
     }
     atomic_write(file, |out| out.write_all(text.as_bytes()))
         .map_err(|e| wrong(format!("cannot be written ({e}); choose another place")))
 }
 
-/// The content of the file of a `what`.
+/// The content of the file of a `what`, which has at most `largest` bytes.
 ///
 /// # Errors
 /// [`TomlFileError`].
-pub(super) fn read<T: DeserializeOwned>(file: &Path, what: &str) -> Result<T, TomlFileError> {
+pub(super) fn read<T: DeserializeOwned>(file: &Path, what: &str, largest: u64) -> Result<T, TomlFileError> {
     let wrong = |problem: String| TomlFileError::of(file, problem);
     let unreadable = |e: std::io::Error| wrong(format!("cannot be read ({e}); check the path"));
     let size = std::fs::metadata(file).map_err(unreadable)?.len();
-    if size > LARGEST_FILE {
-        return Err(wrong(format!("it has {size} bytes; the file of a {what} has at most {LARGEST_FILE}")));
+    if size > largest {
+        return Err(wrong(format!("it has {size} bytes; the file of a {what} has at most {largest}")));
     }
     let text = std::fs::read_to_string(file).map_err(unreadable)?;
     toml::from_str(&text).map_err(|e| wrong(e.message().replace('\n', " ")))

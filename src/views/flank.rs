@@ -40,6 +40,9 @@ const BARE: [usize; 2] = [65, 5];
 /// Distance of the surfaces side by side, in parts of their own size that way.
 const APART: f64 = 1.35;
 
+/// Length of the arrows to both sides of a surface, in parts of its length and height together.
+const ARROW: f64 = 0.16;
+
 /// The least end of the colours' scale (mm): smaller deviations are noise.
 const LEAST_LIMIT: f64 = 1e-4;
 
@@ -274,6 +277,8 @@ pub struct FlankScene<'a> {
     pub walls: Option<&'a Arc<RenderMesh>>,
     /// A place that is pointed at.
     pub place: Option<DVec3>,
+    /// Where the cutter's side is to be chosen: a place of the surface, and the unit vector to its positive side.
+    pub open_side: Option<[DVec3; 2]>,
     /// Colours of the surroundings.
     pub theme: Theme,
 }
@@ -290,6 +295,21 @@ impl FlankScene<'_> {
         let Some(surface) = self.surface.filter(|_| self.paths.len() > 1) else { return Vec::new() };
         let corner = surface.middle - 0.5 * surface.along + 0.56 * surface.across;
         self.paths.iter().enumerate().map(|(i, path)| (corner + self.offset(i), path.name())).collect()
+    }
+
+    /// The ends of the arrows to both sides of the surface, the positive one first, while the side is to be chosen.
+    pub fn sides(&self) -> Option<[DVec3; 2]> {
+        let ([at, normal], surface) = (self.open_side?, self.surface?);
+        let reach = ARROW * (surface.along.length() + surface.across.length());
+        Some([at + reach * normal, at - reach * normal])
+    }
+
+    /// An arrow from a place of the surface to `tip`: its shaft and both barbs.
+    fn arrow(&self, at: DVec3, tip: DVec3) -> LineSet {
+        let (way, aside) = (tip - at, self.surface.map_or(DVec3::X, |s| s.along.normalize_or(DVec3::X)));
+        let barb = |sign: f64| vec![tip - 0.2 * way + sign * 0.08 * way.length() * aside, tip];
+        let lines = vec![vec![at, tip], barb(1.0), barb(-1.0)];
+        LineSet { width_px: 3.0, on_top: true, ..LineSet::new(lines, self.theme.accent) }
     }
 
     /// The scene, in the axes of the surface.
@@ -328,6 +348,9 @@ impl FlankScene<'_> {
             };
             scene.objects.extend(self.part.map(|shape| wall(PART, shape, STEEL)));
             scene.objects.extend(self.walls.map(|shape| wall(WALLS, shape, MACHINE)));
+        }
+        if let (Some([at, _]), Some(tips)) = (self.open_side, self.sides()) {
+            scene.lines.extend(tips.map(|tip| self.arrow(at, tip)));
         }
         scene.markers.extend(self.place.map(|at| Marker { at, colour: BAD, radius_px: 6.0 }));
         scene.grid = if self.paths.len() > 1 { None } else { Grid::below(&scene.bounds()) };
@@ -411,6 +434,7 @@ mod tests {
             part: None,
             walls: None,
             place: None,
+            open_side: None,
             theme: Theme::DARK,
         };
         let built = scene.build();

@@ -3,10 +3,17 @@
 use std::path::Path;
 
 use glam::DVec3;
+use sparkpath::flank::params::Objective;
 use sparkpath::geometry::mesh::Mesh;
-use sparkpath::mesh_io::write_stl;
+use sparkpath::mesh_io::{Units, write_stl};
+use sparkpath::mold::cutter::{Cutter, CutterLibrary};
+use sparkpath::project::MoldParams;
+use sparkpath::project::flank_file::read_flank;
+use sparkpath::project::flank_params::{CutDirection, FlankSource};
+use sparkpath::project::mold_file::write_mold;
 
-use super::{sparkpath, text};
+use super::uncut::pocket;
+use super::{sparkpath, sparkpath_with, text};
 
 /// Coarse and unrefined is quick.
 const QUICK: [&str; 6] = ["--grid", "30x12", "--path", "chosen", "--objective", "rms"];
@@ -61,11 +68,11 @@ fn guide_curves_come_from_tables_and_a_cutter_that_is_too_short_blocks_what_woul
     let (code, said, last) = run(&[&guides[..], &["--taper-deg", "0", "--holder", "20:1.5,10:8:12"]].concat());
     assert_eq!(code, Some(0), "{said} {last}");
     assert!(out.join("flank.ngc").exists() && said.contains("nothing was checked for gouges"));
-    std::fs::remove_file(out.join("flank.ngc")).unwrap();
     let (code, said, _) = run(&[&guides[..], &["--length", "6"]].concat());
     assert_eq!(code, Some(3), "{said}");
     assert!(said.contains("check cutter: FAILS: the flutes are 6.000 mm long and must be"), "{said}");
-    assert!(said.contains("an older file is still there") && !out.join("flank.ngc").exists());
+    assert!(said.contains("flank.ngc of an earlier path is now called flank.ngc.old"), "{said}");
+    assert!(!out.join("flank.ngc").exists() && out.join("flank.ngc.old").exists());
     // A short cutter may be meant so.
     let overrides = ["--length", "6", "--override", "cutter", "--override", "coverage"];
     let (code, said, _) = run(&[&guides[..], &overrides].concat());
@@ -97,7 +104,7 @@ fn the_flanks_of_a_mesh_are_listed_and_one_is_milled() {
     let number = found[0]["flank"].to_string();
     let taken = ["--mesh", part, "--units", "mm", "--flank", number.as_str()];
     let (code, said, _) = run(&[&taken[..], &["--taper-deg", "0", "--machine", "fork-cb"]].concat());
-    // A plane is touched all along: nothing is off but rounding.
+    // A plane is touched all along: touches the surface within rounding.
     assert_eq!(code, Some(0), "{said}");
     assert!(said.contains("check ruled: holds") && said.contains("nothing is off but rounding"), "{said}");
     let (code, _, last) = run(&["--mesh", part, "--flank", "99"]);
@@ -136,4 +143,83 @@ fn every_mistake_is_one_line_and_is_found_before_anything_is_computed() {
         let (code, said, last) = run(arguments);
         assert!(code == Some(2) && said.is_empty() && last.contains(words), "{arguments:?}: {code:?} {last}");
     }
+}
+
+#[test]
+fn an_electrode_of_a_mold_or_of_a_folder_is_milled_as_it_stands_on_the_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let [mesh, file, out] = ["mold.stl", "pocket.sparkmold", "out"].map(|name| folder.path().join(name));
+    write_stl(&mesh, &pocket()).unwrap();
+    let mut asked = MoldParams { mesh: Some(mesh.clone()), units: Units::Mm, ..MoldParams::default() };
+    asked.library = CutterLibrary { cutter: vec![Cutter::flat(1.0)] };
+    write_mold(&file, &asked).unwrap();
+    let [mesh, file, out] = [&mesh, &file, &out].map(|p| p.to_str().unwrap());
+    let design = ["electrodes", mesh, "--units", "mm", "--cutters", "flat:1", "--no-pictures", "--out", out];
+    assert_eq!(sparkpath(&design).status.code(), Some(0));
+    let list = |of: &str| {
+        let output = sparkpath(&["flank", "--json", "--electrode", "E01", "--of", of, "--list"]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        let list: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        list.as_array().unwrap().iter().map(|c| c["area_mm2"].as_f64().unwrap()).collect::<Vec<_>>()
+    };
+    let (designed, exported) = (list(file), list(out));
+    assert!(designed.len() == exported.len() && !designed.is_empty());
+    assert!(designed.iter().zip(&exported).all(|(a, b)| (a - b).abs() < 1e-3), "{designed:?} {exported:?}");
+    // What is saved holds the mesh, and the electrode stands on its base.
+    let save = folder.path().join("e01.sparkflank");
+    let more = ["--taper-deg", "0", "--radius", "0.5", "--save", save.to_str().unwrap()];
+    let (code, said, last) = run(&[&["--electrode", "E01", "--of", file][..], &more].concat());
+    assert!(matches!(code, Some(0 | 3)), "{said} {last}");
+    let saved = read_flank(&save).unwrap();
+    let FlankSource::Mesh(source) = &saved.source else { panic!("{said}") };
+    assert!(source.part() == "E01 of mold" && source.fit.up == DVec3::NEG_Z);
+    assert_eq!(saved.milling.workpiece.unwrap().z_axis, DVec3::NEG_Z);
+    for (of, name, words) in [
+        (file, "E99", "there is no electrode \"E99\"; there are E01"),
+        (out, "E99", "there is no electrode \"E99\"; there are E01"),
+        (mesh, "E01", "electrodes are in a mold's file"),
+        ("nowhere.toml", "1", "nowhere.toml"),
+    ] {
+        let (code, said, last) = run(&["--electrode", name, "--of", of]);
+        assert!(code == Some(2) && said.is_empty() && last.contains(words), "{of} {name}: {code:?} {last}");
+    }
+}
+
+#[test]
+fn a_users_own_machine_and_what_is_said_beside_a_file_are_taken() {
+    let folder = tempfile::tempdir().unwrap();
+    let settings = folder.path().join("sparkpath");
+    std::fs::create_dir(&settings).unwrap();
+    let own = sparkpath::project::milling_machine_file::STANDARD_FILE.replacen("trunnion-ac", "my-mill", 1);
+    file(&settings, "milling_machines.toml", &own);
+    let save = folder.path().join("a.sparkflank");
+    let save = save.to_str().unwrap();
+    let told = |arguments: &[&str]| {
+        let output = sparkpath_with(folder.path().to_str().unwrap(), &[&["flank"], arguments, &QUICK[..4]].concat());
+        (output.status.code(), text(&output.stderr))
+    };
+    let (code, said) = told(&[
+        "--demo",
+        "a",
+        "--machine",
+        "my-mill",
+        "--max-overcut",
+        "0.05",
+        "--max-undercut",
+        "0.07",
+        "--save",
+        save,
+    ]);
+    assert_eq!(code, Some(0), "{said}");
+    assert_eq!(run(&["--demo", "a", "--machine", "my-mill"]).0, Some(2), "another user has no such machine");
+    let (code, said) = told(&[save, "--max-overcut", "0.04", "--cut", "conventional", "--save", save]);
+    assert_eq!(code, Some(0), "{said}");
+    let document = read_flank(Path::new(save)).unwrap();
+    let bounds = Objective::Bounded { overcut_mm: Some(0.04), undercut_mm: Some(0.07) };
+    assert_eq!((document.plan.objective, document.milling.cut), (bounds, CutDirection::Conventional));
+    // What the post cannot say is found before anything is computed.
+    let post = sparkpath::export::flank_nc::BUILT_IN_POST.1.replacen("[[axes]]\naxis = \"c\"\nword = \"C\"\n", "", 1);
+    let post = file(folder.path(), "no_c.toml", &post);
+    let (code, _, said) = run(&["--demo", "a", "--post", &post]);
+    assert!(code == Some(2) && said.contains("axis C"), "{said}");
 }

@@ -2,10 +2,13 @@
 
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::{By, Queryable as _};
-use sparkpath::app::Opening;
+use glam::DVec3;
+use sparkpath::app::{Command, Opening, Workspace};
 use sparkpath::jobs::pipeline::StageState;
 use sparkpath::mold::cutter::{Cutter, CutterLibrary};
 use sparkpath::mold::electrode::params::{Edit, Method};
+use sparkpath::project::flank_file::read_flank;
+use sparkpath::project::flank_params::FlankSource;
 use sparkpath::views::BurnOf;
 
 use crate::desk::{Desk, Home};
@@ -148,4 +151,42 @@ fn a_region_is_made_in_another_way_and_a_part_is_split_by_two_clicks() {
         assert!(found.truncate().distance(end.truncate()) < 0.1, "{found} {end}");
     }
     assert_eq!(desk.mold().undo_label(false), Some("Split part"));
+}
+
+#[test]
+fn the_flanks_of_a_designed_electrode_are_milled_without_a_file() {
+    let home = Home::new();
+    let mut desk = designed(&home, [1280, 720]);
+    let made = desk.mold().electrodes.designed().unwrap().clone();
+    let first = &made.set.electrodes[0];
+    let mill = |desk: &Desk| Command::MillFlanks.is_enabled(desk.app().core());
+    assert!(!mill(&desk), "none is selected");
+    desk.press_role(Role::Row, &format!("Electrode {}", first.name));
+    desk.press("Mill its flanks");
+    assert_eq!(desk.app().core().workspace, Workspace::Flank);
+    let flank = |desk: &Desk| desk.app().core().flank.params.clone();
+    let volume = desk.until_faces();
+    assert!((volume / first.mesh.volume() - 1.0).abs() < 1e-9, "{volume}");
+    let FlankSource::Mesh(source) = flank(&desk).source else { panic!("no face of a part") };
+    assert_eq!((source.part(), source.fit.up), (format!("{} of stepped", first.name), DVec3::NEG_Z));
+    // It is clamped as it burns no more: tips to the spindle.
+    assert_eq!(flank(&desk).milling.workpiece.unwrap().z_axis, DVec3::NEG_Z);
+    assert!(!desk.app().core().flank.is_unsaved());
+    desk.pictures("flank_of_electrode");
+
+    // The mesh goes along with the flank's file.
+    desk.enter("Radius", "0.75");
+    let file = home.path("tips.sparkflank");
+    desk.key_with(Modifiers::COMMAND, Key::S);
+    desk.type_path(&file);
+    let before = flank(&desk);
+    assert_eq!(read_flank(&file).unwrap(), before);
+
+    // What is unsaved is not thrown away for another electrode.
+    desk.enter("Radius", "0.5");
+    desk.press_role(Role::Tab, "Mold workspace");
+    desk.press("Mill its flanks");
+    desk.assert_shows("Unsaved work");
+    desk.press("Don't save");
+    assert_eq!((flank(&desk).source, desk.app().core().flank.record.file.clone()), (before.source, None));
 }

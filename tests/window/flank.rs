@@ -4,10 +4,13 @@ use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::{By, Queryable as _};
 use sparkpath::app::{FlankDesk, Opening, Workspace};
 use sparkpath::flank::ruled_surface::Side;
+use sparkpath::jobs::flank::LoadedSurface;
 use sparkpath::jobs::pipeline::StageState;
+use sparkpath::project::Stage;
 use sparkpath::project::flank_file::{read_flank, write_flank};
-use sparkpath::project::flank_params::{FlankDocument, PathChoice};
+use sparkpath::project::flank_params::{FlankDocument, FlankSource, GuideSource, PathChoice};
 
+use crate::common::easy_blisk;
 use crate::desk::{Desk, Home};
 
 impl Home {
@@ -145,4 +148,60 @@ fn a_cutter_is_changed_in_passing_refused_in_words_and_taken_back() {
     desk.type_path(&file);
     assert_eq!(read_flank(&file).unwrap(), desk.flank().params);
     assert!(!desk.flank().is_unsaved());
+}
+
+#[test]
+fn the_side_of_two_guides_is_chosen_in_the_view() {
+    let home = Home::new();
+    let [lower, upper] = ["lower.csv", "upper.csv"].map(|name| home.path(name));
+    std::fs::write(&lower, "0,0,0\n10,2,0\n20,2,0\n30,0,0\n").unwrap();
+    std::fs::write(&upper, "0,1,10\n10,3.5,10\n20,3,10\n30,0,10\n").unwrap();
+    let mut document = FlankDocument::default();
+    document.plan.grid = [30, 12];
+    document.source = FlankSource::Guides { lower: GuideSource::File(lower), upper: GuideSource::File(upper) };
+    let file = home.path("guides.sparkflank");
+    write_flank(&file, &document).unwrap();
+    let mut desk = home.start(Opening::File(file));
+    desk.until("the side is asked for", |desk| desk.flank().open_side().is_some());
+    std::thread::sleep(std::time::Duration::from_millis(400));
+    desk.settle();
+    desk.assert_shows("Choose the side that the cutter stands on");
+    assert_eq!(desk.flank().params.side, Side::Automatic);
+    desk.pictures("flank_sides");
+    // The arrow of the positive side is where the surface's normal points.
+    let [_, normal] = desk.flank().open_side().unwrap();
+    desk.press("Cutter on side +1");
+    assert_eq!((desk.flank().params.side, desk.flank().record.undo_label(false)), (Side::Positive, Some("Side")));
+    desk.press("Plan");
+    desk.until_planned();
+    let result = &desk.flank().planned().unwrap().result;
+    assert!(result.surface.normal(0.5, 0.5).dot(normal) > 0.999 && !desk.shows("Choose the side"));
+    assert!((result.path().pose(0.5).tip - result.surface.point(0.5, 0.0)).dot(normal) > 0.5);
+}
+
+#[test]
+fn a_blisks_electrode_is_milled_without_a_file() {
+    let home = Home::new();
+    let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
+    desk.until_idle();
+    desk.open_step(Stage::Electrode);
+    let volume = desk.app().core().pipeline.electrodes().unwrap().electrodes[0].volume_mm3;
+    desk.press("Mill its flanks");
+    assert_eq!(desk.app().core().workspace, Workspace::Flank);
+    let part = desk.until_faces();
+    assert!((part / volume - 1.0).abs() < 1e-9, "{part} {volume}");
+    assert_eq!(desk.flank().name(), "electrode 1 flank 1");
+}
+
+impl Desk {
+    /// Until the faces of the part are listed. Answers its volume.
+    pub fn until_faces(&mut self) -> f64 {
+        self.until("its faces are listed", |desk| desk.flank().work.loaded(&desk.flank().params).is_some());
+        let loaded = self.flank().work.loaded(&self.flank().params).unwrap();
+        let LoadedSurface::Face { mesh, candidates, .. } = &loaded.surface else { panic!("no face of a part") };
+        assert!(!candidates.is_empty());
+        let volume = mesh.volume();
+        assert!(self.window.query(By::new().role(Role::Row).label("Face 1")).is_some());
+        volume
+    }
 }

@@ -6,9 +6,11 @@ use glam::DVec3;
 
 use super::{Core, TrackSource};
 use crate::app::machine_motion::Trouble;
+use crate::app::workspace::Workspace;
 use crate::blisk::electrode::Electrode;
 use crate::feed::pose::Pose;
 use crate::geometry::distance_field::DistanceField;
+use crate::jobs::flank_electrode::FlankElectrode;
 use crate::jobs::pipeline::{EventKind, PartialPlan, StageState};
 use crate::project::Stage;
 use crate::render::colour_map::{ColourMap, Legend};
@@ -152,6 +154,24 @@ impl Core {
         let planned = self.outcome().map(|o| &o.electrode).zip(p.plan_shapes().and_then(|s| s.get(i)));
         let tuned = p.electrodes().and_then(|e| e.electrodes.get(i).zip(e.shapes.get(i)));
         if self.is_tuning() { tuned.or(planned) } else { planned.or(tuned) }
+    }
+
+    /// The electrode that is selected, or shown, as the part whose flanks are milled.
+    pub fn electrode_to_mill(&self) -> Option<FlankElectrode> {
+        match self.workspace {
+            Workspace::Flank => None,
+            Workspace::Mold => {
+                let (electrode, _) = self.mold.electrodes.chosen()?;
+                Some(FlankElectrode::of_mold(electrode, &self.mold.name()))
+            }
+            Workspace::Blisk => {
+                let (electrode, _) = self.shown_electrode()?;
+                let (part, channel) = (self.pipeline.part()?, &self.pipeline.channel()?.channel);
+                let named = (self.cursor.electrode + 1, part.name.as_str());
+                let frame = (&channel.frame, self.document.job().export.frame);
+                Some(FlankElectrode::of_blisk(electrode, named, frame))
+            }
+        }
     }
 
     /// The plan that is being made, if its nodes are those of the track.

@@ -9,12 +9,14 @@ use glam::DVec3;
 use super::plots::Tab;
 use crate::app::record::{Hands, Record};
 use crate::flank::path::FlankPath;
+use crate::flank::ruled_surface::Side;
 use crate::jobs::flank::path_of;
 use crate::jobs::flank_work::{ExportChoice, FlankWork, Planned, Sketch};
 use crate::jobs::kept::WorkEvent;
 use crate::jobs::pipeline::{EventKind, StageState};
 use crate::project::flank_params::{FlankDocument, FlankSource, GuideSource, PathChoice};
 use crate::project::milling_machine_file::load_milling_machines;
+use crate::project::user_folder;
 
 /// How long nothing may change before what was seen at a glance is planned in full.
 const REST: Duration = Duration::from_millis(300);
@@ -126,7 +128,11 @@ impl FlankDesk {
             fly: None,
             choice: ExportChoice::ALL,
             // Those of a broken file would be none: the one that the flank names is there in any case.
-            machines: load_milling_machines(None).unwrap_or_default().into_iter().map(|m| [m.name, m.title]).collect(),
+            machines: load_milling_machines(user_folder().as_deref())
+                .unwrap_or_default()
+                .into_iter()
+                .map(|m| [m.name, m.title])
+                .collect(),
             edited: None,
             shown: None,
             looked_at: None,
@@ -167,7 +173,7 @@ impl FlankDesk {
             FlankSource::Demonstration { .. } => None,
             FlankSource::Guides { lower: GuideSource::File(file), .. } => Some(file.as_path()),
             FlankSource::Guides { .. } => None,
-            FlankSource::Mesh(mesh) => Some(mesh.file.as_path()),
+            FlankSource::Mesh(mesh) => Some(mesh.file.as_path()).filter(|_| mesh.kept.is_none()),
         };
         self.record.file.as_deref().or(source)
     }
@@ -274,7 +280,8 @@ impl FlankDesk {
             (Some(planned), _) if self.is_of_same_surface(&planned) => (Some(planned), Standing::Stale),
             _ => (None, Standing::Nothing),
         };
-        let is_first = shown.is_some() && self.looked_at.as_ref() != Some(&self.params.source);
+        let is_seen = shown.is_some() || self.open_side().is_some();
+        let is_first = is_seen && self.looked_at.as_ref() != Some(&self.params.source);
         if shown.as_ref().map(Arc::as_ptr) != self.shown.as_ref().map(Arc::as_ptr) {
             self.rank = None;
         }
@@ -314,6 +321,16 @@ impl FlankDesk {
             }
         }
         self.work.sketched(&self.params, false).and_then(|sketch| sketch.planned.as_ref().err().cloned())
+    }
+
+    /// Where the cutter's side is to be chosen before there can be a path: see [`Sketch::open_side`].
+    pub fn open_side(&self) -> Option<[DVec3; 2]> {
+        self.work.sketched(&self.params, false)?.open_side
+    }
+
+    /// Has the cutter stand on this side of the surface.
+    pub fn choose_side(&mut self, side: Side) {
+        self.edit(FlankDocument { side, ..self.params.clone() });
     }
 
     /// What is shown: the plan of the present parameters, a quick look, or the plan of others; see [`Self::standing`].

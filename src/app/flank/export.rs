@@ -40,7 +40,10 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Answer> {
         None if !core.flank.choice.any() => {
             RichText::new("Nothing is chosen, so that nothing would be written.").color(palette(ui).bad)
         }
-        None => RichText::new("Files of an earlier path in the folder are replaced.").color(palette(ui).warning),
+        None => {
+            let text = "Files of an earlier path in the folder are replaced, or get .old behind their names.";
+            RichText::new(text).color(palette(ui).warning)
+        }
     };
     ui.add(egui::Label::new(text).wrap());
     if let Ok(result) = &planned {

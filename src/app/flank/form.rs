@@ -16,7 +16,7 @@ use crate::flank::cutter::{FlankCutter, HolderPart};
 use crate::flank::params::{Objective, OffsetMethod};
 use crate::flank::ruled_surface::Side;
 use crate::jobs::pipeline::StageState;
-use crate::project::flank_params::{FlankDocument, PathChoice};
+use crate::project::flank_params::{CutDirection, FlankDocument, FlankSource, PathChoice};
 
 /// Height of the line that says how the plan stands (points).
 const ROW: f32 = 22.0;
@@ -77,6 +77,7 @@ fn standing(ui: &mut Ui, core: &mut Core) {
         return;
     }
     let (colour, text) = match (core.flank.why_not(), core.flank.standing()) {
+        _ if core.flank.open_side().is_some() => (colours.accent, CHOOSE_SIDE.to_owned()),
         (Some(why), _) => (colours.bad, sentence(&why)),
         (None, Standing::Planned) => (colours.faint, "Planned".to_owned()),
         (None, Standing::Sketch) => (colours.accent, "Quick look on a coarse grid, not yet planned".to_owned()),
@@ -98,14 +99,27 @@ fn choice<T: PartialEq + Copy>(ui: &mut Ui, name: &str, value: &mut T, all: &[(T
     });
 }
 
-/// On which side of the surface the cutter stands.
-pub fn side(ui: &mut Ui, side: &mut Side) {
-    let all = [
-        (Side::Automatic, "auto", "Outside of a part; of two guides where the surface bulges out more"),
-        (Side::Positive, "+1", "Where the lower guide crossed with the ruling points to"),
-        (Side::Negative, "\u{2212}1", "The other side"),
-    ];
-    choice(ui, "Side", side, &all);
+/// Both sides of a surface, what they are called, and what that means.
+pub const SIDES: [(Side, &str, &str); 2] = [
+    (Side::Positive, "+1", "Where the lower guide crossed with the ruling points to"),
+    (Side::Negative, "\u{2212}1", "The other side"),
+];
+/// What is said while nobody but the user can know the side.
+pub const CHOOSE_SIDE: &str = "Choose the side that the cutter stands on, away from the part: +1 or \u{2212}1";
+
+/// On which side of the surface the cutter stands. Guides alone do not tell.
+pub fn side(ui: &mut Ui, source: &FlankSource, side: &mut Side) {
+    let automatic = (Side::Automatic, "auto", "Outside of the part; of a demonstration the side of its paper");
+    let all: Vec<_> = std::iter::once(automatic).chain(SIDES).collect();
+    match source {
+        FlankSource::Guides { .. } => {
+            choice(ui, "Side", side, &SIDES);
+            if *side == Side::Automatic {
+                notice(ui, palette(ui).accent, CHOOSE_SIDE);
+            }
+        }
+        _ => choice(ui, "Side", side, &all),
+    }
 }
 
 fn cutter(ui: &mut Ui, cutter: &mut FlankCutter, wrong: &mut Option<String>) {
@@ -299,6 +313,15 @@ fn machine(ui: &mut Ui, core: &Core, params: &mut FlankDocument, wrong: &mut Opt
         });
         shown.response.labelled_by(label);
     });
+    let ways = [
+        (CutDirection::Climb, "climb", "The surface to the right of the travel, with the spindle clockwise"),
+        (
+            CutDirection::Conventional,
+            "conventional",
+            "The surface to the left of the travel, with the spindle clockwise",
+        ),
+    ];
+    choice(ui, "Cut", &mut milling.cut, &ways);
     let hint = "The furthest that tip and flutes' top may leave the path between programmed points";
     let tolerance = Number { speed: 0.0005, decimals: 5, ..Number::mm("Tolerance", hint) };
     fields::number(ui, &mut milling.linearisation_mm, tolerance, wrong);

@@ -7,6 +7,7 @@ use super::super::stepper::{fact, notice, sentence};
 use super::super::theme::{palette, tick};
 use super::desk::Standing;
 use crate::flank::deviation::Deviation;
+use crate::flank::plan::WITHIN_ROUNDING;
 use crate::jobs::flank::{FlankCheck, path_of};
 use crate::jobs::flank_work::Planned;
 use crate::project::flank_params::PathChoice;
@@ -98,12 +99,15 @@ fn figures(ui: &mut Ui, core: &mut Core, planned: &Planned) {
             ui.label("ratio").on_hover_text("Of the sum to the initial path's sum of the standing cutter");
             for path in paths {
                 let sum = if moving { path.envelope.deviation.sum } else { path.deviation.sum };
-                let ratio = sum / plan.initial.deviation.sum.max(f64::MIN_POSITIVE);
-                cell(ui, format!("{ratio:.3}"));
+                cell(ui, plan.share(sum).map_or_else(|| "\u{2013}".to_owned(), |share| format!("{share:.3}")));
             }
             ui.end_row();
         }
     });
+    if !plan.has_deviation() {
+        let text = format!("The initial path {WITHIN_ROUNDING}: ratios mean nothing.");
+        ui.add(Label::new(RichText::new(text).small().color(palette(ui).faint)).wrap());
+    }
     fact(ui, "Best rank", format!("{} of {}", plan.ranks.best, plan.ranks.sums.len()));
     if let Some(machine) = &planned.machine {
         fact(ui, "Time on the machine", format!("{:.2} min", machine.minutes));
@@ -150,7 +154,9 @@ fn head(ui: &mut Ui, core: &mut Core, choice: PathChoice) {
 /// What was checked, in words; what fails can be shown, and overridden by its name.
 fn checks(ui: &mut Ui, core: &mut Core, planned: &Planned) {
     for check in &planned.result.checks {
-        let is_overridden = core.flank.params.overrides.iter().any(|name| name == check.kind.name());
+        let mut check = check.clone();
+        check.decide(&core.flank.params.overrides);
+        let (check, is_overridden) = (&check, check.is_overridden);
         let colours = palette(ui);
         let (sign, colour) = match (check.holds, is_overridden) {
             (true, _) => ("\u{2714}", colours.good),
@@ -183,11 +189,15 @@ pub fn let_pass(ui: &mut Ui, core: &mut Core, check: &FlankCheck, is_overridden:
     let mut passes = is_overridden;
     if tick(ui, &mut passes, format!("Export although {} fails", check.kind.name())).changed() {
         let mut params = core.flank.params.clone();
-        params.overrides.retain(|name| name != check.kind.name());
+        // What was decided for other figures is over with a new decision.
+        params.overrides.retain(|other| other.check != check.kind.name());
         if passes {
-            params.overrides.push(check.kind.name().to_owned());
+            params.overrides.push(check.let_pass());
         }
         core.flank.edit(params);
+    } else if let Some(why) = &check.lapsed {
+        let text = format!("Override of {}: {why}.", check.kind.name());
+        ui.add(Label::new(RichText::new(text).small().color(palette(ui).warning)).wrap());
     }
 }
 

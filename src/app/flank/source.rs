@@ -2,6 +2,7 @@
 
 use egui::{Align, ComboBox, Label, Layout, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 use egui_extras::{Column, TableBuilder};
+use glam::DVec3;
 
 use super::super::core::Core;
 use super::super::files::{FlankPurpose, Purpose};
@@ -79,7 +80,7 @@ pub fn show(ui: &mut Ui, core: &Core, params: &mut FlankDocument, wrong: &mut Op
         }
         FlankSource::Mesh(mesh) => asked = face(ui, core, mesh, wrong).or(asked),
     }
-    form::side(ui, &mut params.side);
+    form::side(ui, &params.source, &mut params.side);
     asked
 }
 
@@ -98,10 +99,14 @@ fn take(params: &mut FlankDocument, kind: Kind) -> Option<Purpose> {
 fn face(ui: &mut Ui, core: &Core, mesh: &mut MeshFlank, wrong: &mut Option<String>) -> Option<Purpose> {
     let mut asked = None;
     named(ui, "Part", |ui, _| {
-        let text = file_name(&mesh.file.to_string_lossy());
+        let text = mesh.part();
         let response = ui.add_sized(vec2(110.0, 22.0), egui::Button::new(text).truncate());
         if response.on_hover_text("Another mesh with the flank").clicked() {
             asked = Some(Purpose::Flank(FlankPurpose::Mesh));
+        }
+        if mesh.kept.is_some() {
+            // An electrode of ours is in mm.
+            return;
         }
         let combo = ComboBox::from_id_salt("flank unit").selected_text(unit_name(mesh.units)).width(56.0);
         let shown = combo.show_ui(ui, |ui| {
@@ -111,6 +116,7 @@ fn face(ui: &mut Ui, core: &Core, mesh: &mut MeshFlank, wrong: &mut Option<Strin
         });
         ui.ctx().accesskit_node_builder(shown.response.id, |node| node.set_label("Unit of the part"));
     });
+    up(ui, &mut mesh.fit.up);
     let hint = "Greatest distance between the face and the ruled surface that it is said to be";
     let tolerance = Number { speed: 0.001, ..Number::mm("Ruled to", hint) };
     fields::number(ui, &mut mesh.fit.tolerance_mm, tolerance, wrong);
@@ -124,6 +130,34 @@ fn face(ui: &mut Ui, core: &Core, mesh: &mut MeshFlank, wrong: &mut Option<Strin
         }
     }
     asked
+}
+
+/// Which way the cutter's axis points on the part.
+fn up(ui: &mut Ui, up: &mut DVec3) {
+    const AXES: [(DVec3, &str); 6] = [
+        (DVec3::Z, "+Z"),
+        (DVec3::NEG_Z, "\u{2212}Z"),
+        (DVec3::X, "+X"),
+        (DVec3::NEG_X, "\u{2212}X"),
+        (DVec3::Y, "+Y"),
+        (DVec3::NEG_Y, "\u{2212}Y"),
+    ];
+    named(ui, "Up", |ui, label| {
+        let now = up.normalize_or_zero();
+        let found = AXES.iter().find(|(axis, _)| axis.distance(now) < 1e-6);
+        let oblique = || format!("{:.3}, {:.3}, {:.3}", now.x, now.y, now.z);
+        let text = found.map_or_else(oblique, |(_, name)| (*name).to_owned());
+        let combo = ComboBox::from_id_salt("flank up").selected_text(text).width(110.0);
+        let shown = combo.show_ui(ui, |ui| {
+            for (axis, name) in AXES {
+                if ui.selectable_label(axis.distance(now) < 1e-6, name).clicked() {
+                    *up = axis;
+                }
+            }
+        });
+        let hint = "Along the cutter's axis to the spindle, in the axes of the part: from the lower guide to the upper";
+        shown.response.on_hover_text(hint).labelled_by(label);
+    });
 }
 
 fn unit_name(units: Units) -> &'static str {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use egui::{Align2, Color32, FontId, Rect, Ui, pos2, vec2};
+use egui::{Align2, Color32, FontId, Rect, RichText, Role, Ui, WidgetInfo, pos2, vec2};
 use glam::DVec3;
 
 use super::super::commands::Command;
@@ -11,6 +11,7 @@ use super::super::overlay;
 use super::super::theme::palette;
 use super::super::viewport::{Source, Viewport};
 use super::desk::{Fly, Standing};
+use super::form::{CHOOSE_SIDE, SIDES};
 use crate::flank::path::FlankPath;
 use crate::jobs::flank::path_of;
 use crate::jobs::flank_work::{LoadedFlank, LoadedWalls, Planned, Sketch};
@@ -21,13 +22,18 @@ use crate::render::scene::Scene;
 use crate::render::view::StandardView;
 use crate::views::{FlankScene, FlankSurface, bodies, contact_line};
 
+/// Names of paths, and where they stand.
+type Names = Vec<(DVec3, &'static str)>;
+
 /// State of the view.
 #[derive(Default)]
 pub struct FlankView {
     /// The camera and the hands that move it.
     pub viewport: Viewport,
     scene: Arc<Scene>,
-    names: Vec<(DVec3, &'static str)>,
+    names: Names,
+    /// The ends of the arrows to both sides of the surface, while one is to be chosen.
+    sides: Option<[DVec3; 2]>,
     key: Option<SceneKey>,
 }
 
@@ -46,6 +52,8 @@ struct SceneKey {
     shows_axis: bool,
     shows_rulings: bool,
     place: Option<DVec3>,
+    /// Where the side is to be chosen.
+    open_side: Option<[DVec3; 2]>,
     dark: bool,
 }
 
@@ -64,6 +72,7 @@ impl SceneKey {
             shows_axis: flank.shows_axis,
             shows_rulings: flank.shows_rulings,
             place: flank.place,
+            open_side: flank.open_side(),
             dark,
         }
     }
@@ -74,7 +83,7 @@ impl SceneKey {
         known.or_else(|| sketch.0.as_ref()?.surface.as_ref())
     }
 
-    fn scene(&self) -> (Scene, Vec<(DVec3, &'static str)>) {
+    fn scene(&self) -> (Scene, Names, Option<[DVec3; 2]>) {
         let planned = self.planned.0.as_ref();
         let paths: Vec<&FlankPath> = planned.map_or_else(Vec::new, |planned| {
             self.paths.iter().map(|path| path_of(&planned.result.plan, *path)).collect()
@@ -101,9 +110,10 @@ impl SceneKey {
             part: self.part.0.as_ref().and_then(|loaded| loaded.part.as_ref()),
             walls: self.walls.0.as_ref().map(|walls| &walls.shape),
             place: self.place,
+            open_side: self.open_side,
             theme: if self.dark { Theme::DARK } else { Theme::LIGHT },
         };
-        (inputs.build(), inputs.names())
+        (inputs.build(), inputs.names(), inputs.sides())
     }
 }
 
@@ -117,8 +127,8 @@ impl FlankView {
         }
         let key = SceneKey::of(core, ui.visuals().dark_mode);
         if self.key.as_ref() != Some(&key) {
-            let (scene, names) = key.scene();
-            (self.scene, self.names, self.key) = (Arc::new(scene), names, Some(key));
+            let (scene, names, sides) = key.scene();
+            (self.scene, self.names, self.sides, self.key) = (Arc::new(scene), names, sides, Some(key));
         }
         let navigation = core.preferences.navigation;
         let has_surface = self.key.as_ref().is_some_and(|key| key.surface().is_some());
@@ -128,6 +138,7 @@ impl FlankView {
         overlay::buttons(ui, rect, core, &buttons(core));
         overlay::gizmo(ui, rect, &mut self.viewport);
         self.label(ui, rect, core);
+        self.choose_side(ui, rect, core);
         if let Some(planned) = core.flank.planned() {
             legend(ui, rect, planned);
         }
@@ -156,6 +167,27 @@ impl FlankView {
         ui.ctx().request_repaint();
     }
 
+    /// Both sides of the surface at the ends of their arrows, to be chosen.
+    fn choose_side(&self, ui: &mut Ui, rect: Rect, core: &mut Core) {
+        let (camera, size) = self.viewport.camera();
+        let Some(tips) = self.sides.filter(|_| core.flank.open_side().is_some()) else { return };
+        for (tip, (side, name, hint)) in tips.into_iter().zip(SIDES) {
+            let Some(seen) = camera.project(tip, size) else { continue };
+            let p = seen.pixel / f64::from(ui.pixels_per_point());
+            let at = rect.min + vec2(p.x as f32, p.y as f32);
+            let area = Rect::from_center_size(at, vec2(34.0, 22.0));
+            if !rect.contains_rect(area) {
+                continue;
+            }
+            let text = RichText::new(name).strong().color(palette(ui).accent);
+            let response = ui.put(area, egui::Button::new(text)).on_hover_text(hint);
+            response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Cutter on side {name}")));
+            if response.clicked() {
+                core.flank.choose_side(side);
+            }
+        }
+    }
+
     /// Names the paths that are side by side, with their figures.
     fn label(&self, ui: &Ui, rect: Rect, core: &Core) {
         let (camera, size) = self.viewport.camera();
@@ -170,7 +202,7 @@ impl FlankView {
             }
             let path = path_of(plan, choice);
             let deviation = if core.flank.is_moving { &path.envelope.deviation } else { &path.deviation };
-            let text = format!("{name}   \u{2211} {:.3} mm   ratio {:.3}", deviation.sum, plan.ratio(path));
+            let text = format!("{name}   \u{2211} {:.3} mm   {}", deviation.sum, plan.ratio_words(deviation.sum));
             let strong = choice == core.flank.path;
             let colour = if strong { ui.visuals().strong_text_color() } else { ui.visuals().text_color() };
             let galley = ui.painter().layout_no_wrap(text, FontId::proportional(12.5), colour);
@@ -213,10 +245,11 @@ fn caption(ui: &mut Ui, rect: Rect, core: &Core) {
         let plan = &planned.result.plan;
         let path = path_of(plan, flank.path);
         let [nu, nv] = path.deviation.grid;
-        format!("sum {:.3} mm over {nu} × {nv} places, ratio {:.3}", path.deviation.sum, plan.ratio(path))
+        format!("sum {:.3} mm over {nu} × {nv} places, {}", path.deviation.sum, plan.ratio_words(path.deviation.sum))
     };
     let (colour, text) = match (flank.standing(), flank.planned(), flank.why_not()) {
         (Standing::Planned, ..) => return,
+        _ if flank.open_side().is_some() => (colours.accent, CHOOSE_SIDE.to_owned()),
         (Standing::Sketch, Some(planned), _) => {
             (colours.accent, format!("Quick look, {} path: {}", flank.path.name(), sentence(planned)))
         }

@@ -76,6 +76,7 @@ impl SparkpathApp {
                 self.viewport.look(crate::render::view::StandardView::Isometric, now);
             }
             Command::Workspace(workspace) => self.core.workspace = workspace,
+            Command::MillFlanks => self.mill_flanks(ctx),
             // Flanks have their own.
             Command::PlanFlank
             | Command::NextPath

@@ -124,6 +124,7 @@ impl SparkpathApp {
                 self.core.workspace = Workspace::Flank;
                 self.open_flank(&path);
             }
+            Intent::MillFlanks(electrode) => self.take_electrode(&electrode),
             Intent::AskOpen => self.ask(Purpose::Open, "", ctx),
             Intent::Demonstration => self.replace(Document::default()),
         }

@@ -1,6 +1,7 @@
 //! What the window does for the workspace of flanks.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::SparkpathApp;
 use crate::app::commands::Command;
@@ -9,6 +10,7 @@ use crate::app::files::{FlankPurpose, Purpose};
 use crate::app::flank::Fly;
 use crate::app::record::Hands;
 use crate::app::workspace::Workspace;
+use crate::jobs::flank_electrode::FlankElectrode;
 use crate::jobs::pipeline::EventKind;
 use crate::project::flank_file::{ENDING, is_flank_file, read_flank, write_flank};
 use crate::project::flank_params::{FlankDocument, FlankSource, GuideSource, MeshFlank, PathChoice, WallsFile};
@@ -26,6 +28,25 @@ impl SparkpathApp {
                 self.core.preferences.recent.remove(path);
                 self.dialog = Dialog::Error("This flank cannot be opened".to_owned(), e.to_string());
             }
+        }
+    }
+
+    /// Mills the flanks of the electrode that is selected, after asking about unsaved work.
+    pub(super) fn mill_flanks(&mut self, ctx: &egui::Context) {
+        if let Some(electrode) = self.core.electrode_to_mill() {
+            self.intend(Intent::MillFlanks(Arc::new(electrode)), ctx);
+        }
+    }
+
+    /// Takes an electrode in the place of a flank of which nothing is unsaved. The cutter and the machine stay.
+    pub(super) fn take_electrode(&mut self, electrode: &FlankElectrode) {
+        match electrode.document(&self.core.flank.params) {
+            Ok(document) => {
+                self.core.flank.replace(document, None);
+                self.core.workspace = Workspace::Flank;
+                self.core.say(EventKind::Done, format!("flanks of {} of {}", electrode.name, electrode.of));
+            }
+            Err(e) => self.dialog = Dialog::Error("Its flanks cannot be milled".to_owned(), e.to_string()),
         }
     }
 
@@ -85,8 +106,10 @@ impl SparkpathApp {
         let path = path.to_owned();
         self.edit_flank(|params| {
             params.source = match &params.source {
-                FlankSource::Mesh(mesh) => FlankSource::Mesh(MeshFlank { file: path, candidate: 1, ..mesh.clone() }),
-                _ => FlankSource::Mesh(MeshFlank { file: path, ..MeshFlank::default() }),
+                FlankSource::Mesh(mesh) => {
+                    FlankSource::Mesh(MeshFlank { file: path, candidate: 1, kept: None, ..mesh.clone() })
+                }
+                _ => FlankSource::Mesh(MeshFlank::of(&path)),
             };
         });
     }

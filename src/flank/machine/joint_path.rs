@@ -37,7 +37,7 @@ pub enum MillingError {
     },
     /// An axis outside of its limits, whichever way is taken.
     #[error(
-        "{at}: axis {axis} would be at {value:.3} {unit}, {by:.3} {unit} outside of its limits {low} to {high}; \
+        "{at}: axis {axis} would be at {value:.3} {unit}, {by:.3} {unit} outside of its limits {low:.3} to {high:.3}; \
          clamp the workpiece elsewhere or turned, or take another machine or tool length"
     )]
     OutsideLimits {

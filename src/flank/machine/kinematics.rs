@@ -132,6 +132,17 @@ impl Kinematics {
         joints.linear + self.offset()
     }
 
+    /// A vector of the workpiece's frame in the machine's directions, with both rotary axes at zero: what a control that
+    /// follows the tool's tip is given.
+    pub fn in_machine(&self, v: DVec3) -> DVec3 {
+        self.mount * v
+    }
+
+    /// The reverse of [`Self::in_machine`].
+    pub fn in_workpiece(&self, v: DVec3) -> DVec3 {
+        self.mount.transpose() * v
+    }
+
     /// From programmed X, Y, Z to the slides.
     fn offset(&self) -> DVec3 {
         self.machine.workpiece.zero_mm + self.spindle * self.machine.gauge_length_mm

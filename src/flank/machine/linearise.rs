@@ -65,6 +65,9 @@ impl Default for LinearisationParams {
 }
 
 impl LinearisationParams {
+    /// The greatest height of the flutes' top (mm).
+    pub const LONGEST_REACH_MM: f64 = 1000.0;
+
     /// Checks the ranges.
     ///
     /// # Errors
@@ -72,7 +75,7 @@ impl LinearisationParams {
     pub fn validate(&self) -> Result<(), MillingError> {
         let settings = [
             ("linearisation_mm", self.linearisation_mm, 1e-4, 1.0, "0.0001 to 1 mm"),
-            ("reach_mm", self.reach_mm, 0.0, 1000.0, "0 to 1000 mm"),
+            ("reach_mm", self.reach_mm, 0.0, Self::LONGEST_REACH_MM, "0 to 1000 mm"),
             ("singular_cone_deg", self.singular_cone_deg, 0.0, 20.0, "0 to 20 degrees"),
         ];
         let wrong = settings.into_iter().find(|(_, value, low, high, _)| !(*low..=*high).contains(value));
@@ -110,7 +113,7 @@ pub struct MachinePoint {
     pub s: f64,
     /// The five axes, rounded to the decimals of programs.
     pub joints: Joints,
-    /// The tip in the workpiece's frame, rounded likewise: for a control that follows the tip.
+    /// The tip in the workpiece's frame, rounded likewise in the machine's directions: for a control that follows the tip.
     pub tip: DVec3,
     /// Unit direction to the spindle in the workpiece's frame, as the rotary axes give it.
     pub axis: DVec3,
@@ -182,7 +185,7 @@ impl Follower<'_, '_> {
         MachinePoint {
             s: c.s,
             joints,
-            tip: rounded_tip(c.pose.tip),
+            tip: self.k.in_workpiece(rounded_tip(self.k.in_machine(c.pose.tip))),
             axis: self.k.direction(&joints.rotary),
             branch: c.branch,
         }

@@ -158,6 +158,18 @@ impl<'a> ToolPath<'a> {
         }
     }
 
+    /// Whether s lies in the cut or on the move that leads onto it or off it, where the cutter may touch the flank.
+    pub fn is_on_flank(&self, s: f64) -> bool {
+        let (first, last) = self.cut_ends();
+        s > first - 1.0 && s < last + 1.0
+    }
+
+    /// The nearest place of the cut.
+    pub(super) fn within_cut(&self, s: f64) -> f64 {
+        let (first, last) = self.cut_ends();
+        s.clamp(first, last)
+    }
+
     /// s of the first and of the last point of the cut.
     fn cut_ends(&self) -> (f64, f64) {
         let first = self.approach.len();
@@ -226,7 +238,7 @@ impl<'a> ToolPath<'a> {
     }
 
     /// The path as straight moves of tip and axis, for a control or a post that does the rest: no point of the tool's
-    /// axis from the tip up to `reach_mm` is further than `tolerance_mm` from where it would be. Measured at 8 places of
+    /// axis from the tip up to `reach_mm` is further than `tolerance_mm` from where it would be. Measured at 7 places of
     /// every move.
     ///
     /// # Errors

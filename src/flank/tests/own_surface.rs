@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::flank::gouge::{Frustum, ToolPart};
+use crate::flank::own_leads::own_gouge_of_moves;
 use crate::flank::own_surface::{EXACT, OwnSurfaceCheck, own_surface};
 use crate::flank::path::FlankPath;
 
@@ -96,5 +97,34 @@ fn paths_of_the_reference_keep_off_their_own_surface_and_the_holder_does_not() {
         let collar = FlankCutter { length_mm: 6.0, holder, ..plan.cutter.clone() };
         let found = checked(&plan.chosen, &collar, &surface, [24, 9]);
         assert!(found.worst.is_some_and(|w| w.part == ToolPart::Holder(0) && w.depth_mm > 1.0), "{}", found.text());
+    }
+}
+
+#[test]
+fn a_cutter_that_leaves_a_hollow_sideways_runs_into_its_other_side() {
+    // Along 190 deg of an arc of radius 4 the axis of a cutter of radius 3 runs 1 mm from the arc's centre.
+    let arc: Vec<[f64; 2]> = (0..=60)
+        .map(|i| f64::from(i) * 190.0 / 60.0)
+        .map(f64::to_radians)
+        .map(|a| [4.0 * a.cos(), 4.0 * a.sin()])
+        .collect();
+    let surface = upright(&arc, 3, Side::Negative);
+    let cutter = FlankCutter::cylinder(3.0, 20.0);
+    let params = FlankParams { grid: [60, 4], rounds: 0, ..FlankParams::default() };
+    let path = planned(&surface, &cutter, &params).unwrap().chosen;
+    assert!(checked(&path, &cutter, &surface, [60, 3]).holds(), "the path itself is sound");
+    let grid = DesignGrid::new(&surface, [200, 3]);
+    for (t, u) in [(0.0, 0.0), (1.0, 1.0)] {
+        let (pose, off) = (path.pose(t), surface.normal(u, 0.5));
+        let leaving = |aside: f64| {
+            let places = [pose.tip, pose.tip + aside * off, pose.tip + aside * off + 30.0 * DVec3::Z];
+            let cancel = Cancel::default();
+            own_gouge_of_moves((&places, pose.axis), &cutter, (&grid, 0.01), &cancel).unwrap()
+        };
+        // 3 mm sideways is 2 mm past the centre: 1 mm into the other side.
+        let worst = leaving(3.0).unwrap();
+        assert!((worst.depth_mm - 1.0).abs() < 0.02 && worst.part == ToolPart::Cutter, "{worst:?}");
+        assert!(worst.expected_mm < 0.01 && (worst.u - 0.5).abs() < 0.5, "{worst:?}");
+        assert_eq!(leaving(1.5), None, "the hollow leaves 2 mm");
     }
 }

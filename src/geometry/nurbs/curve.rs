@@ -45,6 +45,11 @@ impl NurbsCurve {
         Ok(Self { knots, points: points.iter().zip(weights).map(|(p, w)| (*p * *w).extend(*w)).collect() })
     }
 
+    /// The same curve run the other way: its point at u is this one's at first plus last parameter less u.
+    pub fn reversed(&self) -> Self {
+        Self { knots: self.knots.reversed(), points: self.points.iter().rev().copied().collect() }
+    }
+
     /// Its knots.
     pub fn knots(&self) -> &KnotVector {
         &self.knots

@@ -65,6 +65,14 @@ impl KnotVector {
         Self::clamped(degree, parameters[0], inner, parameters[n - 1])
     }
 
+    /// The knots of the same curve run the other way.
+    pub(super) fn reversed(&self) -> Self {
+        let [from, to] = self.domain();
+        // Both ends come out exactly.
+        let mirrored = |k: &f64| if *k == to { from } else { (from + to - k).clamp(from, to) };
+        Self { degree: self.degree, knots: self.knots.iter().rev().map(mirrored).collect() }
+    }
+
     /// Its degree.
     pub fn degree(&self) -> usize {
         self.degree

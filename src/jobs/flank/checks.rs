@@ -3,14 +3,19 @@
 use glam::DVec3;
 
 use super::{FlankInput, FlankResult, LoadedSurface};
+use crate::export::nc_feed::LEAST_BLOCK_MINUTES;
 use crate::flank::FlankError;
 use crate::flank::gouge::{Clearance, ToolPart};
 use crate::flank::guide::pairing_warning;
+use crate::flank::machine::joint_feed::Slowed;
 use crate::flank::params::Objective;
 use crate::flank::refine::path_beyond_bounds;
+use crate::project::flank_override::{Figures, FlankOverride};
 
 /// How far below the flutes the surface may go (mm): the bottom's own rounding.
 const BELOW_MM: f64 = 1e-3;
+/// The greatest figure of what is wrong: what is no number is as bad as that.
+const WORST: f64 = 1e9;
 /// What counts as keeping a bound (mm).
 const KEPT_MM: f64 = 1e-4;
 
@@ -90,11 +95,43 @@ pub struct FlankCheck {
     pub place: Option<DVec3>,
     /// At which t of the path.
     pub t: Option<f64>,
+    /// How bad it is, if it fails and that can be counted: see [`Figures`].
+    pub figures: Figures,
+    /// Why an override for it no longer holds.
+    pub lapsed: Option<String>,
 }
 
 impl FlankCheck {
     fn new(kind: CheckKind, holds: bool, text: String) -> Self {
-        Self { kind, holds, is_overridden: false, text, place: None, t: None }
+        let figures = Figures::new();
+        Self { kind, holds, is_overridden: false, text, place: None, t: None, figures, lapsed: None }
+    }
+
+    /// The same with figures of what is wrong; those that are not wrong are left out.
+    fn with(mut self, figures: &[(&str, f64)]) -> Self {
+        let wrong = figures.iter().filter(|(_, figure)| !self.holds && !(*figure <= 0.0));
+        let kept = |figure: f64| if figure.is_finite() { figure.min(WORST) } else { WORST };
+        self.figures.extend(wrong.map(|(name, figure)| ((*name).to_owned(), kept(*figure))));
+        self
+    }
+
+    /// The decision to export although it fails, as bad as it is now.
+    pub fn let_pass(&self) -> FlankOverride {
+        FlankOverride::of(self.kind.name(), &self.figures)
+    }
+
+    /// Takes `overrides` for the decisions on it.
+    pub fn decide(&mut self, overrides: &[FlankOverride]) {
+        let of_it = overrides.iter().filter(|o| !self.holds && o.check == self.kind.name());
+        let mut lapsed = Vec::new();
+        let mut is_overridden = false;
+        for one in of_it {
+            match one.lapsed(&self.figures) {
+                None => is_overridden = true,
+                Some(why) => lapsed.push(why),
+            }
+        }
+        (self.is_overridden, self.lapsed) = (is_overridden, lapsed.pop().filter(|_| !is_overridden));
     }
 
     fn at(self, place: DVec3) -> Self {
@@ -103,7 +140,7 @@ impl FlankCheck {
 }
 
 /// The checks of the path that is milled.
-pub(super) fn of(result: &FlankResult, overrides: &[String]) -> Vec<FlankCheck> {
+pub(super) fn of(result: &FlankResult) -> Vec<FlankCheck> {
     let mut checks = Vec::new();
     checks.extend(ruled(result));
     checks.push(cutter(result));
@@ -115,9 +152,6 @@ pub(super) fn of(result: &FlankResult, overrides: &[String]) -> Vec<FlankCheck> 
     checks.extend(gouge(result));
     checks.extend(leads(result));
     checks.extend(machine(result));
-    for check in &mut checks {
-        check.is_overridden = !check.holds && overrides.iter().any(|name| name == check.kind.name());
-    }
     checks
 }
 
@@ -130,7 +164,10 @@ fn ruled(result: &FlankResult) -> Option<FlankCheck> {
         None => String::new(),
     };
     let at = if fit.is_ruled && !fit.covers { fit.uncovered_at } else { fit.worst };
-    Some(FlankCheck::new(CheckKind::Ruled, fit.is_ruled && fit.covers, text).at(at))
+    let off = if fit.is_ruled { 0.0 } else { fit.error.greatest_mm };
+    let uncovered = if fit.covers { 0.0 } else { fit.uncovered_mm.max(fit.lost_mm).max(fit.seam_mm) };
+    let check = FlankCheck::new(CheckKind::Ruled, fit.is_ruled && fit.covers, text).at(at);
+    Some(check.with(&[("off_mm", off), ("uncovered_mm", uncovered)]))
 }
 
 fn cutter(result: &FlankResult) -> FlankCheck {
@@ -142,12 +179,16 @@ fn cutter(result: &FlankResult) -> FlankCheck {
             FlankCheck::new(CheckKind::Cutter, true, text)
         }
         Err(error) => {
-            let place = match error {
-                FlankError::CutterTooShort { u, .. } => Some(surface.point(u, 1.0)),
-                FlankError::CutterTooThick { u, v, .. } => Some(surface.point(u, v)),
-                _ => None,
+            let (place, figure) = match error {
+                FlankError::CutterTooShort { u, length_mm, needed_mm } => {
+                    (Some(surface.point(u, 1.0)), Some(("too_short_mm", needed_mm - length_mm)))
+                }
+                FlankError::CutterTooThick { u, v, radius_mm, hollow_mm } => {
+                    (Some(surface.point(u, v)), Some(("too_thick_mm", radius_mm - hollow_mm)))
+                }
+                _ => (None, None),
             };
-            FlankCheck { place, ..FlankCheck::new(CheckKind::Cutter, false, error.to_string()) }
+            FlankCheck { place, ..FlankCheck::new(CheckKind::Cutter, false, error.to_string()) }.with(figure.as_slice())
         }
     }
 }
@@ -174,7 +215,9 @@ fn coverage(result: &FlankResult) -> FlankCheck {
     } else {
         missing.join("; ")
     };
-    FlankCheck::new(CheckKind::Coverage, missing.is_empty(), text)
+    let short = if coverage.is_whole { 0.0 } else { (-first).max(last - 1.0) };
+    let figures = [("missing_t", short), ("above_lowest_mm", -lowest), ("above_flutes_mm", highest - flutes)];
+    FlankCheck::new(CheckKind::Coverage, missing.is_empty(), text).with(&figures)
 }
 
 /// The worse of the standing and the moving cutter, to which the fit of a face adds its own error.
@@ -203,7 +246,8 @@ fn deviation(result: &FlankResult) -> FlankCheck {
         let [n, m] = path.envelope.deviation.grid;
         result.surface.point(share(k / m, n), share(k % m, m))
     });
-    FlankCheck { place, ..FlankCheck::new(CheckKind::Deviation, holds, text) }
+    let figures = [("overcut_mm", overcut), ("undercut_mm", undercut)];
+    FlankCheck { place, ..FlankCheck::new(CheckKind::Deviation, holds, text) }.with(&figures)
 }
 
 fn bounds(result: &FlankResult) -> Option<FlankCheck> {
@@ -218,7 +262,7 @@ fn bounds(result: &FlankResult) -> Option<FlankCheck> {
         both.iter().fold(0.0, |most: f64, d| most.max(d.most_undercut)),
         if beyond > KEPT_MM { format!("{beyond:.4} mm beyond the bounds") } else { "within the bounds".to_owned() }
     );
-    Some(FlankCheck::new(CheckKind::Bounds, beyond <= KEPT_MM, text))
+    Some(FlankCheck::new(CheckKind::Bounds, beyond <= KEPT_MM, text).with(&[("beyond_mm", beyond)]))
 }
 
 fn envelope(result: &FlankResult) -> FlankCheck {
@@ -233,7 +277,8 @@ fn envelope(result: &FlankResult) -> FlankCheck {
     if envelope.without > 0 {
         text += &format!("; over {} places the moving cutter touches nothing", envelope.without);
     }
-    FlankCheck::new(CheckKind::Envelope, holds, text)
+    let figures = [("difference_mm", envelope.greatest_difference), ("untouched_places", envelope.without as f64)];
+    FlankCheck::new(CheckKind::Envelope, holds, text).with(&figures)
 }
 
 fn part_name(part: ToolPart) -> String {
@@ -260,14 +305,17 @@ fn leads(result: &FlankResult) -> Option<FlankCheck> {
     } else {
         format!("on approach and retraction {part} keep {distance_mm:.4} mm away")
     };
-    Some(FlankCheck::new(CheckKind::Leads, distance_mm >= -tolerance, text).at(point))
+    let check = FlankCheck::new(CheckKind::Leads, distance_mm >= -tolerance, text).at(point);
+    Some(check.with(&[("depth_mm", -distance_mm)]))
 }
 
 fn own_surface(result: &FlankResult) -> FlankCheck {
     let own = &result.own_surface;
     let check = FlankCheck::new(CheckKind::Surface, own.holds(), own.text());
     match own.worst {
-        Some(worst) => FlankCheck { t: Some(worst.t), ..check.at(worst.point) },
+        Some(worst) => {
+            FlankCheck { t: Some(worst.t), ..check.at(worst.point) }.with(&[("excess_mm", worst.excess_mm())])
+        }
         None => check,
     }
 }
@@ -285,7 +333,8 @@ fn gouge(result: &FlankResult) -> Vec<FlankCheck> {
         } else {
             format!("{part} keep {distance_mm:.4} mm away, nearest at t = {t:.4}")
         };
-        FlankCheck { t: Some(t), ..FlankCheck::new(kind, distance_mm >= -tolerance, text).at(point) }
+        let check = FlankCheck::new(kind, distance_mm >= -tolerance, text).at(point);
+        FlankCheck { t: Some(t), ..check }.with(&[("depth_mm", -distance_mm)])
     };
     let mut checks = vec![one(CheckKind::Gouge, "flutes", gouge.cutter)];
     if !result.plan.cutter.holder.is_empty() {
@@ -327,12 +376,16 @@ pub(super) fn warnings(result: &FlankResult, input: &FlankInput) -> Vec<String> 
     } else if result.plan.cutter.holder.is_empty() {
         warnings.push("the cutter has no holder: what is above the flutes was not checked".to_owned());
     }
-    let unknown = input.overrides.iter().filter(|name| {
-        let is_failed = |c: &FlankCheck| c.is_overridden && c.kind.name() == name.as_str();
-        !result.checks.iter().any(is_failed)
-    });
-    warnings.extend(unknown.map(|name| format!("override of {name:?}: no check of this name fails, it does nothing")));
     warnings
+}
+
+/// Overrides that override nothing, and why.
+pub(super) fn idle(checks: &[FlankCheck], overrides: &[FlankOverride]) -> Vec<String> {
+    let why = |one: &FlankOverride| match checks.iter().find(|c| !c.holds && c.kind.name() == one.check) {
+        None => Some("no check of this name fails, it does nothing".to_owned()),
+        Some(check) => one.lapsed(&check.figures),
+    };
+    overrides.iter().filter_map(|one| Some(format!("override of {:?}: {}", one.check, why(one)?))).collect()
 }
 
 /// A refined path may sink a cone along its axis to have a fitting radius: what is below the lower guide is then in its
@@ -358,10 +411,18 @@ fn sinks(result: &FlankResult) -> Option<String> {
 pub(super) fn of_machine(result: &FlankResult) -> Vec<String> {
     let Some(milled) = result.milled() else { return Vec::new() };
     let mut warnings: Vec<String> = milled.line.singular.iter().map(ToString::to_string).collect();
-    if let Some((moves, share, axis)) = milled.slowed {
+    let Some(Slowed { by_axis, short, .. }) = milled.slowed else { return warnings };
+    if let Some((moves, share, axis)) = by_axis {
         warnings.push(format!(
             "{moves} moves are slower than asked for, at most down to {:.1} % of the feed, so that axis {axis} does not exceed \
              its speed",
+            100.0 * share
+        ));
+    }
+    if let Some((moves, share)) = short {
+        warnings.push(format!(
+            "{moves} moves are given {} s, the shortest time of a block, which leaves them {:.1} % of their speed at least",
+            60.0 * LEAST_BLOCK_MINUTES,
             100.0 * share
         ));
     }

@@ -8,13 +8,15 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::flank::{FlankResult, LoadedSurface};
+use super::flank_export;
+pub use super::flank_export::ExportChoice;
 use super::glances::Glances;
 use super::kept::{Doing, Kept, WorkEvent, note};
 use super::pipeline::{EventKind, StageState};
 use super::worker::{Ended, Worker};
 use crate::project::flank_params::{FlankDocument, FlankSource, MeshFlank, WallsFile};
 pub use curves::{AxisCurve, MachineCurves, Profile};
-pub use steps::{ExportChoice, LoadedFlank, LoadedWalls, Planned, Sketch};
+pub use steps::{LoadedFlank, LoadedWalls, Planned, Sketch};
 
 /// What a surface is read from: the source, and how often it was asked for.
 type SourceKey = (FlankSource, u64);
@@ -297,9 +299,7 @@ impl FlankWork {
         let planned = self.planned().filter(|_| self.is_planned_of(document));
         let planned = planned.ok_or("the plan is not of the present parameters: plan again")?;
         let mut result = planned.result.clone();
-        for check in &mut result.checks {
-            check.is_overridden = !check.holds && document.overrides.iter().any(|name| name == check.kind.name());
-        }
+        result.decide(&document.overrides);
         Ok(result)
     }
 
@@ -314,7 +314,8 @@ impl FlankWork {
         }
         let (folder, document) = (folder.to_owned(), document.clone());
         self.exporter.submit(0, move |_, progress, cancel| {
-            steps::export(&folder, &result, &document, choice, (progress, cancel))
+            let written = flank_export::export(&folder, (&result, &document), choice, progress, cancel);
+            written.map(|written| written.sentence())
         });
         Ok(())
     }

@@ -1,19 +1,19 @@
 //! The steps of the work on a flank, each a function of what it is given.
 
-use std::path::Path;
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use super::curves::{MachineCurves, Profile};
-use crate::export::files::write_atomically;
+use crate::flank::FlankError;
 use crate::flank::params::FlankParams;
+use crate::flank::ruled_surface::Side;
 use crate::geometry::mesh::Mesh;
-use crate::jobs::flank::{FlankInput, FlankResult, LoadedSurface, flank, surface};
-use crate::jobs::flank_export::{self, CL_FILE, CSV_FILE, PROGRAM};
+use crate::jobs::flank::{FlankInput, FlankJobError, FlankResult, LoadedSurface, flank, surface};
 use crate::jobs::flank_files::{self, input, load_machine, load_surface};
-use crate::jobs::flank_maps::deviation_maps;
-use crate::jobs::flank_report::report;
 use crate::progress::{Cancel, Progress};
 use crate::project::flank_params::{FlankDocument, FlankSource, PathChoice, WallsFile};
+use crate::project::user_folder;
 use crate::render::mesh::RenderMesh;
 use crate::views::{FlankShapes, FlankSurface};
 
@@ -89,12 +89,12 @@ impl Planned {
             n => format!("{n} checks fail"),
         };
         format!(
-            "sum of deviations {:.3} mm at first, {:.3} mm with rank {}, {:.3} mm refined (ratio {:.3}); {checks}",
+            "sum of deviations {:.3} mm at first, {:.3} mm with rank {}, {:.3} mm refined ({}); {checks}",
             sums[0],
             sums[1],
             plan.ranks.best,
             sums[2],
-            plan.ratio(&plan.refined)
+            plan.ratio_words(sums[2])
         )
     }
 }
@@ -106,6 +106,9 @@ pub struct Sketch {
     pub surface: Option<FlankSurface>,
     /// A plan on a coarse grid, or why there is none.
     pub planned: Result<Arc<Planned>, String>,
+    /// Where the side of the cutter is still to be chosen: a place of the surface, and the unit vector to its positive
+    /// side there.
+    pub open_side: Option<[DVec3; 2]>,
 }
 
 /// Reads what a surface is made of.
@@ -142,7 +145,7 @@ pub(super) fn plan(
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<Planned, String> {
-    let machine = load_machine(document, None).map_err(|e| e.to_string())?;
+    let machine = load_machine(document, user_folder().as_deref()).map_err(|e| e.to_string())?;
     let result = flank(&input(document, surface, walls, machine), progress, cancel).map_err(|e| e.to_string())?;
     cancel.check().map_err(|e| e.to_string())?;
     Ok(Planned::of(result))
@@ -160,75 +163,17 @@ pub(super) fn sketch(document: &FlankDocument, loaded: LoadedSurface, cancel: &C
         *is_own_wall = false;
     }
     let made = surface(&coarse);
-    let shown = made.as_ref().ok().map(|(surface, _)| FlankSurface::bare(surface));
+    let open_side = match &made {
+        Err(FlankJobError::Flank(FlankError::SideOpen { point, normal })) => Some([*point, *normal]),
+        _ => None,
+    };
+    // The surface itself does not depend on its side.
+    let of_a_side = open_side.and_then(|_| surface(&FlankInput { side: Side::Positive, ..coarse.clone() }).ok());
+    let shown = made.as_ref().ok().or(of_a_side.as_ref()).map(|(surface, _)| FlankSurface::bare(surface));
     let planned = made.map_err(|e| e.to_string()).and_then(|_| {
         flank(&coarse, &Progress::silent(), cancel)
             .map(|result| Arc::new(Planned::of(result)))
             .map_err(|e| e.to_string())
     });
-    Sketch { surface: shown, planned }
-}
-
-/// Which files are written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ExportChoice {
-    /// Cutter locations.
-    pub cl: bool,
-    /// The program of the machine.
-    pub nc: bool,
-    /// The path with its deviations as a table.
-    pub csv: bool,
-    /// The report, for people and for programs.
-    pub report: bool,
-}
-
-impl ExportChoice {
-    /// All of them.
-    pub const ALL: Self = Self { cl: true, nc: true, csv: true, report: true };
-
-    /// Whether there is anything to write.
-    pub fn any(self) -> bool {
-        self.cl || self.nc || self.csv || self.report
-    }
-}
-
-/// Writes the files that were chosen of a plan whose checks hold or were overridden. Answers what was written.
-///
-/// # Errors
-/// One line naming the file.
-pub(super) fn export(
-    folder: &Path,
-    result: &FlankResult,
-    document: &FlankDocument,
-    choice: ExportChoice,
-    (progress, cancel): (&Progress, &Cancel),
-) -> Result<String, String> {
-    if choice == ExportChoice::ALL {
-        return flank_export::export(folder, result, document, progress, cancel).map(|written| written.sentence());
-    }
-    let mut texts = Vec::new();
-    if choice.csv {
-        texts.push((CSV_FILE.to_owned(), flank_export::path_csv(result.path())));
-    }
-    if choice.cl {
-        texts.push((CL_FILE.to_owned(), flank_export::cl(result)?));
-    }
-    if let Some(milled) = result.milled().filter(|_| choice.nc) {
-        let nc = flank_export::nc(result, milled)?;
-        texts.push((format!("{PROGRAM}.{}", nc.extension), nc.text));
-    }
-    flank_export::check_folder(folder)?;
-    std::fs::create_dir_all(folder)
-        .map_err(|e| format!("{}: the folder cannot be made ({e}); choose another", folder.display()))?;
-    for (name, text) in &texts {
-        cancel.check().map_err(|e| e.to_string())?;
-        write_atomically(&folder.join(name), text.as_bytes()).map_err(|e| e.to_string())?;
-    }
-    let mut names: Vec<&str> = texts.iter().map(|(name, _)| name.as_str()).collect();
-    if choice.report {
-        let maps = deviation_maps(&result.plan, cancel).map_err(|e| e.to_string())?;
-        report(result, document).write(folder, &maps).map_err(|e| e.to_string())?;
-        names.push("report.html");
-    }
-    Ok(format!("{} written to {}", names.join(", "), folder.display()))
+    Sketch { surface: shown, planned, open_side }
 }

@@ -203,6 +203,7 @@ fn details(ui: &mut Ui, core: &mut Core, made: &Designed, at: BurnOf) {
         command_button(ui, core, Command::Isolate, text, false);
         let text = if core.mold.electrodes.cut.is_some() { "No cut" } else { "Cut" };
         command_button(ui, core, Command::Section, text, false);
+        command_button(ui, core, Command::MillFlanks, "Mill its flanks", false);
     });
     checks::show(ui, core, made, at.electrode);
     if let Some(burn) = entry.burns.get(at.burn) {

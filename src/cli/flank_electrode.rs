@@ -1,0 +1,148 @@
+//! `sparkpath flank --electrode`: an electrode of a mold, of a job or of a folder with exported ones.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use super::Session;
+use crate::export::electrode_files::file_start;
+use crate::flank::fit_ruled::RuledFitParams;
+use crate::jobs::electrodes::electrodes;
+use crate::jobs::flank_electrode::{FlankElectrode, UP_OF_MOLDS};
+use crate::jobs::stages;
+use crate::jobs::uncut::{UncutParams, uncut};
+use crate::project::PlanJob;
+use crate::project::flank_params::{FlankSource, MeshFlank};
+use crate::project::kept_mesh::KeptMesh;
+use crate::project::mold_file::{is_mold_file, read_mold};
+
+/// The largest burn table that is read (bytes).
+const LARGEST_TABLE: u64 = 16 << 20;
+/// What a folder with electrodes has.
+const TABLE: &str = "burn_table.json";
+
+/// An electrode as a surface's source, and whether it is clamped upside down.
+pub(super) struct FoundElectrode {
+    /// Its largest flank.
+    pub source: FlankSource,
+    /// Whether its base is on the table and its tips look to the spindle.
+    pub is_upside_down: bool,
+}
+
+/// What of a burn table is looked at.
+#[derive(Deserialize)]
+struct BurnTable {
+    electrodes: Vec<Entry>,
+}
+
+#[derive(Deserialize)]
+struct Entry {
+    name: String,
+    stage: String,
+}
+
+/// The electrode called `name` of what is at `of`.
+pub(super) fn find(name: &str, of: &Path, session: &Session) -> anyhow::Result<FoundElectrode> {
+    let is_job = of.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    if is_mold_file(of) {
+        kept(of_mold(name, of, session)?)
+    } else if is_job {
+        kept(of_job(name, of, session)?)
+    } else if of.join(TABLE).is_file() {
+        let source = MeshFlank {
+            fit: RuledFitParams { up: UP_OF_MOLDS, ..RuledFitParams::default() },
+            ..MeshFlank::of(&of_folder(name, of)?)
+        };
+        Ok(FoundElectrode { source: FlankSource::Mesh(source), is_upside_down: true })
+    } else {
+        anyhow::bail!(
+            "{}: electrodes are in a mold's file (.sparkmold), in a job (.toml), or in a folder that `sparkpath electrodes` \
+             has written, with {TABLE}; one in a file of its own is given with --mesh",
+            of.display()
+        )
+    }
+}
+
+fn kept(electrode: FlankElectrode) -> anyhow::Result<FoundElectrode> {
+    let FlankElectrode { name, of, mesh, up, is_upside_down } = &electrode;
+    let source = MeshFlank {
+        fit: RuledFitParams { up: *up, ..RuledFitParams::default() },
+        kept: Some(KeptMesh::new(name, of, mesh).map_err(anyhow::Error::msg)?),
+        ..MeshFlank::default()
+    };
+    Ok(FoundElectrode { source: FlankSource::Mesh(source), is_upside_down: *is_upside_down })
+}
+
+/// One that is designed for a mold as its file asks.
+fn of_mold(name: &str, file: &Path, session: &Session) -> anyhow::Result<FlankElectrode> {
+    let asked = read_mold(file)?;
+    let Some(mesh) = &asked.mesh else { anyhow::bail!("{}: it names no mesh; choose one and save it", file.display()) };
+    let mold = session.import(mesh, asked.units)?.mesh;
+    let (progress, cancel) = (&session.progress, &session.cancel);
+    let question = UncutParams {
+        opening: asked.opening,
+        tolerance_mm: asked.tolerance_mm,
+        ..UncutParams::of(asked.library.clone())
+    };
+    let wrong = |e: String| anyhow::anyhow!("{}: {e}", file.display());
+    let left = uncut(&mold, &question, progress, cancel).map_err(|e| wrong(e.to_string()))?;
+    let set = electrodes(&mold, &left, &asked.electrodes, progress, cancel).map_err(|e| wrong(e.to_string()))?;
+    let found = set.electrodes.iter().find(|e| e.name == name);
+    let names = || set.electrodes.iter().map(|e| e.name.clone()).collect();
+    Ok(FlankElectrode::of_mold(found.ok_or_else(|| unknown(name, file, names()))?, &asked.name()))
+}
+
+/// One that is made for the channel of a job's blisk, by its number: 1, 2 and so on.
+fn of_job(name: &str, file: &Path, session: &Session) -> anyhow::Result<FlankElectrode> {
+    let job = PlanJob::read(file)?;
+    job.validate().map_err(|e| anyhow::anyhow!("{}: {e}", file.display()))?;
+    if job.blisk.mesh.is_none() {
+        anyhow::bail!("{}: [blisk] mesh is missing", file.display());
+    }
+    let (progress, cancel) = (&session.progress, &session.cancel);
+    let part = stages::load(&job, progress, cancel).map_err(anyhow::Error::msg)?;
+    let channel = stages::channel(&part, &job, progress, cancel).map_err(anyhow::Error::msg)?;
+    let made = stages::electrodes(&part, &channel, &job, progress, cancel).map_err(anyhow::Error::msg)?;
+    let found = name.parse::<usize>().ok().and_then(|n| Some((n, made.electrodes.get(n.checked_sub(1)?)?)));
+    let names = || (1..=made.electrodes.len()).map(|n| n.to_string()).collect();
+    let (number, electrode) = found.ok_or_else(|| unknown(name, file, names()))?;
+    let frame = (&channel.channel.frame, job.export.frame);
+    Ok(FlankElectrode::of_blisk(electrode, (number, &part.name), frame))
+}
+
+/// The file of one that was exported.
+fn of_folder(name: &str, folder: &Path) -> anyhow::Result<PathBuf> {
+    let file = folder.join(TABLE);
+    let wrong = |e: String| anyhow::anyhow!("{}: {e}", file.display());
+    let size = std::fs::metadata(&file).map_err(|e| wrong(format!("cannot be read ({e})")))?.len();
+    if size > LARGEST_TABLE {
+        return Err(wrong(format!("it has {size} bytes; a burn table has at most {LARGEST_TABLE}")));
+    }
+    let text = std::fs::read(&file).map_err(|e| wrong(format!("cannot be read ({e}); check the path")))?;
+    let table: BurnTable = serde_json::from_slice(&text).map_err(|e| wrong(format!("it is no burn table ({e})")))?;
+    let names = || table.electrodes.iter().map(|e| e.name.clone()).collect();
+    let entry = table.electrodes.iter().find(|e| e.name == name).ok_or_else(|| unknown(name, folder, names()))?;
+    let start = file_start(&entry.name, &entry.stage);
+    let entries = std::fs::read_dir(folder).map_err(|e| wrong(format!("its folder cannot be read ({e})")))?;
+    let mut files: Vec<String> = entries.flatten().filter_map(|e| e.file_name().into_string().ok()).collect();
+    // The exact one first. In glTF files another axis is up.
+    let endings = [".obj", ".stl"];
+    files.retain(|file| file.starts_with(&start) && endings.iter().any(|ending| file.ends_with(ending)));
+    files.sort();
+    let found = files.into_iter().next().map(|file| folder.join(file));
+    found.ok_or_else(|| {
+        anyhow::anyhow!(
+            "{}: there is no file of {name} ({start}...) in it: its export was blocked, or it has another format; export it \
+             as stl or obj",
+            folder.display()
+        )
+    })
+}
+
+fn unknown(name: &str, of: &Path, mut names: Vec<String>) -> anyhow::Error {
+    const MOST: usize = 20;
+    let more = names.len().saturating_sub(MOST);
+    names.truncate(MOST);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    anyhow::anyhow!("{}: there is no electrode {name:?}; there are {}{more}", of.display(), names.join(", "))
+}
