@@ -319,6 +319,15 @@ fn a_flank_of_a_mesh_is_milled_as_the_surface_that_it_was_made_from() {
     assert!((found / wanted - 1.0).abs() < 0.2, "{found} for {wanted}");
     // The rest of the solid is a wall that counts.
     assert!(result.gouge.is_some() && result.plan.initial.coverage.is_whole);
+    // What the surface is off the face counts as much as what the path is off the surface.
+    let off_mm = fit.error.greatest_mm;
+    let both = [&result.checked.deviation, &result.checked.envelope.deviation];
+    let most = both.iter().fold(0.0, |most: f64, d| most.max(-d.most_overcut));
+    input.overcut_tolerance_mm = most + 0.5 * off_mm;
+    let deviation = run(&input);
+    let deviation = check(&deviation, CheckKind::Deviation);
+    assert!(off_mm > 1e-6 && !deviation.holds, "{off_mm} {}", deviation.text);
+    assert!(deviation.text.contains(&format!("overcut up to {:.4} mm", most + off_mm)), "{}", deviation.text);
     // One that there is not.
     let sparkpath::jobs::flank::LoadedSurface::Face { number, .. } = &mut input.surface else { return };
     *number = 1000;

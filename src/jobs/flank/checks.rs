@@ -195,20 +195,21 @@ fn greatest(result: &FlankResult) -> [f64; 2] {
     [overcut, all.iter().fold(0.0, |most: f64, d| most.max(d.most_undercut))]
 }
 
-/// The worse of the standing and the moving cutter.
+/// The worse of the standing and the moving cutter, to which the fit of a face adds its own error.
 fn deviation(result: &FlankResult) -> FlankCheck {
-    let [overcut, undercut] = greatest(result);
+    let off_mm = result.fit.as_ref().map_or(0.0, |fit| fit.error.greatest_mm);
+    let [overcut, undercut] = greatest(result).map(|most| most + off_mm);
     let allowed = [result.overcut_tolerance_mm, result.undercut_tolerance_mm];
     let holds = overcut <= allowed[0] && undercut <= allowed[1];
     let mut text = format!(
         "overcut up to {overcut:.4} mm, undercut up to {undercut:.4} mm, standing or moving, on {}; allowed: {} and {} mm",
         result.checked.words, allowed[0], allowed[1]
     );
+    if result.fit.is_some() {
+        text += &format!("; {off_mm:.4} mm of both is what the surface itself is off the face");
+    }
     if !holds {
         text += "; mill the refined path, bound it (objective bounded), or take a thinner cutter";
-    }
-    if let Some(fit) = &result.fit {
-        text += &format!("; the surface itself is up to {:.4} mm off the face", fit.error.greatest_mm);
     }
     let [u, v] = result.checked.worst;
     let place = (!holds).then(|| result.surface.point(u, v));
