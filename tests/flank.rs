@@ -141,12 +141,43 @@ fn a_path_that_is_off_more_than_is_allowed_is_no_program() {
     document.cutter = FlankCutter::cylinder(2.0, 30.0);
     let result = run(&loaded(&document));
     let off = check(&result, CheckKind::Deviation);
-    let most = -result.path().envelope.deviation.most_overcut;
+    let most = -result.checked.envelope.deviation.most_overcut;
+    let planned = -result.path().envelope.deviation.most_overcut;
+    assert!(planned <= most && (planned / most - 1.0).abs() < 0.02, "on 30 x 12 places {planned}, checked {most}");
     assert!(most > document.overcut_tolerance_mm && !off.holds && result.why_blocked().is_some(), "{}", off.text);
     assert!(off.place.is_some() && off.text.contains(&format!("{most:.4}")), "{}", off.text);
     document.overcut_tolerance_mm = most + 1e-3;
     document.undercut_tolerance_mm = 1.0;
     assert!(check(&run(&loaded(&document)), CheckKind::Deviation).holds);
+    // A grid on which nothing is seen of it does not help.
+    document.overcut_tolerance_mm = FlankDocument::default().overcut_tolerance_mm;
+    document.plan.grid = [100, 2];
+    let coarse = run(&loaded(&document));
+    let off = check(&coarse, CheckKind::Deviation);
+    assert!(coarse.path().deviation.most_overcut > -0.01 && !off.holds, "{}", off.text);
+    assert!(off.text.contains("on 100 x 50 places of the surface, at most"), "{}", off.text);
+}
+
+#[test]
+fn leads_that_cut_the_surface_itself_fail_without_any_wall() {
+    let mut input = loaded(&quick());
+    let arc = |z: f64| {
+        let angles = (0..=60).map(|i| (f64::from(i) * 190.0 / 60.0).to_radians());
+        GuideCurve::Points { points: angles.map(|a| DVec3::new(4.0 * a.cos(), 4.0 * a.sin(), z)).collect(), degree: 3 }
+    };
+    input.surface = sparkpath::jobs::flank::LoadedSurface::Guides { lower: arc(0.0), upper: arc(10.0) };
+    input.side = Side::Negative;
+    input.cutter = FlankCutter::cylinder(3.0, 20.0);
+    input.machine = None;
+    let result = run(&input);
+    let leads = check(&result, CheckKind::Leads);
+    let deep =
+        |own: &Option<sparkpath::flank::own_surface::OwnGouge>| own.is_some_and(|o| (o.depth_mm - 1.0).abs() < 0.02);
+    assert!(result.lead_own.iter().all(deep), "3 mm aside in a hollow of 4 mm: {:?}", result.lead_own);
+    assert!(!leads.holds && leads.text.contains("cut the surface itself") && leads.place.is_some(), "{}", leads.text);
+    input.milling.aside_mm = 1.5;
+    let short = run(&input);
+    assert!(check(&short, CheckKind::Leads).holds && check(&short, CheckKind::Surface).holds);
 }
 
 #[test]
@@ -369,6 +400,15 @@ fn a_flank_of_a_mesh_is_milled_as_the_surface_that_it_was_made_from() {
     assert!((found / wanted - 1.0).abs() < 0.2, "{found} for {wanted}");
     // The rest of the solid is a wall that counts.
     assert!(result.gouge.is_some() && result.plan.initial.coverage.is_whole);
+    // What the surface is off the face counts as much as what the path is off the surface.
+    let off_mm = fit.error.greatest_mm;
+    let both = [&result.checked.deviation, &result.checked.envelope.deviation];
+    let most = both.iter().fold(0.0, |most: f64, d| most.max(-d.most_overcut));
+    input.overcut_tolerance_mm = most + 0.5 * off_mm;
+    let deviation = run(&input);
+    let deviation = check(&deviation, CheckKind::Deviation);
+    assert!(off_mm > 1e-6 && !deviation.holds, "{off_mm} {}", deviation.text);
+    assert!(deviation.text.contains(&format!("overcut up to {:.4} mm", most + off_mm)), "{}", deviation.text);
     // One that there is not.
     let sparkpath::jobs::flank::LoadedSurface::Face { number, .. } = &mut input.surface else { return };
     *number = 1000;

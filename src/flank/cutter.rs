@@ -122,12 +122,11 @@ impl FlankCutter {
     /// [`FlankError::CutterTooShort`] or [`FlankError::CutterTooThick`] with the place; or as [`Self::validate`] and
     /// [`Self::above`].
     pub fn fits(&self, surface: &RuledSurface, below_mm: f64) -> Result<(), FlankError> {
-        const PLACES: usize = 64;
+        const PLACES: usize = 65;
         const ACROSS: usize = 8;
         self.validate()?;
         let touching = self.above(below_mm)?;
-        for i in 0..=PLACES {
-            let u = i as f64 / PLACES as f64;
+        for u in surface.places_along(PLACES) {
             let ruling = surface.point(u, 1.0) - surface.point(u, 0.0);
             let highest = self.contact_height_needed(ruling.length());
             let needed_mm = below_mm + highest;

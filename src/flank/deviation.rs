@@ -65,7 +65,8 @@ impl Deviation {
     }
 }
 
-/// Places of a design surface, evenly spaced in u and v with the edges among them: what deviations are measured at.
+/// Places of a design surface, evenly spaced in v and as a rule in u, with the edges among them: what deviations are
+/// measured at.
 #[derive(Debug, Clone)]
 pub struct DesignGrid {
     size: [usize; 2],
@@ -105,13 +106,18 @@ fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
 impl DesignGrid {
     /// The grid of `size` places along u and v, 2 at least both ways.
     pub fn new(surface: &RuledSurface, size: [usize; 2]) -> Self {
-        let share = |i: usize, n: usize| i as f64 / (n.max(2) - 1) as f64;
+        let along: Vec<f64> = (0..size[0]).map(|i| i as f64 / (size[0].max(2) - 1) as f64).collect();
+        Self::along(surface, &along, size[1])
+    }
+
+    /// The grid of rulings at these u, with `across` places on each, 2 at least.
+    pub fn along(surface: &RuledSurface, u: &[f64], across: usize) -> Self {
         let place = |k: usize| {
-            let at = surface.at(share(k / size[1], size[0]), share(k % size[1], size[1]));
+            let at = surface.at(u[k / across], (k % across) as f64 / (across.max(2) - 1) as f64);
             let along = at.along_v.normalize_or_zero();
             GridPlace { at, tangents: [along, at.normal.cross(along)] }
         };
-        Self { size, places: (0..size[0] * size[1]).into_par_iter().map(place).collect() }
+        Self { size: [u.len(), across], places: (0..u.len() * across).into_par_iter().map(place).collect() }
     }
 
     /// Places along u and along v.

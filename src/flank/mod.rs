@@ -9,6 +9,7 @@
 //! part. The static deviation of each location is not that of the moving cutter: [`envelope`] gives the latter.
 
 pub mod axis_surface;
+pub mod check_grid;
 pub mod compensation;
 pub mod cutter;
 pub mod deviation;

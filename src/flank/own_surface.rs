@@ -23,9 +23,6 @@ use crate::progress::{Cancel, Progress};
 /// How exact depths are (mm).
 pub const EXACT: f64 = 1e-3;
 
-/// The finest grid that is of use here: finer ones cost time and tell the same.
-pub const USUAL_GRID: [usize; 2] = [100, 50];
-
 /// A place of the design surface that the tool cuts deeper than the moving cutter does where it stands over it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct OwnGouge {
@@ -110,7 +107,7 @@ impl OwnSurfaceCheck {
     }
 }
 
-/// Holds every place of a grid of the design surface against the whole `cutter`, flutes and holder, all along `path`.
+/// Holds every place of a grid of the design surface `surface` against the whole `cutter`, flutes and holder, all along `path`.
 /// A place fails where it lies deeper in the tool than the moving cutter cuts there, by more than `tolerance_mm`.
 ///
 /// # Errors
@@ -119,10 +116,11 @@ pub fn own_surface(
     path: &FlankPath,
     cutter: &FlankCutter,
     surface: &RuledSurface,
-    (size, tolerance_mm): ([usize; 2], f64),
+    (grid, tolerance_mm): (&DesignGrid, f64),
     (progress, cancel): (&Progress, &Cancel),
 ) -> Result<OwnSurfaceCheck, FlankError> {
     const MOST: usize = 200_000;
+    let size = grid.size();
     let places = size[0].saturating_mul(size[1]);
     if size[0] < 2 || size[1] < 2 || places > MOST {
         let wanted = "2 places at least both ways, and at most 200000 in all";
@@ -130,8 +128,7 @@ pub fn own_surface(
     }
     progress.report("the tool against its own surface", 0.0, "");
     let touching = cutter.above(path.below_mm)?;
-    let grid = DesignGrid::new(surface, size);
-    let moving = moving(&grid, path, &touching);
+    let moving = moving(grid, path, &touching);
     let (flutes, holder) = tool_of(cutter);
     let tool: Vec<(ToolPart, Frustum)> = std::iter::once(flutes).chain(holder).collect();
     let one = |(place, moving): (&GridPlace, &Option<f64>)| -> Result<Option<OwnGouge>, FlankError> {

@@ -3,6 +3,7 @@
 use glam::DVec3;
 use serde::Serialize;
 
+use super::FlankError;
 use super::axis_surface::AxisSurface;
 use super::compensation::Measured;
 use super::cutter::FlankCutter;
@@ -56,20 +57,46 @@ impl FlankPath {
     pub(super) fn of(grid: &DesignGrid, cutter: &FlankCutter, path: Measured, (poses, below_mm): (usize, f64)) -> Self {
         let Measured { axis, deviation, feet, .. } = path;
         let envelope = envelope::check(grid, &axis, cutter, (&deviation, &feet));
-        let heights = feet.at.iter().map(|q| below_mm + cutter.contact_height(q.y * axis.at(q.x).length()));
-        let widest = |[low, high]: [f64; 2], h: f64| [low.min(h), high.max(h)];
-        let height_range_mm = heights.fold([f64::INFINITY, f64::NEG_INFINITY], widest);
-        let ([first, last], [grazes_first, grazes_last]) = (feet.t_range(), envelope.t_range);
-        let t_range = [first.min(grazes_first), last.max(grazes_last)];
-        let coverage = Coverage { t_range, height_range_mm, is_whole: t_range[0] >= 0.0 && t_range[1] <= 1.0 };
+        let coverage = coverage((&axis, below_mm), cutter, &feet, &envelope);
         let poses = (0..poses).map(|i| pose(&axis, below_mm, i as f64 / (poses.max(2) - 1) as f64)).collect();
         Self { axis, below_mm, poses, deviation, feet, coverage, envelope }
+    }
+
+    /// What it does over another grid: deviation of the standing cutter, coverage, and the moving cutter. `cutter` is what
+    /// touches.
+    ///
+    /// # Errors
+    /// [`FlankError::Unmeasured`] if no place of the axis stands over some place.
+    pub(super) fn over(
+        &self,
+        grid: &DesignGrid,
+        cutter: &FlankCutter,
+    ) -> Result<(Deviation, Coverage, EnvelopeCheck), FlankError> {
+        let (deviation, feet) = grid.deviation(&self.axis, cutter, None)?;
+        let envelope = envelope::check(grid, &self.axis, cutter, (&deviation, &feet));
+        let coverage = coverage((&self.axis, self.below_mm), cutter, &feet, &envelope);
+        Ok((deviation, coverage, envelope))
     }
 
     /// The cutter at `t`, from 0 to 1.
     pub fn pose(&self, t: f64) -> FlankPose {
         pose(&self.axis, self.below_mm, t)
     }
+}
+
+/// What a path covers whose axis stands at `feet` over the surface.
+fn coverage(
+    (axis, below_mm): (&AxisSurface, f64),
+    cutter: &FlankCutter,
+    feet: &Feet,
+    envelope: &EnvelopeCheck,
+) -> Coverage {
+    let heights = feet.at.iter().map(|q| below_mm + cutter.contact_height(q.y * axis.at(q.x).length()));
+    let widest = |[low, high]: [f64; 2], h: f64| [low.min(h), high.max(h)];
+    let height_range_mm = heights.fold([f64::INFINITY, f64::NEG_INFINITY], widest);
+    let ([first, last], [grazes_first, grazes_last]) = (feet.t_range(), envelope.t_range);
+    let t_range = [first.min(grazes_first), last.max(grazes_last)];
+    Coverage { t_range, height_range_mm, is_whole: t_range[0] >= 0.0 && t_range[1] <= 1.0 }
 }
 
 /// The cutter at `t` of an axis surface, its bottom `below_mm` below the tip there.

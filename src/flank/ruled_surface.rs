@@ -51,6 +51,8 @@ pub struct SurfacePlace {
 impl RuledSurface {
     /// Places along the guides at which a new surface is looked at.
     const LOOKS: usize = 128;
+    /// Most places of [`Self::places_along`].
+    pub const MOST_ALONG: usize = 4000;
     /// Share of the surface's size below which guides meet.
     const MEETING: f64 = 1e-5;
 
@@ -132,6 +134,33 @@ impl RuledSurface {
     /// Diagonal of the guides' boxes (mm), a measure of its size.
     pub fn extent(&self) -> f64 {
         self.lower.extent().max(self.upper.extent()).max(self.lower.point(0.0).distance(self.upper.point(0.0)))
+    }
+
+    /// Places along u at which nothing of the surface is passed over: `even` of them from 0 to 1, and where a piece
+    /// between two knots of a guide holds fewer than two of these, two more at its quarters. No more than
+    /// [`Self::MOST_ALONG`] or `even`, whichever is more: of guides with more pieces some go without.
+    pub fn places_along(&self, even: usize) -> Vec<f64> {
+        /// Pieces shorter than this are joints that differ by rounding.
+        const SHORTEST: f64 = 1e-6;
+        let last = even.max(2) - 1;
+        let even: Vec<f64> = (0..=last).map(|i| i as f64 / last as f64).collect();
+        let mut joints = [self.lower.knots().joints(), self.upper.knots().joints()].concat();
+        joints.sort_by(f64::total_cmp);
+        let mut more = Vec::new();
+        for [from, to] in joints.windows(2).map(|w| [w[0], w[1]]) {
+            let within = even.partition_point(|u| *u < to) - even.partition_point(|u| *u < from);
+            if within < 2 && to - from > SHORTEST {
+                more.extend([0.25, 0.75].map(|share| from + share * (to - from)));
+            }
+        }
+        // Left out evenly, so that pieces without a place lie among such with one.
+        let room = Self::MOST_ALONG.saturating_sub(even.len());
+        let kept = more.len().min(room);
+        let more: Vec<f64> = (0..kept).map(|i| more[i * more.len() / kept]).collect();
+        let mut all = [even, more].concat();
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+        all
     }
 
     /// The radius (mm) of the hollow at a place across the ruling, seen from the cutter; infinite where it bulges.

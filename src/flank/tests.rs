@@ -16,6 +16,7 @@ use super::{FlankError, envelope};
 use crate::progress::{Cancel, Progress};
 
 mod bad_input;
+mod check_grid;
 mod flat;
 mod gouging;
 mod laws;

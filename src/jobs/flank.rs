@@ -7,16 +7,19 @@ use glam::DVec3;
 
 use crate::export::flank_nc::milling_post;
 use crate::flank::FlankError;
+use crate::flank::check_grid::{CheckGrid, CheckedPath};
 use crate::flank::cutter::FlankCutter;
 use crate::flank::fit_ruled::{Candidate, CandidateFit, RuledFit};
 use crate::flank::gouge::{self, Clearance, GougeCheck};
 use crate::flank::guide::GuideCurve;
+use crate::flank::inside_wall::within;
 use crate::flank::machine::joint_feed::{Contact, Slowed, paces};
 use crate::flank::machine::kinematics::{Kinematics, ToolPose};
 use crate::flank::machine::linearise::{LinearisationParams, MachinePath, linearise};
 use crate::flank::machine::milling_machine::MillingMachine;
 use crate::flank::machine::tool_path::{ToolPath, ToolPathError};
-use crate::flank::own_surface::{self, OwnSurfaceCheck};
+use crate::flank::own_leads::own_gouge_of_moves;
+use crate::flank::own_surface::{OwnGouge, OwnSurfaceCheck, own_surface};
 use crate::flank::params::FlankParams;
 use crate::flank::path::{FlankPath, FlankPose};
 use crate::flank::plan::{FlankPlan, plan_flank};
@@ -88,6 +91,8 @@ pub struct FlankInput {
     pub undercut_tolerance_mm: f64,
     /// Checks that do not keep anything from being exported.
     pub overrides: Vec<FlankOverride>,
+    /// Whether checks are taken on the plan's own grid, to be quick; nothing should be milled by them.
+    pub is_quick_look: bool,
 }
 
 /// Why there is no flank path at all.
@@ -169,12 +174,17 @@ pub struct FlankResult {
     pub plan: FlankPlan,
     /// Which of them is milled.
     pub path: PathChoice,
+    /// What it does over the grid that it is checked on.
+    pub checked: CheckedPath,
     /// Its clearances; none if there is nothing that could be gouged.
     pub gouge: Option<GougeCheck>,
     /// What the whole tool does to the surface itself all along the path.
     pub own_surface: OwnSurfaceCheck,
     /// The same of the approach and of the retraction, each from the surface outwards.
     pub lead_gouge: [Option<GougeCheck>; 2],
+    /// Where the approach and the retraction cut the surface itself deeper than the path does at its ends; t is the share
+    /// of the moves, from the surface outwards.
+    pub lead_own: [Option<OwnGouge>; 2],
     /// The straight moves that lead to it and from it, outside first.
     pub approach: Vec<ToolPose>,
     /// See `approach`.
@@ -277,18 +287,25 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
         }
     })?;
     let path = path_of(&plan, input.path);
-    let grid = std::array::from_fn(|k| input.params.grid[k].min(own_surface::USUAL_GRID[k]));
-    let against = (grid, input.params.gouge_tolerance_mm);
-    let own_surface = own_surface::own_surface(path, &input.cutter, &surface, against, (progress, cancel))?;
+    let quick = input.is_quick_look.then(|| CheckGrid::even(&surface, input.params.grid));
+    let grid = quick.unwrap_or_else(|| CheckGrid::new(&surface));
+    let checked = grid.checked(path, &input.cutter.above(input.params.below_mm)?)?;
+    let whole_tool = grid.for_whole_tool(&surface);
+    let against = (&whole_tool, input.params.gouge_tolerance_mm);
+    let own_surface = own_surface(path, &input.cutter, &surface, against, (progress, cancel))?;
     let [approach, retract] = leads(&surface, path, &input.milling);
     let walls = walls(input, &surface, fit.as_ref());
     let gouge = lesser_of(&walls, |wall| gouge::check(path, &input.cutter, wall, progress, cancel))?;
-    let moves = |from: FlankPose, lead: &[ToolPose]| -> Result<Option<GougeCheck>, FlankError> {
+    let gouge = gouge.map(|gouge| lesser(gouge, within_walls(input, &path.pose(0.0))));
+    let moves = |from: FlankPose, lead: &[ToolPose]| -> Result<_, FlankError> {
         let places: Vec<DVec3> = std::iter::once(from.tip).chain(lead.iter().map(|p| p.tip)).collect();
-        lesser_of(&walls, |wall| gouge::check_moves((&places, from.axis), &input.cutter, wall, progress, cancel))
+        let way = (&places[..], from.axis);
+        let gouge = lesser_of(&walls, |wall| gouge::check_moves(way, &input.cutter, wall, progress, cancel))?;
+        let gouge = gouge.map(|gouge| lesser(gouge, within_walls(input, &from)));
+        Ok((gouge, own_gouge_of_moves(way, &input.cutter, against, cancel)?))
     };
     let inwards: Vec<ToolPose> = approach.iter().rev().copied().collect();
-    let lead_gouge = [moves(path.pose(0.0), &inwards)?, moves(path.pose(1.0), &retract)?];
+    let ((onto, onto_own), (off, off_own)) = (moves(path.pose(0.0), &inwards)?, moves(path.pose(1.0), &retract)?);
     progress.report("positions of the machine", 0.0, "");
     let milled = input.machine.as_ref().map(|machine| {
         let path = tool_path(path, &approach, &retract).map_err(|e| e.to_string())?;
@@ -302,9 +319,11 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
         fit,
         plan,
         path: input.path,
+        checked,
         own_surface,
         gouge,
-        lead_gouge,
+        lead_gouge: [onto, off],
+        lead_own: [onto_own, off_own],
         approach,
         retract,
         milled,
@@ -384,6 +403,16 @@ fn lesser_of<'a>(
         found = Some(found.map_or(next, |found| lesser(found, next)));
     }
     Ok(found)
+}
+
+/// What of the tool at `pose` is wholly within the part or the given walls.
+fn within_walls(input: &FlankInput, pose: &FlankPose) -> GougeCheck {
+    let part = match &input.surface {
+        LoadedSurface::Face { mesh, is_own_wall: true, .. } => Some(mesh),
+        _ => None,
+    };
+    let found = part.into_iter().chain(&input.walls).map(|wall| within(pose, &input.cutter, wall));
+    found.reduce(lesser).unwrap_or_default()
 }
 
 /// The lesser clearances of two checks.

@@ -35,7 +35,8 @@ fn omega() -> RuledSurface {
 }
 
 fn checked(path: &FlankPath, cutter: &FlankCutter, surface: &RuledSurface, size: [usize; 2]) -> OwnSurfaceCheck {
-    own_surface(path, cutter, surface, (size, 0.01), (&Progress::silent(), &Cancel::default())).unwrap()
+    let grid = DesignGrid::new(surface, size);
+    own_surface(path, cutter, surface, (&grid, 0.01), (&Progress::silent(), &Cancel::default())).unwrap()
 }
 
 /// The depth that is found is that of dense sampling along the path.

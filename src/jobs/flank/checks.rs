@@ -5,11 +5,12 @@ use glam::DVec3;
 use super::{FlankInput, FlankResult, LoadedSurface};
 use crate::export::nc_feed::LEAST_BLOCK_MINUTES;
 use crate::flank::FlankError;
+use crate::flank::deviation::Deviation;
 use crate::flank::gouge::{Clearance, ToolPart};
 use crate::flank::guide::pairing_warning;
 use crate::flank::machine::joint_feed::Slowed;
 use crate::flank::params::Objective;
-use crate::flank::refine::path_beyond_bounds;
+use crate::flank::refine::beyond_bounds;
 use crate::project::flank_override::{Figures, FlankOverride};
 
 /// How far below the flutes the surface may go (mm): the bottom's own rounding.
@@ -40,7 +41,7 @@ pub enum CheckKind {
     Gouge,
     /// That the holder touches nothing.
     Holder,
-    /// That approach and retraction touch nothing else.
+    /// That approach and retraction cut no wall, and the surface itself no deeper than the path's ends do.
     Leads,
     /// That the machine can follow within its limits and the tolerance.
     Machine,
@@ -150,7 +151,7 @@ pub(super) fn of(result: &FlankResult) -> Vec<FlankCheck> {
     checks.push(envelope(result));
     checks.push(own_surface(result));
     checks.extend(gouge(result));
-    checks.extend(leads(result));
+    checks.push(leads(result));
     checks.extend(machine(result));
     checks
 }
@@ -194,11 +195,14 @@ fn cutter(result: &FlankResult) -> FlankCheck {
 }
 
 fn coverage(result: &FlankResult) -> FlankCheck {
-    let coverage = &result.path().coverage;
-    let ([first, last], [lowest, highest]) = (coverage.t_range, coverage.height_range_mm);
+    let [planned, checked] = [&result.path().coverage, &result.checked.coverage];
+    let widest = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+    let [first, last] = widest(planned.t_range, checked.t_range);
+    let [lowest, highest] = widest(planned.height_range_mm, checked.height_range_mm);
+    let is_whole = planned.is_whole && checked.is_whole;
     let flutes = result.plan.cutter.length_mm;
     let mut missing = Vec::new();
-    if !coverage.is_whole {
+    if !is_whole {
         missing.push(format!("the path runs from t = 0 to 1 and {first:.4} to {last:.4} are needed"));
     }
     if lowest < -BELOW_MM {
@@ -220,32 +224,38 @@ fn coverage(result: &FlankResult) -> FlankCheck {
     FlankCheck::new(CheckKind::Coverage, missing.is_empty(), text).with(&figures)
 }
 
+/// Deviations of the path that is milled: standing and moving, over the grid that it was planned on and over the one for
+/// checks.
+fn deviations(result: &FlankResult) -> [&Deviation; 4] {
+    let (path, checked) = (result.path(), &result.checked);
+    [&path.deviation, &path.envelope.deviation, &checked.deviation, &checked.envelope.deviation]
+}
+
+/// Greatest overcut and undercut of the path that is milled (mm).
+fn greatest(result: &FlankResult) -> [f64; 2] {
+    let all = deviations(result);
+    let overcut = all.iter().fold(0.0, |most: f64, d| most.max(-d.most_overcut));
+    [overcut, all.iter().fold(0.0, |most: f64, d| most.max(d.most_undercut))]
+}
+
 /// The worse of the standing and the moving cutter, to which the fit of a face adds its own error.
 fn deviation(result: &FlankResult) -> FlankCheck {
-    let path = result.path();
-    let both = [&path.deviation, &path.envelope.deviation];
-    let overcut = both.iter().fold(0.0, |most: f64, d| most.max(-d.most_overcut));
-    let undercut = both.iter().fold(0.0, |most: f64, d| most.max(d.most_undercut));
+    let off_mm = result.fit.as_ref().map_or(0.0, |fit| fit.error.greatest_mm);
+    let [overcut, undercut] = greatest(result).map(|most| most + off_mm);
     let allowed = [result.overcut_tolerance_mm, result.undercut_tolerance_mm];
     let holds = overcut <= allowed[0] && undercut <= allowed[1];
     let mut text = format!(
-        "overcut up to {overcut:.4} mm, undercut up to {undercut:.4} mm, standing or moving; allowed: {} and {} mm",
-        allowed[0], allowed[1]
+        "overcut up to {overcut:.4} mm, undercut up to {undercut:.4} mm, standing or moving, on {}; allowed: {} and {} mm",
+        result.checked.words, allowed[0], allowed[1]
     );
+    if result.fit.is_some() {
+        text += &format!("; {off_mm:.4} mm of both is what the surface itself is off the face");
+    }
     if !holds {
         text += "; mill the refined path, bound it (objective bounded), or take a thinner cutter";
     }
-    if let Some(fit) = &result.fit {
-        text += &format!("; the surface itself is up to {:.4} mm off the face", fit.error.greatest_mm);
-    }
-    let values = &path.envelope.deviation.values;
-    let worst = (0..values.len()).max_by(|a, b| values[*a].abs().total_cmp(&values[*b].abs()));
-    let [_, along_v] = path.envelope.deviation.grid;
-    let share = |i: usize, n: usize| i as f64 / (n.max(2) - 1) as f64;
-    let place = worst.filter(|_| !holds && along_v > 0).map(|k| {
-        let [n, m] = path.envelope.deviation.grid;
-        result.surface.point(share(k / m, n), share(k % m, m))
-    });
+    let [u, v] = result.checked.worst;
+    let place = (!holds).then(|| result.surface.point(u, v));
     let figures = [("overcut_mm", overcut), ("undercut_mm", undercut)];
     FlankCheck { place, ..FlankCheck::new(CheckKind::Deviation, holds, text) }.with(&figures)
 }
@@ -253,31 +263,29 @@ fn deviation(result: &FlankResult) -> FlankCheck {
 fn bounds(result: &FlankResult) -> Option<FlankCheck> {
     let objective = result.plan.params.objective;
     let Objective::Bounded { .. } = objective else { return None };
-    let path = result.path();
-    let both = [&path.deviation, &path.envelope.deviation];
-    let beyond = path_beyond_bounds(objective, path);
+    let beyond = deviations(result).into_iter().map(|d| beyond_bounds(objective, d)).fold(0.0, f64::max);
+    let [overcut, undercut] = greatest(result);
     let text = format!(
-        "overcut up to {:.4} mm, undercut up to {:.4} mm, standing or moving: {}",
-        both.iter().fold(0.0, |most: f64, d| most.max(-d.most_overcut)),
-        both.iter().fold(0.0, |most: f64, d| most.max(d.most_undercut)),
+        "overcut up to {overcut:.4} mm, undercut up to {undercut:.4} mm, standing or moving: {}",
         if beyond > KEPT_MM { format!("{beyond:.4} mm beyond the bounds") } else { "within the bounds".to_owned() }
     );
     Some(FlankCheck::new(CheckKind::Bounds, beyond <= KEPT_MM, text).with(&[("beyond_mm", beyond)]))
 }
 
 fn envelope(result: &FlankResult) -> FlankCheck {
-    let envelope = &result.path().envelope;
+    let both = [&result.path().envelope, &result.checked.envelope];
+    let greatest = both.iter().fold(0.0, |most: f64, e| most.max(e.greatest_difference));
+    let without = both.iter().fold(0, |most, e| most.max(e.without));
     let tolerance = result.envelope_tolerance_mm;
-    let holds = envelope.greatest_difference <= tolerance && envelope.without == 0;
+    let holds = greatest <= tolerance && without == 0;
     let mut text = format!(
-        "moving and standing cutter differ by {:.5} mm at most over {} places; allowed: {tolerance} mm",
-        envelope.greatest_difference,
-        envelope.deviation.values.len()
+        "moving and standing cutter differ by {greatest:.5} mm at most on {}; allowed: {tolerance} mm",
+        result.checked.words
     );
-    if envelope.without > 0 {
-        text += &format!("; over {} places the moving cutter touches nothing", envelope.without);
+    if without > 0 {
+        text += &format!("; over {without} places the moving cutter touches nothing");
     }
-    let figures = [("difference_mm", envelope.greatest_difference), ("untouched_places", envelope.without as f64)];
+    let figures = [("difference_mm", greatest), ("untouched_places", without as f64)];
     FlankCheck::new(CheckKind::Envelope, holds, text).with(&figures)
 }
 
@@ -288,25 +296,40 @@ fn part_name(part: ToolPart) -> String {
     }
 }
 
-fn leads(result: &FlankResult) -> Option<FlankCheck> {
+/// Approach and retraction against the surface itself, and against walls if there are any.
+fn leads(result: &FlankResult) -> FlankCheck {
     let tolerance = result.plan.params.gouge_tolerance_mm;
-    let names = ["approach", "retraction"].into_iter().zip(result.lead_gouge);
-    let near = names.flat_map(|(name, gouge)| {
+    let names = ["approach", "retraction"];
+    let own = names.into_iter().zip(result.lead_own).filter_map(|(name, own)| Some((name, own?)));
+    if let Some((name, own)) = own.max_by(|a, b| a.1.excess_mm().total_cmp(&b.1.excess_mm())) {
+        let text = format!(
+            "on the {name} {} cut the surface itself {:.4} mm deep at u = {:.4}, v = {:.4}, where the end of the path cuts {:.4} \
+             mm; {tolerance} mm more are allowed; shorten aside_mm, or take a thinner cutter",
+            part_name(own.part),
+            own.depth_mm,
+            own.u,
+            own.v,
+            own.expected_mm
+        );
+        return FlankCheck::new(CheckKind::Leads, false, text).at(own.point);
+    }
+    let near = names.into_iter().zip(result.lead_gouge).flat_map(|(name, gouge)| {
         gouge.into_iter().flat_map(|g| [g.cutter, g.holder]).flatten().map(move |clearance| (name, clearance))
     });
     let nearest = near.min_by(|a, b| a.1.distance_mm.total_cmp(&b.1.distance_mm));
-    result.lead_gouge[0].or(result.lead_gouge[1])?;
     let Some((name, Clearance { part, distance_mm, point, .. })) = nearest else {
-        return Some(FlankCheck::new(CheckKind::Leads, true, "nothing is near approach and retraction".to_owned()));
+        let near = if result.lead_gouge.iter().any(Option::is_some) { "; no wall is near them" } else { "" };
+        let text = format!("approach and retraction cut the surface itself nowhere deeper than the path's ends{near}");
+        return FlankCheck::new(CheckKind::Leads, true, text);
     };
     let part = part_name(part);
     let text = if distance_mm < 0.0 {
         format!("on the {name} {part} go {:.4} mm deep; allowed: {tolerance} mm", -distance_mm)
     } else {
-        format!("on approach and retraction {part} keep {distance_mm:.4} mm away")
+        format!("on approach and retraction {part} keep {distance_mm:.4} mm away from walls and off the surface itself")
     };
     let check = FlankCheck::new(CheckKind::Leads, distance_mm >= -tolerance, text).at(point);
-    Some(check.with(&[("depth_mm", -distance_mm)]))
+    check.with(&[("depth_mm", -distance_mm)])
 }
 
 fn own_surface(result: &FlankResult) -> FlankCheck {
