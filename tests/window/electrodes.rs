@@ -172,7 +172,6 @@ fn the_flanks_of_a_designed_electrode_are_milled_without_a_file() {
     // It is clamped as it burns no more: tips to the spindle.
     assert_eq!(flank(&desk).milling.workpiece.unwrap().z_axis, DVec3::NEG_Z);
     assert!(!desk.app().core().flank.is_unsaved());
-    desk.pictures("flank_of_electrode");
 
     // The mesh goes along with the flank's file.
     desk.enter("Radius", "0.75");

@@ -22,6 +22,9 @@ use crate::render::scene::Scene;
 use crate::render::view::StandardView;
 use crate::views::{FlankScene, FlankSurface, bodies, contact_line};
 
+/// How far along its arrow the button of a side is, in lengths of the arrow.
+const BEYOND: f64 = 1.35;
+
 /// Names of paths, and where they stand.
 type Names = Vec<(DVec3, &'static str)>;
 
@@ -170,9 +173,10 @@ impl FlankView {
     /// Both sides of the surface at the ends of their arrows, to be chosen.
     fn choose_side(&self, ui: &mut Ui, rect: Rect, core: &mut Core) {
         let (camera, size) = self.viewport.camera();
-        let Some(tips) = self.sides.filter(|_| core.flank.open_side().is_some()) else { return };
+        let Some((tips, [from, _])) = self.sides.zip(core.flank.open_side()) else { return };
         for (tip, (side, name, hint)) in tips.into_iter().zip(SIDES) {
-            let Some(seen) = camera.project(tip, size) else { continue };
+            // Past the arrow's point, which is to be seen.
+            let Some(seen) = camera.project(from.lerp(tip, BEYOND), size) else { continue };
             let p = seen.pixel / f64::from(ui.pixels_per_point());
             let at = rect.min + vec2(p.x as f32, p.y as f32);
             let area = Rect::from_center_size(at, vec2(34.0, 22.0));
