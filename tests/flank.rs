@@ -416,6 +416,66 @@ fn a_flank_of_a_mesh_is_milled_as_the_surface_that_it_was_made_from() {
     assert!(said.contains("no flank 1000"), "{said}");
 }
 
+/// A turned electrode: a cone frustum that stands on a wider foot.
+fn turned() -> Mesh {
+    const AROUND: usize = 120;
+    let rows = [[14.0, 0.0], [14.0, 5.0], [8.0, 5.0], [5.0, 15.0]];
+    let at = |[r, z]: [f64; 2], i: usize| {
+        let angle = std::f64::consts::TAU * i as f64 / AROUND as f64;
+        DVec3::new(r * angle.cos(), r * angle.sin(), z)
+    };
+    let mut vertices: Vec<DVec3> = rows.iter().flat_map(|row| (0..AROUND).map(|i| at(*row, i))).collect();
+    vertices.extend([DVec3::ZERO, DVec3::new(0.0, 0.0, 15.0)]);
+    let n = AROUND as u32;
+    let [bottom, top] = [4 * n, 4 * n + 1];
+    let mut triangles = Vec::new();
+    for (i, j) in (0..n).map(|i| (i, (i + 1) % n)) {
+        (0..3).for_each(|k| triangles.extend([[i, j, j + n], [i, j + n, i + n]].map(|t| t.map(|v| v + k * n))));
+        triangles.extend([[bottom, j, i], [top, i + 3 * n, j + 3 * n]]);
+    }
+    Mesh { vertices, triangles }
+}
+
+#[test]
+fn a_flank_all_around_is_milled_in_one_go_and_back_to_its_start() {
+    let mesh = turned();
+    assert!(mesh.is_watertight() && mesh.volume() > 0.0);
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("turned.stl");
+    write_stl(&file, &mesh).unwrap();
+    let source = MeshFlank { file, units: Units::Mm, ..MeshFlank::default() };
+    let mut document = FlankDocument { source: FlankSource::Mesh(source), ..quick() };
+    document.plan.control_points = 40;
+    document.plan.locations = 80;
+    document.plan.grid = [60, 8];
+    // The foot is below: the bottom of the cutter follows its plane.
+    document.plan.below_mm = 0.0;
+    document.cutter = FlankCutter::cylinder(3.0, 20.0);
+    let mut input = loaded(&document);
+    input.machine = None;
+    let sparkpath::jobs::flank::LoadedSurface::Face { candidates, number, .. } = &mut input.surface else {
+        panic!("a face of a mesh")
+    };
+    let frustum = candidates.iter().position(|c| c.kind == sparkpath::flank::fit_ruled::CandidateKind::Cone);
+    *number = frustum.unwrap() + 1;
+    let result = run(&input);
+    let fit = result.fit.as_ref().unwrap();
+    assert!(fit.is_closed && check(&result, CheckKind::Ruled).holds, "{:?}", fit.words);
+    // The bottom leans with the wall: it touches the foot beside the wall and rises from there.
+    assert!(result.holds() && result.gouge.is_some_and(|g| g.cutter.is_some()), "{:?}", result.why_blocked());
+    let [start, end] = [0.0, 1.0].map(|t| result.path().pose(t));
+    assert!(start.tip.distance(end.tip) < 1e-9 && start.axis.distance(end.axis) < 1e-9);
+    // Beside the seam it leaves along the normal: further from the axis of the part than on the path.
+    let away = |p: DVec3| p.truncate().length();
+    assert!(away(result.approach[1].tip) > away(start.tip) + 1.0 && away(result.retract[0].tip) > away(end.tip) + 1.0);
+    // Reaching below, it cuts the foot: deepest where bottom and flute are as near, x beside the wall, x cos(a) deep.
+    input.params.below_mm = 0.3;
+    let (sin, cos) = 0.3f64.atan().sin_cos();
+    let deepest = 0.3 / (1.0 + sin / cos);
+    let gouge = run(&input).gouge.unwrap().cutter.unwrap();
+    assert!((gouge.distance_mm + deepest).abs() < 0.03, "{gouge:?} {deepest}");
+}
+
 #[test]
 fn a_flank_that_cannot_be_is_answered_in_words_and_work_that_is_not_wanted_stops() {
     let mut input = loaded(&quick());

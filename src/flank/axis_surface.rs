@@ -1,4 +1,5 @@
-//! The surface that the cutter's axis sweeps: ruled between two cubic B-splines, P4 (8) and (9).
+//! The surface that the cutter's axis sweeps: ruled between two cubic B-splines, P4 (8) and (9). Around a closed surface
+//! they are closed too: what is beyond their end is their beginning.
 
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
@@ -6,9 +7,11 @@ use nalgebra::{DMatrix, DVector};
 use super::FlankError;
 use super::offset::CutterLocation;
 
-/// Clamped uniform cubic B-splines over 0 to 1, as polynomials of each piece; the end pieces go on past the ends.
+/// Uniform cubic B-splines over 0 to 1, as polynomials of each piece. Clamped ones go on past the ends with the end
+/// pieces, closed ones start again.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CubicBasis {
+    is_closed: bool,
     /// For each piece the coefficients of its four functions, in powers of the share of the piece.
     pieces: Vec<[[f64; 4]; 4]>,
 }
@@ -16,17 +19,25 @@ pub struct CubicBasis {
 /// The four functions that are not zero at a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BasisAt {
-    /// Number of the first of them.
-    pub first: usize,
+    /// Their numbers.
+    pub numbers: [usize; 4],
     /// Their values.
     pub values: [f64; 4],
 }
 
 impl CubicBasis {
-    /// The basis of this many functions, 4 at least.
+    /// The clamped basis of this many functions, 4 at least.
     pub fn new(count: usize) -> Self {
-        let pieces = count.max(4) - 3;
-        let knot = |i: isize| i.clamp(0, pieces as isize) as f64;
+        Self::with(count.max(4) - 3, false)
+    }
+
+    /// The closed basis of this many functions, 4 at least.
+    pub fn closed(count: usize) -> Self {
+        Self::with(count.max(4), true)
+    }
+
+    fn with(pieces: usize, is_closed: bool) -> Self {
+        let knot = |i: isize| if is_closed { i as f64 } else { i.clamp(0, pieces as isize) as f64 };
         let of = |piece: usize| {
             // Cox and de Boor with polynomials for values; knots count pieces, x is the share of the piece.
             let mut functions = [[0.0; 4]; 4];
@@ -45,16 +56,22 @@ impl CubicBasis {
             }
             functions
         };
-        Self { pieces: (0..pieces).map(of).collect() }
+        Self { is_closed, pieces: (0..pieces).map(of).collect() }
     }
 
     /// Number of functions.
     pub fn count(&self) -> usize {
-        self.pieces.len() + 3
+        if self.is_closed { self.pieces.len() } else { self.pieces.len() + 3 }
+    }
+
+    /// The numbers of the functions that are not zero on a piece.
+    fn numbers(&self, piece: usize) -> [usize; 4] {
+        [0, 1, 2, 3].map(|r| (piece + r) % self.count())
     }
 
     /// The piece of `t` and the share of it.
     fn place(&self, t: f64) -> (usize, f64) {
+        let t = if self.is_closed { t - t.floor() } else { t };
         let scaled = t * self.pieces.len() as f64;
         let piece = (scaled.max(0.0) as usize).min(self.pieces.len() - 1);
         (piece, scaled - piece as f64)
@@ -62,9 +79,9 @@ impl CubicBasis {
 
     /// The functions at `t`.
     pub fn at(&self, t: f64) -> BasisAt {
-        let (first, x) = self.place(t);
-        let values = self.pieces[first].map(|c| c[0] + x * (c[1] + x * (c[2] + x * c[3])));
-        BasisAt { first, values }
+        let (piece, x) = self.place(t);
+        let values = self.pieces[piece].map(|c| c[0] + x * (c[1] + x * (c[2] + x * c[3])));
+        BasisAt { numbers: self.numbers(piece), values }
     }
 }
 
@@ -98,7 +115,7 @@ impl AxisAt {
     }
 }
 
-/// The axis trajectory surface D(t, a) = (1 - a) C_b(t) + a C_t(t), t from 0 to 1.
+/// The axis trajectory surface D(t, a) = (1 - a) C_b(t) + a C_t(t), t from 0 to 1; any t where it is closed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AxisSurface {
     basis: CubicBasis,
@@ -116,36 +133,53 @@ impl AxisSurface {
     /// # Errors
     /// [`FlankError::Singular`] if the points do not match or are no numbers.
     pub fn new(lower: Vec<DVec3>, upper: Vec<DVec3>, u0_range: [f64; 2]) -> Result<Self, FlankError> {
+        let basis = CubicBasis::new(lower.len());
+        Self::with(basis, [lower, upper], u0_range)
+    }
+
+    /// The closed surface with these control points of C_b and C_t, as many of both and 4 at least; u0 is its parameter.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn closed(lower: Vec<DVec3>, upper: Vec<DVec3>) -> Result<Self, FlankError> {
+        let basis = CubicBasis::closed(lower.len());
+        Self::with(basis, [lower, upper], [0.0, 1.0])
+    }
+
+    fn with(basis: CubicBasis, [lower, upper]: [Vec<DVec3>; 2], u0_range: [f64; 2]) -> Result<Self, FlankError> {
         let is_finite = lower.iter().chain(&upper).all(|p| p.is_finite());
         if lower.len() != upper.len() || lower.len() < 4 || !is_finite {
             return Err(FlankError::Singular("the axis surface"));
         }
-        let basis = CubicBasis::new(lower.len());
         let powers = |points: &[DVec3], piece: usize| -> [DVec3; 4] {
             let functions = &basis.pieces[piece];
-            std::array::from_fn(|k| (0..4).map(|r| points[piece + r] * functions[r][k]).sum())
+            let numbers = basis.numbers(piece);
+            std::array::from_fn(|k| (0..4).map(|r| points[numbers[r]] * functions[r][k]).sum())
         };
         let pieces = (0..basis.pieces.len()).map(|i| [powers(&lower, i), powers(&upper, i)]).collect();
         Ok(Self { basis, lower, upper, pieces, u0_range })
     }
 
-    /// Least squares through the tips and upper ends of `locations`, whose u0 must rise.
+    /// Least squares through the tips and upper ends of `locations`, whose u0 must rise; closed if they go once around a
+    /// closed surface, from u0 = 0 to 1.
     ///
     /// # Errors
     /// [`FlankError::Singular`] if there are too few locations.
-    pub fn fit(locations: &[CutterLocation], control_points: usize) -> Result<Self, FlankError> {
+    pub fn fit(locations: &[CutterLocation], control_points: usize, is_closed: bool) -> Result<Self, FlankError> {
         let singular = FlankError::Singular("the fit of the axis surface");
         let (Some(first), Some(last)) = (locations.first(), locations.last()) else { return Err(singular) };
+        let range = [first.u0, last.u0];
+        // Once around, the last location is the first one again, which must not count twice.
+        let locations = if is_closed { &locations[..locations.len() - 1] } else { locations };
         if control_points < 4 || locations.len() < control_points {
             return Err(singular);
         }
-        let range = [first.u0, last.u0];
-        let basis = CubicBasis::new(control_points);
+        let basis = if is_closed { CubicBasis::closed(control_points) } else { CubicBasis::new(control_points) };
         let mut rows = DMatrix::zeros(locations.len(), control_points);
         let mut right = DMatrix::zeros(locations.len(), 6);
         for (i, location) in locations.iter().enumerate() {
             let at = basis.at((location.u0 - range[0]) / (range[1] - range[0]));
-            (0..4).for_each(|r| rows[(i, at.first + r)] = at.values[r]);
+            (0..4).for_each(|r| rows[(i, at.numbers[r])] = at.values[r]);
             let ends = location.tip.to_array().into_iter().chain(location.q2.to_array());
             ends.enumerate().for_each(|(k, x)| right[(i, k)] = x);
         }
@@ -153,7 +187,7 @@ impl AxisSurface {
         let solved = qr.r().solve_upper_triangular(&(qr.q().transpose() * right)).ok_or(singular)?;
         let point = |i: usize, k: usize| DVec3::new(solved[(i, k)], solved[(i, k + 1)], solved[(i, k + 2)]);
         let points = |k: usize| (0..control_points).map(|i| point(i, k)).collect();
-        Self::new(points(0), points(3), range)
+        Self::with(basis, [points(0), points(3)], range)
     }
 
     /// Control points of C_b, the curve of the tip (mm).
@@ -164,6 +198,11 @@ impl AxisSurface {
     /// Control points of C_t, the curve of the upper end (mm).
     pub fn upper(&self) -> &[DVec3] {
         &self.upper
+    }
+
+    /// Whether it ends where it starts.
+    pub fn is_closed(&self) -> bool {
+        self.basis.is_closed
     }
 
     /// Its basis functions.
@@ -224,6 +263,6 @@ impl AxisSurface {
         let by = |i: usize| DVec3::new(change[3 * i], change[3 * i + 1], change[3 * i + 2]);
         let lower = (0..n).map(|i| self.lower[i] + by(i)).collect();
         let upper = (0..n).map(|i| self.upper[i] + by(n + i)).collect();
-        Self::new(lower, upper, self.u0_range)
+        Self::with(self.basis.clone(), [lower, upper], self.u0_range)
     }
 }

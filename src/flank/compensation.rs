@@ -45,8 +45,8 @@ pub enum Model {
 /// How the deviation at a place changes with the control points.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Row {
-    /// First of four control points.
-    pub first: usize,
+    /// Numbers of four control points.
+    pub numbers: [usize; 4],
     /// Its basis functions.
     pub values: [f64; 4],
     /// By a change of C_b and of C_t.
@@ -75,16 +75,21 @@ impl Row {
         }
         let taller = a * sin * direction;
         let basis = axis.basis().at(t);
-        Self { first: basis.first, values: basis.values, by: [(1.0 - a) * shift + taller, a * shift - taller] }
+        Self { numbers: basis.numbers, values: basis.values, by: [(1.0 - a) * shift + taller, a * shift - taller] }
     }
 
-    /// Its entries that are not zero: number of the unknown and value. Unknowns are x, y, z of all of C_b, then of C_t.
+    /// Its entries that are not zero: number of the unknown, rising, and value. Unknowns are x, y, z of all of C_b, then of
+    /// C_t.
     pub fn entries(&self, control_points: usize) -> [(usize, f64); 24] {
         let mut entries = [(0, 0.0); 24];
         for (k, entry) in entries.iter_mut().enumerate() {
             let (curve, point, axis) = (k / 12, k / 3 % 4, k % 3);
-            let unknown = 3 * (curve * control_points + self.first + point) + axis;
+            let unknown = 3 * (curve * control_points + self.numbers[point]) + axis;
             *entry = (unknown, self.values[point] * self.by[curve][axis]);
+        }
+        // Across the seam of a closed path the last control points come before the first.
+        if self.numbers[3] < self.numbers[0] {
+            entries.sort_unstable_by_key(|e| e.0);
         }
         entries
     }
@@ -216,7 +221,8 @@ impl Measured {
     ) -> Result<Self, FlankError> {
         let (deviation, feet) = grid.deviation(&axis, cutter, near)?;
         let [along, across] = grid.size();
-        let ends = (0..across).chain((along - 1) * across..along * across);
+        // A closed path has no ends.
+        let ends = (0..across).chain((along - 1) * across..along * across).filter(|_| !axis.is_closed());
         let (mut grazing, mut lag) = ([f64::INFINITY, f64::NEG_INFINITY], 0.0f64);
         for k in ends {
             let outwards = if k < across { -1.0 } else { 1.0 };
@@ -228,8 +234,12 @@ impl Measured {
         Ok(Self { axis, deviation, feet, grazing, lag })
     }
 
-    /// Least and greatest t that the path must have to cover the surface, standing and moving.
+    /// Least and greatest t that the path must have to cover the surface, standing and moving; 0 and 1 of a closed path,
+    /// which has every t.
     pub fn t_range(&self) -> [f64; 2] {
+        if self.axis.is_closed() {
+            return [0.0, 1.0];
+        }
         let [first, last] = self.feet.t_range();
         [first.min(self.grazing[0]), last.max(self.grazing[1])]
     }
@@ -237,7 +247,7 @@ impl Measured {
     /// Whether the path begins before and ends behind the surface, by where the cutter stands over it.
     pub fn stands_over_all(&self) -> bool {
         let [first, last] = self.feet.t_range();
-        first >= 0.0 && last <= 1.0
+        self.axis.is_closed() || (first >= 0.0 && last <= 1.0)
     }
 
     /// Whether it covers all that `other` covers, standing and moving.

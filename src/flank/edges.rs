@@ -11,8 +11,8 @@ use super::deviation::DesignGrid;
 /// Bounds that a path should keep, and what it costs not to.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Edges {
-    /// How far within the path's ends (t) the surface's ends should lie.
-    margin: f64,
+    /// How far within the path's ends (t) the surface's ends should lie; none for a closed path.
+    margin: Option<f64>,
     /// Least height (mm) above the tip of a place of the axis over the lower guide.
     floor: f64,
     /// The greatest: a cone that sinks along its axis has any radius, but something may be below.
@@ -34,6 +34,7 @@ impl Edges {
         let [first, last] = start.feet.t_range();
         // The moving cutter grazes the ends a little before or after it stands over them.
         let margin = (0.5 * first.min(1.0 - last)).min(2e-3).max(1.2 * start.lag);
+        let margin = (!start.axis.is_closed()).then_some(margin);
         let [_, across] = grid.size();
         let heights = start.feet.at.iter().step_by(across).map(|q| q.y * start.axis.at(q.x).length());
         // The contact on the rim has its sphere this high.
@@ -49,7 +50,8 @@ impl Edges {
         let ends = (0..across).flat_map(move |j| [(j, 1.0), ((along - 1) * across + j, -1.0)]);
         let at_ends = ends.filter_map(move |(k, sign)| {
             let (t, a) = path.feet.at[k].into();
-            let beyond = if sign > 0.0 { self.margin - t } else { t - (1.0 - self.margin) };
+            let margin = self.margin?;
+            let beyond = if sign > 0.0 { margin - t } else { t - (1.0 - margin) };
             (beyond > 0.0).then(|| {
                 let at = path.axis.at(t);
                 let speed = at.tip_speed.lerp(at.top_speed, a);
@@ -89,5 +91,5 @@ impl Edges {
 
 fn row(path: &Measured, t: f64, by: [DVec3; 2]) -> Row {
     let basis = path.axis.basis().at(t);
-    Row { first: basis.first, values: basis.values, by }
+    Row { numbers: basis.numbers, values: basis.values, by }
 }

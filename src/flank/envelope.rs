@@ -22,7 +22,8 @@ pub struct EnvelopeCheck {
     pub greatest_difference: f64,
     /// Places without a grazing point over them; there the standing cutter's deviation stands.
     pub without: usize,
-    /// Least and greatest t at which it grazes over a place; beyond 0 or 1 the path had to go on to do so.
+    /// Least and greatest t at which it grazes over a place; beyond 0 or 1 the path had to go on to do so. A closed path
+    /// has every t: 0 and 1.
     pub t_range: [f64; 2],
 }
 
@@ -71,6 +72,7 @@ pub fn check(
     let greatest_difference = differences.fold(0.0, f64::max);
     let ends = [f64::INFINITY, f64::NEG_INFINITY];
     let t_range = found.iter().flatten().fold(ends, |[low, high], f| [low.min(f.t), high.max(f.t)]);
+    let t_range = if axis.is_closed() { [0.0, 1.0] } else { t_range };
     EnvelopeCheck { deviation: Deviation::of(grid.size(), values), greatest_difference, without, t_range }
 }
 
@@ -104,7 +106,7 @@ pub(super) fn envelope_over(
         let (here, above) = off(q)?;
         if here.abs().max_element() < MET {
             // Before its start and after its end the path does not cut: the cutter standing there does.
-            let end = q.x.clamp(0.0, 1.0);
+            let end = if axis.is_closed() { q.x } else { q.x.clamp(0.0, 1.0) };
             let line = (place.at.point, place.at.normal);
             let standing = || entry(&axis.at(end), cutter, line, [f64::NEG_INFINITY, f64::INFINITY]);
             return Some(Grazing { t: q.x, above: if end == q.x { Some(above) } else { standing() } });
@@ -144,7 +146,10 @@ pub fn swept_above(
         };
         let (least, t) = (0..=samples.max(2)).filter_map(entry).min_by(|a, b| a.0.total_cmp(&b.0))?;
         best = Some(best.map_or(least, |b| b.min(least)));
-        (from, to) = ((t - 2.0 * spacing).max(0.0), (t + 2.0 * spacing).min(1.0));
+        (from, to) = (t - 2.0 * spacing, t + 2.0 * spacing);
+        if !axis.is_closed() {
+            (from, to) = (from.max(0.0), to.min(1.0));
+        }
     }
     best
 }

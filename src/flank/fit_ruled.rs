@@ -15,6 +15,8 @@
 
 mod band;
 mod candidates;
+mod chord;
+mod knots;
 mod measure;
 mod patch;
 mod sides;
@@ -162,20 +164,16 @@ pub struct RuledFit {
     pub uncovered_at: DVec3,
     /// How far pieces of the face that do not hang together with the largest one are off the surface or beyond it (mm).
     pub lost_mm: f64,
-    /// Where the face is cut open: how far the guides leave it within a tenth of their parameter beyond the seam (mm), where
-    /// paths go on a little. Zero elsewhere.
-    pub seam_mm: f64,
     /// The tolerance that was asked for (mm).
     pub tolerance_mm: f64,
     /// Whether the form of the face is ruled within the tolerance: the corners are as near as that, other places and those
     /// of the surface nearer than the tolerance and the chord error together, of which twenty tolerances are allowed for.
     pub is_ruled: bool,
     /// Whether what mills the surface mills all of the face: neither the face nor a piece of it reaches beyond the surface
-    /// by more than the tolerance and the chord error together, the latter is not above twenty tolerances, and a face that
-    /// is cut open is followed within the tolerance beyond its seam.
+    /// by more than the tolerance and the chord error together, and the latter is not above twenty tolerances.
     pub covers: bool,
-    /// Whether the face runs all around and was cut open: both end rulings are the same place.
-    pub is_cut_open: bool,
+    /// Whether the face runs all around: both guides end where they start, with the same slope and the same bend.
+    pub is_closed: bool,
     /// What an engineer should know of it, one sentence each; the first says whether it is ruled.
     pub words: Vec<String>,
 }
@@ -191,7 +189,7 @@ struct Trial {
 }
 
 /// Fits a ruled surface to `triangles` of `mesh`, which should hang together and have two long sides. A face all
-/// around, as of a cylinder, is cut open at a ruling; holes are bridged.
+/// around, as of a cylinder, has closed guides, whose seam is at a ruling; holes are bridged.
 ///
 /// # Errors
 /// [`RuledFitError`] if the face cannot be laid out as a strip. One that is only not ruled is answered with the error.
@@ -209,13 +207,13 @@ pub fn fit_ruled(
         return Err(RuledFitError::Closed);
     }
     let up = params.up.normalize_or_zero();
-    let (choices, is_ring) = sides::choices(&patch, up);
+    let choices = sides::choices(&patch, up);
     let trials = first_trials(&patch, choices, params, cancel);
     cancel.check()?;
     let trial = best(trials, params, up).ok_or(RuledFitError::NoSides)?;
     let trial = refined(&patch, trial, params);
     cancel.check()?;
-    answer(&patch, &trial, params, is_ring)
+    answer(&patch, &trial, params)
 }
 
 /// Surfaces with few control points over each choice of sides, from two starts each. What is far worse than another
@@ -226,7 +224,7 @@ fn first_trials(patch: &Patch, choices: Vec<Sides>, params: &RuledFitParams, can
     for sides in choices {
         let is_long = sides.is_ring && params.most_control_points >= RING_COUNT;
         let count = if is_long { RING_COUNT } else { FIRST_COUNT };
-        let samples = Samples::of(patch, &sides, FIRST_POINTS, cancel);
+        let samples = Samples::of(patch, &sides, (FIRST_POINTS, params.tolerance_mm), cancel);
         let starts = [false, true].into_iter().filter_map(|by_tangents| sides.strip(count, by_tangents));
         let strips = starts.map(|start| samples.improved(start, 3, enough));
         let measured = strips.map(|strip| (measure::quick(patch, &strip, FIRST_POINTS), strip));
@@ -273,9 +271,11 @@ fn refined(patch: &Patch, trial: Trial, params: &RuledFitParams) -> Trial {
 fn halved(patch: &Patch, mut trial: Trial, params: &RuledFitParams) -> Trial {
     let enough = 0.25 * params.tolerance_mm;
     let points = trial.sides.guides.iter().map(Vec::len).max().unwrap_or(0);
-    let most = params.most_control_points.min((points + 3).max(FIRST_COUNT));
+    // Where triangles are coarse only the corners tell of the surface; more control points than those would be free.
+    let told = if patch.chord < params.tolerance_mm { usize::MAX } else { (points + 3).max(FIRST_COUNT) };
+    let most = params.most_control_points.min(told);
     let (ends, cancel) = (trial.samples.ends, trial.samples.cancel.clone());
-    trial.samples = Samples::of(patch, &trial.sides, LAST_POINTS, &cancel);
+    trial.samples = Samples::of(patch, &trial.sides, (LAST_POINTS, params.tolerance_mm), &cancel);
     trial.samples.ends = ends;
     let mut strip = trial.samples.improved(trial.strip.clone(), 10, 0.1 * enough);
     let error = measure::quick(patch, &strip, COMPARED);
@@ -340,7 +340,7 @@ fn released(trial: &Trial, params: &RuledFitParams) -> Option<Trial> {
     Some(Trial { sides: trial.sides.clone(), samples, strip, error: trial.error, is_longer: true })
 }
 
-fn answer(patch: &Patch, trial: &Trial, params: &RuledFitParams, is_cut_open: bool) -> Result<RuledFit, RuledFitError> {
+fn answer(patch: &Patch, trial: &Trial, params: &RuledFitParams) -> Result<RuledFit, RuledFitError> {
     let [lower, upper] = trial.strip.guides(patch.origin)?;
     let found = measure::measured(patch, &trial.sides, &trial.strip)?;
     let tolerance = params.tolerance_mm;
@@ -349,8 +349,6 @@ fn answer(patch: &Patch, trial: &Trial, params: &RuledFitParams, is_cut_open: bo
         && found.all.greatest_mm <= with_chord
         && found.back.greatest_mm <= with_chord;
     let covers = found.uncovered <= with_chord && found.lost <= with_chord && patch.chord <= MOST_CHORD * tolerance;
-    let seam = if is_cut_open { measure::beyond_seam(&trial.strip) } else { 0.0 };
-    let covers = covers && seam <= tolerance;
     let mut fit = RuledFit {
         lower,
         upper,
@@ -364,11 +362,10 @@ fn answer(patch: &Patch, trial: &Trial, params: &RuledFitParams, is_cut_open: bo
         uncovered_mm: found.uncovered,
         uncovered_at: found.uncovered_at,
         lost_mm: found.lost,
-        seam_mm: seam,
         tolerance_mm: tolerance,
         is_ruled,
         covers,
-        is_cut_open,
+        is_closed: trial.sides.is_ring,
         words: Vec::new(),
     };
     fit.words = words(patch, trial, &fit);
@@ -403,16 +400,8 @@ fn words(patch: &Patch, trial: &Trial, fit: &RuledFit) -> Vec<String> {
             "the triangles are coarser than the tolerance: between their corners nothing is known so well".into(),
         );
     }
-    if fit.is_cut_open {
-        let seam = fit.lower.point(0.0);
-        words.push(format!("the face runs all around; it was cut open at {}", place(seam)));
-        if fit.seam_mm > within {
-            words.push(format!(
-                "NOT COVERED: beyond the seam the guides leave the face by up to {:.3} mm, and paths go on there; mill it as two \
-                 or more faces that are not closed",
-                fit.seam_mm
-            ));
-        }
+    if fit.is_closed {
+        words.push(format!("the face runs all around; paths start and end at {}", place(fit.lower.point(0.0))));
     } else if patch.loops.len() > 1 {
         words.push(format!("the face has {} hole(s); the surface goes on over them", patch.loops.len() - 1));
     }

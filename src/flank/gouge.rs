@@ -1,4 +1,5 @@
-//! Gouging of neighbouring walls by the cutter, and of everything by its holder: the least clearance along the path.
+//! Gouging of neighbouring walls by the cutter, and of everything by its holder: the least clearance along the path. What of a
+//! mesh is a wall, [`Walls`] tells.
 //!
 //! The tool is a stack of frusta; each is convex, and so is the signed distance to it. Boxes of the mesh and triangles
 //! are left out where that distance cannot be less than the least found, and stretches of the path where the tool
@@ -13,9 +14,8 @@ use serde::Serialize;
 use super::FlankError;
 use super::cutter::FlankCutter;
 use super::path::{FlankPath, FlankPose};
-use super::ruled_surface::RuledSurface;
+use super::walls::Walls;
 use crate::geometry::bvh::Bvh;
-use crate::geometry::mesh::Mesh;
 use crate::progress::{Cancel, Progress};
 
 /// How exact clearances are near a touch (mm).
@@ -36,7 +36,8 @@ pub enum ToolPart {
 pub struct Clearance {
     /// Which part.
     pub part: ToolPart,
-    /// Distance (mm), to within [`slack`]; negative by the depth where it gouges.
+    /// Distance (mm), to within [`slack`]; negative by the depth where it gouges, less what is allowed at the border of
+    /// the milled face.
     pub distance_mm: f64,
     /// Where on the mesh.
     pub point: DVec3,
@@ -126,42 +127,18 @@ impl GougeCheck {
     }
 }
 
-/// The triangles of `part` that are not the design surface: some corner or the middle is further from it than `own_mm`.
-pub fn neighbours(part: &Mesh, surface: &RuledSurface, own_mm: f64) -> Mesh {
-    const ALONG: usize = 64;
-    const ACROSS: usize = 8;
-    let at = |i: usize, j: usize| surface.point(i as f64 / ALONG as f64, j as f64 / ACROSS as f64);
-    let looks: Vec<DVec3> = (0..=ALONG).flat_map(|i| (0..=ACROSS).map(move |j| at(i, j))).collect();
-    let steps = |k: usize| {
-        let (i, j) = (k / ACROSS, k % ACROSS);
-        at(i, j).distance(at(i + 1, j)).max(at(i, j + 1).distance(at(i + 1, j + 1))) + at(i, j).distance(at(i, j + 1))
-    };
-    let cell = (0..ALONG * ACROSS).map(steps).fold(0.0, f64::max);
-    // Most of a part is so far off that a coarse look is enough.
-    let is_near = |p: DVec3| looks.iter().any(|q| q.distance_squared(p) <= (own_mm + cell).powi(2));
-    let is_own = |p: DVec3| is_near(p) && surface.nearest(p).point.distance(p) <= own_mm;
-    let vertices: Vec<bool> = part.vertices.par_iter().map(|p| is_own(*p)).collect();
-    let is_neighbour = |t: &&[u32; 3]| {
-        let corners = t.map(|i| part.vertices[i as usize]);
-        !(t.iter().all(|i| vertices[*i as usize]) && is_own((corners[0] + corners[1] + corners[2]) / 3.0))
-    };
-    let triangles = part.triangles.par_iter().filter(is_neighbour).copied().collect();
-    Mesh { vertices: part.vertices.clone(), triangles }
-}
-
-/// Checks a path against `part`: the flutes against all but the design surface itself (what is within `own_mm` of it),
-/// the holder against everything.
+/// Checks a path: the flutes against the walls beside the surface, the holder against everything.
 ///
 /// # Errors
 /// Cancelled.
 pub fn check(
     path: &FlankPath,
     cutter: &FlankCutter,
-    against: (&Mesh, &RuledSurface, f64),
+    walls: &Walls,
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<GougeCheck, FlankError> {
-    check_along(&|t| path.pose(t), cutter, against, progress, cancel)
+    check_along(&|t| path.pose(t), cutter, walls, progress, cancel)
 }
 
 /// Checks straight moves without turns through `places` of the tip, as t from 0 to 1, in the same way.
@@ -171,7 +148,7 @@ pub fn check(
 pub fn check_moves(
     (places, axis): (&[DVec3], DVec3),
     cutter: &FlankCutter,
-    against: (&Mesh, &RuledSurface, f64),
+    walls: &Walls,
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<GougeCheck, FlankError> {
@@ -181,8 +158,11 @@ pub fn check_moves(
         let i = (along as usize).min(places.len() - 2);
         FlankPose { t, tip: places[i].lerp(places[i + 1], along - i as f64), axis }
     };
-    check_along(&pose, cutter, against, progress, cancel)
+    check_along(&pose, cutter, walls, progress, cancel)
 }
+
+/// Triangles, and how deep the points of each may lie in the tool (mm); none where nothing is said.
+type Wall<'a> = (&'a Bvh, &'a [f64]);
 
 /// Where the cutter is at t from 0 to 1.
 type Motion<'a> = &'a (dyn Fn(f64) -> FlankPose + Sync);
@@ -190,16 +170,15 @@ type Motion<'a> = &'a (dyn Fn(f64) -> FlankPose + Sync);
 fn check_along(
     motion: Motion,
     cutter: &FlankCutter,
-    (part, surface, own_mm): (&Mesh, &RuledSurface, f64),
+    walls: &Walls,
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<GougeCheck, FlankError> {
     progress.report("gouge of neighbouring walls", 0.0, "");
     let (flutes, holder) = tool_of(cutter);
-    let walls = neighbours(part, surface, own_mm);
-    let cutter_clearance = least(motion, &[flutes], &walls, cancel)?;
+    let cutter_clearance = least(motion, &[flutes], (&walls.beside, &walls.allowed), cancel)?;
     progress.report("gouge by the holder", 0.5, "");
-    let holder_clearance = least(motion, &holder, part, cancel)?;
+    let holder_clearance = least(motion, &holder, (&walls.whole, &[]), cancel)?;
     progress.report("gouge by the holder", 1.0, "");
     Ok(GougeCheck { cutter: cutter_clearance, holder: holder_clearance })
 }
@@ -248,15 +227,14 @@ impl Ord for Stretch {
 fn least(
     motion: Motion,
     tool: &[(ToolPart, Frustum)],
-    mesh: &Mesh,
+    wall: Wall,
     cancel: &Cancel,
 ) -> Result<Option<Clearance>, FlankError> {
     const FIRST: usize = 32;
-    if mesh.triangles.is_empty() || tool.is_empty() {
+    if wall.0.is_empty() || tool.is_empty() {
         return Ok(None);
     }
-    let tree = Bvh::new(mesh, cancel)?;
-    let at = |t: f64, most: f64| nearest(&tree, tool, &motion(t), t, most);
+    let at = |t: f64, most: f64| nearest(wall, tool, &motion(t), t, most);
     let mut best: Option<Clearance> = None;
     let mut open = BinaryHeap::new();
     for i in 0..FIRST {
@@ -326,18 +304,18 @@ fn greatest_move(motion: Motion, tool: &[(ToolPart, Frustum)], from: f64, to: f6
 }
 
 /// The least clearance at one place, if it is less than `most`.
-fn nearest(tree: &Bvh, tool: &[(ToolPart, Frustum)], pose: &FlankPose, t: f64, most: f64) -> Option<Clearance> {
+fn nearest(wall: Wall, tool: &[(ToolPart, Frustum)], pose: &FlankPose, t: f64, most: f64) -> Option<Clearance> {
     let mut best: Option<Clearance> = None;
     for (part, frustum) in tool {
         let limit = best.map_or(most, |b| b.distance_mm);
-        if let Some((distance_mm, point)) = nearest_to(tree, frustum, pose, limit) {
+        if let Some((distance_mm, point)) = nearest_to(wall, frustum, pose, limit) {
             best = Some(Clearance { part: *part, distance_mm, point, t });
         }
     }
     best
 }
 
-fn nearest_to(tree: &Bvh, frustum: &Frustum, pose: &FlankPose, most: f64) -> Option<(f64, DVec3)> {
+fn nearest_to((tree, allowed): Wall, frustum: &Frustum, pose: &FlankPose, most: f64) -> Option<(f64, DVec3)> {
     /// Pieces of one triangle.
     const MOST: usize = 20_000;
     let (mut best, mut least) = (None, most);
@@ -354,9 +332,14 @@ fn nearest_to(tree: &Bvh, frustum: &Frustum, pose: &FlankPose, most: f64) -> Opt
             let off = |i: u32| frustum.distance(pose, tree.node(i).bounds.center).0 - tree.node(i).radius;
             // The one that may be nearer is looked at first.
             open.extend(if off(first) < off(second) { [second, first] } else { [first, second] });
-        } else if let Some(found) = nearest_on(*tree.corners(node.triangle), frustum, pose, (least, MOST)) {
-            least = found.0;
-            best = Some(found);
+        } else {
+            // A touch is not nearer than another touch, however deep it may be: the search then ends where it should.
+            let allowed = allowed.get(node.triangle as usize).copied().unwrap_or(0.0);
+            let limit = if least > 0.0 { least } else { least - allowed };
+            if let Some((distance, point)) = nearest_on(*tree.corners(node.triangle), frustum, pose, (limit, MOST)) {
+                least = if distance < 0.0 { (distance + allowed).min(0.0) } else { distance };
+                best = Some((least, point));
+            }
         }
     }
     best

@@ -30,6 +30,7 @@ pub mod refine;
 pub mod ruled_surface;
 #[cfg(test)]
 mod tests;
+pub mod walls;
 mod warning;
 
 use glam::DVec3;

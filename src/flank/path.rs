@@ -24,7 +24,8 @@ pub struct FlankPose {
 /// What a path covers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Coverage {
-    /// Least and greatest parameter of the path where it stands over the surface or, moving, grazes it.
+    /// Least and greatest parameter of the path where it stands over the surface or, moving, grazes it; 0 and 1 of a
+    /// closed path.
     pub t_range: [f64; 2],
     /// Least and greatest height (mm) of the flute above the bottom circle that touches or is nearest to the surface.
     pub height_range_mm: [f64; 2],
@@ -95,7 +96,7 @@ fn coverage(
     let widest = |[low, high]: [f64; 2], h: f64| [low.min(h), high.max(h)];
     let height_range_mm = heights.fold([f64::INFINITY, f64::NEG_INFINITY], widest);
     let ([first, last], [grazes_first, grazes_last]) = (feet.t_range(), envelope.t_range);
-    let t_range = [first.min(grazes_first), last.max(grazes_last)];
+    let t_range = if axis.is_closed() { [0.0, 1.0] } else { [first.min(grazes_first), last.max(grazes_last)] };
     Coverage { t_range, height_range_mm, is_whole: t_range[0] >= 0.0 && t_range[1] <= 1.0 }
 }
 

@@ -177,15 +177,14 @@ fn location(
     }
 }
 
-/// Locations evenly over a range of u0.
+/// `n` locations evenly over a range of u0.
 fn locations(
     surface: &RuledSurface,
     cutter: &FlankCutter,
     params: &FlankParams,
-    [from, to]: [f64; 2],
+    (n, [from, to]): (usize, [f64; 2]),
     cancel: &Cancel,
 ) -> Result<Vec<CutterLocation>, FlankError> {
-    let n = params.locations;
     let one = |i: usize| {
         cancel.check()?;
         let share = i as f64 / (n - 1) as f64;
@@ -202,6 +201,9 @@ fn covering_start(
     grid: &DesignGrid,
     cancel: &Cancel,
 ) -> Result<(Vec<CutterLocation>, Measured), FlankError> {
+    if surface.is_closed() {
+        return closed_start(surface, cutter, params, grid, cancel);
+    }
     const ROUNDS: usize = 6;
     /// How far past the ends of the guides locations may go.
     const FURTHEST: f64 = 0.25;
@@ -215,8 +217,8 @@ fn covering_start(
     }
     let mut found = None;
     for _ in 0..ROUNDS {
-        let all = locations(surface, cutter, params, range, cancel)?;
-        let axis = AxisSurface::fit(&all, params.control_points)?;
+        let all = locations(surface, cutter, params, (params.locations, range), cancel)?;
+        let axis = AxisSurface::fit(&all, params.control_points, false)?;
         let start = Measured::new(grid, axis, cutter, None)?;
         let [first, last] = start.t_range();
         let covers = start.covers();
@@ -234,6 +236,21 @@ fn covering_start(
         range = next;
     }
     found.ok_or(FlankError::Singular("the first path"))
+}
+
+/// Locations once around a closed surface, the last where the first is, and their closed path: it needs no more to cover
+/// the surface.
+fn closed_start(
+    surface: &RuledSurface,
+    cutter: &FlankCutter,
+    params: &FlankParams,
+    grid: &DesignGrid,
+    cancel: &Cancel,
+) -> Result<(Vec<CutterLocation>, Measured), FlankError> {
+    let all = locations(surface, cutter, params, (params.locations + 1, [0.0, 1.0]), cancel)?;
+    let axis = AxisSurface::fit(&all, params.control_points, true)?;
+    let start = Measured::new(grid, axis, cutter, None)?;
+    Ok((all, start))
 }
 
 /// u0 of the location whose upper contact is at the `end` of the upper guide, if it lies past the end of the lower one.

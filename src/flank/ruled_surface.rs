@@ -21,14 +21,18 @@ pub enum Side {
     Automatic,
 }
 
-/// A ruled surface with a side for the cutter; u and v run from 0 to 1 and may go on past the ends.
+/// A ruled surface with a side for the cutter; u and v run from 0 to 1 and may go on past the ends. A closed one, whose
+/// guides end as they start, begins again there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RuledSurface {
     lower: NurbsCurve,
     upper: NurbsCurve,
     /// +1 or -1.
     sign: f64,
+    /// Whether u runs against the guides as they were given.
     is_reversed: bool,
+    /// Whether u wraps around.
+    is_closed: bool,
 }
 
 /// A place of a surface.
@@ -55,6 +59,9 @@ impl RuledSurface {
     pub const MOST_ALONG: usize = 4000;
     /// Share of the surface's size below which guides meet.
     const MEETING: f64 = 1e-5;
+    /// Share of the surface's size within which a guide ends where it starts, and share of its derivative by which this
+    /// may differ there.
+    const CLOSED: [f64; 2] = [1e-6, 0.01];
 
     /// The surface between two guides that run the same way.
     ///
@@ -62,8 +69,14 @@ impl RuledSurface {
     /// [`FlankError`] if the guides meet, if the surface folds over or turns too far along a ruling, or if the side is
     /// left open.
     pub fn new(lower: NurbsCurve, upper: NurbsCurve, side: Side) -> Result<Self, FlankError> {
-        let mut surface =
-            Self { lower: unit(lower, "lower")?, upper: unit(upper, "upper")?, sign: 1.0, is_reversed: false };
+        let mut surface = Self {
+            lower: unit(lower, "lower")?,
+            upper: unit(upper, "upper")?,
+            sign: 1.0,
+            is_reversed: false,
+            is_closed: false,
+        };
+        surface.is_closed = surface.ends_as_it_starts();
         surface.check_apart()?;
         surface.check_folds()?;
         surface.sign = match side {
@@ -90,7 +103,7 @@ impl RuledSurface {
     /// The same surface and the same side with u run the other way.
     pub fn reversed(&self) -> Self {
         let (lower, upper) = (self.lower.reversed(), self.upper.reversed());
-        Self { lower, upper, sign: -self.sign, is_reversed: !self.is_reversed }
+        Self { lower, upper, sign: -self.sign, is_reversed: !self.is_reversed, is_closed: self.is_closed }
     }
 
     /// Whether u runs against the guides as they were given.
@@ -108,6 +121,27 @@ impl RuledSurface {
         &self.upper
     }
 
+    /// Whether both guides end where they start and go on from there without a corner: u is then any number, and the place
+    /// at u + 1 is that at u.
+    pub fn is_closed(&self) -> bool {
+        self.is_closed
+    }
+
+    fn ends_as_it_starts(&self) -> bool {
+        let [apart, turn] = Self::CLOSED;
+        let near = apart * self.extent();
+        [&self.lower, &self.upper].iter().all(|guide| {
+            let ([p, d, _], [q, e, _]) = (guide.at(0.0), guide.at(1.0));
+            p.distance(q) <= near && d.distance(e) <= turn * d.length()
+        })
+    }
+
+    /// Both guides with their derivatives.
+    fn guides(&self, u: f64) -> [[DVec3; 3]; 2] {
+        let u = if self.is_closed { u - u.floor() } else { u };
+        [self.lower.at(u), self.upper.at(u)]
+    }
+
     /// The side that the cutter stands on; never [`Side::Automatic`].
     pub fn side(&self) -> Side {
         if self.sign > 0.0 { Side::Positive } else { Side::Negative }
@@ -115,7 +149,8 @@ impl RuledSurface {
 
     /// The point at (`u`, `v`).
     pub fn point(&self, u: f64, v: f64) -> DVec3 {
-        self.lower.point(u).lerp(self.upper.point(u), v)
+        let [lower, upper] = self.guides(u);
+        lower[0].lerp(upper[0], v)
     }
 
     /// Unit normal towards the cutter; zero where the surface has none.
@@ -125,7 +160,7 @@ impl RuledSurface {
 
     /// All of a place.
     pub fn at(&self, u: f64, v: f64) -> SurfacePlace {
-        let ([b1, d1, _], [b2, d2, _]) = (self.lower.at(u), self.upper.at(u));
+        let [[b1, d1, _], [b2, d2, _]] = self.guides(u);
         let (along_u, along_v) = (d1.lerp(d2, v), b2 - b1);
         let normal = self.sign * along_u.cross(along_v).normalize_or_zero();
         SurfacePlace { u, v, point: b1.lerp(b2, v), along_u, along_v, normal }
@@ -172,7 +207,7 @@ impl RuledSurface {
     /// Curvature (1/mm) across the ruling, positive where it is hollow for the cutter. A ruling does not bend, so this is
     /// twice the mean curvature.
     fn bend_across(&self, u: f64, v: f64) -> f64 {
-        let ([b1, d1, s1], [b2, d2, s2]) = (self.lower.at(u), self.upper.at(u));
+        let [[b1, d1, s1], [b2, d2, s2]] = self.guides(u);
         let (ru, rv, ruu, ruv) = (d1.lerp(d2, v), b2 - b1, s1.lerp(s2, v), d2 - d1);
         let normal = self.sign * ru.cross(rv).normalize_or_zero();
         let (e, f, g) = (ru.length_squared(), ru.dot(rv), rv.length_squared());
@@ -186,7 +221,7 @@ impl RuledSurface {
         const ROUNDS: usize = 40;
         let [mut u, mut v] = start.to_array();
         for _ in 0..ROUNDS {
-            let ([b1, d1, s1], [b2, d2, s2]) = (self.lower.at(u), self.upper.at(u));
+            let [[b1, d1, s1], [b2, d2, s2]] = self.guides(u);
             let (ru, rv, ruu, ruv) = (d1.lerp(d2, v), b2 - b1, s1.lerp(s2, v), d2 - d1);
             let off = b1.lerp(b2, v) - p;
             let slope = DVec2::new(off.dot(ru), off.dot(rv));
@@ -218,7 +253,10 @@ impl RuledSurface {
         let looks = (0..=32).flat_map(|i| (0..=4).map(move |j| DVec2::new(f64::from(i) / 32.0, f64::from(j) / 4.0)));
         let by_distance = |q: &DVec2| self.point(q.x, q.y).distance_squared(p);
         let start = looks.min_by(|a, b| by_distance(a).total_cmp(&by_distance(b))).unwrap_or_default();
-        let within = |q: DVec2| q.clamp(DVec2::ZERO, DVec2::ONE);
+        let within = |q: DVec2| {
+            let q = if self.is_closed { DVec2::new(q.x - q.x.floor(), q.y) } else { q };
+            q.clamp(DVec2::ZERO, DVec2::ONE)
+        };
         let foot = self.foot(p, start).map_or(start, |f| within(DVec2::new(f.u, f.v)));
         // Past an edge the nearest place is that of the edge's own curve.
         let edges = [0.0, 1.0].map(|v| {

@@ -24,6 +24,7 @@ use crate::flank::params::FlankParams;
 use crate::flank::path::{FlankPath, FlankPose};
 use crate::flank::plan::{FlankPlan, plan_flank};
 use crate::flank::ruled_surface::{RuledSurface, Side};
+use crate::flank::walls::{OwnTriangles, Walls};
 use crate::geometry::mesh::Mesh;
 use crate::progress::{Cancel, Cancelled, Progress};
 use crate::project::flank_override::FlankOverride;
@@ -33,8 +34,7 @@ mod checks;
 
 pub use checks::{CheckKind, FlankCheck};
 
-/// How far the surface itself may be off its mesh without counting as a neighbouring wall (mm), where nothing else is
-/// known.
+/// How far what is given as walls may be off the surface itself without being a wall (mm): the same part once more.
 const OWN_MM: f64 = 0.01;
 /// How much longer than the machine's tool flutes and holder may be drawn (mm).
 const TOOL_MM: f64 = 1e-6;
@@ -294,7 +294,7 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
     let against = (&whole_tool, input.params.gouge_tolerance_mm);
     let own_surface = own_surface(path, &input.cutter, &surface, against, (progress, cancel))?;
     let [approach, retract] = leads(&surface, path, &input.milling);
-    let walls = walls(input, &surface, fit.as_ref());
+    let walls = walls(input, (&surface, path), fit.as_ref(), cancel)?;
     let gouge = lesser_of(&walls, |wall| gouge::check(path, &input.cutter, wall, progress, cancel))?;
     let gouge = gouge.map(|gouge| lesser(gouge, within_walls(input, &path.pose(0.0))));
     let moves = |from: FlankPose, lead: &[ToolPose]| -> Result<_, FlankError> {
@@ -377,29 +377,38 @@ fn surface_as_given(input: &FlankInput) -> Result<(RuledSurface, Option<RuledFit
     }
 }
 
-/// What must not be cut: the given walls and the part's own other faces, each with the surface that is to be cut and how
-/// far it may be off its mesh.
-fn walls<'a>(
-    input: &'a FlankInput,
-    surface: &'a RuledSurface,
+/// What must not be cut: the part's own other faces and the given walls. Of a face of a mesh its own triangles are known;
+/// in the given walls they are those that lie on them.
+fn walls(
+    input: &FlankInput,
+    milled: (&RuledSurface, &FlankPath),
     fit: Option<&RuledFit>,
-) -> Vec<(&'a Mesh, &'a RuledSurface, f64)> {
-    let own_mm = fit.map_or(OWN_MM, |f| OWN_MM + f.error.greatest_mm.max(f.tolerance_mm) + f.chord_mm);
-    let part = match &input.surface {
-        LoadedSurface::Face { mesh, is_own_wall: true, .. } => Some(mesh),
-        _ => None,
-    };
-    part.into_iter().chain(&input.walls).map(|wall| (wall.as_ref(), surface, own_mm)).collect()
+    cancel: &Cancel,
+) -> Result<Vec<Walls>, FlankJobError> {
+    let most_mm = fit.map_or(0.0, |f| f.error.greatest_mm.max(f.tolerance_mm) + f.chord_mm);
+    let mut walls = Vec::new();
+    let mut in_walls = OwnTriangles::Near(OWN_MM);
+    if let LoadedSurface::Face { mesh, candidates, number, is_own_wall } = &input.surface {
+        let own = number.checked_sub(1).and_then(|i| candidates.get(i)).map_or(&[][..], |c| &c.triangles);
+        in_walls = OwnTriangles::On(mesh, own, OWN_MM);
+        if *is_own_wall {
+            walls.push(Walls::new(mesh, OwnTriangles::Listed(own), milled, most_mm, cancel)?);
+        }
+    }
+    if let Some(given) = &input.walls {
+        walls.push(Walls::new(given, in_walls, milled, most_mm, cancel)?);
+    }
+    Ok(walls)
 }
 
-/// The lesser clearances of a check against each wall; none without walls.
-fn lesser_of<'a>(
-    walls: &[(&'a Mesh, &'a RuledSurface, f64)],
-    check: impl Fn((&'a Mesh, &'a RuledSurface, f64)) -> Result<GougeCheck, FlankError>,
+/// The lesser clearances of a check against each of the walls; none without walls.
+fn lesser_of(
+    walls: &[Walls],
+    check: impl Fn(&Walls) -> Result<GougeCheck, FlankError>,
 ) -> Result<Option<GougeCheck>, FlankError> {
     let mut found: Option<GougeCheck> = None;
     for wall in walls {
-        let next = check(*wall)?;
+        let next = check(wall)?;
         found = Some(found.map_or(next, |found| lesser(found, next)));
     }
     Ok(found)

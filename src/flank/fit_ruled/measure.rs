@@ -42,7 +42,8 @@ fn distances(strip: &Strip, points: &[DVec3]) -> Vec<[f64; 2]> {
     let rulings = strip.rulings();
     let measure = |p: &DVec3| {
         let foot = strip.foot(&rulings, *p);
-        let kept = Foot { u: foot.u.clamp(0.0, 1.0), v: foot.v.clamp(0.0, 1.0) };
+        let u = if strip.knots.is_closed { foot.u } else { foot.u.clamp(0.0, 1.0) };
+        let kept = Foot { u, v: foot.v.clamp(0.0, 1.0) };
         let place = strip.at(kept);
         let off = *p - place.point;
         let is_within = foot.u == kept.u && foot.v == kept.v;
@@ -70,10 +71,10 @@ pub(super) fn quick(patch: &Patch, strip: &Strip, count: usize) -> f64 {
 /// The same for each piece of the guides.
 pub(super) fn by_piece(patch: &Patch, strip: &Strip, count: usize) -> Vec<f64> {
     let corners: Vec<DVec3> = patch.corner_samples(count).into_iter().map(|c| c.0).collect();
-    let mut errors = vec![0.0f64; strip.breaks.len() - 1];
+    let mut errors = vec![0.0f64; strip.knots.pieces()];
     let rulings = strip.rulings();
     let mut add = |points: &[DVec3], less: f64| {
-        let pieces: Vec<usize> = points.par_iter().map(|p| strip.piece(strip.foot(&rulings, *p).u)).collect();
+        let pieces: Vec<usize> = points.par_iter().map(|p| strip.knots.piece(strip.foot(&rulings, *p).u)).collect();
         for (piece, [off, _]) in pieces.into_iter().zip(distances(strip, points)) {
             errors[piece] = errors[piece].max(off - less);
         }
@@ -104,20 +105,6 @@ pub(super) fn measured(patch: &Patch, sides: &Sides, strip: &Strip) -> Result<Me
         lost: lost.fold(0.0, f64::max),
         border: border(sides, strip),
     })
-}
-
-/// How far a ring's surface, followed for a tenth of its parameter beyond both sides of the seam, leaves the ring (mm).
-pub(super) fn beyond_seam(strip: &Strip) -> f64 {
-    let steps = (1..=10).map(|i| 0.01 * f64::from(i));
-    let places = steps.flat_map(|by| [-by, 1.0 + by]).flat_map(|u| [0.0, 0.5, 1.0].map(|v| Foot { u, v }));
-    let points: Vec<DVec3> = places.map(|foot| strip.at(foot).point).collect();
-    // The ring's own other end is nearest, not what goes on beyond it.
-    let rulings = strip.rulings();
-    let off = |p: &DVec3| {
-        let foot = strip.foot_within(&rulings, *p);
-        strip.at(foot).point.distance(*p)
-    };
-    points.iter().map(off).fold(0.0, f64::max)
 }
 
 /// From places of the surface to the nearest triangles: distances where the surface lies over them, and how far it

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::RuledFitError;
+use super::{RuledFitError, chord};
 use crate::geometry::mesh::{Mesh, normal_times_two_areas};
 
 /// No triangle.
@@ -79,7 +79,7 @@ impl Patch {
         patch.loops = patch.borders();
         patch.is_border = vec![false; patch.points.len()];
         patch.loops.iter().flatten().for_each(|&v| patch.is_border[v as usize] = true);
-        patch.chord = patch.chord_error();
+        patch.chord = chord::error(&patch);
         patch.inner = patch.places(INNER);
         Ok(patch)
     }
@@ -140,17 +140,6 @@ impl Patch {
     pub(super) fn length(&self, around: &[u32]) -> f64 {
         let at = |i: usize| self.points[around[i % around.len()] as usize];
         (0..around.len()).map(|i| at(i).distance(at(i + 1))).sum()
-    }
-
-    /// Over each inner side, the height of the cubic that has the normals of the side's ends: a quarter of the turn of
-    /// the chord, as of a circle's.
-    fn chord_error(&self) -> f64 {
-        let height = |a: u32, b: u32| {
-            let (a, b) = (a as usize, b as usize);
-            ((self.points[b] - self.points[a]).dot(self.normals[b] - self.normals[a]) / 8.0).abs()
-        };
-        let sides = self.triangles.iter().flat_map(|t| (0..3).map(|k| height(t[k], t[(k + 1) % 3])));
-        sides.fold(0.0, f64::max)
     }
 
     /// At most `count` points of the corners, evenly over their number, with their shares of the area.

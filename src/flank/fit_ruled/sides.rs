@@ -5,8 +5,9 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
+use super::knots::Knots;
 use super::patch::Patch;
-use super::strip::{Strip, even_breaks};
+use super::strip::Strip;
 
 /// Corners of a border that are tried, the sharpest.
 const MOST_CORNERS: usize = 10;
@@ -26,14 +27,14 @@ pub(super) struct Sides {
     pub cost: f64,
 }
 
-/// The ways to take the sides of a face, the likeliest first, and whether the face is a ring.
-pub(super) fn choices(patch: &Patch, up: DVec3) -> (Vec<Sides>, bool) {
+/// The ways to take the sides of a face, the likeliest first.
+pub(super) fn choices(patch: &Patch, up: DVec3) -> Vec<Sides> {
     if let [first, second, ..] = &patch.loops[..]
         && is_ring(patch, [first, second])
     {
-        return (ring(patch, [first, second], up), true);
+        return ring(patch, [first, second], up);
     }
-    let Some(around) = patch.loops.first() else { return (Vec::new(), false) };
+    let Some(around) = patch.loops.first() else { return Vec::new() };
     let border = Border::of(patch, around);
     let mut found = Vec::new();
     let corners = border.corners();
@@ -52,7 +53,7 @@ pub(super) fn choices(patch: &Patch, up: DVec3) -> (Vec<Sides>, bool) {
     found.sort_by(|x, y| x.1.total_cmp(&y.1));
     found.dedup_by_key(|x| x.0);
     found.truncate(MOST_TRIED);
-    (found.into_iter().map(|(four, cost)| border.sides(four, cost, up)).collect(), false)
+    found.into_iter().map(|(four, cost)| border.sides(four, cost, up)).collect()
 }
 
 /// Whether the face runs around between two borders: normals along both turn all around, as those around a hole do not.
@@ -73,7 +74,7 @@ fn is_ring(patch: &Patch, loops: [&Vec<u32>; 2]) -> bool {
         && short > 0.05 * long
 }
 
-/// A ring, cut open at a ruling: where the longest side of its lower border starts, which is at a corner of a wall all
+/// A ring with its seam at a ruling: where the longest side of its lower border starts, which is at a corner of a wall all
 /// around or where a rounding goes over into a plane.
 fn ring(patch: &Patch, [first, second]: [&Vec<u32>; 2], up: DVec3) -> Vec<Sides> {
     let height = |around: &Vec<u32>| {
@@ -259,7 +260,7 @@ impl Sides {
         let pairs: Vec<[usize; 2]> = if by_tangents { matched(&laid) } else { (0..=LAID).map(|i| [i, i]).collect() };
         let steps = pairs.iter().map(|&[i, j]| 0.5 * (i + j) as f64 / LAID as f64);
         let ends: Vec<[DVec3; 2]> = pairs.iter().map(|&[i, j]| [laid[0][i].0, laid[1][j].0]).collect();
-        Strip::through(even_breaks(count), &steps.collect::<Vec<f64>>(), &ends)
+        Strip::through(Knots::even(count, self.is_ring), &steps.collect::<Vec<f64>>(), &ends)
     }
 }
 

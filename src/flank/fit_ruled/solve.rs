@@ -3,15 +3,18 @@
 use glam::DVec3;
 
 use super::band::Band;
+use super::knots::{Basis, Knots};
 use super::patch::Patch;
 use super::sides::Sides;
-use super::strip::{Basis, Foot, Strip};
+use super::strip::{Foot, Strip};
 use crate::progress::Cancel;
 
 /// Points of each guide's border that a fit looks at, for one of the face.
 const SIDE_POINTS: f64 = 0.1;
-/// What points inside of triangles, which lie off by the chord error, weigh beside the corners.
+/// What points inside of triangles, which lie off by the chord error, weigh beside the corners; and what they weigh more
+/// where that error is nothing beside the tolerance, as on large flats, which have no other points.
 const INNER_WEIGHT: f64 = 0.01;
+const KNOWN_WEIGHT: f64 = 0.3;
 /// What the borders weigh beside the face.
 const SIDE_WEIGHT: f64 = 0.1;
 /// What the four corners weigh beside the face, along the guides.
@@ -33,8 +36,6 @@ pub(super) struct Samples {
     pub ends: Option<[[DVec3; 2]; 2]>,
     /// Diagonal of the box around the face (mm).
     size: f64,
-    /// Whether the strip ends where it starts.
-    is_ring: bool,
     /// Tells fits to stop.
     pub cancel: Cancel,
 }
@@ -53,12 +54,13 @@ struct Feet {
 impl Samples {
     /// At most `count` corners of the face, and a third as many places inside of its triangles: the surface must not
     /// swing between corners.
-    pub(super) fn of(patch: &Patch, laid: &Sides, count: usize, cancel: &Cancel) -> Self {
+    pub(super) fn of(patch: &Patch, laid: &Sides, (count, tolerance): (usize, f64), cancel: &Cancel) -> Self {
         let mut face = patch.corner_samples(count);
         let total: f64 = face.iter().map(|f| f.1).sum();
         face.iter_mut().for_each(|f| f.1 /= total.max(1e-300));
         let inner = patch.inner_samples(count / 3);
-        let weight = INNER_WEIGHT / inner.len().max(1) as f64;
+        let known = (1.0 - patch.chord / tolerance).max(0.0).powi(2);
+        let weight = (INNER_WEIGHT + KNOWN_WEIGHT * known) / inner.len().max(1) as f64;
         face.extend(inner.into_iter().map(|p| (p, weight)));
         let sides = [0, 1].map(|s| {
             let guide = &laid.guides[s];
@@ -66,6 +68,9 @@ impl Samples {
             let mut kept: Vec<(DVec3, DVec3, f64)> = guide.iter().step_by(step).map(|&(p, n)| (p, n, 0.0)).collect();
             if let (Some(last), false) = (guide.last(), (guide.len() - 1).is_multiple_of(step)) {
                 kept.push((last.0, last.1, 0.0));
+            }
+            if known > 0.0 {
+                kept = densely(&kept);
             }
             let total: f64 = kept.windows(2).map(|w| w[0].0.distance(w[1].0)).sum();
             for i in 1..kept.len() {
@@ -79,15 +84,13 @@ impl Samples {
             [[a, .., b], [c, .., d]] => Some([[a.0, b.0], [c.0, d.0]]),
             _ => None,
         };
-        Self { face, sides, ends, size: patch.size, is_ring: laid.is_ring, cancel: cancel.clone() }
+        Self { face, sides, ends, size: patch.size, cancel: cancel.clone() }
     }
 
     fn feet(&self, strip: &Strip, before: Option<&Feet>) -> Feet {
         let rulings = strip.rulings();
         let place = |(i, (p, _)): (usize, &(DVec3, f64))| {
-            let foot = before.map_or_else(|| strip.foot(&rulings, *p), |feet| strip.foot_near(feet.face[i], *p));
-            // Beyond the seam of a ring lies its other end.
-            Foot { u: if self.is_ring { foot.u.clamp(0.0, 1.0) } else { foot.u }, ..foot }
+            before.map_or_else(|| strip.foot(&rulings, *p), |feet| strip.foot_near(feet.face[i], *p))
         };
         let face: Vec<Foot> = self.face.iter().enumerate().map(place).collect();
         let sides = [0, 1].map(|s| {
@@ -111,11 +114,11 @@ impl Samples {
         for ((p, weight), foot) in self.face.iter().zip(&feet.face) {
             let place = strip.at(*foot);
             let normal = place.first[0].cross(place.first[1]).normalize_or_zero();
-            let basis = Basis::at(&strip.breaks, foot.u);
+            let basis = strip.knots.basis(foot.u);
             row.clear();
             for (k, share) in basis.orders[0].iter().enumerate() {
-                row.push((basis.first + k, share * (1.0 - foot.v), normal));
-                row.push((n + basis.first + k, share * foot.v, normal));
+                row.push((basis.numbers[k], share * (1.0 - foot.v), normal));
+                row.push((n + basis.numbers[k], share * foot.v, normal));
             }
             each(&row, (*p - place.point).dot(normal), *weight);
         }
@@ -123,18 +126,18 @@ impl Samples {
             let mut along = |direction: DVec3, residual: f64, weight: f64, basis: &Basis| {
                 row.clear();
                 let shares = basis.orders[0].iter().enumerate();
-                row.extend(shares.map(|(k, share)| (s * n + basis.first + k, *share, direction)));
+                row.extend(shares.map(|(k, share)| (s * n + basis.numbers[k], *share, direction)));
                 each(&row, residual, weight);
             };
             for ((p, normal, weight), &u) in self.sides[s].iter().zip(&feet.sides[s]) {
                 let [c, t, _] = strip.guide(s, u);
                 let across = t.cross(*normal).normalize_or_zero();
-                along(across, (*p - c).dot(across), *weight, &Basis::at(&strip.breaks, u));
+                along(across, (*p - c).dot(across), *weight, &strip.knots.basis(u));
             }
             for (end, p) in self.ends.iter().flat_map(|ends| [0.0, 1.0].into_iter().zip(ends[s])) {
                 let [c, t, _] = strip.guide(s, end);
                 let t = t.normalize_or_zero();
-                along(t, (p - c).dot(t), CORNER_WEIGHT, &Basis::at(&strip.breaks, end));
+                along(t, (p - c).dot(t), CORNER_WEIGHT, &strip.knots.basis(end));
             }
         }
     }
@@ -142,17 +145,15 @@ impl Samples {
     /// The rows that keep the speed along both guides even.
     fn speed_rows(strip: &Strip, weight: f64, mut each: impl FnMut(&[(usize, f64, DVec3)], f64, f64)) {
         let n = strip.count();
-        let pieces = n - 3;
-        let knot = |k: usize| strip.breaks[k.saturating_sub(2).min(pieces)];
-        let place = |i: usize| [i, i + 1, i + 2].map(knot).iter().sum::<f64>() / 3.0;
+        let pieces = strip.knots.pieces() as f64;
         for (s, guide) in [&strip.lower, &strip.upper].into_iter().enumerate() {
-            for i in 1..n - 1 {
-                let along = (guide[i + 1] - guide[i - 1]).normalize_or_zero();
-                let (a, b) = (1.0 / (place(i) - place(i - 1)), 1.0 / (place(i + 1) - place(i)));
-                let change = (guide[i + 1] - guide[i]) * b - (guide[i] - guide[i - 1]) * a;
-                let at = s * n + i;
-                let row = [(at - 1, a, along), (at, -a - b, along), (at + 1, b, along)];
-                each(&row, -change.dot(along), weight * pieces as f64);
+            for triple @ [h, i, j] in strip.knots.triples() {
+                let along = (guide[j] - guide[h]).normalize_or_zero();
+                let [before, here, after] = [-1, 0, 1].map(|by| strip.knots.place(i as isize + by));
+                let (a, b) = (1.0 / (here - before), 1.0 / (after - here));
+                let change = (guide[j] - guide[i]) * b - (guide[i] - guide[h]) * a;
+                let [h, i, j] = triple.map(|i| s * n + i);
+                each(&[(h, a, along), (i, -a - b, along), (j, b, along)], -change.dot(along), weight * pieces);
             }
         }
     }
@@ -160,13 +161,14 @@ impl Samples {
     /// The normal equations, the coordinates of both guides' control points by turns.
     fn equations(&self, strip: &Strip, feet: &Feet, speed: f64) -> (Band, Vec<f64>) {
         let n = strip.count();
-        let mut matrix = Band::new(6 * n);
+        let unknown = |a: usize| first_unknown(a, &strip.knots);
+        let mut matrix = Band::new(6 * n, band_width(&strip.knots));
         let mut right = vec![0.0; 6 * n];
         let mut shares: Vec<(usize, f64)> = Vec::with_capacity(24);
         let mut add = |row: &[(usize, f64, DVec3)], residual: f64, weight: f64| {
             shares.clear();
             for &(a, x, d) in row {
-                shares.extend((0..3).map(|i| (first_unknown(a, n) + i, x * d[i])));
+                shares.extend((0..3).map(|i| (unknown(a) + i, x * d[i])));
             }
             for &(i, x) in &shares {
                 right[i] += weight * x * residual;
@@ -176,10 +178,10 @@ impl Samples {
         self.rows(strip, feet, &mut add);
         Self::speed_rows(strip, speed, &mut add);
         for (s, guide) in [&strip.lower, &strip.upper].into_iter().enumerate() {
-            for i in 1..n - 1 {
-                let second = guide[i - 1] - 2.0 * guide[i] + guide[i + 1];
+            for triple @ [h, i, j] in strip.knots.triples() {
+                let second = guide[h] - 2.0 * guide[i] + guide[j];
                 for axis in DVec3::AXES {
-                    let row = [(-1.0, i - 1), (2.0, i), (-1.0, i + 1)].map(|(x, k)| (s * n + k, x, axis));
+                    let row = [0, 1, 2].map(|k| (s * n + triple[k], [-1.0, 2.0, -1.0][k], axis));
                     add(&row, second.dot(axis), BEND_WEIGHT * n as f64);
                 }
             }
@@ -236,18 +238,45 @@ impl Samples {
     }
 }
 
-/// The first of three unknowns of control point `i`, those of the upper guide counted on.
-fn first_unknown(i: usize, count: usize) -> usize {
-    if i < count { 6 * i } else { 6 * (i - count) + 3 }
+/// A border with more points on its long sides, between which a guide could swing.
+fn densely(side: &[(DVec3, DVec3, f64)]) -> Vec<(DVec3, DVec3, f64)> {
+    const PARTS: f64 = 64.0;
+    let total: f64 = side.windows(2).map(|w| w[0].0.distance(w[1].0)).sum();
+    let between = |w: &[(DVec3, DVec3, f64)]| {
+        let [(p, n, _), (q, m, _)] = [w[0], w[1]];
+        let parts = (PARTS * p.distance(q) / total.max(1e-300)).ceil().clamp(1.0, PARTS);
+        let at = move |share: f64| (p.lerp(q, share), n.lerp(m, share).normalize_or_zero(), 0.0);
+        (0..parts as usize).map(move |i| at(i as f64 / parts))
+    };
+    side.windows(2).flat_map(between).chain(side.last().copied()).collect()
+}
+
+/// The first of three unknowns of control point `i`, those of the upper guide counted on. Those of a ring go around both
+/// ways by turns, so that its last ones stand beside its first.
+fn first_unknown(i: usize, knots: &Knots) -> usize {
+    let n = knots.count();
+    let (side, i) = (i / n, i % n);
+    let place = match knots.is_closed {
+        false => i,
+        true if i < n.div_ceil(2) => 2 * i,
+        true => 2 * (n - 1 - i) + 1,
+    };
+    6 * place + 3 * side
+}
+
+/// How far the unknowns of four neighbouring control points are apart at most, and one more: three control points, or six
+/// where they go both ways by turns.
+fn band_width(knots: &Knots) -> usize {
+    6 * if knots.is_closed { 7 } else { 4 }
 }
 
 /// The strip with its control points moved, if all of them are points.
 fn moved(strip: &Strip, step: &[f64]) -> Option<Strip> {
     let n = strip.count();
-    let at = |i: usize| DVec3::from_slice(&step[first_unknown(i, n)..]);
+    let at = |i: usize| DVec3::from_slice(&step[first_unknown(i, &strip.knots)..]);
     let guide = |points: &[DVec3], from: usize| -> Vec<DVec3> {
         points.iter().enumerate().map(|(i, p)| *p + at(from + i)).collect()
     };
-    let next = Strip { breaks: strip.breaks.clone(), lower: guide(&strip.lower, 0), upper: guide(&strip.upper, n) };
+    let next = Strip { knots: strip.knots.clone(), lower: guide(&strip.lower, 0), upper: guide(&strip.upper, n) };
     next.lower.iter().chain(&next.upper).all(|p| p.is_finite()).then_some(next)
 }

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::knots::{Basis, Knots};
 use crate::geometry::nurbs::{KnotVector, NurbsCurve, NurbsError};
 
 /// How far beyond its ends a surface is followed for a foot, in its parameters.
@@ -10,21 +11,12 @@ const BEYOND: [f64; 2] = [0.25, 0.4];
 /// The control points of both guides.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Strip {
-    /// Where pieces of both guides meet, from 0 to 1.
-    pub breaks: Vec<f64>,
+    /// Those of both guides.
+    pub knots: Knots,
     /// Of the lower guide.
     pub lower: Vec<DVec3>,
     /// Of the upper one, as many.
     pub upper: Vec<DVec3>,
-}
-
-/// The four basis functions at a parameter, with their first and second derivatives.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Basis {
-    /// Number of the first of them.
-    pub first: usize,
-    /// Values, first and second derivatives.
-    pub orders: [[f64; 4]; 3],
 }
 
 /// A place of the surface.
@@ -50,57 +42,9 @@ pub(super) struct Place {
 /// Rulings at even parameters, by which feet are first looked for.
 pub(super) struct Rulings(Vec<(f64, DVec3, DVec3)>);
 
-impl Basis {
-    /// At `u` of clamped cubics whose pieces meet at `breaks` from 0 to 1; the end pieces go on beyond.
-    pub(super) fn at(breaks: &[f64], u: f64) -> Self {
-        let pieces = breaks.len() - 1;
-        let span = breaks.partition_point(|b| *b <= u).clamp(1, pieces) - 1;
-        let knot = |i: usize| breaks[(span + i).saturating_sub(2).min(pieces)];
-        // The knots around the span: three before it, itself, three behind.
-        let k: [f64; 6] = std::array::from_fn(knot);
-        let mut rows = [[0.0; 4]; 4];
-        rows[0][0] = 1.0;
-        for d in 1..=3 {
-            let mut carried = 0.0;
-            for r in 0..d {
-                let (left, right) = (k[3 + r - d], k[3 + r]);
-                let share = rows[d - 1][r] / (right - left);
-                rows[d][r] = carried + (right - u) * share;
-                carried = (u - left) * share;
-            }
-            rows[d][d] = carried;
-        }
-        let slope = |lower: &[f64; 4], d: usize| -> [f64; 4] {
-            std::array::from_fn(|r| {
-                let rise = if r > 0 && r <= d { lower[r - 1] / (k[r + 2] - k[r + 2 - d]) } else { 0.0 };
-                let fall = if r < d { lower[r] / (k[r + 3] - k[r + 3 - d]) } else { 0.0 };
-                d as f64 * (rise - fall)
-            })
-        };
-        let first = slope(&rows[2], 3);
-        let second = slope(&slope(&rows[1], 2), 3);
-        Self { first: span, orders: [rows[3], first, second] }
-    }
-
-    fn sum(&self, order: usize, points: &[DVec3]) -> DVec3 {
-        let [a, b, c, d] = self.orders[order];
-        match &points[self.first..] {
-            [p, q, r, s, ..] => *p * a + *q * b + *r * c + *s * d,
-            _ => DVec3::NAN,
-        }
-    }
-}
-
-/// Pieces of equal length for `count` control points.
-pub(super) fn even_breaks(count: usize) -> Vec<f64> {
-    let pieces = count - 3;
-    (0..=pieces).map(|i| i as f64 / pieces as f64).collect()
-}
-
-/// Eight places in every piece, and the end.
-fn dense(breaks: &[f64]) -> Vec<f64> {
-    let within = breaks.windows(2).flat_map(|w| (0..8).map(move |i| w[0] + (w[1] - w[0]) * f64::from(i) / 8.0));
-    within.chain([1.0]).collect()
+/// The sum of control points by one order of their basis functions.
+fn sum(basis: &Basis, order: usize, points: &[DVec3]) -> DVec3 {
+    basis.numbers.iter().zip(basis.orders[order]).map(|(i, share)| points[*i] * share).sum()
 }
 
 impl Strip {
@@ -111,62 +55,58 @@ impl Strip {
 
     /// The guides as curves, moved by `origin`.
     pub(super) fn guides(&self, origin: DVec3) -> Result<[NurbsCurve; 2], NurbsError> {
-        let knots = [&[0.0; 3][..], &self.breaks, &[1.0; 3]].concat();
+        let knots = [&[0.0; 3][..], &self.knots.breaks, &[1.0; 3]].concat();
         let knots = KnotVector::new(3, knots)?;
-        let curve = |points: &[DVec3]| {
-            let moved: Vec<DVec3> = points.iter().map(|p| *p + origin).collect();
+        let curve = |side: usize| {
+            let moved: Vec<DVec3> = self.clamped(side).into_iter().map(|p| p + origin).collect();
             NurbsCurve::new(knots.clone(), &moved, &vec![1.0; moved.len()])
         };
-        Ok([curve(&self.lower)?, curve(&self.upper)?])
+        Ok([curve(0)?, curve(1)?])
+    }
+
+    /// Control points of a guide for clamped knots. Those of a closed one count the same but for two at each end, which
+    /// follow from its start and its slope there.
+    fn clamped(&self, side: usize) -> Vec<DVec3> {
+        let points = if side == 0 { &self.lower } else { &self.upper };
+        if !self.knots.is_closed {
+            return points.clone();
+        }
+        let (breaks, last) = (&self.knots.breaks, self.knots.pieces());
+        let [start, slope, _] = self.guide(side, 0.0);
+        let inner = (2..=last).map(|i| points[i % points.len()]);
+        let ends = [slope * (breaks[1] / 3.0), slope * ((1.0 - breaks[last - 1]) / 3.0)];
+        [start, start + ends[0]].into_iter().chain(inner).chain([start - ends[1], start]).collect()
     }
 
     /// The points of both guides at `u`.
     pub(super) fn ends(&self, u: f64) -> [DVec3; 2] {
-        let basis = Basis::at(&self.breaks, u);
-        [basis.sum(0, &self.lower), basis.sum(0, &self.upper)]
+        let basis = self.knots.basis(u);
+        [sum(&basis, 0, &self.lower), sum(&basis, 0, &self.upper)]
     }
 
     /// Point and derivatives of a guide at `u`: the lower one where `side` is 0.
     pub(super) fn guide(&self, side: usize, u: f64) -> [DVec3; 3] {
-        let basis = Basis::at(&self.breaks, u);
+        let basis = self.knots.basis(u);
         let points = if side == 0 { &self.lower } else { &self.upper };
-        [0, 1, 2].map(|order| basis.sum(order, points))
+        [0, 1, 2].map(|order| sum(&basis, order, points))
     }
 
     /// The surface at `foot`.
     pub(super) fn at(&self, foot: Foot) -> Place {
-        let basis = Basis::at(&self.breaks, foot.u);
-        let [low, high] = [&self.lower, &self.upper].map(|g| [0, 1, 2].map(|order| basis.sum(order, g)));
+        let basis = self.knots.basis(foot.u);
+        let [low, high] = [&self.lower, &self.upper].map(|g| [0, 1, 2].map(|order| sum(&basis, order, g)));
         let mix = |i: usize| low[i] * (1.0 - foot.v) + high[i] * foot.v;
         Place { point: mix(0), first: [mix(1), high[0] - low[0]], second: [mix(2), high[1] - low[1]] }
     }
 
     /// Rulings to look for feet by.
     pub(super) fn rulings(&self) -> Rulings {
-        let even = 6.0 * (self.count() - 3).max(6) as f64;
-        let places = self.breaks.windows(2).flat_map(|w| {
+        let even = 6.0 * self.knots.pieces().max(6) as f64;
+        let places = self.knots.breaks.windows(2).flat_map(|w| {
             let parts = (even * (w[1] - w[0])).round().max(2.0);
             (0..parts as usize).map(move |i| w[0] + (w[1] - w[0]) * i as f64 / parts)
         });
         Rulings(places.chain([1.0]).map(|u| (u, self.ends(u))).map(|(u, [a, b])| (u, a, b)).collect())
-    }
-
-    /// The place nearest to `p` between the ends, near enough to measure distances of more than a thousandth of a piece.
-    pub(super) fn foot_within(&self, rulings: &Rulings, p: DVec3) -> Foot {
-        let on = |u: f64| {
-            let [a, b] = self.ends(u);
-            let v = ((p - a).dot(b - a) / (b - a).length_squared().max(1e-300)).clamp(0.0, 1.0);
-            (a.lerp(b, v).distance_squared(p), Foot { u, v })
-        };
-        let nearer = |a: (f64, Foot), b: (f64, Foot)| if b.0 < a.0 { b } else { a };
-        let seen = rulings.0.iter().map(|r| on(r.0)).fold((f64::INFINITY, Foot { u: 0.5, v: 0.5 }), nearer);
-        let step = rulings.0.windows(2).map(|w| w[1].0 - w[0].0).fold(0.0, f64::max);
-        let (mut low, mut high) = ((seen.1.u - step).max(0.0), (seen.1.u + step).min(1.0));
-        for _ in 0..30 {
-            let [a, b] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
-            (low, high) = if on(a).0 < on(b).0 { (low, b) } else { (a, high) };
-        }
-        nearer(seen, on(0.5 * (low + high))).1
     }
 
     /// The foot of `p`, looked for everywhere.
@@ -205,8 +145,10 @@ impl Strip {
             let before = d.length_squared();
             let (mut next, mut there) = (foot, place);
             while share > 0.01 * scale {
+                let u = foot.u + du * share;
+                let is_closed = self.knots.is_closed;
                 next = Foot {
-                    u: (foot.u + du * share).clamp(-BEYOND[0], 1.0 + BEYOND[0]),
+                    u: if is_closed { u } else { u.clamp(-BEYOND[0], 1.0 + BEYOND[0]) },
                     v: (foot.v + dv * share).clamp(-BEYOND[1], 1.0 + BEYOND[1]),
                 };
                 there = self.at(next);
@@ -230,12 +172,13 @@ impl Strip {
 
     /// The parameter of the foot of `p` on a guide, approached from `u`.
     pub(super) fn foot_on_guide(&self, side: usize, u: f64, p: DVec3) -> f64 {
-        let mut u = u.clamp(0.0, 1.0);
+        let within = |u: f64| if self.knots.is_closed { u } else { u.clamp(0.0, 1.0) };
+        let mut u = within(u);
         for _ in 0..12 {
             let [c, t, a] = self.guide(side, u);
             let bend = t.length_squared() + (c - p).dot(a);
             let bend = if bend > 0.1 * t.length_squared() { bend } else { t.length_squared() };
-            let next = (u - ((c - p).dot(t) / bend.max(1e-300)).clamp(-0.1, 0.1)).clamp(0.0, 1.0);
+            let next = within(u - ((c - p).dot(t) / bend.max(1e-300)).clamp(-0.1, 0.1));
             let moved = (next - u).abs();
             u = next;
             if moved < 1e-11 {
@@ -254,50 +197,44 @@ impl Strip {
         if worst.is_empty() {
             return None;
         }
-        let mut breaks = self.breaks.clone();
-        breaks.extend(worst.iter().map(|&i| 0.5 * (self.breaks[i] + self.breaks[i + 1])));
-        breaks.sort_by(f64::total_cmp);
-        let places = dense(&breaks);
+        let mut knots = self.knots.clone();
+        knots.breaks.extend(worst.iter().map(|&i| 0.5 * (self.knots.breaks[i] + self.knots.breaks[i + 1])));
+        knots.breaks.sort_by(f64::total_cmp);
+        let places = knots.dense();
         let ends: Vec<[DVec3; 2]> = places.iter().map(|&u| self.ends(u)).collect();
-        Self::through(breaks, &places, &ends)
+        Self::through(knots, &places, &ends)
     }
 
-    /// The piece of the guides that has the parameter `u`.
-    pub(super) fn piece(&self, u: f64) -> usize {
-        self.breaks.partition_point(|b| *b <= u).clamp(1, self.breaks.len() - 1) - 1
-    }
-
-    /// The same surface from `start` to `end` in its parameter, which may lie beyond its ends.
+    /// The same surface, not closed, from `start` to `end` in its parameter, which may lie beyond its ends.
     pub(super) fn between(&self, start: f64, end: f64) -> Option<Self> {
-        let last = self.breaks.len() - 1;
-        let moved =
-            |i: usize| if i == 0 || i == last { self.breaks[i] } else { (self.breaks[i] - start) / (end - start) };
-        let breaks: Vec<f64> = (0..=last).map(moved).collect();
-        let places = dense(&breaks);
+        let (breaks, last) = (&self.knots.breaks, self.knots.pieces());
+        let moved = |i: usize| if i == 0 || i == last { breaks[i] } else { (breaks[i] - start) / (end - start) };
+        let knots = Knots { breaks: (0..=last).map(moved).collect(), is_closed: false };
+        let places = knots.dense();
         let ends: Vec<[DVec3; 2]> = places.iter().map(|&u| self.ends(start + (end - start) * u)).collect();
-        Self::through(breaks, &places, &ends)
+        Self::through(knots, &places, &ends)
     }
 
-    /// The guides whose pieces meet at `breaks` with the least squares of distances from `ends[i]` at `places[i]`.
-    pub(super) fn through(breaks: Vec<f64>, places: &[f64], ends: &[[DVec3; 2]]) -> Option<Self> {
-        let count = breaks.len() + 2;
+    /// The guides with these knots and the least squares of distances from `ends[i]` at `places[i]`.
+    pub(super) fn through(knots: Knots, places: &[f64], ends: &[[DVec3; 2]]) -> Option<Self> {
+        let count = knots.count();
         let mut matrix = nalgebra::DMatrix::<f64>::zeros(count, count);
         let mut right = nalgebra::DMatrix::<f64>::zeros(count, 6);
         for (&u, pair) in places.iter().zip(ends) {
-            let basis = Basis::at(&breaks, u);
+            let basis = knots.basis(u);
             for (k, x) in basis.orders[0].iter().enumerate() {
                 for (l, y) in basis.orders[0].iter().enumerate() {
-                    matrix[(basis.first + k, basis.first + l)] += x * y;
+                    matrix[(basis.numbers[k], basis.numbers[l])] += x * y;
                 }
                 for (c, value) in pair.iter().flat_map(|p| p.to_array()).enumerate() {
-                    right[(basis.first + k, c)] += x * value;
+                    right[(basis.numbers[k], c)] += x * value;
                 }
             }
         }
         // Control points that no place tells of follow their neighbours.
-        for i in 1..count - 1 {
-            for (k, x) in [(i - 1, 1.0), (i, -2.0), (i + 1, 1.0)] {
-                for (l, y) in [(i - 1, 1.0), (i, -2.0), (i + 1, 1.0)] {
+        for triple in knots.triples() {
+            for (k, x) in triple.into_iter().zip([1.0, -2.0, 1.0]) {
+                for (l, y) in triple.into_iter().zip([1.0, -2.0, 1.0]) {
                     matrix[(k, l)] += 1e-12 * places.len() as f64 * x * y;
                 }
             }
@@ -305,7 +242,7 @@ impl Strip {
         let solved = matrix.cholesky()?.solve(&right);
         let point = |i: usize, c: usize| DVec3::new(solved[(i, c)], solved[(i, c + 1)], solved[(i, c + 2)]);
         let [lower, upper] = [0, 3].map(|c| (0..count).map(|i| point(i, c)).collect());
-        let strip = Self { breaks, lower, upper };
+        let strip = Self { knots, lower, upper };
         strip.lower.iter().chain(&strip.upper).all(|p| p.is_finite()).then_some(strip)
     }
 }

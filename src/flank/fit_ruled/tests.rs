@@ -167,7 +167,7 @@ fn a_sphere_is_not_ruled_by_its_sagitta() {
 }
 
 #[test]
-fn a_closed_cylinder_and_cone_are_cut_open() {
+fn a_cylinder_and_a_cone_all_around_have_closed_guides() {
     for (low, high, sides) in [(6.0, 6.0, 4), (8.0, 5.0, 5)] {
         let n = 90;
         let ring = |r: f64, z: f64| {
@@ -191,16 +191,17 @@ fn a_closed_cylinder_and_cone_are_cut_open() {
         let mesh = Mesh { vertices: levels, triangles };
         let all: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
         let fit = fit_ruled(&mesh, &all, &RuledFitParams::default(), &Cancel::default()).unwrap();
-        assert!(fit.is_ruled && fit.is_cut_open, "{:?}", fit.words);
-        assert!(fit.words.iter().any(|w| w.contains("cut open")), "{:?}", fit.words);
-        // Beyond the seam a cubic leaves a circle: by how much is measured at the circle itself.
-        let radius = |p: DVec3| p.truncate().length() + (low - high) * p.z / 10.0;
-        let off = |i: i32| (radius(fit.lower.point(1.0 + 0.01 * f64::from(i))) - low).abs();
-        let (reached, seam) = ((1..=10).map(off).fold(0.0, f64::max), fit.seam_mm);
-        assert!(seam > 0.5 * reached && reached > 0.01 && !fit.covers, "{seam} {reached} {:?}", fit.words);
-        assert!(fit.words.iter().any(|w| w.contains("beyond the seam")), "{:?}", fit.words);
-        let gap = fit.lower.point(0.0).distance(fit.lower.point(1.0));
-        assert!(gap < 0.02 && fit.lower.length(0.0, 1.0) > 6.2 * low - 0.1, "{gap}");
+        assert!(fit.is_ruled && fit.is_closed && fit.covers, "{:?}", fit.words);
+        assert!(fit.words.iter().any(|w| w.contains("all around")), "{:?}", fit.words);
+        // Place, slope and bend go on across the seam, and both guides are circles everywhere.
+        for (guide, radius) in [(&fit.lower, low), (&fit.upper, high)] {
+            let ([p, d, s], [q, e, t]) = (guide.at(0.0), guide.at(1.0));
+            assert!(p.distance(q) < 1e-9 && d.distance(e) < 1e-8 * d.length() && s.distance(t) < 1e-6 * s.length());
+            let off = |i: i32| (guide.point(f64::from(i) / 200.0).truncate().length() - radius).abs();
+            let most = (0..=200).map(off).fold(0.0, f64::max);
+            assert!(most < 0.005, "{most}");
+            assert!((guide.length(0.0, 1.0) / (std::f64::consts::TAU * radius) - 1.0).abs() < 1e-3);
+        }
         for u in [0.1, 0.4, 0.8] {
             let (a, b) = (fit.lower.point(u), fit.upper.point(u));
             // A ruling stands on a meridian.
@@ -391,11 +392,40 @@ fn candidates_are_walls_roundings_and_the_wall_all_around() {
     }
     let [wall] = of(CandidateKind::Joined)[..] else { panic!() };
     let CandidateFit::Fitted(fit) = &wall.fit else { panic!("{}", wall.summary()) };
-    assert!(wall.faces.len() == 8 && fit.is_cut_open && wall.outwards == DVec3::ZERO, "{}", wall.summary());
+    assert!(wall.faces.len() == 8 && fit.is_closed && wall.outwards == DVec3::ZERO, "{}", wall.summary());
     assert!(wall.is_ruled(), "{:?}", fit.words);
-    // It is cut open at an end of a plane, not within a rounding.
+    // Its seam is at an end of a plane, not within a rounding.
     let seam = fit.lower.point(0.0).abs();
     assert!((seam.x.max(seam.y) - half).abs() < 0.02 && (seam.x.min(seam.y) - (half - radius)).abs() < 0.02, "{seam}");
+}
+
+/// A flat has no chord error, however long: what turns at its seams is the rounding beside it.
+#[test]
+fn the_chord_error_of_a_wall_is_that_of_its_roundings() {
+    for (parts, flats) in [(24, 1), (24, 5), (6, 1), (4, 1)] {
+        let (half, radius, height) = (12.0, 4.0, 15.0);
+        let block = rounded_block(half, radius, height, parts);
+        let n = 4 * (parts + 1);
+        // The wall, its flats cut into as many pieces.
+        let mut wall = Mesh { vertices: block.vertices.clone(), triangles: Vec::new() };
+        for (i, j) in (0..n).map(|i| (i, (i + 1) % n)) {
+            let pieces = if (i + 1) % (parts + 1) == 0 { flats } else { 1 };
+            let ends = [i, j, j + n, i + n].map(|k| block.vertices[k]);
+            for piece in 0..pieces {
+                let [from, to] = [piece, piece + 1].map(|k| k as f64 / pieces as f64);
+                let [a, b, c, d] = [(0, 1, from), (0, 1, to), (3, 2, to), (3, 2, from)].map(|(p, q, share)| {
+                    // The very ends, so that they meet those of the next.
+                    wall.vertices.push(if share == 1.0 { ends[q] } else { ends[p].lerp(ends[q], share) });
+                    wall.vertices.len() as u32 - 1
+                });
+                wall.triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+        let all: Vec<u32> = (0..wall.triangles.len() as u32).collect();
+        let chord = radius * (1.0 - (std::f64::consts::FRAC_PI_4 / parts as f64).cos());
+        let found = patch::Patch::of(&wall, &all).unwrap().chord;
+        assert!((0.9..1.2).contains(&(found / chord)), "{parts}, {flats}: {found} {chord}");
+    }
 }
 
 /// Small roundings of a large wall need knots where they are: as many even ones would be half a millimetre apart.
@@ -405,7 +435,7 @@ fn a_wall_with_small_roundings_is_ruled_with_few_control_points() {
     let n = 4 * 25;
     let around: Vec<u32> = (0..4 * n).filter(|t| t % 4 < 2).collect();
     let fit = fit_ruled(&mesh, &around, &RuledFitParams::default(), &Cancel::default()).unwrap();
-    assert!(fit.is_ruled && fit.is_cut_open, "{:?}", fit.words);
+    assert!(fit.is_ruled && fit.is_closed && fit.covers, "{:?}", fit.words);
     assert!(fit.error_corners.greatest_mm < 0.01, "{:?}", fit.error_corners);
 }
 

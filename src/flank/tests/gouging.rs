@@ -2,8 +2,9 @@
 
 use super::*;
 use crate::flank::cutter::HolderPart;
-use crate::flank::gouge::{Frustum, ToolPart, check, nearest_on, neighbours, slack};
-use crate::flank::path::FlankPose;
+use crate::flank::gouge::{Frustum, GougeCheck, ToolPart, check, nearest_on, slack};
+use crate::flank::path::{FlankPath, FlankPose};
+use crate::flank::walls::{OwnTriangles, Walls};
 use crate::geometry::mesh::Mesh;
 
 /// A finely divided square of half size `half` around `center`, spanned by two unit vectors.
@@ -16,6 +17,15 @@ fn wall(center: DVec3, along: DVec3, up: DVec3, half: f64) -> Mesh {
         .flat_map(|k| [[k, k + 1, k + N + 1], [k + 1, k + N + 2, k + N + 1]])
         .collect();
     Mesh { vertices, triangles }
+}
+
+/// What lies within 0.05 mm of the surface is its own.
+fn walls(mesh: &Mesh, surface: &RuledSurface, path: &FlankPath) -> Walls {
+    Walls::new(mesh, OwnTriangles::Near(0.05), (surface, path), 0.05, &Cancel::default()).unwrap()
+}
+
+fn checked(path: &FlankPath, cutter: &FlankCutter, walls: &Walls) -> GougeCheck {
+    check(path, cutter, walls, &Progress::silent(), &Cancel::default()).unwrap()
 }
 
 #[test]
@@ -52,7 +62,7 @@ fn the_least_clearance_of_a_path_is_that_of_dense_sampling() {
     let near = wall(middle.tip + 6.0 * out + 4.0 * middle.axis, middle.axis, middle.axis.cross(out).normalize(), 7.0);
     let above = wall(middle.tip + 28.0 * middle.axis + 9.0 * out, out, out.any_orthonormal_vector(), 2.0);
     for mesh in [&near, &above] {
-        let found = check(path, &cutter, (mesh, surface, 0.05), &Progress::silent(), &Cancel::default()).unwrap();
+        let found = checked(path, &cutter, &walls(mesh, surface, path));
         let flutes = Frustum { heights: [0.0, 20.0], radii: [2.0, 2.0] };
         let nose = Frustum { heights: [20.0, 30.0], radii: [6.0, 8.0] };
         let shares = (0..=8).flat_map(|i| (0..=8 - i).map(move |j| (f64::from(i) / 8.0, f64::from(j) / 8.0)));
@@ -68,7 +78,7 @@ fn the_least_clearance_of_a_path_is_that_of_dense_sampling() {
             assert!((there - clearance.distance_mm).abs() < 1e-9, "the place named is where it is");
         }
     }
-    let found = check(path, &cutter, (&above, surface, 0.05), &Progress::silent(), &Cancel::default()).unwrap();
+    let found = checked(path, &cutter, &walls(&above, surface, path));
     let gouge = found.gouge(0.01).unwrap();
     assert!(gouge.part == ToolPart::Holder(0) && gouge.distance_mm < 0.0, "{gouge:?}");
 }
@@ -81,9 +91,9 @@ fn the_design_surface_itself_is_no_neighbour() {
         .flat_map(|i| (0..8u32).map(move |j| i * 9 + j))
         .flat_map(|k| [[k, k + 9, k + 1], [k + 1, k + 9, k + 10]]);
     let mesh = Mesh { vertices: (0..41 * 9).map(at).collect(), triangles: own.collect() };
-    assert!(neighbours(&mesh, surface, 0.05).triangles.is_empty());
-    let all =
-        check(&plan.refined, &plan.cutter, (&mesh, surface, 0.05), &Progress::silent(), &Cancel::default()).unwrap();
+    let none = walls(&mesh, surface, &plan.refined);
+    assert!(none.triangles().is_empty());
+    let all = checked(&plan.refined, &plan.cutter, &none);
     assert_eq!((all.cutter, all.holder), (None, None), "nothing but its own surface, and no holder");
 }
 

@@ -166,7 +166,7 @@ fn ruled(result: &FlankResult) -> Option<FlankCheck> {
     };
     let at = if fit.is_ruled && !fit.covers { fit.uncovered_at } else { fit.worst };
     let off = if fit.is_ruled { 0.0 } else { fit.error.greatest_mm };
-    let uncovered = if fit.covers { 0.0 } else { fit.uncovered_mm.max(fit.lost_mm).max(fit.seam_mm) };
+    let uncovered = if fit.covers { 0.0 } else { fit.uncovered_mm.max(fit.lost_mm) };
     let check = FlankCheck::new(CheckKind::Ruled, fit.is_ruled && fit.covers, text).at(at);
     Some(check.with(&[("off_mm", off), ("uncovered_mm", uncovered)]))
 }
@@ -219,7 +219,7 @@ fn coverage(result: &FlankResult) -> FlankCheck {
     } else {
         missing.join("; ")
     };
-    let short = if coverage.is_whole { 0.0 } else { (-first).max(last - 1.0) };
+    let short = if is_whole { 0.0 } else { (-first).max(last - 1.0) };
     let figures = [("missing_t", short), ("above_lowest_mm", -lowest), ("above_flutes_mm", highest - flutes)];
     FlankCheck::new(CheckKind::Coverage, missing.is_empty(), text).with(&figures)
 }

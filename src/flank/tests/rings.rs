@@ -1,0 +1,141 @@
+//! Paths once around closed surfaces.
+
+use super::*;
+use crate::flank::axis_surface::CubicBasis;
+use crate::flank::own_surface::own_surface;
+use crate::flank::path::FlankPath;
+
+/// An exact circle around the z axis, which starts `turn_deg` from the x axis.
+fn circle(radius: f64, z: f64, turn_deg: f64) -> GuideCurve {
+    let corner = |i: u32| {
+        let angle = (turn_deg + 45.0 * f64::from(i)).to_radians();
+        let far = if i % 2 == 0 { radius } else { radius * std::f64::consts::SQRT_2 };
+        DVec3::new(far * angle.cos(), far * angle.sin(), z)
+    };
+    let weight = |i: u32| if i % 2 == 0 { 1.0 } else { std::f64::consts::FRAC_1_SQRT_2 };
+    GuideCurve::BSpline {
+        degree: 2,
+        knots: vec![0.0, 0.0, 0.0, 0.25, 0.25, 0.5, 0.5, 0.75, 0.75, 1.0, 1.0, 1.0],
+        points: (0..=8).map(corner).collect(),
+        weights: (0..=8).map(weight).collect(),
+    }
+}
+
+/// The surface between two circles 10 mm apart, the upper one turned, seen from outside.
+fn between([low, high]: [f64; 2], turn_deg: f64) -> RuledSurface {
+    let surface = RuledSurface::from_guides(&circle(low, 0.0, 0.0), &circle(high, 10.0, turn_deg), Side::Positive);
+    let surface = surface.unwrap();
+    let place = surface.at(0.3, 0.5);
+    assert!(surface.is_closed() && place.normal.dot(place.point) > 0.0);
+    surface
+}
+
+fn params() -> FlankParams {
+    FlankParams { locations: 80, control_points: 40, grid: [81, 12], below_mm: 0.0, rounds: 0, ..Default::default() }
+}
+
+/// A path that goes around once ends where and as it starts, and cuts the seam's places alike from both sides.
+fn assert_closed(path: &FlankPath) {
+    let [start, end] = [0.0, 1.0].map(|t| path.pose(t));
+    close(start.tip, end.tip, 1e-12);
+    close(start.axis, end.axis, 1e-12);
+    let [before, after] = [1.0 - 1e-9, 1e-9].map(|t| path.axis.at(t));
+    let speed = after.tip_speed.length();
+    close(before.tip_speed, after.tip_speed, 1e-6 * speed);
+    assert!(path.poses.first().unwrap().tip.distance(path.poses.last().unwrap().tip) < 1e-12);
+    let [along, across] = path.deviation.grid;
+    for j in 0..across {
+        for deviation in [&path.deviation, &path.envelope.deviation] {
+            let [first, last] = [0, along - 1].map(|i| deviation.at(i, j).unwrap());
+            assert!((first - last).abs() < 1e-9, "{first} {last}");
+        }
+    }
+    assert!(path.coverage.is_whole && path.envelope.without == 0, "{:?}", path.coverage);
+}
+
+#[test]
+fn a_frustum_is_touched_all_along_its_rulings_by_cylinder_and_cone() {
+    let surface = between([8.0, 5.0], 0.0);
+    // Half the angle of the frustum's tip.
+    let (sin, cos) = 0.3f64.atan().sin_cos();
+    for (radius, taper_deg) in [(3.0, 0.0), (2.0, 6.0)] {
+        let cutter = FlankCutter::cone(radius, taper_deg, 20.0);
+        let plan = planned(&surface, &cutter, &params()).unwrap();
+        let (lean, rise) = cutter.half_angle().sin_cos();
+        for path in [&plan.initial, &plan.chosen] {
+            assert_closed(path);
+            // The normal is the same all along a ruling, which the flute then touches all along.
+            for deviation in [&path.deviation, &path.envelope.deviation] {
+                let most = deviation.most_undercut.max(-deviation.most_overcut);
+                assert!(most < 5e-4, "{taper_deg}: {most}");
+            }
+        }
+        // What is left is that of the splines through the locations: the locations themselves have none.
+        assert!(plan.locations.iter().all(|l| l.middle_mm.is_some_and(|m| m.abs() < 1e-9)));
+        let finer = FlankParams { locations: 160, control_points: 80, ..params() };
+        let finer = planned(&surface, &cutter, &finer).unwrap().initial.deviation.rms;
+        assert!(finer < 0.35 * plan.initial.deviation.rms, "{finer} {}", plan.initial.deviation.rms);
+        for (i, location) in plan.locations.iter().enumerate() {
+            // In the half-plane of the ruling: along the normal by the radius, and the axis leans off the ruling.
+            let normal = [cos, sin];
+            let ruling = [-sin, cos];
+            let axis = [0, 1].map(|k| ruling[k] * rise + normal[k] * lean);
+            let tip = [0, 1].map(|k| [8.0, 0.0][k] + normal[k] * radius / rise - axis[k] * radius * lean / rise);
+            let found = [location.tip.truncate().length(), location.tip.z];
+            assert!((0..2).all(|k| (found[k] - tip[k]).abs() < 1e-9), "{i}: {found:?} {tip:?}");
+        }
+        assert_eq!((plan.locations.len(), plan.locations[0].u0, plan.locations[80].u0), (81, 0.0, 1.0));
+        close(plan.locations[0].tip, plan.locations[80].tip, 1e-12);
+        let control = (&Progress::silent(), &Cancel::default());
+        let grid = DesignGrid::new(&surface, [40, 5]);
+        let own = own_surface(&plan.chosen, &cutter, &surface, (&grid, 0.01), control).unwrap();
+        assert!(own.holds() && own.sweep.without == 0, "{}", own.text());
+    }
+}
+
+#[test]
+fn a_twisted_ring_is_cut_alike_all_around_and_better_when_refined() {
+    let surface = between([9.0, 9.0], 50.0);
+    let cutter = FlankCutter::cylinder(3.0, 20.0);
+    let plan = planned(&surface, &cutter, &FlankParams { rounds: 20, ..params() }).unwrap();
+    let [start, best] = [&plan.initial, &plan.refined].map(|path| {
+        assert_closed(path);
+        &path.deviation
+    });
+    assert!(start.mean > 1e-3 && best.sum < 0.9 * start.sum, "{} {}", start.sum, best.sum);
+    // A quarter further on all is the same again.
+    for i in 0..=60 {
+        for j in 0..12 {
+            let [here, there] = [i, i + 20].map(|i| start.at(i, j).unwrap());
+            assert!((here - there).abs() < 1e-8, "{i} {j}: {here} {there}");
+        }
+    }
+}
+
+#[test]
+fn closed_splines_sum_to_one_and_wrap_around() {
+    for count in [4, 5, 10, 23] {
+        let basis = CubicBasis::closed(count);
+        assert_eq!(basis.count(), count);
+        for i in -30..=130 {
+            let t = f64::from(i) / 100.0;
+            let (here, next) = (basis.at(t), basis.at(t + 1.0));
+            assert!((here.values.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            let value = |at: &crate::flank::axis_surface::BasisAt, k: usize| {
+                at.numbers.iter().zip(at.values).filter(|n| *n.0 == k).map(|n| n.1).sum::<f64>()
+            };
+            assert!((0..count).all(|k| (value(&here, k) - value(&next, k)).abs() < 1e-9), "{count} {t}");
+        }
+    }
+}
+
+#[test]
+fn guides_that_meet_their_start_at_a_corner_are_not_closed() {
+    let square = |half: f64, z: f64| {
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]];
+        let points = corners.map(|[x, y]| DVec3::new(half * x, half * y, z)).to_vec();
+        GuideCurve::Points { points, degree: 1 }
+    };
+    let surface = RuledSurface::from_guides(&square(5.0, 0.0), &square(4.0, 10.0), Side::Positive);
+    assert!(surface.is_err() || !surface.unwrap().is_closed());
+}
