@@ -27,6 +27,7 @@ use crate::project::flank_override::FlankOverride;
 use crate::project::flank_params::{MillingSettings, PathChoice};
 
 mod checks;
+mod places;
 
 pub use checks::{CheckKind, FlankCheck};
 

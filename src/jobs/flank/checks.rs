@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{FlankInput, FlankResult, LoadedSurface};
+use super::{FlankInput, FlankResult, LoadedSurface, places};
 use crate::export::nc_feed::LEAST_BLOCK_MINUTES;
 use crate::flank::FlankError;
 use crate::flank::gouge::{Clearance, ToolPart};
@@ -149,6 +149,7 @@ pub(super) fn of(result: &FlankResult) -> Vec<FlankCheck> {
     checks.extend(gouge(result));
     checks.extend(leads(result));
     checks.extend(machine(result));
+    places::complete(result, &mut checks);
     checks
 }
 
@@ -229,9 +230,6 @@ fn deviation(result: &FlankResult) -> FlankCheck {
         "overcut up to {overcut:.4} mm, undercut up to {undercut:.4} mm, standing or moving; allowed: {} and {} mm",
         allowed[0], allowed[1]
     );
-    if !holds {
-        text += "; mill the refined path, bound it (objective bounded), or take a thinner cutter";
-    }
     if let Some(fit) = &result.fit {
         text += &format!("; the surface itself is up to {:.4} mm off the face", fit.error.greatest_mm);
     }
@@ -281,7 +279,8 @@ fn envelope(result: &FlankResult) -> FlankCheck {
 fn part_name(part: ToolPart) -> String {
     match part {
         ToolPart::Cutter => "the flutes".to_owned(),
-        ToolPart::Holder(i) => format!("part {} of the holder", i + 1),
+        // As many as the flutes, for the verbs behind.
+        ToolPart::Holder(i) => format!("the sides of part {} of the holder", i + 1),
     }
 }
 
