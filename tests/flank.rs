@@ -7,7 +7,7 @@ use serde_json::Value;
 use sparkpath::flank::cutter::{FlankCutter, HolderPart};
 use sparkpath::flank::guide::GuideCurve;
 use sparkpath::flank::machine::milling_machine::MillingMachine;
-use sparkpath::flank::params::{FlankParams, OffsetMethod};
+use sparkpath::flank::params::{FlankParams, Objective, OffsetMethod};
 use sparkpath::flank::ruled_surface::{RuledSurface, Side};
 use sparkpath::geometry::mesh::Mesh;
 use sparkpath::jobs::flank::{CheckKind, FlankInput, FlankResult, flank};
@@ -146,6 +146,22 @@ fn a_path_that_is_off_more_than_is_allowed_is_no_program() {
     assert!(planned <= most && (planned / most - 1.0).abs() < 0.02, "on 30 x 12 places {planned}, checked {most}");
     assert!(most > document.overcut_tolerance_mm && !off.holds && result.why_blocked().is_some(), "{}", off.text);
     assert!(off.place.is_some() && off.text.contains(&format!("{most:.4}")), "{}", off.text);
+    // Only what was not done yet is advised, and the cutter can be shown where it is.
+    assert!(off.text.contains("mill the refined path, bound it"), "{}", off.text);
+    let (place, pose) = (off.place.unwrap(), result.path().pose(off.t.unwrap()));
+    let from_axis = (place - pose.tip).cross(pose.axis).length();
+    assert!((from_axis - (2.0 - most)).abs() < 0.05, "the place is at the flutes of the cutter there: {from_axis}");
+    document.plan.objective = Objective::Bounded { overcut_mm: Some(0.01), undercut_mm: None };
+    let bounded = run(&loaded(&document));
+    let beyond = check(&bounded, CheckKind::Bounds);
+    assert!(!beyond.holds && beyond.place.is_some() && beyond.t.is_some(), "{}", beyond.text);
+    assert!(beyond.text.contains("mill the refined path, widen the bounds"), "{}", beyond.text);
+    assert!(!check(&bounded, CheckKind::Deviation).text.contains("bound it"));
+    document.path = PathChoice::Refined;
+    let refined = run(&loaded(&document));
+    let again = refined.checks.iter().filter(|c| !c.holds).find(|c| c.text.contains("mill the refined path"));
+    assert!(again.is_none(), "{again:?}");
+    (document.path, document.plan.objective) = (PathChoice::Initial, Objective::Sum);
     document.overcut_tolerance_mm = most + 1e-3;
     document.undercut_tolerance_mm = 1.0;
     assert!(check(&run(&loaded(&document)), CheckKind::Deviation).holds);
@@ -187,12 +203,19 @@ fn what_fails_a_check_is_not_written_unless_it_is_overridden_by_name() {
     let result = run(&loaded(&document));
     let short = check(&result, CheckKind::Cutter);
     assert!(!result.holds() && !short.holds && short.text.contains("flutes are 8.000 mm"), "{}", short.text);
+    let uncovered = check(&result, CheckKind::Coverage);
+    let v = result.surface.nearest(uncovered.place.unwrap()).v;
+    assert!(v > 0.99 && uncovered.t.is_some(), "the flutes end below the upper guide: {v}");
     // What was done instead is said.
     assert!(result.warnings.iter().any(|w| w.contains("planned as if its flutes were long enough")));
     let (folder, written) = exported(&document, &result);
     assert_eq!(written.files, ["flank.json", "report.html"]);
     assert!(written.sentence().contains("nothing to mill was written") && written.set_aside.is_empty());
     assert!(read(&folder, "report.html").contains("Check cutter fails."));
+    let only_nc = ExportChoice { cl: false, nc: true, csv: false, report: false };
+    let other = folder.path().join("other");
+    let written = export(&other, (&result, &document), only_nc, &Progress::silent(), &Cancel::default()).unwrap();
+    assert_eq!(written.files, ["flank.json", "report.html"], "the report says why there is no program");
 
     document.overrides = ["cutter", "coverage", "envelop"].map(FlankOverride::whatever).to_vec();
     let result = run(&loaded(&document));

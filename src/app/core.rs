@@ -79,7 +79,7 @@ pub struct Core {
     /// Everything that has been said.
     pub log: Vec<LogLine>,
     /// A word that passes, and since when it is there.
-    passing: Option<(String, Instant)>,
+    passing: Option<(String, Workspace, Instant)>,
     /// The track of the electrode that is looked at; made again when its source changes.
     track: Arc<Track>,
     track_of: TrackSource,
@@ -117,6 +117,10 @@ pub struct LogLine {
     pub text: String,
     /// How long it took, if that is known.
     pub took: Option<Duration>,
+    /// Where it was said, or what it is of.
+    pub workspace: Workspace,
+    /// How often the flank had been changed by then: what is said of one is of no other.
+    pub revision: u64,
 }
 
 /// What a track was made from: the plan's address, or the number of a partial plan.
@@ -193,7 +197,7 @@ impl Core {
         for event in &events {
             let text = format!("{}: {}", event.stage.name(), event.text);
             let (kind, stage, took) = (event.kind, Some(event.stage), event.took);
-            self.log.push(LogLine { at: SystemTime::now(), kind, stage, text, took });
+            self.note(Workspace::Blisk, LogLine { stage, took, ..self.line(kind, text) });
         }
         self.follow_tuning();
         self.follow_track();
@@ -209,27 +213,41 @@ impl Core {
 
     /// Adds a line to the log.
     pub fn say(&mut self, kind: EventKind, text: impl Into<String>) {
-        self.log.push(LogLine { at: SystemTime::now(), kind, stage: None, text: text.into(), took: None });
+        self.note(self.workspace, self.line(kind, text.into()));
+    }
+
+    /// A line that is said now.
+    pub fn line(&self, kind: EventKind, text: String) -> LogLine {
+        let (at, workspace, revision) = (SystemTime::now(), self.workspace, self.flank.revision());
+        LogLine { at, kind, stage: None, text, took: None, workspace, revision }
+    }
+
+    /// Adds a line of `workspace` to the log.
+    pub fn note(&mut self, workspace: Workspace, line: LogLine) {
+        self.log.push(LogLine { workspace, ..line });
     }
 
     /// Says `text` for a moment, in place of what was said last: it is no news that the log should hold.
     pub fn say_in_passing(&mut self, text: impl Into<String>) {
-        self.passing = Some((text.into(), Instant::now()));
+        self.passing = Some((text.into(), self.workspace, Instant::now()));
     }
 
     /// What was said in passing, and how long it is still to be seen.
     pub fn passing(&self) -> Option<(&str, Duration)> {
-        let (text, since) = self.passing.as_ref()?;
+        let (text, _, since) = self.passing.as_ref().filter(|(_, of, _)| *of == self.workspace)?;
         let left = PASSING.checked_sub(since.elapsed()).filter(|left| !left.is_zero())?;
         Some((text, left))
     }
 
-    /// What was said last, unless it is of a failure that is none any more.
-    pub fn last_said(&self) -> Option<&LogLine> {
-        let line = self.log.last()?;
+    /// What was said last in the workspace that is shown, unless it is of a failure that is none any more; and whether it
+    /// is of other parameters than the present ones.
+    pub fn last_said(&self) -> Option<(&LogLine, bool)> {
+        let line = self.log.iter().rev().find(|line| line.workspace == self.workspace)?;
         let failed = |stage| matches!(self.pipeline.state(stage), StageState::Failed(_));
-        let is_over = line.kind == EventKind::Failed && line.stage.is_some_and(|stage| !failed(stage));
-        (!is_over).then_some(line)
+        let is_stale = self.workspace == Workspace::Flank && line.revision != self.flank.revision();
+        let is_mended = line.kind == EventKind::Failed && line.stage.is_some_and(|stage| !failed(stage));
+        let is_over = is_mended || (is_stale && line.kind != EventKind::Done);
+        (!is_over).then_some((line, is_stale))
     }
 
     /// Moves the cursor to where `s` is withdrawn, or as far as there are poses.

@@ -13,6 +13,7 @@ use super::status::colour_of;
 use super::stepper::sentence;
 use super::theme::palette;
 use crate::jobs::flank_electrode::FlankElectrode;
+use crate::project::flank_params::FlankSource;
 use crate::project::{CopyKind, MovedMesh, ProjectFile, Recovery};
 
 /// What the user is asked, one thing at a time.
@@ -33,7 +34,7 @@ pub enum Dialog {
     Export,
     /// The same of a flank.
     ExportFlank,
-    /// A path, typed because the system has no file dialogs.
+    /// A path, typed because the system has no file dialogs or because the user would rather type.
     Path(Purpose, String),
     /// This file is there already.
     Overwrite(Purpose, PathBuf),
@@ -79,6 +80,8 @@ pub enum Intent {
     OpenMold(PathBuf),
     /// Opens this flank.
     OpenFlank(PathBuf),
+    /// Mills this surface in place of the flank.
+    TakeSurface(Box<FlankSource>),
     /// Mills the flanks of this electrode.
     MillFlanks(Arc<FlankElectrode>),
     /// Asks for a file to open.
@@ -93,7 +96,7 @@ impl Intent {
         match self {
             Self::Quit => true,
             Self::OpenMold(_) => work == Work::Mold,
-            Self::OpenFlank(_) | Self::MillFlanks(_) => work == Work::Flank,
+            Self::OpenFlank(_) | Self::TakeSurface(_) | Self::MillFlanks(_) => work == Work::Flank,
             Self::Open(_) | Self::AskOpen | Self::Demonstration => work == Work::Blisk,
         }
     }
@@ -172,7 +175,7 @@ fn contents(ui: &mut Ui, core: &mut Core, dialog: &mut Dialog, adapter: &str) ->
         Dialog::Preferences => preferences(ui, &mut core.preferences),
         Dialog::Export => export_dialog::show(ui, core),
         Dialog::ExportFlank => super::flank::export_dialog(ui, core),
-        Dialog::Path(purpose, text) => path(ui, purpose, text),
+        Dialog::Path(purpose, text) => path(ui, purpose, text, core.preferences.types_paths),
         Dialog::Overwrite(_, path) => {
             ui.label(format!("{} is there already. What it holds would be lost.", path.display()));
             buttons(ui, &[("Replace", Answer::Overwrite), ("Cancel", Answer::Close)])
@@ -301,6 +304,16 @@ fn preferences(ui: &mut Ui, p: &mut Preferences) -> Option<Answer> {
             "With the global strategy: a quick look at every change, a plan with its certificate at rest",
         );
         ui.end_row();
+        ui.label(RichText::new("Paths of files").color(faint));
+        ui.horizontal(|ui| {
+            for (value, name, hint) in [
+                (false, "choose", "In the dialogs of the system, where it has any"),
+                (true, "type", "In this window, whatever dialogs the system has"),
+            ] {
+                ui.selectable_value(&mut p.types_paths, value, name).on_hover_text(hint);
+            }
+        });
+        ui.end_row();
         let label = ui.label(RichText::new("Threads").color(faint));
         ui.horizontal(|ui| {
             ui.add(egui::DragValue::new(&mut p.threads).range(0..=1024)).labelled_by(label.id);
@@ -311,8 +324,9 @@ fn preferences(ui: &mut Ui, p: &mut Preferences) -> Option<Answer> {
     buttons(ui, &[("Close", Answer::Close)])
 }
 
-fn path(ui: &mut Ui, purpose: &Purpose, text: &mut String) -> Option<Answer> {
-    let label = ui.label("This system has no file dialogs. Type or paste the path:");
+fn path(ui: &mut Ui, purpose: &Purpose, text: &mut String, is_preferred: bool) -> Option<Answer> {
+    let why = if is_preferred { "" } else { "This system has no file dialogs (no portal and no zenity). " };
+    let label = ui.label(format!("{why}Type or paste the path:"));
     let mut edited = egui::TextEdit::singleline(text).desired_width(f32::INFINITY).show(ui);
     let field = edited.response.response.clone().labelled_by(label.id);
     if !field.has_focus() && !field.lost_focus() {

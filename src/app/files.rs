@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use std::time::{Duration, Instant};
 
+use super::system_dialogs::System;
 use crate::project::flank_file;
 use crate::project::mold_file::ENDING;
 
@@ -61,6 +61,8 @@ pub enum FlankPurpose {
     Walls,
     /// A machine of one's own.
     Machine,
+    /// A post of one's own.
+    Post,
     /// Folder for the exported files.
     Folder,
 }
@@ -74,6 +76,7 @@ impl FlankPurpose {
             Self::Mesh => "Mesh with the flank",
             Self::Walls => "Neighbouring walls",
             Self::Machine => "Your own milling machine",
+            Self::Post => "Your own post for milling",
             Self::Folder => "Folder for the flank's files",
         }
     }
@@ -81,16 +84,14 @@ impl FlankPurpose {
     /// What the dialog offers, and the endings of that.
     fn filter(self) -> (&'static str, Vec<&'static str>) {
         match self {
-            Self::Open => ("Flanks and meshes", [&MESHES[..], &["sparkflank"]].concat()),
+            Self::Open => ("Flanks, meshes and points", [&MESHES[..], &["sparkflank", "csv", "txt"]].concat()),
             Self::Lower | Self::Upper => ("Points", vec!["csv", "txt"]),
             Self::Mesh | Self::Walls => ("Meshes", MESHES.to_vec()),
             Self::Machine | Self::Folder => ("Machine", vec!["toml"]),
+            Self::Post => ("Post", vec!["toml"]),
         }
     }
 }
-
-/// A native dialog that comes back this soon was never seen by anybody: the system has none.
-const NEVER_SEEN: Duration = Duration::from_millis(500);
 
 /// The dialog that is open, if one is.
 #[derive(Default)]
@@ -98,6 +99,19 @@ pub struct FileDialogs {
     open: Option<Asked>,
     /// Whether paths are typed even where the system has dialogs.
     pub typed: bool,
+    /// Whether the user would rather type them.
+    pub is_typing_preferred: bool,
+}
+
+/// What became of a question for a path.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Opened {
+    /// It is asked.
+    Asked,
+    /// Another one is still open.
+    Busy,
+    /// The system gives no thread to ask on.
+    Failed,
 }
 
 /// What was asked, and where the answer comes from.
@@ -105,7 +119,8 @@ struct Asked {
     purpose: Purpose,
     name: String,
     answer: Receiver<Option<PathBuf>>,
-    since: Instant,
+    /// Whether nothing of the system asks for it.
+    is_typed: bool,
 }
 
 /// What became of a dialog.
@@ -115,8 +130,8 @@ pub enum Chosen {
     Path(Purpose, PathBuf),
     /// The user chose nothing.
     Cancelled(Purpose),
-    /// The system has no file dialogs: the path has to be typed. With the name that was proposed.
-    NoDialogs(Purpose, String),
+    /// The path is to be typed: the system has no file dialogs, or they are not wanted. With the name that was proposed.
+    ToType(Purpose, String),
 }
 
 impl Purpose {
@@ -158,6 +173,15 @@ impl Purpose {
         }
     }
 
+    /// What there is not at `path` that would have to be for this; none if there is, or if other words are found for it.
+    pub fn missing(&self, path: &Path) -> Option<&'static str> {
+        match self {
+            Self::Flank(FlankPurpose::Folder) => None,
+            Self::Flank(_) => (!path.is_file()).then_some("file"),
+            _ => None,
+        }
+    }
+
     /// `path` with the ending that belongs to this, after whatever dots the name has.
     pub fn with_ending(&self, path: PathBuf) -> PathBuf {
         let name = path.as_os_str().to_string_lossy().to_lowercase();
@@ -175,17 +199,18 @@ impl Purpose {
 const MESHES: [&str; 8] = ["stl", "STL", "obj", "OBJ", "gltf", "glb", "GLTF", "GLB"];
 
 impl FileDialogs {
-    /// Opens a dialog, unless one is open. Tells whether it did.
-    pub fn ask(&mut self, purpose: Purpose, name: &str, folder: Option<&Path>, ctx: &egui::Context) -> bool {
+    /// Opens a dialog, unless one is open.
+    pub fn ask(&mut self, purpose: Purpose, name: &str, folder: Option<&Path>, ctx: &egui::Context) -> Opened {
         if self.open.is_some() {
-            return false;
+            return Opened::Busy;
         }
         let (sender, answer) = channel();
-        let asked = Asked { purpose: purpose.clone(), name: name.to_owned(), answer, since: Instant::now() };
-        if self.typed {
+        let is_typed = self.typed || self.is_typing_preferred || !System::present().has_dialogs();
+        let asked = Asked { purpose: purpose.clone(), name: name.to_owned(), answer, is_typed };
+        if is_typed {
             let _ = sender.send(None);
             self.open = Some(asked);
-            return true;
+            return Opened::Asked;
         }
         let mut dialog = rfd::FileDialog::new();
         if let Some(folder) = folder.filter(|f| f.is_dir()) {
@@ -255,7 +280,7 @@ impl FileDialogs {
             ctx.request_repaint();
         });
         self.open = spawned.is_ok().then_some(asked);
-        self.open.is_some()
+        if self.open.is_some() { Opened::Asked } else { Opened::Failed }
     }
 
     /// What became of the dialog since the last call.
@@ -266,10 +291,10 @@ impl FileDialogs {
             Err(TryRecvError::Disconnected) => None,
             Err(TryRecvError::Empty) => return None,
         };
-        let Asked { purpose, name, since, .. } = self.open.take()?;
+        let Asked { purpose, name, is_typed, .. } = self.open.take()?;
         Some(match path {
             Some(path) => Chosen::Path(purpose, path),
-            None if self.typed || since.elapsed() < NEVER_SEEN => Chosen::NoDialogs(purpose, name),
+            None if is_typed => Chosen::ToType(purpose, name),
             None => Chosen::Cancelled(purpose),
         })
     }
@@ -278,6 +303,22 @@ impl FileDialogs {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_no_dialog_asks_for_is_typed_and_no_two_are_asked_at_once() {
+        let ctx = egui::Context::default();
+        let mut files = FileDialogs { is_typing_preferred: true, ..FileDialogs::default() };
+        assert_eq!(files.ask(Purpose::Open, "", None, &ctx), Opened::Asked);
+        assert_eq!(files.ask(Purpose::Picture, "a.png", None, &ctx), Opened::Busy);
+        assert_eq!(files.chosen(), Some(Chosen::ToType(Purpose::Open, String::new())));
+        // However long a failure takes to come back it is no cancelled dialog, and a cancelled one is no failure.
+        let (sender, answer) = channel();
+        let asked = |answer, is_typed| Asked { purpose: Purpose::Post, name: String::new(), answer, is_typed };
+        files.open = Some(asked(answer, false));
+        assert_eq!(files.chosen(), None);
+        sender.send(None).unwrap();
+        assert_eq!(files.chosen(), Some(Chosen::Cancelled(Purpose::Post)));
+    }
 
     #[test]
     fn a_name_gets_its_ending_once_and_loses_nothing() {

@@ -32,6 +32,7 @@ mod status;
 mod step_facts;
 mod stepper;
 mod swept;
+mod system_dialogs;
 mod theme;
 mod timeline;
 mod tuning;

@@ -21,6 +21,8 @@ pub struct Preferences {
     pub navigation: Navigation,
     /// Whether a quick look follows while an electrode is tuned, and a plan when it rests, with the global strategy.
     pub live: bool,
+    /// Whether paths of files are typed even where the system has dialogs for them.
+    pub types_paths: bool,
     /// Threads to compute on; 0 for one a core. Takes effect at the next start.
     pub threads: usize,
     /// Files opened last.
@@ -35,6 +37,7 @@ impl Default for Preferences {
             length: LengthUnit::Millimetre,
             navigation: Navigation::Cad,
             live: true,
+            types_paths: false,
             threads: 0,
             recent: RecentFiles::default(),
         }

@@ -59,6 +59,10 @@ pub enum Opening {
     Mold(Option<PathBuf>),
 }
 
+/// What is said when a dialog of the system is closed: some close without ever having been seen.
+const NOTHING_CHOSEN: &str =
+    "No file was chosen. If you saw no dialog, have paths typed: File, Preferences, Paths of files";
+
 /// How long unsaved work may be without a copy.
 const AUTOSAVE: Duration = Duration::from_secs(2);
 
@@ -211,8 +215,11 @@ impl SparkpathApp {
         }
         match self.files.chosen() {
             Some(Chosen::Path(purpose, path)) => self.named(purpose, path, Named::Chosen, ctx),
-            Some(Chosen::Cancelled(purpose)) => self.cancelled(&purpose),
-            Some(Chosen::NoDialogs(purpose, name)) => {
+            Some(Chosen::Cancelled(purpose)) => {
+                self.core.say_in_passing(NOTHING_CHOSEN);
+                self.cancelled(&purpose);
+            }
+            Some(Chosen::ToType(purpose, name)) => {
                 let name = if purpose.ending().is_some() { &*name } else { "" };
                 let start = self.folder().unwrap_or_default().join(name).display().to_string();
                 self.behind = std::mem::replace(&mut self.dialog, Dialog::Path(purpose, start));

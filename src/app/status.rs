@@ -75,16 +75,17 @@ fn message(ui: &mut Ui, core: &mut Core) {
         ui.allocate_ui(vec2(room, 18.0), |ui| ui.add(label)).inner.on_hover_text(text);
         return;
     }
-    let Some(line) = core.last_said() else {
+    let Some((line, is_stale)) = core.last_said() else {
         ui.label(RichText::new("Ready").color(palette(ui).faint));
         return;
     };
-    let colour = colour_of(ui, line.kind);
+    let colour = if is_stale { palette(ui).faint } else { colour_of(ui, line.kind) };
     let room = (ui.available_width() - 260.0).max(60.0);
     let label =
         egui::Label::new(RichText::new(sentence(&line.text)).color(colour)).truncate().sense(egui::Sense::click());
     let clicked = ui.allocate_ui(vec2(room, 18.0), |ui| ui.add(label)).inner;
-    if clicked.on_hover_text("Open the log").clicked() {
+    let hint = if is_stale { "Of other parameters; a click opens the log" } else { "Open the log" };
+    if clicked.on_hover_text(hint).clicked() {
         core.push(Command::Log);
     }
 }

@@ -10,6 +10,7 @@ use crate::export::flank_nc::TipControl;
 use crate::flank::cutter::HolderPart;
 use crate::flank::params::{Objective, OffsetMethod};
 use crate::flank::ruled_surface::Side;
+use crate::jobs::flank::CheckKind;
 use crate::jobs::flank_electrode::turn_over;
 use crate::jobs::flank_files::load_machine;
 use crate::mesh_io::Units;
@@ -149,7 +150,8 @@ struct PlanArguments {
 /// How it is milled.
 #[derive(Debug, Args)]
 pub(super) struct MillingArguments {
-    /// The machine: trunnion-ac, fork-cb, swivel-bc, a TOML file with one, or none [default: trunnion-ac].
+    /// The machine: trunnion-ac, fork-cb, swivel-bc, a TOML file with one, FILE.toml#NAME of one with several, or none
+    /// [default: trunnion-ac].
     #[arg(long, value_name = "NAME")]
     machine: Option<String>,
     /// Where the workpiece's zero is on the machine (mm), three numbers with commas between [default: the machine's].
@@ -168,7 +170,8 @@ pub(super) struct MillingArguments {
     /// Which way along the surface, with the spindle clockwise: climb or conventional [default: climb].
     #[arg(long, value_name = "NAME")]
     cut: Option<CutName>,
-    /// The post: milling, or one of those that `plan` knows [default: milling].
+    /// The post: milling, milling-tcp (an example for controls that follow the tip), iso, beckhoff-edm, or a TOML file
+    /// [default: milling].
     #[arg(long, value_name = "NAME")]
     post: Option<String>,
     /// The furthest that tip and flutes' top may leave the path between programmed points (mm) [default: 0.002].
@@ -193,7 +196,7 @@ pub(super) struct MillingArguments {
     /// Exports although this check fails: ruled, cutter, coverage, deviation, bounds, envelope, surface, gouge, holder, leads,
     /// machine. With a figure, as in gouge:0.12, only while none of the check's figures is greater. May be given more than
     /// once.
-    #[arg(long = "override", value_name = "CHECK[:FIGURE]")]
+    #[arg(long = "override", value_name = "CHECK[:FIGURE]", value_parser = check_override)]
     overrides: Vec<FlankOverride>,
 }
 
@@ -282,6 +285,15 @@ fn direction(text: &str) -> Result<DVec3, String> {
     };
     // No zero with a sign.
     Ok(found + DVec3::ZERO)
+}
+
+fn check_override(text: &str) -> Result<FlankOverride, String> {
+    let given: FlankOverride = text.parse()?;
+    let names = CheckKind::ALL.map(CheckKind::name);
+    if names.contains(&given.check.as_str()) {
+        return Ok(given);
+    }
+    Err(format!("there is no check {:?}; there are {}", given.check, names.join(", ")))
 }
 
 fn grid(text: &str) -> Result<[usize; 2], String> {
@@ -392,10 +404,7 @@ impl CutterArguments {
         set(&mut cutter.taper_deg, self.taper_deg);
         set(&mut cutter.length_mm, self.length);
         set(&mut cutter.holder, (!self.holder.is_empty()).then(|| self.holder.clone()));
-        if cutter.radius_mm != before.radius_mm || cutter.taper_deg != before.taper_deg {
-            // Its name says what it no longer is.
-            cutter.name.clear();
-        }
+        cutter.forget_stale_name(&before);
     }
 }
 
@@ -496,6 +505,9 @@ mod tests {
         let part = holder_part("20:10:15").unwrap();
         assert_eq!((part.length_mm, part.lower_radius_mm, part.upper_radius_mm), (20.0, 10.0, 15.0));
         assert_eq!(holder_part("30:3").unwrap().upper_radius_mm, 3.0);
+        assert_eq!(check_override("gouge:0.2").unwrap().most, Some(0.2));
+        let why = check_override("nonsense").unwrap_err();
+        assert!(why.contains("nonsense") && why.contains("ruled, cutter, coverage"), "{why}");
         assert_eq!(grid("100x50"), Ok([100, 50]));
         assert_eq!(direction("-Z"), Ok(-DVec3::Z));
         assert_eq!(direction("0,1,-2.5"), Ok(DVec3::new(0.0, 1.0, -2.5)));

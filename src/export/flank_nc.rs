@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::nc::NcError;
 use super::nc_feed::{LEAST_BLOCK_MINUTES, slow_down, whole_seconds};
 use super::nc_lines::Lines;
-use super::post::{FeedMode, Post, PostError};
+use super::post::{self, FeedMode, Post, PostError};
 use super::quantise::{self, deg_text, mm_text};
 use crate::feed::pose::Axis;
 use crate::flank::machine::joint_feed::{Contact, Feeds, Pace, Slowed, paces};
@@ -24,6 +24,10 @@ const _: () =
 const DIRECTION_DECIMALS: usize = 9;
 /// Name and text of the post that comes with the program.
 pub const BUILT_IN_POST: (&str, &str) = ("milling", include_str!("../../assets/posts/milling.toml"));
+
+/// The posts for milling that come with the program: name and text.
+pub const BUILT_IN_POSTS: [(&str, &str); 2] =
+    [BUILT_IN_POST, ("milling-tcp", include_str!("../../assets/posts/milling-tcp.toml"))];
 
 /// What X Y Z mean.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -41,6 +45,18 @@ pub enum TipControl {
 }
 
 impl TipControl {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Off, Self::Angles, Self::Vector];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Angles => "angles",
+            Self::Vector => "vector",
+        }
+    }
+
     /// What a control moves linearly then; [`LinearisationParams::interpolation`] must be this.
     pub fn interpolation(self) -> Interpolation {
         match self {
@@ -104,12 +120,23 @@ impl FlankNcSettings {
     }
 }
 
-/// The built-in post for milling, or any other that [`Post::named`] knows.
+/// A built-in post for milling, or any other that [`Post::named`] knows.
 ///
 /// # Errors
 /// [`PostError`].
 pub fn milling_post(name: &str) -> Result<Post, PostError> {
-    if name == BUILT_IN_POST.0 { Post::from_toml(BUILT_IN_POST.1, name) } else { Post::named(name) }
+    if let Some((_, text)) = BUILT_IN_POSTS.iter().find(|(built_in, _)| *built_in == name) {
+        return Post::from_toml(text, name);
+    }
+    Post::named(name).map_err(|error| match error {
+        PostError::Unknown { name, .. } => PostError::Unknown { name, known: milling_posts() },
+        other => other,
+    })
+}
+
+/// Names of the built-in posts, those for milling first.
+pub fn milling_posts() -> Vec<&'static str> {
+    BUILT_IN_POSTS.iter().chain(&post::BUILT_IN).map(|(name, _)| *name).collect()
 }
 
 /// What a program is for.

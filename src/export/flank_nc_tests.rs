@@ -224,6 +224,23 @@ fn a_tools_direction_is_counted_along_the_same_axes_as_its_tip() {
 }
 
 #[test]
+fn built_in_posts_for_milling_read_back_and_the_example_follows_the_tip() {
+    for (name, _) in BUILT_IN_POSTS {
+        let post = milling_post(name).unwrap();
+        assert_eq!(Post::from_toml(&toml::to_string(&post).unwrap(), name).unwrap(), post);
+        assert_eq!((post.axes.len(), post.feed.mode), (6, FeedMode::InverseTime), "{name}");
+    }
+    let example = milling_post("milling-tcp").unwrap();
+    assert!(example.title.contains("Example"), "{}", example.title);
+    assert_eq!(example.tip_control, following_post().tip_control);
+    for tip_control in [TipControl::Angles, TipControl::Vector] {
+        assert!(tip_words(&example, tip_control).unwrap().is_some());
+    }
+    let unknown = milling_post("mine").unwrap_err().to_string();
+    assert!(unknown.contains("milling, milling-tcp, iso, beckhoff-edm"), "{unknown}");
+}
+
+#[test]
 fn a_post_without_words_for_the_tip_is_refused_one() {
     let k = machines()[2].kinematics().unwrap();
     let path = path();

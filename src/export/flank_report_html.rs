@@ -120,10 +120,12 @@ fn deviation_maps(out: &mut String, report: &FlankReport, maps: &DeviationMaps) 
     }
     out.push_str("</div><div class=\"plot\"><div>");
     image(out, "Colours of the deviation maps", &maps.bar_png, BAR);
+    // Enough to tell half of the end from all of it.
+    let decimals = (2.0 - (1e3 * maps.end_mm).max(1e-6).log10().ceil()).clamp(1.0, 6.0) as usize;
     let ticks = [-1.0, -0.5, 0.0, 0.5, 1.0].map(|share| {
         let um = 1e3 * share * maps.end_mm;
         let sign = if um > 0.0 { "+" } else { "" };
-        format!("<span>{sign}{} \u{b5}m</span>", number(um, 1))
+        format!("<span>{sign}{} \u{b5}m</span>", number(um, decimals))
     });
     let _ = write!(
         out,

@@ -43,8 +43,8 @@ pub enum NcError {
     #[error("the motion was simulated for {simulated}, but the program is for {asked}; simulate it again")]
     OtherMachineSimulated { simulated: String, asked: String },
     #[error(
-        "the post has no word for a control that follows the tool's tip ({wanted}); set tip_control to off, or add \
-             {wanted} under [tip_control] to a post whose control does"
+        "the post has no word for a control that follows the tool's tip ({wanted}); set tip_control to off, or take a \
+             post that has {wanted} under [tip_control], as the built-in example milling-tcp has"
     )]
     NoTipControl { wanted: &'static str },
     #[error("{name} is {value}, but must be {range}")]

@@ -41,7 +41,7 @@ impl<'a> Lines<'a> {
 
     /// A comment, wrapped to the longest line. Whatever could end a comment or upset a control is replaced.
     pub(super) fn comment(&mut self, text: &str) {
-        let safe: String = text.chars().map(comment_character).collect();
+        let safe: String = text.replace('%', "percent").chars().map(comment_character).collect();
         let style = &self.post.comment;
         let room = self.post.max_line_length.saturating_sub(style.open.len() + style.close.len()).max(1);
         let mut line = String::new();
@@ -90,7 +90,9 @@ fn comment_character(c: char) -> char {
         '(' => '[',
         ')' => ']',
         // Separators and expansions in one control or another.
-        ';' | '%' | '"' | '#' | '$' | '{' | '}' => '_',
+        ';' => ',',
+        '"' => '\'',
+        '#' | '$' | '{' | '}' => '_',
         c if c == ' ' || c.is_ascii_graphic() => c,
         c if c.is_whitespace() => ' ',
         _ => '?',

@@ -25,8 +25,8 @@ const OTHER_RESULTS: [&str; 12] =
 #[allow(missing_docs)]
 pub enum PostError {
     #[error("there is no post {name:?}; built in are {}, and one of your own is given by the path of its .toml file",
-            BUILT_IN.map(|(n, _)| n).join(", "))]
-    Unknown { name: String },
+            known.join(", "))]
+    Unknown { name: String, known: Vec<&'static str> },
     #[error("cannot read the post {path}: {source}")]
     Read { path: PathBuf, source: std::io::Error },
     #[error("post {origin}: {problem}")]
@@ -190,7 +190,7 @@ impl Post {
     pub fn load(name: &str, user_folder: Option<&Path>) -> Result<Self, PostError> {
         // A name is a file name here, never a way out of the folder.
         let plain = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c));
-        let unknown = || PostError::Unknown { name: name.to_owned() };
+        let unknown = || PostError::Unknown { name: name.to_owned(), known: BUILT_IN.map(|(n, _)| n).to_vec() };
         if !plain {
             return Err(unknown());
         }

@@ -75,6 +75,15 @@ impl FlankCutter {
         self.length_mm + self.holder.iter().map(|part| part.length_mm).sum::<f64>()
     }
 
+    /// Forgets its name where it is still that of `before`, whose flutes had another form: it would say what the cutter no
+    /// longer is.
+    pub fn forget_stale_name(&mut self, before: &Self) {
+        let is_other = self.radius_mm != before.radius_mm || self.taper_deg != before.taper_deg;
+        if is_other && self.name == before.name {
+            self.name.clear();
+        }
+    }
+
     /// Radius of its cross-section at a height (mm).
     pub fn radius_at(&self, height: f64) -> f64 {
         self.radius_mm + height * self.half_angle().tan()
@@ -148,5 +157,25 @@ impl FlankCutter {
     /// Height of the contact circle (mm) at the upper end of a ruling of this length that the flute lies along.
     fn contact_height_needed(&self, ruling: f64) -> f64 {
         ruling * self.half_angle().cos()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_is_only_kept_by_a_cutter_of_the_same_form() {
+        let named = FlankCutter { name: "cone R1".to_owned(), ..FlankCutter::cone(1.0, 5.0, 30.0) };
+        let renamed = |change: &dyn Fn(&mut FlankCutter)| {
+            let mut cutter = named.clone();
+            change(&mut cutter);
+            cutter.forget_stale_name(&named);
+            cutter.name
+        };
+        assert_eq!(renamed(&|c| c.radius_mm = 1.2), "");
+        assert_eq!(renamed(&|c| c.taper_deg = 4.0), "");
+        assert_eq!(renamed(&|c| c.length_mm = 40.0), "cone R1");
+        assert_eq!(renamed(&|c| (c.radius_mm, c.name) = (1.2, "cone R1.2".to_owned())), "cone R1.2");
     }
 }

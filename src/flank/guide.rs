@@ -42,7 +42,10 @@ pub enum GuideCurve {
 /// # Errors
 /// [`FlankError::Guide`] that says which is wrong, [`FlankError::TooManyPoints`].
 pub(super) fn pair(lower: &GuideCurve, upper: &GuideCurve) -> Result<[NurbsCurve; 2], FlankError> {
-    let wrong = |which| move |reason| FlankError::Guide { which, reason };
+    let wrong = |which| {
+        let guide = if which == "lower" { lower } else { upper };
+        move |reason| guide.wrong(which, reason)
+    };
     let rows = [lower, upper].map(|guide| match guide {
         GuideCurve::Points { points, degree } => Some((points, *degree)),
         _ => None,
@@ -90,13 +93,15 @@ impl GuideCurve {
     pub const MOST_POINTS: usize = 20_000;
 
     /// The points of a text with x, y, z (mm) on each line, as a cubic through them. Empty lines, lines that start with
-    /// `#` and one line of headings are passed over.
+    /// `#` and one line of headings are passed over. Where semicolons or blanks separate numbers, these may have decimal
+    /// commas.
     ///
     /// # Errors
-    /// [`FlankError::Unreadable`] with the line, [`FlankError::TooManyPoints`].
+    /// [`FlankError::Unreadable`] and [`FlankError::SamePoint`] with the line, [`FlankError::TooFewPoints`],
+    /// [`FlankError::TooManyPoints`].
     pub fn from_csv(text: &str) -> Result<Self, FlankError> {
-        let mut points = Vec::new();
-        let mut headings = 0;
+        let mut points: Vec<DVec3> = Vec::new();
+        let (mut headings, mut before) = (0, 0);
         for (number, line) in text.lines().enumerate() {
             let line = line.trim().trim_start_matches('\u{feff}');
             if line.is_empty() || line.starts_with('#') {
@@ -106,7 +111,13 @@ impl GuideCurve {
                 Some(_) if points.len() == Self::MOST_POINTS => {
                     return Err(FlankError::TooManyPoints { most: Self::MOST_POINTS });
                 }
-                Some(point) => points.push(point),
+                Some(point) if points.last() == Some(&point) => {
+                    return Err(FlankError::SamePoint { line: number + 1, before });
+                }
+                Some(point) => {
+                    points.push(point);
+                    before = number + 1;
+                }
                 // Words above the first point are headings.
                 None if points.is_empty() && headings == 0 && !line.contains(|c: char| c.is_ascii_digit()) => {
                     headings += 1;
@@ -114,7 +125,27 @@ impl GuideCurve {
                 None => return Err(FlankError::Unreadable { line: number + 1, text: line.chars().take(80).collect() }),
             }
         }
+        if points.len() < 2 {
+            return Err(FlankError::TooFewPoints { found: points.len() });
+        }
         Ok(Self::Points { points, degree: 3 })
+    }
+
+    /// Why it is no curve; of a row of points in words of points, which are counted from 1.
+    fn wrong(&self, which: &'static str, reason: NurbsError) -> FlankError {
+        let Self::Points { points, .. } = self else { return FlankError::Guide { which, reason } };
+        let problem = match reason {
+            NurbsError::Counts => format!("it needs two points at least, and there are {}", points.len()),
+            NurbsError::Coincident(i) => {
+                format!("point {} coincides with point {i}, or nearly so; leave one of them out", i + 1)
+            }
+            NurbsError::Value(i) => format!("point {} has a coordinate that is no number", i + 1),
+            NurbsError::Singular => {
+                "its points are too unevenly spaced; leave some out where they are close".to_owned()
+            }
+            reason => return FlankError::Guide { which, reason },
+        };
+        FlankError::Points { which, problem }
     }
 
     /// The curve, from u = 0 to 1.
@@ -150,11 +181,57 @@ fn from_zero_to_one(knots: &KnotVector) -> Result<KnotVector, NurbsError> {
     KnotVector::new(knots.degree(), stretched)
 }
 
-/// Three finite numbers, and nothing else.
+/// Three finite numbers, and nothing else. What is three numbers with commas between them is none with decimal commas.
 fn point_of(line: &str) -> Option<DVec3> {
-    let separators = |c: char| c == ',' || c == ';' || c.is_whitespace();
-    let numbers = line.split(separators).filter(|word| !word.is_empty()).map(|word| word.parse::<f64>().ok());
-    let numbers: Option<Vec<f64>> = numbers.collect();
-    let [x, y, z] = numbers?.try_into().ok()?;
-    Some(DVec3::new(x, y, z)).filter(|p| p.is_finite())
+    let is_gap = |c: char| c == ';' || c.is_whitespace();
+    let three = |words: &mut dyn Iterator<Item = String>| {
+        let numbers: Option<Vec<f64>> = words.filter(|w| !w.is_empty()).map(|w| w.parse::<f64>().ok()).collect();
+        let [x, y, z] = numbers?.try_into().ok()?;
+        Some(DVec3::new(x, y, z)).filter(|p| p.is_finite())
+    };
+    let with_points = three(&mut line.split(|c: char| c == ',' || is_gap(c)).map(str::to_owned));
+    with_points.or_else(|| three(&mut line.split(is_gap).map(|word| word.replacen(',', ".", 1))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn points(text: &str) -> Vec<[f64; 3]> {
+        let GuideCurve::Points { points, .. } = GuideCurve::from_csv(text).unwrap() else { panic!("{text}") };
+        points.into_iter().map(|p| p.to_array()).collect()
+    }
+
+    #[test]
+    fn decimal_commas_are_read_where_something_else_separates_numbers() {
+        let all = [[1.5, 2.0, -3.25], [4.0, 5.0, 6.0]];
+        for text in ["1.5,2,-3.25\n4,5,6", "1,5;2,0;-3,25\n4;5;6", "1,5 2 -3,25\n4,0\t5,0\t6,0", "1.5 2 -3.25\n4, 5, 6"]
+        {
+            assert_eq!(points(text), all, "{text}");
+        }
+        for text in ["1,5,2,0,-3,25\n4,5,6", "1,5;2\n4;5;6", "1,000,5;2;3\n4;5;6"] {
+            let why = GuideCurve::from_csv(text).unwrap_err().to_string();
+            assert!(why.contains("line 1") && why.contains("decimal commas"), "{text}: {why}");
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_with_points_is_said_of_lines_and_points_counted_from_one() {
+        let why = |text: &str| GuideCurve::from_csv(text).unwrap_err().to_string();
+        assert!(why("x,y,z\n1,2,3\n").contains("two points at least, and there are 1"));
+        assert!(why("").contains("there are 0"));
+        let twice = why("x y z\n1 2 3\n\n# again\n1.0 2 3\n4 5 6");
+        assert!(twice.contains("line 5") && twice.contains("line 2"), "{twice}");
+        let row = |points: Vec<DVec3>| GuideCurve::Points { points, degree: 3 };
+        let good = row(vec![DVec3::ZERO, DVec3::X]);
+        for (bad, words) in [
+            (row(vec![DVec3::X]), "two points"),
+            (row(vec![DVec3::ZERO, DVec3::X, DVec3::X]), "point 3 coincides with point 2"),
+            (row(vec![DVec3::ZERO, DVec3::NAN]), "point 2 has"),
+        ] {
+            let why = pair(&good, &bad).unwrap_err().to_string();
+            assert!(why.starts_with("the upper guide curve") && why.contains(words), "{why}");
+            assert!(!why.contains("NURBS"), "{why}");
+        }
+    }
 }

@@ -49,9 +49,32 @@ pub enum FlankError {
         /// Why not.
         reason: NurbsError,
     },
+    /// A row of points that is no curve.
+    #[error("the {which} guide curve: {problem}")]
+    Points {
+        /// Which one: lower, upper.
+        which: &'static str,
+        /// What is wrong with which point, counted from 1.
+        problem: String,
+    },
+    /// Too few points in a file.
+    #[error("a guide curve needs two points at least, and there are {found}; write x, y, z (mm) of one on each line")]
+    TooFewPoints {
+        /// How many there are.
+        found: usize,
+    },
+    /// A point twice in a row.
+    #[error("guide curve, line {line}: the point is the same as that of line {before}; leave one of them out")]
+    SamePoint {
+        /// Number of the line, from 1.
+        line: usize,
+        /// The one before.
+        before: usize,
+    },
     /// A line of points that cannot be read.
     #[error(
-        "guide curve, line {line}: {text:?} is no point; write x, y, z in mm, separated by commas, semicolons or blanks"
+        "guide curve, line {line}: {text:?} is no point; write x, y, z in mm, separated by commas, semicolons or blanks; \
+         numbers with decimal commas are separated by semicolons or blanks"
     )]
     Unreadable {
         /// Number of the line, from 1.
@@ -104,7 +127,8 @@ pub enum FlankError {
     /// A surface that turns too far along a ruling.
     #[error(
         "the normal turns by {turn_deg:.0} deg along the ruling at u = {u:.4}: no straight cutter lies along a ruling that \
-         turns by 90 deg or more; divide the surface, or match the guide curves' parameters"
+         turns by 90 deg or more; reverse one guide if they run against each other, divide the surface, or match the guide curves' \
+         parameters"
     )]
     Twisted {
         /// Along the guides.
@@ -163,7 +187,8 @@ pub enum FlankError {
     /// Places of the surface that no place of the axis stands over.
     #[error(
         "{count} places of the surface, the first at u = {u:.3}, v = {v:.3}, have no place of the axis over them: the path is too \
-         far from the surface for its deviation to be measured"
+         far from the surface for its deviation to be measured; take a thinner cutter, the other side of the surface, or divide \
+         the surface"
     )]
     Unmeasured {
         /// How many.

@@ -24,14 +24,14 @@ pub(super) fn of_plan(surface: &RuledSurface, plan: &FlankPlan) -> Vec<String> {
     }
     warnings.extend(of_envelope(&plan.refined));
     let (before, after) = (&plan.initial.deviation, &plan.refined.deviation);
-    if after.most_undercut > 1.2 * before.most_undercut.max(1e-6) {
+    if is_worse(before.most_undercut, after.most_undercut) {
         let (a, b) = (before.most_undercut, after.most_undercut);
         warnings.push(format!(
             "the refined path's sum is less, but its greatest undercut is {b:.4} mm where the initial one's is {a:.4} mm; bound \
              the undercut if that matters"
         ));
     }
-    if after.most_overcut < 1.2 * before.most_overcut.min(-1e-6) {
+    if is_worse(-before.most_overcut, -after.most_overcut) {
         let (a, b) = (-before.most_overcut, -after.most_overcut);
         warnings.push(format!(
             "the refined path's sum is less, but its greatest overcut is {b:.4} mm where the initial one's is {a:.4} mm; bound \
@@ -48,6 +48,14 @@ pub(super) fn of_plan(surface: &RuledSurface, plan: &FlankPlan) -> Vec<String> {
         warnings.push("no rank makes the sum of deviations less: the initial path was kept as the chosen one".into());
     }
     warnings
+}
+
+/// Whether a deviation (mm) has grown so much that it is worth saying.
+fn is_worse(before: f64, after: f64) -> bool {
+    const SHARE: f64 = 1.1;
+    const LEAST_MM: f64 = 1e-3;
+    let before = before.max(0.0);
+    after > SHARE * before && after - before > LEAST_MM
 }
 
 fn of_locations(plan: &FlankPlan) -> Option<String> {

@@ -31,6 +31,7 @@ use crate::project::flank_override::FlankOverride;
 use crate::project::flank_params::{CutDirection, MillingSettings, PathChoice};
 
 mod checks;
+mod places;
 
 pub use checks::{CheckKind, FlankCheck};
 

@@ -7,7 +7,6 @@ use crate::blisk::electrode::Electrode as BliskElectrode;
 use crate::export::choice::MeshFrame;
 use crate::flank::fit_ruled::RuledFitParams;
 use crate::flank::machine::milling_machine::Workpiece;
-use crate::flank::ruled_surface::Side;
 use crate::geometry::frame::Frame;
 use crate::geometry::mesh::Mesh;
 use crate::mold::electrode::design::Electrode as MoldElectrode;
@@ -65,14 +64,8 @@ impl FlankElectrode {
     pub fn document(&self, before: &FlankDocument) -> Result<FlankDocument, FlankLoadError> {
         let kept = KeptMesh::new(&self.name, &self.of, &self.mesh).map_err(FlankLoadError)?;
         let fit = RuledFitParams { up: self.up, ..RuledFitParams::default() };
-        let mut document = FlankDocument {
-            source: FlankSource::Mesh(MeshFlank { fit, kept: Some(kept), ..MeshFlank::default() }),
-            side: Side::Automatic,
-            walls: None,
-            overrides: Vec::new(),
-            ..before.clone()
-        };
-        document.milling.workpiece = None;
+        let mut document =
+            before.of_another(FlankSource::Mesh(MeshFlank { fit, kept: Some(kept), ..MeshFlank::default() }));
         if self.is_upside_down {
             turn_over(&mut document)?;
         }

@@ -113,7 +113,8 @@ pub fn export(
     if choice.cl && blocked.is_none() {
         texts.push((CL_FILE.to_owned(), cl(result)?));
     }
-    if choice.report {
+    // Of a path that is blocked the report says why, whatever else was asked for.
+    if choice.report || blocked.is_some() {
         let report = report(result, document);
         let maps = deviation_maps(&result.plan, cancel).map_err(|e| e.to_string())?;
         let json = report.json().map_err(|e| format!("the report on a flank as JSON: {e}"))?;

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::flank_params::{FlankDocument, FlankSource, GuideSource};
+use super::milling_machine_file::file_of_machine;
 use super::paths::{relative, without_detours};
 use super::toml_file::{self, TomlFileError, folder_of};
 
@@ -32,12 +33,15 @@ pub fn write_flank(file: &Path, document: &FlankDocument) -> Result<(), TomlFile
 /// [`TomlFileError`].
 pub fn read_flank(file: &Path) -> Result<FlankDocument, TomlFileError> {
     let document: FlankDocument = toml_file::read(file, "flank", LARGEST_FILE)?;
-    document.validate().map_err(|problem| TomlFileError::of(file, problem))?;
     let folder = folder_of(file);
-    Ok(with_files(&document, |f| without_detours(&folder.join(f))))
+    let document = with_files(&document, |f| without_detours(&folder.join(f)));
+    // Its post is read for this.
+    document.validate().map_err(|problem| TomlFileError::of(file, problem))?;
+    Ok(document)
 }
 
-/// The document with every file that it names changed. Machines are names unless they end in `.toml`.
+/// The document with every file that it names changed. Machines and posts are names unless they end in
+/// `.toml`.
 fn with_files(document: &FlankDocument, change: impl Fn(&Path) -> PathBuf) -> FlankDocument {
     let mut changed = document.clone();
     match &mut changed.source {
@@ -55,8 +59,14 @@ fn with_files(document: &FlankDocument, change: impl Fn(&Path) -> PathBuf) -> Fl
     if let Some(walls) = &mut changed.walls {
         walls.file = change(&walls.file);
     }
-    if changed.milling.machine.ends_with(".toml") {
-        changed.milling.machine = change(Path::new(&changed.milling.machine)).to_string_lossy().into_owned();
+    let moved = |file: &str| change(Path::new(file)).to_string_lossy().into_owned();
+    let milling = &mut changed.milling;
+    if let Some((file, name)) = file_of_machine(&milling.machine) {
+        let name = name.map_or_else(String::new, |name| format!("#{name}"));
+        milling.machine = moved(file) + &name;
+    }
+    if milling.post.ends_with(".toml") {
+        milling.post = moved(&milling.post);
     }
     changed
 }

@@ -146,6 +146,14 @@ pub enum FlankSource {
     Mesh(MeshFlank),
 }
 
+impl FlankSource {
+    /// Two guides from files, the lower one first.
+    pub fn guides(files: [PathBuf; 2]) -> Self {
+        let [lower, upper] = files.map(GuideSource::File);
+        Self::Guides { lower, upper }
+    }
+}
+
 impl Default for FlankSource {
     fn default() -> Self {
         Self::Demonstration { surface: DemonstrationSurface::A }
@@ -219,7 +227,7 @@ impl CutDirection {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MillingSettings {
-    /// Name of a machine, or a TOML file whose first machine it is; empty for none.
+    /// Name of a machine, a TOML file with one, or one of several in such a file as `FILE.toml#NAME`; empty for none.
     pub machine: String,
     /// Where the workpiece stands on the machine, if not where the machine's file says.
     pub workpiece: Option<Workpiece>,
@@ -386,6 +394,13 @@ impl FlankDocument {
         Ok(())
     }
 
+    /// The same for another surface: without its side, its walls, how it was clamped, and decisions on what checks found.
+    pub fn of_another(&self, source: FlankSource) -> Self {
+        let milling = MillingSettings { workpiece: None, ..self.milling.clone() };
+        let (side, walls, overrides) = (Side::Automatic, None, Vec::new());
+        Self { source, side, walls, milling, overrides, ..self.clone() }
+    }
+
     /// What makes it another than `before`, as a step that can be undone is called.
     pub fn change_since(&self, before: &Self) -> String {
         if let Some(new) = self.overrides.iter().find(|one| !before.overrides.contains(one)) {
@@ -401,6 +416,7 @@ impl FlankDocument {
             (cutter.taper_deg != old.taper_deg, "Taper of the cutter"),
             (cutter.length_mm != old.length_mm, "Length of the flutes"),
             (cutter.holder != old.holder, "Holder"),
+            (cutter.name != old.name, "Name of the cutter"),
             (cutter != old, "Cutter"),
             (plan.offset != old_plan.offset, "Offset"),
             (plan.objective != old_plan.objective, "Objective"),
@@ -409,6 +425,9 @@ impl FlankDocument {
             (self.path != before.path, "Path"),
             (self.walls != before.walls, "Neighbouring walls"),
             (self.milling.machine != before.milling.machine, "Machine"),
+            (self.milling.workpiece != before.milling.workpiece, "Clamping"),
+            (self.milling.post != before.milling.post, "Post"),
+            (self.milling.program.tip_control != before.milling.program.tip_control, "Tip control"),
             (self.milling != before.milling, "Milling"),
             (self.envelope_tolerance_mm != before.envelope_tolerance_mm, "Envelope tolerance"),
             (self.overcut_tolerance_mm != before.overcut_tolerance_mm, "Overcut tolerance"),

@@ -53,6 +53,14 @@ pub enum MillingMachineFileError {
         /// Which, and why.
         source: MachineError,
     },
+    /// A file with more than one machine.
+    #[error("{file}: it has {} machines; say which, as {file}#{}: {}", known.len(), known[0], known.join(", "))]
+    Several {
+        /// The file.
+        file: PathBuf,
+        /// Those that it has.
+        known: Vec<String>,
+    },
     /// No machine of that name.
     #[error("there is no milling machine {name:?}; there are {}", known.join(", "))]
     Unknown {
@@ -109,18 +117,37 @@ pub fn write_milling_machines(file: &Path, machines: &[MillingMachine]) -> Resul
     atomic_write(file, |out| out.write_all(text.as_bytes())).map_err(unwritable)
 }
 
-/// The machine called `name`, or the first of the file `name` if that ends in `.toml`.
+/// The file of a machine that is given as `FILE.toml` or as `FILE.toml#NAME`, and its name; none of a machine that is
+/// given by its name alone.
+pub fn file_of_machine(machine: &str) -> Option<(&str, Option<&str>)> {
+    const ENDING: &str = ".toml";
+    if machine.ends_with(ENDING) {
+        return Some((machine, None));
+    }
+    let (file, name) = machine.rsplit_once('#')?;
+    file.ends_with(ENDING).then_some((file, Some(name)))
+}
+
+/// The machine called `name`; or the one of the file `name`, which ends in `.toml` and has no other machine; or one of
+/// such a file that has more, as `FILE.toml#NAME`.
 ///
 /// # Errors
 /// [`MillingMachineFileError`].
 pub fn milling_machine(name: &str, user_folder: Option<&Path>) -> Result<MillingMachine, MillingMachineFileError> {
-    let (machines, wanted) = match name.ends_with(".toml") {
-        true => (read_milling_machines(Path::new(name))?, None),
-        false => (load_milling_machines(user_folder)?, Some(name)),
+    let (mut machines, wanted) = match file_of_machine(name) {
+        Some((file, wanted)) => (read_milling_machines(Path::new(file))?, wanted),
+        None => (load_milling_machines(user_folder)?, Some(name)),
     };
-    let known = machines.iter().map(|m| m.name.clone()).collect();
-    let found = machines.into_iter().find(|m| wanted.is_none_or(|name| m.name == name));
-    found.ok_or_else(|| MillingMachineFileError::Unknown { name: name.to_owned(), known })
+    let known = || machines.iter().map(|m| m.name.clone()).collect();
+    let Some(wanted) = wanted else {
+        if machines.len() > 1 {
+            return Err(MillingMachineFileError::Several { file: name.into(), known: known() });
+        }
+        return Ok(machines.remove(0));
+    };
+    let found = machines.iter().position(|m| m.name == wanted);
+    let unknown = || MillingMachineFileError::Unknown { name: wanted.to_owned(), known: known() };
+    Ok(machines.swap_remove(found.ok_or_else(unknown)?))
 }
 
 fn invalid(file: &Path, problem: String) -> MillingMachineFileError {
@@ -172,6 +199,14 @@ mod tests {
         assert_eq!(milling_machine(&file.display().to_string(), None).unwrap(), own[0]);
         let said = milling_machine("mine", None).unwrap_err().to_string();
         assert!(said.contains("mine") && said.contains("trunnion-ac, fork-cb, swivel-bc"), "{said}");
+        let both = folder.path().join("two.toml");
+        write_milling_machines(&both, &[own[0].clone(), standard[2].clone()]).unwrap();
+        let both = both.display().to_string();
+        let said = milling_machine(&both, None).unwrap_err().to_string();
+        assert!(said.contains("two.toml#mine") && said.contains("mine, swivel-bc"), "{said}");
+        assert_eq!(milling_machine(&format!("{both}#swivel-bc"), None).unwrap(), standard[2]);
+        assert!(milling_machine(&format!("{both}#other"), None).unwrap_err().to_string().contains("mine, swivel-bc"));
+        assert_eq!(file_of_machine("a#b"), None);
         assert!(write_milling_machines(&file, &[own[0].clone(), own[0].clone()]).is_err());
         assert_eq!(read_milling_machines(&file).unwrap(), own, "what cannot be written takes nothing away");
     }

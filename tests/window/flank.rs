@@ -1,8 +1,11 @@
 //! The workspace of flanks.
 
+use std::path::Path;
+
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::{By, Queryable as _};
 use sparkpath::app::{FlankDesk, Opening, Workspace};
+use sparkpath::export::flank_nc::TipControl;
 use sparkpath::flank::ruled_surface::Side;
 use sparkpath::jobs::flank::LoadedSurface;
 use sparkpath::jobs::pipeline::StageState;
@@ -124,13 +127,14 @@ fn a_cutter_is_changed_in_passing_refused_in_words_and_taken_back() {
     // Half a second after the slider rests the plan follows by itself.
     desk.until_planned();
     assert_eq!(desk.flank().planned().unwrap().result.plan.cutter.radius_mm, radius);
+    assert_eq!(desk.flank().params.cutter.name, "", "it is no cone R1 5 deg any more");
     assert_eq!(desk.flank().record.undo_label(false), Some("Radius of the cutter"));
     desk.key_with(Modifiers::COMMAND, Key::Z);
     assert_eq!(desk.flank().params, kept, "one slide is one step");
     desk.until_planned();
 
     desk.enter("Flutes", "-3");
-    desk.assert_shows("Cutter length_mm is -3");
+    desk.assert_shows("Flutes (cutter length_mm) is -3");
     assert!(!desk.flank().can_plan());
     desk.until("nothing is worked on", |desk| !desk.flank().work.is_busy());
     desk.picture("flank_refused_1000_dark");
@@ -148,6 +152,102 @@ fn a_cutter_is_changed_in_passing_refused_in_words_and_taken_back() {
     desk.type_path(&file);
     assert_eq!(read_flank(&file).unwrap(), desk.flank().params);
     assert!(!desk.flank().is_unsaved());
+}
+
+#[test]
+fn of_a_blocked_path_the_report_is_written_and_words_are_of_what_is_there() {
+    let home = Home::new();
+    let mut desk = home.start(home.flank());
+    desk.press("Plan");
+    desk.until_planned();
+    desk.assert_shows("sum of deviations");
+    // Another workspace has words of its own.
+    desk.window.state_mut().core_mut().workspace = Workspace::Mold;
+    desk.settle();
+    assert!(!desk.shows("sum of deviations"));
+    desk.window.state_mut().core_mut().workspace = Workspace::Flank;
+    desk.settle();
+    assert!(desk.app().core().last_said().is_some_and(|(_, is_stale)| !is_stale));
+    desk.enter("Flutes", "5");
+    assert!(desk.app().core().last_said().is_none_or(|(_, is_stale)| is_stale), "it is of longer flutes");
+    desk.until("it is looked at", |desk| desk.flank().planned().is_some());
+    desk.until_planned();
+    let folder = home.path("out");
+    desk.key_with(Modifiers::COMMAND, Key::E);
+    desk.assert_shows("Only the report is written");
+    desk.press_role(Role::CheckBox, "report.html, .json");
+    desk.press("Report to folder…");
+    desk.type_path(&folder);
+    desk.until("it is exported", |desk| !desk.flank().work.is_busy());
+    assert!(folder.join("report.html").exists() && !folder.join("flank.cl").exists(), "{:?}", desk.log());
+    desk.assert_shows("nothing to mill was written");
+}
+
+#[test]
+fn a_cutter_is_named_and_a_workpiece_clamped_in_the_form() {
+    let home = Home::new();
+    let mut desk = home.start(home.flank());
+    desk.press("Plan");
+    desk.until_planned();
+    desk.press_role(Role::TextInput, "Name");
+    desk.key_with(Modifiers::COMMAND, Key::A);
+    desk.window.event(egui::Event::Text("my cone".to_owned()));
+    desk.settle();
+    assert_eq!(desk.flank().params.cutter.name, "cone R1 5 deg", "what is half typed changes nothing");
+    desk.key(Key::Enter);
+    assert_eq!(desk.flank().params.cutter.name, "my cone");
+    assert!(desk.flank().is_planned(), "a name changes no path");
+    let exported = desk.flank().work.to_export(&desk.flank().params).unwrap();
+    assert_eq!(exported.plan.cutter.name, "my cone");
+
+    desk.press("Machine");
+    desk.assert_shows("its Z along +Z of the machine");
+    desk.press_role(Role::CheckBox, "otherwise than the machine's file says");
+    let of_file = desk.flank().workpiece_of_machine().unwrap().clone();
+    assert_eq!(desk.flank().params.milling.workpiece, Some(of_file));
+    desk.enter("Zero Z", "12.5");
+    assert_eq!(desk.flank().params.milling.workpiece.as_ref().unwrap().zero_mm.z, 12.5);
+    assert_eq!(desk.flank().record.undo_label(false), Some("Clamping"));
+    desk.press("tip, angles");
+    desk.enter("Tool number", "7");
+    let program = &desk.flank().params.milling.program;
+    assert_eq!((program.tip_control, program.tool_number), (TipControl::Angles, 7));
+    desk.pictures("flank_clamped");
+}
+
+#[test]
+fn one_guide_is_opened_with_its_fellow_or_waits_for_it_and_a_path_that_is_not_there_changes_nothing() {
+    let home = Home::new();
+    let [lower, upper, alone, other] =
+        ["a_lower.csv", "a_upper.csv", "points.csv", "others.csv"].map(|name| home.path(name));
+    for (file, z) in [(&lower, 0), (&upper, 10), (&alone, 0), (&other, 10)] {
+        std::fs::write(file, format!("0,0,{z}\n10,2,{z}\n20,2,{z}\n30,0,{z}\n")).unwrap();
+    }
+    let mut desk = home.start(home.flank());
+    let before = desk.flank().params.clone();
+    let open = |desk: &mut Desk, path: &Path| {
+        desk.key_with(Modifiers::COMMAND, Key::O);
+        desk.type_path(path);
+    };
+    open(&mut desk, &home.path("no such.csv"));
+    desk.assert_shows("There is no file");
+    desk.press("Close");
+    desk.assert_shows("Type or paste the path");
+    desk.press("Cancel");
+    assert_eq!(desk.flank().params, before);
+    // The fellow is told by its name, and the file of the other flank is no longer the one that is saved to.
+    open(&mut desk, &upper);
+    assert_eq!(desk.flank().params.source, FlankSource::guides([lower.clone(), upper.clone()]));
+    assert_eq!((desk.flank().params.side, desk.flank().record.file.clone()), (Side::Automatic, None));
+    // What has none waits.
+    open(&mut desk, &alone);
+    assert_eq!(desk.flank().params.source, FlankSource::guides([lower, upper]));
+    desk.type_path(&other);
+    assert_eq!(desk.flank().params.source, FlankSource::guides([alone.clone(), other.clone()]));
+    desk.until("it was read", |desk| desk.flank().work.loaded(&desk.flank().params).is_some());
+    assert!(desk.flank().work.changed_files(&desk.flank().params).is_empty());
+    std::fs::write(&alone, "0,0,0\n10,2,0\n").unwrap();
+    assert_eq!(desk.flank().work.changed_files(&desk.flank().params), [alone]);
 }
 
 #[test]

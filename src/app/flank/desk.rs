@@ -1,6 +1,6 @@
 //! The state of the workspace: the flank, what was made of it, and how that is looked at.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use super::plots::Tab;
 use crate::app::record::{Hands, Record};
+use crate::flank::machine::milling_machine::Workpiece;
 use crate::flank::path::FlankPath;
 use crate::flank::ruled_surface::Side;
 use crate::jobs::flank::path_of;
@@ -15,7 +16,7 @@ use crate::jobs::flank_work::{ExportChoice, FlankWork, Planned, Sketch};
 use crate::jobs::kept::WorkEvent;
 use crate::jobs::pipeline::{EventKind, StageState};
 use crate::project::flank_params::{FlankDocument, FlankSource, GuideSource, PathChoice};
-use crate::project::milling_machine_file::load_milling_machines;
+use crate::project::milling_machine_file::{load_milling_machines, milling_machine};
 use crate::project::user_folder;
 
 /// How long nothing may change before what was seen at a glance is planned in full.
@@ -53,6 +54,10 @@ pub struct FlankDesk {
     pub shows_panel: bool,
     /// Whether that of results is there, where it has one of its own.
     pub shows_list: bool,
+    /// Whether the panel on the left shows what came out, where that has no panel of its own.
+    pub shows_figures: bool,
+    /// Whether plots are shown where the window is too low for them and the view.
+    pub shows_plots: bool,
     /// The flank.
     pub params: FlankDocument,
     /// Its file and the steps that can be undone.
@@ -67,8 +72,8 @@ pub struct FlankDesk {
     pub is_side_by_side: bool,
     /// Whether deviations are those of the moving cutter.
     pub is_moving: bool,
-    /// Whether the cutter is shown.
-    pub shows_cutter: bool,
+    /// Whether the cutter is shown, at one path and at paths side by side, whose maps it covers.
+    shows_cutters: [bool; 2],
     /// Whether the surface that its axis sweeps is.
     pub shows_axis: bool,
     /// Whether rulings are drawn.
@@ -91,6 +96,14 @@ pub struct FlankDesk {
     pub choice: ExportChoice,
     /// Names and titles of the machines that there are.
     pub machines: Vec<[String; 2]>,
+    /// Files that had changed since they were read when an export was last asked for.
+    pub changed_files: Vec<PathBuf>,
+    /// The lower guide of two, until the upper one is named.
+    pub first_guide: Option<PathBuf>,
+    /// How often the flank was changed.
+    revision: u64,
+    /// The machine that was looked up last, and where workpieces stand on it, if there is one of this name.
+    clamped: (String, Option<Workpiece>),
     /// When something was last changed of which the plan is not known.
     edited: Option<Instant>,
     shown: Option<Arc<Planned>>,
@@ -109,6 +122,8 @@ impl FlankDesk {
         Ok(Self {
             shows_panel: true,
             shows_list: true,
+            shows_figures: false,
+            shows_plots: false,
             record: Record::of(&params),
             params,
             work: FlankWork::start(wake)?,
@@ -116,7 +131,7 @@ impl FlankDesk {
             path: PathChoice::Refined,
             is_side_by_side: false,
             is_moving: false,
-            shows_cutter: true,
+            shows_cutters: [true, false],
             shows_axis: false,
             shows_rulings: true,
             t: 0.5,
@@ -133,6 +148,10 @@ impl FlankDesk {
                 .into_iter()
                 .map(|m| [m.name, m.title])
                 .collect(),
+            changed_files: Vec::new(),
+            first_guide: None,
+            revision: 0,
+            clamped: (String::new(), None),
             edited: None,
             shown: None,
             looked_at: None,
@@ -148,6 +167,7 @@ impl FlankDesk {
         self.record.replace(&params, file);
         (self.path, self.rank, self.place) = (params.path, None, None);
         (self.params, self.edited) = (params, None);
+        self.revision += 1;
         self.work.forget_sketch();
     }
 
@@ -179,7 +199,8 @@ impl FlankDesk {
     }
 
     /// Takes other parameters. While they go on changing they are looked at quickly.
-    pub fn edit(&mut self, params: FlankDocument) {
+    pub fn edit(&mut self, mut params: FlankDocument) {
+        params.cutter.forget_stale_name(&self.params.cutter);
         if params == self.params {
             return;
         }
@@ -196,6 +217,7 @@ impl FlankDesk {
         self.params = params;
         if is_asked_anew {
             (self.edited, self.place) = (Some(Instant::now()), None);
+            self.revision += 1;
         }
     }
 
@@ -204,6 +226,16 @@ impl FlankDesk {
         if let Some(params) = self.record.undo(&self.params, again) {
             self.change_to(params);
         }
+    }
+
+    /// How often the flank was changed, or took another's place.
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Where workpieces stand on the machine as its file says; none without a machine, or with one that cannot be read.
+    pub fn workpiece_of_machine(&self) -> Option<&Workpiece> {
+        self.clamped.1.as_ref().filter(|_| self.clamped.0 == self.params.milling.machine)
     }
 
     /// How the plan of the present parameters stands.
@@ -239,13 +271,20 @@ impl FlankDesk {
     /// Answers what has happened, and after how long there is something to be done again.
     pub fn follow(&mut self, hands: Hands, is_seen: bool) -> (Vec<WorkEvent>, Option<Duration>) {
         self.record.follow(hands);
+        let machine = &self.params.milling.machine;
+        if is_seen && self.clamped.0 != *machine {
+            let found = milling_machine(machine, user_folder().as_deref()).ok();
+            self.clamped = (machine.clone(), found.map(|machine| machine.workpiece));
+        }
         if !is_seen && !self.work.is_busy() {
             return (Vec::new(), None);
         }
         let mut events = self.work.follow(&self.params);
         let state = self.state();
         let is_valid = self.params.validate().is_ok();
-        if is_valid && !matches!(state, StageState::Done | StageState::Running) {
+        // While it is planned for the first time the surface is shown at once.
+        let is_first = state == StageState::Running && matches!(self.surface_from(), (None, None));
+        if is_valid && (is_first || !matches!(state, StageState::Done | StageState::Running)) {
             self.work.sketch(&self.params);
         }
         self.follow_answer();
@@ -346,6 +385,17 @@ impl FlankDesk {
     /// The paths that the view shows.
     pub fn shown_paths(&self) -> Vec<PathChoice> {
         if self.is_side_by_side { PathChoice::ALL.to_vec() } else { vec![self.path] }
+    }
+
+    /// Whether the cutter is shown.
+    pub fn shows_cutter(&self) -> bool {
+        self.shows_cutters[usize::from(self.is_side_by_side)]
+    }
+
+    /// Shows it, or hides it.
+    pub fn toggle_cutter(&mut self) {
+        let shows = &mut self.shows_cutters[usize::from(self.is_side_by_side)];
+        *shows = !*shows;
     }
 
     /// Goes to `t` and stays there.

@@ -2,8 +2,10 @@
 
 use egui::{RichText, Ui};
 
+use super::super::commands::Command;
 use super::super::core::Core;
 use super::super::dialogs::{Answer, from_right};
+use super::super::forms::file_name;
 use super::super::theme::{palette, tick};
 use super::results;
 use crate::export::flank_nc::milling_post;
@@ -34,13 +36,18 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Answer> {
         ui.end_row();
     });
     ui.add_space(8.0);
-    let why = planned.as_ref().map_or_else(|why| Some(why.clone()), |result| result.why_blocked());
-    let text = match &why {
-        Some(why) => RichText::new(format!("Blocked: {why}")).color(palette(ui).bad),
-        None if !core.flank.choice.any() => {
+    changed(ui, core);
+    let blocked = planned.as_ref().ok().and_then(|result| result.why_blocked());
+    let text = match (&planned, &blocked) {
+        (Err(why), _) => RichText::new(format!("Blocked: {why}")).color(palette(ui).bad),
+        (_, Some(why)) => {
+            let text = format!("Blocked: {why}. Only the report is written, which says so; nothing to mill is.");
+            RichText::new(text).color(palette(ui).bad)
+        }
+        _ if !core.flank.choice.any() => {
             RichText::new("Nothing is chosen, so that nothing would be written.").color(palette(ui).bad)
         }
-        None => {
+        _ => {
             let text = "Files of an earlier path in the folder are replaced, or get .old behind their names.";
             RichText::new(text).color(palette(ui).warning)
         }
@@ -53,8 +60,9 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Answer> {
     }
     ui.add_space(10.0);
     from_right(ui, |ui| {
-        let is_possible = why.is_none() && core.flank.choice.any();
-        if ui.add_enabled(is_possible, egui::Button::new("Choose folder…")).clicked() {
+        let is_possible = planned.is_ok() && core.flank.choice.any();
+        let name = if blocked.is_some() { "Report to folder…" } else { "Choose folder…" };
+        if ui.add_enabled(is_possible, egui::Button::new(name)).clicked() {
             answer = Some(Answer::ExportFlankTo);
         }
         if ui.button("Cancel").clicked() {
@@ -62,4 +70,20 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Answer> {
         }
     });
     answer
+}
+
+/// What is said of files that have changed since they were read.
+fn changed(ui: &mut Ui, core: &mut Core) {
+    if core.flank.changed_files.is_empty() {
+        return;
+    }
+    let names: Vec<String> = core.flank.changed_files.iter().map(|file| file_name(&file.to_string_lossy())).collect();
+    let text =
+        format!("Changed or gone since read: {}. What is exported was planned for what was read.", names.join(", "));
+    ui.add(egui::Label::new(RichText::new(text).color(palette(ui).warning)).wrap());
+    if ui.button("Load again").on_hover_text("Reads all files anew; then plan again").clicked() {
+        core.push(Command::Reload);
+        core.flank.changed_files.clear();
+    }
+    ui.add_space(4.0);
 }

@@ -11,7 +11,7 @@ use super::super::stepper::{command_button, notice, sentence};
 use super::super::theme::{palette, tick};
 use super::desk::Standing;
 use super::fields::{self, Number};
-use super::{results, source};
+use super::{clamping, results, source};
 use crate::flank::cutter::{FlankCutter, HolderPart};
 use crate::flank::params::{Objective, OffsetMethod};
 use crate::flank::ruled_surface::Side;
@@ -26,22 +26,30 @@ const FIRST_BOUND: f64 = 0.01;
 /// Draws it, `with_results` also what came out. Answers what a path is wanted for.
 pub fn show(ui: &mut Ui, core: &mut Core, with_results: bool) -> Option<Purpose> {
     let mut asked = None;
+    ui.add_space(2.0);
+    plan(ui, core);
+    if with_results {
+        ui.horizontal(|ui| {
+            ui.selectable_value(&mut core.flank.shows_figures, false, "Parameters");
+            ui.selectable_value(&mut core.flank.shows_figures, true, "Results");
+        });
+    }
+    if with_results && core.flank.shows_figures {
+        results::show(ui, core);
+        return None;
+    }
     egui::ScrollArea::vertical().id_salt("flank form").auto_shrink([false, false]).show(ui, |ui| {
-        ui.add_space(2.0);
-        plan(ui, core);
         let mut params = core.flank.params.clone();
         let mut wrong = None;
         section(ui, "Surface", true, |ui| asked = source::show(ui, core, &mut params, &mut wrong));
         section(ui, "Cutter", true, |ui| cutter(ui, &mut params.cutter, &mut wrong));
         section(ui, "Path", true, |ui| path(ui, &mut params, &mut wrong));
-        section(ui, "Walls", false, |ui| asked = walls(ui, core, &mut params, &mut wrong).or(asked.take()));
+        section(ui, "Walls", false, |ui| asked = walls(ui, core, &mut params).or(asked.take()));
+        section(ui, "Checks", false, |ui| checks(ui, &mut params, &mut wrong));
         section(ui, "Machine", false, |ui| asked = machine(ui, core, &mut params, &mut wrong).or(asked.take()));
         core.flank.edit(params);
         if let Some(wrong) = wrong {
             core.say_in_passing(wrong);
-        }
-        if with_results {
-            section(ui, "Results", true, |ui| results::body(ui, core));
         }
     });
     asked
@@ -78,13 +86,48 @@ fn standing(ui: &mut Ui, core: &mut Core) {
     }
     let (colour, text) = match (core.flank.why_not(), core.flank.standing()) {
         _ if core.flank.open_side().is_some() => (colours.accent, CHOOSE_SIDE.to_owned()),
-        (Some(why), _) => (colours.bad, sentence(&why)),
+        (Some(why), _) => (colours.bad, labelled(&sentence(&why))),
         (None, Standing::Planned) => (colours.faint, "Planned".to_owned()),
         (None, Standing::Sketch) => (colours.accent, "Quick look on a coarse grid, not yet planned".to_owned()),
         (None, Standing::Stale) => (colours.warning, "What is shown is of other parameters".to_owned()),
         (None, Standing::Nothing) => (colours.faint, "Not yet planned".to_owned()),
     };
     ui.add(egui::Label::new(RichText::new(&text).small().color(colour)).truncate()).on_hover_text(text);
+}
+
+/// Keys of files, and what the form calls them.
+const LABELS: [(&str, &str); 20] = [
+    ("cutter radius_mm", "Radius"),
+    ("cutter taper_deg", "Taper"),
+    ("cutter length_mm", "Flutes"),
+    ("holder length_mm", "Shank and holder, length"),
+    ("holder lower_radius_mm", "Shank and holder, R below"),
+    ("holder upper_radius_mm", "Shank and holder, R above"),
+    ("below_mm", "Below"),
+    ("locations", "Locations"),
+    ("control_points", "Points"),
+    ("grid", "Grid"),
+    ("rounds", "Rounds"),
+    ("gouge_tolerance_mm", "Gouge to"),
+    ("envelope_tolerance_mm", "Moving to"),
+    ("overcut_tolerance_mm", "Overcut to"),
+    ("undercut_tolerance_mm", "Undercut to"),
+    ("linearisation_mm", "Tolerance"),
+    ("feed_mm_per_min", "Feed"),
+    ("lead_mm_per_min", "Lead feed"),
+    ("aside_mm", "Aside"),
+    ("retract_mm", "Retract"),
+];
+
+/// What is wrong with a value, in the words of the form: `Below (below_mm) is -1: ...`.
+pub fn labelled(why: &str) -> String {
+    // Of a value it is said what it is.
+    let found = LABELS.iter().find_map(|(key, label)| {
+        let at = why.to_ascii_lowercase().find(&format!("{key} is "))?;
+        let is_whole = !why[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_');
+        is_whole.then(|| format!("{}{label} ({key}){}", &why[..at], &why[at + key.len()..]))
+    });
+    found.unwrap_or_else(|| why.to_owned())
 }
 
 /// Words of which one is chosen, in a row.
@@ -123,6 +166,7 @@ pub fn side(ui: &mut Ui, source: &FlankSource, side: &mut Side) {
 }
 
 fn cutter(ui: &mut Ui, cutter: &mut FlankCutter, wrong: &mut Option<String>) {
+    fields::text(ui, &mut cutter.name, "Name", "What the cutter is called in programs and reports; may be empty");
     let radius = Number::mm("Radius", "Radius of the cutter's bottom circle, r0");
     fields::slider(ui, &mut cutter.radius_mm, 0.1..=6.0, radius, wrong);
     let taper = Number {
@@ -266,8 +310,8 @@ fn bound(ui: &mut Ui, name: &str, bound: &mut Option<f64>, hint: &str, wrong: &m
     });
 }
 
-/// What must not be cut, and how closely that is looked at.
-fn walls(ui: &mut Ui, core: &Core, params: &mut FlankDocument, wrong: &mut Option<String>) -> Option<Purpose> {
+/// What must not be cut.
+fn walls(ui: &mut Ui, core: &Core, params: &mut FlankDocument) -> Option<Purpose> {
     let mut asked = None;
     named(ui, "Mesh", |ui, _| {
         let name = params.walls.as_ref().map(|walls| file_name(&walls.file.to_string_lossy()));
@@ -284,6 +328,11 @@ fn walls(ui: &mut Ui, core: &Core, params: &mut FlankDocument, wrong: &mut Optio
     if let StageState::Failed(why) = core.flank.work.walls_state(&core.flank.params) {
         notice(ui, palette(ui).bad, &why);
     }
+    asked
+}
+
+/// How much of what the checks find is let pass.
+fn checks(ui: &mut Ui, params: &mut FlankDocument, wrong: &mut Option<String>) {
     let gouge = Number::mm("Gouge to", "Depth in neighbouring walls that is no gouge");
     fields::number(ui, &mut params.plan.gouge_tolerance_mm, Number { speed: 0.001, ..gouge }, wrong);
     let hint = "How much the moving cutter may cut otherwise than the standing one at any place";
@@ -293,7 +342,6 @@ fn walls(ui: &mut Ui, core: &Core, params: &mut FlankDocument, wrong: &mut Optio
     fields::number(ui, &mut params.overcut_tolerance_mm, Number { speed: 0.001, ..overcut }, wrong);
     let undercut = Number::mm("Undercut to", "How much stock the path may leave on the surface, standing or moving");
     fields::number(ui, &mut params.undercut_tolerance_mm, Number { speed: 0.001, ..undercut }, wrong);
-    asked
 }
 
 fn machine(ui: &mut Ui, core: &Core, params: &mut FlankDocument, wrong: &mut Option<String>) -> Option<Purpose> {
@@ -305,7 +353,7 @@ fn machine(ui: &mut Ui, core: &Core, params: &mut FlankDocument, wrong: &mut Opt
         let shown = combo.show_ui(ui, |ui| {
             ui.selectable_value(&mut milling.machine, String::new(), "none").on_hover_text("Cutter locations only");
             for [name, title] in &core.flank.machines {
-                ui.selectable_value(&mut milling.machine, name.clone(), name).on_hover_text(title);
+                ui.selectable_value(&mut milling.machine, name.clone(), file_name(name)).on_hover_text(title);
             }
             if ui.selectable_label(false, "Own file\u{2026}").clicked() {
                 asked = Some(Purpose::Flank(FlankPurpose::Machine));
@@ -313,6 +361,12 @@ fn machine(ui: &mut Ui, core: &Core, params: &mut FlankDocument, wrong: &mut Opt
         });
         shown.response.labelled_by(label);
     });
+    clamping::workpiece(ui, core, milling, wrong);
+    asked = clamping::program(ui, milling, wrong).or(asked);
+    if !milling.machine.is_empty() {
+        let hint = "From the spindle nose to the tip; otherwise as the machine's file says";
+        bound(ui, "Gauge length", &mut milling.gauge_length_mm, hint, wrong);
+    }
     let ways = [
         (CutDirection::Climb, "climb", "The surface to the right of the travel, with the spindle clockwise"),
         (
@@ -337,4 +391,22 @@ fn machine(ui: &mut Ui, core: &Core, params: &mut FlankDocument, wrong: &mut Opt
     let retract = Number::mm("Retract", "How far it is then lifted along its axis");
     fields::number(ui, &mut milling.retract_mm, Number { speed: 0.2, ..retract }, wrong);
     asked
+}
+
+#[cfg(test)]
+mod tests {
+    use super::labelled;
+
+    #[test]
+    fn what_is_wrong_is_said_in_the_words_of_the_form() {
+        for (why, said) in [
+            ("plan: below_mm is -1: it must be", "plan: Below (below_mm) is -1: it must be"),
+            ("Cutter length_mm is -3; give", "Flutes (cutter length_mm) is -3; give"),
+            ("Undercut_tolerance_mm is 9", "Undercut to (undercut_tolerance_mm) is 9"),
+            ("gauge_length_mm is 1 and below_mm matters", "gauge_length_mm is 1 and below_mm matters"),
+            ("\u{130}below_mm is 2", "\u{130}below_mm is 2"),
+        ] {
+            assert_eq!(labelled(why), said);
+        }
+    }
 }

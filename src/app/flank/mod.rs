@@ -1,10 +1,12 @@
 //! The workspace of flanks: a ruled surface, the cutter that mills it with its side, the path in three steps, and what
 //! was checked of it. Like the rest of the window it computes nothing.
 
+mod clamping;
 mod desk;
 mod export;
 mod fields;
 mod form;
+mod guides;
 mod plots;
 mod results;
 mod source;
@@ -13,6 +15,7 @@ mod view;
 
 pub use desk::{FlankDesk, Fly};
 pub use export::show as export_dialog;
+pub use guides::pair as pair_of_guides;
 pub use view::FlankView;
 
 use egui::{Panel, Ui};
@@ -45,11 +48,16 @@ pub fn show(ui: &mut Ui, core: &mut Core, view: &mut FlankView) -> Option<Purpos
         let panel = panel.size_range(240.0..=(0.4 * room.x).clamp(width, 460.0));
         panel.show(ui, |ui| results::show(ui, core));
     }
-    let (name, height) = if tall { ("flank plots", PLOTS) } else { ("flank timeline", TIMELINE) };
-    let heights = if tall { 150.0..=460.0 } else { TIMELINE..=TIMELINE };
+    // A low window has room for the plots or for the view.
+    let low = PLOTS.min(0.6 * room.y).max(TIMELINE);
+    let (name, height, heights) = match (tall, core.flank.shows_plots) {
+        (true, _) => ("flank plots", PLOTS, 150.0..=460.0),
+        (false, true) => ("flank low plots", low, low..=low),
+        (false, false) => ("flank timeline", TIMELINE, TIMELINE..=TIMELINE),
+    };
     Panel::bottom(name).default_size(height).size_range(heights).resizable(tall).show(ui, |ui| {
-        timeline::show(ui, core);
-        if tall {
+        timeline::show(ui, core, !tall);
+        if tall || core.flank.shows_plots {
             plots::show(ui, core);
         }
         // The panel keeps its height whatever it shows.

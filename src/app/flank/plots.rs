@@ -5,6 +5,7 @@ use egui::{Align2, Color32, FontId, Rect, RichText, Role, Sense, Stroke, Ui, Vec
 use egui_plot::{GridInput, GridMark, HLine, Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints, Points, VLine};
 
 use super::super::core::Core;
+use super::super::forms::file_name;
 use super::super::plots::{legend, round_steps, round_text};
 use super::super::theme::{palette, tick};
 use crate::flank::plan::FlankPlan;
@@ -127,8 +128,14 @@ fn ranks(ui: &mut Ui, core: &mut Core, plan: &FlankPlan) {
         (chosen, format!("best rank {}: {:.3}", ranks.best, sums[1])),
         (refined, format!("refined {:.3}", sums[2])),
     ];
+    let unknown = ranks.sums.len() - known.len();
     ui.horizontal(|ui| {
         legend(ui, names.iter().map(|(colour, name)| (*colour, name.as_str())));
+        if unknown > 0 {
+            let text = format!("{unknown} of {} ranks not shown", ranks.sums.len());
+            let hint = "They lead so far off that no deviation can be measured, or to none at all";
+            ui.label(RichText::new(text).small().color(palette(ui).faint)).on_hover_text(hint);
+        }
         if let Some(text) = core.flank.rank.and_then(|rank| rank_words(plan, rank)) {
             ui.label(RichText::new(text).strong());
         }
@@ -235,7 +242,10 @@ fn machine(ui: &mut Ui, core: &mut Core, planned: &Planned) {
     let Some(curves) = &planned.machine else {
         let text = match why {
             Some(why) => format!("The machine cannot follow the path: {why}"),
-            None => "Choose a machine and plan to see its axes.".to_owned(),
+            None if core.flank.params.milling.machine.is_empty() => {
+                "Choose a machine and plan to see its axes.".to_owned()
+            }
+            None => format!("Plan to see the axes of {}.", file_name(&core.flank.params.milling.machine)),
         };
         return says(ui, &text);
     };

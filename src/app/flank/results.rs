@@ -104,6 +104,8 @@ fn figures(ui: &mut Ui, core: &mut Core, planned: &Planned) {
             ui.end_row();
         }
     });
+    let text = "Every ratio is to the initial path's sum of the standing cutter.";
+    ui.add(Label::new(RichText::new(text).small().color(palette(ui).faint)).wrap());
     if !plan.has_deviation() {
         let text = format!("The initial path {WITHIN_ROUNDING}: ratios mean nothing.");
         ui.add(Label::new(RichText::new(text).small().color(palette(ui).faint)).wrap());

@@ -2,7 +2,6 @@
 
 use egui::{Align, ComboBox, Label, Layout, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 use egui_extras::{Column, TableBuilder};
-use glam::DVec3;
 
 use super::super::core::Core;
 use super::super::files::{FlankPurpose, Purpose};
@@ -92,7 +91,7 @@ fn take(params: &mut FlankDocument, kind: Kind) -> Option<Purpose> {
         Kind::Guides => return Some(Purpose::Flank(FlankPurpose::Lower)),
         Kind::Mesh => return Some(Purpose::Flank(FlankPurpose::Mesh)),
     };
-    params.source = FlankSource::Demonstration { surface };
+    *params = params.of_another(FlankSource::Demonstration { surface });
     None
 }
 
@@ -116,7 +115,8 @@ fn face(ui: &mut Ui, core: &Core, mesh: &mut MeshFlank, wrong: &mut Option<Strin
         });
         ui.ctx().accesskit_node_builder(shown.response.id, |node| node.set_label("Unit of the part"));
     });
-    up(ui, &mut mesh.fit.up);
+    let up = "Along the cutter's axis to the spindle, in the axes of the part: from the lower guide to the upper";
+    fields::direction(ui, &mut mesh.fit.up, "Up", up, wrong);
     let hint = "Greatest distance between the face and the ruled surface that it is said to be";
     let tolerance = Number { speed: 0.001, ..Number::mm("Ruled to", hint) };
     fields::number(ui, &mut mesh.fit.tolerance_mm, tolerance, wrong);
@@ -130,34 +130,6 @@ fn face(ui: &mut Ui, core: &Core, mesh: &mut MeshFlank, wrong: &mut Option<Strin
         }
     }
     asked
-}
-
-/// Which way the cutter's axis points on the part.
-fn up(ui: &mut Ui, up: &mut DVec3) {
-    const AXES: [(DVec3, &str); 6] = [
-        (DVec3::Z, "+Z"),
-        (DVec3::NEG_Z, "\u{2212}Z"),
-        (DVec3::X, "+X"),
-        (DVec3::NEG_X, "\u{2212}X"),
-        (DVec3::Y, "+Y"),
-        (DVec3::NEG_Y, "\u{2212}Y"),
-    ];
-    named(ui, "Up", |ui, label| {
-        let now = up.normalize_or_zero();
-        let found = AXES.iter().find(|(axis, _)| axis.distance(now) < 1e-6);
-        let oblique = || format!("{:.3}, {:.3}, {:.3}", now.x, now.y, now.z);
-        let text = found.map_or_else(oblique, |(_, name)| (*name).to_owned());
-        let combo = ComboBox::from_id_salt("flank up").selected_text(text).width(110.0);
-        let shown = combo.show_ui(ui, |ui| {
-            for (axis, name) in AXES {
-                if ui.selectable_label(axis.distance(now) < 1e-6, name).clicked() {
-                    *up = axis;
-                }
-            }
-        });
-        let hint = "Along the cutter's axis to the spindle, in the axes of the part: from the lower guide to the upper";
-        shown.response.on_hover_text(hint).labelled_by(label);
-    });
 }
 
 fn unit_name(units: Units) -> &'static str {

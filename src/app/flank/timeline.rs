@@ -7,10 +7,19 @@ use super::super::core::Core;
 use super::super::theme::palette;
 use crate::views::contact_line;
 
-/// Draws it.
-pub fn show(ui: &mut Ui, core: &mut Core) {
+/// Draws it, `with_handle` that opens the plots below where they have no room of their own.
+pub fn show(ui: &mut Ui, core: &mut Core, with_handle: bool) {
     ui.horizontal(|ui| {
         controls(ui, core);
+        if with_handle {
+            let sign = if core.flank.shows_plots { "Plots \u{23f7}" } else { "Plots \u{23f6}" };
+            let hint = "Show the plots in place of a part of the view, or hide them";
+            let response = ui.selectable_label(core.flank.shows_plots, sign).on_hover_text(hint);
+            response.widget_info(|| WidgetInfo::selected(Role::Button, true, core.flank.shows_plots, "Plots"));
+            if response.clicked() {
+                core.flank.shows_plots = !core.flank.shows_plots;
+            }
+        }
         readout(ui, core);
     });
     strip(ui, core);

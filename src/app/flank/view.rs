@@ -11,7 +11,7 @@ use super::super::overlay;
 use super::super::theme::palette;
 use super::super::viewport::{Source, Viewport};
 use super::desk::{Fly, Standing};
-use super::form::{CHOOSE_SIDE, SIDES};
+use super::form::{CHOOSE_SIDE, SIDES, labelled};
 use crate::flank::path::FlankPath;
 use crate::jobs::flank::path_of;
 use crate::jobs::flank_work::{LoadedFlank, LoadedWalls, Planned, Sketch};
@@ -24,6 +24,8 @@ use crate::views::{FlankScene, FlankSurface, bodies, contact_line};
 
 /// How far along its arrow the button of a side is, in lengths of the arrow.
 const BEYOND: f64 = 1.35;
+/// Room that the legend takes beside what is shown (points).
+const LEGEND: f64 = 112.0;
 
 /// Names of paths, and where they stand.
 type Names = Vec<(DVec3, &'static str)>;
@@ -71,7 +73,7 @@ impl SceneKey {
             walls: Source(flank.work.walls(&flank.params).cloned()),
             paths: flank.shown_paths(),
             moving: flank.is_moving,
-            t: flank.shows_cutter.then_some(flank.t),
+            t: flank.shows_cutter().then_some(flank.t),
             shows_axis: flank.shows_axis,
             shows_rulings: flank.shows_rulings,
             place: flank.place,
@@ -160,7 +162,11 @@ impl FlankView {
         let all = bodies(&self.scene);
         let to = match fly {
             Fly::Onto => surface.camera(&all, *camera, aspect, false),
-            Fly::Square => surface.camera(&all, *camera, aspect, true),
+            // The legend covers nothing of what lies side by side.
+            Fly::Square => {
+                let free = (1.0 - 2.0 * LEGEND * f64::from(ui.pixels_per_point()) / f64::from(width.max(1))).max(0.4);
+                surface.camera(&all, *camera, free * aspect, true)
+            }
             Fly::Place(place) => {
                 ui.ctx().request_repaint();
                 return self.viewport.fly_into(&surface.around(place), now);
@@ -206,7 +212,12 @@ impl FlankView {
             }
             let path = path_of(plan, choice);
             let deviation = if core.flank.is_moving { &path.envelope.deviation } else { &path.deviation };
-            let text = format!("{name}   \u{2211} {:.3} mm   {}", deviation.sum, plan.ratio_words(deviation.sum));
+            let words = plan.ratio_words(deviation.sum);
+            let text = if core.flank.is_moving {
+                format!("{name}   moving \u{2211} {:.3} mm   {words} to the initial standing", deviation.sum)
+            } else {
+                format!("{name}   \u{2211} {:.3} mm   {words}", deviation.sum)
+            };
             let strong = choice == core.flank.path;
             let colour = if strong { ui.visuals().strong_text_color() } else { ui.visuals().text_color() };
             let galley = ui.painter().layout_no_wrap(text, FontId::proportional(12.5), colour);
@@ -236,7 +247,7 @@ fn buttons(core: &Core) -> Vec<(&'static str, Command, bool)> {
         ("Iso", Command::View(StandardView::Isometric), false),
         ("Side by side", Command::SideBySide, flank.is_side_by_side),
         ("Moving", Command::MovingCutter, flank.is_moving),
-        ("Cutter", Command::ShowCutter, flank.shows_cutter),
+        ("Cutter", Command::ShowCutter, flank.shows_cutter()),
         ("Axis", Command::AxisSurface, flank.shows_axis),
         ("Rulings", Command::Rulings, flank.shows_rulings),
     ]
@@ -260,15 +271,19 @@ fn caption(ui: &mut Ui, rect: Rect, core: &Core) {
         (Standing::Stale, Some(planned), None) => {
             (colours.warning, format!("Of other parameters, {} path: {}", flank.path.name(), sentence(planned)))
         }
-        (.., Some(why)) => (colours.bad, super::super::stepper::sentence(&why)),
+        (.., Some(why)) => (colours.bad, labelled(&super::super::stepper::sentence(&why))),
         _ => return,
     };
     overlay::caption(ui, rect, 10.0, colour, &text);
 }
 
 fn empty(ui: &Ui, rect: Rect, core: &Core) {
-    let (title, line) = match core.flank.work.source_state(&core.flank.params) {
+    let work = &core.flank.work;
+    let (title, line) = match work.source_state(&core.flank.params) {
         StageState::Running => ("Loading…", ""),
+        StageState::Done if work.is_sketching() || core.flank.state() == StageState::Running => {
+            ("Looking at the surface…", "")
+        }
         _ => ("Drop a part or two guide curves here", "STL, OBJ, glTF or GLB; or points as CSV."),
     };
     let c = rect.center();

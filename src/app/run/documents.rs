@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::SparkpathApp;
 use crate::app::dialogs::{Answer, Dialog, Intent, Work};
-use crate::app::files::{FlankPurpose, Purpose};
+use crate::app::files::{FlankPurpose, Opened, Purpose};
 use crate::app::workspace::Workspace;
 use crate::jobs::pipeline::EventKind;
 use crate::project::flank_file::is_flank_file;
@@ -124,6 +124,7 @@ impl SparkpathApp {
                 self.core.workspace = Workspace::Flank;
                 self.open_flank(&path);
             }
+            Intent::TakeSurface(source) => self.take_surface(&source),
             Intent::MillFlanks(electrode) => self.take_electrode(&electrode),
             Intent::AskOpen => self.ask(Purpose::Open, "", ctx),
             Intent::Demonstration => self.replace(Document::default()),
@@ -154,9 +155,14 @@ impl SparkpathApp {
 
     /// Asks for a path, unless one is being asked for.
     pub(super) fn ask(&mut self, purpose: Purpose, name: &str, ctx: &egui::Context) {
-        if !self.files.ask(purpose.clone(), name, self.folder().as_deref(), ctx) {
-            self.cancelled(&purpose);
-        }
+        self.files.is_typing_preferred = self.core.preferences.types_paths;
+        let why = match self.files.ask(purpose.clone(), name, self.folder().as_deref(), ctx) {
+            Opened::Asked => return,
+            Opened::Busy => "Another dialog for a file is still open: answer or close it first",
+            Opened::Failed => "The system gave no thread to show a file dialog on: close other programs and try again",
+        };
+        self.cancelled(&purpose);
+        self.core.say(EventKind::Failed, why);
     }
 
     /// No path was given for `purpose`: what would have followed is off.
@@ -166,6 +172,11 @@ impl SparkpathApp {
             Purpose::SaveMold => self.not_saved(Work::Mold),
             Purpose::SaveFlank => self.not_saved(Work::Flank),
             Purpose::Open => self.given_up = None,
+            Purpose::Flank(FlankPurpose::Upper) => {
+                if self.core.flank.first_guide.take().is_some() {
+                    self.core.say_in_passing("No upper guide was named: the lower one is not taken either");
+                }
+            }
             _ => {}
         }
     }
@@ -193,6 +204,16 @@ impl SparkpathApp {
         if purpose.ending().is_some() && path.is_dir() {
             self.cancelled(&purpose);
             let text = format!("{} is a folder. Add the name of a file to it.", path.display());
+            self.dialog = Dialog::Error(purpose.title().to_owned(), text);
+            return;
+        }
+        if let Some(what) = purpose.missing(&path) {
+            self.cancelled(&purpose);
+            if how == Named::Typed {
+                // The path can be mended.
+                self.behind = Dialog::Path(purpose.clone(), path.display().to_string());
+            }
+            let text = format!("There is no {what} {}. Check its name and its folder.", path.display());
             self.dialog = Dialog::Error(purpose.title().to_owned(), text);
             return;
         }

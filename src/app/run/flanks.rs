@@ -7,13 +7,17 @@ use super::SparkpathApp;
 use crate::app::commands::Command;
 use crate::app::dialogs::{Dialog, Intent, Work};
 use crate::app::files::{FlankPurpose, Purpose};
-use crate::app::flank::Fly;
+use crate::app::flank::{Fly, pair_of_guides};
 use crate::app::record::Hands;
 use crate::app::workspace::Workspace;
+use crate::export::flank_nc::milling_post;
+use crate::flank::machine::milling_machine::MillingMachine;
+use crate::flank::ruled_surface::Side;
 use crate::jobs::flank_electrode::FlankElectrode;
 use crate::jobs::pipeline::EventKind;
 use crate::project::flank_file::{ENDING, is_flank_file, read_flank, write_flank};
 use crate::project::flank_params::{FlankDocument, FlankSource, GuideSource, MeshFlank, PathChoice, WallsFile};
+use crate::project::milling_machine_file::read_milling_machines;
 
 impl SparkpathApp {
     /// Takes the flank that was saved at `path`, in whose place there was no unsaved work.
@@ -80,37 +84,53 @@ impl SparkpathApp {
     /// Keeps what is shown up with the parameters, and the log with both.
     pub(super) fn follow_flank(&mut self, ctx: &egui::Context) {
         let is_seen = self.core.workspace == Workspace::Flank;
-        let (events, wait) = self.core.flank.follow(Hands::of(ctx), is_seen);
-        self.note_events(events, wait, ctx);
+        let news = self.core.flank.follow(Hands::of(ctx), is_seen);
+        self.note_events(Workspace::Flank, news, ctx);
     }
 
-    /// Takes a file that was dropped: points for the guide curve that comes next, or else a part with the flank.
-    pub(super) fn take_for_flank(&mut self, path: &Path) {
+    /// Takes a file that was dropped or opened: the points of a guide curve, or else a part with the flank.
+    pub(super) fn take_for_flank(&mut self, path: &Path, ctx: &egui::Context) {
         let is = |ending: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending));
         if !is("csv") && !is("txt") {
-            return self.take_mesh(path);
+            let mesh = FlankSource::Mesh(MeshFlank::of(path));
+            return self.intend(Intent::TakeSurface(Box::new(mesh)), ctx);
         }
-        // Of two dropped after each other the first is the lower one.
-        let source = match &self.core.flank.params.source {
-            FlankSource::Guides { lower: GuideSource::File(lower), upper: GuideSource::File(upper) }
-                if lower == upper && lower != path =>
-            {
-                FlankSource::Guides { lower: GuideSource::File(lower.clone()), upper: file(path) }
-            }
-            _ => FlankSource::Guides { lower: file(path), upper: file(path) },
+        let both = match self.core.flank.first_guide.take() {
+            // Of two after each other the first is the lower one.
+            Some(lower) if lower != path => Some([lower, path.to_owned()]),
+            _ => pair_of_guides(path),
         };
-        self.edit_flank(|params| params.source = source);
+        match both {
+            Some(both) => self.intend(Intent::TakeSurface(Box::new(FlankSource::guides(both))), ctx),
+            None => self.ask_for_upper(path, ctx),
+        }
     }
 
-    fn take_mesh(&mut self, path: &Path) {
-        let path = path.to_owned();
+    /// Keeps the lower guide until the upper one is named: one alone is no surface.
+    fn ask_for_upper(&mut self, lower: &Path, ctx: &egui::Context) {
+        self.core.flank.first_guide = Some(lower.to_owned());
+        self.core.say_in_passing("This is the lower guide: choose or drop the upper one");
+        self.ask(Purpose::Flank(FlankPurpose::Upper), "", ctx);
+    }
+
+    /// Takes another surface in the place of a flank of which nothing is unsaved. The cutter, the plan and the machine
+    /// stay; what was said of the other surface does not.
+    pub(super) fn take_surface(&mut self, source: &FlankSource) {
+        let document = self.core.flank.params.of_another(source.clone());
+        self.core.flank.replace(document, None);
+        self.core.workspace = Workspace::Flank;
+        self.core.say(EventKind::Done, format!("{} opened", self.core.flank.name()));
+    }
+
+    /// Takes another mesh, in place of one as what the user goes on with.
+    fn take_mesh(&mut self, path: PathBuf, ctx: &egui::Context) {
+        let FlankSource::Mesh(mesh) = &self.core.flank.params.source else {
+            return self.intend(Intent::TakeSurface(Box::new(FlankSource::Mesh(MeshFlank::of(&path)))), ctx);
+        };
+        let source = FlankSource::Mesh(MeshFlank { file: path, candidate: 1, kept: None, ..mesh.clone() });
         self.edit_flank(|params| {
-            params.source = match &params.source {
-                FlankSource::Mesh(mesh) => {
-                    FlankSource::Mesh(MeshFlank { file: path, candidate: 1, kept: None, ..mesh.clone() })
-                }
-                _ => FlankSource::Mesh(MeshFlank::of(&path)),
-            };
+            (params.source, params.side) = (source, Side::Automatic);
+            params.overrides.clear();
         });
     }
 
@@ -124,37 +144,61 @@ impl SparkpathApp {
     pub(super) fn take_flank_path(&mut self, what: FlankPurpose, path: PathBuf, ctx: &egui::Context) {
         match what {
             FlankPurpose::Open if is_flank_file(&path) => self.intend(Intent::OpenFlank(path), ctx),
-            FlankPurpose::Open => self.take_for_flank(&path),
-            FlankPurpose::Mesh => self.take_mesh(&path),
-            FlankPurpose::Lower => {
-                // The other curve is asked for as well where there is none yet.
-                let is_first = !matches!(self.core.flank.params.source, FlankSource::Guides { .. });
-                self.edit_flank(|params| {
-                    let upper = match &params.source {
-                        FlankSource::Guides { upper, .. } => upper.clone(),
-                        _ => file(&path),
-                    };
-                    params.source = FlankSource::Guides { lower: file(&path), upper };
-                });
-                if is_first {
-                    self.ask(Purpose::Flank(FlankPurpose::Upper), "", ctx);
+            FlankPurpose::Open => self.take_for_flank(&path, ctx),
+            FlankPurpose::Mesh => self.take_mesh(path, ctx),
+            FlankPurpose::Lower => match (&self.core.flank.params.source, pair_of_guides(&path)) {
+                (FlankSource::Guides { upper, .. }, _) => {
+                    let source = FlankSource::Guides { lower: GuideSource::File(path), upper: upper.clone() };
+                    self.edit_flank(|params| params.source = source);
                 }
-            }
-            FlankPurpose::Upper => self.edit_flank(|params| {
-                let lower = match &params.source {
-                    FlankSource::Guides { lower, .. } => lower.clone(),
-                    _ => file(&path),
-                };
-                params.source = FlankSource::Guides { lower, upper: file(&path) };
-            }),
+                (_, Some(both)) => self.intend(Intent::TakeSurface(Box::new(FlankSource::guides(both))), ctx),
+                // One alone is no surface.
+                (_, None) => self.ask_for_upper(&path, ctx),
+            },
+            FlankPurpose::Upper => match (self.core.flank.first_guide.take(), &self.core.flank.params.source) {
+                (Some(lower), _) => {
+                    let source = FlankSource::guides([lower, path]);
+                    self.intend(Intent::TakeSurface(Box::new(source)), ctx);
+                }
+                (None, FlankSource::Guides { lower, .. }) => {
+                    let source = FlankSource::Guides { lower: lower.clone(), upper: GuideSource::File(path) };
+                    self.edit_flank(|params| params.source = source);
+                }
+                (None, _) => {}
+            },
             FlankPurpose::Walls => {
                 self.edit_flank(|params| params.walls = Some(WallsFile { file: path, units: Default::default() }));
             }
-            FlankPurpose::Machine => {
-                self.edit_flank(|params| params.milling.machine = path.to_string_lossy().into_owned());
-            }
+            FlankPurpose::Machine => self.take_milling_machine(&path),
+            FlankPurpose::Post => match milling_post(&path.to_string_lossy()) {
+                Ok(_) => self.edit_flank(|params| params.milling.post = path.to_string_lossy().into_owned()),
+                Err(e) => self.dialog = Dialog::Error("This is no post".to_owned(), e.to_string()),
+            },
             FlankPurpose::Folder => self.export_flank(&path),
         }
+    }
+
+    /// Takes the machine in this file; of several the first one, and the others are in the list.
+    fn take_milling_machine(&mut self, file: &Path) {
+        let machines = match read_milling_machines(file) {
+            Ok(machines) => machines,
+            Err(e) => {
+                self.dialog = Dialog::Error("This is no milling machine".to_owned(), e.to_string());
+                return;
+            }
+        };
+        let name = file.to_string_lossy().into_owned();
+        let is_one = machines.len() == 1;
+        let named = |machine: &MillingMachine| if is_one { name.clone() } else { format!("{name}#{}", machine.name) };
+        let Some(first) = machines.first().map(named) else { return };
+        let listed = &mut self.core.flank.machines;
+        for machine in machines.iter().filter(|_| !is_one) {
+            let name = named(machine);
+            if listed.iter().all(|[other, _]| *other != name) {
+                listed.push([name, machine.title.clone()]);
+            }
+        }
+        self.edit_flank(|params| params.milling.machine = first);
     }
 
     /// Writes the files of the plan into `folder`; says why not if it cannot.
@@ -174,7 +218,10 @@ impl SparkpathApp {
             Command::Save | Command::SaveAs => self.save_flank(command == Command::Save, ctx),
             Command::Undo | Command::Redo => flank.undo(command == Command::Redo),
             Command::Cancel => flank.work.cancel(),
-            Command::Export => self.dialog = Dialog::ExportFlank,
+            Command::Export => {
+                flank.changed_files = flank.work.changed_files(&flank.params);
+                self.dialog = Dialog::ExportFlank;
+            }
             Command::PlanFlank => {
                 if let Err(why) = flank.plan() {
                     self.core.say(EventKind::Failed, why);
@@ -186,7 +233,7 @@ impl SparkpathApp {
                 flank.fly = Some(if flank.is_side_by_side { Fly::Square } else { Fly::Onto });
             }
             Command::FaceFlank => flank.fly = Some(Fly::Square),
-            Command::ShowCutter => flank.shows_cutter = !flank.shows_cutter,
+            Command::ShowCutter => flank.toggle_cutter(),
             Command::AxisSurface => flank.shows_axis = !flank.shows_axis,
             Command::Rulings => flank.shows_rulings = !flank.shows_rulings,
             Command::MovingCutter => flank.is_moving = !flank.is_moving,
@@ -199,8 +246,4 @@ impl SparkpathApp {
         }
         true
     }
-}
-
-fn file(path: &Path) -> GuideSource {
-    GuideSource::File(path.to_owned())
 }

@@ -47,7 +47,7 @@ impl SparkpathApp {
         } else if self.core.workspace == Workspace::Blisk || is("sparkpath") {
             self.intend(Intent::Open(path), ctx);
         } else if self.core.workspace == Workspace::Flank {
-            self.take_for_flank(&path);
+            self.take_for_flank(&path, ctx);
         } else if is("toml") {
             self.load_cutters(&path, false);
         } else {
@@ -129,15 +129,20 @@ impl SparkpathApp {
 
     /// Keeps the answer up with the parameters, and the log with both.
     pub(super) fn follow_mold(&mut self, ctx: &egui::Context) {
-        let (events, wait) = self.core.mold.follow(Hands::of(ctx));
-        self.note_events(events, wait, ctx);
+        let news = self.core.mold.follow(Hands::of(ctx));
+        self.note_events(Workspace::Mold, news, ctx);
     }
 
-    /// Keeps the log up with what has happened, and comes back after `wait`.
-    pub(super) fn note_events(&mut self, events: Vec<WorkEvent>, wait: Option<Duration>, ctx: &egui::Context) {
+    /// Keeps the log up with what has happened in a workspace, and comes back after `wait`.
+    pub(super) fn note_events(
+        &mut self,
+        workspace: Workspace,
+        (events, wait): (Vec<WorkEvent>, Option<Duration>),
+        ctx: &egui::Context,
+    ) {
         for event in events {
-            let at = std::time::SystemTime::now();
-            self.core.log.push(LogLine { at, kind: event.kind, stage: None, text: event.text, took: event.took });
+            let line = self.core.line(event.kind, event.text);
+            self.core.note(workspace, LogLine { took: event.took, ..line });
         }
         if let Some(wait) = wait {
             ctx.request_repaint_after(wait);

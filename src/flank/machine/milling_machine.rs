@@ -34,8 +34,8 @@ pub enum MachineError {
     },
     /// A tool direction that no position of the rotary axes gives.
     #[error(
-        "the rotary axes cannot bring the tool to the direction {direction}: it is {by_deg:.3} degrees beyond their \
-         reach; clamp the workpiece otherwise or take another machine"
+        "the rotary axes cannot bring the tool to the direction {}: it is {by_deg:.3} degrees beyond their \
+         reach; clamp the workpiece otherwise or take another machine", direction_words(*direction)
     )]
     Unreachable {
         /// In the workpiece's frame.
@@ -43,6 +43,12 @@ pub enum MachineError {
         /// How far beyond the reach (degrees).
         by_deg: f64,
     },
+}
+
+/// A direction as it is said: four decimals, and no zero with a sign.
+fn direction_words(direction: DVec3) -> String {
+    let [x, y, z] = direction.to_array().map(|part| (1e4 * part).round() / 1e4 + 0.0);
+    format!("({x:.4}, {y:.4}, {z:.4})")
 }
 
 /// The letter of a rotary axis.

@@ -44,7 +44,10 @@ fn the_side_of_two_guides_is_asked_for_and_each_is_named_by_where_it_is() {
 fn a_point_of_no_number_and_too_few_points_are_refused() {
     let good = line([0.0, 0.0, 5.0], [10.0, 0.0, 5.0]);
     let wrong = GuideCurve::Points { points: vec![DVec3::ZERO, DVec3::NAN, DVec3::X], degree: 3 };
-    assert_eq!(spanned(&wrong, &good), Err(FlankError::Guide { which: "lower", reason: NurbsError::Value(1) }));
+    assert_eq!(
+        spanned(&wrong, &good),
+        Err(FlankError::Points { which: "lower", problem: "point 2 has a coordinate that is no number".to_owned() })
+    );
     let none = GuideCurve::Bezier { points: Vec::new() };
     assert_eq!(spanned(&good, &none), Err(FlankError::Guide { which: "upper", reason: NurbsError::Counts }));
 }

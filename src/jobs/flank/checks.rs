@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{FlankInput, FlankResult, LoadedSurface};
+use super::{FlankInput, FlankResult, LoadedSurface, places};
 use crate::export::nc_feed::LEAST_BLOCK_MINUTES;
 use crate::flank::FlankError;
 use crate::flank::deviation::Deviation;
@@ -153,6 +153,7 @@ pub(super) fn of(result: &FlankResult) -> Vec<FlankCheck> {
     checks.extend(gouge(result));
     checks.push(leads(result));
     checks.extend(machine(result));
+    places::complete(result, &mut checks);
     checks
 }
 
@@ -251,9 +252,6 @@ fn deviation(result: &FlankResult) -> FlankCheck {
     if result.fit.is_some() {
         text += &format!("; {off_mm:.4} mm of both is what the surface itself is off the face");
     }
-    if !holds {
-        text += "; mill the refined path, bound it (objective bounded), or take a thinner cutter";
-    }
     let [u, v] = result.checked.worst;
     let place = (!holds).then(|| result.surface.point(u, v));
     let figures = [("overcut_mm", overcut), ("undercut_mm", undercut)];
@@ -292,7 +290,8 @@ fn envelope(result: &FlankResult) -> FlankCheck {
 fn part_name(part: ToolPart) -> String {
     match part {
         ToolPart::Cutter => "the flutes".to_owned(),
-        ToolPart::Holder(i) => format!("part {} of the holder", i + 1),
+        // As many as the flutes, for the verbs behind.
+        ToolPart::Holder(i) => format!("the sides of part {} of the holder", i + 1),
     }
 }
 

@@ -2,14 +2,17 @@
 //! its files.
 
 mod curves;
+mod stamps;
 mod steps;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+use stamps::Stamp;
 
 use super::flank::{FlankResult, LoadedSurface};
 use super::flank_export;
-pub use super::flank_export::ExportChoice;
+pub use super::flank_export::{ExportChoice, WrittenFlank};
 use super::glances::Glances;
 use super::kept::{Doing, Kept, WorkEvent, note};
 use super::pipeline::{EventKind, StageState};
@@ -39,7 +42,7 @@ pub struct FlankWork {
     planned: Kept<Question, Planned>,
     /// Whether a plan is wanted as soon as the files are there.
     is_waiting: bool,
-    exporter: Worker<(), String>,
+    exporter: Worker<(), WrittenFlank>,
     exporting: Option<Doing>,
     reloads: u64,
 }
@@ -100,7 +103,8 @@ impl FlankWork {
         for message in self.exporter.messages() {
             let Some((ended, took)) = note(&mut self.exporting, "Export", message) else { continue };
             let (kind, text) = match ended {
-                Ended::Done(text) => (EventKind::Done, text),
+                Ended::Done(written) if written.blocked.is_some() => (EventKind::Refused, written.sentence()),
+                Ended::Done(written) => (EventKind::Done, written.sentence()),
                 Ended::Cancelled => (EventKind::Cancelled, "export cancelled".to_owned()),
                 Ended::Failed(text) | Ended::Panicked(text) => (EventKind::Failed, text),
             };
@@ -152,9 +156,11 @@ impl FlankWork {
         Some((document.walls.clone()?, self.reloads))
     }
 
-    /// What is asked: not what is exported in spite of a check.
+    /// What is asked: not what is exported in spite of a check, nor what the cutter is called.
     fn question(&self, document: &FlankDocument) -> Question {
-        (self.reloads, FlankDocument { overrides: Vec::new(), ..document.clone() })
+        let mut asked = FlankDocument { overrides: Vec::new(), ..document.clone() };
+        asked.cutter.name.clear();
+        (self.reloads, asked)
     }
 
     /// Reads all files again.
@@ -291,7 +297,7 @@ impl FlankWork {
         self.exporter.cancel_from(0);
     }
 
-    /// What was planned for `document`, with the checks that it overrides.
+    /// What was planned for `document`, with the checks that it overrides and its name of the cutter.
     ///
     /// # Errors
     /// One line if there is no plan of it.
@@ -300,22 +306,26 @@ impl FlankWork {
         let planned = planned.ok_or("the plan is not of the present parameters: plan again")?;
         let mut result = planned.result.clone();
         result.decide(&document.overrides);
+        result.plan.cutter.name.clone_from(&document.cutter.name);
         Ok(result)
     }
 
-    /// Writes the files of the plan into `folder`.
+    /// The files that were read for `document` and have changed since: its plan is not of what they hold now.
+    pub fn changed_files(&self, document: &FlankDocument) -> Vec<PathBuf> {
+        let source = self.loaded(document).into_iter().flat_map(|loaded| &loaded.stamps);
+        let walls = self.walls(document).into_iter().map(|walls| &walls.stamp);
+        source.chain(walls).filter_map(Stamp::changed).map(Path::to_owned).collect()
+    }
+
+    /// Writes the files of the plan into `folder`: of one of which a check fails that is not overridden only the report.
     ///
     /// # Errors
-    /// One line if there is no plan of `document`, or if a check fails that is not overridden.
+    /// One line if there is no plan of `document`.
     pub fn export(&mut self, document: &FlankDocument, folder: &Path, choice: ExportChoice) -> Result<(), String> {
         let result = self.to_export(document)?;
-        if let Some(why) = result.why_blocked() {
-            return Err(format!("a check fails: {why}"));
-        }
         let (folder, document) = (folder.to_owned(), document.clone());
         self.exporter.submit(0, move |_, progress, cancel| {
-            let written = flank_export::export(&folder, (&result, &document), choice, progress, cancel);
-            written.map(|written| written.sentence())
+            flank_export::export(&folder, (&result, &document), choice, progress, cancel)
         });
         Ok(())
     }

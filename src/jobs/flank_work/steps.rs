@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::curves::{MachineCurves, Profile};
+use super::stamps::Stamp;
 use crate::flank::FlankError;
 use crate::flank::params::FlankParams;
 use crate::flank::ruled_surface::Side;
@@ -28,6 +29,8 @@ pub struct LoadedFlank {
     pub surface: LoadedSurface,
     /// The part that it is a face of, for the screen.
     pub part: Option<Arc<RenderMesh>>,
+    /// Its files as they were read.
+    pub(super) stamps: Vec<Stamp>,
 }
 
 impl LoadedFlank {
@@ -49,6 +52,8 @@ pub struct LoadedWalls {
     pub mesh: Arc<Mesh>,
     /// The same for the screen.
     pub shape: Arc<RenderMesh>,
+    /// Their file as it was read.
+    pub(super) stamp: Stamp,
 }
 
 impl LoadedWalls {
@@ -116,12 +121,14 @@ pub struct Sketch {
 /// # Errors
 /// One line naming file, place and remedy.
 pub(super) fn load(source: &FlankSource, progress: &Progress, cancel: &Cancel) -> Result<LoadedFlank, String> {
+    // What is written while it is read counts as changed.
+    let stamps = Stamp::of_source(source);
     let surface = load_surface(source, progress, cancel).map_err(|e| e.to_string())?;
     let part = match &surface {
         LoadedSurface::Guides { .. } => None,
         LoadedSurface::Face { mesh, .. } => Some(Arc::new(RenderMesh::new(mesh))),
     };
-    Ok(LoadedFlank { surface, part })
+    Ok(LoadedFlank { surface, part, stamps })
 }
 
 /// Reads walls.
@@ -129,9 +136,10 @@ pub(super) fn load(source: &FlankSource, progress: &Progress, cancel: &Cancel) -
 /// # Errors
 /// As [`load`].
 pub(super) fn load_walls(walls: &WallsFile, progress: &Progress, cancel: &Cancel) -> Result<LoadedWalls, String> {
+    let stamp = Stamp::of(&walls.file);
     let mesh = flank_files::load_walls(walls, progress, cancel).map_err(|e| e.to_string())?;
     let shape = Arc::new(RenderMesh::new(&mesh));
-    Ok(LoadedWalls { mesh, shape })
+    Ok(LoadedWalls { mesh, shape, stamp })
 }
 
 /// Plans.

@@ -1,0 +1,71 @@
+//! Whether the system has file dialogs, told before one is asked for: one that fails answers as one that was cancelled.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+/// What of the system is looked at.
+pub struct System {
+    /// Where its programs are.
+    pub programs: Vec<PathBuf>,
+    /// Where its shared data is.
+    pub data: Vec<PathBuf>,
+    /// Whether programs can talk to each other: a session bus.
+    pub has_bus: bool,
+    /// Whether this program runs in a sandbox, which brings dialogs along.
+    pub is_sandboxed: bool,
+}
+
+impl System {
+    /// The present one.
+    pub fn present() -> Self {
+        let named = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
+        let all = |paths: Option<OsString>| paths.map_or_else(Vec::new, |p| std::env::split_paths(&p).collect());
+        let home = named("XDG_DATA_HOME").map(PathBuf::from);
+        let home = home.or_else(|| Some(PathBuf::from(named("HOME")?).join(".local/share")));
+        let usual = || OsString::from("/usr/local/share:/usr/share");
+        let shared = all(named("XDG_DATA_DIRS").or_else(|| Some(usual())));
+        let runtime = named("XDG_RUNTIME_DIR").map(|folder| Path::new(&folder).join("bus"));
+        Self {
+            programs: all(named("PATH")),
+            data: home.into_iter().chain(shared).collect(),
+            has_bus: named("DBUS_SESSION_BUS_ADDRESS").is_some() || runtime.is_some_and(|bus| bus.exists()),
+            is_sandboxed: Path::new("/.flatpak-info").exists() || named("SNAP").is_some(),
+        }
+    }
+
+    /// Whether it has file dialogs: everywhere but on free desktops, and there with a portal on the session bus or with
+    /// zenity.
+    pub fn has_dialogs(&self) -> bool {
+        const PORTAL: &str = "dbus-1/services/org.freedesktop.portal.Desktop.service";
+        if cfg!(not(all(unix, not(target_os = "macos")))) || self.is_sandboxed {
+            return true;
+        }
+        let has_portal = self.has_bus && self.data.iter().any(|folder| folder.join(PORTAL).is_file());
+        has_portal || self.programs.iter().any(|folder| folder.join("zenity").is_file())
+    }
+}
+
+#[cfg(all(test, unix, not(target_os = "macos")))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dialogs_are_of_a_portal_or_of_zenity() {
+        let folder = tempfile::tempdir().unwrap();
+        let (programs, data) = (folder.path().join("bin"), folder.path().join("share"));
+        let services = data.join("dbus-1/services");
+        [&programs, &services].into_iter().for_each(|path| std::fs::create_dir_all(path).unwrap());
+        let system = |has_bus| System {
+            programs: vec![programs.clone()],
+            data: vec![data.clone()],
+            has_bus,
+            is_sandboxed: false,
+        };
+        assert!(!system(true).has_dialogs());
+        assert!(System { is_sandboxed: true, ..system(false) }.has_dialogs());
+        std::fs::write(services.join("org.freedesktop.portal.Desktop.service"), "").unwrap();
+        assert!(system(true).has_dialogs() && !system(false).has_dialogs(), "a portal needs a bus");
+        std::fs::write(programs.join("zenity"), "").unwrap();
+        assert!(system(false).has_dialogs());
+    }
+}
