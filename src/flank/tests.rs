@@ -19,6 +19,7 @@ mod bad_input;
 mod gouging;
 mod laws;
 mod own_surface;
+mod wall_beside;
 
 const CASES: [&str; 4] = ["cone_r1_a5_A", "cone_r1_a5_B", "cyl_R2_A", "cyl_R2_B"];
 
