@@ -13,6 +13,7 @@ use serde::Serialize;
 
 use super::FlankError;
 use super::cutter::FlankCutter;
+use super::frustum_distance::{EXACT, nearest_on};
 use super::path::{FlankPath, FlankPose};
 use super::walls::Walls;
 use crate::geometry::bvh::Bvh;
@@ -79,7 +80,8 @@ impl Frustum {
         let (normal_r, normal_h) = (rise / length, -run / length);
         let side = (r - below) * normal_r + (h - low) * normal_h;
         let faces = [(low - h, [0.0, -1.0]), (h - high, [0.0, 1.0]), (side, [normal_r, normal_h])];
-        let near_a_face = faces.iter().all(|f| f.0 <= 1e-12);
+        // So near outside that what rounding leaves of a way to it tells no direction, its faces tell one.
+        let near_a_face = faces.iter().all(|f| f.0 <= 1e-7);
         if near_a_face {
             let (distance, [by_r, by_h]) =
                 faces.into_iter().fold((f64::NEG_INFINITY, [0.0; 2]), |a, b| if b.0 > a.0 { b } else { a });
@@ -264,7 +266,7 @@ fn least(
         }
         let least = best.map_or(GougeCheck::FAR, |b| b.distance_mm);
         for (Stretch { from, to, .. }, (moves, found)) in batch.into_iter().zip(found) {
-            let bound = found.map_or(most + moves, |f| f.distance_mm) - moves;
+            let bound = found.map_or(most + moves, |f| f.distance_mm) - moves - EXACT;
             if bound < least - slack(least) && to - from > 1e-9 {
                 let middle = 0.5 * (from + to);
                 open.push(Stretch { bound, from, to: middle });
@@ -316,8 +318,6 @@ fn nearest(wall: Wall, tool: &[(ToolPart, Frustum)], pose: &FlankPose, t: f64, m
 }
 
 fn nearest_to((tree, allowed): Wall, frustum: &Frustum, pose: &FlankPose, most: f64) -> Option<(f64, DVec3)> {
-    /// Pieces of one triangle.
-    const MOST: usize = 20_000;
     let (mut best, mut least) = (None, most);
     let mut open = vec![0];
     while let Some(index) = open.pop() {
@@ -336,48 +336,11 @@ fn nearest_to((tree, allowed): Wall, frustum: &Frustum, pose: &FlankPose, most: 
             // A touch is not nearer than another touch, however deep it may be: the search then ends where it should.
             let allowed = allowed.get(node.triangle as usize).copied().unwrap_or(0.0);
             let limit = if least > 0.0 { least } else { least - allowed };
-            if let Some((distance, point)) = nearest_on(*tree.corners(node.triangle), frustum, pose, (limit, MOST)) {
+            if let Some((distance, point)) = nearest_on(*tree.corners(node.triangle), frustum, pose, limit) {
                 least = if distance < 0.0 { (distance + allowed).min(0.0) } else { distance };
                 best = Some((least, point));
             }
         }
     }
     best
-}
-
-/// The least distance to a triangle, if it is less than `most`: it is divided where it may still hold less, into
-/// `pieces` at most. If that is not enough, the answer is what the rest cannot be below.
-pub(super) fn nearest_on(
-    corners: [DVec3; 3],
-    frustum: &Frustum,
-    pose: &FlankPose,
-    (most, pieces): (f64, usize),
-) -> Option<(f64, DVec3)> {
-    /// Triangles are divided until they hold no more than this less (mm).
-    const EXACT: f64 = 0.2 * TOLERANCE;
-    let (mut best, mut least) = (None, most);
-    let mut open = vec![(f64::NEG_INFINITY, corners)];
-    for _ in 0..pieces {
-        let Some((_, [a, b, c])) = open.pop() else { break };
-        let middle = (a + b + c) / 3.0;
-        let (distance, slope) = frustum.distance(pose, middle);
-        if distance < least {
-            (least, best) = (distance, Some((distance, middle)));
-        }
-        let ways = [a, b, c].map(|p| p - middle);
-        let by_plane = ways.map(|w| slope.dot(w)).into_iter().fold(f64::INFINITY, f64::min);
-        let by_way = -ways.map(DVec3::length).into_iter().fold(0.0, f64::max);
-        let bound = distance + by_plane.max(by_way);
-        if bound >= least - EXACT {
-            continue;
-        }
-        let [ab, bc, ca] = [0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)];
-        // The corner that the distance falls towards is looked at first.
-        let mut parts = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
-        let value = |t: &[DVec3; 3]| slope.dot(t[0] + t[1] + t[2]);
-        parts.sort_by(|s, t| value(t).total_cmp(&value(s)));
-        open.extend(parts.map(|part| (bound, part)));
-    }
-    let rest = open.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(bound, _)| *bound < least - EXACT);
-    rest.map(|(bound, [a, b, c])| (bound, (a + b + c) / 3.0)).or(best)
 }

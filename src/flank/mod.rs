@@ -16,6 +16,7 @@ pub mod deviation;
 mod edges;
 pub mod envelope;
 pub mod fit_ruled;
+pub mod frustum_distance;
 pub mod gouge;
 pub mod guide;
 pub mod inside_wall;

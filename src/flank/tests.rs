@@ -22,6 +22,7 @@ mod gouging;
 mod laws;
 mod own_surface;
 mod rings;
+mod wall_beside;
 mod walls;
 
 const CASES: [&str; 4] = ["cone_r1_a5_A", "cone_r1_a5_B", "cyl_R2_A", "cyl_R2_B"];

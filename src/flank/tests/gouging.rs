@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::flank::cutter::HolderPart;
-use crate::flank::gouge::{Frustum, GougeCheck, ToolPart, check, nearest_on, slack};
+use crate::flank::gouge::{Frustum, GougeCheck, ToolPart, check, slack};
 use crate::flank::path::{FlankPath, FlankPose};
 use crate::flank::walls::{OwnTriangles, Walls};
 use crate::geometry::mesh::Mesh;
@@ -95,18 +95,4 @@ fn the_design_surface_itself_is_no_neighbour() {
     assert!(none.triangles().is_empty());
     let all = checked(&plan.refined, &plan.cutter, &none);
     assert_eq!((all.cutter, all.holder), (None, None), "nothing but its own surface, and no holder");
-}
-
-#[test]
-fn what_is_not_looked_at_of_a_triangle_is_taken_at_its_worst() {
-    let rod = Frustum { heights: [0.0, 10.0], radii: [2.0, 2.0] };
-    let pose = FlankPose { t: 0.0, tip: DVec3::ZERO, axis: DVec3::Z };
-    // Its middle is 8.3 mm from the axis, one corner 0.5 mm within the rod.
-    let corners = [DVec3::new(1.5, 0.0, 5.0), DVec3::new(11.5, 6.0, 5.0), DVec3::new(11.5, -6.0, 5.0)];
-    let (exact, _) = nearest_on(corners, &rod, &pose, (50.0, 20_000)).unwrap();
-    assert!((exact + 0.5).abs() < 1e-3, "{exact}");
-    for pieces in [1, 2, 5, 9] {
-        let (bound, _) = nearest_on(corners, &rod, &pose, (50.0, pieces)).unwrap();
-        assert!(bound <= exact + 1e-9, "{pieces}: {bound} {exact}");
-    }
 }
