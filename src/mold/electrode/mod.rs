@@ -22,4 +22,6 @@ mod removal;
 mod sharing;
 
 #[cfg(test)]
+mod orbit_tests;
+#[cfg(test)]
 mod tests;

@@ -1,20 +1,23 @@
 //! From regions to electrodes.
 
-use glam::{DMat3, DQuat, DVec3};
+use std::f64::consts::TAU;
+
+use glam::{DMat3, DQuat, DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::base::placed;
-use super::check::{LeftOfRegion, Milled};
+use super::check::{GOUGE, LeftOfRegion, Milled};
 use super::combine::Form;
 use super::design::{Burn, Electrode, ElectrodeSet, PartId, PartNode, RegionPlan};
 use super::division::{DivisionSettings, Part, divide};
 use super::edits::apply;
-use super::params::{Edit, ElectrodeParams, ElectrodeParamsError, Method, Shape, Stage};
+use super::params::{Edit, ElectrodeParams, ElectrodeParamsError, Method, Orbit, Shape, Stage};
 use super::plan_checks::checked;
 use super::sharing::{assembled, shared};
 use super::tip::{Burned, Place, TipError, footprint};
 use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::mesh::Mesh;
+use crate::geometry::minkowski::with_rectangle;
 use crate::geometry::offset::{OffsetError, offset};
 use crate::geometry::solid::{SolidError, unfolded};
 use crate::mold::cutter::CutterLibrary;
@@ -83,6 +86,8 @@ pub(super) struct Setting {
     pub(super) turned: DMat3,
     /// The mold in it.
     pub(super) mold: Mesh,
+    /// The same, for distances.
+    own: ExactMesh,
     /// The mold grown by what electrodes keep off.
     kept_clear: Mesh,
     exact: ExactMesh,
@@ -93,9 +98,10 @@ impl Setting {
     fn new(mold: &Mesh, direction: DVec3, stage: &Stage) -> Result<Self, ElectrodeError> {
         let turned = to_burn_frame(direction);
         let mold = mold.mapped(|p| turned * p);
-        let kept_clear = unfolded(offset(&mold, |n| stage.undersize(n))?)?;
+        let kept_clear = kept_clear(&mold, stage)?;
         let exact = ExactMesh::new(&kept_clear)?;
-        Ok(Self { turned, mold, kept_clear, exact, stage: stage.clone() })
+        let own = ExactMesh::new(&mold)?;
+        Ok(Self { turned, mold, own, kept_clear, exact, stage: stage.clone() })
     }
 
     /// Whether a point lies on the surface that burns.
@@ -103,9 +109,32 @@ impl Setting {
         self.exact.nearest(p).signed_distance.abs() < ON_BURN
     }
 
-    fn burned(&self) -> Burned<'_> {
-        Burned { kept_clear: &self.kept_clear, exact: &self.exact, gap_up: self.stage.undersize(DVec3::Z) }
+    /// Whether an electrode that holds a point keeps the gap there all along its orbit.
+    fn keeps_gap(&self, p: DVec3) -> bool {
+        /// Places of an orbit that are tried.
+        const PLACES: usize = 8;
+        let least = self.stage.gap_mm + self.stage.stock_mm - GOUGE;
+        let keeps = |shift: DVec2| self.own.nearest(p + shift.extend(0.0)).signed_distance >= least;
+        let around = |i: usize| DVec2::from_angle((i as f64 + 0.5) * TAU / PLACES as f64);
+        match self.stage.orbit {
+            Orbit::None => keeps(DVec2::ZERO),
+            Orbit::Circular { radius_mm } => (0..PLACES).all(|i| keeps(around(i) * radius_mm)),
+            Orbit::Square { radius_mm } => (0..PLACES).all(|i| keeps(around(i).signum() * radius_mm)),
+        }
     }
+}
+
+/// What an electrode must not enter, in the burn frame: the mold grown by the gap, and by what the orbit sweeps.
+///
+/// A circle moves each face by its own way, which leaves facets their order: those of a round wall all become shorter in
+/// the same measure. A square has corners: it moves the facets of a quarter alike and takes the room of those between two
+/// quarters, so that any that is shorter than its side would be turned over.
+fn kept_clear(mold: &Mesh, stage: &Stage) -> Result<Mesh, ElectrodeError> {
+    if let Orbit::Square { radius_mm } = stage.orbit {
+        let grown = unfolded(offset(mold, |_| stage.gap_mm + stage.stock_mm)?)?;
+        return Ok(with_rectangle(&grown, DVec2::splat(radius_mm))?);
+    }
+    Ok(unfolded(offset(mold, |n| stage.undersize(n))?)?)
 }
 
 /// The rotation that turns a burn direction to -Z; none for straight down.
@@ -291,7 +320,13 @@ fn parts_of(
     let corners = region.corners.iter().map(|c| c.map(|p| setting.turned * p)).collect();
     let highest = || region.corners.iter().flatten().map(|p| (setting.turned * *p).z).fold(f64::NEG_INFINITY, f64::max);
     let rim = if setting.turned == DMat3::IDENTITY { region.rim } else { highest() };
-    let burned = setting.burned();
+    let keeps_gap = |p: DVec3| setting.keeps_gap(p);
+    let burned = Burned {
+        kept_clear: &setting.kept_clear,
+        exact: &setting.exact,
+        gap_up: setting.stage.undersize(DVec3::Z),
+        keeps_gap: &keeps_gap,
+    };
     let place = Place::new(corners, rim);
     let settings = DivisionSettings { overlap: params.overlap_mm, least: params.least_size_mm };
     let first = footprint(&burned, &place, method, params.margin_mm, cancel)?;
