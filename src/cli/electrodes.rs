@@ -196,6 +196,13 @@ fn lines(set: &ElectrodeSet, report: &ElectrodesReport) -> Vec<String> {
             entry.holder.as_ref().map_or("no holder", |h| &h.name),
             electrode.minutes
         ));
+        lines.extend(entry.family.as_ref().map(|family| {
+            let [x, y] = family.offset_mm;
+            format!(
+                "    one body with {}: its tips are {x}, {y} mm from the middle of the base",
+                family.others.join(", ")
+            )
+        }));
         lines.extend(entry.warnings.iter().map(|text| format!("    {text}")));
         let failed = findings.iter().filter(|f| !f.holds);
         lines.extend(failed.map(|f| {

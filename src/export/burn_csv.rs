@@ -57,7 +57,7 @@ const COLUMNS: [&str; 31] = [
 ];
 
 /// Those behind the checks.
-const MORE_COLUMNS: [&str; 15] = [
+const MORE_COLUMNS: [&str; 18] = [
     "opening",
     "x_axis_x",
     "x_axis_y",
@@ -73,6 +73,9 @@ const MORE_COLUMNS: [&str; 15] = [
     "front_area_mm2",
     "burn_area_mm2",
     "warnings",
+    "family",
+    "offset_x_mm",
+    "offset_y_mm",
 ];
 
 fn csv_row(table: &BurnTable, e: &ElectrodeEntry, burn: &BurnEntry) -> Vec<String> {
@@ -118,6 +121,8 @@ fn csv_row(table: &BurnTable, e: &ElectrodeEntry, burn: &BurnEntry) -> Vec<Strin
     row.push(e.blank.diameter_mm.filter(|_| e.blank.is_round).map_or(String::new(), |d| number(d, 3)));
     row.extend([e.base_height_mm, e.front_area_mm2, e.burn_area_mm2].map(|v| number(v, 4)));
     row.push(quoted(&e.warnings.join("; ")));
+    row.push(e.family.as_ref().map_or(String::new(), |f| quoted(&f.name)));
+    row.extend([0, 1].map(|i| e.family.as_ref().map_or(String::new(), |f| number(f.offset_mm[i], 4))));
     row
 }
 

@@ -1,8 +1,8 @@
 //! Tables that templates are tried on before there are electrodes.
 
 use super::burn_table::{
-    BlankEntry, BurnEntry, BurnTable, CheckEntry, CheckState, ElectrodeEntry, ElectrodeState, HolderEntry, OrbitEntry,
-    Pose, SCHEMA,
+    BlankEntry, BurnEntry, BurnTable, CheckEntry, CheckState, ElectrodeEntry, ElectrodeState, FamilyEntry, HolderEntry,
+    OrbitEntry, Pose, SCHEMA,
 };
 use crate::mold::electrode::check::CheckKind;
 use crate::mold::electrode::params::{Method, Shape};
@@ -71,6 +71,11 @@ fn electrode(state: ElectrodeState, has_all: bool) -> ElectrodeEntry {
             diameter_mm: has_all.then_some(16.0),
         },
         holder: has_all.then_some(holder),
+        family: has_all.then(|| FamilyEntry {
+            name: "E01".to_owned(),
+            others: vec!["E01-rough".to_owned()],
+            offset_mm: [7.5, 0.0],
+        }),
         lift: [0.0, 0.0, 1.0],
         front_area_mm2: 4.0,
         burn_area_mm2: 10.0,

@@ -10,6 +10,7 @@ use serde::Serialize;
 use crate::mold::electrode::base::round_blank;
 use crate::mold::electrode::check::CheckKind;
 use crate::mold::electrode::design::{Burn, Electrode, ElectrodeSet};
+use crate::mold::electrode::family::Family;
 use crate::mold::electrode::params::{Method, Orbit, Shape};
 use crate::mold::electrode::plan::to_burn_frame;
 use crate::mold::opening::Opening;
@@ -82,6 +83,8 @@ pub struct ElectrodeEntry {
     pub blank: BlankEntry,
     /// The holder that takes the blank; none if none is large enough.
     pub holder: Option<HolderEntry>,
+    /// The body that it shares with electrodes of other stages; none if it has its own.
+    pub family: Option<FamilyEntry>,
     /// Unit vector along which it is lifted.
     pub lift: [f64; 3],
     /// Area of its tips seen along the burn (mm^2).
@@ -157,6 +160,18 @@ impl BlankEntry {
         let ([x, y], z) = (self.sides_mm, self.length_mm);
         if self.is_round { format!("round {x}{times}{z}") } else { format!("{x}{times}{y}{times}{z}") }
     }
+}
+
+/// A body that electrodes of several stages share, a family.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FamilyEntry {
+    /// What it is called.
+    pub name: String,
+    /// The electrodes of the other stages.
+    pub others: Vec<String>,
+    /// Where the middle of this stage's tips is, from the middle of the base, which is the datum: X and Y in the electrode's
+    /// own axes (mm).
+    pub offset_mm: [f64; 2],
 }
 
 /// A holder.
@@ -289,10 +304,10 @@ pub fn method_name(method: Method) -> &'static str {
 fn entry(set: &ElectrodeSet, e: usize) -> ElectrodeEntry {
     let (electrode, params) = (&set.electrodes[e], &set.params);
     let stage = &params.stages[electrode.stage];
-    let state = match (set.fails(e), set.is_blocked(e)) {
-        (false, _) => ElectrodeState::Ok,
-        (true, false) => ElectrodeState::Overridden,
-        (true, true) => ElectrodeState::Blocked,
+    let state = match (set.is_blocked(e), set.fails(e)) {
+        (true, _) => ElectrodeState::Blocked,
+        (false, true) => ElectrodeState::Overridden,
+        (false, false) => ElectrodeState::Ok,
     };
     let turned = to_burn_frame(electrode.direction).transpose();
     let pattern = match stage.orbit {
@@ -328,6 +343,7 @@ fn entry(set: &ElectrodeSet, e: usize) -> ElectrodeEntry {
         method: electrode.method,
         blank: BlankEntry { is_round: electrode.base.is_round, sides_mm: [x, y], length_mm: z, diameter_mm },
         holder: holder.map(|h| HolderEntry { name: h.name.clone(), size_mm: h.size_mm, height_mm: h.height_mm }),
+        family: family(set, e),
         lift: unit(-electrode.direction),
         front_area_mm2: electrode.front_area,
         burn_area_mm2: electrode.burn_area,
@@ -338,6 +354,16 @@ fn entry(set: &ElectrodeSet, e: usize) -> ElectrodeEntry {
         burns: burns.collect(),
         checks: CheckKind::ALL.map(|kind| check(set, e, kind)).to_vec(),
     }
+}
+
+fn family(set: &ElectrodeSet, e: usize) -> Option<FamilyEntry> {
+    let Family::Member { name, offset } = &set.electrodes[e].family else { return None };
+    let others = set.body_of(e).into_iter().filter(|other| *other != e);
+    Some(FamilyEntry {
+        name: name.clone(),
+        others: others.map(|other| set.electrodes[other].name.clone()).collect(),
+        offset_mm: offset.to_array().map(rounded),
+    })
 }
 
 /// What is to be seen to: what is no check, as the electrode itself is right.
@@ -351,6 +377,17 @@ fn warnings(set: &ElectrodeSet, electrode: &Electrode) -> Vec<String> {
         warnings.push(
             "it takes nothing: what it is for is thinner than the layer that its stage leaves; leave it out".into(),
         );
+    }
+    if let Family::Apart { why } = &electrode.family {
+        warnings.push(format!("it is on a base of its own, not with other stages: {why}"));
+    }
+    let mut alone: Vec<usize> = electrode.burns.iter().flat_map(|b| &b.parts).map(|p| p.region).collect();
+    alone.sort_unstable();
+    alone.dedup();
+    for region in alone {
+        let left_out = set.regions.get(region).map_or(&[][..], |plan| &plan.left_out);
+        let before = left_out.iter().filter(|left| left.stage < electrode.stage);
+        warnings.extend(before.map(|left| format!("region {}, {}", region + 1, left.text)));
     }
     if set.params.shape == Shape::Net {
         let stage = &set.params.stages[electrode.stage];

@@ -125,9 +125,15 @@ pub fn write_electrode_files(
             written.left_out.push(LeftOut { electrode: name, why, older });
             continue;
         }
+        // A body of several is one file.
+        let is_first = set.body_of(e).first() == Some(&e);
         for &format in formats {
             let wrong = |source| ElectrodeExportError::Mesh { electrode: name.clone(), format, source };
-            let path = folder.write(&file(format), &format.bytes(electrode).map_err(wrong)?)?;
+            let path = if is_first {
+                folder.write(&file(format), &format.bytes(electrode).map_err(wrong)?)?
+            } else {
+                folder.path(&file(format))
+            };
             written.files.push(ElectrodeFile { electrode: name.clone(), path });
         }
     }
@@ -139,17 +145,31 @@ pub fn why_blocked(set: &ElectrodeSet, electrode: usize) -> Option<String> {
     if !set.is_blocked(electrode) {
         return None;
     }
-    let is_let_pass = |kind| set.is_overridden(electrode, kind, &set.params.overrides);
-    let failing = set.checks[electrode].iter().filter(|finding| !finding.holds && !is_let_pass(finding.kind));
-    let told: Vec<String> = failing.map(|finding| format!("{}: {}", finding.kind.name(), finding.text)).collect();
+    let fails = |e: usize| {
+        let is_let_pass = move |kind| set.is_overridden(e, kind, &set.params.overrides);
+        set.checks[e].iter().filter(move |finding| !finding.holds && !is_let_pass(finding.kind))
+    };
+    let told: Vec<String> =
+        fails(electrode).map(|finding| format!("{}: {}", finding.kind.name(), finding.text)).collect();
+    if told.is_empty() {
+        let others = set.body_of(electrode).into_iter().filter(|e| fails(*e).next().is_some());
+        let names: Vec<&str> = others.map(|e| set.electrodes[e].name.as_str()).collect();
+        return Some(format!("it is one body with {}, of which a check fails", names.join(", ")));
+    }
     Some(format!("{}; mend it, or override it by its name, {}", told.join("; "), set.electrodes[electrode].name))
 }
 
-/// Names of the electrodes' files without their endings, all different even where small and large letters are the same.
+/// Names of the electrodes' files without their endings, all different even where small and large letters are the same; those
+/// of one body have one.
 pub fn file_stems(set: &ElectrodeSet) -> Vec<String> {
     let mut stems: Vec<String> = Vec::new();
-    for electrode in &set.electrodes {
-        let plain = file_stem(electrode, &set.params);
+    for e in 0..set.electrodes.len() {
+        let body = set.body_of(e);
+        if let Some(known) = body.first().and_then(|first| stems.get(*first)) {
+            stems.push(known.clone());
+            continue;
+        }
+        let plain = file_stem(&body.iter().map(|e| &set.electrodes[*e]).collect::<Vec<_>>(), &set.params);
         let is_new = |stem: &String| stems.iter().all(|known| !known.eq_ignore_ascii_case(stem));
         // One of so many names is not among those that are known.
         let numbered = (2..stems.len() + 3).map(|n| format!("{plain}_{n}"));
@@ -159,19 +179,29 @@ pub fn file_stems(set: &ElectrodeSet) -> Vec<String> {
     stems
 }
 
-fn file_stem(electrode: &Electrode, params: &ElectrodeParams) -> String {
-    let stage = &params.stages[electrode.stage];
-    let mut parts = vec![format!("{}g{}", file_start(&electrode.name, &stage.name), stage.gap_mm)];
-    match stage.orbit {
-        Orbit::None => {}
-        Orbit::Circular { radius_mm } => parts.push(format!("circular{radius_mm}")),
-        Orbit::Square { radius_mm } => parts.push(format!("square{radius_mm}")),
+/// The name of a body: that of its form, and each stage with its gap and orbit.
+fn file_stem(body: &[&Electrode], params: &ElectrodeParams) -> String {
+    let mut parts: Vec<String> = Vec::new();
+    for electrode in body {
+        let stage = &params.stages[electrode.stage];
+        if parts.is_empty() {
+            // The name of an electrode ends with its stage where there are several.
+            let name = electrode.name.strip_suffix(&format!("-{}", stage.name)).unwrap_or(&electrode.name);
+            parts.push(plain(name));
+        }
+        parts.extend([plain(&stage.name), format!("g{}", stage.gap_mm)]);
+        match stage.orbit {
+            Orbit::None => {}
+            Orbit::Circular { radius_mm } => parts.push(format!("circular{radius_mm}")),
+            Orbit::Square { radius_mm } => parts.push(format!("square{radius_mm}")),
+        }
     }
     // Who mills it has to know that the gap is still to be taken off.
     if params.shape == Shape::Net {
         parts.push("net".to_owned());
     }
-    parts.extend([plain(&params.material), format!("x{}", stage.quantity)]);
+    let quantity = body.iter().map(|e| params.stages[e.stage].quantity).max().unwrap_or(1);
+    parts.extend([plain(&params.material), format!("x{quantity}")]);
     parts.join("_")
 }
 

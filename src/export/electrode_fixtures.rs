@@ -2,11 +2,13 @@
 
 use glam::{DVec2, DVec3};
 
+use crate::geometry::mesh::Mesh;
 use crate::geometry::mesh::tests::cuboid;
 use crate::mold::electrode::base::Base;
 use crate::mold::electrode::check::{CheckKind, Finding, LeftOfRegion};
 use crate::mold::electrode::design::{Burn, Electrode, ElectrodeSet, PartId, PartNode, RegionPlan};
 use crate::mold::electrode::division::Cut;
+use crate::mold::electrode::family::Family;
 use crate::mold::electrode::overrides::Override;
 use crate::mold::electrode::params::{ElectrodeParams, Holder, Method, Orbit, Stage};
 
@@ -40,6 +42,8 @@ fn electrode(name: &str, stage: usize, burns: Vec<Burn>, size: DVec3) -> Electro
         front_area: 4.0,
         burn_area: 11.0,
         base: Base { sides: DVec2::new(10.0, 12.0), is_round: false, height: 15.0, corner: 1.0 },
+        family: Family::None,
+        others: Mesh::default(),
     }
 }
 
@@ -59,6 +63,7 @@ fn region(tree: Option<PartNode>, trouble: Option<&str>, thickness: f64) -> Regi
         method: Method::Cutting,
         direction: DVec3::NEG_Z,
         trouble: trouble.map(str::to_owned),
+        left_out: Vec::new(),
         left: LeftOfRegion { thickness, excess: 0.0, place: DVec3::new(5.0, 6.0, 7.0), volume: 0.125 },
     }
 }

@@ -86,6 +86,8 @@ pub struct RegionEntry {
     pub left_volume_mm3: f64,
     /// Why it has no electrode, or lacks one for a part.
     pub trouble: Option<String>,
+    /// What stages leave to those after them, in words.
+    pub left_out: Vec<String>,
 }
 
 /// A part of a region and what it is divided into.
@@ -193,6 +195,7 @@ fn region(set: &ElectrodeSet, r: usize, plan: &RegionPlan) -> RegionEntry {
         left_at_mm: plan.left.place.to_array().map(|v| rounded(v, 1e6)),
         left_volume_mm3: plan.left.volume,
         trouble: plan.trouble.clone(),
+        left_out: plan.left_out.iter().map(|left| left.text.clone()).collect(),
     }
 }
 

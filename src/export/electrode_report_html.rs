@@ -81,7 +81,13 @@ fn stages(table: &BurnTable) -> usize {
 
 fn key_figures(out: &mut String, report: &ElectrodesReport) {
     let table = &report.table;
-    let made: u32 = table.electrodes.iter().map(|e| e.quantity).fold(0, u32::saturating_add);
+    // A body that several stages share is one piece.
+    let mut bodies = std::collections::BTreeMap::new();
+    for e in &table.electrodes {
+        let body = bodies.entry(e.family.as_ref().map_or(&e.name, |family| &family.name)).or_insert(0);
+        *body = e.quantity.max(*body);
+    }
+    let made = bodies.into_values().fold(0, u32::saturating_add);
     let without = report.regions.iter().filter(|r| r.trouble.is_some()).count();
     let thickest = report.regions.iter().map(|r| r.left_thickness_mm).fold(0.0, f64::max);
     let left = report.regions.iter().map(|r| r.left_volume_mm3).sum();
@@ -184,6 +190,17 @@ fn blank(e: &ElectrodeEntry) -> String {
     format!("{x} \u{d7} {y} \u{d7} {}{round}", number(e.blank.length_mm, 1))
 }
 
+/// Electrodes of other stages on the same base.
+fn family(e: &ElectrodeEntry) -> String {
+    let Some(family) = &e.family else { return NONE.to_owned() };
+    let [x, y] = family.offset_mm.map(|v| number(v, 4));
+    format!(
+        "{}: {}, tips {x}, {y} mm from the middle of the base",
+        escape(&family.others.join(", ")),
+        escape(&family.name)
+    )
+}
+
 /// The burn sheet of an electrode with its checks.
 fn electrode(out: &mut String, e: &ElectrodeEntry) {
     let _ = write!(out, "<section><h2>{} <span>{}</span></h2>", escape(&e.name), escape(&e.stage));
@@ -226,6 +243,7 @@ fn electrode(out: &mut String, e: &ElectrodeEntry) {
             ),
         ),
         row("Blank, mm", blank(e)),
+        row("One body with", family(e)),
     ];
     table(out, "pairs", "Electrode", &[], rows);
     out.push_str("</div></section>");

@@ -6,6 +6,7 @@ pub mod exact;
 pub mod frame;
 pub mod inside;
 pub mod mesh;
+pub mod minkowski;
 pub mod nurbs;
 pub mod offset;
 pub mod raycast;

@@ -49,11 +49,16 @@ pub fn union(a: &Mesh, b: &Mesh) -> Result<Mesh, SolidError> {
 /// # Errors
 /// [`SolidError::NotClosed`], [`SolidError::Failed`].
 pub fn unfolded(surface: Mesh) -> Result<Mesh, SolidError> {
-    let solid = manifold(&surface)?;
-    if !solid.has_self_intersections() {
-        return Ok(surface);
-    }
-    let found = solid.rebuild_solid(WindingRule::Positive);
+    if soup(&surface)?.has_self_intersections() { wound(&surface) } else { Ok(surface) }
+}
+
+/// The solid that a closed surface bounds which crosses itself, with edges that more than two faces may meet in: what it winds
+/// around at least once.
+///
+/// # Errors
+/// [`SolidError::NotClosed`], [`SolidError::Failed`].
+pub(super) fn wound(surface: &Mesh) -> Result<Mesh, SolidError> {
+    let found = soup(surface)?.rebuild_solid(WindingRule::Positive);
     match found.status() {
         Error::NoError => Ok(mesh(&found)),
         error => Err(SolidError::Failed(error.to_str().to_owned())),
@@ -71,14 +76,31 @@ fn combine(a: &Mesh, b: &Mesh, operation: OpType) -> Result<Mesh, SolidError> {
     }
 }
 
-fn manifold(mesh: &Mesh) -> Result<Manifold, SolidError> {
-    let given = MeshGL64 {
+/// A surface as it is. Read as a solid it would be tidied first, and where faces lie folded on one another that moves it: each
+/// triangle gets corners of its own, so that it is read as a heap of triangles.
+fn soup(surface: &Mesh) -> Result<Manifold, SolidError> {
+    let corners: Vec<DVec3> = surface.iter_corners().flatten().collect();
+    let numbers = 0..corners.len() as u32;
+    let triangles = numbers.step_by(3).map(|i| [i, i + 1, i + 2]).collect();
+    let soup = Manifold::from_mesh_gl64_robust(&given(&Mesh { vertices: corners, triangles }));
+    match soup.status() {
+        Error::NoError => Ok(soup),
+        // A triangle without any area is left out of the heap, which is then not closed.
+        _ => manifold(surface),
+    }
+}
+
+fn given(mesh: &Mesh) -> MeshGL64 {
+    MeshGL64 {
         num_prop: 3,
         vert_properties: mesh.vertices.iter().flat_map(|p| p.to_array()).collect(),
         tri_verts: mesh.triangles.iter().flatten().map(|i| u64::from(*i)).collect(),
         ..MeshGL64::default()
-    };
-    let solid = Manifold::from_mesh_gl64(&given);
+    }
+}
+
+fn manifold(mesh: &Mesh) -> Result<Manifold, SolidError> {
+    let solid = Manifold::from_mesh_gl64(&given(mesh));
     match solid.status() {
         Error::NoError => Ok(solid),
         error => Err(SolidError::NotClosed(error.to_str().to_owned())),

@@ -136,6 +136,8 @@ fn change_of_electrodes(now: &ElectrodeParams, before: &ElectrodeParams) -> Stri
         (now.base_margin_mm != before.base_margin_mm, "Base margin"),
         (now.share != before.share, "Sharing"),
         (now.together_mm != before.together_mm, "Tips together"),
+        (now.family != before.family, "Stages on one base"),
+        (now.family_spacing_mm != before.family_spacing_mm, "Room between stages"),
         (now.lift_mm != before.lift_mm, "Lift"),
         (now.shape != before.shape, "Shape in files"),
         (now.material != before.material, "Material"),

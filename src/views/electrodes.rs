@@ -285,6 +285,8 @@ mod tests {
             front_area: 1.0,
             burn_area: 1.0,
             base: Base { sides: DVec2::ONE, is_round: false, height: 1.0, corner: 0.0 },
+            family: Default::default(),
+            others: Default::default(),
         }
     }
 

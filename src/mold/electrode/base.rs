@@ -47,6 +47,14 @@ impl Base {
         (base, length)
     }
 
+    /// The first of the holders that takes it: its place in the list.
+    pub fn holder(&self, params: &ElectrodeParams) -> Option<usize> {
+        params.holders.iter().position(|h| {
+            let [x, y] = h.size_mm;
+            self.sides.min_element() <= x.min(y) && self.sides.max_element() <= x.max(y)
+        })
+    }
+
     /// Its outline.
     pub fn outline(&self) -> Vec<DVec2> {
         if self.is_round {

@@ -175,6 +175,18 @@ impl Obstacle {
         })
     }
 
+    /// Whether a body that stands beside the tips that burn keeps the gap there and on its way.
+    ///
+    /// # Errors
+    /// [`ExactMeshError`].
+    pub fn keeps_clear(&self, beside: &Mesh, stage: &Stage, lift: f64) -> Result<bool, ExactMeshError> {
+        // Most of what does not is told by a corner.
+        if beside.vertices.iter().any(|p| self.height_above(*p) < stage.gap_mm + stage.stock_mm) {
+            return Ok(false);
+        }
+        Ok(self.clearance(beside, stage, lift)?.findings(stage).iter().all(|finding| finding.holds))
+    }
+
     /// A vertex that stands inside the mold.
     fn inside(&self, electrode: &Mesh) -> Option<DVec3> {
         let is_inside = |p: &&DVec3| self.distance(**p) > GOUGE && winding_number(&self.mesh, **p) != 0;

@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::base::Base;
 use super::check::{CheckKind, Finding, LeftOfRegion};
 use super::division::Cut;
+use super::family::Family;
 use super::overrides::{IdleOverride, Override};
 use super::params::{ElectrodeParams, Method};
 use crate::geometry::mesh::{Bounds, Mesh};
@@ -75,6 +76,10 @@ pub struct Electrode {
     pub burn_area: f64,
     /// The base that the tips stand on.
     pub base: Base,
+    /// Whether tips of other stages stand on it too.
+    pub family: Family,
+    /// These tips.
+    pub others: Mesh,
 }
 
 impl Electrode {
@@ -107,6 +112,15 @@ pub struct PartNode {
     pub part: Option<usize>,
 }
 
+/// What a stage has no tip for, and leaves to the stages after it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LeftOut {
+    /// The stage: its place in the list.
+    pub stage: usize,
+    /// What, and why, in words.
+    pub text: String,
+}
+
 /// How a region is burned.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RegionPlan {
@@ -120,6 +134,8 @@ pub struct RegionPlan {
     pub edits: Vec<usize>,
     /// Why it has no electrode, or lacks one for a part.
     pub trouble: Option<String>,
+    /// What stages leave to those after them.
+    pub left_out: Vec<LeftOut>,
     /// What all burns and cutters leave of it.
     pub left: LeftOfRegion,
 }
@@ -148,10 +164,21 @@ impl ElectrodeSet {
         self.is_blocked_with(electrode, &self.params.overrides)
     }
 
-    /// The same if these are the user's overrides.
+    /// The same if these are the user's overrides. Those that share a body with it are asked too: it is one piece.
     pub fn is_blocked_with(&self, electrode: usize, overrides: &[Override]) -> bool {
-        let findings = self.checks[electrode].iter();
-        findings.filter(|f| !f.holds).any(|f| !self.is_overridden(electrode, f.kind, overrides))
+        let is_blocked = |e: &usize| {
+            let mut failing = self.checks[*e].iter().filter(|f| !f.holds);
+            failing.any(|f| !self.is_overridden(*e, f.kind, overrides))
+        };
+        self.body_of(electrode).iter().any(is_blocked)
+    }
+
+    /// The electrodes that are one body with this one, itself among them.
+    pub fn body_of(&self, electrode: usize) -> Vec<usize> {
+        match self.electrodes[electrode].family.name() {
+            None => vec![electrode],
+            name => (0..self.electrodes.len()).filter(|e| self.electrodes[*e].family.name() == name).collect(),
+        }
     }
 
     /// Whether one of `overrides` is for this check of an electrode.

@@ -50,6 +50,8 @@ pub struct Part {
     pub h_edges: Vec<HEdge>,
     /// The cut, and what it leads to; none where it is not divided.
     pub divided: Option<(Cut, Vec<Part>)>,
+    /// Whether there is something beyond the cut that was left out as too thin.
+    pub lacks_thin: bool,
 }
 
 impl Part {
@@ -60,6 +62,11 @@ impl Part {
             None => vec![self],
         }
     }
+
+    /// Whether something of it was left out as too thin.
+    pub fn is_lacking(&self) -> bool {
+        self.lacks_thin || self.divided.iter().flat_map(|(_, parts)| parts).any(Self::is_lacking)
+    }
 }
 
 /// How a region is divided.
@@ -69,6 +76,9 @@ pub struct DivisionSettings {
     pub overlap: f64,
     /// The least width of a part (mm).
     pub least: f64,
+    /// Whether parts that are narrower are left out, for the stages that come after; else nothing is divided where there
+    /// would be one.
+    pub leaves_out_thin: bool,
 }
 
 /// A footprint divided until no part has H-edges, or parts would be smaller than the least size.
@@ -95,20 +105,22 @@ fn divided(
     let mut part = whole(burned, footprint)?;
     // The first cut that takes an H-edge away, the longest first, and leaves fewest in its parts.
     for edge in part.h_edges.iter().filter(|_| deeper > 0) {
-        let mut best: Option<(usize, f64, Cut, Vec<Part>)> = None;
+        let mut best: Option<(usize, f64, Cut, Halves)> = None;
         for cut in cuts(edge) {
             cancel.check()?;
-            let Some((parts, mouth)) = parts_of(burned, &part.footprint, &cut, settings)? else { continue };
+            let Some(halves) = parts_of(burned, &part.footprint, &cut, settings)? else { continue };
+            let (parts, mouth) = (&halves.parts, halves.mouth);
             let is_left = |h: &HEdge| h.place().distance(edge.place()) < STILL_THERE;
             let left = parts.iter().map(|p| p.h_edges.len()).sum::<usize>();
             let is_better = best.as_ref().is_none_or(|(least, shortest, ..)| (left, mouth) < (*least, *shortest));
             if is_better && !parts.iter().flat_map(|p| &p.h_edges).any(is_left) {
-                best = Some((left, mouth, cut, parts));
+                best = Some((left, mouth, cut, halves));
             }
         }
-        if let Some((.., cut, parts)) = best {
+        if let Some((.., cut, halves)) = best {
             let deeper = |p: Part| divided(burned, p.footprint, settings, deeper - 1, cancel);
-            part.divided = Some((cut, parts.into_iter().map(deeper).collect::<Result<_, _>>()?));
+            part.lacks_thin = halves.lacks_thin;
+            part.divided = Some((cut, halves.parts.into_iter().map(deeper).collect::<Result<_, _>>()?));
             return Ok(part);
         }
     }
@@ -122,23 +134,34 @@ fn divided(
 pub(super) fn whole(burned: &Burned, footprint: Footprint) -> Result<Part, TipError> {
     let body = tip(burned, &footprint)?;
     let h_edges = h_edges(&body);
-    Ok(Part { footprint, body, h_edges, divided: None })
+    Ok(Part { footprint, body, h_edges, divided: None, lacks_thin: false })
 }
 
-/// The parts on both sides of a cut and the length along which they meet (mm); none where one of them is too small, or
-/// its tip cannot be made.
+/// What a cut makes of a part.
+struct Halves {
+    parts: Vec<Part>,
+    /// The length along which they meet (mm).
+    mouth: f64,
+    /// Whether one was left out as too thin.
+    lacks_thin: bool,
+}
+
+/// The parts on both sides of a cut; none where one of them is too small, or its tip cannot be made.
 fn parts_of(
     burned: &Burned,
     footprint: &Footprint,
     cut: &Cut,
     settings: &DivisionSettings,
-) -> Result<Option<(Vec<Part>, f64)>, TipError> {
-    let (parts, mouth) = cut_along(footprint, cut, settings);
-    if parts.is_empty() || parts.iter().any(|f| least_width(&f.free) < settings.least) {
+) -> Result<Option<Halves>, TipError> {
+    let (mut parts, mouth) = cut_along(footprint, cut, settings);
+    let all = parts.len();
+    parts.retain(|f| least_width(&f.free) >= settings.least);
+    let lacks_thin = parts.len() < all;
+    if parts.is_empty() || (lacks_thin && !settings.leaves_out_thin) {
         return Ok(None);
     }
     match parts.into_iter().map(|f| whole(burned, f)).collect::<Result<Vec<Part>, _>>() {
-        Ok(parts) => Ok(Some((parts, mouth))),
+        Ok(parts) => Ok(Some(Halves { parts, mouth, lacks_thin })),
         Err(TipError::NoRoom | TipError::Solid(_)) => Ok(None),
         Err(other) => Err(other),
     }

@@ -59,6 +59,16 @@ pub fn shrunk(outlines: &[Outline], by: f64) -> Vec<Outline> {
     plane::difference(outlines, &band(outlines, by)).into_iter().flatten().collect()
 }
 
+/// Whether a set is nowhere as thick as `least` (mm), but where its arms meet.
+pub fn is_thin(outlines: &[Outline], least: f64) -> bool {
+    /// Share of the least size from which on a tip is as thick as it.
+    const NEARLY: f64 = 0.98;
+    /// Share of a tip's area that is as thick as the least size if the tip is.
+    const THIN: f64 = 0.5;
+    let half = 0.5 * NEARLY * least;
+    half > 0.0 && plane::area(&grown(&shrunk(outlines, half), half)) < THIN * plane::area(outlines)
+}
+
 /// The half of the plane on the side of `through` to which `outward` does not point, as far as `reach`.
 pub fn half_plane(through: DVec2, outward: DVec2, reach: f64) -> Vec<Outline> {
     let along = outward.perp() * reach;

@@ -9,6 +9,7 @@ pub mod check;
 pub mod combine;
 pub mod design;
 pub mod division;
+pub mod family;
 pub mod footprint;
 pub mod h_edge;
 pub mod overrides;
@@ -17,9 +18,14 @@ pub mod plan;
 pub mod plan_checks;
 pub mod tip;
 
+mod earlier;
 mod edits;
 mod removal;
 mod sharing;
 
+#[cfg(test)]
+mod orbit_tests;
+#[cfg(test)]
+mod stages_tests;
 #[cfg(test)]
 mod tests;

@@ -276,6 +276,10 @@ pub struct ElectrodeParams {
     pub share: bool,
     /// Width up to which tips that lie near one another stand on one base (mm); 0 for none.
     pub together_mm: f64,
+    /// Whether electrodes of several stages for the same places stand on one base, as a family.
+    pub family: bool,
+    /// Room between the tips of a family at least (mm).
+    pub family_spacing_mm: f64,
     /// How far an electrode is lifted (mm).
     pub lift_mm: f64,
     /// What is left, across the surface, up to which it counts as burned (mm), beyond what the gap's radius leaves in
@@ -312,6 +316,8 @@ impl Default for ElectrodeParams {
             datum_corner_mm: 1.0,
             share: true,
             together_mm: 12.0,
+            family: false,
+            family_spacing_mm: 5.0,
             lift_mm: 30.0,
             tolerance_mm: 0.02,
             material: "copper".into(),
@@ -392,6 +398,7 @@ impl ElectrodeParams {
             ("base_margin_mm", self.base_margin_mm, 0.1, 1000.0),
             ("datum_corner_mm", self.datum_corner_mm, 0.0, self.base_margin_mm.max(0.0)),
             ("together_mm", self.together_mm, 0.0, 1000.0),
+            ("family_spacing_mm", self.family_spacing_mm, 0.1, 1000.0),
             ("lift_mm", self.lift_mm, 0.0, 10000.0),
             ("tolerance_mm", self.tolerance_mm, 1e-4, 1.0),
         ];

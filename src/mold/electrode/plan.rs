@@ -1,24 +1,30 @@
 //! From regions to electrodes.
 
-use glam::{DMat3, DQuat, DVec3};
+use std::f64::consts::TAU;
+
+use glam::{DMat3, DQuat, DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::base::placed;
-use super::check::{LeftOfRegion, Milled};
+use super::check::{GOUGE, LeftOfRegion, Milled};
 use super::combine::Form;
 use super::design::{Burn, Electrode, ElectrodeSet, PartId, PartNode, RegionPlan};
 use super::division::{DivisionSettings, Part, divide};
+use super::earlier::{left_to_later, no_room, thick_only};
 use super::edits::apply;
-use super::params::{Edit, ElectrodeParams, ElectrodeParamsError, Method, Shape, Stage};
+use super::family::{Family, into_families, parts};
+use super::params::{Edit, ElectrodeParams, ElectrodeParamsError, Method, Orbit, Shape, Stage};
 use super::plan_checks::checked;
 use super::sharing::{assembled, shared};
 use super::tip::{Burned, Place, TipError, footprint};
 use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::mesh::Mesh;
+use crate::geometry::minkowski::with_rectangle;
 use crate::geometry::offset::{OffsetError, offset};
 use crate::geometry::solid::{SolidError, unfolded};
 use crate::mold::cutter::CutterLibrary;
 use crate::mold::height_field::HeightFieldError;
+use crate::mold::outline::Outline;
 use crate::progress::{Cancel, Cancelled, Progress};
 
 /// How far off a burn surface a point of a tip may be to be part of it (mm).
@@ -83,6 +89,8 @@ pub(super) struct Setting {
     pub(super) turned: DMat3,
     /// The mold in it.
     pub(super) mold: Mesh,
+    /// The same, for distances.
+    own: ExactMesh,
     /// The mold grown by what electrodes keep off.
     kept_clear: Mesh,
     exact: ExactMesh,
@@ -93,9 +101,10 @@ impl Setting {
     fn new(mold: &Mesh, direction: DVec3, stage: &Stage) -> Result<Self, ElectrodeError> {
         let turned = to_burn_frame(direction);
         let mold = mold.mapped(|p| turned * p);
-        let kept_clear = unfolded(offset(&mold, |n| stage.undersize(n))?)?;
+        let kept_clear = kept_clear(&mold, stage)?;
         let exact = ExactMesh::new(&kept_clear)?;
-        Ok(Self { turned, mold, kept_clear, exact, stage: stage.clone() })
+        let own = ExactMesh::new(&mold)?;
+        Ok(Self { turned, mold, own, kept_clear, exact, stage: stage.clone() })
     }
 
     /// Whether a point lies on the surface that burns.
@@ -103,9 +112,32 @@ impl Setting {
         self.exact.nearest(p).signed_distance.abs() < ON_BURN
     }
 
-    fn burned(&self) -> Burned<'_> {
-        Burned { kept_clear: &self.kept_clear, exact: &self.exact, gap_up: self.stage.undersize(DVec3::Z) }
+    /// Whether an electrode that holds a point keeps the gap there all along its orbit.
+    fn keeps_gap(&self, p: DVec3) -> bool {
+        /// Places of an orbit that are tried.
+        const PLACES: usize = 8;
+        let least = self.stage.gap_mm + self.stage.stock_mm - GOUGE;
+        let keeps = |shift: DVec2| self.own.nearest(p + shift.extend(0.0)).signed_distance >= least;
+        let around = |i: usize| DVec2::from_angle((i as f64 + 0.5) * TAU / PLACES as f64);
+        match self.stage.orbit {
+            Orbit::None => keeps(DVec2::ZERO),
+            Orbit::Circular { radius_mm } => (0..PLACES).all(|i| keeps(around(i) * radius_mm)),
+            Orbit::Square { radius_mm } => (0..PLACES).all(|i| keeps(around(i).signum() * radius_mm)),
+        }
     }
+}
+
+/// What an electrode must not enter, in the burn frame: the mold grown by the gap, and by what the orbit sweeps.
+///
+/// A circle moves each face by its own way, which leaves facets their order: those of a round wall all become shorter in
+/// the same measure. A square has corners: it moves the facets of a quarter alike and takes the room of those between two
+/// quarters, so that any that is shorter than its side would be turned over.
+fn kept_clear(mold: &Mesh, stage: &Stage) -> Result<Mesh, ElectrodeError> {
+    if let Orbit::Square { radius_mm } = stage.orbit {
+        let grown = unfolded(offset(mold, |_| stage.gap_mm + stage.stock_mm)?)?;
+        return Ok(with_rectangle(&grown, DVec2::splat(radius_mm))?);
+    }
+    Ok(unfolded(offset(mold, |n| stage.undersize(n))?)?)
 }
 
 /// The rotation that turns a burn direction to -Z; none for straight down.
@@ -137,13 +169,14 @@ pub fn plan(
     cancel: &Cancel,
 ) -> Result<ElectrodeSet, ElectrodeError> {
     params.validate()?;
-    let made = plan_stages(mold, regions, libraries, (params, &params.stages), progress, cancel)?;
+    let made = plan_stages(mold, regions, libraries, (params, &params.stages, None), progress, cancel)?;
     if params.shape == Shape::Undersized {
         return Ok(made);
     }
     // Files of the net shape are those of an electrode without gap; it is the real one that has to come out.
     let stages: Vec<Stage> = params.stages.iter().map(net).collect();
-    let mut filed = plan_stages(mold, regions, libraries, (params, &stages), progress, cancel)?;
+    let like = Some(&made.electrodes[..]);
+    let mut filed = plan_stages(mold, regions, libraries, (params, &stages, like), progress, cancel)?;
     let parts = |set: &ElectrodeSet| -> Vec<(usize, Vec<Vec<PartId>>)> {
         let of = |e: &Electrode| (e.stage, e.burns.iter().map(|b| b.parts.clone()).collect());
         set.electrodes.iter().map(of).collect()
@@ -151,6 +184,7 @@ pub fn plan(
     let is_same = parts(&made) == parts(&filed);
     for (plan, made) in filed.regions.iter_mut().zip(made.regions) {
         plan.left = made.left;
+        plan.left_out = made.left_out;
         plan.trouble = plan.trouble.take().or(made.trouble);
         if !is_same && plan.trouble.is_none() {
             plan.trouble = Some(OTHER_NET.to_owned());
@@ -170,15 +204,19 @@ fn plan_stages(
     mold: &Mesh,
     regions: &[RegionToBurn],
     (library, milled): (&CutterLibrary, &Milled),
-    (params, stages): (&ElectrodeParams, &[Stage]),
+    (params, stages, like): (&ElectrodeParams, &[Stage], Option<&[Electrode]>),
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<ElectrodeSet, ElectrodeError> {
     let cutters = params.cutters.as_ref().unwrap_or(library);
     let mut plans: Vec<RegionPlan> = regions.iter().map(|r| region_plan(r, params)).collect();
     let mut electrodes: Vec<Electrode> = Vec::new();
+    // Of each stage, the share of each region that it has tips for.
+    let mut made: Vec<Vec<f64>> = Vec::new();
     for (number, stage) in stages.iter().enumerate() {
         progress.report("electrodes", number as f64 / stages.len() as f64 * 0.7, &stage.name);
+        let is_last = number + 1 == stages.len();
+        made.push(vec![1.0; regions.len()]);
         let mut directions: Vec<DVec3> = Vec::new();
         for plan in &plans {
             if !directions.contains(&plan.direction) {
@@ -188,10 +226,10 @@ fn plan_stages(
         for direction in directions {
             let setting = Setting::new(mold, direction, stage)?;
             let here: Vec<usize> = (0..regions.len()).filter(|r| plans[*r].direction == direction).collect();
-            let leaves = leaves(&setting, regions, &here, &mut plans, params, cancel)?;
+            let leaves = leaves(&setting, regions, (&here, is_last), (&mut plans, &mut made), params, cancel)?;
             let shared = shared(&setting, &leaves, regions, cutters, params, cancel)?;
             for group in &shared {
-                match assembled(&setting, &leaves, group, regions, (number, params)) {
+                match assembled(&setting, &leaves, group, regions, (number, params, &made)) {
                     Ok(electrode) => electrodes.push(electrode),
                     Err(ElectrodeError::Solid(error)) => {
                         let ids = group.burns.iter().flat_map(|(.., ids)| ids).map(|i| leaves[*i].id.region);
@@ -202,6 +240,7 @@ fn plan_stages(
             }
         }
     }
+    into_families(mold, &mut electrodes, like, (cutters, params, stages), cancel)?;
     named(&mut electrodes, params);
     progress.report("checks", 0.7, "");
     let checks = checked((mold, milled), &electrodes, &mut plans, regions, (cutters, params, stages), cancel)?;
@@ -242,59 +281,100 @@ fn region_plan(region: &RegionToBurn, params: &ElectrodeParams) -> RegionPlan {
     if direction == DVec3::ZERO {
         direction = DVec3::NEG_Z;
     }
-    RegionPlan { tree: None, method, direction, edits, trouble: None, left: LeftOfRegion::default() }
+    RegionPlan {
+        tree: None,
+        method,
+        direction,
+        edits,
+        trouble: None,
+        left_out: Vec::new(),
+        left: LeftOfRegion::default(),
+    }
 }
 
-/// The tips of these regions; what stands in their way is told in their plans.
+/// The tips of these regions; what stands in their way is told in their plans. `made` has a list of shares for each stage up
+/// to this one, the place in whose last these are noted.
 fn leaves(
     setting: &Setting,
     regions: &[RegionToBurn],
-    here: &[usize],
-    plans: &mut [RegionPlan],
+    (here, is_last): (&[usize], bool),
+    (plans, made): (&mut [RegionPlan], &mut [Vec<f64>]),
     params: &ElectrodeParams,
     cancel: &Cancel,
 ) -> Result<Vec<Leaf>, ElectrodeError> {
     let burns = |p: DVec3| setting.burns(p);
-    let of = |r: &usize| parts_of(setting, &regions[*r], plans[*r].method, params, cancel);
+    let of = |r: &usize| parts_of(setting, (&regions[*r], plans[*r].method), (params, is_last), cancel);
     let found: Vec<Result<Divided, TipError>> = here.par_iter().map(of).collect();
+    let (number, least) = (made.len().saturating_sub(1), params.least_size_mm);
     let mut leaves = Vec::new();
     for (region, found) in here.iter().zip(found) {
+        let plan = &mut plans[*region];
+        let mut share = 1.0;
         match found {
-            Ok((tree, parts, met)) => {
-                plans[*region].tree = Some(tree);
-                plans[*region].edits.extend(met);
-                let forms: Vec<Form> = parts.par_iter().map(|p| Form::of(&p.body, burns)).collect();
-                let numbered = parts.into_iter().zip(forms).enumerate();
-                leaves.extend(numbered.map(|(part, (leaf, form))| {
+            Ok(Divided { tree, parts, met, in_plan, is_lacking }) => {
+                plan.tree = Some(tree);
+                plan.edits.extend(met);
+                let mut parts: Vec<(usize, Part)> = parts.into_iter().enumerate().collect();
+                if !is_last {
+                    share = thick_only(setting, &mut parts, &in_plan, (least, is_lacking));
+                }
+                if share < 1.0 {
+                    plan.left_out.push(left_to_later(&setting.stage, number, share, least));
+                }
+                let forms: Vec<Form> = parts.par_iter().map(|(_, p)| Form::of(&p.body, burns)).collect();
+                leaves.extend(parts.into_iter().zip(forms).map(|((part, leaf), form)| {
                     let id = PartId { region: *region, part };
                     Leaf { id, part: leaf, form }
                 }));
             }
             Err(TipError::Cancelled(cancelled)) => return Err(cancelled.into()),
-            Err(other) => plans[*region].trouble = Some(format!("{} stage: {other}", setting.stage.name)),
+            Err(TipError::NoRoom) if !is_last => {
+                share = 0.0;
+                plan.left_out.push(no_room(&setting.stage, number));
+            }
+            Err(other) => plan.trouble = Some(format!("{} stage: {other}", setting.stage.name)),
+        }
+        if let Some(shares) = made.last_mut() {
+            shares[*region] = share;
         }
     }
     Ok(leaves)
 }
 
-/// A region's division, its parts, and the changes that it was met by.
-type Divided = (PartNode, Vec<Part>, Vec<usize>);
+/// A region's division.
+struct Divided {
+    tree: PartNode,
+    parts: Vec<Part>,
+    /// The changes that it was met by.
+    met: Vec<usize>,
+    /// The region in plan.
+    in_plan: Vec<Outline>,
+    /// Whether it lacks parts that would be too thin.
+    is_lacking: bool,
+}
 
 /// The parts of a region after division and the user's changes.
 fn parts_of(
     setting: &Setting,
-    region: &RegionToBurn,
-    method: Method,
-    params: &ElectrodeParams,
+    (region, method): (&RegionToBurn, Method),
+    (params, is_last): (&ElectrodeParams, bool),
     cancel: &Cancel,
 ) -> Result<Divided, TipError> {
     let corners = region.corners.iter().map(|c| c.map(|p| setting.turned * p)).collect();
     let highest = || region.corners.iter().flatten().map(|p| (setting.turned * *p).z).fold(f64::NEG_INFINITY, f64::max);
     let rim = if setting.turned == DMat3::IDENTITY { region.rim } else { highest() };
-    let burned = setting.burned();
+    let keeps_gap = |p: DVec3| setting.keeps_gap(p);
+    let burned = Burned {
+        kept_clear: &setting.kept_clear,
+        exact: &setting.exact,
+        gap_up: setting.stage.undersize(DVec3::Z),
+        keeps_gap: &keeps_gap,
+    };
     let place = Place::new(corners, rim);
-    let settings = DivisionSettings { overlap: params.overlap_mm, least: params.least_size_mm };
+    let settings =
+        DivisionSettings { overlap: params.overlap_mm, least: params.least_size_mm, leaves_out_thin: !is_last };
     let first = footprint(&burned, &place, method, params.margin_mm, cancel)?;
+    let in_plan = first.region.clone();
     let mut divided = divide(&burned, first, &settings, cancel)?;
     let mut met = Vec::new();
     for (number, edit) in params.edits.iter().enumerate() {
@@ -303,7 +383,8 @@ fn parts_of(
         }
     }
     let tree = node(&divided, &mut 0);
-    Ok((tree, divided.leaves().into_iter().cloned().collect(), met))
+    let parts = divided.leaves().into_iter().cloned().collect();
+    Ok(Divided { tree, parts, met, in_plan, is_lacking: divided.is_lacking() })
 }
 
 fn node(part: &Part, count: &mut usize) -> PartNode {
@@ -319,7 +400,7 @@ fn node(part: &Part, count: &mut usize) -> PartNode {
 fn named(electrodes: &mut [Electrode], params: &ElectrodeParams) {
     let mut known: Vec<Vec<PartId>> = Vec::new();
     for electrode in electrodes.iter_mut() {
-        let parts: Vec<PartId> = electrode.burns.iter().flat_map(|b| b.parts.iter().copied()).collect();
+        let parts = parts(electrode);
         let number = known.iter().position(|k| *k == parts).unwrap_or_else(|| {
             known.push(parts);
             known.len() - 1
@@ -330,6 +411,9 @@ fn named(electrodes: &mut [Electrode], params: &ElectrodeParams) {
         } else {
             format!("E{:02}-{stage}", number + 1)
         };
+        if let Family::Member { name, .. } = &mut electrode.family {
+            *name = format!("E{:02}", number + 1);
+        }
     }
 }
 

@@ -11,6 +11,7 @@ use super::check::{
 use super::design::{Burn, Electrode, RegionPlan};
 use super::params::{ElectrodeParams, Stage};
 use super::plan::{ElectrodeError, RegionToBurn, to_burn_frame};
+use super::tip::joined;
 use crate::geometry::mesh::{Mesh, unit_normal};
 use crate::mold::cutter::CutterLibrary;
 use crate::mold::height_field::HeightFieldError;
@@ -68,7 +69,7 @@ pub(super) fn checked(
         }
         if is_closed {
             // Tips that cannot be set on a plate are tried with their whole base.
-            let plate = on_plate(&electrode.tips);
+            let plate = on_plate(&joined(electrode.tips.clone(), electrode.others.clone()));
             let milled = plate.as_ref().unwrap_or(&electrode.mesh);
             let milling = match machinable(milled, cutters, params.tolerance_mm, cancel) {
                 Err(HeightFieldError::Cancelled(cancelled)) => return Err(cancelled.into()),

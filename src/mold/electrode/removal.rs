@@ -9,8 +9,9 @@ use crate::geometry::mesh::{Mesh, unit_normal};
 /// Volume that stage number `stage` takes of a region (mm^3).
 ///
 /// A stage leaves a layer for the next one: as thick as that one's electrode is larger than its own, and no less than its
-/// stock. The last stage takes all that is left, so that all together take the region's volume.
-pub(super) fn taken(region: &RegionToBurn, setting: &Setting, stages: &[Stage], stage: usize) -> f64 {
+/// stock. The last stage takes all that is left, so that all together take the region's volume. `made` says of each stage
+/// up to this one which share of the region it has tips for: of the rest it takes nothing.
+pub(super) fn taken(region: &RegionToBurn, setting: &Setting, (stages, stage): (&[Stage], usize), made: &[f64]) -> f64 {
     let left_by = |number: usize| -> f64 {
         let (Some(stage), Some(next)) = (stages.get(number), stages.get(number + 1)) else { return 0.0 };
         let of = |corners: &[DVec3; 3]| {
@@ -23,11 +24,12 @@ pub(super) fn taken(region: &RegionToBurn, setting: &Setting, stages: &[Stage], 
         };
         region.corners.iter().map(of).sum()
     };
-    let mut left = region.volume;
-    for number in 0..stage {
-        left = left.min(left_by(number));
+    let (mut left, mut taken) = (region.volume, 0.0);
+    for (number, share) in made.iter().enumerate().take(stage + 1) {
+        taken = share * (left - left.min(left_by(number)));
+        left -= taken;
     }
-    left - left.min(left_by(stage))
+    taken
 }
 
 /// Area of bodies on the surface that burns, the mold's own moved by the gap (mm^2).

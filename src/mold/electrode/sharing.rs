@@ -6,7 +6,7 @@ use super::base::{Base, INTO_BASE, placed};
 use super::check::{Burning, GOUGE, Obstacle};
 use super::combine::near;
 use super::design::{Burn, Electrode};
-use super::footprint::{grown, shrunk};
+use super::footprint::is_thin;
 use super::params::{ElectrodeParams, Method, Stage};
 use super::plan::{ElectrodeError, Leaf, RegionToBurn, Setting};
 use super::removal::{burn_area, taken};
@@ -15,12 +15,6 @@ use crate::geometry::mesh::{Bounds, Mesh};
 use crate::mold::cutter::{Cutter, CutterLibrary};
 use crate::mold::plane;
 use crate::progress::Cancel;
-
-/// Share of the least size from which on a tip is as thick as it.
-const NEARLY: f64 = 0.98;
-
-/// Share of a tip's area that is as thick as the least size if the tip is.
-const THIN: f64 = 0.5;
 
 /// One electrode for several leaves: which, turned and shifted how.
 pub(super) struct Shared {
@@ -99,13 +93,14 @@ fn serves(
     Ok(found.findings(&setting.stage)[0].holds)
 }
 
-/// The electrode of a group.
+/// The electrode of a group, for stage number `stage`; `made` says of each stage up to it which share of each region it has
+/// tips for.
 pub(super) fn assembled(
     setting: &Setting,
     leaves: &[Leaf],
     group: &Shared,
     regions: &[RegionToBurn],
-    (stage, params): (usize, &ElectrodeParams),
+    (stage, params, made): (usize, &ElectrodeParams, &[Vec<f64>]),
 ) -> Result<Electrode, ElectrodeError> {
     let top = setting.mold.bounds().max.z;
     let highest = group.burns.iter().map(|(_, shift, _)| -shift.z).fold(0.0, f64::max);
@@ -123,17 +118,7 @@ pub(super) fn assembled(
     let (base, length) = Base::under(&around, params);
     let mesh = base.with_tips(&tips)?;
     let back = setting.turned.transpose();
-    let holder = params.holders.iter().position(|h| {
-        let [x, y] = h.size_mm;
-        base.sides.x.min(base.sides.y) <= x.min(y) && base.sides.max_element() <= x.max(y)
-    });
     let front_area = group.leaves.iter().map(|i| plane::area(&leaves[*i].part.footprint.free)).sum();
-    let half = 0.5 * NEARLY * params.least_size_mm;
-    // Where arms meet a thin tip is wider.
-    let is_thin = |i: &usize| {
-        let free = &leaves[*i].part.footprint.free;
-        half > 0.0 && plane::area(&grown(&shrunk(free, half), half)) < THIN * plane::area(free)
-    };
     let first = &params.stages[stage];
     let mut minutes = 0.0;
     let burns: Vec<Burn> = group
@@ -141,8 +126,9 @@ pub(super) fn assembled(
         .iter()
         .map(|(turn, shift, ids)| {
             let part = |i: &usize| {
-                let region = &regions[leaves[*i].id.region];
-                taken(region, setting, &params.stages, stage) * share_of(&leaves[*i], leaves)
+                let number = leaves[*i].id.region;
+                let made: Vec<f64> = made.iter().map(|shares| shares[number]).collect();
+                taken(&regions[number], setting, (&params.stages, stage), &made) * share_of(&leaves[*i], leaves)
             };
             let volume = ids.iter().map(part).sum();
             minutes += params.removal.minutes(volume, front_area, first.finish_vdi);
@@ -162,12 +148,14 @@ pub(super) fn assembled(
         direction: back * DVec3::NEG_Z,
         method: if is_extruded { Method::Extruding } else { Method::Cutting },
         blank: base.sides.extend(length),
-        holder,
+        holder: base.holder(params),
         minutes,
-        is_thin: group.leaves.iter().any(is_thin),
+        is_thin: group.leaves.iter().any(|i| is_thin(&leaves[*i].part.footprint.free, params.least_size_mm)),
         front_area,
         burn_area: burn_area(setting, group.leaves.iter().map(|i| &leaves[*i].part.body)),
         base,
+        family: Default::default(),
+        others: Mesh::default(),
     })
 }
 

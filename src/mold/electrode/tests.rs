@@ -21,10 +21,10 @@ use crate::mold::plane;
 use crate::mold::test_molds::rectangle;
 use crate::progress::{Cancel, Progress};
 
-const GAP: f64 = 0.05;
+pub(super) const GAP: f64 = 0.05;
 
 /// A block up to height 0 less prisms.
-fn mold(size: [f64; 3], hollows: &[(&[DVec2], f64)]) -> Mesh {
+pub(super) fn mold(size: [f64; 3], hollows: &[(&[DVec2], f64)]) -> Mesh {
     let block = prism(&[&rectangle(size[0], size[1])], -size[2], 0.0).unwrap();
     let less = |mesh: Mesh, (outline, depth): &(&[DVec2], f64)| {
         difference(&mesh, &prism(&[outline], -depth, 1.0).unwrap()).unwrap()
@@ -32,16 +32,16 @@ fn mold(size: [f64; 3], hollows: &[(&[DVec2], f64)]) -> Mesh {
     hollows.iter().fold(block, less)
 }
 
-fn ring(points: &[(f64, f64)]) -> Vec<DVec2> {
+pub(super) fn ring(points: &[(f64, f64)]) -> Vec<DVec2> {
     points.iter().copied().map(DVec2::from).collect()
 }
 
-fn cutters() -> CutterLibrary {
+pub(super) fn cutters() -> CutterLibrary {
     CutterLibrary { cutter: vec![Cutter::flat(1.0), Cutter::ball(0.5)] }
 }
 
 /// All of the surface of a mold below height 0 within a box in plan, as a region that no cutter touched.
-fn region(mold: &Mesh, low: DVec2, high: DVec2) -> RegionToBurn {
+pub(super) fn region(mold: &Mesh, low: DVec2, high: DVec2) -> RegionToBurn {
     let inside = |c: &[DVec3; 3]| {
         let middle = (c[0] + c[1] + c[2]) / 3.0;
         let plan = middle.truncate();
@@ -69,11 +69,11 @@ fn halved([a, b, c]: [DVec3; 3]) -> Vec<[DVec3; 3]> {
     if longest < 0.2 { vec![[a, b, c]] } else { vec![[a, a.midpoint(b), c], [a.midpoint(b), b, c]] }
 }
 
-fn params(gap: f64) -> ElectrodeParams {
+pub(super) fn params(gap: f64) -> ElectrodeParams {
     ElectrodeParams { stages: vec![Stage::finish(gap)], ..ElectrodeParams::default() }
 }
 
-fn planned(mold: &Mesh, regions: &[RegionToBurn], params: &ElectrodeParams) -> ElectrodeSet {
+pub(super) fn planned(mold: &Mesh, regions: &[RegionToBurn], params: &ElectrodeParams) -> ElectrodeSet {
     let everything = |_: DVec3| true;
     let milled = Milled { leaves: &everything, within: 0.05 };
     plan(mold, regions, (&cutters(), &milled), params, &Progress::silent(), &Cancel::default()).unwrap()

@@ -9,6 +9,7 @@ use super::params::Method;
 use crate::geometry::exact::ExactMesh;
 use crate::geometry::mesh::{Bounds, Mesh, normal_times_two_areas, unit_normal};
 use crate::geometry::solid::{self, SolidError};
+use crate::mold::groups::Groups;
 use crate::mold::outline::Outline;
 use crate::mold::plane::{self, Shape};
 use crate::mold::section::sections;
@@ -28,6 +29,8 @@ const MOST_CELLS: f64 = 2e6;
 const CELLS: f64 = 6.0;
 /// The same where it matters how much of a region a part holds.
 const FINE_CELLS: f64 = 24.0;
+/// How far a point of the cap may be off (mm).
+const ON_CAP: f64 = 1e-7;
 /// Upwards part of a normal below which a face is a wall.
 const WALL: f64 = 0.2;
 
@@ -55,6 +58,8 @@ pub struct Burned<'a> {
     pub exact: &'a ExactMesh,
     /// The gap upwards (mm): how far horizontal faces are moved.
     pub gap_up: f64,
+    /// Whether an electrode that holds a point keeps the gap there all along its orbit.
+    pub keeps_gap: &'a (dyn Fn(DVec3) -> bool + Sync),
 }
 
 /// A region in the burn frame.
@@ -229,7 +234,7 @@ fn trimmed(burned: &Burned, footprint: &Footprint, shape: &Shape) -> Result<Mesh
             let rings: Vec<&[DVec2]> = shape.iter().map(Outline::points).collect();
             let part = solid::difference(&solid::prism(&rings, footprint.low, footprint.cap)?, burned.kept_clear)?;
             match fault(burned, footprint, &part) {
-                None => Ok(part),
+                None => Ok(real(burned, footprint.cap, part)),
                 Some(fault) => Err(SolidError::Failed(fault.to_owned())),
             }
         };
@@ -239,6 +244,34 @@ fn trimmed(burned: &Burned, footprint: &Footprint, shape: &Shape) -> Result<Mesh
         }
     }
     found
+}
+
+/// The pieces of a tip less those that keep the gap nowhere: in a hollow narrower than the gap the walls, moved past one
+/// another, bound a hollow that is none. At the cap even that may be far enough above the rim.
+fn real(burned: &Burned, cap: f64, part: Mesh) -> Mesh {
+    let mut groups = Groups::of(part.vertices.len());
+    for [a, b, c] in &part.triangles {
+        groups.join(*a as usize, *b as usize);
+        groups.join(*b as usize, *c as usize);
+    }
+    let (piece_of, count) = groups.numbers();
+    let mut is_real = vec![false; count];
+    for (p, piece) in part.vertices.iter().zip(&piece_of) {
+        let piece = &mut is_real[*piece as usize];
+        *piece = *piece || (p.z < cap - ON_CAP && (burned.keeps_gap)(*p));
+    }
+    if is_real.iter().all(|is| *is) {
+        return part;
+    }
+    let mut kept = Mesh::default();
+    let mut number = vec![0; part.vertices.len()];
+    for (v, p) in part.vertices.iter().enumerate().filter(|(v, _)| is_real[piece_of[*v] as usize]) {
+        number[v] = kept.vertices.len() as u32;
+        kept.vertices.push(*p);
+    }
+    let triangles = part.triangles.iter().filter(|[a, ..]| is_real[piece_of[*a as usize] as usize]);
+    kept.triangles = triangles.map(|t| t.map(|v| number[v as usize])).collect();
+    kept
 }
 
 /// What is wrong with a tip that was trimmed.
@@ -273,9 +306,7 @@ pub(super) fn joined(mut all: Mesh, part: Mesh) -> Mesh {
 
 /// Whether a triangle is part of the flat cap at this height.
 pub fn is_cap(corners: [DVec3; 3], cap: f64) -> bool {
-    /// How far a point of the cap may be off (mm).
-    const OFF: f64 = 1e-7;
-    corners.iter().all(|p| (p.z - cap).abs() < OFF) && unit_normal(corners).z > 0.5
+    corners.iter().all(|p| (p.z - cap).abs() < ON_CAP) && unit_normal(corners).z > 0.5
 }
 
 /// The tip led straight up from its cap to the height `top` (mm).

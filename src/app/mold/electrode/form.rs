@@ -119,6 +119,17 @@ fn lengths(ui: &mut Ui, asked: &mut ElectrodeParams) {
         }
         ui.add_enabled_ui(is_together, |ui| number(ui, &mut asked.together_mm, (1000.0, 50.0), "Together up to"));
     });
+    named(ui, "Stages", |ui, _| {
+        let several = asked.stages.len() > 1;
+        ui.add_enabled_ui(several, |ui| {
+            tick(ui, &mut asked.family, "on one base, apart by").on_hover_text(
+                "A family: electrodes of all stages for the same places on one base, with this room between their tips",
+            );
+        });
+        ui.add_enabled_ui(several && asked.family, |ui| {
+            number(ui, &mut asked.family_spacing_mm, (1000.0, 50.0), "Room between stages");
+        });
+    });
     named(ui, "Files hold", |ui, _| {
         for (shape, name, hint) in [
             (Shape::Undersized, "undersized", "The electrode as it is made: smaller by gap and orbit"),

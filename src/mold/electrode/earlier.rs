@@ -1,0 +1,63 @@
+//! Stages that others follow. What they have no tip for, as it would be too thin or as the gap leaves no room, is left to
+//! those after them: a roughing electrode keeps its thick part, and the finishing one burns the rest alone.
+
+use glam::DVec3;
+
+use super::design::LeftOut;
+use super::division::Part;
+use super::footprint::{grown, is_thin};
+use super::params::Stage;
+use super::plan::Setting;
+use crate::mold::outline::Outline;
+use crate::mold::plane;
+
+/// How far from a tip in plan what it burns may lie, beyond the gap (mm): regions are known to cells.
+const CELL: f64 = 0.05;
+
+/// Takes out the parts that are nowhere as thick as `least` (mm), each with its number; what share of a region, given in
+/// plan, the others burn. `is_lacking` says that division has left out parts already.
+pub(super) fn thick_only(
+    setting: &Setting,
+    parts: &mut Vec<(usize, Part)>,
+    region: &[Outline],
+    (least, is_lacking): (f64, bool),
+) -> f64 {
+    let all = parts.len();
+    parts.retain(|(_, part)| !is_thin(&part.footprint.free, least));
+    if parts.is_empty() {
+        return 0.0;
+    }
+    if parts.len() == all && !is_lacking {
+        return 1.0;
+    }
+    let free: Vec<Outline> = parts.iter().flat_map(|(_, part)| part.footprint.free.iter().cloned()).collect();
+    let reached = grown(&free, setting.stage.undersize(DVec3::X) + CELL);
+    let burned: f64 = plane::intersection(&reached, region).iter().map(|shape| plane::area(shape)).sum();
+    (burned / plane::area(region).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
+}
+
+/// What is said of a stage that has tips for a share of a region only.
+pub(super) fn left_to_later(stage: &Stage, number: usize, share: f64, least: f64) -> LeftOut {
+    let name = &stage.name;
+    let text = if share > 0.0 {
+        format!(
+            "{name} stage: it keeps to what is thick; {:.0} % of the region in plan, where its tip would be thinner than the \
+             least size of {least} mm, is burned by the stages after it alone",
+            100.0 * (1.0 - share)
+        )
+    } else {
+        format!(
+            "{name} stage: it is left out, as its tip would be thinner than the least size of {least} mm; the stages after it \
+             burn alone"
+        )
+    };
+    LeftOut { stage: number, text }
+}
+
+/// What is said of a stage whose gap leaves no room for a tip.
+pub(super) fn no_room(stage: &Stage, number: usize) -> LeftOut {
+    let name = &stage.name;
+    let text =
+        format!("{name} stage: it is left out, as its gap leaves no room for a tip; the stages after it burn alone");
+    LeftOut { stage: number, text }
+}

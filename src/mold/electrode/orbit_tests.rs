@@ -1,0 +1,132 @@
+//! Orbits in hollows whose facets are shorter than the orbit.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use glam::{DAffine3, DMat3, DVec2, DVec3};
+
+use super::design::{Electrode, ElectrodeSet};
+use super::params::{ElectrodeParams, Orbit, Stage};
+use super::tests::{GAP, mold, params, planned, region};
+use crate::geometry::exact::ExactMesh;
+use crate::geometry::mesh::Mesh;
+use crate::geometry::solid::{difference, prism};
+use crate::mold::test_molds::{polygon, rectangle};
+
+const RADIUS: f64 = 0.3;
+const DEPTH: f64 = 3.0;
+
+/// A rectangle with rounded corners of so many facets.
+fn rounded(x: f64, y: f64, radius: f64, facets: usize) -> Vec<DVec2> {
+    let quarter = |k: usize| {
+        let middle = DVec2::from_angle(FRAC_PI_2 * (k as f64 + 0.5)).signum() * (DVec2::new(x, y) / 2.0 - radius);
+        let at = move |i: usize| DVec2::from_angle(FRAC_PI_2 * (k as f64 + i as f64 / facets as f64)) * radius;
+        (0..=facets).map(move |i| middle + at(i))
+    };
+    (0..4).flat_map(quarter).collect()
+}
+
+/// Area of what a convex hollow leaves a tip in plan: what lies the gap off each side at every one of these shifts.
+fn room(hollow: &[DVec2], shifts: &[DVec2]) -> f64 {
+    let mut kept = hollow.to_vec();
+    for shift in shifts {
+        for i in 0..hollow.len() {
+            let (a, b) = (hollow[i], hollow[(i + 1) % hollow.len()]);
+            let inward = (b - a).perp().normalize();
+            let off = |p: DVec2| inward.dot(p + *shift - a) - GAP;
+            let mut next = Vec::new();
+            for (k, &p) in kept.iter().enumerate() {
+                let q = kept[(k + 1) % kept.len()];
+                if off(p) >= 0.0 {
+                    next.push(p);
+                }
+                if (off(p) > 0.0) != (off(q) > 0.0) && off(p) != off(q) {
+                    next.push(p.lerp(q, off(p) / (off(p) - off(q))));
+                }
+            }
+            kept = next;
+        }
+    }
+    0.5 * (0..kept.len()).map(|i| kept[i].perp_dot(kept[(i + 1) % kept.len()])).sum::<f64>()
+}
+
+fn planned_with(orbit: Orbit, hollow: &[DVec2]) -> (Mesh, ElectrodeSet) {
+    let mold = mold([20.0, 20.0, 10.0], &[(hollow, DEPTH)]);
+    let all = region(&mold, DVec2::splat(-4.5), DVec2::splat(4.5));
+    let stage = Stage { orbit, ..Stage::finish(GAP) };
+    let asked = ElectrodeParams { stages: vec![stage], tolerance_mm: 0.2, ..params(GAP) };
+    let set = planned(&mold, &[all], &asked);
+    (mold, set)
+}
+
+/// The electrode where it burns.
+fn burning(electrode: &Electrode) -> Mesh {
+    electrode.burning(&electrode.mesh, &electrode.burns[0], &DMat3::IDENTITY)
+}
+
+/// Least distance of an electrode from a mold at these shifts.
+fn least_distance(mold: &Mesh, electrode: &Mesh, shifts: impl Iterator<Item = DVec2>) -> f64 {
+    let (mold, electrode) = (ExactMesh::new(mold).unwrap(), ExactMesh::new(electrode).unwrap());
+    let at = |shift: DVec2| mold.distance_to(&electrode, &DAffine3::from_translation(shift.extend(0.0)));
+    shifts.map(at).fold(f64::INFINITY, f64::min)
+}
+
+/// Volume of the part of an electrode in the mold.
+fn volume_within(electrode: &Mesh) -> f64 {
+    difference(electrode, &prism(&[&rectangle(50.0, 50.0)], 0.0, 90.0).unwrap()).unwrap().volume()
+}
+
+#[test]
+fn a_square_orbit_keeps_the_gap_in_round_hollows_and_takes_all_the_room_there_is() {
+    let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(x, y)| DVec2::new(x, y) * RADIUS);
+    let around = || {
+        let sides = (0..4).map(|k| (corners[k], corners[(k + 1) % 4]));
+        sides.flat_map(|(a, b)| (0..8).map(move |i| a.lerp(b, f64::from(i) / 8.0)))
+    };
+    for hollow in [polygon(96, 3.0), polygon(12, 3.0), rounded(8.0, 6.0, 0.4, 8)] {
+        let (mold, set) = planned_with(Orbit::Square { radius_mm: RADIUS }, &hollow);
+        let [electrode] = &set.electrodes[..] else { panic!("{:?}", set.regions[0].trouble) };
+        assert!(set.holds(), "{:?}", set.checks);
+        let electrode = burning(electrode);
+        let nearest = least_distance(&mold, &electrode, around());
+        assert!((GAP - 1e-6..GAP + 1e-3).contains(&nearest), "{nearest}");
+        let expected = room(&hollow, &corners) * (DEPTH - GAP);
+        assert!((volume_within(&electrode) / expected - 1.0).abs() < 1e-6, "{} {expected}", volume_within(&electrode));
+    }
+}
+
+#[test]
+fn a_circular_orbit_keeps_the_gap_in_round_hollows_and_takes_all_the_room_there_is() {
+    let around = || (0..96).map(|k| DVec2::from_angle(f64::from(k) / 96.0 * TAU) * RADIUS);
+    for hollow in [polygon(96, 3.0), polygon(12, 3.0), rounded(8.0, 6.0, 0.4, 8), rounded(8.0, 6.0, 0.2, 8)] {
+        let (mold, set) = planned_with(Orbit::Circular { radius_mm: RADIUS }, &hollow);
+        let [electrode] = &set.electrodes[..] else { panic!("{:?}", set.regions[0].trouble) };
+        assert!(set.holds(), "{:?}", set.checks);
+        let electrode = burning(electrode);
+        let nearest = least_distance(&mold, &electrode, around());
+        assert!((GAP - 1e-6..GAP + 1e-3).contains(&nearest), "{nearest}");
+        // A side is nearest at the place of the circle along its normal.
+        let n = hollow.len();
+        let normals: Vec<DVec2> =
+            (0..n).map(|i| -(hollow[(i + 1) % n] - hollow[i]).perp().normalize() * RADIUS).collect();
+        let expected = room(&hollow, &normals) * (DEPTH - GAP);
+        assert!((volume_within(&electrode) / expected - 1.0).abs() < 1e-6, "{} {expected}", volume_within(&electrode));
+    }
+}
+
+#[test]
+fn a_round_hollow_narrower_than_gap_and_orbit_has_no_tip() {
+    for (orbit, radius) in [
+        (Orbit::None, 0.03),
+        (Orbit::None, 0.045),
+        (Orbit::Circular { radius_mm: RADIUS }, 0.2),
+        (Orbit::Circular { radius_mm: RADIUS }, 0.34),
+        (Orbit::Square { radius_mm: RADIUS }, 0.25),
+        (Orbit::Square { radius_mm: RADIUS }, 0.4),
+    ] {
+        let (_, set) = planned_with(orbit, &polygon(24, radius));
+        assert!(set.electrodes.is_empty() && !set.holds(), "{orbit:?} {radius}");
+        let trouble = set.regions[0].trouble.clone().unwrap_or_default();
+        assert!(trouble.contains("no room"), "{trouble}");
+        assert!(set.electrodes.iter().all(|e| e.bounds().size().cmpgt(DVec3::ZERO).all()));
+    }
+}
