@@ -11,6 +11,7 @@ use crate::jobs::electrodes::electrodes;
 use crate::jobs::flank_electrode::{FlankElectrode, UP_OF_MOLDS};
 use crate::jobs::stages;
 use crate::jobs::uncut::{UncutParams, uncut};
+use crate::mesh_io::Units;
 use crate::project::PlanJob;
 use crate::project::flank_params::{FlankSource, MeshFlank};
 use crate::project::kept_mesh::KeptMesh;
@@ -49,7 +50,9 @@ pub(super) fn find(name: &str, of: &Path, session: &Session) -> anyhow::Result<F
     } else if is_job {
         kept(of_job(name, of, session)?)
     } else if of.join(TABLE).is_file() {
+        // Exported STL and OBJ are in mm.
         let source = MeshFlank {
+            units: Units::Mm,
             fit: RuledFitParams { up: UP_OF_MOLDS, ..RuledFitParams::default() },
             ..MeshFlank::of(&of_folder(name, of)?)
         };

@@ -284,6 +284,9 @@ fn walls(ui: &mut Ui, core: &Core, params: &mut FlankDocument, wrong: &mut Optio
     if let StageState::Failed(why) = core.flank.work.walls_state(&core.flank.params) {
         notice(ui, palette(ui).bad, &why);
     }
+    for doubt in core.flank.work.walls(&core.flank.params).iter().flat_map(|walls| &walls.doubts) {
+        notice(ui, palette(ui).warning, doubt);
+    }
     let gouge = Number::mm("Gouge to", "Depth in neighbouring walls that is no gouge");
     fields::number(ui, &mut params.plan.gouge_tolerance_mm, Number { speed: 0.001, ..gouge }, wrong);
     let hint = "How much the moving cutter may cut otherwise than the standing one at any place";
