@@ -12,13 +12,13 @@ use sparkpath::flank::ruled_surface::{RuledSurface, Side};
 use sparkpath::geometry::mesh::Mesh;
 use sparkpath::jobs::flank::{CheckKind, FlankInput, FlankResult, flank};
 use sparkpath::jobs::flank_export::{CL_FILE, CSV_FILE, ExportChoice, WrittenFlank, export};
-use sparkpath::jobs::flank_files::load;
+use sparkpath::jobs::flank_files::{load, load_surface};
 use sparkpath::jobs::flank_report::report;
 use sparkpath::mesh_io::{Units, write_stl};
 use sparkpath::progress::{Cancel, Progress};
 use sparkpath::project::flank_override::FlankOverride;
 use sparkpath::project::flank_params::{
-    CutDirection, DemonstrationSurface, FlankDocument, FlankSource, MeshFlank, PathChoice,
+    CutDirection, DemonstrationSurface, FlankDocument, FlankSource, MeshFlank, PathChoice, WallsFile,
 };
 use tempfile::TempDir;
 
@@ -512,4 +512,80 @@ fn a_flank_that_cannot_be_is_answered_in_words_and_work_that_is_not_wanted_stops
     };
     let said = flank(&input, &Progress::silent(), &Cancel::default()).unwrap_err().to_string();
     assert!(said.contains("cross or touch"), "{said}");
+}
+
+/// A box of this size (mm) as an OBJ file that says no unit.
+fn box_without_unit(file: &std::path::Path, [x, y, z]: [f64; 3]) {
+    let mut text = String::new();
+    for k in 0..8u8 {
+        let at = |bit: u8, size: f64| if k & bit == 0 { 0.0 } else { size };
+        text += &format!("v {} {} {}\n", at(1, x), at(2, y), at(4, z));
+    }
+    text += "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+    std::fs::write(file, text).unwrap();
+}
+
+#[test]
+fn a_part_without_a_unit_is_not_milled_in_inches_by_a_guess() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("electrode.obj");
+    let read = |size, units| {
+        box_without_unit(&file, size);
+        let source = FlankSource::Mesh(MeshFlank { file: file.clone(), units, ..MeshFlank::default() });
+        load_surface(&source, &Progress::silent(), &Cancel::default())
+    };
+    let length = |surface: &sparkpath::jobs::flank::LoadedSurface| match surface {
+        sparkpath::jobs::flank::LoadedSurface::Face { mesh, .. } => mesh.bounds().size().x,
+        other => panic!("{other:?}"),
+    };
+    // 12 inches would be an ordinary part, 12 mm is an electrode.
+    let small = [12.0, 9.0, 1.0];
+    let refused = read(small, Units::Auto).unwrap_err().to_string();
+    for words in ["electrode.obj", "says no unit", "inches", "--units mm"] {
+        assert!(refused.contains(words), "{words}: {refused}");
+    }
+    for (units, wanted) in [(Units::Mm, 12.0), (Units::Inch, 304.8)] {
+        let found = read(small, units).unwrap();
+        assert!((length(&found.value) - wanted).abs() < 1e-9 && found.doubts.is_empty(), "{:?}", found.doubts);
+    }
+    // Millimetres are the custom, but 40 inches are not beyond belief.
+    let usual = read([40.0, 9.0, 9.0], Units::Auto).unwrap();
+    assert!((length(&usual.value) - 40.0).abs() < 1e-9);
+    assert!(
+        usual.doubts.len() == 1 && usual.doubts[0].contains("electrode.obj: The unit is a guess"),
+        "{:?}",
+        usual.doubts
+    );
+    assert!(read([80.0, 9.0, 9.0], Units::Auto).unwrap().doubts.is_empty());
+}
+
+#[test]
+fn walls_without_a_unit_are_in_that_of_the_surface_and_every_reader_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("walls.obj");
+    box_without_unit(&file, [3.0, 2.0, 1.0]);
+    let walls = |units| Some(WallsFile { file: file.clone(), units });
+    let length = |input: &FlankInput| input.walls.as_ref().unwrap().bounds().size().x;
+    // Guides are in mm.
+    let document = FlankDocument { walls: walls(Units::Auto), ..quick() };
+    let input = loaded(&document);
+    assert!((length(&input) - 3.0).abs() < 1e-9, "{}", length(&input));
+    let given = loaded(&FlankDocument { walls: walls(Units::Inch), ..quick() });
+    assert!((length(&given) - 76.2).abs() < 1e-9 && given.doubts.is_empty(), "{:?}", given.doubts);
+    let result = run(&input);
+    let said = "walls.obj: The unit is a guess: millimetres";
+    assert!(result.all_warnings().iter().any(|w| w.contains(said)), "{:?}", result.all_warnings());
+    let cl = sparkpath::jobs::flank_export::cl(&result).unwrap();
+    assert!(cl.contains("WARNING: walls.obj: The unit is a guess"), "{cl}");
+    let nc = sparkpath::jobs::flank_export::nc(&result, result.milled().unwrap()).unwrap().text;
+    assert!(nc.to_lowercase().contains("walls.obj: the unit is a guess"), "{nc}");
+    let report = report(&result, &document);
+    assert!(report.json().unwrap().contains(said) && report.warnings.iter().any(|w| w.contains(said)));
+
+    // Of a part in inches they are in inches.
+    let part = folder.path().join("part.obj");
+    box_without_unit(&part, [4.0, 3.0, 2.0]);
+    let source = FlankSource::Mesh(MeshFlank { file: part, units: Units::Inch, ..MeshFlank::default() });
+    let input = loaded(&FlankDocument { source, walls: walls(Units::Auto), ..quick() });
+    assert!((length(&input) - 76.2).abs() < 1e-9);
 }

@@ -8,7 +8,7 @@ use crate::export::flank_report::FlankReport;
 use crate::flank::fit_ruled::{Candidate, CandidateFit};
 use crate::jobs::flank::{FlankResult, LoadedSurface, flank as plan};
 use crate::jobs::flank_export::{ExportChoice, check_folder, export};
-use crate::jobs::flank_files::{input, load_machine, load_surface, load_walls};
+use crate::jobs::flank_files::{input, load_machine, load_surface, load_walls, walls_unit};
 use crate::jobs::flank_report::{report, sentence};
 use crate::project::flank_file::write_flank;
 use crate::project::flank_params::FlankDocument;
@@ -26,10 +26,11 @@ pub(super) fn flank(arguments: &FlankArguments, session: &Session) -> anyhow::Re
     if let Some(file) = &arguments.save {
         write_flank(file, &document)?;
     }
-    let walls = document.walls.as_ref().map(|walls| load_walls(walls, progress, cancel)).transpose()?;
+    let in_unit = walls_unit(&document);
+    let walls = document.walls.as_ref().map(|walls| load_walls(walls, in_unit, progress, cancel)).transpose()?;
     let surface = load_surface(&document.source, progress, cancel)?;
     if arguments.surface.list {
-        return list(&surface, session);
+        return list(&surface.value, session);
     }
     let input = input(&document, surface, walls, machine);
     let start = Instant::now();

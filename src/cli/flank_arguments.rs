@@ -75,7 +75,8 @@ pub(super) struct SurfaceArguments {
     /// [default: +z].
     #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true, value_parser = direction)]
     up: Option<DVec3>,
-    /// Unit of the mesh and of the walls: auto, mm, cm, m, inch.
+    /// Unit of the mesh and of the walls: auto, mm, cm, m, inch. With auto their files tell it; a mesh that says none is
+    /// taken in mm, or refused if it is small or large for that, and such walls are taken in mm [default: auto].
     #[arg(long, value_name = "UNIT", value_parser = unit)]
     units: Option<Units>,
     /// A surface that comes with the program: a or b, those of the paper that the method is from.

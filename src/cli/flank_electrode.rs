@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::Session;
-use crate::export::electrode_files::file_start;
+use crate::export::electrode_files::is_file_of;
 use crate::flank::fit_ruled::RuledFitParams;
 use crate::jobs::electrodes::electrodes;
 use crate::jobs::flank_electrode::{FlankElectrode, UP_OF_MOLDS};
 use crate::jobs::stages;
 use crate::jobs::uncut::{UncutParams, uncut};
+use crate::mesh_io::Units;
 use crate::project::PlanJob;
 use crate::project::flank_params::{FlankSource, MeshFlank};
 use crate::project::kept_mesh::KeptMesh;
@@ -49,7 +50,9 @@ pub(super) fn find(name: &str, of: &Path, session: &Session) -> anyhow::Result<F
     } else if is_job {
         kept(of_job(name, of, session)?)
     } else if of.join(TABLE).is_file() {
+        // Exported STL and OBJ are in mm.
         let source = MeshFlank {
+            units: Units::Mm,
             fit: RuledFitParams { up: UP_OF_MOLDS, ..RuledFitParams::default() },
             ..MeshFlank::of(&of_folder(name, of)?)
         };
@@ -122,17 +125,18 @@ fn of_folder(name: &str, folder: &Path) -> anyhow::Result<PathBuf> {
     let table: BurnTable = serde_json::from_slice(&text).map_err(|e| wrong(format!("it is no burn table ({e})")))?;
     let names = || table.electrodes.iter().map(|e| e.name.clone()).collect();
     let entry = table.electrodes.iter().find(|e| e.name == name).ok_or_else(|| unknown(name, folder, names()))?;
-    let start = file_start(&entry.name, &entry.stage);
     let entries = std::fs::read_dir(folder).map_err(|e| wrong(format!("its folder cannot be read ({e})")))?;
     let mut files: Vec<String> = entries.flatten().filter_map(|e| e.file_name().into_string().ok()).collect();
     // The exact one first. In glTF files another axis is up.
     let endings = [".obj", ".stl"];
-    files.retain(|file| file.starts_with(&start) && endings.iter().any(|ending| file.ends_with(ending)));
+    files.retain(|file| {
+        is_file_of(file, &entry.name, &entry.stage) && endings.iter().any(|ending| file.ends_with(ending))
+    });
     files.sort();
     let found = files.into_iter().next().map(|file| folder.join(file));
     found.ok_or_else(|| {
         anyhow::anyhow!(
-            "{}: there is no file of {name} ({start}...) in it: its export was blocked, or it has another format; export it \
+            "{}: there is no file of {name} in it: its export was blocked, or it has another format; export it \
              as stl or obj",
             folder.display()
         )

@@ -185,9 +185,7 @@ fn file_stem(body: &[&Electrode], params: &ElectrodeParams) -> String {
     for electrode in body {
         let stage = &params.stages[electrode.stage];
         if parts.is_empty() {
-            // The name of an electrode ends with its stage where there are several.
-            let name = electrode.name.strip_suffix(&format!("-{}", stage.name)).unwrap_or(&electrode.name);
-            parts.push(plain(name));
+            parts.push(plain(form(&electrode.name, &stage.name)));
         }
         parts.extend([plain(&stage.name), format!("g{}", stage.gap_mm)]);
         match stage.orbit {
@@ -205,11 +203,15 @@ fn file_stem(body: &[&Electrode], params: &ElectrodeParams) -> String {
     parts.join("_")
 }
 
-/// How the names of an electrode's files begin.
-pub fn file_start(electrode: &str, stage: &str) -> String {
-    // The name of an electrode ends with its stage where there are several.
-    let name = electrode.strip_suffix(&format!("-{stage}")).unwrap_or(electrode);
-    format!("{}_{}_", plain(name), plain(stage))
+/// The name that the stages of a form share: that of an electrode ends with its stage where there are several.
+fn form<'a>(electrode: &'a str, stage: &str) -> &'a str {
+    electrode.strip_suffix(&format!("-{stage}")).unwrap_or(electrode)
+}
+
+/// Whether a file of this name holds the body that an electrode is of, alone or with other stages of its form.
+pub fn is_file_of(file: &str, electrode: &str, stage: &str) -> bool {
+    let of_form = file.strip_prefix(&plain(form(electrode, stage)));
+    of_form.is_some_and(|rest| rest.starts_with('_') && rest.contains(&format!("_{}_g", plain(stage))))
 }
 
 /// Text as a part of a file's name on every system.

@@ -70,6 +70,8 @@ pub struct FlankInput {
     pub name: String,
     /// The surface.
     pub surface: LoadedSurface,
+    /// What the files of surface and walls leave in doubt, in words.
+    pub doubts: Vec<String>,
     /// On which side of it the cutter stands.
     pub side: Side,
     /// The cutter.
@@ -338,7 +340,7 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
     };
     result.checks = checks::of(&result);
     result.decide(&input.overrides);
-    result.warnings = checks::warnings(&result, input);
+    result.warnings = [input.doubts.clone(), checks::warnings(&result, input)].concat();
     Ok(result)
 }
 

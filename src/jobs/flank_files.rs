@@ -10,7 +10,7 @@ use crate::flank::guide::GuideCurve;
 use crate::flank::machine::milling_machine::MillingMachine;
 use crate::flank::ruled_surface::Side;
 use crate::geometry::mesh::Mesh;
-use crate::mesh_io::{ImportOptions, Units, import_bytes, import_file};
+use crate::mesh_io::{ImportOptions, Undeclared, Unit, Units, import_bytes, import_file};
 use crate::progress::{Cancel, Progress};
 use crate::project::flank_params::{FlankDocument, FlankSource, GuideSource, MeshFlank, WallsFile};
 use crate::project::kept_mesh::KeptMesh;
@@ -18,6 +18,22 @@ use crate::project::milling_machine_file::milling_machine;
 
 /// The largest file of points (bytes).
 const LARGEST_FILE: u64 = 16 << 20;
+
+/// What was read from a file, and what that leaves in doubt.
+#[derive(Debug, Clone)]
+pub struct FromFile<T> {
+    /// It.
+    pub value: T,
+    /// What the reader must know of it, in words.
+    pub doubts: Vec<String>,
+}
+
+impl<T> FromFile<T> {
+    /// What there is no doubt of.
+    pub fn certain(value: T) -> Self {
+        Self { value, doubts: Vec::new() }
+    }
+}
 
 /// Why a flank's files are of no use: one line with the file and what to do, or cancelled.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -37,7 +53,8 @@ pub fn load(
     document.validate().map_err(FlankLoadError)?;
     // What is quick to find wrong comes first.
     let machine = load_machine(document, user_folder)?;
-    let walls = document.walls.as_ref().map(|walls| load_walls(walls, progress, cancel)).transpose()?;
+    let in_unit = walls_unit(document);
+    let walls = document.walls.as_ref().map(|walls| load_walls(walls, in_unit, progress, cancel)).transpose()?;
     let surface = load_surface(&document.source, progress, cancel)?;
     Ok(input(document, surface, walls, machine))
 }
@@ -45,16 +62,18 @@ pub fn load(
 /// The job's input from a document and what was read for it.
 pub fn input(
     document: &FlankDocument,
-    surface: LoadedSurface,
-    walls: Option<Arc<Mesh>>,
+    surface: FromFile<LoadedSurface>,
+    walls: Option<FromFile<Arc<Mesh>>>,
     machine: Option<MillingMachine>,
 ) -> FlankInput {
+    let (walls, of_walls) = walls.map_or((None, Vec::new()), |walls| (Some(walls.value), walls.doubts));
     // The paper's surfaces are milled from the side that their figures are of.
     let is_demonstration = matches!(document.source, FlankSource::Demonstration { .. });
     let side = if is_demonstration && document.side == Side::Automatic { Side::Positive } else { document.side };
     FlankInput {
         name: document.name(),
-        surface,
+        surface: surface.value,
+        doubts: [surface.doubts, of_walls].concat(),
         side,
         cutter: document.cutter.clone(),
         params: document.plan.clone(),
@@ -93,15 +112,30 @@ pub fn load_machine(
     Ok(Some(machine))
 }
 
-/// The walls that must not be cut.
+/// The unit of walls whose file says none: the one given for the part, else mm, as guides are in. It is never guessed: in
+/// another unit than the surface's they would be far off, and nothing would seem to be gouged.
+pub fn walls_unit(document: &FlankDocument) -> Unit {
+    match &document.source {
+        FlankSource::Mesh(mesh) if mesh.kept.is_none() => mesh.units.given().unwrap_or(Unit::Mm),
+        _ => Unit::Mm,
+    }
+}
+
+/// The walls that must not be cut; in `unit` where neither their file nor the user says one.
 ///
 /// # Errors
 /// [`FlankLoadError`].
-pub fn load_walls(walls: &WallsFile, progress: &Progress, cancel: &Cancel) -> Result<Arc<Mesh>, FlankLoadError> {
-    import(&walls.file, walls.units, progress, cancel)
+pub fn load_walls(
+    walls: &WallsFile,
+    unit: Unit,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<FromFile<Arc<Mesh>>, FlankLoadError> {
+    import(&walls.file, (walls.units, Undeclared::Take(unit)), progress, cancel)
 }
 
-/// What the surface is made of. Of a mesh every face that could be milled is fitted: this is the long part.
+/// What the surface is made of. Of a mesh every face that could be milled is fitted: this is the long part. A mesh without a
+/// unit that by its size is not in mm is refused.
 ///
 /// # Errors
 /// [`FlankLoadError`].
@@ -109,14 +143,15 @@ pub fn load_surface(
     source: &FlankSource,
     progress: &Progress,
     cancel: &Cancel,
-) -> Result<LoadedSurface, FlankLoadError> {
+) -> Result<FromFile<LoadedSurface>, FlankLoadError> {
     match source {
         FlankSource::Demonstration { surface } => {
             let guides = surface.guides().map_err(|e| FlankLoadError(format!("{}: {e}", surface.name())))?;
-            Ok(LoadedSurface::Guides { lower: guides.lower, upper: guides.upper })
+            Ok(FromFile::certain(LoadedSurface::Guides { lower: guides.lower, upper: guides.upper }))
         }
         FlankSource::Guides { lower, upper } => {
-            Ok(LoadedSurface::Guides { lower: load_guide(lower)?, upper: load_guide(upper)? })
+            let (lower, upper) = (load_guide(lower)?, load_guide(upper)?);
+            Ok(FromFile::certain(LoadedSurface::Guides { lower, upper }))
         }
         FlankSource::Mesh(flank) => load_mesh(flank, progress, cancel),
     }
@@ -141,23 +176,38 @@ pub fn load_guide(guide: &GuideSource) -> Result<GuideCurve, FlankLoadError> {
     GuideCurve::from_csv(&text).map_err(|e| wrong(e.to_string()))
 }
 
-fn load_mesh(flank: &MeshFlank, progress: &Progress, cancel: &Cancel) -> Result<LoadedSurface, FlankLoadError> {
-    let (mesh, name) = match &flank.kept {
-        Some(kept) => (import_kept(kept, progress, cancel)?, kept.words()),
-        None => (import(&flank.file, flank.units, progress, cancel)?, flank.file.display().to_string()),
+fn load_mesh(
+    flank: &MeshFlank,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<FromFile<LoadedSurface>, FlankLoadError> {
+    let (FromFile { value: mesh, doubts }, name) = match &flank.kept {
+        Some(kept) => (FromFile::certain(import_kept(kept, progress, cancel)?), kept.words()),
+        None => {
+            let unit = (flank.units, Undeclared::RefuseOthers);
+            (import(&flank.file, unit, progress, cancel)?, flank.file.display().to_string())
+        }
     };
     progress.report("faces that could be milled", 0.0, "");
     let candidates = flank_candidates(&mesh, &flank.fit, cancel);
     let candidates = candidates.map_err(|e| FlankLoadError(format!("{name}: {e}")))?;
     progress.report("faces that could be milled", 1.0, "");
     let MeshFlank { candidate: number, is_own_wall, .. } = *flank;
-    Ok(LoadedSurface::Face { mesh, candidates: Arc::new(candidates), number, is_own_wall })
+    let surface = LoadedSurface::Face { mesh, candidates: Arc::new(candidates), number, is_own_wall };
+    Ok(FromFile { value: surface, doubts })
 }
 
-fn import(file: &Path, units: Units, progress: &Progress, cancel: &Cancel) -> Result<Arc<Mesh>, FlankLoadError> {
-    let options = ImportOptions { units, ..ImportOptions::default() };
+fn import(
+    file: &Path,
+    (units, undeclared): (Units, Undeclared),
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<FromFile<Arc<Mesh>>, FlankLoadError> {
+    let options = ImportOptions { units, undeclared, ..ImportOptions::default() };
     let imported = import_file(file, &options, progress, cancel).map_err(|e| FlankLoadError(e.to_string()))?;
-    Ok(Arc::new(imported.mesh))
+    let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy();
+    let doubts = imported.report.unit_doubt().map(|doubt| format!("{name}: {doubt}")).into_iter().collect();
+    Ok(FromFile { value: Arc::new(imported.mesh), doubts })
 }
 
 /// A mesh that a document holds, with the care that is taken of any file: it may have been read from one.

@@ -65,6 +65,17 @@ pub enum ImportError {
         /// Path as given.
         file: String,
     },
+    /// The unit would have to be guessed, and that is too dangerous.
+    #[error(
+        "{file}: it says no unit, and a wrong guess would mill a part of another size (it may be {guess}); set the unit: \
+         `--units mm` or `--units inch` on the command line, beside the part in the window"
+    )]
+    UnitOpen {
+        /// Path as given.
+        file: String,
+        /// What would be guessed, and why.
+        guess: String,
+    },
     /// The options themselves make no sense.
     #[error("import options: {problem}")]
     BadOption {

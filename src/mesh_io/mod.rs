@@ -58,7 +58,7 @@ pub use limits::ImportLimits;
 pub use obj::obj_bytes;
 pub use report::ImportReport;
 pub use stl::{stl_bytes, write_stl};
-pub use units::{Unit, Units};
+pub use units::{Undeclared, Unit, Units};
 
 use source::{RawMesh, Source};
 
@@ -68,6 +68,8 @@ use source::{RawMesh, Source};
 pub struct ImportOptions {
     /// Unit of the file's coordinates.
     pub units: Units,
+    /// What is done if that is to be guessed and the file says none.
+    pub undeclared: Undeclared,
     /// Distance (mm) within which vertices are taken for one where a mesh does not close otherwise. By default a
     /// millionth of the diagonal, and no less than what `f32` coordinates resolve. 0 welds equal vertices only.
     pub weld_tolerance_mm: Option<f64>,
@@ -196,7 +198,9 @@ fn import(source: &Source, options: &ImportOptions) -> Result<Imported, ImportEr
         Format::Gltf | Format::Glb => Some((Unit::M, "the glTF standard")),
         _ => units::declared_in(&note).map(|unit| (unit, "the file")),
     };
-    let unit = units::choose(options.units.given(), declared, repair::largest_extent(&mesh));
+    let (given, size) = (options.units.given(), repair::largest_extent(&mesh));
+    let unit = units::choose_with_care(given, declared, options.undeclared, size)
+        .map_err(|guess| ImportError::UnitOpen { file: source.name.to_owned(), guess: guess.reason })?;
     let mesh = in_millimetres(source, mesh, unit.unit)?;
     let triangles_read = mesh.triangles.len();
     let (mesh, repairs) = repair::repair(mesh, options.weld_tolerance_mm, progress, cancel)?;

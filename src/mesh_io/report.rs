@@ -121,14 +121,19 @@ impl ImportReport {
         report
     }
 
+    /// Why the unit may be another, in a sentence; none if it is beyond doubt.
+    pub fn unit_doubt(&self) -> Option<String> {
+        (!self.unit_certain).then(|| format!("The unit is a guess: {}. Set it if this is wrong.", self.unit_reason))
+    }
+
     /// Says in sentences what the figures mean.
     fn warn(&mut self, one_sided: usize, unsure: usize, nesting_unknown: bool) {
+        self.warnings.extend(self.unit_doubt());
         let mut warn = |is_so: bool, sentence: String| {
             if is_so {
                 self.warnings.push(sentence);
             }
         };
-        warn(!self.unit_certain, format!("The unit is a guess: {}. Set it if this is wrong.", self.unit_reason));
         if let Some(longest) = self.holes.first() {
             let [x, y, z] = longest.center_mm.to_array();
             let length = longest.length_mm;

@@ -76,6 +76,19 @@ impl Units {
     }
 }
 
+/// What is done where neither the user nor the file says the unit.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Undeclared {
+    /// The unit is guessed from the size.
+    #[default]
+    Guess,
+    /// The same, but a guess other than millimetres is refused: where a guess that is wrong would do damage.
+    RefuseOthers,
+    /// This one is taken, as that of what the file belongs to.
+    Take(Unit),
+}
+
 /// The unit of a file and why it is taken.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnitChoice {
@@ -105,10 +118,12 @@ pub fn choose(given: Option<Unit>, declared: Option<(Unit, &str)>, size: f64) ->
         return UnitChoice { unit, certain: true, reason: format!("{} as given", unit.name()) };
     }
     if let Some((unit, source)) = declared {
-        let doubt = if ordinary(unit) { "" } else { ", though that makes a part of unusual size" };
+        // What is drawn for an ordinary part may be small, as electrodes are.
+        let is_usual = ordinary(unit) || (unit == Unit::Mm && in_mm(unit) < ORDINARY_SIZE_MM.0);
+        let doubt = if is_usual { "" } else { ", though that makes a part of unusual size" };
         let reason =
             format!("{} because {source} says so{doubt} ({} mm across)", unit.name(), significant(in_mm(unit)));
-        return UnitChoice { unit, certain: ordinary(unit), reason };
+        return UnitChoice { unit, certain: is_usual, reason };
     }
     let plausible: Vec<Unit> = BY_CUSTOM.into_iter().filter(|&unit| ordinary(unit)).collect();
     let Some((&unit, others)) = plausible.split_first() else {
@@ -129,6 +144,32 @@ pub fn choose(given: Option<Unit>, declared: Option<(Unit, &str)>, size: f64) ->
     // centimetres, which nobody uses for parts; every other guess deserves the user's eye.
     let certain = unit == Unit::Mm && !others.contains(&Unit::Inch);
     UnitChoice { unit, certain, reason }
+}
+
+/// Chooses the unit as [`choose`] does, but with `undeclared` for a file that says none.
+///
+/// # Errors
+/// The guess that is refused.
+pub fn choose_with_care(
+    given: Option<Unit>,
+    declared: Option<(Unit, &str)>,
+    undeclared: Undeclared,
+    size: f64,
+) -> Result<UnitChoice, UnitChoice> {
+    let choice = choose(given, declared, size);
+    if given.is_some() || declared.is_some() {
+        return Ok(choice);
+    }
+    match undeclared {
+        Undeclared::Take(unit) if unit != choice.unit => {
+            let size = significant(size * unit.in_mm());
+            let reason =
+                format!("{} as of what it belongs to, because the file says none ({size} mm across)", unit.name());
+            Ok(UnitChoice { unit, certain: false, reason })
+        }
+        Undeclared::RefuseOthers if choice.unit != Unit::Mm => Err(choice),
+        _ => Ok(choice),
+    }
 }
 
 /// The unit that a header or comment names, as in `UNITS=mm` or `# units: inches`.
@@ -187,6 +228,26 @@ mod tests {
         assert_eq!((declared.unit, declared.certain), (Unit::M, true));
         let absurd = choose(None, Some((Unit::M, "glTF")), 260.0);
         assert_eq!((absurd.unit, absurd.certain), (Unit::M, false));
+        let small = choose(None, Some((Unit::Mm, "the file")), 12.0);
+        assert_eq!((small.unit, small.certain), (Unit::Mm, true), "an electrode");
+    }
+
+    #[test]
+    fn where_a_wrong_guess_would_do_damage_none_but_millimetres_is_made() {
+        let careful = |undeclared, size| choose_with_care(None, None, undeclared, size);
+        for (size, guess) in [(12.0, Unit::Inch), (0.26, Unit::M), (260_000.0, Unit::Um)] {
+            assert_eq!(careful(Undeclared::Guess, size).unwrap().unit, guess);
+            assert_eq!(careful(Undeclared::RefuseOthers, size).unwrap_err().unit, guess);
+            let taken = careful(Undeclared::Take(Unit::Mm), size).unwrap();
+            assert_eq!((taken.unit, taken.certain), (Unit::Mm, false));
+        }
+        for undeclared in [Undeclared::RefuseOthers, Undeclared::Take(Unit::Mm)] {
+            assert_eq!(careful(undeclared, 110.0), Ok(choose(None, None, 110.0)));
+            let given = choose_with_care(Some(Unit::Inch), None, undeclared, 12.0);
+            assert_eq!(given.unwrap().unit, Unit::Inch, "what the user says is done");
+            let declared = choose_with_care(None, Some((Unit::Inch, "the file")), undeclared, 12.0);
+            assert_eq!(declared.unwrap().unit, Unit::Inch, "what the file says is believed");
+        }
     }
 
     #[test]

@@ -119,6 +119,9 @@ fn every_mistake_is_one_line_and_is_found_before_anything_is_computed() {
     let letters = file(folder.path(), "letters.csv", "0,0,1\n1,2,a\n");
     let part = file(folder.path(), "part.stl", "solid\nendsolid\n");
     let wrong = file(folder.path(), "wrong.sparkflank", "[cutter]\nradius = 1\n");
+    // 12 mm, or 12 inches.
+    let small =
+        file(folder.path(), "small.obj", "v 0 0 0\nv 12 0 0\nv 0 9 0\nv 0 0 5\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
     for (arguments, words) in [
         (&["--lower", &lower, "--upper", &crossing][..], "cross or touch"),
         (&["--lower", &lower, "--upper", &letters], "line 2"),
@@ -139,6 +142,8 @@ fn every_mistake_is_one_line_and_is_found_before_anything_is_computed() {
         (&["--demo", "a", "--flank", "1"], "give one with --mesh"),
         (&["--demo", "a", "--walls", "nowhere.stl"], "nowhere.stl"),
         (&["--demo", "a", "--out", &lower], "lower.csv"),
+        (&["--mesh", &small], "small.obj: it says no unit"),
+        (&["--mesh", &small, "--list"], "set the unit: `--units mm`"),
     ] {
         let (code, said, last) = run(arguments);
         assert!(code == Some(2) && said.is_empty() && last.contains(words), "{arguments:?}: {code:?} {last}");

@@ -328,6 +328,9 @@ fn walls(ui: &mut Ui, core: &Core, params: &mut FlankDocument) -> Option<Purpose
     if let StageState::Failed(why) = core.flank.work.walls_state(&core.flank.params) {
         notice(ui, palette(ui).bad, &why);
     }
+    for doubt in core.flank.work.walls(&core.flank.params).iter().flat_map(|walls| &walls.doubts) {
+        notice(ui, palette(ui).warning, doubt);
+    }
     asked
 }
 

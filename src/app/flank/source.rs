@@ -123,6 +123,9 @@ fn face(ui: &mut Ui, core: &Core, mesh: &mut MeshFlank, wrong: &mut Option<Strin
     tick(ui, &mut mesh.is_own_wall, "the rest of the part must not be cut")
         .on_hover_text("Flutes and holder are checked against the part's other faces");
     let loaded = core.flank.work.loaded(&core.flank.params);
+    for doubt in loaded.iter().flat_map(|loaded| &loaded.doubts) {
+        ui.add(Label::new(RichText::new(doubt).small().color(palette(ui).warning)).wrap());
+    }
     if let Some(LoadedSurface::Face { candidates, .. }) = loaded.map(|loaded| &loaded.surface) {
         list(ui, mesh, candidates);
         if let Some(candidate) = mesh.candidate.checked_sub(1).and_then(|i| candidates.get(i)) {

@@ -13,18 +13,20 @@ use stamps::Stamp;
 use super::flank::{FlankResult, LoadedSurface};
 use super::flank_export;
 pub use super::flank_export::{ExportChoice, WrittenFlank};
+use super::flank_files::{FromFile, walls_unit};
 use super::glances::Glances;
 use super::kept::{Doing, Kept, WorkEvent, note};
 use super::pipeline::{EventKind, StageState};
 use super::worker::{Ended, Worker};
+use crate::mesh_io::Unit;
 use crate::project::flank_params::{FlankDocument, FlankSource, MeshFlank, WallsFile};
 pub use curves::{AxisCurve, MachineCurves, Profile};
 pub use steps::{LoadedFlank, LoadedWalls, Planned, Sketch};
 
 /// What a surface is read from: the source, and how often it was asked for.
 type SourceKey = (FlankSource, u64);
-/// The same of walls.
-type WallsKey = (WallsFile, u64);
+/// The same of walls, and the unit of those that say none.
+type WallsKey = (WallsFile, Unit, u64);
 /// What is asked of a flank: of which files, and what.
 pub type Question = (u64, FlankDocument);
 
@@ -136,9 +138,10 @@ impl FlankWork {
         }
         let Some(key) = self.walls_key(document) else { return };
         if matches!(self.walls.state(&key), StageState::Missing | StageState::Stale) {
-            let walls = key.0.clone();
-            let id =
-                self.walls_loader.submit(0, move |_, progress, cancel| steps::load_walls(&walls, progress, cancel));
+            let (walls, unit) = (key.0.clone(), key.1);
+            let id = self
+                .walls_loader
+                .submit(0, move |_, progress, cancel| steps::load_walls(&walls, unit, progress, cancel));
             self.walls.running = Some((id, key));
         }
     }
@@ -153,7 +156,7 @@ impl FlankWork {
     }
 
     fn walls_key(&self, document: &FlankDocument) -> Option<WallsKey> {
-        Some((document.walls.clone()?, self.reloads))
+        Some((document.walls.clone()?, walls_unit(document), self.reloads))
     }
 
     /// What is asked: not what is exported in spite of a check, nor what the cutter is called.
@@ -235,8 +238,10 @@ impl FlankWork {
                 return Err(why);
             }
         }
-        let surface = self.surface(document).ok_or("there is no surface yet")?;
-        let walls = self.walls(document).map(|walls| walls.mesh.clone());
+        let surface = self.surface(document).zip(self.loaded(document)).ok_or("there is no surface yet")?;
+        let surface = FromFile { value: surface.0, doubts: surface.1.doubts.clone() };
+        let walls = self.walls(document);
+        let walls = walls.map(|walls| FromFile { value: walls.mesh.clone(), doubts: walls.doubts.clone() });
         let question = self.question(document);
         let asked = document.clone();
         let id =

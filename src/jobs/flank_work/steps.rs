@@ -11,7 +11,8 @@ use crate::flank::params::FlankParams;
 use crate::flank::ruled_surface::Side;
 use crate::geometry::mesh::Mesh;
 use crate::jobs::flank::{FlankInput, FlankJobError, FlankResult, LoadedSurface, flank, surface};
-use crate::jobs::flank_files::{self, input, load_machine, load_surface};
+use crate::jobs::flank_files::{self, FromFile, input, load_machine, load_surface};
+use crate::mesh_io::Unit;
 use crate::progress::{Cancel, Progress};
 use crate::project::flank_params::{FlankDocument, FlankSource, PathChoice, WallsFile};
 use crate::project::user_folder;
@@ -31,17 +32,25 @@ pub struct LoadedFlank {
     pub part: Option<Arc<RenderMesh>>,
     /// Its files as they were read.
     pub(super) stamps: Vec<Stamp>,
+    /// What its file leaves in doubt, in words.
+    pub doubts: Vec<String>,
+}
+
+/// What is said of a file, with what it leaves in doubt.
+fn with_doubts(text: String, doubts: &[String]) -> String {
+    std::iter::once(text).chain(doubts.iter().cloned()).collect::<Vec<_>>().join("; ")
 }
 
 impl LoadedFlank {
     pub(super) fn sentence(&self) -> String {
-        match &self.surface {
+        let text = match &self.surface {
             LoadedSurface::Guides { .. } => "two guide curves".to_owned(),
             LoadedSurface::Face { candidates, .. } => {
                 let ruled = candidates.iter().filter(|c| c.is_ruled()).count();
                 format!("{} faces could be milled, {ruled} of them are ruled within the tolerance", candidates.len())
             }
-        }
+        };
+        with_doubts(text, &self.doubts)
     }
 }
 
@@ -54,11 +63,13 @@ pub struct LoadedWalls {
     pub shape: Arc<RenderMesh>,
     /// Their file as it was read.
     pub(super) stamp: Stamp,
+    /// What their file leaves in doubt, in words.
+    pub doubts: Vec<String>,
 }
 
 impl LoadedWalls {
     pub(super) fn sentence(&self) -> String {
-        format!("{} triangles", self.mesh.triangles.len())
+        with_doubts(format!("{} triangles", self.mesh.triangles.len()), &self.doubts)
     }
 }
 
@@ -123,23 +134,29 @@ pub struct Sketch {
 pub(super) fn load(source: &FlankSource, progress: &Progress, cancel: &Cancel) -> Result<LoadedFlank, String> {
     // What is written while it is read counts as changed.
     let stamps = Stamp::of_source(source);
-    let surface = load_surface(source, progress, cancel).map_err(|e| e.to_string())?;
+    let FromFile { value: surface, doubts } = load_surface(source, progress, cancel).map_err(|e| e.to_string())?;
     let part = match &surface {
         LoadedSurface::Guides { .. } => None,
         LoadedSurface::Face { mesh, .. } => Some(Arc::new(RenderMesh::new(mesh))),
     };
-    Ok(LoadedFlank { surface, part, stamps })
+    Ok(LoadedFlank { surface, part, doubts, stamps })
 }
 
 /// Reads walls.
 ///
 /// # Errors
 /// As [`load`].
-pub(super) fn load_walls(walls: &WallsFile, progress: &Progress, cancel: &Cancel) -> Result<LoadedWalls, String> {
+pub(super) fn load_walls(
+    walls: &WallsFile,
+    unit: Unit,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<LoadedWalls, String> {
     let stamp = Stamp::of(&walls.file);
-    let mesh = flank_files::load_walls(walls, progress, cancel).map_err(|e| e.to_string())?;
+    let found = flank_files::load_walls(walls, unit, progress, cancel).map_err(|e| e.to_string())?;
+    let FromFile { value: mesh, doubts } = found;
     let shape = Arc::new(RenderMesh::new(&mesh));
-    Ok(LoadedWalls { mesh, shape, stamp })
+    Ok(LoadedWalls { mesh, shape, doubts, stamp })
 }
 
 /// Plans.
@@ -148,8 +165,8 @@ pub(super) fn load_walls(walls: &WallsFile, progress: &Progress, cancel: &Cancel
 /// One line for the user.
 pub(super) fn plan(
     document: &FlankDocument,
-    surface: LoadedSurface,
-    walls: Option<Arc<Mesh>>,
+    surface: FromFile<LoadedSurface>,
+    walls: Option<FromFile<Arc<Mesh>>>,
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<Planned, String> {
@@ -166,7 +183,7 @@ pub(super) fn sketch(document: &FlankDocument, loaded: LoadedSurface, cancel: &C
     let [nu, nv] = document.plan.grid;
     let grid = [SKETCH_GRID[0].min(nu), SKETCH_GRID[1].min(nv)];
     let asked = FlankDocument { plan: FlankParams { grid, ..least }, ..document.clone() };
-    let mut coarse: FlankInput = input(&asked, loaded, None, None);
+    let mut coarse: FlankInput = input(&asked, FromFile::certain(loaded), None, None);
     coarse.is_quick_look = true;
     if let LoadedSurface::Face { is_own_wall, .. } = &mut coarse.surface {
         *is_own_wall = false;
