@@ -1,0 +1,99 @@
+//! What looks at poses before have told: a point that had room to spare need not be looked at again until the electrode
+//! has moved by as much.
+//!
+//! A search looks at many poses near to each other, and at each of them most points are far from any wall: it is mostly
+//! the first look that costs.
+
+/// How far the electrode has moved between the poses looked at, and how far it may before each of its points, and of the
+/// balls around many of them, has to be looked at again.
+#[derive(Debug, Clone)]
+pub struct Watch {
+    /// Motion so far, at most (mm).
+    moved: f64,
+    pub(super) blocks: Vec<Rest>,
+    pub(super) clusters: Vec<Rest>,
+    pub(super) points: Vec<Rest>,
+}
+
+impl Watch {
+    /// One for so many blocks, clusters and points, at none of which was looked yet.
+    pub(super) fn new([blocks, clusters, points]: [usize; 3]) -> Self {
+        let fresh = |n| vec![Rest::NONE; n];
+        Self { moved: 0.0, blocks: fresh(blocks), clusters: fresh(clusters), points: fresh(points) }
+    }
+
+    /// Notes that the electrode has moved since the last look: none of its points by more than `motion` (mm).
+    pub(super) fn advance(&mut self, motion: f64) {
+        self.moved += motion;
+    }
+
+    /// The motion so far (mm).
+    pub(super) fn moved(&self) -> f64 {
+        self.moved
+    }
+}
+
+/// Up to which motion of the electrode something keeps what it needs, without any room beyond that (mm).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rest(f32);
+
+impl Rest {
+    /// Nothing is known of it.
+    const NONE: Self = Self(0.0);
+    /// It is never met.
+    pub(super) const FOR_EVER: Self = Self(f32::INFINITY);
+    /// A ball whose points are watched one by one.
+    const OPENED: Self = Self(f32::NEG_INFINITY);
+    /// For rounding to single precision (mm).
+    const ROUNDING: f64 = 1e-5;
+
+    /// That of something with `spare` beyond what it needs (mm) after a motion of `moved` (mm); none, if that is no
+    /// number or without end, as outside a field.
+    pub(super) fn of(spare: f64, moved: f64) -> Self {
+        if spare.is_finite() { Self((moved + spare - Self::ROUNDING) as f32) } else { Self::NONE }
+    }
+
+    /// Whether it surely keeps `room` (mm) after a motion of `moved` (mm).
+    #[inline]
+    pub(super) fn lasts(self, moved: f64, room: f64) -> bool {
+        f64::from(self.0) > moved + room
+    }
+
+    /// Whether the points of a ball have to be looked at; if it is not known, `spare` tells how much more than it needs the
+    /// ball has now (mm).
+    #[inline]
+    pub(super) fn opens(&mut self, moved: f64, room: f64, spare: impl FnOnce() -> f64) -> bool {
+        if self.0 == Self::OPENED.0 {
+            return true;
+        }
+        if self.lasts(moved, room) {
+            return false;
+        }
+        let spare = spare();
+        *self = if spare < room { Self::OPENED } else { Self::of(spare, moved) };
+        spare < room
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_has_room_is_left_alone_until_that_may_be_used_up() {
+        let mut rest = Rest::NONE;
+        assert!(!rest.opens(0.0, 0.1, || 0.5));
+        assert!(!rest.opens(0.39, 0.1, || panic!("it is known")));
+        assert!(rest.lasts(0.39, 0.1) && !rest.lasts(0.41, 0.1) && !rest.lasts(0.39, 0.2));
+        assert!(rest.opens(0.41, 0.1, || 0.05), "there it has to be looked at again");
+        assert!(rest.opens(0.0, 0.0, || panic!("once opened it stays so")));
+    }
+
+    #[test]
+    fn what_is_outside_a_field_is_asked_again() {
+        let mut rest = Rest::NONE;
+        assert!(!rest.opens(0.0, 0.1, || f64::INFINITY));
+        assert!(rest.opens(0.0, 0.1, || 0.0));
+        assert!(Rest::FOR_EVER.lasts(1e9, 1e9));
+    }
+}
