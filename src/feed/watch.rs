@@ -77,7 +77,62 @@ impl Rest {
 
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
+
+    use glam::{DAffine3, DVec3};
+    use rand::{RngExt, SeedableRng};
+
     use super::*;
+    use crate::blisk::electrode::ElectrodeFace;
+    use crate::feed::probes::{Demand, Instant, Probes, Turns};
+    use crate::feed::samples::Sample;
+
+    /// A plate of points, some of which ask for more.
+    fn plate() -> Vec<Sample> {
+        let at = |i: i32, j: i32| DVec3::new(f64::from(i), 0.02 * f64::from(j), 0.7 * f64::from(j));
+        let extra = |i: i32| if i % 7 == 0 { 0.05 } else { 0.0 };
+        let sample =
+            |i, j| Sample { point: at(i, j), face: ElectrodeFace::FarEnd, extra: extra(i), stays_to: Sample::ALWAYS };
+        (0..40).flat_map(|i| (0..40).map(move |j| sample(i, j))).collect()
+    }
+
+    /// Over a plane, from which distances are exact.
+    #[test]
+    fn watched_looks_find_what_fresh_ones_find_and_ask_less() {
+        let probes = Probes::new(plate(), |_| 0.3);
+        let demand = Demand { spark_gap: 0.1, margin: 0.0, guard: 0.01, room: 0.1 };
+        let at = Instant { s: 9.0, turns: Turns::NONE };
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);
+        let (mut watch, mut last) = (probes.watch(), DAffine3::from_translation(DVec3::Y * 0.25));
+        let (mut found_in_all, mut asked) = (0, [0, 0]);
+        for _ in 0..60 {
+            let turn = DAffine3::from_rotation_z(random.random_range(-0.002..0.002));
+            let slid = DAffine3::from_translation(DVec3::Y * random.random_range(-0.03..0.03));
+            let place = slid * turn * last;
+            let motion = |p: DVec3| place.transform_point3(p).distance(last.transform_point3(p));
+            watch.advance(probes.samples().iter().map(|s| motion(s.point)).fold(0.0, f64::max));
+            last = place;
+            let room = random.random_range(0.0..0.2);
+            let look = |watch: &mut Watch| {
+                let (mut found, asks) = (Vec::new(), Cell::new(0));
+                let clearance = |p, _, _: f64| {
+                    asks.set(asks.get() + 1);
+                    place.transform_point3(p).y
+                };
+                probes.lacking(&at, &Demand { room, ..demand }, &clearance, watch, false, |k, lack| {
+                    found.push((k, lack));
+                    true
+                });
+                (found, asks.get())
+            };
+            let ((watched, few), (fresh, all)) = (look(&mut watch), look(&mut probes.watch()));
+            assert_eq!(watched, fresh);
+            found_in_all += fresh.len();
+            asked = [asked[0] + few, asked[1] + all];
+        }
+        assert!(found_in_all > 1000, "{found_in_all}");
+        assert!(2 * asked[0] < asked[1], "{asked:?}");
+    }
 
     #[test]
     fn what_has_room_is_left_alone_until_that_may_be_used_up() {
