@@ -8,8 +8,10 @@ use super::outside::Outside;
 use super::pose::Pose;
 use super::probes::{Demand, Instant, Probes, Turns, group};
 use super::samples::{Sample, thinned};
+use super::watch::Watch;
 use crate::blisk::electrode::{ElectrodeFace, EntrySide};
 use crate::geometry::distance_field::DistanceField;
+use crate::geometry::mesh::Bounds;
 
 /// The two bodies' probes over each other's distance fields.
 #[derive(Clone)]
@@ -50,7 +52,10 @@ pub enum SamplesOf {
 }
 
 /// A pose made ready for testing, with the walls turned away from their blades.
+#[derive(Clone)]
 pub(super) struct Placed {
+    /// The electrode as it is and with each of its walls turned.
+    parts: [DAffine3; 3],
     /// For points of the electrode of each group.
     to_blisk: [DAffine3; 3],
     /// For points of the blisk: where they are seen from the electrode, and from its two walls if they are turned.
@@ -63,9 +68,48 @@ impl Placed {
         let place = pose.placement(reference_point);
         let turned = |angle| place * DAffine3::from_mat3(DMat3::from_rotation_x(angle));
         let Turns([low, high]) = turns;
-        let walls = [place, turned(low), turned(-high)];
-        let to_blisk = if samples == SamplesOf::Prepared { walls } else { [place; 3] };
-        Self { to_blisk, to_electrode: walls.map(|t| t.inverse()), turns }
+        let parts = [place, turned(low), turned(-high)];
+        let to_blisk = if samples == SamplesOf::Prepared { parts } else { [place; 3] };
+        Self { parts, to_blisk, to_electrode: parts.map(|t| t.inverse()), turns }
+    }
+
+    /// How far the points of a body within `bounds` are from where they are at `other`, at most (mm): the distance is
+    /// greatest at a corner.
+    fn motion_from(&self, other: &Self, bounds: Bounds) -> f64 {
+        let ends = [bounds.min, bounds.max];
+        let parts = if self.turns.is_none() { &self.parts[..1] } else { &self.parts };
+        let moved = |(to, from): (&DAffine3, &DAffine3), i: usize| {
+            let corner = DVec3::new(ends[i & 1].x, ends[i >> 1 & 1].y, ends[i >> 2].z);
+            to.transform_point3(corner).distance_squared(from.transform_point3(corner))
+        };
+        let pairs = parts.iter().zip(&other.parts);
+        let squares = pairs.flat_map(|pair| (0..8).map(move |i| moved(pair, i)));
+        squares.fold(0.0, f64::max).sqrt()
+    }
+}
+
+/// What looks at poses near to each other have told, all of them with the same demand but for the room, and with the walls
+/// equally turned.
+pub(super) struct Lookout {
+    electrode: Watch,
+    blisk: Watch,
+    /// The pose looked at last, and how far it was withdrawn (mm).
+    last: Option<(Placed, f64)>,
+}
+
+impl Lookout {
+    fn new(model: &ClearanceModel) -> Self {
+        Self { electrode: model.electrode.watch(), blisk: model.blisk.watch(), last: None }
+    }
+
+    fn advance(&mut self, model: &ClearanceModel, placed: &Placed, s: f64) {
+        if let Some((last, last_s)) = &self.last {
+            let motion = placed.motion_from(last, model.bodies.electrode.bounds());
+            // Whatever more is demanded counts as if the electrode had come nearer by as much.
+            self.electrode.advance(motion + model.electrode.rise(s - last_s));
+            self.blisk.advance(motion + model.blisk.rise(s - last_s));
+        }
+        self.last = Some((placed.clone(), s));
     }
 }
 
@@ -91,11 +135,6 @@ pub struct Shortfall {
     pub on_electrode: DVec3,
     /// The point of the blisk, in W (mm).
     pub on_blisk: DVec3,
-}
-
-/// How much too great a field may read for something `distance` away (mm).
-fn doubt(distance: f64) -> f64 {
-    DistanceField::ACCURACY + 0.05 * (distance - DistanceField::NEAR).max(0.0)
 }
 
 impl Bodies<'_> {
@@ -231,8 +270,8 @@ impl<'a> ClearanceModel<'a> {
         }
         let of_electrode = |p: DVec3, group, enough: f64| self.bodies.electrode_clearance(&placed, p, group, enough);
         let of_blisk = |p: DVec3, _, enough: f64| self.bodies.blisk_clearance(&placed, p, enough);
-        let blocked = self.electrode.first_blocked(&at, demand, &of_electrode, doubt).or_else(|| {
-            let blocked = self.blisk.first_blocked(&at, demand, &of_blisk, doubt)?;
+        let blocked = self.electrode.first_blocked(&at, demand, &of_electrode).or_else(|| {
+            let blocked = self.blisk.first_blocked(&at, demand, &of_blisk)?;
             Some(self.electrode.clusters() + blocked)
         });
         *hint = blocked.unwrap_or(*hint);
@@ -246,28 +285,79 @@ impl<'a> ClearanceModel<'a> {
             None => {
                 let clearance =
                     |p: DVec3, group, enough: f64| self.bodies.electrode_clearance(placed, p, group, enough);
-                self.electrode.cluster_is_free(i, at, demand, &clearance, doubt)
+                self.electrode.cluster_is_free(i, at, demand, &clearance)
             }
             Some(j) => {
                 let clearance = |p: DVec3, _, enough: f64| self.bodies.blisk_clearance(placed, p, enough);
-                self.blisk.cluster_is_free(j, at, demand, &clearance, doubt)
+                self.blisk.cluster_is_free(j, at, demand, &clearance)
             }
         }
     }
 
+    /// For looks at poses near to each other.
+    pub(super) fn lookout(&self) -> Lookout {
+        Lookout::new(self)
+    }
+
     /// The probes that lack clearance, in order; of each cluster only the one that lacks most, if `one_each`.
-    pub(super) fn lacking(&self, placed: &Placed, at: &Instant, demand: &Demand, one_each: bool) -> Vec<Lacking> {
+    pub(super) fn lacking(
+        &self,
+        lookout: &mut Lookout,
+        placed: &Placed,
+        at: &Instant,
+        demand: &Demand,
+        one_each: bool,
+    ) -> Vec<Lacking> {
         let mut found = Vec::new();
-        let clearance = |p: DVec3, group, enough: f64| self.bodies.electrode_clearance(placed, p, group, enough);
-        self.electrode.lacking(at, demand, &clearance, doubt, one_each, |probe, lack| {
-            found.push(Lacking { probe, lack });
-        });
-        let first = self.samples().len();
-        let clearance = |p: DVec3, _, enough: f64| self.bodies.blisk_clearance(placed, p, enough);
-        self.blisk.lacking(at, demand, &clearance, doubt, one_each, |k, lack| {
-            found.push(Lacking { probe: first + k, lack });
+        self.look(lookout, placed, at, demand, one_each, |lacking| {
+            found.push(lacking);
+            true
         });
         found
+    }
+
+    /// Whether every probe has the clearance demanded of it at `pose`, withdrawn by `s`, with the walls drawn in by `turns`,
+    /// where `lookout` was used for poses near to it.
+    pub(super) fn stays_free(
+        &self,
+        lookout: &mut Lookout,
+        pose: &Pose,
+        (s, turns): (f64, Turns),
+        demand: &Demand,
+    ) -> bool {
+        let mut free = true;
+        self.look(lookout, &self.placed(pose, turns), &Instant { s, turns }, demand, false, |_| {
+            free = false;
+            free
+        });
+        free
+    }
+
+    /// Calls `found` with the probes that lack clearance until it answers false.
+    fn look(
+        &self,
+        lookout: &mut Lookout,
+        placed: &Placed,
+        at: &Instant,
+        demand: &Demand,
+        one_each: bool,
+        mut found: impl FnMut(Lacking) -> bool,
+    ) {
+        lookout.advance(self, placed, at.s);
+        let mut going = true;
+        let clearance = |p: DVec3, group, enough: f64| self.bodies.electrode_clearance(placed, p, group, enough);
+        self.electrode.lacking(at, demand, &clearance, &mut lookout.electrode, one_each, |probe, lack| {
+            going = found(Lacking { probe, lack });
+            going
+        });
+        if !going {
+            return;
+        }
+        let first = self.samples().len();
+        let clearance = |p: DVec3, _, enough: f64| self.bodies.blisk_clearance(placed, p, enough);
+        self.blisk.lacking(at, demand, &clearance, &mut lookout.blisk, one_each, |k, lack| {
+            found(Lacking { probe: first + k, lack })
+        });
     }
 
     /// Where a probe lacks clearance.

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::clearance::{ClearanceModel, Lacking, Shortfall};
+use super::clearance::{ClearanceModel, Lacking, Lookout, Shortfall};
 use super::pose::{Axis, Pose};
 use super::probes::{Demand, Instant, Turns};
 
@@ -36,11 +36,12 @@ impl ClearanceModel<'_> {
         /// Rounds without getting nearer to freedom after which it is given up.
         const PATIENCE: usize = 3;
         const WORST: usize = 24;
+        let mut lookout = self.lookout();
         let mut pose = start;
         let mut best: Option<(Pose, Shortfall)> = None;
         let mut since_best = 0;
         for _ in 0..ROUNDS {
-            let lacking = self.worst_lacking(&pose, (s, turns), demand, false, WORST);
+            let lacking = self.worst_lacking(&mut lookout, &pose, (s, turns), demand, false, WORST);
             let Some(&worst) = lacking.first() else { return (pose, None) };
             if best.is_none_or(|(_, known)| worst.lack < known.lack) {
                 best = Some((pose, worst));
@@ -58,6 +59,7 @@ impl ClearanceModel<'_> {
     /// The probes that lack most clearance, worst first, at most `most` of them.
     fn worst_lacking(
         &self,
+        lookout: &mut Lookout,
         pose: &Pose,
         (s, turns): (f64, Turns),
         demand: &Demand,
@@ -65,7 +67,7 @@ impl ClearanceModel<'_> {
         most: usize,
     ) -> Vec<Shortfall> {
         let placed = self.placed(pose, turns);
-        let mut lacking = self.lacking(&placed, &Instant { s, turns }, demand, one_each);
+        let mut lacking = self.lacking(lookout, &placed, &Instant { s, turns }, demand, one_each);
         let worse = |a: &Lacking, b: &Lacking| b.lack.total_cmp(&a.lack).then(a.probe.cmp(&b.probe));
         if lacking.len() > most {
             lacking.select_nth_unstable_by(most, worse);
@@ -102,15 +104,28 @@ impl ClearanceModel<'_> {
     /// the least clearance within a region in which the fields are trusted. What lies between two walls comes to stand
     /// in the middle between them.
     pub fn ascend(&self, start: Pose, at: (f64, Turns), demand: &Demand, axes: &[Axis], steps: usize) -> Ascent {
+        self.ascend_from(start, at, demand, axes, |_| steps)
+    }
+
+    /// The same by as many steps as `steps` answers when it is told what the worst probe lacks at `start` (mm).
+    pub(super) fn ascend_from(
+        &self,
+        start: Pose,
+        at: (f64, Turns),
+        demand: &Demand,
+        axes: &[Axis],
+        steps: impl FnOnce(f64) -> usize,
+    ) -> Ascent {
         const WORST: usize = 48;
         /// Length of the first and of the last step (mm).
         const TRUST: [f64; 2] = [0.4, 0.004];
         /// Share of the expected gain with which a step is a good one.
         const GOOD: f64 = 0.5;
-        let look = |pose: &Pose| self.worst_lacking(pose, at, demand, true, WORST);
+        let mut lookout = self.lookout();
+        let mut look = |pose: &Pose| self.worst_lacking(&mut lookout, pose, at, demand, true, WORST);
         let lack_of = |lacking: &[Shortfall]| lacking.first().map_or(0.0, |w| w.lack);
         let (mut pose, mut lacking, mut trust) = (start, look(&start), TRUST[0]);
-        for _ in 0..steps {
+        for _ in 0..steps(lack_of(&lacking)) {
             let lack = lack_of(&lacking);
             if lack == 0.0 || trust < TRUST[1] {
                 break;
@@ -176,7 +191,7 @@ impl ClearanceModel<'_> {
         axes: &[Axis],
     ) -> Vec<(Slopes, f64)> {
         const WORST: usize = 64;
-        let near = self.worst_lacking(pose, at, demand, true, WORST);
+        let near = self.worst_lacking(&mut self.lookout(), pose, at, demand, true, WORST);
         near.iter().map(|short| (self.scaled_slopes(pose, short, axes), short.lack)).collect()
     }
 

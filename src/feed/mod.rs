@@ -37,3 +37,4 @@ pub mod sizing;
 pub mod smoothness;
 pub mod strategy;
 pub mod verify;
+mod watch;

@@ -4,7 +4,9 @@
 use glam::DVec3;
 
 use super::samples::{Cluster, Sample, cluster};
+use super::watch::{Rest, Watch};
 use crate::blisk::electrode::ElectrodeFace;
+use crate::geometry::distance_field::DistanceField;
 use crate::geometry::mesh::Bounds;
 
 /// How much clearance the search demands.
@@ -79,6 +81,11 @@ pub fn group(face: ElectrodeFace) -> usize {
     }
 }
 
+/// How much too great a field may read for something `distance` away (mm).
+fn doubt(distance: f64) -> f64 {
+    DistanceField::ACCURACY + 0.05 * (distance - DistanceField::NEAR).max(0.0)
+}
+
 /// Points with what is demanded of each, in clusters.
 #[derive(Debug, Clone)]
 pub struct Probes {
@@ -126,58 +133,115 @@ impl Probes {
     }
 
     /// The first cluster that lacks clearance at an instant. `clearance` tells the clearance of a point of a group, or
-    /// any that is no less than its last argument if that is less; `doubt` how much too great it may be for what is so
-    /// far away.
+    /// any that is no less than its last argument if that is less.
     pub fn first_blocked(
         &self,
         at: &Instant,
         demand: &Demand,
         clearance: &impl Fn(DVec3, usize, f64) -> f64,
-        doubt: impl Fn(f64) -> f64 + Copy,
     ) -> Option<usize> {
-        self.crowded_blocks(demand, clearance, doubt).find_map(|block| {
-            (block.start..block.end).find(|&i| !self.cluster_is_free(i, at, demand, clearance, doubt))
-        })
+        let crowded = self.blocks.iter().filter(|block| {
+            let group = self.group_of(&self.clusters[block.start]);
+            self.spare(block, group, self.greatest_extra, demand, clearance) < demand.room
+        });
+        crowded.flat_map(|block| block.start..block.end).find(|&i| !self.cluster_is_free(i, at, demand, clearance))
     }
 
-    /// Blocks of clusters that are not wholly where there is room for every point.
-    fn crowded_blocks(
+    /// How much more clearance than its points need, without any room, a ball of points of one group surely has (mm), or
+    /// what is no less than the room that is demanded.
+    #[inline]
+    fn spare(
         &self,
+        ball: &Cluster,
+        group: usize,
+        extra: f64,
         demand: &Demand,
         clearance: &impl Fn(DVec3, usize, f64) -> f64,
-        doubt: impl Fn(f64) -> f64,
-    ) -> impl Iterator<Item = &Cluster> {
-        self.blocks.iter().filter(move |block| {
-            let group = group(self.samples[self.clusters[block.start].start].face);
-            let enough = demand.wanted() + self.greatest_extra + block.radius;
-            let enough = enough + doubt(enough);
-            clearance(block.center, group, enough) < enough
-        })
+    ) -> f64 {
+        let needed = demand.needed() + extra + ball.radius;
+        let enough = needed + demand.room;
+        let clearance = clearance(ball.center, group, enough + doubt(enough));
+        if clearance.is_finite() { clearance - doubt(clearance) - needed } else { clearance }
     }
 
-    /// Calls `found` with every point that lacks clearance and how much it lacks (mm), in order; of each cluster only with
-    /// the one that lacks most, if `one_each`.
+    /// A watch over these points.
+    pub fn watch(&self) -> Watch {
+        Watch::new([self.blocks.len(), self.clusters.len(), self.samples.len()])
+    }
+
+    /// How much more may be demanded of a point after a further withdrawal by `further` (mm).
+    pub fn rise(&self, further: f64) -> f64 {
+        let further = further.max(0.0);
+        Self::OPENING * further + self.greatest_extra * (further / Self::LEARNED).min(1.0)
+    }
+
+    /// Calls `found` with every point that lacks clearance and how much it lacks (mm), in order, until it answers false; of
+    /// each cluster only with the one that lacks most, if `one_each`. Points that rest by what `watch` knows are passed
+    /// over.
     pub fn lacking(
         &self,
         at: &Instant,
         demand: &Demand,
         clearance: &impl Fn(DVec3, usize, f64) -> f64,
-        doubt: impl Fn(f64) -> f64 + Copy,
+        watch: &mut Watch,
         one_each: bool,
-        mut found: impl FnMut(usize, f64),
+        mut found: impl FnMut(usize, f64) -> bool,
     ) {
-        let crowded = self.crowded_blocks(demand, clearance, doubt).flat_map(|block| block.start..block.end);
-        for i in crowded.filter(|&i| !self.cluster_is_free(i, at, demand, clearance, doubt)) {
-            let lacking = self.lacking_in(i, at, demand, clearance);
-            if one_each {
-                lacking
-                    .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))
-                    .into_iter()
-                    .for_each(|(k, lack)| found(k, lack));
-            } else {
-                lacking.for_each(|(k, lack)| found(k, lack));
+        let (moved, room) = (watch.moved(), demand.room);
+        for (block, rest) in self.blocks.iter().zip(&mut watch.blocks) {
+            let group = self.group_of(&self.clusters[block.start]);
+            let spare = |ball, extra| self.spare(ball, group, extra, demand, clearance);
+            if !rest.opens(moved, room, || spare(block, self.greatest_extra)) {
+                continue;
+            }
+            for i in block.start..block.end {
+                let cluster = &self.clusters[i];
+                if !watch.clusters[i].opens(moved, room, || spare(cluster, self.cluster_extra[i])) {
+                    continue;
+                }
+                let mut worst: Option<(usize, f64)> = None;
+                for k in cluster.start..cluster.end {
+                    if watch.points[k].lasts(moved, room) {
+                        continue;
+                    }
+                    let (lack, rest) = self.lack(k, at, demand, clearance, moved);
+                    watch.points[k] = rest;
+                    if lack > 0.0 && !one_each {
+                        if !found(k, lack) {
+                            return;
+                        }
+                    } else if lack > worst.map_or(0.0, |(_, most)| most) {
+                        worst = Some((k, lack));
+                    }
+                }
+                if worst.is_some_and(|(k, lack)| !found(k, lack)) {
+                    return;
+                }
             }
         }
+    }
+
+    /// What point `k` lacks (mm), and how long it rests if it lacks nothing.
+    #[inline]
+    fn lack(
+        &self,
+        k: usize,
+        at: &Instant,
+        demand: &Demand,
+        clearance: &impl Fn(DVec3, usize, f64) -> f64,
+        moved: f64,
+    ) -> (f64, Rest) {
+        let sample = &self.samples[k];
+        if !at.holds(sample) {
+            return (0.0, Rest::FOR_EVER);
+        }
+        let demanded = self.demanded(k, at.s, demand);
+        let clearance = clearance(sample.point, group(sample.face), demanded);
+        (demanded - clearance, Rest::of(clearance - doubt(clearance) - demanded + demand.room, moved))
+    }
+
+    fn group_of(&self, cluster: &Cluster) -> usize {
+        group(self.samples[cluster.start].face)
     }
 
     /// Number of clusters.
@@ -205,34 +269,14 @@ impl Probes {
         at: &Instant,
         demand: &Demand,
         clearance: &impl Fn(DVec3, usize, f64) -> f64,
-        doubt: impl Fn(f64) -> f64,
     ) -> bool {
         let c = &self.clusters[i];
-        let group = group(self.samples[c.start].face);
-        let enough = demand.wanted() + self.cluster_extra[i] + c.radius;
-        let enough = enough + doubt(enough);
-        clearance(c.center, group, enough) >= enough
+        let group = self.group_of(c);
+        self.spare(c, group, self.cluster_extra[i], demand, clearance) >= demand.room
             || (c.start..c.end).all(|k| {
                 let demanded = self.demanded(k, at.s, demand);
                 !at.holds(&self.samples[k]) || clearance(self.samples[k].point, group, demanded) >= demanded
             })
-    }
-
-    /// Points of cluster `i` that lack clearance, and how much (mm).
-    fn lacking_in(
-        &self,
-        i: usize,
-        at: &Instant,
-        demand: &Demand,
-        clearance: &impl Fn(DVec3, usize, f64) -> f64,
-    ) -> impl Iterator<Item = (usize, f64)> {
-        let c = self.clusters[i];
-        (c.start..c.end).filter_map(move |k| {
-            let sample = &self.samples[k];
-            let demanded = self.demanded(k, at.s, demand);
-            let lack = demanded - clearance(sample.point, group(sample.face), demanded);
-            (lack > 0.0 && at.holds(sample)).then_some((k, lack))
-        })
     }
 
     /// Clearance demanded of point `k` when withdrawn by `s`.

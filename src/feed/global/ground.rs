@@ -77,11 +77,8 @@ impl<'a> Ground<'a> {
         if led.lack > demand.room + Self::HOPELESS {
             return led;
         }
-        let judged = self.problem.model.ascend(led.pose, at, demand, axes, 0);
-        if judged.lack > demand.room {
-            return self.problem.model.ascend(led.pose, at, demand, axes, Self::TOUCH);
-        }
-        judged
+        let touch = |lack: f64| if lack > demand.room { Self::TOUCH } else { 0 };
+        self.problem.model.ascend_from(led.pose, at, demand, axes, touch)
     }
 
     /// Whether the electrode can stand there.
@@ -94,11 +91,11 @@ impl<'a> Ground<'a> {
         let strides = self.motion_between(from, to) / Self::STRIDE;
         let parts = strides.ceil().clamp(2.0, 24.0) as usize;
         let between = self.problem.between();
-        let mut hint = 0;
+        let mut lookout = self.coarse.lookout();
         (1..parts).all(|i| {
             let t = i as f64 / parts as f64;
             let s = from_s + (to_s - from_s) * t;
-            self.coarse.is_free(&from.lerp(to, t), s, self.problem.turns, &between, &mut hint)
+            self.coarse.stays_free(&mut lookout, &from.lerp(to, t), (s, self.problem.turns), &between)
         })
     }
 

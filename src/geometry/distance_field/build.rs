@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::local_triangles::Nearest;
+use super::local_triangles::{Candidate, Nearest};
 use super::signs::{self, Passage};
 use super::{DistanceField, Handle, LocalTriangles, trilinear};
 use crate::geometry::exact::ExactMesh;
@@ -39,7 +39,7 @@ struct Block {
     handles: Vec<Handle>,
     leaves: Vec<[f32; 8]>,
     leaf_kinds: Vec<Passage>,
-    lists: Vec<Vec<u32>>,
+    lists: Vec<Vec<Candidate>>,
     list_kinds: Vec<Passage>,
 }
 
@@ -200,7 +200,8 @@ impl Builder<'_> {
         let center = self.center(corner, level);
         let exact = |lattice: &mut Lattice, t: DVec3| {
             let p = self.point(corner, level, t);
-            let nearest = lattice.nearest(at, level, t, || self.triangles.nearest_in_order(p, center, &candidates));
+            let nearest = lattice
+                .nearest(at, level, t, || self.triangles.nearest_in_order(p, center, candidates.iter().copied()));
             if clear { nearest.distance() } else { self.triangles.signed(p, nearest).0 }
         };
         let (values, smooth) = smooth_leaf(level, |t| exact(lattice, t));
@@ -212,7 +213,7 @@ impl Builder<'_> {
         } else if level == 0 {
             let handle = Handle::new(Handle::EXACT, block.lists.len());
             // The nearest first: that makes the others quick to rule out.
-            let list: Vec<u32> = candidates.into_iter().map(|(_, t)| t).collect();
+            let list: Vec<Candidate> = candidates.into_iter().map(|(d, t)| Candidate::new(d, t)).collect();
             block.list_kinds.push(self.passage_of_exact(&values, clear, &list));
             block.lists.push(list);
             self.fill(block, at, level, handle);
@@ -282,7 +283,7 @@ impl Builder<'_> {
 
     /// How the surface passes an exact cell. Where sheets that face away from each other come together the normals
     /// are not to be trusted: the mesh may be folded.
-    fn passage_of_exact(&self, values: &[f32; 8], clear: bool, triangles: &[u32]) -> Passage {
+    fn passage_of_exact(&self, values: &[f32; 8], clear: bool, triangles: &[Candidate]) -> Passage {
         if clear {
             Passage::Clear
         } else if self.triangles.any_opposite(triangles) {

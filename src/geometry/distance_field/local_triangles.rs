@@ -42,6 +42,28 @@ struct Triangle {
     edges: [DVec3; 3],
 }
 
+/// A triangle that can be nearest to some point of a cell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Candidate {
+    /// Distance from the cell's centre, or less (mm).
+    from_center: f32,
+    pub(super) triangle: u32,
+}
+
+impl Candidate {
+    /// One that is `from_center` from the centre, or more (mm).
+    pub(super) fn new(from_center: f64, triangle: u32) -> Self {
+        /// For rounding to single precision, as a share.
+        const ROUNDING: f64 = 1e-6;
+        Self { from_center: (from_center * (1.0 - ROUNDING)) as f32, triangle }
+    }
+
+    /// Least distance from the centre (mm), and the triangle.
+    pub(super) fn in_order(&self) -> (f64, u32) {
+        (f64::from(self.from_center), self.triangle)
+    }
+}
+
 /// The triangle nearest to a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Nearest {
@@ -110,50 +132,33 @@ impl LocalTriangles {
         p.distance_squared(center) > reach * reach
     }
 
-    /// Signed distance from `p` to the nearest of `candidates`, the nearest point, and the normal there.
-    /// Infinite when there are no candidates.
-    pub(super) fn signed_distance(&self, p: DVec3, candidates: &[u32]) -> (f64, DVec3, DVec3) {
-        self.signed(p, self.nearest(p, candidates))
-    }
-
-    /// Distance from `p` to the nearest of `candidates`, without a sign.
-    pub(super) fn least_distance(&self, p: DVec3, candidates: &[u32]) -> f64 {
-        self.nearest(p, candidates).distance()
-    }
-
-    #[inline]
-    fn nearest(&self, p: DVec3, candidates: &[u32]) -> Nearest {
-        let mut best = Nearest::NONE;
-        let mut least = f64::INFINITY;
-        for &i in candidates {
-            if !self.is_beyond(p, i, least) {
-                self.take_if_nearer(p, i, &mut best, &mut least);
-            }
-        }
-        best
-    }
-
     /// Crossings from inside to outside less those from outside to inside on the way from `from` to `to`.
-    pub(super) fn signed_crossings(&self, from: DVec3, to: DVec3, candidates: &[u32]) -> i32 {
+    pub(super) fn signed_crossings(&self, from: DVec3, to: DVec3, candidates: &[Candidate]) -> i32 {
         let corners = |t: &Triangle| [t.a, t.a + t.ab, t.a + t.ac].map(|q| q - from);
-        let triangles = candidates.iter().map(|&i| corners(&self.triangles[i as usize]));
+        let triangles = candidates.iter().map(|c| corners(&self.triangles[c.triangle as usize]));
         triangles.filter_map(|t| crossing(t, to - from)).filter(|&(_, share)| share <= 1.0).map(|(sign, _)| sign).sum()
     }
 
     /// Whether two of these triangles face away from each other, as those of a fold do.
-    pub(super) fn any_opposite(&self, candidates: &[u32]) -> bool {
+    pub(super) fn any_opposite(&self, candidates: &[Candidate]) -> bool {
         const OPPOSITE: f64 = -0.8;
-        let face = |i: u32| self.triangles[i as usize].face;
-        candidates.iter().enumerate().any(|(k, &i)| candidates[..k].iter().any(|&j| face(i).dot(face(j)) < OPPOSITE))
+        let face = |c: &Candidate| self.triangles[c.triangle as usize].face;
+        candidates.iter().enumerate().any(|(k, i)| candidates[..k].iter().any(|j| face(i).dot(face(j)) < OPPOSITE))
     }
 
     /// The nearest of candidates in order of their distance from `center`, given with each: those that are too far from
     /// the centre to be nearest to `p` need not be looked at.
-    pub(super) fn nearest_in_order(&self, p: DVec3, center: DVec3, candidates: &[(f64, u32)]) -> Nearest {
+    #[inline]
+    pub(super) fn nearest_in_order(
+        &self,
+        p: DVec3,
+        center: DVec3,
+        candidates: impl Iterator<Item = (f64, u32)>,
+    ) -> Nearest {
         let away = p.distance(center);
         let mut best = Nearest::NONE;
         let mut least = f64::INFINITY;
-        for &(from_center, i) in candidates {
+        for (from_center, i) in candidates {
             if from_center - away > least {
                 break;
             }
@@ -177,7 +182,8 @@ impl LocalTriangles {
         }
     }
 
-    /// Signed distance from `p` to its nearest triangle, the point there that is nearest, and the normal in it.
+    /// Signed distance from `p` to its nearest triangle, the point there that is nearest, and the normal in it. Infinite
+    /// where there is no nearest.
     pub(super) fn signed(&self, p: DVec3, best: Nearest) -> (f64, DVec3, DVec3) {
         if best.distance_squared.is_infinite() {
             return (f64::INFINITY, p, DVec3::ZERO);

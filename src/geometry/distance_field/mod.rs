@@ -28,7 +28,7 @@ pub use build::FieldError;
 use glam::{DVec3, Vec3};
 
 use super::mesh::Bounds;
-use local_triangles::LocalTriangles;
+use local_triangles::{Candidate, LocalTriangles, Nearest};
 
 /// See the module's text.
 pub struct DistanceField {
@@ -42,7 +42,8 @@ pub struct DistanceField {
     leaves: Vec<[f32; 8]>,
     /// Where the list of each exact cell ends in `list`; it begins where the one before ends.
     list_ends: Vec<u32>,
-    list: Vec<u32>,
+    /// The candidates of each exact cell, in order of their distance from its centre.
+    list: Vec<Candidate>,
     /// Winding number at the reference point of each folded cell, by the number of its list.
     windings: HashMap<u32, i32>,
     /// Distance at the centre of each exact cell (mm).
@@ -106,12 +107,12 @@ impl DistanceField {
     #[inline]
     pub fn value(&self, p: DVec3) -> Option<f64> {
         let (handle, cell) = self.locate(p)?;
-        let exactly = |sign: f64| sign * self.triangles.least_distance(p, self.candidates(handle));
+        let exactly = |sign: f64| sign * self.nearest(p, handle, cell).distance();
         Some(match handle.kind() {
             Handle::OUTSIDE => exactly(1.0),
             Handle::INSIDE => exactly(-1.0),
             Handle::FOLDED => exactly(self.sign_in_folded(p, handle, cell)),
-            Handle::EXACT => self.triangles.signed_distance(p, self.candidates(handle)).0,
+            Handle::EXACT => self.triangles.signed(p, self.nearest(p, handle, cell)).0,
             level => f64::from(trilinear(&self.leaves[handle.number()], self.leaf_position(p, cell, level))),
         })
     }
@@ -137,7 +138,7 @@ impl DistanceField {
     pub fn value_and_gradient(&self, p: DVec3) -> Option<(f64, DVec3)> {
         let (handle, cell) = self.locate(p)?;
         if handle.kind() >= Handle::OUTSIDE {
-            let (by_normals, nearest, normal) = self.triangles.signed_distance(p, self.candidates(handle));
+            let (by_normals, nearest, normal) = self.triangles.signed(p, self.nearest(p, handle, cell));
             let d = match handle.kind() {
                 Handle::OUTSIDE => by_normals.abs(),
                 Handle::INSIDE => -by_normals.abs(),
@@ -161,7 +162,8 @@ impl DistanceField {
             exact_cells: self.list_ends.len(),
             bytes: self.handles.len() * 4
                 + self.leaves.len() * 32
-                + (self.list_ends.len() + self.list.len() + self.centres.len()) * 4
+                + (self.list_ends.len() + self.centres.len()) * 4
+                + self.list.len() * size_of::<Candidate>()
                 + self.triangles.bytes(),
         }
     }
@@ -208,7 +210,14 @@ impl DistanceField {
         ((p - self.bounds.min - DVec3::from_array(corner) * self.cell) / size).as_vec3()
     }
 
-    fn candidates(&self, handle: Handle) -> &[u32] {
+    /// The triangle nearest to `p`, a point of the exact cell `cell`.
+    #[inline]
+    fn nearest(&self, p: DVec3, handle: Handle, cell: [usize; 3]) -> Nearest {
+        let candidates = self.candidates(handle).iter().map(Candidate::in_order);
+        self.triangles.nearest_in_order(p, self.center(cell), candidates)
+    }
+
+    fn candidates(&self, handle: Handle) -> &[Candidate] {
         let i = handle.number();
         let start = if i == 0 { 0 } else { self.list_ends[i - 1] as usize };
         &self.list[start..self.list_ends[i] as usize]

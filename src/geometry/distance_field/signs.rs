@@ -11,6 +11,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::local_triangles::Candidate;
 use super::{DistanceField, Handle};
 use crate::geometry::exact::ExactMesh;
 use crate::geometry::inside::winding_number;
@@ -215,7 +216,7 @@ impl DistanceField {
             (0..size.pow(3)).map(move |i| [first[0] + i % size, first[1] + i / size % size, first[2] + i / size / size])
         };
         let cells: Vec<[usize; 3]> = folded.iter().flat_map(cells_of).collect();
-        let described: Vec<(Vec<u32>, i32)> = cells
+        let described: Vec<(Vec<Candidate>, i32)> = cells
             .par_iter()
             .map(|&cell| {
                 cancel.check()?;
@@ -232,14 +233,16 @@ impl DistanceField {
         Ok(())
     }
 
-    /// The triangles that can be nearest to some point of a cell, or cross it, in rising order.
-    fn triangles_near(&self, exact: &ExactMesh, cell: [usize; 3]) -> Vec<u32> {
+    /// The triangles that can be nearest to some point of a cell, or cross it, in order of their distance from its centre.
+    fn triangles_near(&self, exact: &ExactMesh, cell: [usize; 3]) -> Vec<Candidate> {
         let center = self.point_in(cell, DVec3::splat(0.5));
         // Twice half the diagonal, and rounding.
         let reach = exact.nearest(center).signed_distance.abs() + 3f64.sqrt() * self.cell + 1e-9;
-        let mut found = exact.triangles_within(center, reach);
-        found.retain(|&t| self.triangles.distance(center, t) <= reach);
-        found
+        let with_distance = |t: u32| (self.triangles.distance(center, t), t);
+        let mut found: Vec<(f64, u32)> = exact.triangles_within(center, reach).into_iter().map(with_distance).collect();
+        found.retain(|&(d, _)| d <= reach);
+        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        found.into_iter().map(|(d, t)| Candidate::new(d, t)).collect()
     }
 
     /// The place in a cell whose winding number is known if the cell is folded: off the middle, so that surfaces that
