@@ -1,6 +1,6 @@
 //! From regions to electrodes.
 
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::base::placed;
@@ -8,7 +8,7 @@ use super::check::{LeftOfRegion, Milled};
 use super::combine::Form;
 use super::design::{Burn, Electrode, ElectrodeSet, PartId, PartNode, RegionPlan};
 use super::division::{DivisionSettings, Part, divide};
-use super::edits::apply;
+use super::edits::{apply, named as named_by_edits, places};
 use super::params::{Edit, ElectrodeParams, ElectrodeParamsError, Method, Shape, Stage};
 use super::plan_checks::checked;
 use super::sharing::{assembled, shared};
@@ -255,8 +255,11 @@ fn leaves(
     cancel: &Cancel,
 ) -> Result<Vec<Leaf>, ElectrodeError> {
     let burns = |p: DVec3| setting.burns(p);
-    let of = |r: &usize| parts_of(setting, &regions[*r], plans[*r].method, params, cancel);
-    let found: Vec<Result<Divided, TipError>> = here.par_iter().map(of).collect();
+    let own: Vec<&RegionToBurn> = here.iter().map(|r| &regions[*r]).collect();
+    let edits = named_by_edits(&own, &params.edits, |p| (setting.turned * p).truncate());
+    let of =
+        |(r, edits): (&usize, &Vec<usize>)| parts_of(setting, &regions[*r], (plans[*r].method, edits), params, cancel);
+    let found: Vec<Result<Divided, TipError>> = here.par_iter().zip(&edits).map(of).collect();
     let mut leaves = Vec::new();
     for (region, found) in here.iter().zip(found) {
         match found {
@@ -280,11 +283,11 @@ fn leaves(
 /// A region's division, its parts, and the changes that it was met by.
 type Divided = (PartNode, Vec<Part>, Vec<usize>);
 
-/// The parts of a region after division and the user's changes.
+/// The parts of a region after division and those of the user's changes that may meet it.
 fn parts_of(
     setting: &Setting,
     region: &RegionToBurn,
-    method: Method,
+    (method, edits): (Method, &[usize]),
     params: &ElectrodeParams,
     cancel: &Cancel,
 ) -> Result<Divided, TipError> {
@@ -297,22 +300,24 @@ fn parts_of(
     let first = footprint(&burned, &place, method, params.margin_mm, cancel)?;
     let mut divided = divide(&burned, first, &settings, cancel)?;
     let mut met = Vec::new();
-    for (number, edit) in params.edits.iter().enumerate() {
-        if apply(&burned, &mut divided, edit, |p| (setting.turned * p).truncate(), &settings)? {
+    for &number in edits {
+        if apply(&burned, &mut divided, &params.edits[number], |p| (setting.turned * p).truncate(), &settings)? {
             met.push(number);
         }
     }
-    let tree = node(&divided, &mut 0);
+    let tree = node(&divided, &places(&divided), &mut 0);
     Ok((tree, divided.leaves().into_iter().cloned().collect(), met))
 }
 
-fn node(part: &Part, count: &mut usize) -> PartNode {
+fn node(part: &Part, places: &[Option<DVec2>], count: &mut usize) -> PartNode {
     let outlines = part.footprint.free.iter().map(|o| o.points().to_vec()).collect();
     let (cut, h_edges) = (part.divided.as_ref().map(|(cut, _)| *cut), part.h_edges.len());
-    let parts: Vec<PartNode> = part.divided.iter().flat_map(|(_, parts)| parts).map(|p| node(p, count)).collect();
+    let parts = part.divided.iter().flat_map(|(_, parts)| parts);
+    let parts: Vec<PartNode> = parts.map(|p| node(p, places, count)).collect();
     let number = parts.is_empty().then_some(*count);
+    let place = number.and_then(|number| places.get(number).copied().flatten());
     *count += usize::from(number.is_some());
-    PartNode { cut, h_edges, outlines, parts, part: number }
+    PartNode { cut, h_edges, outlines, parts, part: number, place }
 }
 
 /// Names: numbers by design, the same for all stages where they burn the same parts.
