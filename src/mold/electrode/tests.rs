@@ -416,15 +416,15 @@ fn the_user_splits_merges_and_chooses_the_method() {
 
 #[test]
 fn parts_of_what_is_left_along_walls_are_named_by_points_of_it_and_of_their_tips() {
-    let mold = mold([30.0, 20.0, 10.0], &[(&rectangle(8.0, 4.0), 5.0)]);
-    let all = region(&mold, DVec2::new(-4.1, -2.1), DVec2::new(4.1, 2.1));
+    let mold = mold([30.0, 20.0, 10.0], &[(&rectangle(8.0, 0.8), 5.0)]);
+    let all = region(&mold, DVec2::new(-4.1, -0.5), DVec2::new(4.1, 0.5));
     let is_wall = |c: &&[DVec3; 3]| (c[1] - c[0]).cross(c[2] - c[0]).normalize().z.abs() < 0.5;
     let corners: Vec<[DVec3; 3]> = all.corners.iter().filter(is_wall).copied().collect();
     let depths = vec![5.0; corners.len()];
     let walls = [RegionToBurn { corners, depths, ..all }];
     let apart = ElectrodeParams { share: false, together_mm: 0.0, ..params(GAP) };
     let with = |edits: Vec<Edit>| planned(&mold, &walls, &ElectrodeParams { edits, ..apart.clone() });
-    // The line's middle and those of the tips are in the middle of the pocket, where nothing is left.
+    // The line's middle and those of the tips are in the middle of the slot, where nothing is left.
     let split = Edit::Split { line: [DVec3::new(1.0, -1.0, 0.0), DVec3::new(1.0, 1.0, 0.0)] };
     let halves = with(vec![split]);
     assert_eq!((halves.electrodes.len(), halves.unmet_edits()), (2, vec![]), "{:?}", halves.regions[0]);
