@@ -290,7 +290,7 @@ impl Command {
             Self::MillFlanks => {
                 core.pipeline.state(Stage::Electrode) == StageState::Done && core.shown_electrode().is_some()
             }
-            Self::Cancel if is_of_mold => mold.work.is_busy(),
+            Self::Cancel if is_of_mold => mold.work.is_busy() || mold.electrodes.split.is_some(),
             Self::FindUncut | Self::DesignElectrodes => mold.work.mold_state(&mold.params) == StageState::Done,
             Self::Electrodes => mold.electrodes.designed().is_some(),
             Self::FlyToRegion | Self::Isolate if mold.electrodes.seen().is_some() => mold.electrodes.chosen().is_some(),

@@ -11,6 +11,7 @@ use crate::mold::electrode::base::round_blank;
 use crate::mold::electrode::check::CheckKind;
 use crate::mold::electrode::design::{Burn, Electrode, ElectrodeSet};
 use crate::mold::electrode::family::Family;
+use crate::mold::electrode::overrides::Override;
 use crate::mold::electrode::params::{Method, Orbit, Shape};
 use crate::mold::electrode::plan::to_burn_frame;
 use crate::mold::opening::Opening;
@@ -118,6 +119,15 @@ pub enum ElectrodeState {
 }
 
 impl ElectrodeState {
+    /// What may be done with an electrode of a set if these are the user's overrides.
+    pub fn of(set: &ElectrodeSet, electrode: usize, overrides: &[Override]) -> Self {
+        match (set.fails(electrode), set.is_blocked_with(electrode, overrides)) {
+            (false, _) => Self::Ok,
+            (true, false) => Self::Overridden,
+            (true, true) => Self::Blocked,
+        }
+    }
+
     /// How it is called.
     pub fn name(self) -> &'static str {
         match self {
@@ -304,11 +314,6 @@ pub fn method_name(method: Method) -> &'static str {
 fn entry(set: &ElectrodeSet, e: usize) -> ElectrodeEntry {
     let (electrode, params) = (&set.electrodes[e], &set.params);
     let stage = &params.stages[electrode.stage];
-    let state = match (set.is_blocked(e), set.fails(e)) {
-        (true, _) => ElectrodeState::Blocked,
-        (false, true) => ElectrodeState::Overridden,
-        (false, false) => ElectrodeState::Ok,
-    };
     let turned = to_burn_frame(electrode.direction).transpose();
     let pattern = match stage.orbit {
         Orbit::None => "none",
@@ -318,13 +323,10 @@ fn entry(set: &ElectrodeSet, e: usize) -> ElectrodeEntry {
     let DVec3 { x, y, z } = electrode.blank;
     let diameter_mm = round_blank(&electrode.base, &params.blanks);
     let holder = electrode.holder.and_then(|h| params.holders.get(h));
-    let burns = electrode.burns.iter().enumerate().map(|(i, burn)| {
-        let minutes = params.removal.minutes(burn.volume, electrode.front_area, stage.finish_vdi);
-        burn_entry(i + 1, burn, &turned, minutes)
-    });
+    let burns = electrode.burns.iter().enumerate().map(|(i, burn)| burn_entry(i + 1, burn, &turned));
     ElectrodeEntry {
         name: electrode.name.clone(),
-        state,
+        state: ElectrodeState::of(set, e, &params.overrides),
         stage: stage.name.clone(),
         material: params.material.clone(),
         shape: params.shape,
@@ -417,7 +419,7 @@ fn pose(turned: DMat3, shift: [f64; 3]) -> Pose {
     [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]]
 }
 
-fn burn_entry(number: usize, burn: &Burn, turned: &DMat3, minutes: f64) -> BurnEntry {
+fn burn_entry(number: usize, burn: &Burn, turned: &DMat3) -> BurnEntry {
     let [x_mm, y_mm, z_mm] = burn.position.to_array().map(rounded);
     let mut regions: Vec<usize> = burn.parts.iter().map(|p| p.region + 1).collect();
     regions.sort_unstable();
@@ -433,7 +435,7 @@ fn burn_entry(number: usize, burn: &Burn, turned: &DMat3, minutes: f64) -> BurnE
         pose: pose(stands, [x_mm, y_mm, z_mm]),
         depth_mm: burn.depth,
         volume_mm3: burn.volume,
-        minutes,
+        minutes: burn.minutes,
         parts: burn.parts.iter().map(ToString::to_string).collect(),
         regions,
     }

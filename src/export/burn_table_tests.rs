@@ -100,7 +100,8 @@ fn minutes_of_burns_add_up_to_those_of_their_electrode() {
     let one = |volume| params.removal.minutes(volume, electrode.front_area, 30.0);
     // 0.2 mm^3 per minute and mm^2 on 4 mm^2, at the finish that this holds for.
     assert!((one(3.5) - (3.0 + 3.5 / 0.8)).abs() < 1e-12);
-    electrode.minutes = electrode.burns.iter().map(|b| one(b.volume)).sum();
+    electrode.burns.iter_mut().for_each(|b| b.minutes = one(b.volume));
+    electrode.minutes = electrode.burns.iter().map(|b| b.minutes).sum();
     let table = BurnTable::of(&set, "", Opening::PlusZ);
     let entry = &table.electrodes[0];
     assert!((entry.burns.iter().map(|b| b.minutes).sum::<f64>() - entry.minutes).abs() < 1e-9);

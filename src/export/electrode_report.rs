@@ -61,7 +61,9 @@ pub struct IdleEntry {
 const MODEL: &str = "A stage leaves a layer for the next one on the whole surface of a region: as thick as the next \
     one's electrode is larger (the difference of their undersizes), and no less than its stock. It takes what the stages \
     before it left, down to that layer; the last one takes all the rest, so that the stages together take what the cutters \
-    left. Minutes are those volumes at the removal rate of the stage's finish, and the setting of each burn.";
+    left. Minutes are those volumes at the removal rate of the stage's finish, and the setting of each burn. Tips on one base \
+    go down together: their burn takes as long as the slowest of them by itself, each at the rate that its own area seen along \
+    the burn allows, and no less than all of them together at the generator's greatest rate.";
 
 /// A region and how it is burned.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -112,7 +114,7 @@ impl ElectrodesReport {
         let idle = |(o, why): (&Override, IdleOverride)| IdleEntry { name: o.to_string(), why: why.text() };
         Self {
             schema: SCHEMA,
-            sentence: sentence(set, &table),
+            sentence: sentence(set, &table, &set.params.overrides),
             holds: set.holds(),
             blocked: (0..set.electrodes.len()).filter_map(blocked).collect(),
             idle_overrides: set.idle_overrides().into_iter().map(idle).collect(),
@@ -123,6 +125,11 @@ impl ElectrodesReport {
             overridden,
             table,
         }
+    }
+
+    /// The answer in a sentence if these are the user's overrides of the `set` that the report is on.
+    pub fn sentence_with(&self, set: &ElectrodeSet, overrides: &[Override]) -> String {
+        sentence(set, &self.table, overrides)
     }
 
     /// The report as JSON; a number that is not finite becomes null.
@@ -143,7 +150,7 @@ fn counted(n: usize, one: &str) -> String {
     if n == 1 { format!("1 {one}") } else { format!("{n} {one}s") }
 }
 
-fn sentence(set: &ElectrodeSet, table: &BurnTable) -> String {
+fn sentence(set: &ElectrodeSet, table: &BurnTable, overrides: &[Override]) -> String {
     let regions = set.regions.len();
     if regions == 0 {
         return "The cutters leave no region: no electrode is needed.".to_owned();
@@ -157,7 +164,8 @@ fn sentence(set: &ElectrodeSet, table: &BurnTable) -> String {
     );
     let list = |names: Vec<&str>| names.join(", ");
     let named = |state: ElectrodeState| -> Vec<&str> {
-        table.electrodes.iter().filter(|e| e.state == state).map(|e| e.name.as_str()).collect()
+        let all = table.electrodes.iter().enumerate();
+        all.filter(|(e, _)| ElectrodeState::of(set, *e, overrides) == state).map(|(_, e)| e.name.as_str()).collect()
     };
     let blocked = named(ElectrodeState::Blocked);
     if !blocked.is_empty() {
@@ -175,6 +183,17 @@ fn sentence(set: &ElectrodeSet, table: &BurnTable) -> String {
     if !without.is_empty() {
         let what = if without.len() == 1 { "Region" } else { "Regions" };
         text += &format!(" {what} not burned, or not wholly: {}.", without.join(", "));
+    }
+    let warnings = table.electrodes.iter().map(|e| e.warnings.len()).sum();
+    if warnings > 0 {
+        text += &format!(" {} of electrodes.", counted(warnings, "warning"));
+    }
+    let unmet = set.unmet_edits().len();
+    if unmet > 0 {
+        text += &format!(
+            " {} no region, or nothing in it.",
+            counted(unmet, "change") + if unmet == 1 { " meets" } else { " meet" }
+        );
     }
     if set.holds() {
         text += " Every check holds.";

@@ -32,7 +32,8 @@ pub(super) fn page(report: &ElectrodesReport, pictures: &[(String, Vec<u8>)]) ->
     overview(&mut out, &report.table);
     report.table.electrodes.iter().for_each(|e| electrode(&mut out, e));
     regions(&mut out, &report.regions);
-    if stages(&report.table) > 1 {
+    let mut burns = report.table.electrodes.iter().flat_map(|e| &e.burns);
+    if stages(&report.table) > 1 || burns.any(|burn| burn.parts.len() > 1) {
         let _ = write!(out, "<p class=\"soft\">{}</p>", escape(report.model));
     }
     out.push_str("<section><h2>Parameters</h2>");

@@ -6,7 +6,7 @@ use i_overlay::core::overlay::Overlay;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::i_float::int::point::IntPoint;
 
-use super::outline::Outline;
+use super::outline::{Outline, off_segment};
 
 /// Squares of the grid per mm: finer than any file's rounding.
 const SCALE: f64 = (1u64 << 30) as f64;
@@ -62,6 +62,53 @@ pub fn holds(outlines: &[Outline], p: DVec2) -> bool {
     outlines.iter().map(|o| o.winding(p)).sum::<i32>() > 0
 }
 
+/// How far `p` is from what is within outlines whose holes run the other way (mm); infinite where that is nothing.
+pub fn off(outlines: &[Outline], p: DVec2) -> f64 {
+    if holds(outlines, p) {
+        return 0.0;
+    }
+    let sides = outlines.iter().flat_map(Outline::sides);
+    sides.map(|[a, b]| off_segment(p, a, b)).fold(f64::INFINITY, f64::min)
+}
+
+/// A point within outlines whose holes run the other way, away from them where there is room; none where they hold
+/// nothing.
+pub fn inside(outlines: &[Outline]) -> Option<DVec2> {
+    /// Lines along X that are looked along, at most: the middles of the widest bands between corners.
+    const LINES: usize = 64;
+    let mut heights: Vec<f64> = outlines.iter().flat_map(Outline::points).map(|p| p.y).collect();
+    heights.sort_by(f64::total_cmp);
+    let mut bands: Vec<[f64; 2]> = heights.windows(2).map(|h| [h[0], h[1]]).filter(|[a, b]| a < b).collect();
+    bands.sort_by(|a, b| (b[1] - b[0]).total_cmp(&(a[1] - a[0])));
+    let stretches = bands.into_iter().take(LINES).filter_map(|[low, high]| {
+        let (y, width) = (low.midpoint(high), |[a, b]: &[f64; 2]| b - a);
+        let widest = stretches(outlines, y).into_iter().max_by(|a, b| width(a).total_cmp(&width(b)))?;
+        Some((width(&widest).min(high - low), DVec2::new(widest[0].midpoint(widest[1]), y)))
+    });
+    let within = stretches.filter(|(_, p)| holds(outlines, *p));
+    within.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, p)| p)
+}
+
+/// Where the line at this height is within outlines: from and to along X.
+fn stretches(outlines: &[Outline], y: f64) -> Vec<[f64; 2]> {
+    let crossing = |[a, b]: [DVec2; 2]| {
+        let is_crossed = (a.y <= y) != (b.y <= y);
+        // What runs down has the inside on the right.
+        is_crossed.then(|| (a.x + (b.x - a.x) * (y - a.y) / (b.y - a.y), if a.y > b.y { 1 } else { -1 }))
+    };
+    let mut crossings: Vec<(f64, i32)> = outlines.iter().flat_map(Outline::sides).filter_map(crossing).collect();
+    crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut winding = 0;
+    let mut found = Vec::new();
+    for pair in crossings.windows(2) {
+        winding += pair[0].1;
+        if winding > 0 {
+            found.push([pair[0].0, pair[1].0]);
+        }
+    }
+    found
+}
+
 /// Least and greatest coordinates.
 pub fn extent(outlines: &[Outline]) -> [DVec2; 2] {
     let points = outlines.iter().flat_map(Outline::points);
@@ -113,6 +160,21 @@ mod tests {
         assert!((of(difference(&a, &b)) - 3.0).abs() < 1e-7);
         assert!(intersection(&a, &[]).is_empty() && union(&[], &[]).is_empty());
         assert!(intersection(&a, &[square(5.0, 0.0, 1.0)]).is_empty());
+    }
+
+    #[test]
+    fn a_point_inside_is_found_and_others_are_as_far_off_as_the_nearest_side() {
+        let l = [(0.0, 0.0), (6.0, 0.0), (6.0, 1.0), (1.0, 1.0), (1.0, 6.0), (0.0, 6.0)];
+        let l = [Outline::new(l.into_iter().map(DVec2::from).collect()).unwrap()];
+        let p = inside(&l).unwrap();
+        assert!(p.min_element() > 0.0 && p.min_element() < 1.0 && p.max_element() < 6.0, "{p}");
+        // The middle of a frame is not of it.
+        let frame = [square(0.0, 0.0, 10.0), turned(&square(0.5, 0.5, 9.0))];
+        let p = inside(&frame).unwrap();
+        assert!(holds(&frame, p) && off(&frame, p) == 0.0, "{p}");
+        assert!((off(&frame, DVec2::splat(5.0)) - 4.5).abs() < 1e-12);
+        assert!((off(&frame, DVec2::new(13.0, 14.0)) - 5.0).abs() < 1e-12);
+        assert!(inside(&[]).is_none() && off(&[], DVec2::ZERO) == f64::INFINITY);
     }
 
     #[test]

@@ -267,8 +267,8 @@ mod tests {
     use crate::mold::electrode::params::Method;
 
     fn electrode(direction: DVec3) -> Electrode {
-        let burn =
-            Burn { position: DVec3::new(5.0, -2.0, 20.0), turn: 0.7, parts: Vec::new(), depth: 6.0, volume: 1.0 };
+        let position = DVec3::new(5.0, -2.0, 20.0);
+        let burn = Burn { position, turn: 0.7, parts: Vec::new(), depth: 6.0, volume: 1.0, minutes: 1.0 };
         let mesh = cuboid(DVec3::new(2.0, 3.0, 4.0)).mapped(|p| p - DVec3::new(1.0, 1.5, 4.0));
         Electrode {
             name: "E01".to_owned(),

@@ -154,6 +154,26 @@ fn a_region_is_made_in_another_way_and_a_part_is_split_by_two_clicks() {
 }
 
 #[test]
+fn a_change_that_meets_nothing_is_said_and_a_line_is_given_up_with_escape() {
+    let home = Home::new();
+    let mut desk = designed(&home, [1280, 720]);
+    desk.mold_mut().electrodes.begin_split(0);
+    desk.settle();
+    desk.assert_shows("Split region 1: click on the mold where the line begins");
+    desk.key(Key::Escape);
+    let burns = &desk.mold().electrodes;
+    assert_eq!((burns.split, burns.split_region), (None, None));
+    let mut params = desk.mold().params.clone();
+    let far = [DVec3::new(900.0, 0.0, 0.0), DVec3::new(900.0, 1.0, 0.0)];
+    params.electrodes.edits.push(Edit::Split { line: far });
+    desk.mold_mut().edit(params);
+    desk.press("Design");
+    until_designed(&mut desk);
+    assert_eq!(desk.mold().electrodes.designed().unwrap().set.unmet_edits(), [0]);
+    desk.assert_shows("1 change meets no region");
+}
+
+#[test]
 fn the_flanks_of_a_designed_electrode_are_milled_without_a_file() {
     let home = Home::new();
     let mut desk = designed(&home, [1280, 720]);

@@ -27,8 +27,12 @@ const REST: Duration = Duration::from_millis(300);
 pub struct MoldDesk {
     /// Whether the panel on the left is there, or folded away.
     pub shows_panel: bool,
-    /// Whether the list of regions is there, where it has a panel of its own.
+    /// Whether the list of regions or electrodes is there, where it has a panel of its own.
     pub shows_list: bool,
+    /// Whether a small window shows the list in the place of the panel on the left.
+    pub shows_list_instead: bool,
+    /// Whether the window is a small one.
+    pub is_small: bool,
     /// The mold and what is asked about it.
     pub params: MoldParams,
     /// What has been made of it.
@@ -92,6 +96,8 @@ impl MoldDesk {
         Ok(Self {
             shows_panel: true,
             shows_list: true,
+            shows_list_instead: false,
+            is_small: false,
             other: params.library.clone(),
             record: Record::of(&params),
             params,
@@ -114,6 +120,15 @@ impl MoldDesk {
             electrodes,
             shown: None,
         })
+    }
+
+    /// Shows the panel on the left, or folds it away. A small window has room for it or for the list.
+    pub fn fold_panel(&mut self) {
+        if self.is_small && self.shows_list_instead {
+            (self.shows_panel, self.shows_list_instead) = (true, false);
+        } else {
+            self.shows_panel = !self.shows_panel;
+        }
     }
 
     /// Takes what is asked of electrodes, and the holders, from the files in the user's folder. What is wrong with them is

@@ -25,9 +25,12 @@ use super::folds;
 /// Draws the workspace. Answers what a path is wanted for.
 pub fn show(ui: &mut Ui, core: &mut Core, view: &mut MoldView) -> Option<Purpose> {
     let room = ui.available_width();
-    // In a small window the view comes first: panels get narrower, and the list of regions has none of its own.
+    // In a small window the view comes first: panels get narrower, and the list has one only in the place of the other.
     let wide = room > 900.0;
-    let asked = if core.mold.shows_panel {
+    core.mold.is_small = !wide;
+    let is_listed = if wide { core.mold.shows_list } else { core.mold.shows_list_instead };
+    let is_formed = core.mold.shows_panel && (wide || !is_listed);
+    let asked = if is_formed {
         let (least, width) = if wide { (320.0, 0.32 * room) } else { (300.0, 0.5 * room) };
         let width = width.clamp(least, 412.0);
         let panel = Panel::left("mold").default_size(width).size_range(least..=(0.45 * room).clamp(width, 520.0));
@@ -35,15 +38,17 @@ pub fn show(ui: &mut Ui, core: &mut Core, view: &mut MoldView) -> Option<Purpose
     } else {
         None
     };
-    if wide && core.mold.shows_list {
-        let width = (0.35 * room - 100.0).clamp(228.0, 348.0);
-        let list = Panel::right("regions").default_size(width).size_range(228.0..=(0.4 * room).clamp(width, 480.0));
+    if is_listed {
+        let width = if wide { (0.35 * room - 100.0).clamp(228.0, 348.0) } else { (0.5 * room).clamp(228.0, 412.0) };
+        let list = Panel::right(if wide { "regions" } else { "regions instead" })
+            .default_size(width)
+            .size_range(228.0..=(0.4 * room).clamp(width, 480.0));
         list.show(ui, |ui| lists(ui, core));
     }
     egui::CentralPanel::no_frame().show(ui, |ui| {
         let rect = ui.available_rect_before_wrap();
         view.show(ui, core);
-        folds::show(ui, rect, core, core.mold.shows_panel, wide.then_some(core.mold.shows_list));
+        folds::show(ui, rect, core, is_formed, Some(is_listed));
     });
     asked
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use egui::{Align2, FontId, Rect, Ui, pos2};
+use egui::{Align2, FontId, Rect, Stroke, Ui, pos2, vec2};
 
 use super::super::commands::Command;
 use super::super::core::Core;
@@ -69,7 +69,11 @@ impl SceneKey {
             glance: Source(mold.glanced().cloned()),
             shown: shown(core),
             colours: mold.colours,
-            selected: mold.selected.filter(|_| electrodes.seen().is_none()),
+            selected: match electrodes.seen() {
+                // The one that is to be split, not what else is there.
+                Some(_) => electrodes.split.and(electrodes.split_region),
+                None => mold.selected,
+            },
             look,
             shows_invert: mold.shows_invert,
             layer: mold.layer.filter(|_| electrodes.seen().is_none()),
@@ -145,6 +149,20 @@ impl MoldView {
         }
     }
 
+    /// The line that is being drawn, from where it begins to the pointer.
+    fn line(&self, ui: &Ui, rect: Rect, core: &Core) {
+        let (Some(Some(first)), Some(made)) = (core.mold.electrodes.split, core.mold.electrodes.seen()) else { return };
+        let (camera, size) = self.viewport.camera();
+        let Some(seen) = camera.project(made.opening.in_mesh(first), size) else { return };
+        let p = seen.pixel / f64::from(ui.pixels_per_point());
+        let from = rect.min + vec2(p.x as f32, p.y as f32);
+        let (painter, accent) = (ui.painter_at(rect), palette(ui).accent);
+        painter.circle(from, 4.0, accent, Stroke::new(1.5, ui.visuals().window_fill));
+        if let Some(to) = ui.ctx().pointer_hover_pos().filter(|to| rect.contains(*to)) {
+            painter.line_segment([from, to], Stroke::new(2.0, accent));
+        }
+    }
+
     /// Draws it.
     pub fn show(&mut self, ui: &mut Ui, core: &mut Core) {
         let key = SceneKey::of(core, ui.visuals().dark_mode);
@@ -164,6 +182,7 @@ impl MoldView {
             click(core, picked);
         }
         overlay::buttons(ui, rect, core, &buttons(core));
+        self.line(ui, rect, core);
         overlay::gizmo(ui, rect, &mut self.viewport);
         electrode::strip(ui, rect, core);
         if core.mold.electrodes.seen().is_none() {
@@ -251,7 +270,7 @@ fn caption(ui: &mut Ui, rect: Rect, core: &Core) {
     let colours = palette(ui);
     if let Some(made) = core.mold.electrodes.seen() {
         if !core.mold.is_designed() && core.mold.electrodes.split.is_none() {
-            let text = format!("Of other parameters: {}", made.report.sentence);
+            let text = format!("Of other parameters: {}", made.sentence(&core.mold.params.electrodes.overrides));
             overlay::caption(ui, rect, 122.0, colours.warning, &text);
         }
         return;
@@ -277,7 +296,7 @@ fn empty(ui: &Ui, rect: Rect, core: &Core) {
     };
     let c = rect.center();
     let accent = palette(ui).accent;
-    ui.painter().text(c - egui::vec2(0.0, 24.0), Align2::CENTER_CENTER, title, FontId::proportional(22.0), accent);
+    ui.painter().text(c - vec2(0.0, 24.0), Align2::CENTER_CENTER, title, FontId::proportional(22.0), accent);
     let colour = egui::Color32::from_gray(150);
     ui.painter().text(pos2(c.x, c.y + 8.0), Align2::CENTER_CENTER, line, FontId::proportional(13.5), colour);
 }

@@ -39,6 +39,10 @@ impl SparkpathApp {
             Command::Redo => drop(self.core.document.redo()),
             Command::Preferences => self.dialog = Dialog::Preferences,
             Command::Plan => self.plan(),
+            // What is being drawn is given up first.
+            Command::Cancel if is_of_mold && self.core.mold.electrodes.split.is_some() => {
+                self.core.mold.electrodes.give_up_split();
+            }
             Command::Cancel if is_of_mold => self.core.mold.work.cancel(),
             Command::Cancel => self.core.pipeline.cancel(),
             Command::Approve => self.approve(),

@@ -193,7 +193,8 @@ impl SparkpathApp {
                     Command::FlyToRegion => mold.fly_to = mold.selected,
                     Command::Isolate => mold.isolated = !mold.isolated,
                     Command::Layers => mold.toggle_layers(),
-                    Command::FoldPanel => mold.shows_panel = !mold.shows_panel,
+                    Command::FoldPanel => mold.fold_panel(),
+                    Command::FoldList if mold.is_small => mold.shows_list_instead = !mold.shows_list_instead,
                     Command::FoldList => mold.shows_list = !mold.shows_list,
                     Command::FaintMold => mold.is_faint = !mold.is_faint,
                     _ => {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 use super::electrode_export::{Exported, export};
 use super::{FoundUncut, LoadedMold, Question};
@@ -15,10 +15,9 @@ use crate::jobs::kept::{Doing, Kept, WorkEvent, note};
 use crate::jobs::pipeline::{EventKind, StageState};
 use crate::jobs::worker::{Ended, Reporter, Worker};
 use crate::mold::electrode::design::{ElectrodeSet, PartNode};
+use crate::mold::electrode::overrides::Override;
 use crate::mold::electrode::params::ElectrodeParams;
 use crate::mold::opening::Opening;
-use crate::mold::outline::Outline;
-use crate::mold::plane;
 use crate::progress::{Cancel, Progress};
 use crate::views::{ElectrodeShape, electrode_shapes};
 
@@ -38,8 +37,9 @@ pub struct Designed {
 }
 
 impl Designed {
-    fn sentence(&self) -> String {
-        self.report.sentence.replace("mm3", "mm³").replace("mm^3", "mm³")
+    /// The answer in a sentence if these are the user's overrides.
+    pub fn sentence(&self, overrides: &[Override]) -> String {
+        self.report.sentence_with(&self.set, overrides).replace("mm3", "mm³").replace("mm^3", "mm³")
     }
 
     /// A place in each part of a region that was not divided further, by which changes name it, upright (mm): none if
@@ -58,20 +58,8 @@ impl Designed {
 fn leaf_places(node: &PartNode, z: f64, places: &mut Vec<Option<DVec3>>) {
     node.parts.iter().for_each(|part| leaf_places(part, z, places));
     if node.part.is_some() {
-        places.push(within(&node.outlines).map(|p| p.extend(z)));
+        places.push(node.place.map(|p| p.extend(z)));
     }
-}
-
-/// A point within outlines.
-fn within(outlines: &[Vec<DVec2>]) -> Option<DVec2> {
-    let outlines: Vec<Outline> = outlines.iter().filter_map(|points| Outline::new(points.clone())).collect();
-    let [low, high] = plane::extent(&outlines);
-    // Corners cut off are tried where the middle is none of it.
-    let corners = outlines.iter().flat_map(|o| {
-        let points = o.points();
-        (0..points.len()).map(|i| (points[i] + points[(i + 1) % points.len()] + points[(i + 2) % points.len()]) / 3.0)
-    });
-    std::iter::once(low.midpoint(high)).chain(corners).find(|p| plane::holds(&outlines, *p))
 }
 
 /// What is asked: of which mold and cutters, and for which electrodes.
@@ -114,7 +102,7 @@ impl Designer {
                 continue;
             }
             let Some((ended, took)) = note(&mut self.doing, "Electrodes", message) else { continue };
-            let ended = self.made.end(ended, Designed::sentence);
+            let ended = self.made.end(ended, |made| made.sentence(&params.overrides));
             events.extend(ended.map(|said| event(said, took)));
         }
         for message in self.exporter.messages() {
@@ -229,18 +217,4 @@ fn design(
     let plain = ElectrodeSet { params: ElectrodeParams { overrides: Vec::new(), ..params.clone() }, ..set };
     let report = ElectrodesReport::of(&plain, &mold.name, opening);
     Ok(Designed { report, shapes: electrode_shapes(&plain), opening, places, set: plain })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_point_within_a_part_is_found_even_where_its_middle_is_not_of_it() {
-        let l = [(0.0, 0.0), (6.0, 0.0), (6.0, 1.0), (1.0, 1.0), (1.0, 6.0), (0.0, 6.0)];
-        let l: Vec<DVec2> = l.into_iter().map(DVec2::from).collect();
-        let p = within(std::slice::from_ref(&l)).unwrap();
-        assert!(p.min_element() > 0.0 && p.min_element() < 1.0 && p.max_element() < 6.0, "{p}");
-        assert_eq!(within(&[]), None);
-    }
 }

@@ -395,6 +395,16 @@ pub struct LeftOfRegion {
     pub volume: f64,
 }
 
+impl LeftOfRegion {
+    /// What is left of both: what is thickest, the place of the greater excess, the volumes together.
+    pub(super) fn and(self, other: Self) -> Self {
+        let (volume, thickness) = (self.volume + other.volume, self.thickness.max(other.thickness));
+        // Where no excess is, the place is that of the greatest thickness.
+        let is_worse = (other.excess, other.thickness) > (self.excess, self.thickness);
+        Self { volume, thickness, ..if is_worse { other } else { self } }
+    }
+}
+
 /// Where cutters leave something, known to `within` (mm).
 pub struct Milled<'a> {
     /// Whether they leave it at a point, or within that distance of it.
@@ -418,13 +428,7 @@ pub fn left_by(
         Ok(left_at(burns, sample, mold, milled))
     };
     let all = samples.par_iter().map(of).collect::<Result<Vec<_>, _>>()?;
-    let worse = |a: LeftOfRegion, b: &LeftOfRegion| {
-        let volume = a.volume + b.volume;
-        // Where no excess is, the place is that of the greatest thickness.
-        let is_worse = (b.excess, b.thickness) > (a.excess, a.thickness);
-        LeftOfRegion { volume, thickness: a.thickness.max(b.thickness), ..if is_worse { *b } else { a } }
-    };
-    Ok(all.iter().fold(LeftOfRegion::default(), worse))
+    Ok(all.into_iter().fold(LeftOfRegion::default(), LeftOfRegion::and))
 }
 
 fn left_at(burns: &[&Burning], sample: &Sample, mold: &Obstacle, milled: &Milled) -> LeftOfRegion {
@@ -473,7 +477,10 @@ const SQUARE: &str =
 pub fn leftover(left: &LeftOfRegion, tolerance: f64, stage: &Stage) -> Finding {
     let holds = left.excess <= tolerance;
     let text = if holds {
-        format!("at most {:.4} mm are left, in corners that the spark rounds; {:.4} mm^3", left.thickness, left.volume)
+        format!(
+            "at most {:.4} mm are left, in corners that the spark rounds; {:.4} mm^3 in all",
+            left.thickness, left.volume
+        )
     } else {
         format!(
             "{:.4} mm are left beyond what corners keep, {tolerance:.4} mm are allowed; {:.4} mm^3 in all{}",

@@ -42,6 +42,8 @@ pub struct Burn {
     pub depth: f64,
     /// Volume that is burned away (mm^3).
     pub volume: f64,
+    /// Minutes that it takes: as long as its slowest tip, or as all of them at the generator's greatest rate.
+    pub minutes: f64,
 }
 
 /// An electrode: a base with one tip or several. Its origin is the middle of the base's underside, from where the tips
@@ -110,6 +112,8 @@ pub struct PartNode {
     pub parts: Vec<PartNode>,
     /// For a leaf its number among the region's parts.
     pub part: Option<usize>,
+    /// For a leaf a point of it by which changes name it, in plan, in the burn frame (mm).
+    pub place: Option<DVec2>,
 }
 
 /// What a stage has no tip for, and leaves to the stages after it.

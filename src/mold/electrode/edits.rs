@@ -1,15 +1,19 @@
 //! The user's changes to the division of a region.
 
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 use super::division::{Cut, DivisionSettings, Part, cut_along, whole};
 use super::params::Edit;
-use super::tip::{Burned, SKIN, TipError};
-use crate::mold::outline::Outline;
+use super::plan::RegionToBurn;
+use super::tip::{Burned, Footprint, SKIN, TipError};
+use crate::mold::outline::{Outline, off_segment};
 use crate::mold::plane;
 
 /// What a cut leaves between two parts at most (mm).
 const HAIR: f64 = 1e-3;
+/// Regions whose distances from a place differ by less are as near (mm): they are known to cells of about this size.
+const AS_NEAR: f64 = 0.02;
 
 /// Makes a change to the parts of a region; whether it meets them. `plan` takes a place of the upright mold to the plan of
 /// the burn frame.
@@ -36,7 +40,7 @@ pub(super) fn apply(
     }
 }
 
-/// Cuts the part that holds the middle of a line along it.
+/// Cuts the part that the middle of a line names along it.
 fn split(burned: &Burned, tree: &mut Part, [a, b]: [DVec2; 2], settings: &DivisionSettings) -> Result<bool, TipError> {
     let (through, outward) = (a.midpoint(b), (b - a).perp().normalize_or_zero());
     let held = holder(tree, through).filter(|_| outward != DVec2::ZERO);
@@ -51,7 +55,7 @@ fn split(burned: &Burned, tree: &mut Part, [a, b]: [DVec2; 2], settings: &Divisi
     Ok(true)
 }
 
-/// Makes the parts that hold two places one, which stands where the first of them stood.
+/// Makes the parts that two places name one, which stands where the first of them stood.
 fn merge(burned: &Burned, tree: &mut Part, places: [DVec2; 2]) -> Result<bool, TipError> {
     let [Some(a), Some(b)] = places.map(|p| holder(tree, p)) else { return Ok(false) };
     if a == b {
@@ -73,17 +77,76 @@ fn merge(burned: &Burned, tree: &mut Part, places: [DVec2; 2]) -> Result<bool, T
     Ok(true)
 }
 
-/// The way to the undivided part that holds a point of the region itself: a neighbour's margin may reach there too.
+/// The way to the undivided part that a point names: the part whose share of the region holds it, else of those whose tip
+/// or share does the one whose share is nearest. What is left often lies along walls only, with the tip between them, and a
+/// neighbour's margin may reach over a part.
 fn holder(tree: &Part, p: DVec2) -> Option<Vec<usize>> {
-    let Some((_, parts)) = &tree.divided else {
-        let is_held = plane::holds(&tree.footprint.free, p) && plane::holds(&tree.footprint.region, p);
-        return is_held.then(Vec::new);
+    let mut ways = Vec::new();
+    ways_to(tree, Vec::new(), &mut ways);
+    let named = ways.into_iter().filter_map(|(way, part)| {
+        let Footprint { free, outlines, region, .. } = &part.footprint;
+        let off = plane::off(region, p);
+        let is_inner = off == 0.0 && plane::holds(free, p);
+        let is_held = off == 0.0 || plane::holds(outlines, p) || plane::holds(free, p);
+        is_held.then_some((!is_inner, off, way))
+    });
+    named.min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))).map(|(.., way)| way)
+}
+
+/// The undivided parts and the ways to them, in order.
+fn ways_to<'a>(tree: &'a Part, way: Vec<usize>, ways: &mut Vec<(Vec<usize>, &'a Part)>) {
+    let Some((_, parts)) = &tree.divided else { return ways.push((way, tree)) };
+    for (i, part) in parts.iter().enumerate() {
+        ways_to(part, way.iter().copied().chain([i]).collect(), ways);
+    }
+}
+
+/// For each of these regions the changes to a division that may meet it, by their places in the list: of those nearest to
+/// it in plan. Tips of neighbours overlap, and a change is for one region.
+pub(super) fn named(
+    regions: &[&RegionToBurn],
+    edits: &[Edit],
+    plan: impl Fn(DVec3) -> DVec2 + Sync,
+) -> Vec<Vec<usize>> {
+    let off = |region: &RegionToBurn, edit: &Edit| -> f64 {
+        let (Edit::Split { line: [a, b] } | Edit::Merge { places: [a, b] }) = edit else { return f64::INFINITY };
+        let (a, b) = (plan(*a), plan(*b));
+        let places = if matches!(edit, Edit::Split { .. }) { [a.midpoint(b); 2] } else { [a, b] };
+        places.into_iter().map(|p| off_in_plan(region, &plan, p)).fold(0.0, f64::max)
     };
-    parts.iter().enumerate().find_map(|(i, part)| {
-        let mut way = holder(part, p)?;
-        way.insert(0, i);
-        Some(way)
-    })
+    let offs: Vec<Vec<f64>> = regions.par_iter().map(|r| edits.iter().map(|e| off(r, e)).collect()).collect();
+    let least = |e: usize| offs.iter().map(|of| of[e]).fold(f64::INFINITY, f64::min);
+    let nearest: Vec<f64> = (0..edits.len()).map(least).collect();
+    let is_near = |of: &[f64], e: usize| of[e].is_finite() && of[e] <= nearest[e] + AS_NEAR;
+    offs.iter().map(|of| (0..edits.len()).filter(|e| is_near(of, *e)).collect()).collect()
+}
+
+/// How far a point is from a region in plan (mm).
+fn off_in_plan(region: &RegionToBurn, plan: impl Fn(DVec3) -> DVec2, p: DVec2) -> f64 {
+    let of = |corners: &[DVec3; 3]| {
+        let sides = [0, 1, 2].map(|i| [plan(corners[i]), plan(corners[(i + 1) % 3])]);
+        let turns = sides.map(|[a, b]| (b - a).perp_dot(p - a));
+        if turns.iter().all(|t| *t > 0.0) || turns.iter().all(|t| *t < 0.0) {
+            return 0.0;
+        }
+        sides.into_iter().map(|[a, b]| off_segment(p, a, b)).fold(f64::INFINITY, f64::min)
+    };
+    region.corners.iter().map(of).fold(f64::INFINITY, f64::min)
+}
+
+/// A point of each undivided part that names it, in plan: of its share of the region and of no other's where there is one.
+pub(super) fn places(tree: &Part) -> Vec<Option<DVec2>> {
+    let leaves = tree.leaves();
+    let flat = |shapes: Vec<plane::Shape>| shapes.into_iter().flatten().collect::<Vec<Outline>>();
+    let of = |(i, part): (usize, &&Part)| {
+        let Footprint { free, region, .. } = &part.footprint;
+        let inner = flat(plane::intersection(free, region));
+        let others = leaves.iter().enumerate().filter(|(j, _)| *j != i);
+        let others: Vec<Outline> = others.flat_map(|(_, other)| other.footprint.region.iter().cloned()).collect();
+        let own = |of: &[Outline]| plane::inside(&flat(plane::difference(of, &others)));
+        own(&inner).or_else(|| own(region)).or_else(|| plane::inside(region)).or_else(|| plane::inside(free))
+    };
+    leaves.iter().enumerate().map(of).collect()
 }
 
 /// The part at the end of a way that [`holder`] found.

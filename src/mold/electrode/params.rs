@@ -202,6 +202,15 @@ impl Removal {
         let rate = (self.per_area_mm_min * area).min(self.most_mm3_min) * slower;
         self.setting_min + if rate > 0.0 { volume / rate } else { 0.0 }
     }
+
+    /// Minutes for one burn with several tips, each the volume that it takes (mm^3) and its front (mm^2). They go down
+    /// together: it takes as long as the slowest of them by itself, and no less than all of them as one, whose rate the
+    /// generator limits. So tips on one base never burn faster than one of them.
+    pub fn minutes_of_tips(&self, tips: &[(f64, f64)], finish_vdi: f64) -> f64 {
+        let all = tips.iter().fold((0.0, 0.0), |sum, tip| (sum.0 + tip.0, sum.1 + tip.1));
+        let each = tips.iter().chain([&all]).map(|(volume, area)| self.minutes(*volume, *area, finish_vdi));
+        each.fold(0.0, f64::max)
+    }
 }
 
 /// A change that the user made to the division.

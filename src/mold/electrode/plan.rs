@@ -11,7 +11,7 @@ use super::combine::Form;
 use super::design::{Burn, Electrode, ElectrodeSet, PartId, PartNode, RegionPlan};
 use super::division::{DivisionSettings, Part, divide};
 use super::earlier::{left_to_later, no_room, thick_only};
-use super::edits::apply;
+use super::edits::{apply, named as named_by_edits, places};
 use super::family::{Family, into_families, parts};
 use super::params::{Edit, ElectrodeParams, ElectrodeParamsError, Method, Orbit, Shape, Stage};
 use super::plan_checks::checked;
@@ -303,8 +303,12 @@ fn leaves(
     cancel: &Cancel,
 ) -> Result<Vec<Leaf>, ElectrodeError> {
     let burns = |p: DVec3| setting.burns(p);
-    let of = |r: &usize| parts_of(setting, (&regions[*r], plans[*r].method), (params, is_last), cancel);
-    let found: Vec<Result<Divided, TipError>> = here.par_iter().map(of).collect();
+    let own: Vec<&RegionToBurn> = here.iter().map(|r| &regions[*r]).collect();
+    let edits = named_by_edits(&own, &params.edits, |p| (setting.turned * p).truncate());
+    let of = |(r, edits): (&usize, &Vec<usize>)| {
+        parts_of(setting, &regions[*r], (plans[*r].method, edits), (params, is_last), cancel)
+    };
+    let found: Vec<Result<Divided, TipError>> = here.par_iter().zip(&edits).map(of).collect();
     let (number, least) = (made.len().saturating_sub(1), params.least_size_mm);
     let mut leaves = Vec::new();
     for (region, found) in here.iter().zip(found) {
@@ -353,10 +357,11 @@ struct Divided {
     is_lacking: bool,
 }
 
-/// The parts of a region after division and the user's changes.
+/// The parts of a region after division and those of the user's changes that may meet it.
 fn parts_of(
     setting: &Setting,
-    (region, method): (&RegionToBurn, Method),
+    region: &RegionToBurn,
+    (method, edits): (Method, &[usize]),
     (params, is_last): (&ElectrodeParams, bool),
     cancel: &Cancel,
 ) -> Result<Divided, TipError> {
@@ -377,23 +382,25 @@ fn parts_of(
     let in_plan = first.region.clone();
     let mut divided = divide(&burned, first, &settings, cancel)?;
     let mut met = Vec::new();
-    for (number, edit) in params.edits.iter().enumerate() {
-        if apply(&burned, &mut divided, edit, |p| (setting.turned * p).truncate(), &settings)? {
+    for &number in edits {
+        if apply(&burned, &mut divided, &params.edits[number], |p| (setting.turned * p).truncate(), &settings)? {
             met.push(number);
         }
     }
-    let tree = node(&divided, &mut 0);
+    let tree = node(&divided, &places(&divided), &mut 0);
     let parts = divided.leaves().into_iter().cloned().collect();
     Ok(Divided { tree, parts, met, in_plan, is_lacking: divided.is_lacking() })
 }
 
-fn node(part: &Part, count: &mut usize) -> PartNode {
+fn node(part: &Part, places: &[Option<DVec2>], count: &mut usize) -> PartNode {
     let outlines = part.footprint.free.iter().map(|o| o.points().to_vec()).collect();
     let (cut, h_edges) = (part.divided.as_ref().map(|(cut, _)| *cut), part.h_edges.len());
-    let parts: Vec<PartNode> = part.divided.iter().flat_map(|(_, parts)| parts).map(|p| node(p, count)).collect();
+    let parts = part.divided.iter().flat_map(|(_, parts)| parts);
+    let parts: Vec<PartNode> = parts.map(|p| node(p, places, count)).collect();
     let number = parts.is_empty().then_some(*count);
+    let place = number.and_then(|number| places.get(number).copied().flatten());
     *count += usize::from(number.is_some());
-    PartNode { cut, h_edges, outlines, parts, part: number }
+    PartNode { cut, h_edges, outlines, parts, part: number, place }
 }
 
 /// Names: numbers by design, the same for all stages where they burn the same parts.

@@ -1,5 +1,7 @@
 //! The checks of a plan's electrodes.
 
+use std::collections::BTreeSet;
+
 use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -62,8 +64,9 @@ pub(super) fn checked(
             findings.push(upright(gouge));
             findings.push(short.map_or_else(|| upright(approach), |burn| too_short_a_lift(params.lift_mm, burn)));
         }
-        let own = electrode.burns.iter().flat_map(|b| &b.parts).map(|p| left[p.region]);
-        if let Some(left) = own.max_by(|a, b| a.excess.total_cmp(&b.excess)) {
+        // Of all regions that it is for, each once, as the sum of what is told of each.
+        let own: BTreeSet<usize> = electrode.burns.iter().flat_map(|b| &b.parts).map(|p| p.region).collect();
+        if let Some(left) = own.into_iter().map(|r| left[r]).reduce(LeftOfRegion::and) {
             let is_last = electrode.stage + 1 == stages.len();
             findings.push(if is_last { leftover(&left, params.tolerance_mm, stage) } else { for_later() });
         }

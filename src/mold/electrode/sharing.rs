@@ -120,7 +120,6 @@ pub(super) fn assembled(
     let back = setting.turned.transpose();
     let front_area = group.leaves.iter().map(|i| plane::area(&leaves[*i].part.footprint.free)).sum();
     let first = &params.stages[stage];
-    let mut minutes = 0.0;
     let burns: Vec<Burn> = group
         .burns
         .iter()
@@ -130,15 +129,19 @@ pub(super) fn assembled(
                 let made: Vec<f64> = made.iter().map(|shares| shares[number]).collect();
                 taken(&regions[number], setting, (&params.stages, stage), &made) * share_of(&leaves[*i], leaves)
             };
-            let volume = ids.iter().map(part).sum();
-            minutes += params.removal.minutes(volume, front_area, first.finish_vdi);
+            // Each place is burned by the tip in the same place of the list.
+            let fronts = group.leaves.iter().map(|i| plane::area(&leaves[*i].part.footprint.free));
+            let tips: Vec<(f64, f64)> = ids.iter().map(part).zip(fronts).collect();
+            let volume = tips.iter().map(|(volume, _)| volume).sum();
+            let minutes = params.removal.minutes_of_tips(&tips, first.finish_vdi);
             let at = DVec2::from_angle(*turn).rotate(middle).extend(seat) + *shift;
             let parts = ids.iter().map(|i| leaves[*i].id).collect();
-            Burn { position: back * at, turn: *turn, parts, depth: top - around.min.z - shift.z, volume }
+            Burn { position: back * at, turn: *turn, parts, depth: top - around.min.z - shift.z, volume, minutes }
         })
         .collect();
     let only_tips = tips.into_iter().fold(Mesh::default(), joined);
     let is_extruded = group.leaves.iter().all(|i| leaves[*i].part.footprint.method == Method::Extruding);
+    let minutes = burns.iter().map(|burn| burn.minutes).sum();
     Ok(Electrode {
         name: String::new(),
         stage,

@@ -319,6 +319,14 @@ fn orbits_gaps_finishes_and_times_are_those_of_their_definitions() {
     assert!((removal.minutes(20.0, 10.0, 30.0) - 13.0).abs() < 1e-9, "2 mm3 a minute");
     assert!((removal.minutes(20.0, 10.0, 18.0) - 103.0).abs() < 1e-9, "ten times as slow");
     assert!((removal.minutes(300.0, 1e6, 30.0) - 13.0).abs() < 1e-9, "no faster than the generator");
+    // A small tip is not helped by the area of a large one beside it.
+    let tips = [(20.0, 10.0), (1.0, 90.0)];
+    assert!((removal.minutes_of_tips(&tips, 30.0) - 13.0).abs() < 1e-9);
+    // Nor are two that each could take all that the generator gives.
+    assert!((removal.minutes_of_tips(&[(300.0, 1e6); 2], 30.0) - 23.0).abs() < 1e-9);
+    for (volume, area) in tips {
+        assert!(removal.minutes_of_tips(&tips, 30.0) >= removal.minutes(volume, area, 30.0));
+    }
 }
 
 #[test]
@@ -392,11 +400,43 @@ fn the_user_splits_merges_and_chooses_the_method() {
     assert!(tree(&again).parts.is_empty() && again.unmet_edits().is_empty());
     let beside = with(vec![Edit::Split { line: line(9.0) }, split]);
     assert_eq!((beside.electrodes.len(), beside.unmet_edits()), (2, vec![0]), "a line that meets no part divides none");
+    // The places that the tree gives name its parts, and so does one of the tip beside what is left.
+    let given: Vec<DVec3> = tree(&halves).parts.iter().map(|p| p.place.unwrap().extend(0.0)).collect();
+    let beside = DVec3::new(2.0, 0.39, 0.0);
+    for places in [[given[0], given[1]], [given[1], given[0]], [given[0], beside]] {
+        let again = with(vec![split, Edit::Merge { places }]);
+        assert_eq!((again.electrodes.len(), again.unmet_edits()), (1, vec![]), "{places:?}");
+    }
     let place = DVec3::new(0.0, 0.0, -5.0);
     for method in [Method::Extruding, Method::Cutting] {
         let set = with(vec![Edit::Make { place, method }]);
         assert!(set.holds() && set.electrodes[0].method == method && set.regions[0].method == method);
     }
+}
+
+#[test]
+fn parts_of_what_is_left_along_walls_are_named_by_points_of_it_and_of_their_tips() {
+    let mold = mold([30.0, 20.0, 10.0], &[(&rectangle(8.0, 0.8), 5.0)]);
+    let all = region(&mold, DVec2::new(-4.1, -0.5), DVec2::new(4.1, 0.5));
+    let is_wall = |c: &&[DVec3; 3]| (c[1] - c[0]).cross(c[2] - c[0]).normalize().z.abs() < 0.5;
+    let corners: Vec<[DVec3; 3]> = all.corners.iter().filter(is_wall).copied().collect();
+    let depths = vec![5.0; corners.len()];
+    let walls = [RegionToBurn { corners, depths, ..all }];
+    let apart = ElectrodeParams { share: false, together_mm: 0.0, ..params(GAP) };
+    let with = |edits: Vec<Edit>| planned(&mold, &walls, &ElectrodeParams { edits, ..apart.clone() });
+    // The line's middle and those of the tips are in the middle of the slot, where nothing is left.
+    let split = Edit::Split { line: [DVec3::new(1.0, -1.0, 0.0), DVec3::new(1.0, 1.0, 0.0)] };
+    let halves = with(vec![split]);
+    assert_eq!((halves.electrodes.len(), halves.unmet_edits()), (2, vec![]), "{:?}", halves.regions[0]);
+    let tree = halves.regions[0].tree.clone().unwrap();
+    let given: Vec<DVec3> = tree.parts.iter().map(|p| p.place.unwrap().extend(0.0)).collect();
+    let middles: Vec<DVec3> = halves.electrodes.iter().map(|e| e.burns[0].position).collect();
+    for places in [[given[0], given[1]], [middles[0], middles[1]]] {
+        let again = with(vec![split, Edit::Merge { places }]);
+        assert_eq!((again.electrodes.len(), again.unmet_edits()), (1, vec![]), "{places:?}");
+    }
+    let same = with(vec![split, Edit::Merge { places: [given[0]; 2] }]);
+    assert_eq!((same.electrodes.len(), same.unmet_edits()), (2, vec![1]), "a part is not merged with itself");
 }
 
 #[test]

@@ -7,6 +7,7 @@ use egui::{RichText, Ui};
 use super::super::super::core::Core;
 use super::super::super::theme::{palette, tick};
 use crate::jobs::mold::Designed;
+use crate::jobs::pipeline::EventKind;
 use crate::mold::electrode::check::CheckKind;
 use crate::mold::electrode::overrides::{IdleOverride, Override};
 
@@ -15,7 +16,13 @@ pub fn show(ui: &mut Ui, core: &mut Core, made: &Designed, electrode: usize) {
     let Some(findings) = made.set.checks.get(electrode) else { return };
     for finding in findings {
         let colours = palette(ui);
-        let (sign, colour) = if finding.holds { ("\u{2714}", colours.good) } else { ("\u{2716}", colours.bad) };
+        let overrides = &core.mold.params.electrodes.overrides;
+        let is_decided = !finding.holds && made.set.is_overridden(electrode, finding.kind, overrides);
+        let (sign, colour) = match (finding.holds, is_decided) {
+            (true, _) => ("\u{2714}", colours.good),
+            (false, true) => ("\u{2716}", colours.warning),
+            (false, false) => ("\u{2716}", colours.bad),
+        };
         ui.horizontal_top(|ui| {
             ui.label(RichText::new(sign).color(colour));
             if let Some(place) = finding.place.filter(|_| !finding.holds) {
@@ -32,7 +39,7 @@ pub fn show(ui: &mut Ui, core: &mut Core, made: &Designed, electrode: usize) {
             }
             let text = format!("{}: {}", finding.kind.name(), finding.text.replace("mm^3", "mm³"));
             let text = RichText::new(text).small();
-            let text = if finding.holds { text.color(colours.faint) } else { text.color(colours.bad) };
+            let text = text.color(if finding.holds { colours.faint } else { colour });
             ui.add(egui::Label::new(text).wrap());
         });
     }
@@ -55,7 +62,10 @@ pub fn show(ui: &mut Ui, core: &mut Core, made: &Designed, electrode: usize) {
             failing.dedup();
             overrides.extend(failing.iter().map(|kind| Override::of(of, *kind)));
         }
+        // What was said last speaks of decisions too.
+        let said = made.sentence(overrides);
         core.mold.edit(params);
+        core.say(EventKind::Done, format!("Electrodes: {said}"));
     } else if has_lapsed {
         let text = format!("Override of {}: {}.", of.name, IdleOverride::OtherParts.text());
         ui.add(egui::Label::new(RichText::new(text).small().color(palette(ui).warning)).wrap());

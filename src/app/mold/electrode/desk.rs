@@ -78,6 +78,8 @@ pub struct ElectrodeDesk {
     pub parts: Vec<(usize, usize)>,
     /// See [`Look`].
     pub split: Option<Option<DVec3>>,
+    /// The region that was to be split, if the line is drawn for one.
+    pub split_region: Option<usize>,
     /// Whether files of each format are written.
     pub formats: [bool; 3],
     /// Where the view is to go.
@@ -103,6 +105,7 @@ impl Default for ElectrodeDesk {
             stage: 0,
             parts: Vec::new(),
             split: None,
+            split_region: None,
             formats: [true, false, false],
             fly: None,
             // Those of a broken file would be none: what the parameters name is there in any case.
@@ -122,6 +125,7 @@ impl ElectrodeDesk {
         self.shown = now.cloned();
         (self.is_shown, self.place) = (now.is_some(), None);
         self.parts.clear();
+        self.give_up_split();
         let electrodes = self.shown.as_ref().map_or(&[][..], |made| &made.set.electrodes);
         let same = name.and_then(|name| electrodes.iter().position(|e| e.name == name));
         let last = electrodes.iter().map(|e| e.stage).max().unwrap_or(0);
@@ -273,6 +277,17 @@ impl ElectrodeDesk {
         }
     }
 
+    /// Begins to draw a line that a part of this region is split along.
+    pub fn begin_split(&mut self, region: usize) {
+        self.deselect();
+        (self.split, self.split_region, self.fly) = (Some(None), Some(region), Some(Fly::Above));
+    }
+
+    /// Ends to draw a line.
+    pub fn give_up_split(&mut self) {
+        (self.split, self.split_region) = (None, None);
+    }
+
     /// Takes a click on the mold for an end of the line that a part is split along. Answers the change once both are
     /// known.
     pub fn click(&mut self, place: DVec3) -> Option<Edit> {
@@ -282,7 +297,7 @@ impl ElectrodeDesk {
                 None
             }
             Some(first) => {
-                self.split = None;
+                self.give_up_split();
                 (first != place).then_some(Edit::Split { line: [first, place] })
             }
         }

@@ -5,7 +5,6 @@ use glam::DVec3;
 
 use super::super::super::core::Core;
 use super::super::super::theme::palette;
-use super::desk::Fly;
 use crate::export::electrode_report::Division;
 use crate::jobs::mold::Designed;
 use crate::mold::electrode::params::{Edit, Method};
@@ -31,9 +30,7 @@ fn region_of(ui: &mut Ui, core: &mut Core, made: &Designed, r: usize) {
             .on_hover_text("Along a line: two clicks on the mold, seen from above")
             .clicked()
         {
-            core.mold.electrodes.deselect();
-            core.mold.electrodes.split = Some(None);
-            core.mold.electrodes.fly = Some(Fly::Above);
+            core.mold.electrodes.begin_split(r);
         }
     });
     let left = format!("{:.4} mm left at most, {:.4} mm³", plan.left.thickness, plan.left.volume);

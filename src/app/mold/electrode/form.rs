@@ -28,7 +28,9 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
         let text = RichText::new(sentence(&problem.to_string())).small().color(palette(ui).bad);
         ui.add(egui::Label::new(text).wrap());
     }
-    edits(ui, asked);
+    // Which meet nothing is known of what was made with them.
+    let made = core.mold.electrodes.designed().filter(|made| made.set.params.edits == asked.edits);
+    edits(ui, asked, &made.map_or_else(Vec::new, |made| made.set.unmet_edits()));
     core.mold.edit(params);
     answer(ui, core);
 }
@@ -175,8 +177,8 @@ fn holders(ui: &mut Ui, asked: &mut ElectrodeParams, known: &[Holder]) {
     });
 }
 
-/// The changes that the user made to the division, each of which can be taken away.
-fn edits(ui: &mut Ui, asked: &mut ElectrodeParams) {
+/// The changes that the user made to the division, each of which can be taken away; those at the places `unmet` do nothing.
+fn edits(ui: &mut Ui, asked: &mut ElectrodeParams, unmet: &[usize]) {
     if asked.edits.is_empty() {
         return;
     }
@@ -187,7 +189,12 @@ fn edits(ui: &mut Ui, asked: &mut ElectrodeParams) {
             if ui.small_button("\u{00d7}").on_hover_text("Take this change back").clicked() {
                 removed = Some(i);
             }
-            ui.add(egui::Label::new(edit.to_string()).truncate());
+            if unmet.contains(&i) {
+                let text = RichText::new(format!("meets no region: {edit}")).color(palette(ui).warning);
+                ui.add(egui::Label::new(text).truncate()).on_hover_text("It meets no region, or changes nothing in it");
+            } else {
+                ui.add(egui::Label::new(edit.to_string()).truncate());
+            }
         });
     }
     if let Some(i) = removed {
@@ -206,10 +213,12 @@ fn answer(ui: &mut Ui, core: &mut Core) {
         ui.add(egui::Label::new(RichText::new(text).small().color(palette(ui).faint)).wrap());
         return;
     };
-    let said = made.report.sentence.replace("mm^3", "mm³");
+    let said = made.sentence(&core.mold.params.electrodes.overrides);
     let colours = palette(ui);
     if core.mold.is_designed() {
-        notice(ui, if made.report.holds { colours.good } else { colours.warning }, &said);
+        let is_warned = made.report.table.electrodes.iter().any(|e| !e.warnings.is_empty());
+        let is_good = made.report.holds && !is_warned && made.report.unmet_edits.is_empty();
+        notice(ui, if is_good { colours.good } else { colours.warning }, &said);
     } else {
         notice(ui, colours.warning, &format!("Of other parameters: {said}"));
     }

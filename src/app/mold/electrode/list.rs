@@ -5,11 +5,12 @@ use egui_extras::{Column as Width, TableBuilder};
 
 use super::super::super::commands::Command;
 use super::super::super::core::Core;
-use super::super::super::stepper::{command_button, fact};
+use super::super::super::stepper::{command_button, fact, notice};
 use super::super::super::theme::palette;
 use super::{checks, division};
 use crate::export::burn_table::{BurnEntry, CheckState, ElectrodeEntry};
 use crate::jobs::mold::Designed;
+use crate::mold::electrode::overrides::Override;
 use crate::views::{BurnOf, electrode_colour};
 
 /// The columns with their widths (points); the name takes what the others leave. Regions and blank need room.
@@ -88,6 +89,7 @@ fn table(ui: &mut Ui, core: &mut Core, made: &Designed) {
         let width = COLUMNS[*column].1;
         builder = builder.column(if width > 0.0 { Width::exact(width) } else { Width::remainder().clip(true) });
     }
+    let overrides = &core.mold.params.electrodes.overrides;
     let desk = &mut core.mold.electrodes;
     let selected = desk.selected.map(|at| at.electrode);
     if std::mem::replace(&mut desk.scrolled_to, selected) != selected
@@ -110,7 +112,7 @@ fn table(ui: &mut Ui, core: &mut Core, made: &Designed) {
             let entry = &made.report.table.electrodes[i];
             let is_selected = selected == Some(i);
             row.set_selected(is_selected);
-            columns.iter().for_each(|column| drop(row.col(|ui| cell(ui, made, (i, entry), *column))));
+            columns.iter().for_each(|column| drop(row.col(|ui| cell(ui, (made, overrides), (i, entry), *column))));
             let response = row.response();
             response.widget_info(|| {
                 WidgetInfo::selected(Role::Row, true, is_selected, format!("Electrode {}", entry.name))
@@ -140,13 +142,17 @@ fn regions(entry: &ElectrodeEntry) -> Vec<usize> {
     regions
 }
 
-fn cell(ui: &mut Ui, made: &Designed, (i, entry): (usize, &ElectrodeEntry), column: usize) {
+fn cell(ui: &mut Ui, (made, overrides): (&Designed, &[Override]), (i, entry): (usize, &ElectrodeEntry), column: usize) {
     let text = |ui: &mut Ui, text: String| drop(ui.add(egui::Label::new(text).selectable(false).truncate()));
     match column {
         0 => {
             let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
             let c = electrode_colour(&made.set, i);
             ui.painter().rect_filled(rect, 2.0, egui::Color32::from_rgb(c.r, c.g, c.b));
+            if !entry.warnings.is_empty() {
+                let sign = egui::Label::new(RichText::new("!").strong().color(palette(ui).warning)).selectable(false);
+                ui.add(sign).on_hover_text(entry.warnings.join("\n"));
+            }
             text(ui, entry.name.clone());
         }
         1 => text(ui, entry.burns.len().to_string()),
@@ -158,7 +164,9 @@ fn cell(ui: &mut Ui, made: &Designed, (i, entry): (usize, &ElectrodeEntry), colu
         _ => {
             ui.spacing_mut().item_spacing.x = 0.0;
             for check in &entry.checks {
+                let is_decided = made.set.is_overridden(i, check.kind, overrides);
                 let (sign, colour) = match check.state {
+                    CheckState::Failed if is_decided => ("\u{2716}", palette(ui).warning),
                     CheckState::Failed => ("\u{2716}", palette(ui).bad),
                     CheckState::NotMade => ("\u{2013}", palette(ui).faint),
                     _ => ("\u{2714}", palette(ui).good),
@@ -205,6 +213,9 @@ fn details(ui: &mut Ui, core: &mut Core, made: &Designed, at: BurnOf) {
         command_button(ui, core, Command::Section, text, false);
         command_button(ui, core, Command::MillFlanks, "Mill its flanks", false);
     });
+    for warning in &entry.warnings {
+        notice(ui, palette(ui).warning, warning);
+    }
     checks::show(ui, core, made, at.electrode);
     if let Some(burn) = entry.burns.get(at.burn) {
         burns(ui, core, (at, entry.burns.len()), burn);

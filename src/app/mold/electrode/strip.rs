@@ -118,12 +118,14 @@ fn splitting(ui: &mut Ui, rect: Rect, core: &mut Core) {
     let first = core.mold.electrodes.split.flatten();
     row(ui, rect, 0, |ui| {
         let text = match first {
-            None => "Click on the mold where the line begins".to_owned(),
-            Some(p) => format!("From {:.2}, {:.2}: click where it ends", p.x, p.y),
+            None => "click on the mold where the line begins".to_owned(),
+            Some(p) => format!("from {:.2}, {:.2}: click where the line ends", p.x, p.y),
         };
+        let what = core.mold.electrodes.split_region.map_or("Split".to_owned(), |r| format!("Split region {}", r + 1));
+        let text = format!("{what}: {text}");
         ui.label(text);
-        if ui.button("Don't split").clicked() {
-            core.mold.electrodes.split = None;
+        if ui.button("Don't split").on_hover_text(Command::Cancel.hint(ui.ctx())).clicked() {
+            core.mold.electrodes.give_up_split();
         }
     });
 }
