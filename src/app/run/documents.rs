@@ -172,10 +172,8 @@ impl SparkpathApp {
             Purpose::SaveMold => self.not_saved(Work::Mold),
             Purpose::SaveFlank => self.not_saved(Work::Flank),
             Purpose::Open => self.given_up = None,
-            Purpose::Flank(FlankPurpose::Upper) => {
-                if self.core.flank.first_guide.take().is_some() {
-                    self.core.say_in_passing("No upper guide was named: the lower one is not taken either");
-                }
+            Purpose::Flank(FlankPurpose::Upper) if self.core.flank.first_guide.take().is_some() => {
+                self.core.say_in_passing("No upper guide was named: the lower one is not taken either");
             }
             _ => {}
         }
