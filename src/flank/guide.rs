@@ -181,7 +181,8 @@ fn from_zero_to_one(knots: &KnotVector) -> Result<KnotVector, NurbsError> {
     KnotVector::new(knots.degree(), stretched)
 }
 
-/// Three finite numbers, and nothing else. What is three numbers with commas between them is none with decimal commas.
+/// Three finite numbers, and nothing else. Beside semicolons commas are decimal ones; beside blanks only where they do not
+/// make three numbers of the line by themselves.
 fn point_of(line: &str) -> Option<DVec3> {
     let is_gap = |c: char| c == ';' || c.is_whitespace();
     let three = |words: &mut dyn Iterator<Item = String>| {
@@ -189,7 +190,11 @@ fn point_of(line: &str) -> Option<DVec3> {
         let [x, y, z] = numbers?.try_into().ok()?;
         Some(DVec3::new(x, y, z)).filter(|p| p.is_finite())
     };
-    let with_points = three(&mut line.split(|c: char| c == ',' || is_gap(c)).map(str::to_owned));
+    let line = line.trim_end_matches(';');
+    let between = |c: char| c == ',' || is_gap(c);
+    let with_points = (!line.contains(';') || !line.contains(','))
+        .then(|| three(&mut line.split(between).map(str::to_owned)))
+        .flatten();
     with_points.or_else(|| three(&mut line.split(is_gap).map(|word| word.replacen(',', ".", 1))))
 }
 
