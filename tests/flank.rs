@@ -85,7 +85,7 @@ fn the_papers_surfaces_reach_the_figures_of_the_reference_and_the_report_says_th
         assert!(result.holds(), "{name}: {:?}", result.why_blocked());
 
         let (folder, written) = exported(document, result);
-        assert_eq!(written.files, [CSV_FILE, CL_FILE, "flank.ngc", "flank.json", "report.html"]);
+        assert_eq!(written.files, [CSV_FILE, CL_FILE, "flank.json", "report.html", "flank.ngc"]);
         let json: Value = serde_json::from_str(&read(&folder, "flank.json")).unwrap();
         let said = |i: usize, key: &str| json["paths"][i]["standing"][key].as_f64().unwrap();
         for (i, (_, path)) in plan.paths().iter().enumerate() {

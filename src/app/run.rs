@@ -16,7 +16,7 @@ use super::commands::Command;
 use super::core::Core;
 use super::dialogs::{self, Dialog, Intent, Work};
 use super::files::{Chosen, FileDialogs, Purpose};
-use super::flank::{self, FlankView};
+use super::flank::{self, FlankView, is_points_file};
 use super::mold::{self, MoldView};
 use super::palette::CommandPalette;
 use super::pictures::Pictures;
@@ -210,8 +210,12 @@ impl SparkpathApp {
 
     fn inputs(&mut self, ctx: &egui::Context) {
         let dropped: Vec<PathBuf> = ctx.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_owned()).collect());
-        if let Some(path) = dropped.into_iter().next() {
-            self.open_here(path, ctx);
+        match <[PathBuf; 2]>::try_from(dropped) {
+            Ok(both) if self.core.workspace == Workspace::Flank && both.iter().all(|path| is_points_file(path)) => {
+                self.take_guides(both, ctx);
+            }
+            Ok([path, _]) => self.open_here(path, ctx),
+            Err(dropped) => dropped.into_iter().take(1).for_each(|path| self.open_here(path, ctx)),
         }
         match self.files.chosen() {
             Some(Chosen::Path(purpose, path)) => self.named(purpose, path, Named::Chosen, ctx),

@@ -380,7 +380,7 @@ fn the_program_says_what_it_is_for() {
         "cone, bottom 2 mm, 5 degrees",
         "Tool length 120 mm",
         "asked for: 0.002 mm",
-        "Surface [A]_ tolerance",
+        "Surface [A], tolerance",
         "WARNING: the holder is near",
         "Section APPROACH",
         "Section CUT",

@@ -181,7 +181,8 @@ fn from_zero_to_one(knots: &KnotVector) -> Result<KnotVector, NurbsError> {
     KnotVector::new(knots.degree(), stretched)
 }
 
-/// Three finite numbers, and nothing else. What is three numbers with commas between them is none with decimal commas.
+/// Three finite numbers, and nothing else. Beside semicolons commas are those of decimals; beside blanks they are if they
+/// would not stand between three numbers.
 fn point_of(line: &str) -> Option<DVec3> {
     let is_gap = |c: char| c == ';' || c.is_whitespace();
     let three = |words: &mut dyn Iterator<Item = String>| {
@@ -189,8 +190,11 @@ fn point_of(line: &str) -> Option<DVec3> {
         let [x, y, z] = numbers?.try_into().ok()?;
         Some(DVec3::new(x, y, z)).filter(|p| p.is_finite())
     };
-    let with_points = three(&mut line.split(|c: char| c == ',' || is_gap(c)).map(str::to_owned));
-    with_points.or_else(|| three(&mut line.split(is_gap).map(|word| word.replacen(',', ".", 1))))
+    let with_commas = || three(&mut line.split(is_gap).map(|word| word.replacen(',', ".", 1)));
+    if line.contains(';') {
+        return with_commas();
+    }
+    three(&mut line.split(|c: char| c == ',' || is_gap(c)).map(str::to_owned)).or_else(with_commas)
 }
 
 #[cfg(test)]

@@ -79,7 +79,7 @@ fn every_change_has_a_name_for_undo() {
     let changes: [(&str, Change); 11] = [
         ("Surface", |d| d.source = FlankSource::Demonstration { surface: DemonstrationSurface::B }),
         ("Radius of the cutter", |d| d.cutter.radius_mm = 2.0),
-        ("Cutter", |d| d.cutter.name.push('x')),
+        ("Name of the cutter", |d| d.cutter.name.push('x')),
         ("Grid", |d| d.plan.grid = [50, 20]),
         ("Plan", |d| d.plan.rounds = 3),
         ("Machine", |d| d.milling.machine.clear()),

@@ -99,7 +99,7 @@ impl FlankOverride {
         let worse: Vec<String> = now
             .iter()
             // What is no number is worse than any.
-            .filter(|(name, now)| !(**now <= allowed(name) + NO_WORSE))
+            .filter(|(name, now)| now.is_nan() || **now > allowed(name) + NO_WORSE)
             .map(|(name, now)| {
                 format!("{} is {now:.4}, more than the {:.4} that this was decided for", words(name), allowed(name))
             })

@@ -200,7 +200,7 @@ fn a_cutter_is_named_and_a_workpiece_clamped_in_the_form() {
     let exported = desk.flank().work.to_export(&desk.flank().params).unwrap();
     assert_eq!(exported.plan.cutter.name, "my cone");
 
-    desk.press("Machine");
+    desk.fold("Machine");
     desk.assert_shows("its Z along +Z of the machine");
     desk.press_role(Role::CheckBox, "otherwise than the machine's file says");
     let of_file = desk.flank().workpiece_of_machine().unwrap().clone();

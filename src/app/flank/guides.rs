@@ -7,6 +7,11 @@ const ENDINGS: [[&str; 2]; 4] = [["lower", "upper"], ["bottom", "top"], ["low", 
 /// What stands before such an ending.
 const BEFORE: [char; 4] = ['_', '-', ' ', '.'];
 
+/// Whether `path` is named as a file of points.
+pub fn is_points_file(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv") || e.eq_ignore_ascii_case("txt"))
+}
+
 /// Both guides of a flank, one of which is `file`, if the other one lies beside it under its name: `A_lower.csv` and
 /// `A_upper.csv`.
 pub fn pair(file: &Path) -> Option<[PathBuf; 2]> {

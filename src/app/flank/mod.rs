@@ -15,7 +15,7 @@ mod view;
 
 pub use desk::{FlankDesk, Fly};
 pub use export::show as export_dialog;
-pub use guides::pair as pair_of_guides;
+pub use guides::{is_points_file, pair as pair_of_guides};
 pub use view::FlankView;
 
 use egui::{Panel, Ui};

@@ -172,11 +172,7 @@ impl SparkpathApp {
             Purpose::SaveMold => self.not_saved(Work::Mold),
             Purpose::SaveFlank => self.not_saved(Work::Flank),
             Purpose::Open => self.given_up = None,
-            Purpose::Flank(FlankPurpose::Upper) => {
-                if self.core.flank.first_guide.take().is_some() {
-                    self.core.say_in_passing("No upper guide was named: the lower one is not taken either");
-                }
-            }
+            Purpose::Flank(FlankPurpose::Upper) => self.forget_first_guide(),
             _ => {}
         }
     }
@@ -208,10 +204,10 @@ impl SparkpathApp {
             return;
         }
         if let Some(what) = purpose.missing(&path) {
-            self.cancelled(&purpose);
-            if how == Named::Typed {
+            match how {
+                Named::Chosen => self.cancelled(&purpose),
                 // The path can be mended.
-                self.behind = Dialog::Path(purpose.clone(), path.display().to_string());
+                Named::Typed => self.behind = Dialog::Path(purpose.clone(), path.display().to_string()),
             }
             let text = format!("There is no {what} {}. Check its name and its folder.", path.display());
             self.dialog = Dialog::Error(purpose.title().to_owned(), text);

@@ -7,7 +7,7 @@ use super::SparkpathApp;
 use crate::app::commands::Command;
 use crate::app::dialogs::{Dialog, Intent, Work};
 use crate::app::files::{FlankPurpose, Purpose};
-use crate::app::flank::{Fly, pair_of_guides};
+use crate::app::flank::{Fly, is_points_file, pair_of_guides};
 use crate::app::record::Hands;
 use crate::app::workspace::Workspace;
 use crate::export::flank_nc::milling_post;
@@ -90,8 +90,7 @@ impl SparkpathApp {
 
     /// Takes a file that was dropped or opened: the points of a guide curve, or else a part with the flank.
     pub(super) fn take_for_flank(&mut self, path: &Path, ctx: &egui::Context) {
-        let is = |ending: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending));
-        if !is("csv") && !is("txt") {
+        if !is_points_file(path) {
             let mesh = FlankSource::Mesh(MeshFlank::of(path));
             return self.intend(Intent::TakeSurface(Box::new(mesh)), ctx);
         }
@@ -106,11 +105,25 @@ impl SparkpathApp {
         }
     }
 
+    /// Takes two guides that were dropped together: the lower one is told by its name, or else comes first.
+    pub(super) fn take_guides(&mut self, files: [PathBuf; 2], ctx: &egui::Context) {
+        let named = pair_of_guides(&files[0]).filter(|pair| pair.iter().all(|file| files.contains(file)));
+        let source = FlankSource::guides(named.unwrap_or(files));
+        self.intend(Intent::TakeSurface(Box::new(source)), ctx);
+    }
+
     /// Keeps the lower guide until the upper one is named: one alone is no surface.
     fn ask_for_upper(&mut self, lower: &Path, ctx: &egui::Context) {
         self.core.flank.first_guide = Some(lower.to_owned());
         self.core.say_in_passing("This is the lower guide: choose or drop the upper one");
         self.ask(Purpose::Flank(FlankPurpose::Upper), "", ctx);
+    }
+
+    /// No upper guide was named: the lower one that waited for it is not taken.
+    pub(super) fn forget_first_guide(&mut self) {
+        if self.core.flank.first_guide.take().is_some() {
+            self.core.say_in_passing("No upper guide was named: the lower one is not taken either");
+        }
     }
 
     /// Takes another surface in the place of a flank of which nothing is unsaved. The cutter, the plan and the machine

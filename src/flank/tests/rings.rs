@@ -9,10 +9,10 @@ use crate::flank::path::FlankPath;
 fn circle(radius: f64, z: f64, turn_deg: f64) -> GuideCurve {
     let corner = |i: u32| {
         let angle = (turn_deg + 45.0 * f64::from(i)).to_radians();
-        let far = if i % 2 == 0 { radius } else { radius * std::f64::consts::SQRT_2 };
+        let far = if i.is_multiple_of(2) { radius } else { radius * std::f64::consts::SQRT_2 };
         DVec3::new(far * angle.cos(), far * angle.sin(), z)
     };
-    let weight = |i: u32| if i % 2 == 0 { 1.0 } else { std::f64::consts::FRAC_1_SQRT_2 };
+    let weight = |i: u32| if i.is_multiple_of(2) { 1.0 } else { std::f64::consts::FRAC_1_SQRT_2 };
     GuideCurve::BSpline {
         degree: 2,
         knots: vec![0.0, 0.0, 0.0, 0.25, 0.25, 0.5, 0.5, 0.75, 0.75, 1.0, 1.0, 1.0],

@@ -110,7 +110,7 @@ impl FlankCheck {
 
     /// The same with figures of what is wrong; those that are not wrong are left out.
     fn with(mut self, figures: &[(&str, f64)]) -> Self {
-        let wrong = figures.iter().filter(|(_, figure)| !self.holds && !(*figure <= 0.0));
+        let wrong = figures.iter().filter(|(_, figure)| !self.holds && (*figure > 0.0 || figure.is_nan()));
         let kept = |figure: f64| if figure.is_finite() { figure.min(WORST) } else { WORST };
         self.figures.extend(wrong.map(|(name, figure)| ((*name).to_owned(), kept(*figure))));
         self

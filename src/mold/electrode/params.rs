@@ -217,12 +217,12 @@ impl Removal {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "change", deny_unknown_fields)]
 pub enum Edit {
-    /// The parts that hold these two places become one.
+    /// The parts that these two places name become one: those that hold them, or else the nearest whose tips do.
     Merge {
         /// Places of the mold, upright (mm).
         places: [DVec3; 2],
     },
-    /// The part that holds the middle of a line is cut along it.
+    /// The part that the middle of a line names is cut along it.
     Split {
         /// Places of the mold at the line's ends, upright (mm).
         line: [DVec3; 2],

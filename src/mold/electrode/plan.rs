@@ -129,9 +129,9 @@ impl Setting {
 
 /// What an electrode must not enter, in the burn frame: the mold grown by the gap, and by what the orbit sweeps.
 ///
-/// A circle moves each face by its own way, which leaves facets their order: those of a round wall all become shorter in
-/// the same measure. A square has corners: it moves the facets of a quarter alike and takes the room of those between two
-/// quarters, so that any that is shorter than its side would be turned over.
+/// A circle moves each face by its own way. So does a square, but where the facets of two of its quarters meet, its own side
+/// belongs between them: moved each by its own way they would meet further out, by as much as the orbit times the tangent
+/// of half their turn. What a square sweeps is therefore added as a solid.
 fn kept_clear(mold: &Mesh, stage: &Stage) -> Result<Mesh, ElectrodeError> {
     if let Orbit::Square { radius_mm } = stage.orbit {
         let grown = unfolded(offset(mold, |_| stage.gap_mm + stage.stock_mm)?)?;

@@ -402,7 +402,7 @@ fn the_user_splits_merges_and_chooses_the_method() {
     assert_eq!((beside.electrodes.len(), beside.unmet_edits()), (2, vec![0]), "a line that meets no part divides none");
     // The places that the tree gives name its parts, and so does one of the tip beside what is left.
     let given: Vec<DVec3> = tree(&halves).parts.iter().map(|p| p.place.unwrap().extend(0.0)).collect();
-    let beside = DVec3::new(2.0, 0.39, 0.0);
+    let beside = DVec3::new(-2.0, 0.39, 0.0);
     for places in [[given[0], given[1]], [given[1], given[0]], [given[0], beside]] {
         let again = with(vec![split, Edit::Merge { places }]);
         assert_eq!((again.electrodes.len(), again.unmet_edits()), (1, vec![]), "{places:?}");
@@ -418,8 +418,8 @@ fn the_user_splits_merges_and_chooses_the_method() {
 fn parts_of_what_is_left_along_walls_are_named_by_points_of_it_and_of_their_tips() {
     let mold = mold([30.0, 20.0, 10.0], &[(&rectangle(8.0, 0.8), 5.0)]);
     let all = region(&mold, DVec2::new(-4.1, -0.5), DVec2::new(4.1, 0.5));
-    let is_wall = |c: &&[DVec3; 3]| (c[1] - c[0]).cross(c[2] - c[0]).normalize().z.abs() < 0.5;
-    let corners: Vec<[DVec3; 3]> = all.corners.iter().filter(is_wall).copied().collect();
+    let is_beside_wall = |c: &&[DVec3; 3]| (c[0] + c[1] + c[2]).y.abs() / 3.0 > 0.25;
+    let corners: Vec<[DVec3; 3]> = all.corners.iter().filter(is_beside_wall).copied().collect();
     let depths = vec![5.0; corners.len()];
     let walls = [RegionToBurn { corners, depths, ..all }];
     let apart = ElectrodeParams { share: false, together_mm: 0.0, ..params(GAP) };

@@ -222,6 +222,10 @@ fn details(ui: &mut Ui, core: &mut Core, made: &Designed, at: BurnOf) {
     }
     fact(ui, "Blank", format!("{} mm", entry.blank.text(" × ")));
     fact(ui, "Holder", entry.holder.as_ref().map_or("none is large enough".to_owned(), |h| h.name.clone()));
+    if let Some(family) = &entry.family {
+        let [x, y] = family.offset_mm;
+        fact(ui, "One body with", format!("{}; tips at {x}, {y} mm", family.others.join(", ")));
+    }
     let orbit = if entry.orbit.radius_mm > 0.0 {
         format!(", {} {} mm", entry.orbit.pattern, entry.orbit.radius_mm)
     } else {
