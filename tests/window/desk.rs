@@ -126,13 +126,6 @@ impl Desk {
         *all.first().unwrap_or_else(|| panic!("there is no {role:?} called \"{name}\""))
     }
 
-    #[track_caller]
-    fn leftmost<'a>(&'a self, button: &'a str) -> Node<'a> {
-        let all = self.window.query_all(By::new().role(Role::Button).label(button));
-        let found = all.min_by(|a, b| a.rect().left().total_cmp(&b.rect().left()));
-        found.unwrap_or_else(|| panic!("there is no button called \"{button}\""))
-    }
-
     /// Scrolls to a control and presses it with the mouse.
     #[track_caller]
     pub fn press_role(&mut self, role: Role, name: &str) {
@@ -147,17 +140,6 @@ impl Desk {
     #[track_caller]
     pub fn press(&mut self, button: &str) {
         self.press_role(Role::Button, button);
-    }
-
-    /// Opens or closes a part of the panel on the left. What is elsewhere may have the same name.
-    #[track_caller]
-    pub fn fold(&mut self, part: &str) {
-        self.leftmost(part).scroll_to_me();
-        self.settle();
-        self.leftmost(part).click();
-        self.settle();
-        self.window.remove_cursor();
-        self.settle();
     }
 
     /// Opens the form of a step.

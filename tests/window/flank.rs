@@ -5,7 +5,6 @@ use std::path::Path;
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::{By, Queryable as _};
 use sparkpath::app::{FlankDesk, Opening, Workspace};
-use sparkpath::export::flank_nc::TipControl;
 use sparkpath::flank::ruled_surface::Side;
 use sparkpath::jobs::flank::LoadedSurface;
 use sparkpath::jobs::pipeline::StageState;
@@ -184,7 +183,7 @@ fn of_a_blocked_path_the_report_is_written_and_words_are_of_what_is_there() {
 }
 
 #[test]
-fn a_cutter_is_named_and_a_workpiece_clamped_in_the_form() {
+fn a_cutter_is_named_in_the_form_and_its_path_stays() {
     let home = Home::new();
     let mut desk = home.start(home.flank());
     desk.press("Plan");
@@ -199,20 +198,6 @@ fn a_cutter_is_named_and_a_workpiece_clamped_in_the_form() {
     assert!(desk.flank().is_planned(), "a name changes no path");
     let exported = desk.flank().work.to_export(&desk.flank().params).unwrap();
     assert_eq!(exported.plan.cutter.name, "my cone");
-
-    desk.fold("Machine");
-    desk.assert_shows("its Z along +Z of the machine");
-    desk.press_role(Role::CheckBox, "otherwise than the machine's file says");
-    let of_file = desk.flank().workpiece_of_machine().unwrap().clone();
-    assert_eq!(desk.flank().params.milling.workpiece, Some(of_file));
-    desk.enter("Zero Z", "12.5");
-    assert_eq!(desk.flank().params.milling.workpiece.as_ref().unwrap().zero_mm.z, 12.5);
-    assert_eq!(desk.flank().record.undo_label(false), Some("Clamping"));
-    desk.press("tip, angles");
-    desk.enter("Tool number", "7");
-    let program = &desk.flank().params.milling.program;
-    assert_eq!((program.tip_control, program.tool_number), (TipControl::Angles, 7));
-    desk.pictures("flank_clamped");
 }
 
 #[test]
