@@ -21,6 +21,20 @@ use super::solid::{SolidError, wound};
 /// the slope times the segment.
 const PARALLEL: f64 = 1e-9;
 
+/// What coordinates are rounded to by [`on_grid`] (mm): exact in binary, so that shifts by multiples of it are exact too.
+const GRID: f64 = 1.0 / (1u64 << 30) as f64;
+
+/// A length rounded up to the grid (mm).
+pub fn up_to_grid(length: f64) -> f64 {
+    (length / GRID).ceil() * GRID
+}
+
+/// A mesh with its vertices on a grid of a millionth of a micrometre. What was level or upright but for the rounding of its
+/// coordinates is so exactly; moved along itself it would else cross itself in slivers without thickness.
+pub fn on_grid(mesh: &Mesh) -> Mesh {
+    mesh.mapped(|p| (p / GRID).round() * GRID)
+}
+
 /// The sum of a closed solid with the rectangle of these half sides (mm) across Z, its sides along X and Y.
 ///
 /// # Errors

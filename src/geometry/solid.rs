@@ -1,5 +1,7 @@
 //! Closed solids: prisms and their differences and intersections (manifold-rust).
 
+use std::collections::HashMap;
+
 use glam::{DVec2, DVec3};
 use manifold_rust::manifold::Manifold;
 use manifold_rust::types::{BooleanEngine, Error, MeshGL64, OpType, WindingRule};
@@ -77,17 +79,73 @@ fn combine(a: &Mesh, b: &Mesh, operation: OpType) -> Result<Mesh, SolidError> {
 }
 
 /// A surface as it is. Read as a solid it would be tidied first, and where faces lie folded on one another that moves it: each
-/// triangle gets corners of its own, so that it is read as a heap of triangles.
+/// triangle gets corners of its own, so that it is read as a heap of triangles. Those without any area would be left out of
+/// the heap, which would then not be closed: they are taken in by their neighbours.
 fn soup(surface: &Mesh) -> Result<Manifold, SolidError> {
-    let corners: Vec<DVec3> = surface.iter_corners().flatten().collect();
+    let corners: Vec<DVec3> = without_collinear(surface).into_iter().flatten().collect();
     let numbers = 0..corners.len() as u32;
     let triangles = numbers.step_by(3).map(|i| [i, i + 1, i + 2]).collect();
     let soup = Manifold::from_mesh_gl64_robust(&given(&Mesh { vertices: corners, triangles }));
     match soup.status() {
         Error::NoError => Ok(soup),
-        // A triangle without any area is left out of the heap, which is then not closed.
-        _ => manifold(surface),
+        error => Err(SolidError::NotClosed(error.to_str().to_owned())),
     }
+}
+
+/// The triangles of a surface less those whose corners lie on a line: each of these and its neighbour across its longest
+/// side are two triangles that meet in its third corner instead, so that the surface is the same.
+fn without_collinear(surface: &Mesh) -> Vec<[DVec3; 3]> {
+    /// Height of a triangle up to which its corners lie on a line (mm): what rounding makes of none.
+    const HAIR: f64 = 1e-12;
+    /// Rounds at most: a neighbour may become such a triangle in its turn.
+    const ROUNDS: usize = 32;
+    let mut known = HashMap::new();
+    let mut points: Vec<DVec3> = Vec::new();
+    let mut number = |p: DVec3| {
+        // Minus zero is zero.
+        *known.entry((p + 0.0).to_array().map(f64::to_bits)).or_insert_with(|| {
+            points.push(p);
+            points.len() - 1
+        })
+    };
+    let mut triangles: Vec<[usize; 3]> = surface.iter_corners().map(|c| c.map(&mut number)).collect();
+    for _ in 0..ROUNDS {
+        triangles.retain(|[a, b, c]| a != b && b != c && c != a);
+        // The third corner last.
+        let longest_first = |[a, b, c]: [usize; 3]| {
+            let length = |u: usize, v: usize| points[u].distance_squared(points[v]);
+            let all = [[a, b, c], [b, c, a], [c, a, b]];
+            all.into_iter()
+                .reduce(|x, y| if length(y[0], y[1]) > length(x[0], x[1]) { y } else { x })
+                .unwrap_or([a, b, c])
+        };
+        let is_flat = |[u, v, m]: [usize; 3]| {
+            let (along, off) = (points[v] - points[u], points[m] - points[u]);
+            along.cross(off).length() <= HAIR * along.length()
+        };
+        let flat: Vec<usize> = (0..triangles.len()).filter(|t| is_flat(longest_first(triangles[*t]))).collect();
+        if flat.is_empty() {
+            break;
+        }
+        let mut sides = HashMap::new();
+        for (t, [a, b, c]) in triangles.iter().enumerate() {
+            [(*a, *b, *c), (*b, *c, *a), (*c, *a, *b)].into_iter().for_each(|(u, v, w)| {
+                sides.insert((u, v), (t, w));
+            });
+        }
+        let mut is_changed = vec![false; triangles.len()];
+        for t in flat {
+            let [u, v, m] = longest_first(triangles[t]);
+            let Some(&(neighbour, w)) = sides.get(&(v, u)) else { continue };
+            if neighbour == t || is_changed[t] || is_changed[neighbour] {
+                continue;
+            }
+            (is_changed[t], is_changed[neighbour]) = (true, true);
+            // One that is its own reverse takes both away.
+            (triangles[t], triangles[neighbour]) = if w == m { ([u; 3], [u; 3]) } else { ([v, m, w], [m, u, w]) };
+        }
+    }
+    triangles.into_iter().map(|t| t.map(|v| points[v])).collect()
 }
 
 fn given(mesh: &Mesh) -> MeshGL64 {
@@ -232,6 +290,23 @@ mod tests {
                 assert!(found.is_watertight() && (volume(&found) - expected).abs() < 1e-12, "{at}: {}", volume(&found));
             }
         }
+    }
+
+    #[test]
+    fn a_triangle_without_area_is_taken_in_by_its_neighbour_and_the_surface_stays_closed() {
+        // A block with a corner in the middle of a side that only one of the two faces there knows, and a triangle between.
+        let mut mesh = block(DVec3::ZERO, DVec3::splat(2.0));
+        let [a, b, c] = mesh.triangles[0];
+        let middle = mesh.vertices.len() as u32;
+        mesh.vertices.push(mesh.vertices[a as usize].midpoint(mesh.vertices[b as usize]));
+        mesh.triangles[0] = [a, middle, c];
+        mesh.triangles.extend([[middle, b, c], [a, b, middle]]);
+        assert!(mesh.is_watertight());
+        let triangles = without_collinear(&mesh);
+        assert_eq!(triangles.len(), mesh.triangles.len());
+        assert!(triangles.iter().all(|t| (t[1] - t[0]).cross(t[2] - t[0]).length() > 0.5));
+        let solid = wound(&mesh).unwrap();
+        assert!(solid.is_watertight() && (solid.volume() - 8.0).abs() < 1e-12, "{}", solid.volume());
     }
 
     #[test]

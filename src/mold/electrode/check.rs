@@ -11,6 +11,7 @@ use super::params::{Orbit, Stage};
 use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::inside::winding_number;
 use crate::geometry::mesh::{Mesh, unit_normal};
+use crate::geometry::minkowski::{on_grid, with_rectangle};
 use crate::geometry::offset::offset;
 use crate::geometry::solid;
 use crate::mold::cutter::CutterLibrary;
@@ -334,11 +335,17 @@ pub struct Burning {
 }
 
 impl Burning {
-    /// An electrode, placed in the mold, with its gap and orbit.
+    /// An electrode, placed in the mold, with its gap and orbit. What a square sweeps is a solid of its own, as the nearest
+    /// point of the electrode itself is not always the one that comes nearest on it.
     ///
     /// # Errors
     /// [`ExactMeshError`].
     pub fn new(electrode: &Mesh, stage: &Stage) -> Result<Self, ExactMeshError> {
+        if let Orbit::Square { radius_mm } = stage.orbit
+            && let Ok(swept) = with_rectangle(&on_grid(electrode), DVec2::splat(radius_mm))
+        {
+            return Ok(Self { mesh: ExactMesh::new(&swept)?, gap: stage.gap_mm, orbit: Orbit::None });
+        }
         Ok(Self { mesh: ExactMesh::new(electrode)?, gap: stage.gap_mm, orbit: stage.orbit })
     }
 

@@ -10,7 +10,7 @@ use super::tests::{GAP, mold, params, planned, region};
 use crate::geometry::exact::ExactMesh;
 use crate::geometry::mesh::Mesh;
 use crate::geometry::solid::{difference, prism};
-use crate::mold::test_molds::{polygon, rectangle};
+use crate::mold::test_molds::{dish, polygon, rectangle};
 
 const RADIUS: f64 = 0.3;
 const DEPTH: f64 = 3.0;
@@ -49,13 +49,43 @@ fn room(hollow: &[DVec2], shifts: &[DVec2]) -> f64 {
     0.5 * (0..kept.len()).map(|i| kept[i].perp_dot(kept[(i + 1) % kept.len()])).sum::<f64>()
 }
 
-fn planned_with(orbit: Orbit, hollow: &[DVec2]) -> (Mesh, ElectrodeSet) {
+fn planned_with(orbit: Orbit, hollow: &[DVec2], tolerance_mm: f64) -> (Mesh, ElectrodeSet) {
     let mold = mold([20.0, 20.0, 10.0], &[(hollow, DEPTH)]);
-    let all = region(&mold, DVec2::splat(-4.5), DVec2::splat(4.5));
-    let stage = Stage { orbit, ..Stage::finish(GAP) };
-    let asked = ElectrodeParams { stages: vec![stage], tolerance_mm: 0.2, ..params(GAP) };
-    let set = planned(&mold, &[all], &asked);
+    let set = planned_in(&mold, orbit, tolerance_mm);
     (mold, set)
+}
+
+fn planned_in(mold: &Mesh, orbit: Orbit, tolerance_mm: f64) -> ElectrodeSet {
+    let middle = mold.bounds().center().truncate();
+    let all = region(mold, middle - 4.5, middle + 4.5);
+    let stage = Stage { orbit, ..Stage::finish(GAP) };
+    planned(mold, &[all], &ElectrodeParams { stages: vec![stage], tolerance_mm, ..params(GAP) })
+}
+
+/// The corners of a square orbit.
+fn corners() -> [DVec2; 4] {
+    [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(x, y)| DVec2::new(x, y) * RADIUS)
+}
+
+/// Places all along its sides.
+fn around() -> impl Iterator<Item = DVec2> {
+    let sides = (0..4).map(|k| (corners()[k], corners()[(k + 1) % 4]));
+    sides.flat_map(|(a, b)| (0..8).map(move |i| a.lerp(b, f64::from(i) / 8.0)))
+}
+
+#[test]
+fn a_square_orbit_keeps_the_gap_in_round_hollows_with_the_coordinates_of_files() {
+    // Upright and slanting walls of a body that is not about the origin, in single precision.
+    for floor in [3.0, 2.6] {
+        let levels = [(polygon(96, 3.0), 10.0), (polygon(96, floor), 10.0 - DEPTH)];
+        let mold = dish(&polygon(96, 12.0), &levels, 10.0 - DEPTH);
+        let mold = mold.mapped(|p| (p + DVec3::new(-10.1, 3.3, -10.0)).as_vec3().as_dvec3());
+        assert!(mold.is_watertight());
+        let set = planned_in(&mold, Orbit::Square { radius_mm: RADIUS }, 0.02);
+        assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].trouble);
+        let nearest = least_distance(&mold, &burning(&set.electrodes[0]), around());
+        assert!((GAP - 1e-6..GAP + 1e-3).contains(&nearest), "{nearest}");
+    }
 }
 
 /// The electrode where it burns.
@@ -77,19 +107,15 @@ fn volume_within(electrode: &Mesh) -> f64 {
 
 #[test]
 fn a_square_orbit_keeps_the_gap_in_round_hollows_and_takes_all_the_room_there_is() {
-    let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(x, y)| DVec2::new(x, y) * RADIUS);
-    let around = || {
-        let sides = (0..4).map(|k| (corners[k], corners[(k + 1) % 4]));
-        sides.flat_map(|(a, b)| (0..8).map(move |i| a.lerp(b, f64::from(i) / 8.0)))
-    };
-    for hollow in [polygon(96, 3.0), polygon(12, 3.0), rounded(8.0, 6.0, 0.4, 8)] {
-        let (mold, set) = planned_with(Orbit::Square { radius_mm: RADIUS }, &hollow);
+    // In the obtuse corners that look along X and Y a square leaves its half side times the tangent of half their turn.
+    for (hollow, tolerance) in [(polygon(96, 3.0), 0.02), (polygon(12, 3.0), 0.09), (rounded(8.0, 6.0, 0.4, 8), 0.02)] {
+        let (mold, set) = planned_with(Orbit::Square { radius_mm: RADIUS }, &hollow, tolerance);
         let [electrode] = &set.electrodes[..] else { panic!("{:?}", set.regions[0].trouble) };
         assert!(set.holds(), "{:?}", set.checks);
         let electrode = burning(electrode);
         let nearest = least_distance(&mold, &electrode, around());
         assert!((GAP - 1e-6..GAP + 1e-3).contains(&nearest), "{nearest}");
-        let expected = room(&hollow, &corners) * (DEPTH - GAP);
+        let expected = room(&hollow, &corners()) * (DEPTH - GAP);
         assert!((volume_within(&electrode) / expected - 1.0).abs() < 1e-6, "{} {expected}", volume_within(&electrode));
     }
 }
@@ -98,7 +124,7 @@ fn a_square_orbit_keeps_the_gap_in_round_hollows_and_takes_all_the_room_there_is
 fn a_circular_orbit_keeps_the_gap_in_round_hollows_and_takes_all_the_room_there_is() {
     let around = || (0..96).map(|k| DVec2::from_angle(f64::from(k) / 96.0 * TAU) * RADIUS);
     for hollow in [polygon(96, 3.0), polygon(12, 3.0), rounded(8.0, 6.0, 0.4, 8), rounded(8.0, 6.0, 0.2, 8)] {
-        let (mold, set) = planned_with(Orbit::Circular { radius_mm: RADIUS }, &hollow);
+        let (mold, set) = planned_with(Orbit::Circular { radius_mm: RADIUS }, &hollow, 0.02);
         let [electrode] = &set.electrodes[..] else { panic!("{:?}", set.regions[0].trouble) };
         assert!(set.holds(), "{:?}", set.checks);
         let electrode = burning(electrode);
@@ -123,10 +149,9 @@ fn a_round_hollow_narrower_than_gap_and_orbit_has_no_tip() {
         (Orbit::Square { radius_mm: RADIUS }, 0.25),
         (Orbit::Square { radius_mm: RADIUS }, 0.4),
     ] {
-        let (_, set) = planned_with(orbit, &polygon(24, radius));
+        let (_, set) = planned_with(orbit, &polygon(24, radius), 0.02);
         assert!(set.electrodes.is_empty() && !set.holds(), "{orbit:?} {radius}");
         let trouble = set.regions[0].trouble.clone().unwrap_or_default();
         assert!(trouble.contains("no room"), "{trouble}");
-        assert!(set.electrodes.iter().all(|e| e.bounds().size().cmpgt(DVec3::ZERO).all()));
     }
 }

@@ -19,7 +19,7 @@ use super::sharing::{assembled, shared};
 use super::tip::{Burned, Place, TipError, footprint};
 use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::mesh::Mesh;
-use crate::geometry::minkowski::with_rectangle;
+use crate::geometry::minkowski::{on_grid, up_to_grid, with_rectangle};
 use crate::geometry::offset::{OffsetError, offset};
 use crate::geometry::solid::{SolidError, unfolded};
 use crate::mold::cutter::CutterLibrary;
@@ -134,8 +134,8 @@ impl Setting {
 /// of half their turn. What a square sweeps is therefore added as a solid.
 fn kept_clear(mold: &Mesh, stage: &Stage) -> Result<Mesh, ElectrodeError> {
     if let Orbit::Square { radius_mm } = stage.orbit {
-        let grown = unfolded(offset(mold, |_| stage.gap_mm + stage.stock_mm)?)?;
-        return Ok(with_rectangle(&grown, DVec2::splat(radius_mm))?);
+        let grown = unfolded(on_grid(&offset(mold, |_| stage.gap_mm + stage.stock_mm)?))?;
+        return Ok(with_rectangle(&grown, DVec2::splat(up_to_grid(radius_mm)))?);
     }
     Ok(unfolded(offset(mold, |n| stage.undersize(n))?)?)
 }
