@@ -60,6 +60,12 @@ fn a_drag_is_one_step(desk: &mut Desk) {
 }
 
 fn plan_cancel_and_plan_again(desk: &mut Desk) {
+    // A search that no machine ends before it is cancelled.
+    let core = desk.window.state_mut().core_mut();
+    let mut long = core.document.job().clone();
+    long.genetic.generations = 10_000;
+    core.edit("Long search", long, false);
+    desk.until_idle();
     desk.press("Go on to Plan");
     desk.press("Plan feed path");
     desk.until("the plan is under way", |d| d.app().core().pipeline.running().is_some_and(|r| r.stage == Stage::Plan));
@@ -68,6 +74,8 @@ fn plan_cancel_and_plan_again(desk: &mut Desk) {
     desk.until("the plan has stopped", |d| d.state(Stage::Plan) != StageState::Running);
     desk.assert_shows("Plan: cancelled");
     assert!(desk.app().core().pipeline.plan().is_none());
+    desk.key_with(Modifiers::COMMAND, Key::Z);
+    desk.until_idle();
     desk.key(Key::F5);
     desk.until("the plan is done", |d| d.state(Stage::Plan) == StageState::Done);
     desk.assert_shows("comes out, certified clearance");

@@ -146,10 +146,11 @@ fn uncut(ui: &mut Ui, core: &mut Core) {
             let bar = ui.add(ProgressBar::new(doing.fraction as f32).desired_width(150.0).desired_height(8.0));
             let percent = format!("{} {:.0} %", doing.stage, 100.0 * doing.fraction);
             bar.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &percent));
-            ui.add(egui::Label::new(RichText::new(&doing.stage).color(palette(ui).faint)).truncate());
             if ui.small_button("Cancel").on_hover_text(Command::Cancel.hint(ui.ctx())).clicked() {
                 core.push(Command::Cancel);
             }
+            // Last, as it takes what is left of the row: a panel grows with what does not fit, and stays so.
+            ui.add(egui::Label::new(RichText::new(&doing.stage).color(palette(ui).faint)).truncate());
         });
     }
     if let StageState::Failed(why) = &state {
