@@ -203,6 +203,7 @@ impl FlankView {
         let (camera, size) = self.viewport.camera();
         let Some(planned) = core.flank.planned().filter(|_| self.names.len() > 1) else { return };
         let plan = &planned.result.plan;
+        let mut placed: Vec<Rect> = Vec::new();
         for ((at, name), choice) in self.names.iter().zip(PathChoice::ALL) {
             let Some(seen) = camera.project(*at, size) else { continue };
             let p = seen.pixel / f64::from(ui.pixels_per_point());
@@ -222,10 +223,26 @@ impl FlankView {
             let colour = if strong { ui.visuals().strong_text_color() } else { ui.visuals().text_color() };
             let galley = ui.painter().layout_no_wrap(text, FontId::proportional(12.5), colour);
             let area = Rect::from_min_size(at - vec2(0.0, galley.size().y), galley.size()).expand2(vec2(6.0, 3.0));
+            let area = beside_axes(rect, area, &placed);
+            placed.push(area);
             ui.painter().rect_filled(area, 4.0, ui.visuals().window_fill.gamma_multiply(0.8));
             ui.painter().galley(area.min + vec2(6.0, 3.0), galley, colour);
         }
     }
+}
+
+/// `area` moved off the three axes in the corner of the view: to their left, or below them where something is `placed`
+/// already.
+fn beside_axes(rect: Rect, area: Rect, placed: &[Rect]) -> Rect {
+    const GAP: f32 = 4.0;
+    let axes = overlay::gizmo_area(rect);
+    if !area.intersects(axes) {
+        return area;
+    }
+    let left = area.translate(vec2(axes.left() - GAP - area.right(), 0.0));
+    let below = area.translate(vec2(0.0, axes.bottom() + GAP - area.top()));
+    let is_free = rect.contains_rect(left) && !placed.iter().any(|other| other.intersects(left));
+    if is_free { left } else { below }
 }
 
 /// The scale of the colours, and what its ends mean.
@@ -259,7 +276,7 @@ fn caption(ui: &mut Ui, rect: Rect, core: &Core) {
     let sentence = |planned: &Planned| {
         let plan = &planned.result.plan;
         let path = path_of(plan, flank.path);
-        let [nu, nv] = path.deviation.grid;
+        let [nu, nv] = path.deviation.counted_grid();
         format!("sum {:.3} mm over {nu} × {nv} places, {}", path.deviation.sum, plan.ratio_words(path.deviation.sum))
     };
     let (colour, text) = match (flank.standing(), flank.planned(), flank.why_not()) {
