@@ -216,6 +216,14 @@ impl FlankResult {
         path_of(&self.plan, self.path)
     }
 
+    /// Greatest overcut and undercut (mm) of the path that is milled as the cutter moves, on the grid of the plan or on that
+    /// of the checks, whichever is worse.
+    pub fn moving_most(&self) -> [f64; 2] {
+        let both = [&self.path().envelope.deviation, &self.checked.envelope.deviation];
+        let overcut = both.iter().fold(0.0, |most: f64, d| most.max(-d.most_overcut));
+        [overcut, both.iter().fold(0.0, |most: f64, d| most.max(d.most_undercut))]
+    }
+
     /// Decides anew which failing checks are let pass.
     pub fn decide(&mut self, overrides: &[FlankOverride]) {
         self.checks.iter_mut().for_each(|check| check.decide(overrides));
