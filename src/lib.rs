@@ -35,3 +35,4 @@ pub mod progress;
 pub mod project;
 pub mod render;
 pub mod views;
+mod word_or_table;

@@ -11,7 +11,7 @@ use sparkpath::flank::params::{FlankParams, Objective, OffsetMethod};
 use sparkpath::flank::ruled_surface::{RuledSurface, Side};
 use sparkpath::geometry::mesh::Mesh;
 use sparkpath::jobs::flank::{CheckKind, FlankInput, FlankResult, flank};
-use sparkpath::jobs::flank_export::{CL_FILE, CSV_FILE, ExportChoice, WrittenFlank, export};
+use sparkpath::jobs::flank_export::{CL_FILE, CSV_FILE, ExportChoice, WrittenFlank, cl, export};
 use sparkpath::jobs::flank_files::{load, load_surface};
 use sparkpath::jobs::flank_report::report;
 use sparkpath::mesh_io::{Units, write_stl};
@@ -130,6 +130,24 @@ fn the_files_hold_the_path_that_was_checked() {
     let nc = read(&folder, "flank.ngc");
     let milled = result.milled().unwrap();
     assert_eq!(nc.lines().filter(|l| l.contains("G01")).count(), milled.line.points.len());
+}
+
+#[test]
+fn what_is_said_of_the_moving_cutter_is_the_worse_of_the_plans_grid_and_of_the_checks() {
+    let document = quick();
+    let result = run(&loaded(&document));
+    let [planned, checked] = [&result.path().envelope.deviation, &result.checked.envelope.deviation];
+    assert!(checked.values.len() > 10 * planned.values.len());
+    let worst = [-planned.most_overcut.min(checked.most_overcut), planned.most_undercut.max(checked.most_undercut)];
+    assert_eq!(result.moving_most(), worst);
+    let [overcut, undercut] = worst;
+    let remarks = cl(&result).unwrap();
+    let remarks: Vec<&str> = remarks.lines().filter_map(|line| line.strip_prefix("$$ ")).collect();
+    let said = format!("Moving cutter: overcut up to {overcut:.4} mm, undercut up to {undercut:.4} mm");
+    assert!(remarks.join(" ").contains(&said), "{remarks:?}");
+    let report = report(&result, &document);
+    assert_eq!(report.moving_most_mm, worst);
+    assert!(report.sentence.contains(&format!("overcut up to {:.1} \u{b5}m", 1e3 * overcut)), "{}", report.sentence);
 }
 
 #[test]

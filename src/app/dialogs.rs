@@ -325,7 +325,11 @@ fn preferences(ui: &mut Ui, p: &mut Preferences) -> Option<Answer> {
 }
 
 fn path(ui: &mut Ui, purpose: &Purpose, text: &mut String, is_preferred: bool) -> Option<Answer> {
-    let why = if is_preferred { "" } else { "This system has no file dialogs (no portal and no zenity). " };
+    let why = if is_preferred {
+        ""
+    } else {
+        "This system has no file dialogs (no portal that chooses files, and no zenity). "
+    };
     let label = ui.label(format!("{why}Type or paste the path:"));
     let mut edited = egui::TextEdit::singleline(text).desired_width(f32::INFINITY).show(ui);
     let field = edited.response.response.clone().labelled_by(label.id);

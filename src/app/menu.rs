@@ -14,100 +14,79 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<std::path::PathBuf> {
         ui.menu_button("File", |ui| {
             item(ui, core, Command::Open);
             recent(ui, core, &mut open);
-            item(ui, core, Command::NewDemonstration);
-            item(ui, core, Command::Reload);
-            ui.separator();
-            item(ui, core, Command::Save);
-            item(ui, core, Command::SaveAs);
-            item(ui, core, Command::SaveJob);
-            ui.separator();
-            item(ui, core, Command::Export);
-            item(ui, core, Command::Screenshot);
-            ui.separator();
-            item(ui, core, Command::Quit);
+            groups(ui, core, FILE);
         });
-        ui.menu_button("Edit", |ui| {
-            let [undo, redo] = match core.workspace {
-                Workspace::Mold => [false, true].map(|again| core.mold.undo_label(again)),
-                Workspace::Flank => [false, true].map(|again| core.flank.record.undo_label(again)),
-                Workspace::Blisk => [core.document.undo_label(), core.document.redo_label()],
-            };
-            let [undo, redo] = [undo.map(|l| format!("Undo {l}")), redo.map(|l| format!("Redo {l}"))];
-            named(ui, core, Command::Undo, undo);
-            named(ui, core, Command::Redo, redo);
-            ui.separator();
-            item(ui, core, Command::Preferences);
-        });
-        if core.workspace == Workspace::Blisk {
-            ui.menu_button("Plan", |ui| {
-                for command in [Command::Plan, Command::Cancel, Command::Keep, Command::Approve, Command::Withdraw] {
-                    item(ui, core, command);
-                }
-                ui.separator();
-                item(ui, core, Command::MillFlanks);
-            });
-        }
-        if core.workspace == Workspace::Mold {
-            ui.menu_button("Mold", |ui| {
-                for command in [Command::FindUncut, Command::DesignElectrodes, Command::CompareCutters, Command::Cancel]
-                {
-                    item(ui, core, command);
-                }
-                ui.separator();
-                for command in [Command::Electrodes, Command::Layers, Command::DepthColours, Command::FaintMold] {
-                    item(ui, core, command);
-                }
-                ui.separator();
-                for command in [Command::FoldPanel, Command::FoldList] {
-                    item(ui, core, command);
-                }
-                ui.separator();
-                for command in [Command::FlyToRegion, Command::Isolate, Command::MillFlanks] {
-                    item(ui, core, command);
-                }
-            });
-        }
-        if core.workspace == Workspace::Flank {
-            ui.menu_button("Flank", |ui| {
-                for command in [Command::PlanFlank, Command::Cancel] {
-                    item(ui, core, command);
-                }
-                ui.separator();
-                for command in [Command::NextPath, Command::SideBySide, Command::FaceFlank, Command::MovingCutter] {
-                    item(ui, core, command);
-                }
-                ui.separator();
-                for command in [Command::ShowCutter, Command::AxisSurface, Command::Rulings] {
-                    item(ui, core, command);
-                }
-                ui.separator();
-                for command in [Command::FoldPanel, Command::FoldList] {
-                    item(ui, core, command);
-                }
-            });
-        }
+        ui.menu_button("Edit", |ui| edit(ui, core));
+        let (name, own) = match core.workspace {
+            Workspace::Blisk => ("Plan", BLISK),
+            Workspace::Mold => ("Mold", MOLD),
+            Workspace::Flank => ("Flank", FLANK),
+        };
+        ui.menu_button(name, |ui| groups(ui, core, own));
         ui.menu_button("View", |ui| {
             item(ui, core, Command::Fit);
             for view in StandardView::ALL {
                 item(ui, core, Command::View(view));
             }
             ui.separator();
-            for command in [Command::Projection, Command::Section, Command::IntoChannel, Command::WholeBlisk] {
-                item(ui, core, command);
-            }
-            ui.separator();
-            for command in [Command::Measure, Command::Colours, Command::Leftover, Command::Theme] {
-                item(ui, core, command);
-            }
+            groups(ui, core, VIEW);
         });
-        ui.menu_button("Help", |ui| {
-            for command in [Command::Palette, Command::Log, Command::About] {
-                item(ui, core, command);
-            }
-        });
+        ui.menu_button("Help", |ui| groups(ui, core, HELP));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| title(ui, core));
     });
     open
+}
+
+/// Commands of a menu in groups, with a line between two of them.
+type Groups = &'static [&'static [Command]];
+
+const FILE: Groups = &[
+    &[Command::NewDemonstration, Command::Reload],
+    &[Command::Save, Command::SaveAs, Command::SaveJob],
+    &[Command::Export, Command::Screenshot],
+    &[Command::Quit],
+];
+const BLISK: Groups =
+    &[&[Command::Plan, Command::Cancel, Command::Keep, Command::Approve, Command::Withdraw], &[Command::MillFlanks]];
+const MOLD: Groups = &[
+    &[Command::FindUncut, Command::DesignElectrodes, Command::CompareCutters, Command::Cancel],
+    &[Command::Electrodes, Command::Layers, Command::DepthColours, Command::FaintMold],
+    &[Command::FoldPanel, Command::FoldList],
+    &[Command::FlyToRegion, Command::Isolate, Command::MillFlanks],
+];
+const FLANK: Groups = &[
+    &[Command::PlanFlank, Command::Cancel],
+    &[Command::NextPath, Command::SideBySide, Command::FaceFlank, Command::MovingCutter],
+    &[Command::ShowCutter, Command::AxisSurface, Command::Rulings],
+    &[Command::FoldPanel, Command::FoldList],
+];
+const VIEW: Groups = &[
+    &[Command::Projection, Command::Section, Command::IntoChannel, Command::WholeBlisk],
+    &[Command::Measure, Command::Colours, Command::Leftover, Command::Theme],
+];
+const HELP: Groups = &[&[Command::Palette, Command::Log, Command::About]];
+
+fn groups(ui: &mut Ui, core: &mut Core, groups: Groups) {
+    for (i, group) in groups.iter().enumerate() {
+        if i > 0 {
+            ui.separator();
+        }
+        group.iter().for_each(|command| item(ui, core, *command));
+    }
+}
+
+/// The steps that can be undone, by their names.
+fn edit(ui: &mut Ui, core: &mut Core) {
+    let [undo, redo] = match core.workspace {
+        Workspace::Mold => [false, true].map(|again| core.mold.undo_label(again)),
+        Workspace::Flank => [false, true].map(|again| core.flank.record.undo_label(again)),
+        Workspace::Blisk => [core.document.undo_label(), core.document.redo_label()],
+    };
+    let [undo, redo] = [undo.map(|l| format!("Undo {l}")), redo.map(|l| format!("Redo {l}"))];
+    named(ui, core, Command::Undo, undo);
+    named(ui, core, Command::Redo, redo);
+    ui.separator();
+    item(ui, core, Command::Preferences);
 }
 
 /// The switch between the workspaces, always in the same place, and before it what the window is about.

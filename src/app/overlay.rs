@@ -133,10 +133,20 @@ fn view_button(ui: &mut Ui, core: &mut Core, name: &str, command: Command, on: b
     }
 }
 
+/// Middle of the three axes in the corner of a view.
+fn gizmo_centre(rect: Rect) -> egui::Pos2 {
+    pos2(rect.right() - 52.0, rect.top() + 52.0)
+}
+
+/// What the three axes cover of a view.
+pub fn gizmo_area(rect: Rect) -> Rect {
+    Rect::from_center_size(gizmo_centre(rect), vec2(92.0, 92.0))
+}
+
 /// Three axes that turn with the view; a click on an end looks from there.
 pub fn gizmo(ui: &mut Ui, rect: Rect, viewport: &mut Viewport) {
     const RADIUS: f32 = 34.0;
-    let centre = pos2(rect.right() - 52.0, rect.top() + 52.0);
+    let centre = gizmo_centre(rect);
     let rotation = viewport.camera().0.view_rotation();
     let colours = palette(ui).axes;
     let mut ends: Vec<(DVec3, &str, Color32)> = Vec::new();

@@ -1,6 +1,8 @@
 //! Whether the system has file dialogs, told before one is asked for: one that fails answers as one that was cancelled.
 
 use std::ffi::OsString;
+use std::fs::File;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 /// What of the system is looked at.
@@ -33,16 +35,33 @@ impl System {
         }
     }
 
-    /// Whether it has file dialogs: everywhere but on free desktops, and there with a portal on the session bus or with
-    /// zenity.
+    /// Whether it has file dialogs: everywhere but on free desktops, and there with zenity, or with a portal on the session
+    /// bus that has a file chooser behind it. Without one the portal answers, but as if its user had chosen nothing.
     pub fn has_dialogs(&self) -> bool {
         const PORTAL: &str = "dbus-1/services/org.freedesktop.portal.Desktop.service";
+        const BACKENDS: &str = "xdg-desktop-portal/portals";
         if cfg!(not(all(unix, not(target_os = "macos")))) || self.is_sandboxed {
             return true;
         }
         let has_portal = self.has_bus && self.data.iter().any(|folder| folder.join(PORTAL).is_file());
+        let has_portal = has_portal && self.data.iter().any(|folder| has_chooser(&folder.join(BACKENDS)));
         has_portal || self.programs.iter().any(|folder| folder.join("zenity").is_file())
     }
+}
+
+/// Whether any of the backends described in a folder chooses files.
+fn has_chooser(folder: &Path) -> bool {
+    const CHOOSER: &str = "org.freedesktop.impl.portal.FileChooser";
+    /// Such a description has a few lines (bytes).
+    const MOST: u64 = 65_536;
+    let chooses = |file: PathBuf| {
+        let mut text = String::new();
+        let read = File::open(file).and_then(|file| file.take(MOST).read_to_string(&mut text));
+        read.is_ok() && text.contains(CHOOSER)
+    };
+    // A folder that cannot be read has none.
+    let files = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    files.filter(|file| file.extension().is_some_and(|ending| ending == "portal") && file.is_file()).any(chooses)
 }
 
 #[cfg(all(test, unix, not(target_os = "macos")))]
@@ -64,6 +83,17 @@ mod tests {
         assert!(!system(true).has_dialogs());
         assert!(System { is_sandboxed: true, ..system(false) }.has_dialogs());
         std::fs::write(services.join("org.freedesktop.portal.Desktop.service"), "").unwrap();
+        assert!(!system(true).has_dialogs(), "nothing behind the portal");
+        let backends = data.join("xdg-desktop-portal/portals");
+        std::fs::create_dir_all(&backends).unwrap();
+        let backend = |name: &str, what: &str| {
+            let text = format!("[portal]\nDBusName=a.b\nInterfaces=org.freedesktop.impl.portal.{what};\n");
+            std::fs::write(backends.join(name), text).unwrap();
+        };
+        backend("a.portal", "Screenshot");
+        backend("b.portal.old", "FileChooser");
+        assert!(!system(true).has_dialogs(), "none of them chooses files");
+        backend("c.portal", "FileChooser");
         assert!(system(true).has_dialogs() && !system(false).has_dialogs(), "a portal needs a bus");
         std::fs::write(programs.join("zenity"), "").unwrap();
         assert!(system(false).has_dialogs());

@@ -2,23 +2,22 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use glam::DVec3;
 
+use super::flank_values::{
+    CutName, Demo, ObjectiveName, OffsetName, PathName, SideName, TipName, check_override, direction, grid,
+    holder_part, vector,
+};
 use super::{Session, flank_electrode, unit};
-use crate::export::flank_nc::TipControl;
 use crate::flank::cutter::HolderPart;
-use crate::flank::params::{Objective, OffsetMethod};
-use crate::flank::ruled_surface::Side;
-use crate::jobs::flank::CheckKind;
+use crate::flank::params::Objective;
 use crate::jobs::flank_electrode::turn_over;
 use crate::jobs::flank_files::load_machine;
 use crate::mesh_io::Units;
 use crate::project::flank_file::{ENDING, is_flank_file, read_flank};
 use crate::project::flank_override::FlankOverride;
-use crate::project::flank_params::{
-    CutDirection, DemonstrationSurface, FlankDocument, FlankSource, GuideSource, MeshFlank, PathChoice, WallsFile,
-};
+use crate::project::flank_params::{FlankDocument, FlankSource, GuideSource, MeshFlank, WallsFile};
 use crate::project::user_folder;
 
 #[derive(Debug, Args)]
@@ -119,7 +118,7 @@ struct PlanArguments {
     /// Places along u and v of the surface at which deviations are taken [default: 100x50].
     #[arg(long, value_name = "UxV", value_parser = grid)]
     grid: Option<[usize; 2]>,
-    /// Control points of each curve of the axis surface [default: 10].
+    /// Control points of each curve of the axis surface; around a ring the least [default: 10].
     #[arg(long, value_name = "N")]
     points: Option<usize>,
     /// Locations of the cutter that the first path goes through [default: 50].
@@ -201,109 +200,6 @@ pub(super) struct MillingArguments {
     overrides: Vec<FlankOverride>,
 }
 
-/// See [`CutDirection`].
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum CutName {
-    Climb,
-    Conventional,
-}
-
-/// A demonstration.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Demo {
-    A,
-    B,
-}
-
-/// See [`Side`].
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum SideName {
-    Automatic,
-    Positive,
-    Negative,
-}
-
-/// See [`OffsetMethod`].
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum OffsetName {
-    TwoPoint,
-    ThreePoint,
-}
-
-/// See [`Objective`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum ObjectiveName {
-    Sum,
-    Rms,
-    Bounded,
-}
-
-/// See [`PathChoice`].
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum PathName {
-    Initial,
-    Chosen,
-    Refined,
-}
-
-/// See [`TipControl`].
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum TipName {
-    Off,
-    Angles,
-    Vector,
-}
-
-fn holder_part(text: &str) -> Result<HolderPart, String> {
-    let wrong = || "expected length:radius or length:lower radius:upper radius in mm, as in 20:10:15".to_owned();
-    let numbers: Result<Vec<f64>, _> = text.split(':').map(|n| n.trim().parse::<f64>()).collect();
-    match numbers.map_err(|_| wrong())?[..] {
-        [length_mm, radius] => Ok(HolderPart { length_mm, lower_radius_mm: radius, upper_radius_mm: radius }),
-        [length_mm, lower_radius_mm, upper_radius_mm] => Ok(HolderPart { length_mm, lower_radius_mm, upper_radius_mm }),
-        _ => Err(wrong()),
-    }
-}
-
-fn vector(text: &str) -> Result<DVec3, String> {
-    let numbers: Result<Vec<f64>, _> = text.split(',').map(|n| n.trim().parse::<f64>()).collect();
-    match numbers.unwrap_or_default()[..] {
-        [x, y, z] if DVec3::new(x, y, z).is_finite() => Ok(DVec3::new(x, y, z)),
-        _ => Err("expected three numbers with commas between, as in 0,0,30".to_owned()),
-    }
-}
-
-fn direction(text: &str) -> Result<DVec3, String> {
-    let (sign, letter) = match text.strip_prefix('-') {
-        Some(rest) => (-1.0, rest),
-        None => (1.0, text.strip_prefix('+').unwrap_or(text)),
-    };
-    let found = match letter.to_ascii_lowercase().as_str() {
-        "x" => sign * DVec3::X,
-        "y" => sign * DVec3::Y,
-        "z" => sign * DVec3::Z,
-        _ => vector(text)
-            .map_err(|_| "expected +x, -x, +y, -y, +z, -z, or three numbers with commas between".to_owned())?,
-    };
-    // No zero with a sign.
-    Ok(found + DVec3::ZERO)
-}
-
-fn check_override(text: &str) -> Result<FlankOverride, String> {
-    let given: FlankOverride = text.parse()?;
-    let names = CheckKind::ALL.map(CheckKind::name);
-    if names.contains(&given.check.as_str()) {
-        return Ok(given);
-    }
-    Err(format!("there is no check {:?}; there are {}", given.check, names.join(", ")))
-}
-
-fn grid(text: &str) -> Result<[usize; 2], String> {
-    let wrong = || "expected the places along u and v, as in 100x50".to_owned();
-    let (u, v) = text.split_once('x').ok_or_else(wrong)?;
-    let number = |text: &str| text.trim().parse::<usize>().map_err(|_| wrong());
-    Ok([number(u)?, number(v)?])
-}
-
 /// Puts a value in the place of another if it was given.
 fn set<T>(place: &mut T, given: Option<impl Into<T>>) {
     if let Some(given) = given {
@@ -352,13 +248,7 @@ impl SurfaceArguments {
                 FlankSource::Mesh(before) => MeshFlank { file: mesh.clone(), kept: None, ..before.clone() },
                 _ => MeshFlank::of(mesh),
             })),
-            (_, _, _, Some(demo)) => {
-                let surface = match demo {
-                    Demo::A => DemonstrationSurface::A,
-                    Demo::B => DemonstrationSurface::B,
-                };
-                Some(FlankSource::Demonstration { surface })
-            }
+            (_, _, _, Some(demo)) => Some(FlankSource::Demonstration { surface: demo.into() }),
             _ if self.file.is_none() && self.electrode.is_none() => anyhow::bail!(
                 "no surface was given; name a {ENDING} file, --lower and --upper guide curves, a --mesh, an --electrode, or \
                  --demo a"
@@ -380,12 +270,7 @@ impl SurfaceArguments {
             }
             _ => {}
         }
-        let side = self.side.map(|side| match side {
-            SideName::Automatic => Side::Automatic,
-            SideName::Positive => Side::Positive,
-            SideName::Negative => Side::Negative,
-        });
-        set(&mut document.side, side);
+        set(&mut document.side, self.side);
         if let Some(file) = &self.walls {
             let units = document.walls.as_ref().map_or_else(Units::default, |walls| walls.units);
             document.walls = Some(WallsFile { file: file.clone(), units });
@@ -414,11 +299,7 @@ impl PlanArguments {
         set(&mut document.overcut_tolerance_mm, self.overcut_tolerance);
         set(&mut document.undercut_tolerance_mm, self.undercut_tolerance);
         let plan = &mut document.plan;
-        let offset = self.offset.map(|offset| match offset {
-            OffsetName::TwoPoint => OffsetMethod::TwoPoint,
-            OffsetName::ThreePoint => OffsetMethod::ThreePoint,
-        });
-        set(&mut plan.offset, offset);
+        set(&mut plan.offset, self.offset);
         set(&mut plan.grid, self.grid);
         set(&mut plan.control_points, self.points);
         set(&mut plan.locations, self.locations);
@@ -444,12 +325,7 @@ impl PlanArguments {
             }
             Some(ObjectiveName::Bounded) | None => {}
         }
-        let path = self.path.map(|path| match path {
-            PathName::Initial => PathChoice::Initial,
-            PathName::Chosen => PathChoice::Chosen,
-            PathName::Refined => PathChoice::Refined,
-        });
-        set(&mut document.path, path);
+        set(&mut document.path, self.path);
         Ok(())
     }
 }
@@ -459,11 +335,7 @@ impl MillingArguments {
         let milling = &mut document.milling;
         let machine = self.machine.as_deref().map(|name| if name == "none" { "" } else { name });
         set(&mut milling.machine, machine);
-        let cut = self.cut.map(|cut| match cut {
-            CutName::Climb => CutDirection::Climb,
-            CutName::Conventional => CutDirection::Conventional,
-        });
-        set(&mut milling.cut, cut);
+        set(&mut milling.cut, self.cut);
         milling.gauge_length_mm = self.gauge_length.or(milling.gauge_length_mm);
         set(&mut milling.post, self.post.clone());
         set(&mut milling.linearisation_mm, self.tolerance);
@@ -471,12 +343,7 @@ impl MillingArguments {
         set(&mut milling.program.spindle_rpm, self.spindle);
         set(&mut milling.aside_mm, self.aside);
         set(&mut milling.retract_mm, self.retract);
-        let tip = self.tip_control.map(|tip| match tip {
-            TipName::Off => TipControl::Off,
-            TipName::Angles => TipControl::Angles,
-            TipName::Vector => TipControl::Vector,
-        });
-        set(&mut milling.program.tip_control, tip);
+        set(&mut milling.program.tip_control, self.tip_control);
         document.overrides.extend(self.overrides.iter().cloned());
     }
 
@@ -494,30 +361,5 @@ impl MillingArguments {
         set(&mut place.x_axis, self.clamp_x);
         document.milling.workpiece = Some(place);
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn parts_of_holders_and_grids_are_read_or_refused() {
-        let part = holder_part("20:10:15").unwrap();
-        assert_eq!((part.length_mm, part.lower_radius_mm, part.upper_radius_mm), (20.0, 10.0, 15.0));
-        assert_eq!(holder_part("30:3").unwrap().upper_radius_mm, 3.0);
-        assert_eq!(check_override("gouge:0.2").unwrap().most, Some(0.2));
-        let why = check_override("nonsense").unwrap_err();
-        assert!(why.contains("nonsense") && why.contains("ruled, cutter, coverage"), "{why}");
-        assert_eq!(grid("100x50"), Ok([100, 50]));
-        assert_eq!(direction("-Z"), Ok(-DVec3::Z));
-        assert_eq!(direction("0,1,-2.5"), Ok(DVec3::new(0.0, 1.0, -2.5)));
-        assert!(direction("w").is_err() && direction("1,2").is_err() && direction("nan,0,0").is_err());
-        for text in ["", "20", "20:a", "1:2:3:4"] {
-            assert!(holder_part(text).is_err(), "{text}");
-        }
-        for text in ["", "100", "100x", "-1x5", "1x2x3"] {
-            assert!(grid(text).is_err(), "{text}");
-        }
     }
 }

@@ -19,6 +19,7 @@ mod electrodes;
 mod flank;
 mod flank_arguments;
 mod flank_electrode;
+mod flank_values;
 mod inspect;
 mod plan;
 mod render;

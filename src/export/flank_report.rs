@@ -35,6 +35,9 @@ pub struct FlankReport {
     pub grid: [usize; 2],
     /// The first locations.
     pub locations: LocationsEntry,
+    /// Greatest overcut and undercut (mm) of the path that is milled as the cutter moves, on `grid` or on that of the checks,
+    /// whichever is worse.
+    pub moving_most_mm: [f64; 2],
     /// The initial path, that of the best rank, the refined one.
     pub paths: Vec<PathEntry>,
     /// What the paper's method left, on its own grids.
@@ -100,6 +103,12 @@ pub struct LocationsEntry {
     pub nearest: usize,
     /// u of the first and of the last contact on the lower guide.
     pub u0_range: [f64; 2],
+    /// Control points of each of the two curves through them.
+    pub control_points: usize,
+    /// Those that were asked for: around a ring there may be more.
+    pub control_points_asked: usize,
+    /// How far these curves are from them at most (mm).
+    pub fit_mm: f64,
 }
 
 /// A path.

@@ -74,8 +74,8 @@ fn key_figures(out: &mut String, report: &FlankReport) {
         ("of the initial sum", ratio(path.ratio, 3), ""),
         ("mean of absolute values", number(1e3 * path.standing.mean_absolute_mm, 2), "\u{b5}m"),
         ("rms", number(1e3 * path.standing.rms_mm, 2), "\u{b5}m"),
-        ("overcut up to", number(1e3 * path.moving.most_overcut_mm, 1), "\u{b5}m"),
-        ("undercut up to", number(1e3 * path.moving.most_undercut_mm, 1), "\u{b5}m"),
+        ("overcut up to", number(1e3 * report.moving_most_mm[0], 1), "\u{b5}m"),
+        ("undercut up to", number(1e3 * report.moving_most_mm[1], 1), "\u{b5}m"),
         ("grid, u by v", format!("{} \u{d7} {}", report.grid[0], report.grid[1]), ""),
     ];
     if let Some(machine) = report.machine.as_ref().filter(|m| m.trouble.is_none()) {
@@ -193,12 +193,20 @@ fn figures(out: &mut String, report: &FlankReport) {
     let places = &report.locations;
     let _ = write!(
         out,
-        "<p class=\"soft\">First locations: {} from u0 = {} to {}; {} touch as asked, {} were put where they come nearest.</p></section>",
+        "<p class=\"soft\">First locations: {} from u0 = {} to {}; {} touch as asked, {} were put where they come nearest. The \
+         curves through them have {} control points each{} and are off them by {} \u{b5}m at most.</p></section>",
         places.count,
         number(places.u0_range[0], 4),
         number(places.u0_range[1], 4),
         places.touching,
-        places.nearest
+        places.nearest,
+        places.control_points,
+        if places.control_points > places.control_points_asked {
+            format!(", more than the {} asked for, as a ring needs them,", places.control_points_asked)
+        } else {
+            String::new()
+        },
+        number(1e3 * places.fit_mm, 2)
     );
 }
 

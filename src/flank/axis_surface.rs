@@ -190,6 +190,16 @@ impl AxisSurface {
         Self::with(basis, [points(0), points(3)], range)
     }
 
+    /// How far tips and upper ends of `locations` are from the places of both curves that belong to their u0, at most (mm).
+    pub fn furthest(&self, locations: &[CutterLocation]) -> f64 {
+        let [from, to] = self.u0_range;
+        let off = |location: &CutterLocation| {
+            let at = self.at((location.u0 - from) / (to - from));
+            at.tip.distance(location.tip).max(at.top.distance(location.q2))
+        };
+        locations.iter().map(off).fold(0.0, f64::max)
+    }
+
     /// Control points of C_b, the curve of the tip (mm).
     pub fn lower(&self) -> &[DVec3] {
         &self.lower

@@ -60,7 +60,7 @@ impl CheckGrid {
 
     /// What it is, in words.
     pub fn words(&self) -> String {
-        let ([nu, nv], [by_u, by_v]) = (self.places.size(), self.spacing_mm);
+        let ([nu, nv], [by_u, by_v]) = (self.places.counted_size(), self.spacing_mm);
         format!("{nu} x {nv} places of the surface, at most {by_u:.3} x {by_v:.3} mm apart")
     }
 

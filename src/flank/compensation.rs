@@ -170,7 +170,7 @@ fn triangle(
         }
         Ok(rows.qr().r())
     };
-    let places = grid.grid_places();
+    let places = grid.counted_places();
     let mut left = DMatrix::zeros(0, width);
     for start in (0..places.len()).step_by(AT_ONCE * size) {
         let end = places.len().min(start + AT_ONCE * size);
@@ -283,7 +283,7 @@ pub fn best_rank(
     let found: Result<Vec<_>, _> = (1..=ranks).into_par_iter().map(candidate).collect();
     let found = found?;
     let must_cover = start.stands_over_all();
-    let rounding = ROUNDING_MM * start.deviation.values.len() as f64;
+    let rounding = ROUNDING_MM * start.deviation.counted().len() as f64;
     let mut best = (0, start.deviation.sum - rounding);
     for (i, candidate) in found.iter().enumerate() {
         if let Some((sum, covers)) = *candidate

@@ -21,6 +21,8 @@ pub const ROUNDING_MM: f64 = 1e-6;
 pub struct Deviation {
     /// Places along u and along v.
     pub grid: [usize; 2],
+    /// Whether the last places along u are the first ones again, once around: they count once in every figure.
+    pub is_closed: bool,
     /// Deviations (mm); that of the place (i, j) has index `i * grid[1] + j`.
     pub values: Vec<f64>,
     /// Sum of the absolute values (mm).
@@ -40,17 +42,38 @@ pub struct Deviation {
 }
 
 impl Deviation {
-    /// The figures of some deviations.
+    /// The figures of some deviations, each place of which counts.
     pub fn of(grid: [usize; 2], values: Vec<f64>) -> Self {
-        let count = values.len().max(1) as f64;
-        let sum_of = |f: &dyn Fn(f64) -> f64| values.iter().map(|x| f(*x)).sum::<f64>();
+        Self::with(grid, values, false)
+    }
+
+    /// The figures of deviations once around a closed surface, whose last places along u are its first ones again.
+    pub fn around(grid: [usize; 2], values: Vec<f64>) -> Self {
+        Self::with(grid, values, true)
+    }
+
+    fn with(grid: [usize; 2], values: Vec<f64>, is_closed: bool) -> Self {
+        let counted = &values[..values.len() - repeated(grid, is_closed).min(values.len())];
+        let count = counted.len().max(1) as f64;
+        let sum_of = |f: &dyn Fn(f64) -> f64| counted.iter().map(|x| f(*x)).sum::<f64>();
         let sum_overcut = sum_of(&|x| (-x).max(0.0));
         let sum_undercut = sum_of(&|x| x.max(0.0));
         let sum = sum_overcut + sum_undercut;
         let rms = (sum_of(&|x| x * x) / count).sqrt();
         let most_overcut = values.iter().copied().fold(f64::INFINITY, f64::min);
         let most_undercut = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        Self { grid, values, sum, mean: sum / count, rms, most_overcut, most_undercut, sum_overcut, sum_undercut }
+        let mean = sum / count;
+        Self { grid, is_closed, values, sum, mean, rms, most_overcut, most_undercut, sum_overcut, sum_undercut }
+    }
+
+    /// The deviations (mm) that count: around a closed surface those of the seam once.
+    pub fn counted(&self) -> &[f64] {
+        &self.values[..self.values.len() - repeated(self.grid, self.is_closed).min(self.values.len())]
+    }
+
+    /// Places along u and along v that count.
+    pub fn counted_grid(&self) -> [usize; 2] {
+        [self.grid[0] - usize::from(self.is_closed && self.grid[0] > 1), self.grid[1]]
     }
 
     /// Whether the cutter touches everywhere to within rounding: there is nothing to gain, and what seems less still has
@@ -65,11 +88,18 @@ impl Deviation {
     }
 }
 
+/// Number of the last places of a grid that are the first ones again.
+fn repeated([along, across]: [usize; 2], is_closed: bool) -> usize {
+    if is_closed && along > 1 { across } else { 0 }
+}
+
 /// Places of a design surface, evenly spaced in v and as a rule in u, with the edges among them: what deviations are
 /// measured at.
 #[derive(Debug, Clone)]
 pub struct DesignGrid {
     size: [usize; 2],
+    /// Whether the last rulings are the first ones again.
+    is_closed: bool,
     places: Vec<GridPlace>,
 }
 
@@ -117,12 +147,19 @@ impl DesignGrid {
             let along = at.along_v.normalize_or_zero();
             GridPlace { at, tangents: [along, at.normal.cross(along)] }
         };
-        Self { size: [u.len(), across], places: (0..u.len() * across).into_par_iter().map(place).collect() }
+        let is_once_around = u.first().zip(u.last()).is_some_and(|(first, last)| last - first == 1.0);
+        let places = (0..u.len() * across).into_par_iter().map(place).collect();
+        Self { size: [u.len(), across], is_closed: surface.is_closed() && is_once_around, places }
     }
 
     /// Places along u and along v.
     pub fn size(&self) -> [usize; 2] {
         self.size
+    }
+
+    /// Those that count: around a closed surface the last rulings are the first ones again.
+    pub fn counted_size(&self) -> [usize; 2] {
+        [self.counted_places().len() / self.size[1].max(1), self.size[1]]
     }
 
     /// Its places, row by row: v runs faster.
@@ -132,6 +169,16 @@ impl DesignGrid {
 
     pub(super) fn grid_places(&self) -> &[GridPlace] {
         &self.places
+    }
+
+    /// Those that count: around a closed surface the rulings of the seam once.
+    pub(super) fn counted_places(&self) -> &[GridPlace] {
+        &self.places[..self.places.len() - repeated(self.size, self.is_closed)]
+    }
+
+    /// The figures of deviations (mm) at its places.
+    pub(super) fn figures(&self, values: Vec<f64>) -> Deviation {
+        Deviation::with(self.size, values, self.is_closed)
     }
 
     /// The deviation of a path and where its axis stands over the grid. `near` says where it stood before, if known.
@@ -151,7 +198,7 @@ impl DesignGrid {
             return Err(FlankError::Unmeasured { count, u, v });
         }
         let (values, at) = found.into_iter().flatten().unzip();
-        Ok((Deviation::of(self.size, values), Feet { at }))
+        Ok((self.figures(values), Feet { at }))
     }
 
     /// Deviation (mm) and place (t, a) of the axis for every place that it stands over.

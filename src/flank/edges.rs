@@ -59,7 +59,8 @@ impl Edges {
                 (beyond, self.by_t, row(path, t, [(1.0 - a) * by, a * by]))
             })
         });
-        let at_bottom = (0..along).filter_map(move |i| {
+        let rulings = grid.counted_places().len() / across.max(1);
+        let at_bottom = (0..rulings).filter_map(move |i| {
             let (t, a) = path.feet.at[i * across].into();
             let at = path.axis.at(t);
             let height = a * at.length();

@@ -65,7 +65,8 @@ pub fn check(
     let places = grid.grid_places();
     let one = |k: usize| envelope_over(axis, cutter, &places[k], feet.at[k]);
     let found: Vec<Option<Grazing>> = (0..places.len()).into_par_iter().with_min_len(64).map(one).collect();
-    let without = found.iter().filter(|f| f.is_none_or(|f| f.above.is_none())).count();
+    let counted = grid.counted_places().len();
+    let without = found.iter().take(counted).filter(|f| f.is_none_or(|f| f.above.is_none())).count();
     let moving = |f: &Option<Grazing>| f.and_then(|f| f.above);
     let values: Vec<f64> = found.iter().zip(&standing.values).map(|(f, still)| moving(f).unwrap_or(*still)).collect();
     let differences = values.iter().zip(&standing.values).map(|(a, b)| (a - b).abs());
@@ -73,7 +74,7 @@ pub fn check(
     let ends = [f64::INFINITY, f64::NEG_INFINITY];
     let t_range = found.iter().flatten().fold(ends, |[low, high], f| [low.min(f.t), high.max(f.t)]);
     let t_range = if axis.is_closed() { [0.0, 1.0] } else { t_range };
-    EnvelopeCheck { deviation: Deviation::of(grid.size(), values), greatest_difference, without, t_range }
+    EnvelopeCheck { deviation: grid.figures(values), greatest_difference, without, t_range }
 }
 
 /// The moving cutter over a place.

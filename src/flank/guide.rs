@@ -64,8 +64,7 @@ pub(super) fn pair(lower: &GuideCurve, upper: &GuideCurve) -> Result<[NurbsCurve
     let chords = |which, points: &[DVec3]| chord_parameters(points).map_err(wrong(which));
     let (first, second) = (chords("lower", low)?, chords("upper", high)?);
     let shared: Vec<f64> = first.iter().zip(&second).map(|(a, b)| 0.5 * (a + b)).collect();
-    let through =
-        |which, points: &[DVec3], degree| NurbsCurve::through_at(&shared, points, degree, None).map_err(wrong(which));
+    let through = |which, points: &[DVec3], degree| through_at(&shared, points, degree).map_err(wrong(which));
     Ok([through("lower", low, low_degree)?, through("upper", high, high_degree)?])
 }
 
@@ -168,10 +167,46 @@ impl GuideCurve {
                 if let Some(i) = points.iter().position(|p| !p.is_finite()) {
                     return Err(NurbsError::Value(i));
                 }
-                NurbsCurve::through(points, *degree)
+                through_at(&chord_parameters(points)?, points, *degree)
             }
         }
     }
+}
+
+/// The curve through points at parameters from 0 to 1. One whose points end where they begin goes on from there as it
+/// starts: it has the slope of the curve through the points around its seam.
+fn through_at(parameters: &[f64], points: &[DVec3], degree: usize) -> Result<NurbsCurve, NurbsError> {
+    /// Points on each side of the seam: what is further away changes the slope by no more than rounding.
+    const BESIDE: i64 = 16;
+    if degree < 2 || !is_ring(points) {
+        return NurbsCurve::through_at(parameters, points, degree, None);
+    }
+    // Once around.
+    let count = points.len() as i64 - 1;
+    let at = |i: i64| {
+        let k = i.rem_euclid(count) as usize;
+        (parameters[k] + i.div_euclid(count) as f64, points[k])
+    };
+    let (around, beside): (Vec<f64>, Vec<DVec3>) = (-BESIDE..=BESIDE).map(at).unzip();
+    let slope = NurbsCurve::through_at(&around, &beside, degree, None)?.at(0.0)[1];
+    NurbsCurve::through_at(parameters, points, degree, Some([slope; 2]))
+}
+
+/// Whether points end where they begin without a corner there: the line through them does not turn much more than at the
+/// points beside.
+fn is_ring(points: &[DVec3]) -> bool {
+    /// Share of the size within which points coincide, as for surfaces.
+    const NEAR: f64 = 1e-6;
+    /// What the seam may turn more than the points beside it: a factor, and an angle (rad).
+    const MORE: [f64; 2] = [1.5, 0.1];
+    let [first, second, third, .., before, behind, last] = points else { return false };
+    let extent = points.iter().map(|p| p.distance(*first)).fold(0.0, f64::max);
+    if first.distance(*last) > NEAR * extent || points.len() < 7 {
+        return false;
+    }
+    let turn = |a: &DVec3, b: &DVec3, c: &DVec3| (*b - *a).angle_between(*c - *b);
+    let beside = turn(first, second, third).max(turn(before, behind, last));
+    turn(behind, last, second) <= MORE[0] * beside + MORE[1]
 }
 
 /// The same knots, stretched so that they run from 0 to 1.
@@ -181,8 +216,8 @@ fn from_zero_to_one(knots: &KnotVector) -> Result<KnotVector, NurbsError> {
     KnotVector::new(knots.degree(), stretched)
 }
 
-/// Three finite numbers, and nothing else. Beside semicolons commas are those of decimals; beside blanks they are if they
-/// would not stand between three numbers.
+/// Three finite numbers, and nothing else. Beside semicolons commas are those of decimals, and so they are beside blanks
+/// that stand alone between numbers.
 fn point_of(line: &str) -> Option<DVec3> {
     let is_gap = |c: char| c == ';' || c.is_whitespace();
     let three = |words: &mut dyn Iterator<Item = String>| {
@@ -194,7 +229,14 @@ fn point_of(line: &str) -> Option<DVec3> {
     if line.contains(';') {
         return with_commas();
     }
-    three(&mut line.split(|c: char| c == ',' || is_gap(c)).map(str::to_owned)).or_else(with_commas)
+    // Where blanks alone separate some numbers, a comma within others is that of a decimal.
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let is_open = |w: &[&str]| !w[0].ends_with(',') && !w[1].starts_with(',');
+    let is_within = |word: &&str| word.trim_matches(',').contains(',');
+    if words.windows(2).any(is_open) && words.iter().any(is_within) {
+        return with_commas();
+    }
+    three(&mut line.split(|c: char| c == ',' || is_gap(c)).map(str::to_owned))
 }
 
 #[cfg(test)]
@@ -213,7 +255,7 @@ mod tests {
         {
             assert_eq!(points(text), all, "{text}");
         }
-        for text in ["1,5,2,0,-3,25\n4,5,6", "1,5;2\n4;5;6", "1,000,5;2;3\n4;5;6"] {
+        for text in ["1,5,2,0,-3,25\n4,5,6", "1,5;2\n4;5;6", "1,000,5;2;3\n4;5;6", "1,5 2\n4 5 6", "1 2,5\n4 5 6"] {
             let why = GuideCurve::from_csv(text).unwrap_err().to_string();
             assert!(why.contains("line 1") && why.contains("decimal commas"), "{text}: {why}");
         }

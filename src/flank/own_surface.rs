@@ -142,12 +142,12 @@ pub fn own_surface(
     let found: Result<Vec<Option<OwnGouge>>, FlankError> =
         grid.grid_places().par_iter().zip(&moving).map(one).collect();
     let found = found?;
-    let gouges = || found.iter().flatten();
+    let gouges = || found.iter().take(grid.counted_places().len()).flatten();
     let worst = gouges().max_by(|a, b| a.excess_mm().total_cmp(&b.excess_mm())).copied();
     progress.report("the tool against its own surface", 0.9, "");
     let sweep = swept(path, &touching, surface, cancel)?;
     progress.report("the tool against its own surface", 1.0, "");
-    Ok(OwnSurfaceCheck { grid: size, tolerance_mm, count: gouges().count(), worst, sweep })
+    Ok(OwnSurfaceCheck { grid: grid.counted_size(), tolerance_mm, count: gouges().count(), worst, sweep })
 }
 
 /// The least distance from a point to the tool along the path, where and by which part, if it is less than `most`.
@@ -207,7 +207,7 @@ fn swept(
         cancel.check()?;
         Ok(envelope::swept_above(&path.axis, touching, (place.at.point, place.at.normal), heights, SAMPLES))
     };
-    let found: Result<Vec<Option<f64>>, FlankError> = grid.grid_places().par_iter().map(one).collect();
+    let found: Result<Vec<Option<f64>>, FlankError> = grid.counted_places().par_iter().map(one).collect();
     let mut check =
         SweepCheck { grid: SIZE, greatest_difference_mm: 0.0, place: [0.0; 2], sums_mm: [0.0; 2], without: 0 };
     for ((place, swept), moving) in grid.places().zip(found?).zip(moving) {

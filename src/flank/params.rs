@@ -43,7 +43,7 @@ pub struct FlankParams {
     pub offset: OffsetMethod,
     /// Number of cutter locations, P4's m.
     pub locations: usize,
-    /// Number of control points of each curve of the axis surface.
+    /// Number of control points of each curve of the axis surface; around a closed surface the least.
     pub control_points: usize,
     /// Places along u and v of the design surface where deviations are taken.
     pub grid: [usize; 2],
@@ -85,6 +85,10 @@ impl Default for FlankParams {
 impl FlankParams {
     /// Most places of the grid.
     pub const MOST_PLACES: usize = 1_000_000;
+    /// Most control points.
+    pub const MOST_CONTROL_POINTS: usize = 100;
+    /// Places of the grid that there must be for each control point.
+    pub const PLACES_EACH: usize = 6;
 
     /// Whether a path can be planned so.
     ///
@@ -102,12 +106,12 @@ impl FlankParams {
             fits.then_some(()).ok_or(FlankError::Parameter { name, value, wanted })
         };
         let count = self.control_points;
-        one("control_points", count as f64, (4..=100).contains(&count), "from 4 to 100")?;
+        one("control_points", count as f64, (4..=Self::MOST_CONTROL_POINTS).contains(&count), "from 4 to 100")?;
         let enough = (count..=10_000).contains(&self.locations);
         one("locations", self.locations as f64, enough, "at least control_points, and at most 10000")?;
         one("grid", nu.min(nv) as f64, nu >= 2 && nv >= 2, "at least 2 places both ways")?;
         one("grid", places as f64, places <= Self::MOST_PLACES, "at most 1 million places in all")?;
-        one("grid", places as f64, places >= 6 * count, "at least 6 places for each control point")?;
+        one("grid", places as f64, places >= Self::PLACES_EACH * count, "at least 6 places for each control point")?;
         one("overrun_u", self.overrun_u, (0.0..=0.1).contains(&self.overrun_u), "from 0 to 0.1")?;
         one("slide_u", self.slide_u, (1e-3..=0.5).contains(&self.slide_u), "from 0.001 to 0.5")?;
         one("rounds", self.rounds as f64, self.rounds <= 10_000, "at most 10000")?;

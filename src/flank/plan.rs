@@ -27,6 +27,8 @@ pub struct FlankPlan {
     pub params: FlankParams,
     /// The locations by offset.
     pub locations: Vec<CutterLocation>,
+    /// How far the curves of the first path are from them at most (mm); around a closed surface also from those midway.
+    pub fit_mm: f64,
     /// The path through them.
     pub initial: FlankPath,
     /// Sums over ranks.
@@ -85,7 +87,7 @@ pub fn plan_flank(
     let cutter = &whole.above(params.below_mm)?;
     let grid = DesignGrid::new(surface, params.grid);
     progress.report("placing the cutter", 0.0, "");
-    let (locations, start) = covering_start(surface, cutter, params, &grid, cancel)?;
+    let Start { locations, fit_mm, path: start } = covering_start(surface, cutter, params, &grid, cancel)?;
     progress.report("trying every rank", 0.0, "");
     let (chosen, ranks) = ranked(surface, &grid, &start, cutter, cancel)?;
     let refined = refined(surface, &grid, &chosen, cutter, params, (progress, cancel))?;
@@ -96,7 +98,8 @@ pub fn plan_flank(
     };
     let (initial, chosen, refined) = (path(start)?, path(chosen)?, path(refined)?);
     let (cutter, params) = (whole.clone(), params.clone());
-    let mut plan = FlankPlan { cutter, params, locations, initial, ranks, chosen, refined, warnings: Vec::new() };
+    let mut plan =
+        FlankPlan { cutter, params, locations, fit_mm, initial, ranks, chosen, refined, warnings: Vec::new() };
     plan.warnings = warning::of_plan(surface, &plan);
     progress.report("checking the moving cutter", 1.0, "");
     Ok(plan)
@@ -193,6 +196,13 @@ fn locations(
     (0..n).into_par_iter().map(one).collect()
 }
 
+/// Locations, their path, and how far it is from them at most (mm).
+struct Start {
+    locations: Vec<CutterLocation>,
+    fit_mm: f64,
+    path: Measured,
+}
+
 /// Locations and their path, from ends that cover the surface if that is asked for and possible.
 fn covering_start(
     surface: &RuledSurface,
@@ -200,7 +210,7 @@ fn covering_start(
     params: &FlankParams,
     grid: &DesignGrid,
     cancel: &Cancel,
-) -> Result<(Vec<CutterLocation>, Measured), FlankError> {
+) -> Result<Start, FlankError> {
     if surface.is_closed() {
         return closed_start(surface, cutter, params, grid, cancel);
     }
@@ -235,22 +245,47 @@ fn covering_start(
         }
         range = next;
     }
-    found.ok_or(FlankError::Singular("the first path"))
+    let (locations, path) = found.ok_or(FlankError::Singular("the first path"))?;
+    Ok(Start { fit_mm: path.axis.furthest(&locations), locations, path })
 }
 
+/// How far a path around a closed surface may be from its locations (mm): a twentieth of the overcut that is usually let
+/// pass.
+pub const RING_FIT_MM: f64 = 0.005;
+
 /// Locations once around a closed surface, the last where the first is, and their closed path: it needs no more to cover
-/// the surface.
+/// the surface. A ring turns by 360 degrees, for which the control points asked for may be too few: they are made more
+/// until the path keeps to its locations and to those midway between them.
 fn closed_start(
     surface: &RuledSurface,
     cutter: &FlankCutter,
     params: &FlankParams,
     grid: &DesignGrid,
     cancel: &Cancel,
-) -> Result<(Vec<CutterLocation>, Measured), FlankError> {
-    let all = locations(surface, cutter, params, (params.locations + 1, [0.0, 1.0]), cancel)?;
-    let axis = AxisSurface::fit(&all, params.control_points, true)?;
-    let start = Measured::new(grid, axis, cutter, None)?;
-    Ok((all, start))
+) -> Result<Start, FlankError> {
+    let most = most_around(params);
+    let mut count = params.control_points;
+    loop {
+        // More than twice as many locations as control points leave the fit no room to swing between them.
+        let n = if count > params.control_points { params.locations.max(2 * count) } else { params.locations };
+        let with_midway = locations(surface, cutter, params, (2 * n + 1, [0.0, 1.0]), cancel)?;
+        let all: Vec<CutterLocation> = with_midway.iter().step_by(2).copied().collect();
+        let axis = AxisSurface::fit(&all, count, true)?;
+        let fit_mm = axis.furthest(&with_midway);
+        if fit_mm <= RING_FIT_MM || count >= most {
+            return Ok(Start { locations: all, fit_mm, path: Measured::new(grid, axis, cutter, None)? });
+        }
+        count = (count + count.div_ceil(4)).min(most);
+    }
+}
+
+/// The most control points that a closed path is given: as many as were asked for, or one for two of the grid's places
+/// around. With more of them refinement would follow single places.
+fn most_around(params: &FlankParams) -> usize {
+    let [along, across] = params.grid;
+    let places = (along - 1).saturating_mul(across);
+    let most = ((along - 1) / 2).min(places / FlankParams::PLACES_EACH).min(FlankParams::MOST_CONTROL_POINTS);
+    most.max(params.control_points)
 }
 
 /// u0 of the location whose upper contact is at the `end` of the upper guide, if it lies past the end of the lower one.

@@ -43,7 +43,7 @@ impl Merit {
     }
 
     fn of(&self, deviation: &Deviation) -> f64 {
-        deviation.values.iter().map(|e| self.at(*e)[0]).sum()
+        deviation.counted().iter().map(|e| self.at(*e)[0]).sum()
     }
 }
 
@@ -229,7 +229,7 @@ fn normal_equations(
 ) -> (DMatrix<f64>, DVector<f64>) {
     // A fixed number of blocks, so that sums are the same on any number of threads.
     const BLOCKS: usize = 16;
-    let places = grid.grid_places();
+    let places = grid.counted_places();
     let n = now.axis.lower().len();
     let size = places.len().div_ceil(BLOCKS);
     let of_block = |block: usize| {

@@ -3,7 +3,7 @@
 use super::FlankError;
 use super::offset::Touch;
 use super::path::FlankPath;
-use super::plan::FlankPlan;
+use super::plan::{FlankPlan, RING_FIT_MM};
 use super::refine::path_beyond_bounds;
 use super::ruled_surface::RuledSurface;
 
@@ -18,6 +18,7 @@ pub(super) fn of_plan(surface: &RuledSurface, plan: &FlankPlan) -> Vec<String> {
         warnings.push(format!("{error}; {instead}"));
     }
     warnings.extend(of_locations(plan));
+    warnings.extend(of_ring(plan));
     warnings.extend(of_bounds(plan));
     for (name, path) in plan.paths() {
         warnings.extend(of_coverage(name, path));
@@ -70,6 +71,20 @@ fn of_locations(plan: &FlankPlan) -> Option<String> {
         first.u0,
         plan.params.slide_u
     ))
+}
+
+/// Around a closed surface the first path may still be far from its locations.
+fn of_ring(plan: &FlankPlan) -> Option<String> {
+    let axis = &plan.initial.axis;
+    (axis.is_closed() && plan.fit_mm > RING_FIT_MM).then(|| {
+        format!(
+            "around the ring the first path is up to {:.4} mm off its locations with {} control points of each curve, as many as \
+             a grid of {} places around is given; take a finer grid along u, or more control points",
+            plan.fit_mm,
+            axis.lower().len(),
+            plan.params.grid[0]
+        )
+    })
 }
 
 fn of_bounds(plan: &FlankPlan) -> Option<String> {

@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::export::flank_nc::milling_post;
 use crate::flank::FlankError;
 use crate::flank::check_grid::{CheckGrid, CheckedPath};
 use crate::flank::cutter::FlankCutter;
@@ -13,9 +12,9 @@ use crate::flank::fit_ruled::{Candidate, CandidateFit, RuledFit};
 use crate::flank::gouge::{self, Clearance, GougeCheck};
 use crate::flank::guide::GuideCurve;
 use crate::flank::inside_wall::within;
-use crate::flank::machine::joint_feed::{Contact, Slowed, paces};
+use crate::flank::machine::joint_feed::{Contact, Slowed};
 use crate::flank::machine::kinematics::{Kinematics, ToolPose};
-use crate::flank::machine::linearise::{LinearisationParams, MachinePath, linearise};
+use crate::flank::machine::linearise::{LinearisationParams, MachinePath};
 use crate::flank::machine::milling_machine::MillingMachine;
 use crate::flank::machine::tool_path::{ToolPath, ToolPathError};
 use crate::flank::own_leads::own_gouge_of_moves;
@@ -32,13 +31,13 @@ use crate::project::flank_params::{CutDirection, MillingSettings, PathChoice};
 
 mod checks;
 mod places;
+mod way;
 
 pub use checks::{CheckKind, FlankCheck};
+use way::{leads, milled, tool_path};
 
 /// How far what is given as walls may be off the surface itself without being a wall (mm): the same part once more.
 const OWN_MM: f64 = 0.01;
-/// How much longer than the machine's tool flutes and holder may be drawn (mm).
-const TOOL_MM: f64 = 1e-6;
 
 /// What a surface is made of, read from its files.
 #[derive(Debug, Clone)]
@@ -214,6 +213,14 @@ impl FlankResult {
     /// The path that is milled.
     pub fn path(&self) -> &FlankPath {
         path_of(&self.plan, self.path)
+    }
+
+    /// Greatest overcut and undercut (mm) of the path that is milled as the cutter moves, on the grid of the plan or on that
+    /// of the checks, whichever is worse.
+    pub fn moving_most(&self) -> [f64; 2] {
+        let both = [&self.path().envelope.deviation, &self.checked.envelope.deviation];
+        let overcut = both.iter().fold(0.0, |most: f64, d| most.max(-d.most_overcut));
+        [overcut, both.iter().fold(0.0, |most: f64, d| most.max(d.most_undercut))]
     }
 
     /// Decides anew which failing checks are let pass.
@@ -433,66 +440,4 @@ fn lesser(a: GougeCheck, b: GougeCheck) -> GougeCheck {
         a.into_iter().chain(b).min_by(|a, b| a.distance_mm.total_cmp(&b.distance_mm))
     };
     GougeCheck { cutter: least(a.cutter, b.cutter), holder: least(a.holder, b.holder) }
-}
-
-/// The moves that lead to both ends of a path, outside first: from the side onto the surface, and along the cutter's
-/// axis before that.
-fn leads(surface: &RuledSurface, path: &FlankPath, milling: &MillingSettings) -> [Vec<ToolPose>; 2] {
-    let lead = |t: f64, u: f64| {
-        let pose = path.pose(t);
-        let normal = surface.normal(u, 0.5);
-        // Square to the axis, so that the flutes come off all along.
-        let off = (normal - pose.axis * normal.dot(pose.axis)).normalize_or_zero();
-        let aside = pose.tip + milling.aside_mm * off;
-        let lifted = aside + milling.retract_mm * pose.axis;
-        let mut poses: Vec<DVec3> = Vec::new();
-        for place in [aside, lifted] {
-            if place != *poses.last().unwrap_or(&pose.tip) {
-                poses.push(place);
-            }
-        }
-        poses.into_iter().map(|tip| ToolPose { tip, axis: pose.axis }).collect::<Vec<_>>()
-    };
-    let mut approach = lead(0.0, 0.0);
-    approach.reverse();
-    [approach, lead(1.0, 1.0)]
-}
-
-fn tool_path<'a>(
-    path: &'a FlankPath,
-    approach: &[ToolPose],
-    retract: &[ToolPose],
-) -> Result<ToolPath<'a>, ToolPathError> {
-    let at = |t: f64| {
-        let pose = path.pose(t);
-        (pose.tip, pose.axis)
-    };
-    let places: Vec<f64> = path.poses.iter().map(|p| p.t).collect();
-    ToolPath::with_leads(at, &places, approach, retract)
-}
-
-fn milled(
-    machine: &MillingMachine,
-    path: &ToolPath,
-    (milling, cutter): (&MillingSettings, &FlankCutter),
-    cancel: &Cancel,
-) -> Result<Milled, String> {
-    let (tool_mm, gauge_mm) = (cutter.tool_length(), machine.gauge_length_mm);
-    if tool_mm > gauge_mm + TOOL_MM {
-        return Err(format!(
-            "flutes and holder are {tool_mm:.3} mm long, but the tip of the machine's tool is {gauge_mm:.3} mm from the spindle \
-             nose (gauge_length_mm): give the tool's true length, or a holder that ends at the nose"
-        ));
-    }
-    let machine = machine.kinematics().map_err(|e| e.to_string())?;
-    let params = milling.linearisation(cutter.length_mm);
-    let line = linearise(&machine, path, &params, cancel).map_err(|e| e.to_string())?;
-    let post = milling_post(&milling.post).map_err(|e| e.to_string())?;
-    let radii_mm = [0.0, cutter.length_mm].map(|height| cutter.radius_at(height));
-    let contact = Contact { radii_mm, is_right: milling.cut == CutDirection::Climb };
-    let paces = paces(&machine, path, &line, &milling.program.feeds(&params, &post, Some(contact)));
-    let slowed = Slowed::of(&paces);
-    let move_minutes: Vec<f64> = paces.iter().map(|p| p.minutes).collect();
-    let minutes = move_minutes.iter().sum();
-    Ok(Milled { machine, line, params, contact, move_minutes, minutes, slowed })
 }

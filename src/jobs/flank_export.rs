@@ -185,9 +185,8 @@ pub fn cutter_words(cutter: &FlankCutter) -> String {
 
 /// What a program's reader should know of the path.
 fn notes(result: &FlankResult) -> Vec<String> {
-    let path = result.path();
-    let (standing, moving) = (&path.deviation, &path.envelope.deviation);
-    let [nu, nv] = standing.grid;
+    let standing = &result.path().deviation;
+    let ([nu, nv], [overcut, undercut]) = (standing.counted_grid(), result.moving_most());
     let ratio = match result.plan.share(standing.sum) {
         Some(share) => format!(", {share:.3} of the initial path's"),
         None => format!(", {WITHIN_ROUNDING}"),
@@ -196,11 +195,7 @@ fn notes(result: &FlankResult) -> Vec<String> {
         format!("Flank {}, {} path", result.name, result.path.name()),
         format!("{} milling with the spindle clockwise (M03)", capital(result.milling.cut.name())),
         format!("Sum of absolute deviations {:.4} mm over {nu} x {nv} places of the surface{ratio}", standing.sum),
-        format!(
-            "Moving cutter: overcut up to {:.4} mm, undercut up to {:.4} mm",
-            (-moving.most_overcut).max(0.0),
-            moving.most_undercut.max(0.0)
-        ),
+        format!("Moving cutter: overcut up to {overcut:.4} mm, undercut up to {undercut:.4} mm"),
     ]
 }
 
@@ -265,7 +260,7 @@ pub fn nc(result: &FlankResult, milled: &Milled) -> Result<FlankNc, String> {
 pub fn path_csv(path: &FlankPath) -> String {
     let count = path.poses.len();
     let mut near: Vec<Vec<f64>> = vec![Vec::new(); count];
-    for (foot, deviation) in path.feet.at.iter().zip(&path.deviation.values) {
+    for (foot, deviation) in path.feet.at.iter().zip(path.deviation.counted()) {
         let place = (foot.x * (count.max(2) - 1) as f64).round().clamp(0.0, (count.max(1) - 1) as f64) as usize;
         if let Some(near) = near.get_mut(place) {
             near.push(*deviation);

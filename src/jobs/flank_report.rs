@@ -38,13 +38,17 @@ pub fn report(result: &FlankResult, document: &FlankDocument) -> FlankReport {
         blocked: result.why_blocked(),
         surface: surface(&result.surface, result.fit.as_ref(), document),
         cutter: plan.cutter.clone(),
-        grid: plan.initial.deviation.grid,
+        grid: plan.initial.deviation.counted_grid(),
         locations: LocationsEntry {
             count: plan.locations.len(),
             touching: plan.locations.len() - nearest,
             nearest,
             u0_range,
+            control_points: plan.initial.axis.lower().len(),
+            control_points_asked: plan.params.control_points,
+            fit_mm: plan.fit_mm,
         },
+        moving_most_mm: result.moving_most(),
         paths: PathChoice::ALL.into_iter().map(|choice| path(result, choice)).collect(),
         paper: paper(document),
         ranks: RanksEntry {
@@ -71,7 +75,7 @@ fn parameters(document: &FlankDocument) -> serde_json::Value {
 
 /// The answer in a sentence.
 pub fn sentence(result: &FlankResult) -> String {
-    let [nu, nv] = result.path().deviation.grid;
+    let [nu, nv] = result.path().deviation.counted_grid();
     let mut text = if result.plan.has_deviation() {
         leaves(result)
     } else {
@@ -96,8 +100,8 @@ pub fn sentence(result: &FlankResult) -> String {
 
 fn leaves(result: &FlankResult) -> String {
     let path = result.path();
-    let [nu, nv] = path.deviation.grid;
-    let moving = &path.envelope.deviation;
+    let [nu, nv] = path.deviation.counted_grid();
+    let [overcut, undercut] = result.moving_most();
     format!(
         "The {} path leaves a sum of deviations of {:.3} mm over {nu} x {nv} places of the surface, {:.3} of the first one's \
          {:.3} mm; overcut up to {:.1} \u{b5}m, undercut up to {:.1} \u{b5}m as the cutter moves.",
@@ -105,8 +109,8 @@ fn leaves(result: &FlankResult) -> String {
         path.deviation.sum,
         result.plan.ratio(path),
         result.plan.initial.deviation.sum,
-        1e3 * (-moving.most_overcut).max(0.0),
-        1e3 * moving.most_undercut.max(0.0),
+        1e3 * overcut,
+        1e3 * undercut,
     )
 }
 

@@ -61,7 +61,9 @@ fn what_is_no_flank_is_answered_with_the_place_and_the_reason() {
         ("envelope_tolerance_mm = 0", "envelope_tolerance_mm is 0"),
         ("tolerance = 1", "unknown field"),
         ("overrides = [{ check = \"gouge\", figures = { depth_mm = -1.0 } }]", "override of gouge: a figure is -1"),
-        ("overrides = [\"gouge:deep\"]", "expected the name of a check"),
+        ("overrides = [\"gouge:deep\"]", "\"deep\" is no figure"),
+        ("overrides = [7]", "expected the name of a check"),
+        ("overrides = [{ check = \"gouge\", figure = 1.0 }]", "unknown field"),
     ] {
         std::fs::write(&file, text).unwrap();
         let said = read_flank(&file).unwrap_err().to_string();

@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
+
+use crate::word_or_table::word_or_table;
 
 /// By how much a figure may be worse than when it was decided (mm, or the figure's own unit): what another run of the same
 /// makes of it.
@@ -17,27 +19,19 @@ pub type Figures = BTreeMap<String, f64>;
 ///
 /// In files it is a name, `CHECK:FIGURE`, or a table with what it was decided for. What is worse now than it was then is
 /// no longer let pass.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(from = "Written")]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FlankOverride {
     /// The check, by name.
     pub check: String,
     /// The greatest that any figure of it may be; none for whatever it is.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub most: Option<f64>,
     /// The figures when it was decided; empty for whatever they are.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub figures: Figures,
 }
 
-/// An override as files have it.
-#[derive(Deserialize)]
-#[serde(untagged, expecting = "expected the name of a check, \"CHECK:FIGURE\", or a table with check, most, figures")]
-enum Written {
-    Text(Named),
-    Table(Table),
-}
-
+/// An override as files have it in a table.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Table {
@@ -48,24 +42,16 @@ struct Table {
     figures: Figures,
 }
 
-#[derive(Deserialize)]
-#[serde(try_from = "String")]
-struct Named(FlankOverride);
-
-impl TryFrom<String> for Named {
-    type Error = String;
-
-    fn try_from(text: String) -> Result<Self, String> {
-        text.parse().map(Self)
+impl From<Table> for FlankOverride {
+    fn from(Table { check, most, figures }: Table) -> Self {
+        Self { check, most, figures }
     }
 }
 
-impl From<Written> for FlankOverride {
-    fn from(written: Written) -> Self {
-        match written {
-            Written::Text(Named(named)) => named,
-            Written::Table(Table { check, most, figures }) => Self { check, most, figures },
-        }
+impl<'de> Deserialize<'de> for FlankOverride {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        const EXPECTED: &str = "the name of a check, \"CHECK:FIGURE\", or a table with check, most, figures";
+        word_or_table::<Self, Table, D>(deserializer, EXPECTED)
     }
 }
 

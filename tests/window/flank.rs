@@ -1,12 +1,16 @@
 //! The workspace of flanks.
 
 use std::path::Path;
+use std::time::Duration;
 
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::{By, Queryable as _};
+use glam::DVec3;
 use sparkpath::app::{FlankDesk, Opening, Workspace};
+use sparkpath::export::flank_nc::TipControl;
 use sparkpath::flank::ruled_surface::Side;
 use sparkpath::jobs::flank::LoadedSurface;
+use sparkpath::jobs::flank_export::nc;
 use sparkpath::jobs::pipeline::StageState;
 use sparkpath::project::Stage;
 use sparkpath::project::flank_file::{read_flank, write_flank};
@@ -18,9 +22,15 @@ use crate::desk::{Desk, Home};
 impl Home {
     /// A flank that is planned in no time: the paper's surface A on a coarse grid.
     fn flank(&self) -> Opening {
+        self.flank_with(|_| {})
+    }
+
+    /// The same after a change.
+    fn flank_with(&self, change: impl FnOnce(&mut FlankDocument)) -> Opening {
         let mut document = FlankDocument::default();
         document.plan.grid = [40, 20];
         document.side = Side::Positive;
+        change(&mut document);
         let file = self.path("coarse.sparkflank");
         write_flank(&file, &document).unwrap();
         Opening::File(file)
@@ -262,6 +272,93 @@ fn the_side_of_two_guides_is_chosen_in_the_view() {
     let result = &desk.flank().planned().unwrap().result;
     assert!(result.surface.normal(0.5, 0.5).dot(normal) > 0.999 && !desk.shows("Choose the side"));
     assert!((result.path().pose(0.5).tip - result.surface.point(0.5, 0.0)).dot(normal) > 0.5);
+}
+
+#[test]
+fn a_workpiece_is_clamped_otherwise_and_the_program_follows_the_tip() {
+    let home = Home::new();
+    let mut desk = home.start(home.flank_with(|document| document.milling.post = "milling-tcp".to_owned()));
+    desk.press("Plan");
+    desk.until_planned();
+    desk.press_role(Role::DisclosureTriangle, "Machine");
+    // It unfolds slowly.
+    std::thread::sleep(Duration::from_millis(300));
+    desk.settle();
+    desk.assert_shows("its Z along +Z of the machine");
+    let of_machine = desk.flank().workpiece_of_machine().unwrap().clone();
+    desk.press_role(Role::CheckBox, "otherwise than the machine's file says");
+    assert_eq!(desk.flank().params.milling.workpiece.as_ref(), Some(&of_machine), "it begins as the file has it");
+    desk.enter("Zero Z", "45");
+    desk.press("tip, angles");
+    desk.enter("Tool number", "7");
+    let milling = &desk.flank().params.milling;
+    assert_eq!(milling.workpiece.as_ref().unwrap().zero_mm, DVec3 { z: 45.0, ..of_machine.zero_mm });
+    assert_eq!((milling.program.tip_control, milling.program.tool_number), (TipControl::Angles, 7));
+    desk.until_planned();
+    let result = &desk.flank().planned().unwrap().result;
+    let milled = result.milled().unwrap();
+    assert_eq!(milled.machine.machine().workpiece.zero_mm.z, 45.0);
+    let program = nc(result, milled).unwrap().text;
+    assert!(program.contains("G43.4 H7"), "{program}");
+    desk.picture("flank_clamped_dark");
+    // Without it the workpiece stands as the file says again.
+    desk.press_role(Role::CheckBox, "otherwise than the machine's file says");
+    assert_eq!(desk.flank().params.milling.workpiece, None);
+}
+
+#[test]
+fn a_small_window_has_results_in_the_place_of_the_form_and_plots_in_that_of_the_view() {
+    let home = Home::new();
+    let mut desk = home.start_in(home.flank(), [860, 500], 1.0);
+    desk.press("Plan");
+    desk.until_planned();
+    let has_plot = |desk: &Desk| desk.window.query(By::new().role(Role::Image).label("Plot of ranks")).is_some();
+    assert!(!desk.shows("standing cutter") && !has_plot(&desk));
+    desk.press("Results");
+    desk.assert_shows("standing cutter");
+    assert!(desk.window.query(By::new().role(Role::SpinButton).label("Flutes")).is_none());
+    desk.press("Plots");
+    assert!(has_plot(&desk));
+    desk.picture("flank_small_dark");
+    desk.press("Plots");
+    desk.press("Parameters");
+    assert!(!desk.shows("standing cutter") && !has_plot(&desk));
+    assert!(desk.window.query(By::new().role(Role::SpinButton).label("Flutes")).is_some());
+}
+
+#[test]
+fn files_that_have_changed_are_said_before_an_export_and_loaded_again() {
+    let home = Home::new();
+    let [lower, upper] = ["lower.csv", "upper.csv"].map(|name| home.path(name));
+    let write = |file: &Path, z: f64, last: f64| {
+        std::fs::write(file, format!("0,0,{z}\n10,2,{z}\n20,2,{z}\n30,{last},{z}\n")).unwrap();
+    };
+    write(&lower, 0.0, 0.0);
+    write(&upper, 10.0, 0.0);
+    let source = FlankSource::guides([lower, upper.clone()]);
+    let mut desk = home.start(home.flank_with(|document| document.source = source));
+    desk.press("Plan");
+    desk.until_planned();
+    // Where the upper guide ends.
+    let is_end = |desk: &Desk, y: f64| {
+        let surface = &desk.flank().planned().unwrap().result.surface;
+        [0.0, 1.0].into_iter().any(|u| surface.point(u, 1.0).distance(DVec3::new(30.0, y, 10.0)) < 1e-9)
+    };
+    assert!(is_end(&desk, 0.0));
+    desk.key_with(Modifiers::COMMAND, Key::E);
+    assert!(!desk.shows("Changed or gone"));
+    desk.press("Cancel");
+    write(&upper, 10.0, 0.125);
+    desk.key_with(Modifiers::COMMAND, Key::E);
+    desk.assert_shows("Changed or gone since read: upper.csv");
+    desk.press("Load again");
+    assert!(!desk.shows("Changed or gone"));
+    desk.press("Cancel");
+    desk.until("it was read again", |desk| desk.flank().work.loaded(&desk.flank().params).is_some());
+    assert!(desk.flank().work.changed_files(&desk.flank().params).is_empty() && !desk.flank().is_planned());
+    desk.press("Plan");
+    desk.until_planned();
+    assert!(is_end(&desk, 0.125));
 }
 
 #[test]

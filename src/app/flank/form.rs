@@ -240,7 +240,7 @@ fn path(ui: &mut Ui, params: &mut FlankDocument, wrong: &mut Option<String>) {
         Number::count("Locations", "Places of the cutter that the first path goes through"),
         wrong,
     );
-    let hint = "Control points of each of the two curves of the axis surface";
+    let hint = "Control points of each of the two curves of the axis surface; around a ring as many more as it needs";
     fields::count(ui, &mut plan.control_points, Number::count("Points", hint), wrong);
     grid(ui, &mut plan.grid, wrong);
     objective(ui, &mut plan.objective, wrong);

@@ -74,7 +74,7 @@ const FIGURES: [Figure; 5] = [
 /// Sums and extremes of the three paths, of the standing cutter and of the moving one.
 fn figures(ui: &mut Ui, core: &mut Core, planned: &Planned) {
     let plan = &planned.result.plan;
-    let [nu, nv] = plan.initial.deviation.grid;
+    let [nu, nv] = plan.initial.deviation.counted_grid();
     let text = format!("mm, over {nu} × {nv} places of the surface");
     ui.label(RichText::new(text).small().color(palette(ui).faint));
     let paths = PathChoice::ALL.map(|choice| path_of(plan, choice));

@@ -27,6 +27,10 @@ pub const DEG_DECIMALS: usize = 6;
 const PIECES: usize = 16;
 /// Part of the tolerance that leaving the exact direction near the pole may take.
 const POLE_SHARE: f64 = 0.25;
+/// Directions are not known better than this (rad): coordinates of guides have six decimals or so, and rulings a few mm.
+const ROUNDING_RAD: f64 = 1e-6;
+/// Part of the tolerance that what is rounding may take.
+const ROUNDING_SHARE: f64 = 0.5;
 /// How often a move is halved.
 const DEEPEST: usize = 32;
 /// The most points.
@@ -82,9 +86,11 @@ impl LinearisationParams {
         wrong.map_or(Ok(()), |(name, value, _, _, range)| Err(MillingError::Setting { name, value, range }))
     }
 
-    /// So near to the pole the tool may be taken to be at it (rad).
+    /// So near to the pole the tool is taken to be at it (rad), where its axis stays as it is: a direction that is off the
+    /// pole by rounding says nothing of where that should stand.
     pub(super) fn pole_rad(&self) -> f64 {
-        POLE_SHARE * self.linearisation_mm / self.reach_mm.max(1.0)
+        let tolerance_rad = self.linearisation_mm / self.reach_mm.max(1.0);
+        (POLE_SHARE * tolerance_rad).max(ROUNDING_RAD.min(ROUNDING_SHARE * tolerance_rad))
     }
 
     pub(super) fn cone_rad(&self) -> f64 {

@@ -81,7 +81,9 @@ pub(super) fn pole_places(
         cancel.check()?;
         let at = |n: usize| i as f64 + n as f64 / LOOKS as f64;
         let seen = (0..=LOOKS).map(|n| off(at(n))).collect::<Result<Vec<f64>, _>>()?;
-        for n in 0..=LOOKS {
+        // Of a stretch that stays at the pole no place is closer to it than by rounding.
+        let stays = seen.iter().all(|off| *off <= params.pole_rad());
+        for n in (0..=LOOKS).filter(|_| !stays) {
             let (before, after) = (n.saturating_sub(1), (n + 1).min(LOOKS));
             let is_least = seen[n] < seen[before] || seen[n] < seen[after];
             if !is_least || seen[n] > seen[before] || seen[n] > seen[after] {

@@ -5,14 +5,15 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::DVec3;
 use proptest::prelude::*;
 
-use super::joint_feed::{Contact, Feeds, least_minutes, paces};
 use super::joint_path::MillingError;
 use super::kinematics::{Joints, Kinematics, ToolPose};
 use super::linearise::{Interpolation, LinearisationParams, MachinePath, linearise, on_the_way};
 use super::milling_machine::{CarriedBy, MachineError, MillingMachine};
-use super::singular::Passage;
 use super::tool_path::{Section, ToolPath, ToolPathError};
 use crate::progress::Cancel;
+
+mod feed;
+mod pole;
 
 pub(crate) fn machines() -> Vec<MillingMachine> {
     #[derive(serde::Deserialize)]
@@ -251,172 +252,6 @@ fn limits_of_straight_and_tilting_axes_are_said_with_the_place() {
 
 fn passing(off_deg: f64) -> impl Fn(f64) -> (DVec3, DVec3) + Sync {
     move |u| (DVec3::new(80.0 * u - 40.0, 5.0, 0.0), DVec3::new(0.3 * (2.0 * u - 1.0), off_deg.to_radians().tan(), 1.0))
-}
-
-#[test]
-fn the_pole_is_passed_and_said() {
-    for machine in machines() {
-        // The heads tilt both ways here.
-        let mut machine = machine;
-        machine
-            .rotary
-            .iter_mut()
-            .filter(|r| r.carried_by == CarriedBy::Head)
-            .for_each(|r| r.limits_deg = Some([-200.0, 200.0]));
-        let k = machine.kinematics().unwrap();
-        let params = LinearisationParams::default();
-        for (off_deg, n) in [(0.0, 5), (0.0, 6), (1e-4, 6), (0.05, 6), (0.5, 6), (1.5, 40)] {
-            let path = ToolPath::new(passing(off_deg), &points(n)).unwrap();
-            let line = linearise(&k, &path, &params, &Cancel::default()).unwrap();
-            assert!(densely(&k, &path, &line, &params) <= params.linearisation_mm);
-            let [passage] = &line.singular[..] else { panic!("{:?}", line.singular) };
-            assert!((passage.least_deg - off_deg).abs() < 1e-3 && (passage.at.u.unwrap() - 0.5).abs() < 1e-4);
-            match passage.passage {
-                // Straight through: the tilt goes on to the other side and the pole's axis stands.
-                Passage::Held => assert!(off_deg < 1e-3),
-                // Beside it the tool cannot but follow: half a turn less what lies outside of the cone.
-                Passage::Swung { by_deg, over_mm } => {
-                    let expected = 180.0 - 2.0 * (off_deg / 5.0).asin().to_degrees();
-                    assert!(off_deg > 1e-3 && (by_deg - expected).abs() < 12.0, "{by_deg} {expected}");
-                    assert!(over_mm < 80.0);
-                }
-                Passage::TurnedInPlace { .. } => panic!("{passage}"),
-            }
-            assert!(passage.to_string().contains("singular"));
-        }
-    }
-}
-
-#[test]
-fn a_corner_at_the_pole_is_turned_in_place() {
-    // The tool leans in X, stands up, and leans in Y.
-    let lean = |u: f64| {
-        (
-            DVec3::new(30.0, 10.0 * u, 0.0),
-            if u < 0.5 { DVec3::new(0.5 - u, 0.0, 1.0) } else { DVec3::new(0.0, u - 0.5, 1.0) },
-        )
-    };
-    for machine in machines() {
-        let k = machine.kinematics().unwrap();
-        let params = LinearisationParams::default();
-        let path = ToolPath::new(lean, &points(5)).unwrap();
-        let line = linearise(&k, &path, &params, &Cancel::default()).unwrap();
-        assert!(densely(&k, &path, &line, &params) <= params.linearisation_mm);
-        let Passage::TurnedInPlace { by_deg } = line.singular[0].passage else { panic!("{}", line.singular[0]) };
-        assert!((by_deg - 90.0).abs() < 1e-3, "{by_deg}");
-    }
-}
-
-#[test]
-fn a_tilt_that_cannot_go_past_the_pole_turns_half_round_there() {
-    let mut machine = machines().remove(2);
-    machine.rotary[0].limits_deg = Some([-5.0, 120.0]);
-    let k = machine.kinematics().unwrap();
-    let params = LinearisationParams::default();
-    let path = ToolPath::new(passing(0.0), &points(6)).unwrap();
-    let line = linearise(&k, &path, &params, &Cancel::default()).unwrap();
-    assert!(densely(&k, &path, &line, &params) <= params.linearisation_mm);
-    assert!(line.points.iter().all(|p| p.joints.rotary[0].to_degrees() >= -5.0));
-    let Passage::TurnedInPlace { by_deg } = line.singular[0].passage else { panic!("{}", line.singular[0]) };
-    assert!((by_deg - 180.0).abs() < 1e-3, "{by_deg}");
-    // While it turns the tip stays where it is.
-    let turning = line.points.windows(2).filter(|w| w[0].s == w[1].s);
-    assert!(turning.clone().count() > 20 && turning.clone().all(|w| w[0].tip == w[1].tip));
-}
-
-#[test]
-fn a_path_along_the_pole_turns_nothing() {
-    for machine in machines() {
-        let path = ToolPath::new(|u| (DVec3::new(20.0 * u, 0.0, 1.0), DVec3::Z), &points(5)).unwrap();
-        let line =
-            linearise(&machine.kinematics().unwrap(), &path, &LinearisationParams::default(), &Cancel::default())
-                .unwrap();
-        assert_eq!(line.points.len(), 5, "straight cuts need no points between");
-        assert!(line.points.iter().all(|p| p.joints.rotary == [0.0; 2]));
-        assert_eq!(line.singular[0].passage, Passage::Held);
-    }
-}
-
-#[test]
-fn no_axis_exceeds_its_speed_and_no_contact_the_feed() {
-    for mut machine in machines() {
-        machine.rotary.iter_mut().for_each(|r| r.speed_deg_min = 400.0);
-        machine
-            .rotary
-            .iter_mut()
-            .filter(|r| r.carried_by == CarriedBy::Head)
-            .for_each(|r| r.limits_deg = Some([-200.0, 200.0]));
-        let k = machine.kinematics().unwrap();
-        let params = LinearisationParams::default();
-        let path = ToolPath::new(passing(0.5), &points(21)).unwrap();
-        let line = linearise(&k, &path, &params, &Cancel::default()).unwrap();
-        let interpolation = params.interpolation;
-        let reach_mm = params.reach_mm;
-        let contact = None;
-        let feeds =
-            Feeds { cut_mm_min: 800.0, lead_mm_min: 2000.0, reach_mm, least_minutes: 0.0, interpolation, contact };
-        let paces = paces(&k, &path, &line, &feeds);
-        let mut slowed = 0;
-        for (pace, w) in paces.iter().zip(line.points.windows(2)) {
-            assert!(pace.minutes >= least_minutes(&k, &w[0], &w[1]).0 * (1.0 - 1e-12));
-            for i in 0..2 {
-                let by = (w[1].joints.rotary[i] - w[0].joints.rotary[i]).to_degrees().abs();
-                assert!(by / pace.minutes <= 400.0 * (1.0 + 1e-9));
-            }
-            let speeds = (w[1].joints.linear - w[0].joints.linear).abs() / pace.minutes;
-            assert!(speeds.max_element() <= 40_000.0);
-            assert!(pace.way_mm / pace.minutes <= 800.0 * (1.0 + 1e-9));
-            slowed += usize::from(pace.share < 1.0);
-            // Where nothing is slowed the feed is kept, not only not exceeded.
-            assert!(pace.share < 1.0 || (pace.way_mm / pace.minutes - 800.0).abs() < 1e-6);
-        }
-        assert!(slowed > 0 && slowed < paces.len());
-    }
-}
-
-#[test]
-fn in_a_hollow_it_is_the_contact_that_has_the_feed_and_leads_touch_at_that_of_the_cut() {
-    // An upright cutter of radius 3 mm along a quarter of an arc of radius 4 mm, inside and outside of it.
-    let arc = |axis_radius: f64| {
-        move |u: f64| (axis_radius * DVec3::new((FRAC_PI_2 * u).cos(), (FRAC_PI_2 * u).sin(), 0.0), DVec3::Z)
-    };
-    let k = trunnion().kinematics().unwrap();
-    for (axis_radius, is_right, fastest) in [(1.0, true, 4.0), (7.0, false, 7.0)] {
-        let at = |by: f64, z: f64| ToolPose { tip: DVec3::new(axis_radius + by, 0.0, z), axis: DVec3::Z };
-        let path = ToolPath::with_leads(arc(axis_radius), &points(9), &[at(1.0, 50.0), at(1.0, 0.0)], &[]).unwrap();
-        let params = LinearisationParams::default();
-        let line = linearise(&k, &path, &params, &Cancel::default()).unwrap();
-        let contact = Some(Contact { radii_mm: [3.0; 2], is_right });
-        let interpolation = params.interpolation;
-        let feeds =
-            Feeds { cut_mm_min: 100.0, lead_mm_min: 900.0, reach_mm: 20.0, least_minutes: 0.0, interpolation, contact };
-        let paces = paces(&k, &path, &line, &feeds);
-        let cut: f64 = paces.iter().filter(|p| p.section == Section::Cut).map(|p| p.minutes).sum();
-        let wanted = FRAC_PI_2 * fastest / 100.0;
-        assert!((cut / wanted - 1.0).abs() < 1e-3, "{cut} {wanted}");
-        let approach: f64 = paces.iter().filter(|p| p.section == Section::Approach).map(|p| p.minutes).sum();
-        assert!((approach - (50.0 / 900.0 + 1.0 / 100.0)).abs() < 1e-9, "{approach}");
-    }
-}
-
-#[test]
-fn a_control_that_takes_no_shorter_moves_is_given_longer_ones_and_it_is_said() {
-    let k = machines()[0].kinematics().unwrap();
-    let params = LinearisationParams { linearisation_mm: 1e-4, ..LinearisationParams::default() };
-    let path = ToolPath::new(passing(0.5), &points(21)).unwrap();
-    let line = linearise(&k, &path, &params, &Cancel::default()).unwrap();
-    let (reach_mm, interpolation) = (params.reach_mm, params.interpolation);
-    let with = |least_minutes: f64| {
-        let feeds =
-            Feeds { cut_mm_min: 8000.0, lead_mm_min: 8000.0, reach_mm, least_minutes, interpolation, contact: None };
-        paces(&k, &path, &line, &feeds)
-    };
-    let (free, least) = (with(0.0), 0.01 / 60.0);
-    assert!(free.iter().all(|p| p.short_share == 1.0) && free.iter().any(|p| p.minutes < least));
-    for (free, held) in free.iter().zip(with(least)) {
-        assert_eq!(held.minutes, free.minutes.max(least));
-        assert!((held.short_share - (free.minutes / held.minutes)).abs() < 1e-12 && held.share == free.share);
-    }
 }
 
 #[test]

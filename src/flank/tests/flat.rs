@@ -1,6 +1,9 @@
 //! Surfaces that the cutter touches everywhere from the start: nothing is to be made better.
 
 use super::*;
+use crate::flank::machine::linearise::{LinearisationParams, linearise};
+use crate::flank::machine::tests::machines;
+use crate::flank::machine::tool_path::ToolPath;
 use crate::flank::path::FlankPath;
 
 /// An upright rectangle, its guides of `count` points each, turned about Z and shifted, with coordinates rounded to
@@ -58,6 +61,45 @@ fn guides_written_with_four_decimals_do_not_make_the_path_wander() {
                 axis < DIGIT && height < 3.0 * DIGIT,
                 "{name} by {turn_deg} deg, {count} points: {axis:e} {height:e}"
             );
+        }
+    }
+}
+
+/// An upright wall of 40 by 15 mm, turned by 20 degrees, whose guides have five points each that are off by up to `off` (mm).
+fn upright(off: f64) -> RuledSurface {
+    let turn = glam::DMat3::from_rotation_z(20f64.to_radians());
+    let guide = |z: f64| {
+        let noise = |i: u32, k: f64| off * (917.3 * f64::from(i) + 31.7 * z + 5.1 * k).sin();
+        let at = |i: u32| DVec3::new(10.0 * f64::from(i) + noise(i, 0.0), 4.0 + noise(i, 1.0), z + noise(i, 2.0));
+        GuideCurve::Points { points: (0..5).map(|i| turn * at(i)).collect(), degree: 3 }
+    };
+    RuledSurface::from_guides(&guide(0.0), &guide(15.0), Side::Positive).unwrap()
+}
+
+#[test]
+fn the_machine_turns_no_axis_along_a_wall_that_is_upright_but_for_rounding() {
+    let cutter = FlankCutter::cylinder(3.0, 30.0);
+    for off in [0.0, 1e-9, 1e-6] {
+        let plan = planned(&upright(off), &cutter, &FlankParams::default()).unwrap();
+        for (name, path) in plan.paths() {
+            let places: Vec<f64> = path.poses.iter().map(|pose| pose.t).collect();
+            let at = |t: f64| {
+                let pose = path.pose(t);
+                (pose.tip, pose.axis)
+            };
+            let tool_path = ToolPath::new(at, &places).unwrap();
+            let params = LinearisationParams { reach_mm: cutter.length_mm, ..LinearisationParams::default() };
+            for machine in machines() {
+                let k = machine.kinematics().unwrap();
+                let line = linearise(&k, &tool_path, &params, &Cancel::default()).unwrap();
+                let by = |i: usize| {
+                    let values = || line.points.iter().map(|p| p.joints.rotary[i]);
+                    values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
+                };
+                let turned = [by(0), by(1)];
+                assert!(turned.iter().all(|t| *t < 1e-6), "{name} {off:e} {}: {turned:?}", machine.name);
+                assert_eq!(line.points.len(), places.len(), "{name} {off:e} {}", machine.name);
+            }
         }
     }
 }

@@ -4,6 +4,7 @@ use super::*;
 use crate::flank::axis_surface::CubicBasis;
 use crate::flank::own_surface::own_surface;
 use crate::flank::path::FlankPath;
+use crate::flank::plan::RING_FIT_MM;
 
 /// An exact circle around the z axis, which starts `turn_deg` from the x axis.
 fn circle(radius: f64, z: f64, turn_deg: f64) -> GuideCurve {
@@ -110,6 +111,111 @@ fn a_twisted_ring_is_cut_alike_all_around_and_better_when_refined() {
             assert!((here - there).abs() < 1e-8, "{i} {j}: {here} {there}");
         }
     }
+}
+
+/// An oval cone: circles stretched along X, which start at `turn_deg`, a quarter turn or none.
+fn oval(turn_deg: f64) -> RuledSurface {
+    let stretched = |radius: f64, z: f64| match circle(radius, z, turn_deg) {
+        GuideCurve::BSpline { degree, knots, points, weights } => {
+            let points = points.into_iter().map(|p| DVec3::new(1.5 * p.x, p.y, p.z)).collect();
+            GuideCurve::BSpline { degree, knots, points, weights }
+        }
+        other => other,
+    };
+    RuledSurface::from_guides(&stretched(12.0, 0.0), &stretched(9.0, 10.0), Side::Positive).unwrap()
+}
+
+#[test]
+fn sums_around_a_ring_do_not_depend_on_where_its_seam_is() {
+    let cutter = FlankCutter::cone(2.0, 4.0, 20.0);
+    let [first, second] = [0.0, 90.0].map(|turn| planned(&oval(turn), &cutter, &params()).unwrap());
+    for ((name, a), (_, b)) in first.paths().into_iter().zip(second.paths()) {
+        assert_closed(a);
+        assert_closed(b);
+        for [a, b] in [[&a.deviation, &b.deviation], [&a.envelope.deviation, &b.envelope.deviation]] {
+            // The seam has another deviation in each: counted twice it would show.
+            let [of_a, of_b] = [a, b].map(|d| (0..12).map(|j| d.at(0, j).unwrap().abs()).sum::<f64>());
+            assert!((of_a - of_b).abs() > 1e-4 * a.sum, "{name}: {of_a} {of_b}");
+            for (x, y) in [(a.sum, b.sum), (a.mean, b.mean), (a.rms, b.rms), (a.sum_overcut, b.sum_overcut)] {
+                assert!((x / y - 1.0).abs() < 1e-6, "{name}: {x} {y}");
+            }
+            assert_eq!((a.counted_grid(), a.counted().len(), a.values.len()), ([80, 12], 960, 972));
+            assert!((a.mean * 960.0 / a.sum - 1.0).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn a_ring_is_given_as_many_control_points_as_it_needs() {
+    let cutter = FlankCutter::cylinder(3.0, 20.0);
+    let usual = FlankParams { rounds: 0, below_mm: 0.0, ..FlankParams::default() };
+    let plan = planned(&between([8.0, 5.0], 0.0), &cutter, &usual).unwrap();
+    let count = plan.initial.axis.lower().len();
+    assert!(count > 10 && count <= 49 && plan.fit_mm <= RING_FIT_MM, "{count} {}", plan.fit_mm);
+    let most = plan.initial.deviation.most_undercut.max(-plan.initial.deviation.most_overcut);
+    assert!(most < 2.0 * RING_FIT_MM, "{most}: the flute lies along every ruling of a frustum");
+    assert!(plan.warnings.iter().all(|w| !w.contains("around the ring")), "{:?}", plan.warnings);
+    // No more than one for two places around; then it is said how far the path is off.
+    let coarse = FlankParams { grid: [25, 6], ..usual.clone() };
+    let plan = planned(&between([8.0, 5.0], 0.0), &cutter, &coarse).unwrap();
+    assert!(plan.initial.axis.lower().len() == 12 && plan.fit_mm > RING_FIT_MM);
+    assert!(plan.warnings.iter().any(|w| w.contains("12 control points") && w.contains("25 places around")));
+    // Those that were asked for are never made fewer, and open guides have what they were given.
+    let many = FlankParams { control_points: 40, locations: 80, grid: [41, 6], ..usual };
+    assert_eq!(planned(&between([8.0, 5.0], 0.0), &cutter, &many).unwrap().initial.axis.lower().len(), 40);
+    let (_, open) = quick("cyl_R2_A");
+    assert_eq!(open.initial.axis.lower().len(), 10);
+}
+
+/// A circle by points, the last where the first is, at angles that are not spaced evenly.
+fn circle_of_points(count: u32, radius: f64, z: f64) -> GuideCurve {
+    let at = |i: u32| {
+        let share = std::f64::consts::TAU * f64::from(i % count) / f64::from(count);
+        let angle = share + 0.3 / f64::from(count) * (3.0 * share).sin();
+        DVec3::new(radius * angle.cos(), radius * angle.sin(), z)
+    };
+    GuideCurve::Points { points: (0..=count).map(at).collect(), degree: 3 }
+}
+
+#[test]
+fn a_ring_of_points_goes_on_across_its_seam() {
+    let cutter = FlankCutter::cylinder(3.0, 20.0);
+    let mut off = Vec::new();
+    for count in [12, 24, 96] {
+        let [lower, upper] = [(8.0, 0.0), (5.0, 10.0)].map(|(radius, z)| circle_of_points(count, radius, z));
+        let surface = RuledSurface::from_guides(&lower, &upper, Side::Positive).unwrap();
+        assert!(surface.is_closed(), "{count}");
+        for curve in [surface.lower(), surface.upper()] {
+            let [start, end] = [0.0, 1.0].map(|u| curve.at(u));
+            close(start[0], end[0], 1e-12);
+            close(start[1], end[1], 1e-9 * start[1].length());
+            let bend = (start[2] - end[2]).length() / start[2].length();
+            assert!(bend < 0.2, "{count}: {bend}");
+            // What it is off the circle at the seam is no more than elsewhere.
+            let radius = start[0].truncate().length();
+            let most = |from: f64| {
+                let places = (0..=50).map(|i| from + 0.1 * (f64::from(i) / 50.0 - 0.5)).map(|u| u - u.floor());
+                places.map(|u| (curve.point(u).truncate().length() - radius).abs()).fold(0.0, f64::max)
+            };
+            assert!(most(0.0) < 3.0 * most(0.5), "{count}: {} {}", most(0.0), most(0.5));
+        }
+        let usual = FlankParams { rounds: 0, below_mm: 0.0, ..FlankParams::default() };
+        let plan = planned(&surface, &cutter, &usual).unwrap();
+        assert!(plan.locations.iter().all(|l| l.touch == Touch::ThreePoints), "{count}");
+        off.push(plan.fit_mm);
+    }
+    assert!(off[1] <= RING_FIT_MM && off[2] <= RING_FIT_MM, "{off:?}");
+}
+
+#[test]
+fn points_that_meet_at_a_corner_are_no_ring() {
+    let side = |i: i32| f64::from(i) / 5.0;
+    let around = (0..5).map(|i| [side(i), 0.0]).chain((0..5).map(|i| [1.0, side(i)]));
+    let around = around.chain((0..5).map(|i| [1.0 - side(i), 1.0])).chain((0..=5).map(|i| [0.0, 1.0 - side(i)]));
+    let points = around.map(|[x, y]: [f64; 2]| DVec3::new(x, y, 0.0)).collect();
+    let square = GuideCurve::Points { points, degree: 3 }.curve().unwrap();
+    let turn = square.tangent(0.0).angle_between(square.tangent(1.0));
+    assert!((turn - std::f64::consts::FRAC_PI_2).abs() < 0.2, "{turn}");
 }
 
 #[test]

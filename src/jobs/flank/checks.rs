@@ -333,7 +333,12 @@ fn leads(result: &FlankResult) -> FlankCheck {
 
 fn own_surface(result: &FlankResult) -> FlankCheck {
     let own = &result.own_surface;
-    let check = FlankCheck::new(CheckKind::Surface, own.holds(), own.text());
+    let ([_, across], [_, usual]) = (own.grid, result.checked.deviation.grid);
+    let mut text = own.text();
+    if across < usual {
+        text += &format!("; with this many rulings {across} places of each, where the other checks look at {usual}");
+    }
+    let check = FlankCheck::new(CheckKind::Surface, own.holds(), text);
     match own.worst {
         Some(worst) => {
             FlankCheck { t: Some(worst.t), ..check.at(worst.point) }.with(&[("excess_mm", worst.excess_mm())])

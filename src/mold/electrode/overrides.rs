@@ -3,40 +3,29 @@
 use std::fmt;
 use std::str::FromStr;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::check::CheckKind;
 use super::design::Electrode;
+use crate::word_or_table::word_or_table;
 
 /// An electrode that is exported although a check fails.
 ///
 /// In files it is a name, `NAME:check`, or a table with what it was decided for. A plan that gives the name to other parts
 /// does not inherit a decision with parts.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(from = "Written")]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Override {
     /// The electrode, by name.
     pub electrode: String,
     /// The check; none for all of them.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub check: Option<CheckKind>,
     /// The parts of regions that the electrode burned when it was decided, by name, in order; none for whatever it burns.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub parts: Vec<String>,
 }
 
-/// An override as files have it.
-#[derive(Deserialize)]
-#[serde(
-    untagged,
-    expecting = "expected a name, \"NAME:check\" with a check of watertight, gouge, approach, leftover, machinable, or a table \
-               with electrode, check, parts"
-)]
-enum Written {
-    Text(Named),
-    Table(Table),
-}
-
+/// An override as files have it in a table.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Table {
@@ -47,24 +36,17 @@ struct Table {
     parts: Vec<String>,
 }
 
-#[derive(Deserialize)]
-#[serde(try_from = "String")]
-struct Named(Override);
-
-impl TryFrom<String> for Named {
-    type Error = String;
-
-    fn try_from(text: String) -> Result<Self, String> {
-        text.parse().map(Self)
+impl From<Table> for Override {
+    fn from(Table { electrode, check, parts }: Table) -> Self {
+        Self { electrode, check, parts }
     }
 }
 
-impl From<Written> for Override {
-    fn from(written: Written) -> Self {
-        match written {
-            Written::Text(Named(named)) => named,
-            Written::Table(Table { electrode, check, parts }) => Self { electrode, check, parts },
-        }
+impl<'de> Deserialize<'de> for Override {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        const EXPECTED: &str = "a name, \"NAME:check\" with a check of watertight, gouge, approach, leftover, machinable, or a \
+                                table with electrode, check, parts";
+        word_or_table::<Self, Table, D>(deserializer, EXPECTED)
     }
 }
 
