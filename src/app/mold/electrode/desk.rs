@@ -86,6 +86,8 @@ pub struct ElectrodeDesk {
     pub fly: Option<Fly>,
     /// Holders that there are.
     pub holders: Vec<Holder>,
+    /// The row of the table of cutters for electrodes that is selected.
+    pub cutter: usize,
     shown: Option<Arc<Designed>>,
 }
 
@@ -110,6 +112,7 @@ impl Default for ElectrodeDesk {
             fly: None,
             // Those of a broken file would be none: what the parameters name is there in any case.
             holders: load_holders(None).unwrap_or_default(),
+            cutter: 0,
             shown: None,
         }
     }
