@@ -139,7 +139,8 @@ fn uncut(ui: &mut Ui, core: &mut Core) {
         command_button(ui, core, Command::FindUncut, "Find", state != StageState::Done);
         let is_next = state == StageState::Done && !core.mold.is_designed();
         command_button(ui, core, Command::DesignElectrodes, "Design", is_next);
-        tick(ui, &mut core.mold.follows, "again after a change").on_hover_text("Once something was found");
+        let hint = "What was found is found again, and electrodes that were made are made again, all stages";
+        tick(ui, &mut core.mold.follows, "again after a change").on_hover_text(hint);
     });
     if let Some(doing) = core.mold.work.doing().cloned() {
         ui.horizontal(|ui| {

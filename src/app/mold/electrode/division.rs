@@ -1,23 +1,26 @@
 //! How regions are divided into parts, and what the user changes about that.
 
 use egui::{ComboBox, RichText, Ui};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::super::super::core::Core;
 use super::super::super::theme::palette;
+use super::checks;
+use super::fields::{Figure, figure};
 use crate::export::electrode_report::Division;
 use crate::jobs::mold::Designed;
+use crate::mold::electrode::check::LeftOfRegion;
 use crate::mold::electrode::params::{Edit, Method};
 
-/// Draws it for these regions, counted from 1.
-pub fn show(ui: &mut Ui, core: &mut Core, made: &Designed, regions: &[usize]) {
+/// Draws it for these regions of an electrode, counted from 1.
+pub fn show(ui: &mut Ui, core: &mut Core, made: &Designed, (electrode, regions): (usize, &[usize])) {
     for region in regions {
-        region_of(ui, core, made, region - 1);
+        region_of(ui, core, made, (electrode, region - 1));
     }
     merge(ui, core, made);
 }
 
-fn region_of(ui: &mut Ui, core: &mut Core, made: &Designed, r: usize) {
+fn region_of(ui: &mut Ui, core: &mut Core, made: &Designed, (electrode, r): (usize, usize)) {
     let (Some(plan), Some(entry)) = (made.set.regions.get(r), made.report.regions.get(r)) else { return };
     ui.add_space(4.0);
     ui.horizontal(|ui| {
@@ -33,12 +36,84 @@ fn region_of(ui: &mut Ui, core: &mut Core, made: &Designed, r: usize) {
             core.mold.electrodes.begin_split(r);
         }
     });
-    let left = format!("{:.4} mm left at most, {:.4} mm³", plan.left.thickness, plan.left.volume);
-    ui.label(RichText::new(left).small().color(palette(ui).faint));
+    if let Some(place) = made.places.get(r).copied().flatten() {
+        direction(ui, core, (r, place), plan.direction);
+    }
+    left(ui, core, &plan.left, (electrode, r));
     if let Some(division) = &entry.division {
         let (places, mut leaf) = (made.leaves(r), 0);
         node(ui, core, division, (r, 0), &mut leaf, &places);
     }
+}
+
+/// What burns leave of a region, and where that is most.
+fn left(ui: &mut Ui, core: &mut Core, left: &LeftOfRegion, (electrode, r): (usize, usize)) {
+    ui.horizontal(|ui| {
+        let is_somewhere = left.thickness > 0.0;
+        let name = format!("Show where most is left of region {}", r + 1);
+        let button = ui.add_enabled_ui(is_somewhere, |ui| checks::show_button(ui, &name)).inner;
+        if button.clicked()
+            && let Some(mold) = core.mold.work.mold()
+        {
+            let bounds = mold.shape.bounds();
+            let text = if left.excess > 0.0 {
+                format!("region {}: {:.4} mm left beyond what corners keep", r + 1, left.excess)
+            } else {
+                format!("region {}: {:.4} mm left, in a corner that the spark rounds", r + 1, left.thickness)
+            };
+            core.mold.electrodes.point_at_burn(electrode, (left.place, text), &bounds);
+        }
+        let text = format!("{:.4} mm left at most, {:.4} mm³", left.thickness, left.volume);
+        ui.label(RichText::new(text).small().color(palette(ui).faint));
+    });
+}
+
+/// From where a region is burned; another direction than straight down is a change.
+fn direction(ui: &mut Ui, core: &mut Core, (r, place): (usize, DVec3), now: DVec3) {
+    let own = |edit: &Edit| matches!(edit, Edit::Burn { place: of, .. } if *of == place);
+    let mut params = core.mold.params.clone();
+    let edits = &mut params.electrodes.edits;
+    let asked = edits.iter().rev().find_map(|e| match e {
+        Edit::Burn { direction, .. } if own(e) => direction.try_normalize(),
+        _ => None,
+    });
+    let [mut tilt, mut towards] = angles_deg(asked.unwrap_or(now));
+    let changed = ui
+        .horizontal(|ui| {
+            ui.label(RichText::new("Burned at").small().color(palette(ui).faint));
+            let hint = "Tilt of the burn from straight down (degrees); 90 is from the side";
+            let of = Figure { range: 0.0..=90.0, speed: 0.5, width: 48.0, hint };
+            let tilted = figure(ui, &mut tilt, &format!("Tilt of the burn of region {}", r + 1), &of);
+            ui.label(RichText::new("° towards").small().color(palette(ui).faint));
+            let hint = "Where a tilted burn goes in plan: from +X towards +Y of the upright mold (degrees)";
+            let of = Figure { range: -180.0..=180.0, speed: 1.0, width: 48.0, hint };
+            let name = format!("Heading of the burn of region {}", r + 1);
+            let turned = ui.add_enabled_ui(tilt > 0.0, |ui| figure(ui, &mut towards, &name, &of)).inner;
+            ui.label(RichText::new("°").small().color(palette(ui).faint));
+            tilted.changed() || turned.changed()
+        })
+        .inner;
+    if changed {
+        edits.retain(|edit| !own(edit));
+        if tilt > 0.0 {
+            edits.push(Edit::Burn { place, direction: along(tilt, towards) });
+        }
+        core.mold.edit(params);
+    }
+}
+
+/// Tilt of a direction from straight down, and where it goes in plan, from +X towards +Y (degrees).
+fn angles_deg(direction: DVec3) -> [f64; 2] {
+    let flat = direction.truncate();
+    let tilt = flat.length().atan2(-direction.z).to_degrees();
+    // What rounding makes of straight down has no direction in plan.
+    if tilt < 1e-6 { [0.0, 0.0] } else { [tilt, flat.to_angle().to_degrees()].map(|deg| (deg * 1e6).round() / 1e6) }
+}
+
+/// The direction with this tilt and heading (degrees).
+fn along(tilt: f64, towards: f64) -> DVec3 {
+    let (tilt, flat) = (tilt.to_radians(), DVec2::from_angle(towards.to_radians()));
+    (tilt.sin() * flat).extend(-tilt.cos())
 }
 
 /// How the tips of a region are made; another choice is a change.
@@ -113,5 +188,25 @@ fn merge(ui: &mut Ui, core: &mut Core, made: &Designed) {
         params.electrodes.edits.push(Edit::Merge { places: [a, b] });
         core.mold.electrodes.parts.clear();
         core.mold.edit(params);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_direction_is_told_by_its_angles() {
+        assert_eq!(angles_deg(DVec3::NEG_Z), [0.0, 0.0]);
+        assert!(along(0.0, 77.0).distance(DVec3::NEG_Z) < 1e-15);
+        for (direction, angles) in [
+            (DVec3::X, [90.0, 0.0]),
+            (DVec3::NEG_Y, [90.0, -90.0]),
+            (DVec3::new(-0.6, 0.0, -0.8), [36.869_898, 180.0]),
+            (DVec3::new(0.5, 0.5, -0.5f64.sqrt()), [45.0, 45.0]),
+        ] {
+            assert_eq!(angles_deg(direction), angles, "{direction}");
+            assert!(along(angles[0], angles[1]).distance(direction) < 1e-8, "{direction}");
+        }
     }
 }

@@ -188,14 +188,16 @@ fn without(ui: &mut Ui, core: &mut Core, made: &Designed) {
         let why = made.set.regions[region].trouble.clone().unwrap_or_default();
         ui.horizontal(|ui| {
             let place = made.places.get(region).copied().flatten();
-            if ui.add_enabled(place.is_some(), egui::Button::new("Show").small()).clicked()
+            let text = format!("Region {} has no electrode: {why}", region + 1);
+            let name = format!("Show region {}", region + 1);
+            let button = ui.add_enabled_ui(place.is_some(), |ui| checks::show_button(ui, &name)).inner;
+            if button.clicked()
                 && let (Some(place), Some(mold)) = (place, core.mold.work.mold())
             {
                 let bounds = mold.shape.bounds();
                 core.mold.electrodes.deselect();
-                core.mold.electrodes.point_at(place, &bounds);
+                core.mold.electrodes.point_at(place, text.clone(), &bounds);
             }
-            let text = format!("Region {} has no electrode: {why}", region + 1);
             ui.add(egui::Label::new(RichText::new(text).color(palette(ui).bad)).wrap());
         });
     }
@@ -233,7 +235,7 @@ fn details(ui: &mut Ui, core: &mut Core, made: &Designed, at: BurnOf) {
     };
     fact(ui, "Gap", format!("{} mm{orbit}", entry.gap_mm));
     fact(ui, "Time", format!("{:.1} min", entry.minutes));
-    division::show(ui, core, made, &regions(entry));
+    division::show(ui, core, made, (at.electrode, &regions(entry)));
 }
 
 /// The burn that is looked at.
