@@ -6,6 +6,7 @@ use glam::DVec3;
 use sparkpath::app::{Command, Opening, Workspace};
 use sparkpath::jobs::pipeline::StageState;
 use sparkpath::mold::cutter::{Cutter, CutterLibrary};
+use sparkpath::mold::electrode::design::{Burn, ElectrodeSet};
 use sparkpath::mold::electrode::params::{Edit, Method};
 use sparkpath::project::flank_file::read_flank;
 use sparkpath::project::flank_params::FlankSource;
@@ -93,6 +94,7 @@ fn electrodes_are_designed_looked_at_changed_and_exported() {
     }
 
     // A change of what is asked makes them stale; undo makes them those of the present parameters again.
+    desk.mold_mut().follows = false;
     let mut params = desk.mold().params.clone();
     params.electrodes.stages[0].gap_mm = 0.1;
     desk.mold_mut().edit(params);
@@ -208,4 +210,159 @@ fn the_flanks_of_a_designed_electrode_are_milled_without_a_file() {
     desk.assert_shows("Unsaved work");
     desk.press("Don't save");
     assert_eq!((flank(&desk).source, desk.app().core().flank.record.file.clone()), (before.source, None));
+}
+
+impl Desk {
+    /// Types `text` in the place of what the field called `name` holds, and leaves it.
+    fn type_in(&mut self, name: &str, text: &str) {
+        self.press_role(Role::TextInput, name);
+        self.key_with(Modifiers::COMMAND, Key::A);
+        self.window.event(egui::Event::Text(text.to_owned()));
+        self.settle();
+        self.key(Key::Enter);
+    }
+}
+
+#[test]
+fn every_parameter_of_electrodes_has_a_field() {
+    let home = Home::new();
+    let mut desk = home.start(Opening::Mold(None));
+    desk.press_role(Role::DisclosureTriangle, "Electrodes");
+    let before = desk.mold().params.electrodes.clone();
+    for (name, text, step) in [
+        ("Stock of stage 1", "0.1", "Stage"),
+        ("Pieces of stage 1", "3", "Stage"),
+        ("Overlap", "0.4", "Overlap of parts"),
+        ("Least size", "0.5", "Least size"),
+        ("Leftover", "0.03", "Leftover of burns"),
+        ("Corner", "0.75", "Corner of the base"),
+    ] {
+        desk.enter(name, text);
+        assert_eq!(desk.mold().undo_label(false), Some(step), "{name}");
+    }
+    desk.press_role(Role::DisclosureTriangle, "Blanks and holders");
+    desk.type_in("Sides", "20 8; 12,5; x");
+    desk.assert_shows("is no size");
+    assert_eq!(desk.mold().params.electrodes.blanks, before.blanks, "what is no list changes nothing");
+    desk.type_in("Sides", "20; 8; 12,5");
+    desk.type_in("Diameters", "16, 10");
+    desk.enter("Increment", "2");
+    desk.press_role(Role::DisclosureTriangle, "Burning times");
+    desk.enter("Rate", "0.5");
+    desk.enter("Setting", "7");
+    desk.press_role(Role::DisclosureTriangle, "Cutters for electrodes");
+    desk.press_role(Role::CheckBox, "those of the mold");
+    desk.enter("Diameter of electrode cutter 1", "0.8");
+    let asked = desk.mold().params.electrodes.clone();
+    let (stage, library) = (&asked.stages[0], &desk.mold().params.library);
+    assert_eq!((stage.stock_mm, stage.quantity), (0.1, 3));
+    assert_eq!(
+        (asked.overlap_mm, asked.least_size_mm, asked.tolerance_mm, asked.datum_corner_mm),
+        (0.4, 0.5, 0.03, 0.75)
+    );
+    assert_eq!((&*asked.blanks.sides_mm, &*asked.blanks.diameters_mm), (&[8.0, 12.5, 20.0][..], &[10.0, 16.0][..]));
+    assert_eq!((asked.blanks.increment_mm, asked.removal.per_area_mm_min, asked.removal.setting_min), (2.0, 0.5, 7.0));
+    let own = asked.cutters.as_ref().unwrap();
+    assert!(own.cutter[0].diameter_mm == 0.8 && own.cutter[1..] == library.cutter[1..]);
+    // Of all this nothing is left where every step is taken back.
+    for _ in 0..14 {
+        desk.key_with(Modifiers::COMMAND, Key::Z);
+    }
+    assert_eq!((&desk.mold().params.electrodes, desk.mold().undo_label(false)), (&before, None));
+}
+
+#[test]
+fn a_change_of_stages_makes_electrodes_of_all_of_them_again() {
+    let home = Home::new();
+    let mut desk = designed(&home, [1280, 720]);
+    let first = desk.mold().electrodes.designed().unwrap().clone();
+    desk.press_role(Role::DisclosureTriangle, "Electrodes");
+    desk.press("Add a rough stage");
+    assert!(!desk.mold().is_designed());
+    desk.assert_shows("stale");
+    desk.until("they are made again", |d| d.mold().is_designed() && !d.mold().work.is_busy());
+    let made = desk.mold().electrodes.designed().unwrap().clone();
+    let of = |stage: usize| made.set.electrodes.iter().filter(|e| e.stage == stage).count();
+    assert!(of(0) > 0 && of(1) == first.set.electrodes.len(), "{} {}", of(0), of(1));
+    desk.enter("Gap of stage 1", "0.4");
+    desk.assert_shows("stale");
+    // Who looks at regions goes on doing so.
+    desk.press_role(Role::Tab, "List of Regions");
+    desk.until("they are made again", |d| d.mold().is_designed() && !d.mold().work.is_busy());
+    assert_eq!(desk.mold().electrodes.designed().unwrap().set.params.stages[0].gap_mm, 0.4);
+    assert!(desk.mold().electrodes.seen().is_none() && !desk.shows("stale"));
+    // What the user stops does not begin again.
+    desk.enter("Gap of stage 1", "0.5");
+    desk.until("it begins", |d| d.mold().design_state() == StageState::Running);
+    desk.key(Key::Escape);
+    desk.until("it has ended", |d| !d.mold().work.is_busy());
+    assert!(matches!(desk.mold().design_state(), StageState::Failed(_)));
+}
+
+#[test]
+fn the_place_where_most_is_left_is_flown_to_and_marked() {
+    let home = Home::new();
+    let mut desk = designed(&home, [1280, 720]);
+    let made = desk.mold().electrodes.designed().unwrap().clone();
+    let (electrode, burn, region) = most_left(&made.set);
+    desk.press_role(Role::Row, &format!("Electrode {}", made.set.electrodes[electrode].name));
+    desk.press(&format!("Show where most is left of region {}", region + 1));
+    let left = made.set.regions[region].left;
+    let burns = &desk.mold().electrodes;
+    assert_eq!((burns.selected, burns.is_alone), (Some(BurnOf { electrode, burn }), true));
+    assert_eq!(burns.place.as_ref().map(|place| place.at), Some(left.place));
+    desk.assert_shows(&format!("region {}: {:.4} mm left", region + 1, left.thickness));
+    let marker = desk.app().scene().markers[0].at;
+    assert_eq!(marker, made.opening.in_mesh(left.place));
+    std::thread::sleep(std::time::Duration::from_millis(600));
+    desk.settle();
+    let view = desk.window.get(By::new().role(Role::Image).label("3D viewport")).rect();
+    let seen = desk.app().camera().project(marker, [view.width() as u32, view.height() as u32]).unwrap().pixel;
+    let off = egui::vec2(seen.x as f32, seen.y as f32) - 0.5 * view.size();
+    assert!(off.length() < 3.0, "it is in the middle of the view: {off:?}");
+    desk.pictures("electrode_left");
+    // Another electrode is another matter.
+    desk.mold_mut().electrodes.deselect();
+    desk.settle();
+    assert!(!desk.shows("mm left,") && desk.app().scene().markers.is_empty());
+}
+
+/// The region of which most is left, with an electrode and its burn for it.
+fn most_left(set: &ElectrodeSet) -> (usize, usize, usize) {
+    let thickness = |r: usize| set.regions[r].left.thickness;
+    let region = (0..set.regions.len()).max_by(|a, b| thickness(*a).total_cmp(&thickness(*b))).unwrap();
+    let is_for = |burn: &Burn| burn.parts.iter().any(|part| part.region == region);
+    let mut all = set.electrodes.iter().enumerate();
+    all.find_map(|(e, electrode)| Some((e, electrode.burns.iter().position(is_for)?, region))).unwrap()
+}
+
+/// A window on the mold with slots, whose electrodes are made.
+fn slots(home: &Home) -> Desk {
+    let mold = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/molds/b_slots.stl");
+    let mut desk = home.start_in(Opening::Mold(Some(mold)), [1280, 720], 1.0);
+    let (flat, ball) = ([1.0, 2.0, 3.0].map(Cutter::flat), [0.5, 1.0, 2.0].map(Cutter::ball));
+    desk.take_cutters(&[flat, ball].concat());
+    desk.until_loaded();
+    desk.press("Design");
+    until_designed(&mut desk);
+    desk
+}
+
+#[test]
+fn two_parts_of_a_region_are_merged_and_split_again() {
+    let home = Home::new();
+    let mut desk = slots(&home);
+    let parts = |desk: &Desk, region: usize| desk.mold().electrodes.designed().unwrap().leaves(region).len();
+    let made = desk.mold().electrodes.designed().unwrap().clone();
+    let region = (0..made.set.regions.len()).find(|r| made.leaves(*r).len() == 2).unwrap();
+    let electrode = &made.report.regions[region].electrodes[0];
+    desk.press_role(Role::Row, &format!("Electrode {electrode}"));
+    let [one, other] = [1, 2].map(|part| format!("part R{}.{part}", region + 1));
+    desk.press(&one);
+    desk.press(&other);
+    desk.press("Merge the two parts");
+    assert_eq!(desk.mold().undo_label(false), Some("Merged parts"));
+    desk.until("they are made again", |d| d.mold().is_designed() && !d.mold().work.is_busy());
+    assert_eq!(parts(&desk, region), 1);
+    assert!(desk.mold().electrodes.designed().unwrap().set.unmet_edits().is_empty());
 }

@@ -17,7 +17,7 @@ pub fn show(ui: &mut Ui, core: &mut Core, made: &Designed, (electrode, regions):
     for region in regions {
         region_of(ui, core, made, (electrode, region - 1));
     }
-    merge(ui, core, made);
+    merge(ui, core, made, regions);
 }
 
 fn region_of(ui: &mut Ui, core: &mut Core, made: &Designed, (electrode, r): (usize, usize)) {
@@ -162,7 +162,13 @@ fn node(
         let parts = &mut core.mold.electrodes.parts;
         let is_on = parts.contains(&part);
         let button = egui::Button::selectable(is_on, RichText::new(&division.text).small());
-        if ui.add_enabled(is_there, button).on_hover_text("Select two parts to merge them").clicked() {
+        let why_not = if places.len() > 1 {
+            "Parts of a region that is burned straight down can be merged"
+        } else {
+            "There is no other part to merge it with"
+        };
+        let button = ui.add_enabled(is_there, button).on_disabled_hover_text(why_not);
+        if button.on_hover_text("Select two parts to merge them").clicked() {
             if is_on {
                 parts.retain(|other| *other != part);
             } else {
@@ -179,8 +185,12 @@ fn node(
     }
 }
 
-fn merge(ui: &mut Ui, core: &mut Core, made: &Designed) {
+fn merge(ui: &mut Ui, core: &mut Core, made: &Designed, regions: &[usize]) {
     let [one, other] = core.mold.electrodes.parts[..] else { return };
+    // Parts of what is not seen here are not merged by mistake.
+    if !regions.contains(&(one.0 + 1)) {
+        return;
+    }
     let place = |(r, part): (usize, usize)| made.leaves(r).get(part).copied().flatten();
     let (Some(a), Some(b)) = (place(one), place(other)) else { return };
     if ui.button("Merge the two parts").clicked() {
