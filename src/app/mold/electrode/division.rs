@@ -23,10 +23,11 @@ pub fn show(ui: &mut Ui, core: &mut Core, made: &Designed, (electrode, regions):
 fn region_of(ui: &mut Ui, core: &mut Core, made: &Designed, (electrode, r): (usize, usize)) {
     let (Some(plan), Some(entry)) = (made.set.regions.get(r), made.report.regions.get(r)) else { return };
     ui.add_space(4.0);
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.label(RichText::new(format!("Region {}", r + 1)).strong());
         if let Some(place) = made.places.get(r).copied().flatten() {
             method(ui, core, (r, place), plan.method);
+            direction(ui, core, (r, place), plan.direction);
         }
         if ui
             .small_button("Split\u{2026}")
@@ -36,9 +37,6 @@ fn region_of(ui: &mut Ui, core: &mut Core, made: &Designed, (electrode, r): (usi
             core.mold.electrodes.begin_split(r);
         }
     });
-    if let Some(place) = made.places.get(r).copied().flatten() {
-        direction(ui, core, (r, place), plan.direction);
-    }
     left(ui, core, &plan.left, (electrode, r));
     if let Some(division) = &entry.division {
         let (places, mut leaf) = (made.leaves(r), 0);
@@ -78,21 +76,14 @@ fn direction(ui: &mut Ui, core: &mut Core, (r, place): (usize, DVec3), now: DVec
         _ => None,
     });
     let [mut tilt, mut towards] = angles_deg(asked.unwrap_or(now));
-    let changed = ui
-        .horizontal(|ui| {
-            ui.label(RichText::new("Burned at").small().color(palette(ui).faint));
-            let hint = "Tilt of the burn from straight down (degrees); 90 is from the side";
-            let of = Figure { range: 0.0..=90.0, speed: 0.5, width: 48.0, hint };
-            let tilted = figure(ui, &mut tilt, &format!("Tilt of the burn of region {}", r + 1), &of);
-            ui.label(RichText::new("° towards").small().color(palette(ui).faint));
-            let hint = "Where a tilted burn goes in plan: from +X towards +Y of the upright mold (degrees)";
-            let of = Figure { range: -180.0..=180.0, speed: 1.0, width: 48.0, hint };
-            let name = format!("Heading of the burn of region {}", r + 1);
-            let turned = ui.add_enabled_ui(tilt > 0.0, |ui| figure(ui, &mut towards, &name, &of)).inner;
-            ui.label(RichText::new("°").small().color(palette(ui).faint));
-            tilted.changed() || turned.changed()
-        })
-        .inner;
+    let hint = "Tilt of the burn from straight down; 90\u{b0} is from the side";
+    let of = Figure { range: 0.0..=90.0, speed: 0.5, width: 46.0, suffix: "\u{b0}", hint };
+    let mut changed = figure(ui, &mut tilt, &format!("Tilt of the burn of region {}", r + 1), &of).changed();
+    if tilt > 0.0 {
+        let hint = "Where the tilted burn goes in plan, from +X towards +Y of the upright mold";
+        let of = Figure { range: -180.0..=180.0, speed: 1.0, hint, ..of };
+        changed |= figure(ui, &mut towards, &format!("Heading of the burn of region {}", r + 1), &of).changed();
+    }
     if changed {
         edits.retain(|edit| !own(edit));
         if tilt > 0.0 {
