@@ -60,7 +60,7 @@ pub fn measure(
 
 /// Sizes as text, rising; what is typed is taken once the field is left, if it is sizes. Else it stays and says why not.
 pub fn sizes(ui: &mut Ui, name: &str, values: &mut Vec<f64>, hint: &str) {
-    let id = ui.id().with(("sizes", name));
+    let id = ui.scope_id().with(("sizes", name));
     // Of other values what was typed is of no use: these were undone, or loaded.
     let typed = ui.data_mut(|d| d.get_temp::<(Vec<f64>, String)>(id)).filter(|(of, _)| of == values);
     let mut text = typed.map_or_else(|| sizes_text(values), |(_, text)| text);
@@ -81,7 +81,7 @@ pub fn sizes(ui: &mut Ui, name: &str, values: &mut Vec<f64>, hint: &str) {
             *values = read;
             ui.data_mut(|d| d.remove::<(Vec<f64>, String)>(id));
         }
-        _ => ui.data_mut(|d| d.insert_temp(id, (values.clone(), text))),
+        _ => drop(ui.data_mut(|d| d.insert_temp(id, (values.clone(), text)))),
     }
 }
 
