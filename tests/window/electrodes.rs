@@ -2,9 +2,12 @@
 
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::{By, Queryable as _};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use sparkpath::app::{Command, Opening, Workspace};
+use sparkpath::geometry::mesh::Mesh;
+use sparkpath::geometry::solid::{difference, prism};
 use sparkpath::jobs::pipeline::StageState;
+use sparkpath::mesh_io::write_stl;
 use sparkpath::mold::cutter::{Cutter, CutterLibrary};
 use sparkpath::mold::electrode::design::{Burn, ElectrodeSet};
 use sparkpath::mold::electrode::params::{Edit, Method};
@@ -137,17 +140,8 @@ fn a_region_is_made_in_another_way_and_a_part_is_split_by_two_clicks() {
     desk.mold_mut().electrodes.split = Some(None);
     desk.key(Key::Num7);
     desk.until("the view has turned", |d| d.app().camera().backward().z > 0.9999);
-    let view = desk.window.get(By::new().role(Role::Image).label("3D viewport")).rect();
-    let size = [view.width() as u32, view.height() as u32];
-    let ends = [glam::DVec3::new(-3.0, 0.0, 3.0), glam::DVec3::new(3.0, 1.0, 3.0)];
-    for end in ends {
-        let seen = desk.app().camera().project(end, size).unwrap().pixel;
-        let at = view.min + egui::vec2(seen.x as f32, seen.y as f32);
-        desk.window.hover_at(at);
-        desk.window.drag_at(at);
-        desk.window.drop_at(at);
-        desk.settle();
-    }
+    let ends = [DVec3::new(-3.0, 0.0, 3.0), DVec3::new(3.0, 1.0, 3.0)];
+    ends.into_iter().for_each(|end| click_at(&mut desk, end));
     let Some(Edit::Split { line }) = desk.mold().params.electrodes.edits.last() else { panic!("no line was drawn") };
     for (found, end) in line.iter().zip(ends) {
         assert!(found.truncate().distance(end.truncate()) < 0.1, "{found} {end}");
@@ -336,33 +330,70 @@ fn most_left(set: &ElectrodeSet) -> (usize, usize, usize) {
     all.find_map(|(e, electrode)| Some((e, electrode.burns.iter().position(is_for)?, region))).unwrap()
 }
 
-/// A window on the mold with slots, whose electrodes are made.
-fn slots(home: &Home) -> Desk {
-    let mold = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/molds/b_slots.stl");
-    let mut desk = home.start_in(Opening::Mold(Some(mold)), [1280, 720], 1.0);
-    let (flat, ball) = ([1.0, 2.0, 3.0].map(Cutter::flat), [0.5, 1.0, 2.0].map(Cutter::ball));
-    desk.take_cutters(&[flat, ball].concat());
-    desk.until_loaded();
-    desk.press("Design");
-    until_designed(&mut desk);
-    desk
+/// A block of 20 x 20 x 10 mm with a slot of 3 mm, 4 mm deep, that goes round a corner: no cutter makes the inner edge that
+/// its electrode would have.
+fn bent_slot() -> Mesh {
+    let outline = |points: &[[f64; 2]]| points.iter().copied().map(DVec2::from).collect::<Vec<_>>();
+    let block = outline(&[[-10.0, -10.0], [10.0, -10.0], [10.0, 10.0], [-10.0, 10.0]]);
+    let slot = outline(&[[-6.0, -6.0], [6.0, -6.0], [6.0, -3.0], [-3.0, -3.0], [-3.0, 6.0], [-6.0, 6.0]]);
+    difference(&prism(&[&block], 0.0, 10.0).unwrap(), &prism(&[&slot], 6.0, 11.0).unwrap()).unwrap()
 }
 
 #[test]
-fn two_parts_of_a_region_are_merged_and_split_again() {
+fn two_parts_of_a_region_are_merged_and_one_is_split_along_a_drawn_line() {
     let home = Home::new();
-    let mut desk = slots(&home);
-    let parts = |desk: &Desk, region: usize| desk.mold().electrodes.designed().unwrap().leaves(region).len();
-    let made = desk.mold().electrodes.designed().unwrap().clone();
-    let region = (0..made.set.regions.len()).find(|r| made.leaves(*r).len() == 2).unwrap();
-    let electrode = &made.report.regions[region].electrodes[0];
-    desk.press_role(Role::Row, &format!("Electrode {electrode}"));
-    let [one, other] = [1, 2].map(|part| format!("part R{}.{part}", region + 1));
-    desk.press(&one);
-    desk.press(&other);
+    let file = home.path("bent.stl");
+    write_stl(&file, &bent_slot()).unwrap();
+    let mut desk = home.start_in(Opening::Mold(Some(file)), [1280, 720], 1.0);
+    desk.take_cutters(&[Cutter::flat(2.0)]);
+    let mut params = desk.mold().params.clone();
+    params.electrodes.cutters = Some(CutterLibrary { cutter: vec![Cutter::flat(0.5)] });
+    desk.mold_mut().edit(params);
+    desk.until_loaded();
+    desk.press("Design");
+    until_designed(&mut desk);
+    let parts = |desk: &Desk| desk.mold().electrodes.designed().unwrap().leaves(0).len();
+    let until_made = |desk: &mut Desk| {
+        desk.until("they are made again", |d| d.mold().is_designed() && !d.mold().work.is_busy());
+        assert!(desk.mold().electrodes.designed().unwrap().set.unmet_edits().is_empty());
+    };
+    assert_eq!(parts(&desk), 2);
+    let select = |desk: &mut Desk| {
+        let name = desk.mold().electrodes.designed().unwrap().set.electrodes[0].name.clone();
+        desk.press_role(Role::Row, &format!("Electrode {name}"));
+    };
+    select(&mut desk);
+    desk.press("part R1.1");
+    desk.press("part R1.2");
     desk.press("Merge the two parts");
     assert_eq!(desk.mold().undo_label(false), Some("Merged parts"));
-    desk.until("they are made again", |d| d.mold().is_designed() && !d.mold().work.is_busy());
-    assert_eq!(parts(&desk, region), 1);
-    assert!(desk.mold().electrodes.designed().unwrap().set.unmet_edits().is_empty());
+    until_made(&mut desk);
+    assert_eq!(parts(&desk), 1);
+    desk.key_with(Modifiers::COMMAND, Key::Z);
+    until_made(&mut desk);
+    assert_eq!(parts(&desk), 2);
+
+    if desk.mold().electrodes.selected.is_none() {
+        select(&mut desk);
+    }
+    desk.press("Split\u{2026}");
+    desk.until("the view has turned", |d| d.app().camera().backward().z > 0.9999);
+    for end in [DVec3::new(2.0, -7.5, 10.0), DVec3::new(2.0, -1.5, 10.0)] {
+        click_at(&mut desk, end);
+    }
+    assert_eq!(desk.mold().undo_label(false), Some("Split part"));
+    until_made(&mut desk);
+    assert_eq!(parts(&desk), 3);
+}
+
+/// A click in the view on a place of the mold.
+fn click_at(desk: &mut Desk, place: DVec3) {
+    let view = desk.window.get(By::new().role(Role::Image).label("3D viewport")).rect();
+    let size = [view.width() as u32, view.height() as u32];
+    let seen = desk.app().camera().project(place, size).unwrap().pixel;
+    let at = view.min + egui::vec2(seen.x as f32, seen.y as f32);
+    desk.window.hover_at(at);
+    desk.window.drag_at(at);
+    desk.window.drop_at(at);
+    desk.settle();
 }

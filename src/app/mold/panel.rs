@@ -18,12 +18,16 @@ use crate::project::cutter_file::standard_cutters;
 
 /// Height of the list of regions where it has no panel of its own (points).
 const LIST: f32 = 420.0;
+/// Width of the bar that scrolls, with room beside it (points).
+const BAR: f32 = 6.0;
 
 /// Draws it, `with_list` also the list of regions. Answers what a path is wanted for.
 pub fn show(ui: &mut Ui, core: &mut Core, with_list: bool) -> Option<Purpose> {
     let mut asked = None;
     egui::ScrollArea::vertical().id_salt("mold form").auto_shrink([false, false]).show(ui, |ui| {
         ui.add_space(2.0);
+        // Nothing ends below the bar.
+        ui.set_max_width(ui.available_width() - BAR);
         section(ui, "Mold", true, |ui| asked = mold(ui, core));
         section(ui, "Cutters", true, |ui| asked = library(ui, core).or(asked.take()));
         section(ui, "Uncut", true, |ui| uncut(ui, core));

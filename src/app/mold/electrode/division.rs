@@ -77,7 +77,7 @@ fn direction(ui: &mut Ui, core: &mut Core, (r, place): (usize, DVec3), now: DVec
     });
     let [mut tilt, mut towards] = angles_deg(asked.unwrap_or(now));
     let hint = "Tilt of the burn from straight down; 90\u{b0} is from the side";
-    let of = Figure { range: 0.0..=90.0, speed: 0.5, width: 46.0, suffix: "\u{b0}", hint };
+    let of = Figure { range: 0.0..=90.0, speed: 0.5, width: 46.0, suffix: "\u{b0}", decimals: 2, hint };
     let mut changed = figure(ui, &mut tilt, &format!("Tilt of the burn of region {}", r + 1), &of).changed();
     if tilt > 0.0 {
         let hint = "Where the tilted burn goes in plan, from +X towards +Y of the upright mold";

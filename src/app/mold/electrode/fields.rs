@@ -28,6 +28,8 @@ pub struct Figure<'a> {
     pub width: f32,
     /// What stands behind the number in the field.
     pub suffix: &'a str,
+    /// Decimals that it has at most.
+    pub decimals: usize,
     /// What it is, in a line.
     pub hint: &'a str,
 }
@@ -36,7 +38,7 @@ pub struct Figure<'a> {
 pub fn figure(ui: &mut Ui, value: &mut f64, name: &str, of: &Figure) -> Response {
     // What a file says stays until it is changed.
     let field = DragValue::new(value).speed(of.speed).range(of.range.clone()).clamp_existing_to_range(false);
-    let field = field.max_decimals(4).suffix(of.suffix).update_while_editing(false);
+    let field = field.max_decimals(of.decimals).suffix(of.suffix).update_while_editing(false);
     let response = ui.add_sized(vec2(of.width, HEIGHT), field);
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));
     if of.hint.is_empty() { response } else { response.on_hover_text(of.hint) }
@@ -52,7 +54,7 @@ pub fn measure(
     named(ui, name, |ui, _| {
         // The smaller what it may be, the finer the hand.
         let speed = (range.end() / 2000.0).clamp(0.001, 0.05);
-        let response = figure(ui, value, name, &Figure { range, speed, width: WIDTH, suffix: "", hint });
+        let response = figure(ui, value, name, &Figure { range, speed, width: WIDTH, suffix: "", decimals: 4, hint });
         ui.label(RichText::new(unit).color(palette(ui).faint));
         response
     })

@@ -89,7 +89,8 @@ fn tips(ui: &mut Ui, asked: &mut ElectrodeParams) {
 
 /// What electrodes have in common.
 fn sharing(ui: &mut Ui, asked: &mut ElectrodeParams) {
-    let room = |least: f64, hint| Figure { range: least..=1000.0, speed: 0.05, width: 50.0, suffix: "", hint };
+    let room =
+        |least: f64, hint| Figure { range: least..=1000.0, speed: 0.05, width: 50.0, suffix: "", decimals: 4, hint };
     named(ui, "Places", |ui, _| {
         tick(ui, &mut asked.share, "share").on_hover_text("One electrode for congruent places");
         let mut is_together = asked.together_mm > 0.0;

@@ -7,7 +7,7 @@ use super::fields::{Figure, HEIGHT, figure};
 use crate::mold::electrode::params::{ElectrodeParams, Orbit, Stage};
 
 /// Widths of gap, stock, finish, number and what removes a stage (points); the name has what is left.
-const WIDTHS: [f32; 5] = [48.0, 48.0, 40.0, 36.0, 20.0];
+const WIDTHS: [f32; 5] = [46.0, 54.0, 40.0, 38.0, 20.0];
 /// Room between them, and the widths that a name may have.
 const GAP: f32 = 4.0;
 const NAME: std::ops::RangeInclusive<f32> = 60.0..=130.0;
@@ -62,17 +62,17 @@ fn figures(ui: &mut Ui, stage: &mut Stage, (i, width): (usize, f32)) {
     let field = TextEdit::singleline(&mut stage.name).desired_width(width).clip_text(true);
     let response = ui.add_sized(vec2(width, HEIGHT), field).on_hover_text("Letters, digits, - and _: files carry it");
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(of("Name")));
-    let length = Figure { range: 0.0..=LONGEST, speed: 0.005, width: WIDTHS[0], suffix: "", hint: "" };
+    let length = Figure { range: 0.0..=LONGEST, speed: 0.005, width: WIDTHS[0], suffix: "", decimals: 4, hint: "" };
     let hint = "Spark gap: how far from the electrode material is taken (mm)";
     figure(ui, &mut stage.gap_mm, &of("Gap"), &Figure { hint, ..length.clone() });
     let hint = "What it leaves for the stages after it, on every face (mm)";
     figure(ui, &mut stage.stock_mm, &of("Stock"), &Figure { hint, width: WIDTHS[1], ..length.clone() });
     let roughness = format!("Surface finish to be reached (VDI 3400): Ra {:.2} µm", stage.roughness_um());
-    let finish = Figure { range: 0.0..=60.0, speed: 0.1, width: WIDTHS[2], suffix: "", hint: &roughness };
+    let finish = Figure { range: 0.0..=60.0, speed: 0.1, width: WIDTHS[2], suffix: "", decimals: 4, hint: &roughness };
     figure(ui, &mut stage.finish_vdi, &of("Finish"), &finish);
     let mut pieces = f64::from(stage.quantity);
     let hint = "How many of each electrode are made";
-    let number = Figure { range: 1.0..=1000.0, speed: 0.05, width: WIDTHS[3], suffix: "", hint };
+    let number = Figure { range: 1.0..=1000.0, speed: 0.05, width: WIDTHS[3], suffix: "", decimals: 0, hint };
     if figure(ui, &mut pieces, &of("Pieces"), &number).changed() {
         stage.quantity = pieces.round().max(1.0) as u32;
     }
@@ -100,9 +100,10 @@ fn orbit(ui: &mut Ui, orbit: &mut Orbit, (i, width): (usize, f32)) {
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(format!("Orbit of stage {}", i + 1)));
     let mut radius = orbit.radius_mm();
     let hint = "Radius of the circle, or half the side of the square (mm)";
-    let length = Figure { range: 0.0..=LONGEST, speed: 0.005, width: WIDTHS[0], suffix: "", hint };
+    let length = Figure { range: 0.0..=LONGEST, speed: 0.005, width: WIDTHS[0], suffix: "", decimals: 4, hint };
     let name = format!("Radius of orbit of stage {}", i + 1);
     let field = ui.add_enabled_ui(radius > 0.0, |ui| figure(ui, &mut radius, &name, &length)).inner;
+    ui.label(RichText::new("radius mm").small().color(palette(ui).faint));
     if let (true, Orbit::Circular { radius_mm } | Orbit::Square { radius_mm }) = (field.changed(), orbit) {
         *radius_mm = radius.max(0.001);
     }
