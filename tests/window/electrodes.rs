@@ -305,7 +305,8 @@ fn the_place_where_most_is_left_is_flown_to_and_marked() {
     let burns = &desk.mold().electrodes;
     assert_eq!((burns.selected, burns.is_alone), (Some(BurnOf { electrode, burn }), true));
     assert_eq!(burns.place.as_ref().map(|place| place.at), Some(left.place));
-    desk.assert_shows(&format!("region {}: {:.4} mm left", region + 1, left.thickness));
+    let most = if left.excess > 0.0 { left.excess } else { left.thickness };
+    desk.assert_shows(&format!("region {}: {most:.4} mm left", region + 1));
     let marker = desk.app().scene().markers[0].at;
     assert_eq!(marker, made.opening.in_mesh(left.place));
     std::thread::sleep(std::time::Duration::from_millis(600));
@@ -318,7 +319,7 @@ fn the_place_where_most_is_left_is_flown_to_and_marked() {
     // Another electrode is another matter.
     desk.mold_mut().electrodes.deselect();
     desk.settle();
-    assert!(!desk.shows("mm left,") && desk.app().scene().markers.is_empty());
+    assert!(!desk.shows(&format!("region {}: ", region + 1)) && desk.app().scene().markers.is_empty());
 }
 
 /// The region of which most is left, with an electrode and its burn for it.

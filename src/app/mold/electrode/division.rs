@@ -54,16 +54,24 @@ fn left(ui: &mut Ui, core: &mut Core, left: &LeftOfRegion, (electrode, r): (usiz
             && let Some(mold) = core.mold.work.mold()
         {
             let bounds = mold.shape.bounds();
-            let text = if left.excess > 0.0 {
-                format!("region {}: {:.4} mm left beyond what corners keep", r + 1, left.excess)
-            } else {
-                format!("region {}: {:.4} mm left, in a corner that the spark rounds", r + 1, left.thickness)
-            };
+            let text = format!("region {}: {}", r + 1, in_words(left));
             core.mold.electrodes.point_at_burn(electrode, (left.place, text), &bounds);
         }
         let text = format!("{:.4} mm left at most, {:.4} mm³", left.thickness, left.volume);
         ui.label(RichText::new(text).small().color(palette(ui).faint));
     });
+}
+
+/// What is left where most is.
+fn in_words(left: &LeftOfRegion) -> String {
+    let LeftOfRegion { thickness, excess, .. } = *left;
+    if excess >= thickness {
+        format!("{thickness:.4} mm left")
+    } else if excess > 0.0 {
+        format!("{excess:.4} mm left beyond what corners keep")
+    } else {
+        format!("{thickness:.4} mm left, in a corner that the spark rounds")
+    }
 }
 
 /// From where a region is burned; another direction than straight down is a change.

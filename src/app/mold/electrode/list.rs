@@ -16,6 +16,8 @@ use crate::views::{BurnOf, electrode_colour};
 /// The columns with their widths (points); the name takes what the others leave. Regions and blank need room.
 const COLUMNS: [(&str, f32); 6] =
     [("name", 0.0), ("burns", 30.0), ("regions", 42.0), ("blank", 60.0), ("min", 28.0), ("checks", 64.0)];
+/// Width of the bar that scrolls, with room beside it (points).
+const BAR: f32 = 6.0;
 /// Below this width (points) there are the most needed ones only.
 const NARROW: f32 = 330.0;
 /// Which they are.
@@ -35,7 +37,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
         stages(ui, core, &made);
     });
     let rows = made.set.electrodes.len() as f32;
-    let room = vec2(ui.available_width(), (24.0 + 22.0 * rows).min(0.4 * ui.available_height()).max(96.0));
+    let room = vec2(ui.available_width(), (24.0 + 26.0 * rows).min(0.4 * ui.available_height()).max(96.0));
     ui.scope(|ui| {
         if is_stale {
             ui.multiply_opacity(0.55);
@@ -47,6 +49,8 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
         ui.separator();
         let scroll = egui::ScrollArea::vertical().id_salt("electrode").auto_shrink([false, false]);
         scroll.show(ui, |ui| {
+            // Nothing ends below the bar.
+            ui.set_max_width(ui.available_width() - BAR);
             without(ui, core, &made);
             match core.mold.electrodes.selected {
                 Some(at) => details(ui, core, &made, at),
