@@ -40,14 +40,16 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
     let room = vec2(ui.available_width(), (24.0 + 26.0 * rows).min(0.4 * ui.available_height()).max(96.0));
     ui.scope(|ui| {
         if is_stale {
-            ui.multiply_opacity(0.55);
+            ui.multiply_opacity(0.7);
         }
         ui.allocate_ui(room, |ui| {
             ui.set_max_height(room.y);
             table(ui, core, &made);
         });
         ui.separator();
-        let scroll = egui::ScrollArea::vertical().id_salt("electrode").auto_shrink([false, false]);
+        // Another electrode begins with its name, however far the last one was read.
+        let of = core.mold.electrodes.selected.map(|at| at.electrode);
+        let scroll = egui::ScrollArea::vertical().id_salt(("electrode", of)).auto_shrink([false, false]);
         scroll.show(ui, |ui| {
             // Nothing ends below the bar.
             ui.set_max_width(ui.available_width() - BAR);
