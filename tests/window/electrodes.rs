@@ -258,6 +258,7 @@ fn every_parameter_of_electrodes_has_a_field() {
     assert_eq!((asked.blanks.increment_mm, asked.removal.per_area_mm_min, asked.removal.setting_min), (2.0, 0.5, 7.0));
     let own = asked.cutters.as_ref().unwrap();
     assert!(own.cutter[0].diameter_mm == 0.8 && own.cutter[1..] == library.cutter[1..]);
+    desk.picture("electrode_form_dark");
     // Of all this nothing is left where every step is taken back.
     for _ in 0..14 {
         desk.key_with(Modifiers::COMMAND, Key::Z);
