@@ -285,11 +285,12 @@ pub fn callout(ui: &mut Ui, rect: Rect, at: egui::Pos2, colour: Color32, text: &
     let width = (0.5 * rect.width() - 40.0).clamp(100.0, 260.0);
     let galley = ui.painter().layout(text.to_owned(), FontId::proportional(12.0), ink, width);
     let size = galley.size() + vec2(16.0, 8.0);
-    let is_right = at.x + OFF.x + size.x < rect.right() - 4.0;
+    // Beside the handles at the edges.
+    let is_right = at.x + OFF.x + size.x < rect.right() - 16.0;
     let corner = if is_right { at + OFF } else { at + vec2(-OFF.x - size.x, OFF.y) };
     // Below the row of buttons and above the strips.
     let [top, bottom] = [rect.top() + 44.0, rect.bottom() - size.y - 120.0];
-    let area = Rect::from_min_size(pos2(corner.x.max(rect.left() + 4.0), corner.y.clamp(top, bottom.max(top))), size);
+    let area = Rect::from_min_size(pos2(corner.x.max(rect.left() + 16.0), corner.y.clamp(top, bottom.max(top))), size);
     let painter = ui.painter_at(rect);
     let edge = pos2(if is_right { area.left() } else { area.right() }, area.center().y);
     let stroke = egui::Stroke::new(1.5, colour);
