@@ -286,6 +286,33 @@ pub fn caption(ui: &mut Ui, rect: Rect, above: f32, colour: Color32, text: &str)
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, text));
 }
 
+/// A ring around a place in the view at `at`, and what is said of it beside, where there is room.
+pub fn callout(ui: &mut Ui, rect: Rect, at: egui::Pos2, colour: Color32, text: &str) {
+    /// Radius of the ring, and how far off the words are (points).
+    const RING: f32 = 12.0;
+    const OFF: egui::Vec2 = vec2(30.0, -34.0);
+    let ink = ui.visuals().strong_text_color();
+    let width = (0.5 * rect.width() - 40.0).clamp(100.0, 260.0);
+    let galley = ui.painter().layout(text.to_owned(), FontId::proportional(12.0), ink, width);
+    let size = galley.size() + vec2(16.0, 8.0);
+    // Beside the handles at the edges.
+    let is_right = at.x + OFF.x + size.x < rect.right() - 16.0;
+    let corner = if is_right { at + OFF } else { at + vec2(-OFF.x - size.x, OFF.y) };
+    // Below the row of buttons and above the strips.
+    let [top, bottom] = [rect.top() + 44.0, rect.bottom() - size.y - 120.0];
+    let area = Rect::from_min_size(pos2(corner.x.max(rect.left() + 16.0), corner.y.clamp(top, bottom.max(top))), size);
+    let painter = ui.painter_at(rect);
+    let edge = pos2(if is_right { area.left() } else { area.right() }, area.center().y);
+    let stroke = egui::Stroke::new(1.5, colour);
+    painter.line_segment([at + RING * (edge - at).normalized(), edge], stroke);
+    painter.circle_stroke(at, RING, egui::Stroke::new(2.0, colour));
+    painter.rect_filled(area, 4.0, ui.visuals().window_fill.gamma_multiply(0.94));
+    painter.rect_stroke(area, 4.0, stroke, egui::StrokeKind::Inside);
+    painter.galley(area.min + vec2(8.0, 4.0), galley, ink);
+    let response = ui.interact(area, ui.scope_id().with("callout"), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, text));
+}
+
 /// The measured distance beside its line.
 fn measured(ui: &Ui, rect: Rect, viewport: &Viewport, core: &Core) {
     let Some(super::viewport::Probe::Distance { from, to }) = viewport.probe() else { return };

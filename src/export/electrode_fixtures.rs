@@ -54,7 +54,15 @@ fn burn(position: DVec3, turn_deg: f64, parts: &[(usize, usize)]) -> Burn {
 }
 
 fn leaf(part: usize) -> PartNode {
-    PartNode { cut: None, h_edges: 0, outlines: Vec::new(), parts: Vec::new(), part: Some(part), place: None }
+    PartNode {
+        cut: None,
+        h_edges: 0,
+        outlines: Vec::new(),
+        parts: Vec::new(),
+        lacks_thin: false,
+        part: Some(part),
+        place: None,
+    }
 }
 
 fn region(tree: Option<PartNode>, trouble: Option<&str>, thickness: f64) -> RegionPlan {

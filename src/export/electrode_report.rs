@@ -227,6 +227,15 @@ fn leaves(node: &PartNode) -> usize {
     if node.parts.is_empty() { usize::from(node.part.is_some()) } else { node.parts.iter().map(leaves).sum() }
 }
 
+/// Why a cut leads to fewer parts than it has sides.
+fn beyond(node: &PartNode) -> &'static str {
+    match (node.lacks_thin, node.parts.len()) {
+        (true, _) => ": what is thinner than the least size beyond it is left to later stages",
+        (false, 1) => ": beyond it nothing is to be burned",
+        _ => "",
+    }
+}
+
 fn division(node: &PartNode, r: usize) -> Division {
     let edges = match node.h_edges {
         0 => String::new(),
@@ -239,7 +248,8 @@ fn division(node: &PartNode, r: usize) -> Division {
             // A line across its normal, the same whichever way the normal points.
             let along = rounded(outward.perp().to_angle().to_degrees(), 10.0).rem_euclid(180.0);
             let [x, y] = through.to_array().map(|v| rounded(v, 1e3));
-            format!("cut through {x:.3}, {y:.3} along {along:.1}\u{b0}{overlap}{edges}")
+            let beyond = beyond(node);
+            format!("cut through {x:.3}, {y:.3} along {along:.1}\u{b0}{overlap}{edges}{beyond}")
         }
         (None, Some(part)) => format!("part R{}.{}{edges}", r + 1, part + 1),
         (None, None) => format!("not burned{edges}"),

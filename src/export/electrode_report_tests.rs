@@ -56,6 +56,19 @@ fn regions_know_their_electrodes_their_division_and_their_trouble() {
 }
 
 #[test]
+fn a_cut_that_leads_to_one_part_says_why() {
+    let text = |lacks_thin: bool| {
+        let mut set = set();
+        let tree = set.regions[0].tree.as_mut().unwrap();
+        tree.parts.truncate(1);
+        tree.lacks_thin = lacks_thin;
+        ElectrodesReport::of(&set, "", Opening::PlusZ).regions[0].division.as_ref().unwrap().text.clone()
+    };
+    assert!(text(false).ends_with("2 H-edges: beyond it nothing is to be burned"), "{}", text(false));
+    assert!(text(true).ends_with("thinner than the least size beyond it is left to later stages"), "{}", text(true));
+}
+
+#[test]
 fn the_page_stands_alone_and_holds_everything() {
     let pictures = [("All <electrodes>".to_owned(), vec![0x89, b'P', b'N', b'G'])];
     let page = report().html(&pictures);

@@ -131,9 +131,13 @@ fn change_of_electrodes(now: &ElectrodeParams, before: &ElectrodeParams) -> Stri
     let what = [
         (now.stages != before.stages, "Stage"),
         (now.margin_mm != before.margin_mm, "Margin"),
+        (now.overlap_mm != before.overlap_mm, "Overlap of parts"),
+        (now.least_size_mm != before.least_size_mm, "Least size"),
+        (now.tolerance_mm != before.tolerance_mm, "Leftover of burns"),
         (now.extension_mm != before.extension_mm, "Extension"),
         (now.base_height_mm != before.base_height_mm, "Base height"),
         (now.base_margin_mm != before.base_margin_mm, "Base margin"),
+        (now.datum_corner_mm != before.datum_corner_mm, "Corner of the base"),
         (now.share != before.share, "Sharing"),
         (now.together_mm != before.together_mm, "Tips together"),
         (now.family != before.family, "Stages on one base"),
@@ -142,6 +146,9 @@ fn change_of_electrodes(now: &ElectrodeParams, before: &ElectrodeParams) -> Stri
         (now.shape != before.shape, "Shape in files"),
         (now.material != before.material, "Material"),
         (now.holders != before.holders, "Holders"),
+        (now.blanks != before.blanks, "Blanks"),
+        (now.cutters != before.cutters, "Cutters for electrodes"),
+        (now.removal != before.removal, "Burning times"),
     ];
     what.iter().find(|(differs, _)| *differs).map_or("Electrodes", |(_, name)| name).to_owned()
 }

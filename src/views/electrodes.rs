@@ -205,7 +205,9 @@ impl ElectrodeScene<'_> {
                 object.selected = is_it && !self.is_alone;
                 let is_beside =
                     self.exploded == 0.0 && self.selected.is_some_and(|selected| selected.electrode == e) && !is_it;
-                scene.objects.push(if is_beside { object.with_opacity(BESIDE) } else { object });
+                // What is left where it burns is seen through it.
+                let is_before_place = is_it && self.place.is_some();
+                scene.objects.push(if is_beside || is_before_place { object.with_opacity(BESIDE) } else { object });
             }
         }
         if let Some(place) = self.place {

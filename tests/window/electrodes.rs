@@ -2,10 +2,14 @@
 
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::{By, Queryable as _};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use sparkpath::app::{Command, Opening, Workspace};
+use sparkpath::geometry::mesh::Mesh;
+use sparkpath::geometry::solid::{difference, prism};
 use sparkpath::jobs::pipeline::StageState;
+use sparkpath::mesh_io::write_stl;
 use sparkpath::mold::cutter::{Cutter, CutterLibrary};
+use sparkpath::mold::electrode::design::{Burn, ElectrodeSet};
 use sparkpath::mold::electrode::params::{Edit, Method};
 use sparkpath::project::flank_file::read_flank;
 use sparkpath::project::flank_params::FlankSource;
@@ -93,6 +97,7 @@ fn electrodes_are_designed_looked_at_changed_and_exported() {
     }
 
     // A change of what is asked makes them stale; undo makes them those of the present parameters again.
+    desk.mold_mut().follows = false;
     let mut params = desk.mold().params.clone();
     params.electrodes.stages[0].gap_mm = 0.1;
     desk.mold_mut().edit(params);
@@ -135,17 +140,8 @@ fn a_region_is_made_in_another_way_and_a_part_is_split_by_two_clicks() {
     desk.mold_mut().electrodes.split = Some(None);
     desk.key(Key::Num7);
     desk.until("the view has turned", |d| d.app().camera().backward().z > 0.9999);
-    let view = desk.window.get(By::new().role(Role::Image).label("3D viewport")).rect();
-    let size = [view.width() as u32, view.height() as u32];
-    let ends = [glam::DVec3::new(-3.0, 0.0, 3.0), glam::DVec3::new(3.0, 1.0, 3.0)];
-    for end in ends {
-        let seen = desk.app().camera().project(end, size).unwrap().pixel;
-        let at = view.min + egui::vec2(seen.x as f32, seen.y as f32);
-        desk.window.hover_at(at);
-        desk.window.drag_at(at);
-        desk.window.drop_at(at);
-        desk.settle();
-    }
+    let ends = [DVec3::new(-3.0, 0.0, 3.0), DVec3::new(3.0, 1.0, 3.0)];
+    ends.into_iter().for_each(|end| click_at(&mut desk, end));
     let Some(Edit::Split { line }) = desk.mold().params.electrodes.edits.last() else { panic!("no line was drawn") };
     for (found, end) in line.iter().zip(ends) {
         assert!(found.truncate().distance(end.truncate()) < 0.1, "{found} {end}");
@@ -208,4 +204,198 @@ fn the_flanks_of_a_designed_electrode_are_milled_without_a_file() {
     desk.assert_shows("Unsaved work");
     desk.press("Don't save");
     assert_eq!((flank(&desk).source, desk.app().core().flank.record.file.clone()), (before.source, None));
+}
+
+impl Desk {
+    /// Types `text` in the place of what the field called `name` holds, and leaves it.
+    fn type_in(&mut self, name: &str, text: &str) {
+        self.press_role(Role::TextInput, name);
+        self.key_with(Modifiers::COMMAND, Key::A);
+        self.window.event(egui::Event::Text(text.to_owned()));
+        self.settle();
+        self.key(Key::Enter);
+    }
+}
+
+#[test]
+fn every_parameter_of_electrodes_has_a_field() {
+    let home = Home::new();
+    let mut desk = home.start(Opening::Mold(None));
+    desk.press_role(Role::DisclosureTriangle, "Electrodes");
+    let before = desk.mold().params.electrodes.clone();
+    for (name, text, step) in [
+        ("Stock of stage 1", "0.1", "Stage"),
+        ("Pieces of stage 1", "3", "Stage"),
+        ("Overlap", "0.4", "Overlap of parts"),
+        ("Least size", "0.5", "Least size"),
+        ("Leftover", "0.03", "Leftover of burns"),
+        ("Corner", "0.75", "Corner of the base"),
+    ] {
+        desk.enter(name, text);
+        assert_eq!(desk.mold().undo_label(false), Some(step), "{name}");
+    }
+    desk.press_role(Role::DisclosureTriangle, "Blanks and holders");
+    desk.type_in("Sides", "20 8; 12,5; x");
+    desk.assert_shows("is no size");
+    assert_eq!(desk.mold().params.electrodes.blanks, before.blanks, "what is no list changes nothing");
+    desk.type_in("Sides", "20; 8; 12,5");
+    desk.type_in("Diameters", "16, 10");
+    desk.enter("Increment", "2");
+    desk.press_role(Role::DisclosureTriangle, "Burning times");
+    desk.enter("Rate", "0.5");
+    desk.enter("Setting", "7");
+    desk.press_role(Role::DisclosureTriangle, "Cutters for electrodes");
+    desk.press_role(Role::CheckBox, "those of the mold");
+    desk.enter("Diameter of electrode cutter 1", "0.8");
+    let asked = desk.mold().params.electrodes.clone();
+    let (stage, library) = (&asked.stages[0], &desk.mold().params.library);
+    assert_eq!((stage.stock_mm, stage.quantity), (0.1, 3));
+    assert_eq!(
+        (asked.overlap_mm, asked.least_size_mm, asked.tolerance_mm, asked.datum_corner_mm),
+        (0.4, 0.5, 0.03, 0.75)
+    );
+    assert_eq!((&*asked.blanks.sides_mm, &*asked.blanks.diameters_mm), (&[8.0, 12.5, 20.0][..], &[10.0, 16.0][..]));
+    assert_eq!((asked.blanks.increment_mm, asked.removal.per_area_mm_min, asked.removal.setting_min), (2.0, 0.5, 7.0));
+    let own = asked.cutters.as_ref().unwrap();
+    assert!(own.cutter[0].diameter_mm == 0.8 && own.cutter[1..] == library.cutter[1..]);
+    desk.picture("electrode_form_dark");
+    // Of all this nothing is left where every step is taken back.
+    for _ in 0..14 {
+        desk.key_with(Modifiers::COMMAND, Key::Z);
+    }
+    assert_eq!((&desk.mold().params.electrodes, desk.mold().undo_label(false)), (&before, None));
+}
+
+#[test]
+fn a_change_of_stages_makes_electrodes_of_all_of_them_again() {
+    let home = Home::new();
+    let mut desk = designed(&home, [1280, 720]);
+    let first = desk.mold().electrodes.designed().unwrap().clone();
+    desk.press_role(Role::DisclosureTriangle, "Electrodes");
+    desk.press("Add a rough stage");
+    assert!(!desk.mold().is_designed());
+    desk.assert_shows("stale");
+    desk.until("they are made again", |d| d.mold().is_designed() && !d.mold().work.is_busy());
+    let made = desk.mold().electrodes.designed().unwrap().clone();
+    let of = |stage: usize| made.set.electrodes.iter().filter(|e| e.stage == stage).count();
+    assert!(of(0) > 0 && of(1) == first.set.electrodes.len(), "{} {}", of(0), of(1));
+    desk.enter("Gap of stage 1", "0.4");
+    desk.assert_shows("stale");
+    // Who looks at regions goes on doing so.
+    desk.press_role(Role::Tab, "List of Regions");
+    desk.until("they are made again", |d| d.mold().is_designed() && !d.mold().work.is_busy());
+    assert_eq!(desk.mold().electrodes.designed().unwrap().set.params.stages[0].gap_mm, 0.4);
+    assert!(desk.mold().electrodes.seen().is_none() && !desk.shows("stale"));
+    // What the user stops does not begin again.
+    desk.enter("Gap of stage 1", "0.5");
+    desk.until("it begins", |d| d.mold().design_state() == StageState::Running);
+    desk.key(Key::Escape);
+    desk.until("it has ended", |d| !d.mold().work.is_busy());
+    assert!(matches!(desk.mold().design_state(), StageState::Failed(_)));
+}
+
+#[test]
+fn the_place_where_most_is_left_is_flown_to_and_marked() {
+    let home = Home::new();
+    let mut desk = designed(&home, [1280, 720]);
+    let made = desk.mold().electrodes.designed().unwrap().clone();
+    let (electrode, burn, region) = most_left(&made.set);
+    desk.press_role(Role::Row, &format!("Electrode {}", made.set.electrodes[electrode].name));
+    desk.press(&format!("Show where most is left of region {}", region + 1));
+    let left = made.set.regions[region].left;
+    let burns = &desk.mold().electrodes;
+    assert_eq!((burns.selected, burns.is_alone), (Some(BurnOf { electrode, burn }), true));
+    assert_eq!(burns.place.as_ref().map(|place| place.at), Some(left.place));
+    let most = if left.excess > 0.0 { left.excess } else { left.thickness };
+    desk.assert_shows(&format!("region {}: {most:.4} mm left", region + 1));
+    let marker = desk.app().scene().markers[0].at;
+    assert_eq!(marker, made.opening.in_mesh(left.place));
+    std::thread::sleep(std::time::Duration::from_millis(600));
+    desk.settle();
+    let view = desk.window.get(By::new().role(Role::Image).label("3D viewport")).rect();
+    let seen = desk.app().camera().project(marker, [view.width() as u32, view.height() as u32]).unwrap().pixel;
+    let off = egui::vec2(seen.x as f32, seen.y as f32) - 0.5 * view.size();
+    assert!(off.length() < 3.0, "it is in the middle of the view: {off:?}");
+    desk.pictures("electrode_left");
+    // Another electrode is another matter.
+    desk.mold_mut().electrodes.deselect();
+    desk.settle();
+    assert!(!desk.shows(&format!("region {}: ", region + 1)) && desk.app().scene().markers.is_empty());
+}
+
+/// The region of which most is left, with an electrode and its burn for it.
+fn most_left(set: &ElectrodeSet) -> (usize, usize, usize) {
+    let thickness = |r: usize| set.regions[r].left.thickness;
+    let region = (0..set.regions.len()).max_by(|a, b| thickness(*a).total_cmp(&thickness(*b))).unwrap();
+    let is_for = |burn: &Burn| burn.parts.iter().any(|part| part.region == region);
+    let mut all = set.electrodes.iter().enumerate();
+    all.find_map(|(e, electrode)| Some((e, electrode.burns.iter().position(is_for)?, region))).unwrap()
+}
+
+/// A block of 20 x 20 x 10 mm with a slot of 3 mm, 4 mm deep, that goes round a corner: no cutter makes the inner edge that
+/// its electrode would have.
+fn bent_slot() -> Mesh {
+    let outline = |points: &[[f64; 2]]| points.iter().copied().map(DVec2::from).collect::<Vec<_>>();
+    let block = outline(&[[-10.0, -10.0], [10.0, -10.0], [10.0, 10.0], [-10.0, 10.0]]);
+    let slot = outline(&[[-6.0, -6.0], [6.0, -6.0], [6.0, -3.0], [-3.0, -3.0], [-3.0, 6.0], [-6.0, 6.0]]);
+    difference(&prism(&[&block], 0.0, 10.0).unwrap(), &prism(&[&slot], 6.0, 11.0).unwrap()).unwrap()
+}
+
+#[test]
+fn two_parts_of_a_region_are_merged_and_one_is_split_along_a_drawn_line() {
+    let home = Home::new();
+    let file = home.path("bent.stl");
+    write_stl(&file, &bent_slot()).unwrap();
+    let mut desk = home.start_in(Opening::Mold(Some(file)), [1280, 720], 1.0);
+    desk.take_cutters(&[Cutter::flat(2.0)]);
+    let mut params = desk.mold().params.clone();
+    params.electrodes.cutters = Some(CutterLibrary { cutter: vec![Cutter::flat(0.5)] });
+    desk.mold_mut().edit(params);
+    desk.until_loaded();
+    desk.press("Design");
+    until_designed(&mut desk);
+    let parts = |desk: &Desk| desk.mold().electrodes.designed().unwrap().leaves(0).len();
+    let until_made = |desk: &mut Desk| {
+        desk.until("they are made again", |d| d.mold().is_designed() && !d.mold().work.is_busy());
+        assert!(desk.mold().electrodes.designed().unwrap().set.unmet_edits().is_empty());
+    };
+    assert_eq!(parts(&desk), 2);
+    let select = |desk: &mut Desk| {
+        let name = desk.mold().electrodes.designed().unwrap().set.electrodes[0].name.clone();
+        desk.press_role(Role::Row, &format!("Electrode {name}"));
+    };
+    select(&mut desk);
+    desk.press("part R1.1");
+    desk.press("part R1.2");
+    desk.press("Merge the two parts");
+    assert_eq!(desk.mold().undo_label(false), Some("Merged parts"));
+    until_made(&mut desk);
+    assert_eq!(parts(&desk), 1);
+    desk.key_with(Modifiers::COMMAND, Key::Z);
+    until_made(&mut desk);
+    assert_eq!(parts(&desk), 2);
+
+    if desk.mold().electrodes.selected.is_none() {
+        select(&mut desk);
+    }
+    desk.press("Split\u{2026}");
+    desk.until("the view has turned", |d| d.app().camera().backward().z > 0.9999);
+    for end in [DVec3::new(2.0, -7.5, 10.0), DVec3::new(2.0, -1.5, 10.0)] {
+        click_at(&mut desk, end);
+    }
+    assert_eq!(desk.mold().undo_label(false), Some("Split part"));
+    until_made(&mut desk);
+    assert_eq!(parts(&desk), 3);
+}
+
+/// A click in the view on a place of the mold.
+fn click_at(desk: &mut Desk, place: DVec3) {
+    let view = desk.window.get(By::new().role(Role::Image).label("3D viewport")).rect();
+    let size = [view.width() as u32, view.height() as u32];
+    let seen = desk.app().camera().project(place, size).unwrap().pixel;
+    let at = view.min + egui::vec2(seen.x as f32, seen.y as f32);
+    desk.window.hover_at(at);
+    desk.window.drag_at(at);
+    desk.window.drop_at(at);
+    desk.settle();
 }

@@ -22,6 +22,8 @@ use crate::views::RegionColours;
 
 /// How long nothing may change before what was seen at a glance is found exactly.
 const REST: Duration = Duration::from_millis(300);
+/// The same before electrodes are made again: whoever changes one thing of them often changes another.
+const REST_OF_DESIGN: Duration = Duration::from_millis(1200);
 
 /// See the module's page.
 pub struct MoldDesk {
@@ -63,7 +65,7 @@ pub struct MoldDesk {
     pub other_cutter: usize,
     /// Whether only regions are shown of which the other cutters would leave nothing.
     pub only_vanishing: bool,
-    /// Whether the exact answer follows a change by itself, once there was one.
+    /// Whether the exact answer follows a change by itself, once there was one, and the electrodes, once they were made.
     pub follows: bool,
     /// The region that the view is to fly to.
     pub fly_to: Option<usize>,
@@ -71,6 +73,8 @@ pub struct MoldDesk {
     pub record: Record<MoldParams>,
     /// When something was last changed of which the answer is not known.
     edited: Option<Instant>,
+    /// When something was last changed that electrodes depend on, until they are made again.
+    changed: Option<Instant>,
     /// Electrodes for what is left.
     pub electrodes: ElectrodeDesk,
     /// The answer that the present selection belongs to.
@@ -117,6 +121,7 @@ impl MoldDesk {
             follows: true,
             fly_to: None,
             edited: None,
+            changed: None,
             electrodes,
             shown: None,
         })
@@ -177,7 +182,8 @@ impl MoldDesk {
         }
         let params = with_holders(params, &self.electrodes.holders);
         self.record.replace(&params, file);
-        (self.params, self.edited) = (params, None);
+        (self.params, self.edited, self.changed) = (params, None, None);
+        self.electrodes.is_awaited = false;
         self.work.forget_glance();
     }
 
@@ -209,8 +215,9 @@ impl MoldDesk {
         // What is left does not depend on electrodes.
         let is_asked_anew = MoldParams { electrodes: self.params.electrodes.clone(), ..params.clone() } != self.params;
         self.params = params;
+        self.changed = Some(Instant::now());
         if is_asked_anew {
-            self.edited = Some(Instant::now());
+            self.edited = self.changed;
         }
     }
 
@@ -245,8 +252,15 @@ impl MoldDesk {
     /// # Errors
     /// One line why none can be made.
     pub fn design(&mut self) -> Result<(), String> {
-        self.edited = None;
+        (self.edited, self.changed) = (None, None);
+        self.electrodes.is_awaited = true;
         self.work.design(&self.params)
+    }
+
+    /// Stops what runs: none of it begins again by itself.
+    pub fn cancel(&mut self) {
+        self.electrodes.is_awaited = false;
+        self.work.cancel();
     }
 
     /// How the electrodes for the present parameters stand.
@@ -266,25 +280,61 @@ impl MoldDesk {
         let mut events = self.work.follow(&self.params);
         self.follow_answer();
         self.electrodes.follow(self.work.designed());
+        let waits = [self.find_again(hands), self.design_again(hands)];
+        let mut wait: Option<Duration> = None;
+        for next in waits {
+            match next {
+                Ok(next) => wait = [wait, next].into_iter().flatten().min(),
+                Err(text) => {
+                    events.push(WorkEvent { kind: crate::jobs::pipeline::EventKind::Failed, text, took: None })
+                }
+            }
+        }
+        (events, wait)
+    }
+
+    /// Looks at a change at a glance, and exactly once nothing changes any more. Answers after how long to come back.
+    fn find_again(&mut self, hands: Hands) -> Result<Option<Duration>, String> {
         let state = self.state();
         if state == StageState::Done {
             self.edited = None;
             self.work.forget_glance();
         }
-        let Some(edited) = self.edited else { return (events, None) };
+        let Some(edited) = self.edited else { return Ok(None) };
         self.work.glance(&self.params);
         let can_follow = self.follows && state == StageState::Stale && self.params.library.validate().is_ok();
         if !can_follow || hands == Hands::Holding {
-            return (events, None);
+            return Ok(None);
         }
         let wait = REST.saturating_sub(edited.elapsed());
-        if wait.is_zero() {
-            if let Err(text) = self.find() {
-                events.push(WorkEvent { kind: crate::jobs::pipeline::EventKind::Failed, text, took: None });
-            }
-            return (events, None);
+        if wait.is_zero() { self.find().map(|()| None) } else { Ok(Some(wait)) }
+    }
+
+    /// Makes electrodes again that are of other parameters, all stages of them, once nothing changes any more and it is
+    /// known what is left. Answers after how long to come back.
+    fn design_again(&mut self, hands: Hands) -> Result<Option<Duration>, String> {
+        let Some(changed) = self.changed else { return Ok(None) };
+        let state = self.design_state();
+        if state == StageState::Done {
+            self.changed = None;
         }
-        (events, Some(wait))
+        let is_again = match state {
+            StageState::Stale => self.state() == StageState::Done,
+            // They were asked for, and the change came before there were any.
+            StageState::Missing => self.electrodes.is_awaited,
+            _ => false,
+        };
+        // A line that is being drawn would be lost.
+        let is_free = hands != Hands::Holding && self.electrodes.split.is_none();
+        if !(self.follows && is_again && is_free && self.params.validate().is_ok()) {
+            return Ok(None);
+        }
+        let wait = REST_OF_DESIGN.saturating_sub(changed.elapsed());
+        if !wait.is_zero() {
+            return Ok(Some(wait));
+        }
+        self.changed = None;
+        self.work.design(&self.params).map(|()| None)
     }
 
     /// What belongs to another answer is selected no more.

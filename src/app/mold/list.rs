@@ -100,7 +100,7 @@ pub(super) fn stale(ui: &mut Ui, core: &Core) {
 /// Lets what follows stand back if it is not of the present question.
 pub(super) fn dim(ui: &mut Ui, core: &Core) {
     if core.mold.found_of_others().is_some() {
-        ui.multiply_opacity(0.55);
+        ui.multiply_opacity(0.7);
     }
 }
 

@@ -18,12 +18,16 @@ use crate::project::cutter_file::standard_cutters;
 
 /// Height of the list of regions where it has no panel of its own (points).
 const LIST: f32 = 420.0;
+/// Width of the bar that scrolls, with room beside it (points).
+const BAR: f32 = 6.0;
 
 /// Draws it, `with_list` also the list of regions. Answers what a path is wanted for.
 pub fn show(ui: &mut Ui, core: &mut Core, with_list: bool) -> Option<Purpose> {
     let mut asked = None;
     egui::ScrollArea::vertical().id_salt("mold form").auto_shrink([false, false]).show(ui, |ui| {
         ui.add_space(2.0);
+        // Nothing ends below the bar.
+        ui.set_max_width(ui.available_width() - BAR);
         section(ui, "Mold", true, |ui| asked = mold(ui, core));
         section(ui, "Cutters", true, |ui| asked = library(ui, core).or(asked.take()));
         section(ui, "Uncut", true, |ui| uncut(ui, core));
@@ -139,7 +143,8 @@ fn uncut(ui: &mut Ui, core: &mut Core) {
         command_button(ui, core, Command::FindUncut, "Find", state != StageState::Done);
         let is_next = state == StageState::Done && !core.mold.is_designed();
         command_button(ui, core, Command::DesignElectrodes, "Design", is_next);
-        tick(ui, &mut core.mold.follows, "again after a change").on_hover_text("Once something was found");
+        let hint = "What was found is found again, and electrodes that were made are made again, all stages";
+        tick(ui, &mut core.mold.follows, "again after a change").on_hover_text(hint);
     });
     if let Some(doing) = core.mold.work.doing().cloned() {
         ui.horizontal(|ui| {

@@ -163,6 +163,19 @@ impl MoldView {
         }
     }
 
+    /// What is said of the place that is pointed at, beside it.
+    fn pointed(&self, ui: &mut Ui, rect: Rect, core: &Core) {
+        let electrodes = &core.mold.electrodes;
+        let (Some(place), Some(made)) = (&electrodes.place, electrodes.seen()) else { return };
+        let (camera, size) = self.viewport.camera();
+        let Some(seen) = camera.project(made.opening.in_mesh(place.at), size) else { return };
+        let p = seen.pixel / f64::from(ui.pixels_per_point());
+        let at = rect.min + vec2(p.x as f32, p.y as f32);
+        if rect.contains(at) && electrodes.split.is_none() {
+            overlay::callout(ui, rect, at, palette(ui).bad, &place.text);
+        }
+    }
+
     /// Draws it.
     pub fn show(&mut self, ui: &mut Ui, core: &mut Core) {
         let key = SceneKey::of(core, ui.visuals().dark_mode);
@@ -183,6 +196,7 @@ impl MoldView {
         }
         overlay::buttons(ui, rect, core, &buttons(core));
         self.line(ui, rect, core);
+        self.pointed(ui, rect, core);
         overlay::gizmo(ui, rect, &mut self.viewport);
         electrode::strip(ui, rect, core);
         if core.mold.electrodes.seen().is_none() {

@@ -146,7 +146,7 @@ impl SparkpathApp {
             Command::Cancel if is_of_mold && self.core.mold.electrodes.split.is_some() => {
                 self.core.mold.electrodes.give_up_split();
             }
-            Command::Cancel if is_of_mold => self.core.mold.work.cancel(),
+            Command::Cancel if is_of_mold => self.core.mold.cancel(),
             Command::Cancel => self.core.pipeline.cancel(),
             Command::Approve => self.approve(),
             Command::Withdraw => self.core.pipeline.withdraw(),

@@ -108,8 +108,10 @@ pub struct PartNode {
     pub h_edges: usize,
     /// Its outlines in plan, in the burn frame (mm).
     pub outlines: Vec<Vec<DVec2>>,
-    /// What it is divided into.
+    /// What it is divided into; one part only where nothing else of it is burned.
     pub parts: Vec<PartNode>,
+    /// Whether something beyond the cut was left out as too thin.
+    pub lacks_thin: bool,
     /// For a leaf its number among the region's parts.
     pub part: Option<usize>,
     /// For a leaf a point of it by which changes name it, in plan, in the burn frame (mm).

@@ -400,7 +400,7 @@ fn node(part: &Part, places: &[Option<DVec2>], count: &mut usize) -> PartNode {
     let number = parts.is_empty().then_some(*count);
     let place = number.and_then(|number| places.get(number).copied().flatten());
     *count += usize::from(number.is_some());
-    PartNode { cut, h_edges, outlines, parts, part: number, place }
+    PartNode { cut, h_edges, outlines, parts, lacks_thin: part.lacks_thin, part: number, place }
 }
 
 /// Names: numbers by design, the same for all stages where they burn the same parts.

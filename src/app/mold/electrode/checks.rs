@@ -8,7 +8,7 @@ use super::super::super::core::Core;
 use super::super::super::theme::{palette, tick};
 use crate::jobs::mold::Designed;
 use crate::jobs::pipeline::EventKind;
-use crate::mold::electrode::check::CheckKind;
+use crate::mold::electrode::check::{CheckKind, Finding};
 use crate::mold::electrode::overrides::{IdleOverride, Override};
 
 /// Draws it.
@@ -27,18 +27,14 @@ pub fn show(ui: &mut Ui, core: &mut Core, made: &Designed, electrode: usize) {
             ui.label(RichText::new(sign).color(colour));
             if let Some(place) = finding.place.filter(|_| !finding.holds) {
                 let name = format!("Show where: {}", finding.kind.name());
-                let button = ui.small_button("Show").on_hover_text(&name);
-                if button.clicked()
+                if show_button(ui, &name).clicked()
                     && let Some(mold) = core.mold.work.mold()
                 {
-                    let bounds = mold.shape.bounds();
-                    // Others would hide it.
-                    core.mold.electrodes.is_alone = true;
-                    core.mold.electrodes.point_at(place, &bounds);
+                    let (bounds, text) = (mold.shape.bounds(), in_words(finding));
+                    core.mold.electrodes.point_at_burn(electrode, (place, text), &bounds);
                 }
             }
-            let text = format!("{}: {}", finding.kind.name(), finding.text.replace("mm^3", "mm³"));
-            let text = RichText::new(text).small();
+            let text = RichText::new(in_words(finding)).small();
             let text = text.color(if finding.holds { colours.faint } else { colour });
             ui.add(egui::Label::new(text).wrap());
         });
@@ -70,4 +66,16 @@ pub fn show(ui: &mut Ui, core: &mut Core, made: &Designed, electrode: usize) {
         let text = format!("Override of {}: {}.", of.name, IdleOverride::OtherParts.text());
         ui.add(egui::Label::new(RichText::new(text).small().color(palette(ui).warning)).wrap());
     }
+}
+
+/// A check and what it found.
+fn in_words(finding: &Finding) -> String {
+    format!("{}: {}", finding.kind.name(), finding.text.replace("mm^3", "mm³"))
+}
+
+/// A button that points at a place, called `name`.
+pub(super) fn show_button(ui: &mut Ui, name: &str) -> egui::Response {
+    let button = ui.small_button("Show").on_hover_text(name);
+    ui.ctx().accesskit_node_builder(button.id, |node| node.set_label(name));
+    button
 }

@@ -7,6 +7,7 @@ use glam::DVec3;
 use crate::export::electrode_files::ElectrodeFormat;
 use crate::geometry::mesh::Bounds;
 use crate::jobs::mold::Designed;
+use crate::mold::electrode::design::{Burn, Electrode, RegionPlan};
 use crate::mold::electrode::params::{Edit, ElectrodeParams, Holder};
 use crate::project::holder_files::load_holders;
 use crate::render::camera::Camera;
@@ -33,6 +34,15 @@ pub enum Fly {
     Back,
     /// To where the mold is seen from above.
     Above,
+}
+
+/// A place that is pointed at.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pointed {
+    /// Where, in the upright mold (mm).
+    pub at: DVec3,
+    /// What is there, with its figures.
+    pub text: String,
 }
 
 /// What of the desk a picture depends on.
@@ -70,8 +80,8 @@ pub struct ElectrodeDesk {
     pub is_playing: bool,
     /// The cut through the selected burn.
     pub cut: Option<BurnCut>,
-    /// The place that is pointed at, in the upright mold (mm).
-    pub place: Option<DVec3>,
+    /// The place that is pointed at.
+    pub place: Option<Pointed>,
     /// The stage that is shown.
     pub stage: usize,
     /// Parts that are to be merged: each a region's number and the part's.
@@ -84,8 +94,12 @@ pub struct ElectrodeDesk {
     pub formats: [bool; 3],
     /// Where the view is to go.
     pub fly: Option<Fly>,
+    /// Whether electrodes were asked for, to be looked at once they are made.
+    pub is_awaited: bool,
     /// Holders that there are.
     pub holders: Vec<Holder>,
+    /// The row of the table of cutters for electrodes that is selected.
+    pub cutter: usize,
     shown: Option<Arc<Designed>>,
 }
 
@@ -108,8 +122,10 @@ impl Default for ElectrodeDesk {
             split_region: None,
             formats: [true, false, false],
             fly: None,
+            is_awaited: false,
             // Those of a broken file would be none: what the parameters name is there in any case.
             holders: load_holders(None).unwrap_or_default(),
+            cutter: 0,
             shown: None,
         }
     }
@@ -122,8 +138,12 @@ impl ElectrodeDesk {
             return;
         }
         let name = self.chosen().map(|(electrode, _)| electrode.name.clone());
+        let is_first = self.shown.is_none();
         self.shown = now.cloned();
-        (self.is_shown, self.place) = (now.is_some(), None);
+        // Those that were made again by themselves are not forced upon who looks at something else.
+        let is_awaited = std::mem::take(&mut self.is_awaited);
+        self.is_shown = now.is_some() && (is_first || is_awaited || self.is_shown);
+        self.place = None;
         self.parts.clear();
         self.give_up_split();
         let electrodes = self.shown.as_ref().map_or(&[][..], |made| &made.set.electrodes);
@@ -147,9 +167,7 @@ impl ElectrodeDesk {
     }
 
     /// The electrode that is selected, and its burn.
-    pub fn chosen(
-        &self,
-    ) -> Option<(&crate::mold::electrode::design::Electrode, &crate::mold::electrode::design::Burn)> {
+    pub fn chosen(&self) -> Option<(&Electrode, &Burn)> {
         self.selected?.find(&self.shown.as_ref()?.set)
     }
 
@@ -231,12 +249,23 @@ impl ElectrodeDesk {
         cut.plane(at, &made.set, &made.shapes, made.opening)
     }
 
-    /// Points at a place of the upright `mold`, and flies there.
-    pub fn point_at(&mut self, place: DVec3, mold: &Bounds) {
+    /// Points at a place of the upright `mold`, says what is there, and flies to it.
+    pub fn point_at(&mut self, place: DVec3, text: String, mold: &Bounds) {
         let Some(made) = &self.shown else { return };
         let at = made.opening.in_mesh(place);
         self.fly = Some(Fly::Into(Bounds { min: at, max: at }.grown(AROUND * mold.size().length())));
-        self.place = Some(place);
+        self.place = Some(Pointed { at: place, text });
+        // What burns there stands there, and is not cut.
+        (self.exploded, self.time, self.is_playing, self.cut) = (0.0, None, false, None);
+    }
+
+    /// The same of a place of an electrode, whose burn there is shown alone: others would hide it.
+    pub fn point_at_burn(&mut self, electrode: usize, (place, text): (DVec3, String), mold: &Bounds) {
+        let Some(made) = self.shown.clone() else { return };
+        let burn = made.set.electrodes.get(electrode).map_or(0, |e| burn_at(e, &made.set.regions, place));
+        self.select(BurnOf { electrode, burn });
+        self.is_alone = true;
+        self.point_at(place, text, mold);
     }
 
     /// Flies to the selected burn.
@@ -258,7 +287,7 @@ impl ElectrodeDesk {
             is_alone: self.selected.is_some() && (self.is_alone || self.time.is_some() || self.cut.is_some()),
             exploded: self.exploded,
             raised: self.moment().map_or(0.0, |(_, height)| height),
-            place: self.place,
+            place: self.place.as_ref().map(|place| place.at),
         })
     }
 
@@ -271,7 +300,7 @@ impl ElectrodeDesk {
             raised: self.moment().map_or(-1.0, |(_, height)| height),
             look: self.look,
             cut: self.cut,
-            place: self.place,
+            place: self.place.as_ref().map(|place| place.at),
             stage: self.stage,
             split: self.split,
         }
@@ -313,4 +342,20 @@ impl ElectrodeDesk {
         let Some(made) = self.shown.as_ref().filter(|made| electrode < made.set.electrodes.len()) else { return false };
         !made.set.is_blocked_with(electrode, &params.overrides)
     }
+}
+
+/// The burn of an electrode that a place belongs to: of those for a region of which most is left there, or else of all, the
+/// one whose axis is nearest.
+fn burn_at(electrode: &Electrode, regions: &[RegionPlan], place: DVec3) -> usize {
+    let is_left_there = |burn: &Burn| {
+        let mut own = burn.parts.iter().filter_map(|part| regions.get(part.region));
+        own.any(|plan| plan.left.place == place)
+    };
+    let off = |burn: &Burn| (place - burn.position).reject_from_normalized(electrode.direction).length();
+    let key = |burn: &Burn| (!is_left_there(burn), off(burn));
+    let nearest = electrode.burns.iter().enumerate().min_by(|(_, a), (_, b)| {
+        let (a, b) = (key(a), key(b));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+    });
+    nearest.map_or(0, |(i, _)| i)
 }

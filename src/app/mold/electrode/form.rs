@@ -1,29 +1,37 @@
 //! What is asked of electrodes, what they came to, and their export.
 
-use egui::{ComboBox, DragValue, RichText, TextEdit, Ui, vec2};
+use egui::{CollapsingHeader, RichText, TextEdit, Ui};
 
 use super::super::super::commands::Command;
 use super::super::super::core::Core;
 use super::super::super::panel_parts::named;
 use super::super::super::stepper::{command_button, fact, notice, sentence};
 use super::super::super::theme::{palette, tick};
+use super::super::cutters;
+use super::fields::{Figure, figure, measure, sizes};
+use super::stages;
 use crate::export::electrode_files::ElectrodeFormat;
 use crate::jobs::pipeline::StageState;
-use crate::mold::electrode::params::{ElectrodeParams, Holder, Orbit, Shape, Stage};
-
-/// Height of a row (points).
-const HEIGHT: f32 = 22.0;
-/// Gap that another rough stage begins with (mm), and its finish (VDI 3400).
-const ROUGH: (f64, f64) = (0.25, 32.0);
+use crate::mold::cutter::CutterLibrary;
+use crate::mold::electrode::params::{ElectrodeParams, Holder, Removal, Shape};
 
 /// Draws it.
 pub fn show(ui: &mut Ui, core: &mut Core) {
     let mut params = core.mold.params.clone();
     let asked = &mut params.electrodes;
-    stages(ui, asked);
-    ui.add_space(4.0);
-    lengths(ui, asked);
-    holders(ui, asked, &core.mold.electrodes.holders);
+    stages::show(ui, asked);
+    tips(ui, asked);
+    sharing(ui, asked);
+    bases(ui, asked);
+    files(ui, asked);
+    folded(ui, "Blanks and holders", |ui| {
+        blanks(ui, asked);
+        holders(ui, asked, &core.mold.electrodes.holders);
+    });
+    folded(ui, "Cutters for electrodes", |ui| {
+        own_cutters(ui, asked, &params.library, &mut core.mold.electrodes.cutter);
+    });
+    folded(ui, "Burning times", |ui| removal(ui, &mut asked.removal));
     if let Err(problem) = asked.validate() {
         let text = RichText::new(sentence(&problem.to_string())).small().color(palette(ui).bad);
         ui.add(egui::Label::new(text).wrap());
@@ -35,91 +43,63 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
     answer(ui, core);
 }
 
-fn number(ui: &mut Ui, value: &mut f64, (most, width): (f64, f32), name: &str) {
-    let field = DragValue::new(value).speed(0.01).range(0.0..=most).max_decimals(3).update_while_editing(false);
-    let response = ui.add_sized(vec2(width, HEIGHT), field).on_hover_text(name);
-    ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));
+/// The name of fields that belong together.
+fn heading(ui: &mut Ui, name: &str) {
+    ui.add_space(4.0);
+    ui.label(RichText::new(name).small().color(palette(ui).faint));
 }
 
-fn stages(ui: &mut Ui, asked: &mut ElectrodeParams) {
-    let mut removed = None;
-    let several = asked.stages.len() > 1;
-    ui.scope(|ui| {
-        ui.spacing_mut().item_spacing = vec2(4.0, 2.0);
-        egui::Grid::new("stages").num_columns(6).min_col_width(0.0).show(ui, |ui| {
-            for head in ["stage", "gap", "orbit", "radius", "VDI", ""] {
-                ui.label(RichText::new(head).small().color(palette(ui).faint));
-            }
-            ui.end_row();
-            for (i, stage) in asked.stages.iter_mut().enumerate() {
-                let of = |what: &str| format!("{what} of stage {}", i + 1);
-                let field = TextEdit::singleline(&mut stage.name).desired_width(70.0);
-                let response = ui.add_sized(vec2(70.0, HEIGHT), field);
-                ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(of("Name")));
-                number(ui, &mut stage.gap_mm, (5.0, 50.0), &of("Gap"));
-                orbit(ui, &mut stage.orbit, i);
-                let mut radius = stage.orbit.radius_mm();
-                ui.add_enabled_ui(radius > 0.0, |ui| number(ui, &mut radius, (5.0, 50.0), &of("Radius of orbit")));
-                match &mut stage.orbit {
-                    Orbit::None => {}
-                    Orbit::Circular { radius_mm } | Orbit::Square { radius_mm } => *radius_mm = radius.max(0.001),
-                }
-                number(ui, &mut stage.finish_vdi, (50.0, 44.0), &of("Finish"));
-                let remove = ui.add_enabled(several, egui::Button::new("\u{00d7}").small());
-                if remove.on_hover_text("Remove this stage").clicked() {
-                    removed = Some(i);
-                }
-                ui.end_row();
-            }
-        });
-    });
-    if let Some(i) = removed {
-        asked.stages.remove(i);
-    }
-    if ui.button("Add a rough stage").on_hover_text("Burned before the others").clicked() {
-        let is_free = |name: &String| asked.stages.iter().all(|s| s.name != *name);
-        let names = std::iter::once("rough".to_owned()).chain((2..100).map(|i| format!("rough{i}")));
-        let name = names.into_iter().find(is_free).unwrap_or_default();
-        asked.stages.insert(0, Stage { name, finish_vdi: ROUGH.1, ..Stage::finish(ROUGH.0) });
-    }
+/// Fields that few need to touch.
+fn folded(ui: &mut Ui, name: &str, body: impl FnOnce(&mut Ui)) {
+    CollapsingHeader::new(name).id_salt(("electrodes", name)).show_unindented(ui, body);
 }
 
-fn orbit(ui: &mut Ui, orbit: &mut Orbit, i: usize) {
-    let name = match orbit {
-        Orbit::None => "none",
-        Orbit::Circular { .. } => "circle",
-        Orbit::Square { .. } => "square",
-    };
-    let radius_mm = orbit.radius_mm().max(0.05);
-    let all = [Orbit::None, Orbit::Circular { radius_mm }, Orbit::Square { radius_mm }];
-    ComboBox::from_id_salt(("orbit", i)).selected_text(name).width(64.0).show_ui(ui, |ui| {
-        for (kind, text) in all.into_iter().zip(["none", "circle", "square"]) {
-            if ui.selectable_label(text == name, text).clicked() && text != name {
-                *orbit = kind;
-            }
-        }
-    });
-}
-
-fn lengths(ui: &mut Ui, asked: &mut ElectrodeParams) {
-    for (name, value, most, hint) in [
-        ("Margin", &mut asked.margin_mm, 20.0, "How far tips reach beyond what is left, where the mold leaves room"),
-        ("Extension", &mut asked.extension_mm, 1000.0, "From the mold's top to the base"),
-        ("Base height", &mut asked.base_height_mm, 1000.0, "Least height of the base"),
-        ("Base margin", &mut asked.base_margin_mm, 1000.0, "How far the base reaches beyond the tips"),
-        ("Lift", &mut asked.lift_mm, 10000.0, "How far an electrode is lifted"),
+fn tips(ui: &mut Ui, asked: &mut ElectrodeParams) {
+    heading(ui, "Tips");
+    for (name, value, range, hint) in [
+        (
+            "Margin",
+            &mut asked.margin_mm,
+            0.01..=20.0,
+            "How far tips reach beyond what is left, where the mold leaves room",
+        ),
+        ("Extension", &mut asked.extension_mm, 0.1..=1000.0, "From the mold's top to the base"),
+        (
+            "Overlap",
+            &mut asked.overlap_mm,
+            0.0..=20.0,
+            "How far parts of a divided region reach over one another, so that nothing is left between them",
+        ),
+        (
+            "Least size",
+            &mut asked.least_size_mm,
+            0.0..=1000.0,
+            "Least width of a part: narrower ones are not divided off",
+        ),
+        (
+            "Leftover",
+            &mut asked.tolerance_mm,
+            1e-4..=1.0,
+            "What may be left, across the surface, beyond what the gap's radius leaves in edges",
+        ),
     ] {
-        length(ui, name, value, most, hint);
+        measure(ui, name, value, (range, "mm", hint));
     }
+}
+
+/// What electrodes have in common.
+fn sharing(ui: &mut Ui, asked: &mut ElectrodeParams) {
+    let room =
+        |least: f64, hint| Figure { range: least..=1000.0, speed: 0.05, width: 50.0, suffix: "", decimals: 4, hint };
     named(ui, "Places", |ui, _| {
         tick(ui, &mut asked.share, "share").on_hover_text("One electrode for congruent places");
         let mut is_together = asked.together_mm > 0.0;
-        let hint = "Tips that lie near one another stand on one base, up to this width";
+        let hint = "Tips that lie near one another stand on one base, up to this width (mm)";
         tick(ui, &mut is_together, "together up to").on_hover_text(hint);
         if is_together != (asked.together_mm > 0.0) {
             asked.together_mm = if is_together { ElectrodeParams::default().together_mm } else { 0.0 };
         }
-        ui.add_enabled_ui(is_together, |ui| number(ui, &mut asked.together_mm, (1000.0, 50.0), "Together up to"));
+        ui.add_enabled_ui(is_together, |ui| figure(ui, &mut asked.together_mm, "Together up to", &room(0.0, hint)));
     });
     named(ui, "Stages", |ui, _| {
         let several = asked.stages.len() > 1;
@@ -128,10 +108,38 @@ fn lengths(ui: &mut Ui, asked: &mut ElectrodeParams) {
                 "A family: electrodes of all stages for the same places on one base, with this room between their tips",
             );
         });
+        let hint = "Room between the tips of a family at least (mm)";
         ui.add_enabled_ui(several && asked.family, |ui| {
-            number(ui, &mut asked.family_spacing_mm, (1000.0, 50.0), "Room between stages");
+            figure(ui, &mut asked.family_spacing_mm, "Room between stages", &room(0.1, hint));
         });
     });
+}
+
+fn bases(ui: &mut Ui, asked: &mut ElectrodeParams) {
+    heading(ui, "Base");
+    let largest_corner = asked.base_margin_mm.max(0.0);
+    for (name, value, range, hint) in [
+        (
+            "Base height",
+            &mut asked.base_height_mm,
+            0.5..=1000.0,
+            "Least height of the base: the blank is rounded up from it",
+        ),
+        ("Base margin", &mut asked.base_margin_mm, 0.1..=1000.0, "How far the base reaches beyond the tips"),
+        (
+            "Corner",
+            &mut asked.datum_corner_mm,
+            0.0..=largest_corner,
+            "Cut off at +X +Y along each side to show how the electrode stands; 0 for none",
+        ),
+        ("Lift", &mut asked.lift_mm, 0.0..=10000.0, "How far an electrode is lifted straight out after the burn"),
+    ] {
+        measure(ui, name, value, (range, "mm", hint));
+    }
+}
+
+fn files(ui: &mut Ui, asked: &mut ElectrodeParams) {
+    heading(ui, "Files");
     named(ui, "Files hold", |ui, _| {
         for (shape, name, hint) in [
             (Shape::Undersized, "undersized", "The electrode as it is made: smaller by gap and orbit"),
@@ -143,21 +151,60 @@ fn lengths(ui: &mut Ui, asked: &mut ElectrodeParams) {
     named(ui, "Material", |ui, label| {
         ui.add(TextEdit::singleline(&mut asked.material).desired_width(120.0)).labelled_by(label);
     });
+    ui.add_space(4.0);
 }
 
-fn length(ui: &mut Ui, name: &str, value: &mut f64, most: f64, hint: &str) {
-    named(ui, name, |ui, label| {
-        let field = DragValue::new(value).speed(0.05).range(0.0..=most).max_decimals(3).update_while_editing(false);
-        ui.add_sized(vec2(74.0, HEIGHT), field).labelled_by(label).on_hover_text(hint);
-        ui.label(RichText::new("mm").color(palette(ui).faint));
-    });
+fn blanks(ui: &mut Ui, asked: &mut ElectrodeParams) {
+    let blanks = &mut asked.blanks;
+    sizes(ui, "Sides", &mut blanks.sides_mm, "Sides that rectangular blanks come in");
+    let hint = "Diameters that round blanks come in; one is taken where it is less than the rectangular blank";
+    sizes(ui, "Diameters", &mut blanks.diameters_mm, hint);
+    let hint = "What lengths, and sides beyond the largest, are rounded up to";
+    measure(ui, "Increment", &mut blanks.increment_mm, (0.1..=100.0, "mm", hint));
+}
+
+/// The cutters that mill electrodes: those of the mold, or others.
+fn own_cutters(ui: &mut Ui, asked: &mut ElectrodeParams, of_mold: &CutterLibrary, selected: &mut usize) {
+    let mut are_of_mold = asked.cutters.is_none();
+    let hint = "What mills the mold mills its electrodes too";
+    if tick(ui, &mut are_of_mold, "those of the mold").on_hover_text(hint).changed() {
+        asked.cutters = (!are_of_mold).then(|| of_mold.clone());
+    }
+    if let Some(library) = &mut asked.cutters {
+        cutters::table(ui, library, selected, "electrode cutter");
+        ui.horizontal_wrapped(|ui| cutters::buttons(ui, library, selected));
+    }
+}
+
+fn removal(ui: &mut Ui, removal: &mut Removal) {
+    for (name, value, range, unit, hint) in [
+        (
+            "Rate",
+            &mut removal.per_area_mm_min,
+            1e-4..=1000.0,
+            "mm/min",
+            "Volume per minute and area of a tip seen along the burn, at the finish below",
+        ),
+        ("At most", &mut removal.most_mm3_min, 1e-3..=1e5, "mm³/min", "For all tips of an electrode together"),
+        ("At a finish", &mut removal.at_vdi, 0.1..=60.0, "VDI", "What both hold for"),
+        (
+            "Tenfold by",
+            &mut removal.tenfold_vdi,
+            0.1..=60.0,
+            "VDI",
+            "How much rougher a finish burns ten times as fast",
+        ),
+        ("Setting", &mut removal.setting_min, 0.0..=1000.0, "min", "For each burn: positioning, rinsing, measuring"),
+    ] {
+        measure(ui, name, value, (range, unit, hint));
+    }
 }
 
 /// Holders by name; those chosen are tried in the order of the list. One always stays chosen.
 fn holders(ui: &mut Ui, asked: &mut ElectrodeParams, known: &[Holder]) {
     let own = asked.holders.iter().filter(|h| known.iter().all(|k| k.name != h.name));
     let all: Vec<Holder> = known.iter().chain(own).cloned().collect();
-    ui.label(RichText::new("Holders").color(palette(ui).faint));
+    heading(ui, "Holders, of which the first that is large enough is taken");
     ui.horizontal_wrapped(|ui| {
         for holder in &all {
             let is_on = asked.holders.iter().any(|h| h.name == holder.name);

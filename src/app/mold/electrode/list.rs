@@ -16,6 +16,8 @@ use crate::views::{BurnOf, electrode_colour};
 /// The columns with their widths (points); the name takes what the others leave. Regions and blank need room.
 const COLUMNS: [(&str, f32); 6] =
     [("name", 0.0), ("burns", 30.0), ("regions", 42.0), ("blank", 60.0), ("min", 28.0), ("checks", 64.0)];
+/// Width of the bar that scrolls, with room beside it (points).
+const BAR: f32 = 6.0;
 /// Below this width (points) there are the most needed ones only.
 const NARROW: f32 = 330.0;
 /// Which they are.
@@ -35,18 +37,22 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
         stages(ui, core, &made);
     });
     let rows = made.set.electrodes.len() as f32;
-    let room = vec2(ui.available_width(), (24.0 + 22.0 * rows).min(0.4 * ui.available_height()).max(96.0));
+    let room = vec2(ui.available_width(), (24.0 + 26.0 * rows).min(0.4 * ui.available_height()).max(96.0));
     ui.scope(|ui| {
         if is_stale {
-            ui.multiply_opacity(0.55);
+            ui.multiply_opacity(0.7);
         }
         ui.allocate_ui(room, |ui| {
             ui.set_max_height(room.y);
             table(ui, core, &made);
         });
         ui.separator();
-        let scroll = egui::ScrollArea::vertical().id_salt("electrode").auto_shrink([false, false]);
+        // Another electrode begins with its name, however far the last one was read.
+        let of = core.mold.electrodes.selected.map(|at| at.electrode);
+        let scroll = egui::ScrollArea::vertical().id_salt(("electrode", of)).auto_shrink([false, false]);
         scroll.show(ui, |ui| {
+            // Nothing ends below the bar.
+            ui.set_max_width(ui.available_width() - BAR);
             without(ui, core, &made);
             match core.mold.electrodes.selected {
                 Some(at) => details(ui, core, &made, at),
@@ -188,14 +194,16 @@ fn without(ui: &mut Ui, core: &mut Core, made: &Designed) {
         let why = made.set.regions[region].trouble.clone().unwrap_or_default();
         ui.horizontal(|ui| {
             let place = made.places.get(region).copied().flatten();
-            if ui.add_enabled(place.is_some(), egui::Button::new("Show").small()).clicked()
+            let text = format!("Region {} has no electrode: {why}", region + 1);
+            let name = format!("Show region {}", region + 1);
+            let button = ui.add_enabled_ui(place.is_some(), |ui| checks::show_button(ui, &name)).inner;
+            if button.clicked()
                 && let (Some(place), Some(mold)) = (place, core.mold.work.mold())
             {
                 let bounds = mold.shape.bounds();
                 core.mold.electrodes.deselect();
-                core.mold.electrodes.point_at(place, &bounds);
+                core.mold.electrodes.point_at(place, text.clone(), &bounds);
             }
-            let text = format!("Region {} has no electrode: {why}", region + 1);
             ui.add(egui::Label::new(RichText::new(text).color(palette(ui).bad)).wrap());
         });
     }
@@ -233,7 +241,7 @@ fn details(ui: &mut Ui, core: &mut Core, made: &Designed, at: BurnOf) {
     };
     fact(ui, "Gap", format!("{} mm{orbit}", entry.gap_mm));
     fact(ui, "Time", format!("{:.1} min", entry.minutes));
-    division::show(ui, core, made, &regions(entry));
+    division::show(ui, core, made, (at.electrode, &regions(entry)));
 }
 
 /// The burn that is looked at.

@@ -3,8 +3,10 @@
 mod checks;
 mod desk;
 mod division;
+mod fields;
 mod form;
 mod list;
+mod stages;
 mod strip;
 
 pub(super) use desk::Look;
