@@ -1,6 +1,6 @@
 //! What is asked of electrodes.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::overrides::Override;
@@ -42,6 +42,15 @@ impl Orbit {
         const HAIR: f64 = 1e-6;
         let quarters = turn / std::f64::consts::FRAC_PI_2;
         !matches!(self, Self::Square { .. }) || (quarters - quarters.round()).abs() < HAIR
+    }
+
+    /// The place within it that is nearest to a point of the plane around its middle (mm).
+    pub fn nearest(self, p: DVec2) -> DVec2 {
+        match self {
+            Self::None => DVec2::ZERO,
+            Self::Circular { radius_mm } => p.clamp_length_max(radius_mm),
+            Self::Square { radius_mm } => p.clamp(DVec2::splat(-radius_mm), DVec2::splat(radius_mm)),
+        }
     }
 
     /// Its radius or half side (mm).

@@ -210,7 +210,7 @@ fn broken_electrodes_are_caught_by_the_check_that_is_meant_for_it() {
     let raised = right.mapped(|p| p + DVec3::Z * 0.3);
     assert!(check(&raised).iter().all(|f| f.holds), "it gouges nothing");
     let stage = &short.stages[0];
-    let burning = super::check::Burning::new(&raised, stage).unwrap();
+    let burning = super::burning::Burning::new(&raised, stage).unwrap();
     let floor = super::check::Sample { point: DVec3::new(1.0, 0.0, -5.0), normal: DVec3::Z, area: 1.0, thickest: 5.0 };
     let everything = |_: DVec3| true;
     let milled = Milled { leaves: &everything, within: 0.05 };
