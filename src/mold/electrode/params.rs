@@ -1,5 +1,7 @@
 //! What is asked of electrodes.
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -101,6 +103,14 @@ impl Stage {
     /// How far an electrode stays from a face with this unit normal (mm): gap, stock and orbit.
     pub fn undersize(&self, normal: DVec3) -> f64 {
         self.gap_mm + self.stock_mm + self.orbit.reach(normal)
+    }
+
+    /// The most that it stays from an upright face (mm): with a square orbit from one that stands aslant.
+    pub fn most_across(&self) -> f64 {
+        [DVec3::X, DVec3::new(FRAC_1_SQRT_2, FRAC_1_SQRT_2, 0.0)]
+            .map(|n| self.undersize(n))
+            .into_iter()
+            .fold(0.0, f64::max)
     }
 
     /// Roughness that the finish stands for (Ra, micrometres; VDI 3400: 20 log10 of ten times it).

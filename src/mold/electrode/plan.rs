@@ -257,8 +257,8 @@ fn net(stage: &Stage) -> Stage {
     Stage { gap_mm: 0.0, stock_mm: 0.0, orbit: Default::default(), ..stage.clone() }
 }
 
-/// How far a place of an edit may be from a region's surface (mm).
-const TOUCHES: f64 = 0.5;
+/// How far a place of an edit may be from a region's surface, or from a part in plan (mm).
+pub(super) const TOUCHES: f64 = 0.5;
 
 fn holds(region: &RegionToBurn, place: DVec3) -> bool {
     let mut surface = Mesh::default();
@@ -377,6 +377,7 @@ fn parts_of(
         kept_clear: &setting.kept_clear,
         exact: &setting.exact,
         gap_up: setting.stage.undersize(DVec3::Z),
+        gap_across: setting.stage.most_across(),
         keeps_gap: &keeps_gap,
     };
     let place = Place::new(corners, rim);
