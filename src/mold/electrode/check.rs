@@ -7,11 +7,11 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::burning::Burning;
 use super::params::{Orbit, Stage};
 use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::inside::winding_number;
 use crate::geometry::mesh::{Mesh, unit_normal};
-use crate::geometry::minkowski::{on_grid, with_rectangle};
 use crate::geometry::offset::offset;
 use crate::geometry::solid;
 use crate::mold::cutter::CutterLibrary;
@@ -325,55 +325,6 @@ pub fn machinable(
         }
         None => Finding::new(CheckKind::Machinable, true, "the cutters leave nothing of it".into(), None),
     })
-}
-
-/// An electrode where it burns.
-pub struct Burning {
-    mesh: ExactMesh,
-    gap: f64,
-    orbit: Orbit,
-}
-
-impl Burning {
-    /// An electrode, placed in the mold, with its gap and orbit. What a square sweeps is a solid of its own, as the nearest
-    /// point of the electrode itself is not always the one that comes nearest on it.
-    ///
-    /// # Errors
-    /// [`ExactMeshError`].
-    pub fn new(electrode: &Mesh, stage: &Stage) -> Result<Self, ExactMeshError> {
-        if let Orbit::Square { radius_mm } = stage.orbit
-            && let Ok(swept) = with_rectangle(&on_grid(electrode), DVec2::splat(radius_mm))
-        {
-            return Ok(Self { mesh: ExactMesh::new(&swept)?, gap: stage.gap_mm, orbit: Orbit::None });
-        }
-        Ok(Self { mesh: ExactMesh::new(electrode)?, gap: stage.gap_mm, orbit: stage.orbit })
-    }
-
-    /// The radius that it leaves in corners at most (mm).
-    fn reach(&self) -> f64 {
-        match self.orbit {
-            Orbit::Circular { radius_mm } => self.gap + radius_mm,
-            _ => self.gap,
-        }
-    }
-
-    /// How far a point is from what is burned (mm); 0 or less within it. Never too small.
-    pub fn beyond(&self, p: DVec3) -> f64 {
-        let nearest = self.mesh.nearest(p);
-        if nearest.signed_distance <= 0.0 {
-            return -self.gap;
-        }
-        let off = (p - nearest.point).abs();
-        let off = match self.orbit {
-            Orbit::None => off,
-            Orbit::Circular { radius_mm } => {
-                let plan = off.truncate();
-                (plan * (1.0 - radius_mm / plan.length().max(radius_mm).max(f64::MIN_POSITIVE))).extend(off.z)
-            }
-            Orbit::Square { radius_mm } => (off - DVec3::new(radius_mm, radius_mm, 0.0)).max(DVec3::ZERO),
-        };
-        off.length() - self.gap
-    }
 }
 
 /// A part of a mold's surface that cutters leave, as leftovers are looked for on it.

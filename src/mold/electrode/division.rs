@@ -7,7 +7,8 @@
 use glam::DVec2;
 use serde::Serialize;
 
-use super::footprint::{half_plane, shrunk};
+use super::earlier::CELL;
+use super::footprint::{grown, half_plane, shrunk};
 use super::h_edge::{HEdge, h_edges};
 use super::tip::{Burned, Footprint, SKIN, TipError, tip};
 use crate::geometry::mesh::Mesh;
@@ -153,7 +154,7 @@ fn parts_of(
     cut: &Cut,
     settings: &DivisionSettings,
 ) -> Result<Option<Halves>, TipError> {
-    let (mut parts, mouth) = cut_along(footprint, cut, settings);
+    let (mut parts, mouth) = cut_along(burned, footprint, cut, settings);
     let all = parts.len();
     parts.retain(|f| least_width(&f.free) >= settings.least);
     let lacks_thin = parts.len() < all;
@@ -181,37 +182,66 @@ fn cuts(edge: &HEdge) -> Vec<Cut> {
 }
 
 /// The parts of a footprint on both sides of a cut, and the length along which they meet (mm).
-pub fn cut_along(footprint: &Footprint, cut: &Cut, settings: &DivisionSettings) -> (Vec<Footprint>, f64) {
+pub fn cut_along(
+    burned: &Burned,
+    footprint: &Footprint,
+    cut: &Cut,
+    settings: &DivisionSettings,
+) -> (Vec<Footprint>, f64) {
     // Both sides keep off the wall itself, so that neither gets a hair of what lies behind it.
-    let near = half_plane(cut.through - cut.outward * OFF_WALL, cut.outward, FAR);
     let through = cut.through + cut.outward * OFF_WALL;
+    let near = half_plane(cut.through - cut.outward * OFF_WALL, cut.outward, FAR);
     let far = half_plane(through, -cut.outward, FAR);
-    let flat = |shapes: Vec<Shape>| shapes.into_iter().flatten().collect::<Vec<Outline>>();
-    let both = |a: &[Outline], b: &[Outline]| flat(plane::intersection(a, b));
-    // What holds nothing of the region is not needed.
-    let is_needed = |free: &Shape| !shrunk(&both(free, &footprint.region), NOTHING).is_empty();
+    let needed = |side: &[Outline], outward: DVec2| -> Vec<(Shape, Vec<Outline>)> {
+        let all = plane::intersection(&footprint.free, side).into_iter();
+        all.filter_map(|free| share(burned, footprint, &free, (side, cut.through, outward)).map(|own| (free, own)))
+            .collect()
+    };
     let with_walls =
         |free: &Shape, side: &[Outline]| both(&both(&flat(plane::grown(free, SKIN)), &footprint.outlines), side);
-    let part = |outlines: Vec<Outline>| {
-        let (free, region) = (both(&outlines, &footprint.free), both(&outlines, &footprint.region));
+    let part = |outlines: Vec<Outline>, own: &[Outline]| {
+        let free = both(&outlines, &footprint.free);
+        let region = flat(plane::union(&both(&outlines, &footprint.region), own));
         Footprint { outlines, free, region, ..*footprint }
     };
-    let mut parts: Vec<Footprint> = Vec::new();
-    for free in plane::intersection(&footprint.free, &near).iter().filter(|free| is_needed(free)) {
-        parts.push(part(with_walls(free, &near)));
-    }
+    let mut parts: Vec<Footprint> =
+        needed(&near, cut.outward).iter().map(|(free, own)| part(with_walls(free, &near), own)).collect();
     let mut mouths = 0.0;
-    for free in plane::intersection(&footprint.free, &far).iter().filter(|free| is_needed(free)) {
-        let mut outlines = with_walls(free, &far);
-        let (length, strip) = back_over(free, through, cut.outward, settings.overlap);
+    for (free, own) in needed(&far, -cut.outward) {
+        let mut outlines = with_walls(&free, &far);
+        let (length, strip) = back_over(&free, through, cut.outward, settings.overlap);
         mouths += length;
         if cut.overlaps {
             let strip = both(&strip, &footprint.free);
             outlines = flat(plane::union(&outlines, &strip));
         }
-        parts.push(part(outlines));
+        parts.push(part(outlines, &own));
     }
     (parts, mouths)
+}
+
+/// What a piece of a footprint burns of the region on its side of a cut; none where that is nothing, so that it is not
+/// needed. The outward normal of the cut points away from the side.
+fn share(
+    burned: &Burned,
+    footprint: &Footprint,
+    free: &Shape,
+    (side, through, outward): (&[Outline], DVec2, DVec2),
+) -> Option<Vec<Outline>> {
+    let own = both(&both(&footprint.region, side), &grown(free, burned.gap_across + CELL));
+    // Along walls the region is a cell wide. What goes on beyond the cut is no cell of what lies before it.
+    let beyond = half_plane(through - outward * 2.0 * NOTHING, outward, FAR);
+    let is_needed = !shrunk(&both(free, &footprint.region), NOTHING).is_empty()
+        || plane::area(&both(&own, &beyond)) > 4.0 * NOTHING * NOTHING;
+    is_needed.then_some(own)
+}
+
+fn flat(shapes: Vec<Shape>) -> Vec<Outline> {
+    shapes.into_iter().flatten().collect()
+}
+
+fn both(a: &[Outline], b: &[Outline]) -> Vec<Outline> {
+    flat(plane::intersection(a, b))
 }
 
 /// The length of a shape's sides on the line of a cut, and the strips by which it reaches back over them, between its own

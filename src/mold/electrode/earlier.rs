@@ -1,8 +1,6 @@
 //! Stages that others follow. What they have no tip for, as it would be too thin or as the gap leaves no room, is left to
 //! those after them: a roughing electrode keeps its thick part, and the finishing one burns the rest alone.
 
-use glam::DVec3;
-
 use super::design::LeftOut;
 use super::division::Part;
 use super::footprint::{grown, is_thin};
@@ -12,7 +10,7 @@ use crate::mold::outline::Outline;
 use crate::mold::plane;
 
 /// How far from a tip in plan what it burns may lie, beyond the gap (mm): regions are known to cells.
-const CELL: f64 = 0.05;
+pub(super) const CELL: f64 = 0.05;
 
 /// Takes out the parts that are nowhere as thick as `least` (mm), each with its number; what share of a region, given in
 /// plan, the others burn. `is_lacking` says that division has left out parts already.
@@ -31,7 +29,7 @@ pub(super) fn thick_only(
         return 1.0;
     }
     let free: Vec<Outline> = parts.iter().flat_map(|(_, part)| part.footprint.free.iter().cloned()).collect();
-    let reached = grown(&free, setting.stage.undersize(DVec3::X) + CELL);
+    let reached = grown(&free, setting.stage.most_across() + CELL);
     let burned: f64 = plane::intersection(&reached, region).iter().map(|shape| plane::area(shape)).sum();
     (burned / plane::area(region).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
 }

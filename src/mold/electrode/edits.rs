@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::division::{Cut, DivisionSettings, Part, cut_along, whole};
 use super::params::Edit;
-use super::plan::RegionToBurn;
+use super::plan::{RegionToBurn, TOUCHES};
 use super::tip::{Burned, Footprint, SKIN, TipError};
 use crate::mold::outline::{Outline, off_segment};
 use crate::mold::plane;
@@ -46,7 +46,7 @@ fn split(burned: &Burned, tree: &mut Part, [a, b]: [DVec2; 2], settings: &Divisi
     let held = holder(tree, through).filter(|_| outward != DVec2::ZERO);
     let Some(part) = held.and_then(|way| at(tree, &way)) else { return Ok(false) };
     let cut = Cut { through, outward, overlaps: true };
-    let (halves, _) = cut_along(&part.footprint, &cut, settings);
+    let (halves, _) = cut_along(burned, &part.footprint, &cut, settings);
     if halves.len() < 2 {
         return Ok(false);
     }
@@ -78,19 +78,22 @@ fn merge(burned: &Burned, tree: &mut Part, places: [DVec2; 2]) -> Result<bool, T
 }
 
 /// The way to the undivided part that a point names: the part whose share of the region holds it, else of those whose tip
-/// or share does the one whose share is nearest. What is left often lies along walls only, with the tip between them, and a
-/// neighbour's margin may reach over a part.
+/// or share does the one whose share is nearest, else the nearest part beside it. What is left often lies along walls only,
+/// with the tip between them, and a neighbour's margin may reach over a part.
 fn holder(tree: &Part, p: DVec2) -> Option<Vec<usize>> {
     let mut ways = Vec::new();
     ways_to(tree, Vec::new(), &mut ways);
     let named = ways.into_iter().filter_map(|(way, part)| {
         let Footprint { free, outlines, region, .. } = &part.footprint;
         let off = plane::off(region, p);
+        let is_in_tip = plane::holds(outlines, p) || plane::holds(free, p);
         let is_inner = off == 0.0 && plane::holds(free, p);
-        let is_held = off == 0.0 || plane::holds(outlines, p) || plane::holds(free, p);
-        is_held.then_some((!is_inner, off, way))
+        let is_beside = !is_in_tip && off > 0.0;
+        // Between a wall and a tip the nearest of both says whose it is.
+        let off = if is_beside { off.min(plane::off(free, p)) } else { off };
+        (off <= TOUCHES || is_in_tip).then_some((is_beside, !is_inner, off, way))
     });
-    named.min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))).map(|(.., way)| way)
+    named.min_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2))).map(|(.., way)| way)
 }
 
 /// The undivided parts and the ways to them, in order.

@@ -5,6 +5,7 @@
 //! divided. Everything here stands in the burn frame: the electrode comes down along -Z.
 
 pub mod base;
+pub mod burning;
 pub mod check;
 pub mod combine;
 pub mod design;

@@ -4,12 +4,14 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
+use super::burning::Burning;
+use super::check::{CheckKind, GOUGE};
 use super::design::{Electrode, ElectrodeSet};
 use super::params::{ElectrodeParams, Orbit, Stage};
 use super::tests::{GAP, mold, params, planned, region};
 use crate::geometry::exact::ExactMesh;
 use crate::geometry::mesh::Mesh;
-use crate::geometry::solid::{difference, prism};
+use crate::geometry::solid::{difference, prism, union};
 use crate::mold::test_molds::{dish, polygon, rectangle};
 
 const RADIUS: f64 = 0.3;
@@ -153,5 +155,85 @@ fn a_round_hollow_narrower_than_gap_and_orbit_has_no_tip() {
         assert!(set.electrodes.is_empty() && !set.holds(), "{orbit:?} {radius}");
         let trouble = set.regions[0].trouble.clone().unwrap_or_default();
         assert!(trouble.contains("no room"), "{trouble}");
+    }
+}
+
+/// A pocket with rounded corners and a fillet around its floor, in facets shorter than the orbit.
+fn filleted(corner: f64, fillet: f64) -> Mesh {
+    /// Facets of the fillet, and of each corner.
+    const FACETS: usize = 6;
+    let level = |i: usize| {
+        let around = FRAC_PI_2 * i as f64 / FACETS as f64;
+        let inwards = fillet * (1.0 - around.cos());
+        let outline = rounded(5.0 - 2.0 * inwards, 4.0 - 2.0 * inwards, corner - inwards, FACETS);
+        (outline, 10.0 - DEPTH + fillet * (1.0 - around.sin()))
+    };
+    let mut levels = vec![(level(0).0, 10.0)];
+    levels.extend((0..=FACETS).map(level));
+    // The block has as many corners as each level.
+    dish(&rounded(20.0, 20.0, 2.0, FACETS), &levels, 10.0 - DEPTH).mapped(|p| p - DVec3::Z * 10.0)
+}
+
+#[test]
+fn a_circular_orbit_keeps_the_gap_where_a_floor_rises_into_a_fillet() {
+    let around = || (0..96).map(|k| DVec2::from_angle(f64::from(k) / 96.0 * TAU) * RADIUS);
+    for (corner, fillet) in [(0.5, 0.4), (0.32, 0.3), (1.0, 0.2)] {
+        let mold = filleted(corner, fillet);
+        assert!(mold.is_watertight() && mold.volume() > 0.0);
+        // What its way leaves in the fillets is not looked at here.
+        let set = planned_in(&mold, Orbit::Circular { radius_mm: RADIUS }, 0.5);
+        let [electrode] = &set.electrodes[..] else { panic!("{:?}", set.regions[0].trouble) };
+        assert!(set.checks[0].iter().filter(|f| f.kind != CheckKind::Machinable).all(|f| f.holds), "{:?}", set.checks);
+        let electrode = burning(electrode);
+        let nearest = least_distance(&mold, &electrode, around());
+        assert!((GAP - GOUGE..GAP + 1e-3).contains(&nearest), "{corner} {fillet}: {nearest}");
+        // Floor and walls are flat, and as far off as they should be.
+        let bounds = electrode.bounds();
+        assert!((bounds.min.z - (GAP - DEPTH)).abs() < 1e-6, "{bounds:?}");
+        let size = (DVec2::new(5.0, 4.0) - 2.0 * (GAP + RADIUS)).extend(0.0);
+        assert!((set.electrodes[0].tips.bounds().size() - size).truncate().abs().max_element() < 1e-6);
+    }
+}
+
+#[test]
+fn places_share_a_tip_only_where_it_keeps_the_gap_all_along_its_orbit() {
+    // Two slots, the second narrower by so much that their tips are laid onto each other, and nearer than the gap allows.
+    for (narrower, electrodes) in [(0.0, 1), (0.003, 2)] {
+        let slot = |x: f64, y: f64, width: f64| -> Vec<DVec2> {
+            rectangle(6.0, width).iter().map(|p| *p + DVec2::new(x, y)).collect()
+        };
+        let slots = [slot(-5.0, -4.0, 2.0), slot(5.0, 4.0, 2.0 - narrower)];
+        let mold = mold([30.0, 20.0, 10.0], &[(&slots[0], DEPTH), (&slots[1], DEPTH)]);
+        let own = [-1.0, 1.0].map(|s| {
+            let at = DVec2::new(5.0, 4.0) * s;
+            region(&mold, at - DVec2::new(3.1, 1.1), at + DVec2::new(3.1, 1.1))
+        });
+        for orbit in [Orbit::Circular { radius_mm: 0.1 }, Orbit::Square { radius_mm: 0.1 }] {
+            let stage = Stage { orbit, ..Stage::finish(GAP) };
+            let asked = ElectrodeParams { stages: vec![stage], together_mm: 0.0, ..params(GAP) };
+            let set = planned(&mold, &own, &asked);
+            assert!(set.holds(), "{orbit:?} {narrower}: {:?}", set.checks);
+            assert_eq!(set.electrodes.len(), electrodes, "{orbit:?} {narrower}");
+        }
+    }
+}
+
+#[test]
+fn the_wall_of_a_step_is_burned_by_the_orbit_though_the_tip_over_the_step_is_nearer() {
+    // A step at height -1, its wall at x = 0: the tip keeps gap and radius off the wall, and the gap off the step.
+    let radius = 0.1;
+    let block = |x: [f64; 2], z: [f64; 2]| {
+        prism(&[&[(x[0], -2.0), (x[1], -2.0), (x[1], 2.0), (x[0], 2.0)].map(DVec2::from)], z[0], z[1]).unwrap()
+    };
+    let tip = union(&block([-5.0, -GAP - radius], [-3.0 + GAP, 1.0]), &block([-6.0, 3.0], [-1.0 + GAP, 2.0])).unwrap();
+    for orbit in [Orbit::Circular { radius_mm: radius }, Orbit::Square { radius_mm: radius }] {
+        let burning = Burning::new(&tip, &Stage { orbit, ..Stage::finish(GAP) }).unwrap();
+        for z in [-1.0, -1.02, -1.05, -1.09, -2.0] {
+            let beyond = burning.beyond(DVec3::new(0.0, 0.3, z));
+            assert!((-1e-9..=GOUGE).contains(&beyond), "{orbit:?} {z}: {beyond}");
+        }
+        // Within the wall what is beyond is as far as it is deep.
+        let beyond = burning.beyond(DVec3::new(0.03, 0.3, -2.0));
+        assert!((beyond - 0.03).abs() <= GOUGE, "{orbit:?}: {beyond}");
     }
 }

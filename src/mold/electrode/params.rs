@@ -1,6 +1,8 @@
 //! What is asked of electrodes.
 
-use glam::DVec3;
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::overrides::Override;
@@ -42,6 +44,15 @@ impl Orbit {
         const HAIR: f64 = 1e-6;
         let quarters = turn / std::f64::consts::FRAC_PI_2;
         !matches!(self, Self::Square { .. }) || (quarters - quarters.round()).abs() < HAIR
+    }
+
+    /// The place within it that is nearest to a point of the plane around its middle (mm).
+    pub fn nearest(self, p: DVec2) -> DVec2 {
+        match self {
+            Self::None => DVec2::ZERO,
+            Self::Circular { radius_mm } => p.clamp_length_max(radius_mm),
+            Self::Square { radius_mm } => p.clamp(DVec2::splat(-radius_mm), DVec2::splat(radius_mm)),
+        }
     }
 
     /// Its radius or half side (mm).
@@ -92,6 +103,14 @@ impl Stage {
     /// How far an electrode stays from a face with this unit normal (mm): gap, stock and orbit.
     pub fn undersize(&self, normal: DVec3) -> f64 {
         self.gap_mm + self.stock_mm + self.orbit.reach(normal)
+    }
+
+    /// The most that it stays from an upright face (mm): with a square orbit from one that stands aslant.
+    pub fn most_across(&self) -> f64 {
+        [DVec3::X, DVec3::new(FRAC_1_SQRT_2, FRAC_1_SQRT_2, 0.0)]
+            .map(|n| self.undersize(n))
+            .into_iter()
+            .fold(0.0, f64::max)
     }
 
     /// Roughness that the finish stands for (Ra, micrometres; VDI 3400: 20 log10 of ten times it).

@@ -20,7 +20,7 @@ use super::tip::{Burned, Place, TipError, footprint};
 use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::mesh::Mesh;
 use crate::geometry::minkowski::{on_grid, up_to_grid, with_rectangle};
-use crate::geometry::offset::{OffsetError, offset};
+use crate::geometry::offset::{OffsetError, offset, offset_along_disc};
 use crate::geometry::solid::{SolidError, unfolded};
 use crate::mold::cutter::CutterLibrary;
 use crate::mold::height_field::HeightFieldError;
@@ -113,7 +113,7 @@ impl Setting {
     }
 
     /// Whether an electrode that holds a point keeps the gap there all along its orbit.
-    fn keeps_gap(&self, p: DVec3) -> bool {
+    pub(super) fn keeps_gap(&self, p: DVec3) -> bool {
         /// Places of an orbit that are tried.
         const PLACES: usize = 8;
         let least = self.stage.gap_mm + self.stage.stock_mm - GOUGE;
@@ -133,11 +133,15 @@ impl Setting {
 /// belongs between them: moved each by its own way they would meet further out, by as much as the orbit times the tangent
 /// of half their turn. What a square sweeps is therefore added as a solid.
 fn kept_clear(mold: &Mesh, stage: &Stage) -> Result<Mesh, ElectrodeError> {
-    if let Orbit::Square { radius_mm } = stage.orbit {
-        let grown = unfolded(on_grid(&offset(mold, |_| stage.gap_mm + stage.stock_mm)?))?;
-        return Ok(with_rectangle(&grown, DVec2::splat(up_to_grid(radius_mm)))?);
+    let gap = stage.gap_mm + stage.stock_mm;
+    match stage.orbit {
+        Orbit::None => Ok(unfolded(offset(mold, |_| gap)?)?),
+        Orbit::Circular { radius_mm } => Ok(unfolded(offset_along_disc(mold, gap, radius_mm)?)?),
+        Orbit::Square { radius_mm } => {
+            let grown = unfolded(on_grid(&offset(mold, |_| gap)?))?;
+            Ok(with_rectangle(&grown, DVec2::splat(up_to_grid(radius_mm)))?)
+        }
     }
-    Ok(unfolded(offset(mold, |n| stage.undersize(n))?)?)
 }
 
 /// The rotation that turns a burn direction to -Z; none for straight down.
@@ -253,8 +257,8 @@ fn net(stage: &Stage) -> Stage {
     Stage { gap_mm: 0.0, stock_mm: 0.0, orbit: Default::default(), ..stage.clone() }
 }
 
-/// How far a place of an edit may be from a region's surface (mm).
-const TOUCHES: f64 = 0.5;
+/// How far a place of an edit may be from a region's surface, or from a part in plan (mm).
+pub(super) const TOUCHES: f64 = 0.5;
 
 fn holds(region: &RegionToBurn, place: DVec3) -> bool {
     let mut surface = Mesh::default();
@@ -373,6 +377,7 @@ fn parts_of(
         kept_clear: &setting.kept_clear,
         exact: &setting.exact,
         gap_up: setting.stage.undersize(DVec3::Z),
+        gap_across: setting.stage.most_across(),
         keeps_gap: &keeps_gap,
     };
     let place = Place::new(corners, rim);

@@ -6,9 +6,9 @@ use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::base::on_plate;
+use super::burning::Burning;
 use super::check::{
-    Burning, CheckKind, Clearance, Finding, LeftOfRegion, Milled, Obstacle, Sample, left_by, leftover, machinable,
-    watertight,
+    CheckKind, Clearance, Finding, LeftOfRegion, Milled, Obstacle, Sample, left_by, leftover, machinable, watertight,
 };
 use super::design::{Burn, Electrode, RegionPlan};
 use super::params::{ElectrodeParams, Stage};

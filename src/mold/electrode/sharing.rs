@@ -3,11 +3,12 @@
 use glam::{DVec2, DVec3};
 
 use super::base::{Base, INTO_BASE, placed};
-use super::check::{Burning, GOUGE, Obstacle};
+use super::burning::Burning;
+use super::check::Obstacle;
 use super::combine::near;
 use super::design::{Burn, Electrode};
 use super::footprint::is_thin;
-use super::params::{ElectrodeParams, Method, Stage};
+use super::params::{ElectrodeParams, Method};
 use super::plan::{ElectrodeError, Leaf, RegionToBurn, Setting};
 use super::removal::{burn_area, taken};
 use super::tip::{joined, led_up};
@@ -85,11 +86,11 @@ fn serves(
             return Ok(false);
         }
     }
-    let gap = setting.stage.undersize(DVec3::Z) - GOUGE;
-    if moved.vertices.iter().any(|p| mold.distance(*p) < gap) {
+    // Most of what does not keep the gap is told by a corner. Moved, it may have less room on its orbit than at its middle.
+    if !moved.vertices.iter().all(|p| setting.keeps_gap(*p)) {
         return Ok(false);
     }
-    let found = mold.clearance(&moved, &Stage { orbit: Default::default(), ..setting.stage.clone() }, 0.0)?;
+    let found = mold.clearance(&moved, &setting.stage, 0.0)?;
     Ok(found.findings(&setting.stage)[0].holds)
 }
 
@@ -102,64 +103,67 @@ pub(super) fn assembled(
     regions: &[RegionToBurn],
     (stage, params, made): (usize, &ElectrodeParams, &[Vec<f64>]),
 ) -> Result<Electrode, ElectrodeError> {
-    let top = setting.mold.bounds().max.z;
+    let own: Vec<&Leaf> = group.leaves.iter().map(|i| &leaves[*i]).collect();
     let highest = group.burns.iter().map(|(_, shift, _)| -shift.z).fold(0.0, f64::max);
-    let seat = top + params.extension_mm + highest;
-    let raised: Vec<Mesh> = group
-        .leaves
-        .iter()
-        .map(|i| led_up(&leaves[*i].part.body, leaves[*i].part.footprint.cap, seat + INTO_BASE))
-        .collect();
+    let seat = setting.mold.bounds().max.z + params.extension_mm + highest;
+    let raised: Vec<Mesh> =
+        own.iter().map(|leaf| led_up(&leaf.part.body, leaf.part.footprint.cap, seat + INTO_BASE)).collect();
     let around = Bounds::of(raised.iter().flat_map(|m| m.vertices.iter().copied()));
-    let middle = around.center().truncate();
-    let origin = middle.extend(seat);
+    let origin = around.center().with_z(seat);
     let tips: Vec<Mesh> = raised.iter().map(|m| m.mapped(|p| p - origin)).collect();
-    let around = Bounds { min: around.min, max: around.max.with_z(seat) };
-    let (base, length) = Base::under(&around, params);
-    let mesh = base.with_tips(&tips)?;
-    let back = setting.turned.transpose();
-    let front_area = group.leaves.iter().map(|i| plane::area(&leaves[*i].part.footprint.free)).sum();
-    let first = &params.stages[stage];
-    let burns: Vec<Burn> = group
-        .burns
-        .iter()
-        .map(|(turn, shift, ids)| {
-            let part = |i: &usize| {
-                let number = leaves[*i].id.region;
-                let made: Vec<f64> = made.iter().map(|shares| shares[number]).collect();
-                taken(&regions[number], setting, (&params.stages, stage), &made) * share_of(&leaves[*i], leaves)
-            };
-            // Each place is burned by the tip in the same place of the list.
-            let fronts = group.leaves.iter().map(|i| plane::area(&leaves[*i].part.footprint.free));
-            let tips: Vec<(f64, f64)> = ids.iter().map(part).zip(fronts).collect();
-            let volume = tips.iter().map(|(volume, _)| volume).sum();
-            let minutes = params.removal.minutes_of_tips(&tips, first.finish_vdi);
-            let at = DVec2::from_angle(*turn).rotate(middle).extend(seat) + *shift;
-            let parts = ids.iter().map(|i| leaves[*i].id).collect();
-            Burn { position: back * at, turn: *turn, parts, depth: top - around.min.z - shift.z, volume, minutes }
-        })
-        .collect();
-    let only_tips = tips.into_iter().fold(Mesh::default(), joined);
-    let is_extruded = group.leaves.iter().all(|i| leaves[*i].part.footprint.method == Method::Extruding);
-    let minutes = burns.iter().map(|burn| burn.minutes).sum();
+    let (base, length) = Base::under(&Bounds { max: around.max.with_z(seat), ..around }, params);
+    let burns = burns(setting, leaves, group, regions, (stage, params, made), (origin, around.min.z));
+    let is_extruded = own.iter().all(|leaf| leaf.part.footprint.method == Method::Extruding);
     Ok(Electrode {
         name: String::new(),
         stage,
-        mesh,
-        tips: only_tips,
-        burns,
-        direction: back * DVec3::NEG_Z,
+        mesh: base.with_tips(&tips)?,
+        tips: tips.into_iter().fold(Mesh::default(), joined),
+        direction: setting.turned.transpose() * DVec3::NEG_Z,
         method: if is_extruded { Method::Extruding } else { Method::Cutting },
         blank: base.sides.extend(length),
         holder: base.holder(params),
-        minutes,
-        is_thin: group.leaves.iter().any(|i| is_thin(&leaves[*i].part.footprint.free, params.least_size_mm)),
-        front_area,
-        burn_area: burn_area(setting, group.leaves.iter().map(|i| &leaves[*i].part.body)),
+        minutes: burns.iter().map(|burn| burn.minutes).sum(),
+        burns,
+        is_thin: own.iter().any(|leaf| is_thin(&leaf.part.footprint.free, params.least_size_mm)),
+        front_area: own.iter().map(|leaf| plane::area(&leaf.part.footprint.free)).sum(),
+        burn_area: burn_area(setting, own.iter().map(|leaf| &leaf.part.body)),
         base,
         family: Default::default(),
         others: Mesh::default(),
     })
+}
+
+/// The burns of a group's electrode, whose origin and lowest point stand there in the first of them.
+fn burns(
+    setting: &Setting,
+    leaves: &[Leaf],
+    group: &Shared,
+    regions: &[RegionToBurn],
+    (stage, params, made): (usize, &ElectrodeParams, &[Vec<f64>]),
+    (origin, lowest): (DVec3, f64),
+) -> Vec<Burn> {
+    let (top, back) = (setting.mold.bounds().max.z, setting.turned.transpose());
+    let volume_of = |i: &usize| {
+        let number = leaves[*i].id.region;
+        let made: Vec<f64> = made.iter().map(|shares| shares[number]).collect();
+        taken(&regions[number], setting, (&params.stages, stage), &made) * share_of(&leaves[*i], leaves)
+    };
+    let of = |(turn, shift, ids): &(f64, DVec3, Vec<usize>)| {
+        // Each place is burned by the tip in the same place of the list.
+        let fronts = group.leaves.iter().map(|i| plane::area(&leaves[*i].part.footprint.free));
+        let tips: Vec<(f64, f64)> = ids.iter().map(volume_of).zip(fronts).collect();
+        let at = DVec2::from_angle(*turn).rotate(origin.truncate()).extend(origin.z) + *shift;
+        Burn {
+            position: back * at,
+            turn: *turn,
+            parts: ids.iter().map(|i| leaves[*i].id).collect(),
+            depth: top - lowest - shift.z,
+            volume: tips.iter().map(|(volume, _)| volume).sum(),
+            minutes: params.removal.minutes_of_tips(&tips, params.stages[stage].finish_vdi),
+        }
+    };
+    group.burns.iter().map(of).collect()
 }
 
 /// The part of a region that is a leaf's, by area.

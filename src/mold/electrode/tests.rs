@@ -210,7 +210,7 @@ fn broken_electrodes_are_caught_by_the_check_that_is_meant_for_it() {
     let raised = right.mapped(|p| p + DVec3::Z * 0.3);
     assert!(check(&raised).iter().all(|f| f.holds), "it gouges nothing");
     let stage = &short.stages[0];
-    let burning = super::check::Burning::new(&raised, stage).unwrap();
+    let burning = super::burning::Burning::new(&raised, stage).unwrap();
     let floor = super::check::Sample { point: DVec3::new(1.0, 0.0, -5.0), normal: DVec3::Z, area: 1.0, thickest: 5.0 };
     let everything = |_: DVec3| true;
     let milled = Milled { leaves: &everything, within: 0.05 };
@@ -436,6 +436,37 @@ fn parts_of_what_is_left_along_walls_are_named_by_points_of_it_and_of_their_tips
     }
     let same = with(vec![split, Edit::Merge { places: [given[0]; 2] }]);
     assert_eq!((same.electrodes.len(), same.unmet_edits()), (2, vec![1]), "a part is not merged with itself");
+}
+
+#[test]
+fn what_is_left_of_walls_alone_is_split_along_a_line_and_named_by_places_at_them() {
+    let mold = mold([30.0, 20.0, 10.0], &[(&rectangle(8.0, 0.8), 5.0)]);
+    let all = region(&mold, DVec2::new(-4.1, -0.5), DVec2::new(4.1, 0.5));
+    let is_wall = |c: &&[DVec3; 3]| c.iter().all(|p| p.y.abs() > 0.4 - 1e-6);
+    let corners: Vec<[DVec3; 3]> = all.corners.iter().filter(is_wall).copied().collect();
+    let depths = vec![5.0; corners.len()];
+    let walls = [RegionToBurn { corners, depths, ..all }];
+    let apart = ElectrodeParams { share: false, together_mm: 0.0, ..params(GAP) };
+    for orbit in [Orbit::None, Orbit::Circular { radius_mm: 0.05 }] {
+        let stage = Stage { orbit, ..Stage::finish(GAP) };
+        let apart = ElectrodeParams { stages: vec![stage], ..apart.clone() };
+        let with = |edits: Vec<Edit>| planned(&mold, &walls, &ElectrodeParams { edits, ..apart.clone() });
+        let split = Edit::Split { line: [DVec3::new(1.0, -1.0, 0.0), DVec3::new(1.0, 1.0, 0.0)] };
+        let halves = with(vec![split]);
+        assert_eq!((halves.electrodes.len(), halves.unmet_edits()), (2, vec![]), "{:?}", halves.regions[0]);
+        assert!(halves.holds(), "{:?}", halves.checks);
+        // Each takes its share of the walls: 5 mm and 3 mm of their length.
+        let share: f64 = 3.0 / 8.0;
+        let volumes: Vec<f64> = halves.electrodes.iter().map(|e| e.burns[0].volume).collect();
+        let least = volumes[0].min(volumes[1]) / (volumes[0] + volumes[1]);
+        assert!((least / share - 1.0).abs() < 0.1, "{volumes:?}");
+        // At the wall, and within what the gap leaves beside the tip.
+        for y in [0.4, 0.38, -0.4] {
+            let merge = Edit::Merge { places: [DVec3::new(-2.0, y, -5.0), DVec3::new(2.0, y, -5.0)] };
+            let again = with(vec![split, merge]);
+            assert_eq!((again.electrodes.len(), again.unmet_edits()), (1, vec![]), "{y}");
+        }
+    }
 }
 
 #[test]

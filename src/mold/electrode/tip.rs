@@ -58,6 +58,8 @@ pub struct Burned<'a> {
     pub exact: &'a ExactMesh,
     /// The gap upwards (mm): how far horizontal faces are moved.
     pub gap_up: f64,
+    /// The gap across (mm): how far upright faces are moved at most.
+    pub gap_across: f64,
     /// Whether an electrode that holds a point keeps the gap there all along its orbit.
     pub keeps_gap: &'a (dyn Fn(DVec3) -> bool + Sync),
 }
@@ -185,8 +187,9 @@ pub fn footprint(
     let touched: Vec<Outline> =
         place.cells(margin / FINE_CELLS).into_iter().filter_map(|c| Outline::new(c.to_vec())).collect();
     // What is narrower than the gap is burned from beside it.
+    let reach = burned.gap_across + 0.5 * burned.gap_up.max(SKIN);
     let near: Vec<Outline> =
-        grown_pieces(cells.iter().map(|c| c.to_vec()), 1.5 * burned.gap_up.max(SKIN)).into_iter().flatten().collect();
+        grown_pieces(cells.iter().map(|c| c.to_vec()), reach.max(1.5 * SKIN)).into_iter().flatten().collect();
     let free_of = |outlines: &[Outline]| {
         let is_touched = |shape: &Shape| !plane::intersection(shape, &near).is_empty();
         let free = plane::difference(outlines, &section.outlines);
