@@ -295,7 +295,11 @@ fn checks(out: &mut String, report: &FlankReport) {
         vec![c.name.to_owned(), state.to_owned(), escape(&c.text), c.place.map_or(String::new(), place), at]
     });
     let milled = report.milled().map_or("", |p| p.name);
-    table(out, "", &format!("Of the {milled} path"), &["check", "state", "what was found", "where, mm", "#t"], rows);
+    let head = ["check", "state", "what was found", "where, mm", "#t"];
+    // Columns that would be empty are left out.
+    let columns = if report.checks.iter().any(|c| c.place.is_some() || c.t.is_some()) { 5 } else { 3 };
+    let rows = rows.map(|row| row.into_iter().take(columns).collect::<Vec<String>>());
+    table(out, "", &format!("Of the {milled} path"), &head[..columns], rows);
     if !report.clearances.is_empty() {
         let rows = report.clearances.iter().map(|ClearanceEntry { part, distance_mm, place: at, t }| {
             vec![escape(part), number(*distance_mm, 4), place(*at), number(*t, 4)]
@@ -373,11 +377,21 @@ fn warnings(out: &mut String, warnings: &[String]) {
     out.push_str("</ul></section>");
 }
 
+/// The side of the cutter, as u runs and as the guides were given.
+fn side(surface: &SurfaceEntry) -> String {
+    let sign = |side: i8| if side > 0 { "+1" } else { "\u{2212}1" };
+    let mut text = format!("{} as u runs, +1 where R_u \u{d7} R_v points", sign(surface.side));
+    if surface.is_reversed {
+        text += &format!("; u runs against the guides as given, of which it is {}", sign(-surface.side));
+    }
+    text
+}
+
 fn surface(out: &mut String, surface: &SurfaceEntry, [nu, nv]: [usize; 2]) {
     let range = |[a, b]: [f64; 2]| format!("{} to {}", number(a, 3), number(b, 3));
     let mut rows = vec![
         row("From", escape(&surface.source)),
-        row("Side of the cutter", if surface.side > 0 { "+1, where R_u \u{d7} R_v points" } else { "\u{2212}1" }),
+        row("Side of the cutter", side(surface)),
         row("Rulings, mm", range(surface.ruling_mm)),
         row("Lower guide, mm", number(surface.guide_mm[0], 3)),
         row("Upper guide, mm", number(surface.guide_mm[1], 3)),

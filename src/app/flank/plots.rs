@@ -134,10 +134,12 @@ fn ranks(ui: &mut Ui, core: &mut Core, plan: &FlankPlan) {
         if unknown > 0 {
             let text = format!("{unknown} of {} ranks not shown", ranks.sums.len());
             let hint = "They lead so far off that no deviation can be measured, or to none at all";
-            ui.label(RichText::new(text).small().color(palette(ui).faint)).on_hover_text(hint);
+            // What is wider than the plot would widen it.
+            let text = RichText::new(text).small().color(palette(ui).faint);
+            ui.add(egui::Label::new(text).truncate()).on_hover_text(hint);
         }
         if let Some(text) = core.flank.rank.and_then(|rank| rank_words(plan, rank)) {
-            ui.label(RichText::new(text).strong());
+            ui.add(egui::Label::new(RichText::new(text).strong()).truncate());
         }
     });
     let line: Vec<PlotPoint> = known.iter().map(|(k, sum)| PlotPoint::new(*k as f64, sum.log10())).collect();
