@@ -27,7 +27,8 @@ fn region_of(ui: &mut Ui, core: &mut Core, made: &Designed, (electrode, r): (usi
         ui.label(RichText::new(format!("Region {}", r + 1)).strong());
         if let Some(place) = made.places.get(r).copied().flatten() {
             method(ui, core, (r, place), plan.method);
-            direction(ui, core, (r, place), plan.direction);
+            let is_current = made.set.params.edits == core.mold.params.electrodes.edits;
+            direction(ui, core, (r, place), if is_current { plan.direction } else { DVec3::NEG_Z });
         }
         if ui
             .small_button("Split\u{2026}")
@@ -74,7 +75,7 @@ fn in_words(left: &LeftOfRegion) -> String {
     }
 }
 
-/// From where a region is burned; another direction than straight down is a change.
+/// From where a region is burned: along `now`, unless a change says otherwise. Another direction than straight down is one.
 fn direction(ui: &mut Ui, core: &mut Core, (r, place): (usize, DVec3), now: DVec3) {
     let own = |edit: &Edit| matches!(edit, Edit::Burn { place: of, .. } if *of == place);
     let mut params = core.mold.params.clone();
