@@ -203,7 +203,7 @@ impl FlankView {
         let (camera, size) = self.viewport.camera();
         let Some(planned) = core.flank.planned().filter(|_| self.names.len() > 1) else { return };
         let plan = &planned.result.plan;
-        let mut names = Vec::new();
+        let mut placed: Vec<Rect> = Vec::new();
         for ((at, name), choice) in self.names.iter().zip(PathChoice::ALL) {
             let Some(seen) = camera.project(*at, size) else { continue };
             let p = seen.pixel / f64::from(ui.pixels_per_point());
@@ -223,31 +223,26 @@ impl FlankView {
             let colour = if strong { ui.visuals().strong_text_color() } else { ui.visuals().text_color() };
             let galley = ui.painter().layout_no_wrap(text, FontId::proportional(12.5), colour);
             let area = Rect::from_min_size(at - vec2(0.0, galley.size().y), galley.size()).expand2(vec2(6.0, 3.0));
-            // Within the view to the last letter.
-            let beyond = (area.right() + 6.0 - rect.right()).max(0.0);
-            names.push((area.translate(vec2(-beyond, 0.0)), galley, colour));
-        }
-        let areas: Vec<Rect> = names.iter().map(|(area, ..)| *area).collect();
-        for (area, (_, galley, colour)) in beside_axes(rect, &areas).into_iter().zip(names) {
+            let area = beside_axes(rect, area, &placed);
+            placed.push(area);
             ui.painter().rect_filled(area, 4.0, ui.visuals().window_fill.gamma_multiply(0.8));
             ui.painter().galley(area.min + vec2(6.0, 3.0), galley, colour);
         }
     }
 }
 
-/// Areas of names moved off the three axes in the corner of the view: all of them to the left by as much, so that they stay
-/// in line; where that has no room those in the way go below the axes.
-fn beside_axes(rect: Rect, areas: &[Rect]) -> Vec<Rect> {
+/// `area` moved off the three axes in the corner of the view: to their left, or below them where something is `placed`
+/// already.
+fn beside_axes(rect: Rect, area: Rect, placed: &[Rect]) -> Rect {
     const GAP: f32 = 4.0;
     let axes = overlay::gizmo_area(rect);
-    let in_the_way = |area: &Rect| area.intersects(axes);
-    let shift = areas.iter().filter(|a| in_the_way(a)).map(|a| axes.left() - GAP - a.right()).fold(0.0, f32::min);
-    let shifted: Vec<Rect> = areas.iter().map(|area| area.translate(vec2(shift, 0.0))).collect();
-    if shifted.iter().all(|area| area.left() >= rect.left() + LEGEND as f32) {
-        return shifted;
+    if !area.intersects(axes) {
+        return area;
     }
-    let below = |area: &Rect| area.translate(vec2(0.0, axes.bottom() + GAP - area.top()));
-    areas.iter().map(|area| if in_the_way(area) { below(area) } else { *area }).collect()
+    let left = area.translate(vec2(axes.left() - GAP - area.right(), 0.0));
+    let below = area.translate(vec2(0.0, axes.bottom() + GAP - area.top()));
+    let is_free = rect.contains_rect(left) && !placed.iter().any(|other| other.intersects(left));
+    if is_free { left } else { below }
 }
 
 /// The scale of the colours, and what its ends mean.
