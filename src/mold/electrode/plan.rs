@@ -323,11 +323,12 @@ fn leaves(
                 plan.tree = Some(tree);
                 plan.edits.extend(met);
                 let mut parts: Vec<(usize, Part)> = parts.into_iter().enumerate().collect();
+                let mut is_close = false;
                 if !is_last {
-                    share = thick_only(setting, &mut parts, &in_plan, (least, is_lacking));
+                    (share, is_close) = thick_only(setting, &mut parts, &in_plan, (least, is_lacking));
                 }
                 if share < 1.0 {
-                    plan.left_out.push(left_to_later(&setting.stage, number, share, least));
+                    plan.left_out.push(left_to_later(&setting.stage, number, (share, is_close), least));
                 }
                 let forms: Vec<Form> = parts.par_iter().map(|(_, p)| Form::of(&p.body, burns)).collect();
                 leaves.extend(parts.into_iter().zip(forms).map(|((part, leaf), form)| {

@@ -121,13 +121,18 @@ fn a_roughing_tip_keeps_its_thick_part_and_the_finishing_one_burns_the_rest() {
 fn a_stage_that_is_too_thin_or_has_no_room_is_left_out_and_the_last_one_is_not() {
     let mold = mold([30.0, 20.0, 10.0], &[(&rectangle(8.0, 0.8), 5.0)]);
     let slot = RegionToBurn { volume: 32.0, ..region(&mold, DVec2::new(-4.1, -0.5), DVec2::new(4.1, 0.5)) };
-    for (gap, why) in [(0.3, "thinner than the least size"), (0.45, "no room")] {
+    // 0.28 mm are less than the least size of 0.3 by less than is known.
+    for (gap, why, is_close) in [
+        (0.3, "thinner than the least size", false),
+        (0.26, "thinner than the least size", true),
+        (0.45, "no room", false),
+    ] {
         let set = planned(&mold, std::slice::from_ref(&slot), &stages(gap, false));
         assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].trouble);
         let [finish] = &set.electrodes[..] else { panic!("{}", set.electrodes.len()) };
         assert!(finish.stage == 1 && (finish.burns[0].volume - 32.0).abs() < 1e-9);
         let [left] = &set.regions[0].left_out[..] else { panic!("{:?}", set.regions[0].left_out) };
-        assert!(left.text.contains(why), "{left:?}");
+        assert!(left.text.contains(why) && left.text.contains("places alike") == is_close, "{left:?}");
     }
     let alone = planned(&mold, &[slot], &params(0.3));
     assert!(alone.electrodes.len() == 1 && alone.fails(0) && alone.regions[0].left_out.is_empty());
