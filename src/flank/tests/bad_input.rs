@@ -122,7 +122,7 @@ fn a_cutter_too_short_or_too_thick_is_planned_with_and_told_so() {
     let short = FlankCutter::cylinder(2.0, 8.0);
     assert!(matches!(short.fits(&surface, 0.0), Err(FlankError::CutterTooShort { .. })));
     let plan = planned(&surface, &short, &params).unwrap();
-    assert!(plan.warnings.iter().any(|w| w.contains("as if its flutes were long enough")), "{:?}", plan.warnings);
+    assert!(plan.warnings.iter().any(|w| w.text.contains("as if its flutes were long enough")), "{:?}", plan.warnings);
     // A hollow of radius 6, seen from inside.
     let arc = |z: f64| {
         let points = (0..=20).map(|i| 0.1 * f64::from(i)).map(|a| DVec3::new(6.0 * a.cos(), 6.0 * a.sin(), z));
@@ -158,8 +158,8 @@ fn without_a_change_of_sign_the_nearest_location_is_taken_and_said() {
     let params =
         FlankParams { slide_u: 0.001, is_covering: false, grid: [20, 10], rounds: 0, ..FlankParams::default() };
     let plan = planned(&surface, &cutter, &params).unwrap();
-    assert!(plan.warnings.iter().any(|w| w.contains("cannot touch the surface midway")), "{:?}", plan.warnings);
-    assert!(plan.warnings.iter().any(|w| w.contains("does not cover")), "{:?}", plan.warnings);
+    assert!(plan.warnings.iter().any(|w| w.text.contains("cannot touch the surface midway")), "{:?}", plan.warnings);
+    assert!(plan.warnings.iter().any(|w| w.text.contains("does not cover")), "{:?}", plan.warnings);
 }
 
 #[test]
