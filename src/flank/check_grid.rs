@@ -71,12 +71,11 @@ impl CheckGrid {
     pub fn checked(&self, path: &FlankPath, touching: &FlankCutter) -> Result<CheckedPath, FlankError> {
         let (words, along) = (self.words(), self.along.clone());
         // Most plans are made on the same places.
-        let ((deviation, feet), coverage, envelope) =
-            if self.is_even && path.deviation.grid == self.places.size() {
-                ((path.deviation.clone(), path.feet.clone()), path.coverage, path.envelope.clone())
-            } else {
-                path.over(&self.places, touching)?
-            };
+        let ((deviation, feet), coverage, envelope) = if self.is_even && path.deviation.grid == self.places.size() {
+            ((path.deviation.clone(), path.feet.clone()), path.coverage, path.envelope.clone())
+        } else {
+            path.over(&self.places, touching)?
+        };
         Ok(CheckedPath { words, deviation, feet, coverage, envelope, along })
     }
 }

@@ -129,6 +129,7 @@ fn path(result: &FlankResult, choice: PathChoice) -> PathEntry {
         t_range: path.coverage.t_range,
         height_range_mm: path.coverage.height_range_mm,
         below_mm: result.plan.params.below_mm,
+        is_closed: path.axis.is_closed(),
         control_lower: points(path.axis.lower()),
         control_upper: points(path.axis.upper()),
     }

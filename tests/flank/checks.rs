@@ -42,9 +42,14 @@ fn decisions_on_leads_are_held_against_what_is_cut_of_surface_and_wall() {
         let leads = check(&result, CheckKind::Leads);
         assert_eq!(leads.figures["own_excess_mm"], own["own_excess_mm"]);
         assert!((leads.figures["depth_mm"] - (3.0 - away)).abs() < 0.02, "{:?}", leads.figures);
-        let [of_own, of_wall] = ["cut the surface itself", "deep into a wall"].map(|words| leads.text.find(words).unwrap());
+        let [of_own, of_wall] =
+            ["cut the surface itself", "deep into a wall"].map(|words| leads.text.find(words).unwrap());
         assert_eq!(of_wall < of_own, is_wall_worse, "the worse comes first: {}", leads.text);
-        assert!(leads.text.contains("shorten aside_mm") && leads.text.contains("move the walls away"), "{}", leads.text);
+        assert!(
+            leads.text.contains("shorten aside_mm") && leads.text.contains("move the walls away"),
+            "{}",
+            leads.text
+        );
         // What was decided of the surface alone lets no wall be cut.
         assert_eq!(decided(&result, "leads:1.05"), !is_wall_worse);
         let mut again = result.clone();
@@ -158,10 +163,22 @@ fn a_failing_deviation_is_placed_where_it_is_worst_against_its_own_tolerance() {
 fn a_tool_inside_a_wall_that_lacks_a_triangle_gouges_it() {
     let mut input = loaded(&quick());
     let around = sparkpath::geometry::mesh::Mesh {
-        vertices: (0..8).map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)) * 800.0 - 400.0).collect(),
+        vertices: (0..8)
+            .map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)) * 800.0 - 400.0)
+            .collect(),
         triangles: vec![
-            [0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4],
-            [2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5],
+            [0, 2, 3],
+            [0, 3, 1],
+            [4, 5, 7],
+            [4, 7, 6],
+            [0, 1, 5],
+            [0, 5, 4],
+            [2, 6, 7],
+            [2, 7, 3],
+            [0, 4, 6],
+            [0, 6, 2],
+            [1, 3, 7],
+            [1, 7, 5],
         ],
     };
     let open = Mesh { triangles: around.triangles[1..].to_vec(), ..around.clone() };

@@ -306,7 +306,8 @@ fn leads_belong_to_the_path_and_are_named() {
     // What is said to be the furthest is that of dense sampling, and no more than was allowed.
     let dense = moves.windows(2).flat_map(|w| (0..=64).map(move |i| (w[0], w[1], f64::from(i) / 64.0)));
     let by = dense.map(|((from, start), (to, end), share)| {
-        let (wanted, axis) = (path.at(from + (to - from) * share).unwrap(), start.axis.lerp(end.axis, share).normalize());
+        let (wanted, axis) =
+            (path.at(from + (to - from) * share).unwrap(), start.axis.lerp(end.axis, share).normalize());
         let straight = ToolPose { tip: start.tip.lerp(end.tip, share), axis };
         [0.0, 20.0].map(|h| wanted.at_height(h).distance(straight.at_height(h))).into_iter().fold(0.0, f64::max)
     });

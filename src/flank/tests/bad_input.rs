@@ -198,3 +198,13 @@ fn parameters_out_of_range_are_named() {
     let two = FlankParams { offset: OffsetMethod::TwoPoint, grid: [20, 10], rounds: 0, ..usual() };
     assert!(planned(&surface, &cutter, &two).unwrap().locations.iter().all(|l| l.touch == Touch::TwoPoints));
 }
+
+#[test]
+fn what_is_said_of_one_path_is_said_to_the_readers_of_that_path_alone() {
+    let (surface, cutter, _) = case(&reference(), "cone_r1_a5_A");
+    let objective = Objective::Bounded { overcut_mm: Some(0.0), undercut_mm: Some(0.0) };
+    let params = FlankParams { grid: [30, 12], rounds: 2, objective, ..FlankParams::default() };
+    let plan = planned(&surface, &cutter, &params).unwrap();
+    let says = |path: &str| plan.warnings_of(path).any(|w| w.contains("the bounds asked for are not kept"));
+    assert_eq!(["initial", "chosen", "refined"].map(says), [false, false, true], "{:?}", plan.warnings);
+}

@@ -58,12 +58,7 @@ fn grids(result: &FlankResult) -> [Looked<'_>; 2] {
     let (path, checked) = (result.path(), &result.checked);
     [
         Looked { standing: &path.deviation, moving: &path.envelope, feet: &path.feet, is_planned: true },
-        Looked {
-            standing: &checked.deviation,
-            moving: &checked.envelope,
-            feet: &checked.feet,
-            is_planned: false,
-        },
+        Looked { standing: &checked.deviation, moving: &checked.envelope, feet: &checked.feet, is_planned: false },
     ]
 }
 
@@ -125,7 +120,8 @@ fn nearest(result: &FlankResult, place: DVec3) -> f64 {
 fn finer_moves(result: &FlankResult) -> Option<&'static str> {
     /// What counts as much (mm).
     const MUCH_MM: f64 = 0.01;
-    (result.stray_mm > MUCH_MM).then_some("have straight moves follow the path more closely (linearisation_mm, --tolerance)")
+    (result.stray_mm > MUCH_MM)
+        .then_some("have straight moves follow the path more closely (linearisation_mm, --tolerance)")
 }
 
 /// What could be done about a check that fails, as far as it was not done.
