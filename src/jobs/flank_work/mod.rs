@@ -4,6 +4,8 @@
 mod curves;
 mod stamps;
 mod steps;
+#[cfg(test)]
+mod tests;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
