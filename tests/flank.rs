@@ -22,6 +22,9 @@ use sparkpath::project::flank_params::{
 };
 use tempfile::TempDir;
 
+#[path = "flank/checks.rs"]
+mod checks;
+
 fn demonstration(surface: DemonstrationSurface) -> FlankDocument {
     FlankDocument { source: FlankSource::Demonstration { surface }, ..FlankDocument::default() }
 }

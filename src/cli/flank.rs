@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::flank_arguments::FlankArguments;
+use super::flank_arguments::{Asked, FlankArguments};
 use super::{Answer, Session};
 use crate::export::flank_report::FlankReport;
 use crate::flank::fit_ruled::{Candidate, CandidateFit};
@@ -20,7 +20,7 @@ pub(super) fn flank(arguments: &FlankArguments, session: &Session) -> anyhow::Re
     if let Some(folder) = &arguments.out {
         check_folder(folder).map_err(anyhow::Error::msg)?;
     }
-    let document = arguments.document(session)?;
+    let Asked { document, notes } = arguments.asked(session)?;
     let (progress, cancel) = (&session.progress, &session.cancel);
     let machine = load_machine(&document, user_folder().as_deref())?;
     if let Some(file) = &arguments.save {
@@ -32,7 +32,8 @@ pub(super) fn flank(arguments: &FlankArguments, session: &Session) -> anyhow::Re
     if arguments.surface.list {
         return list(&surface.value, session);
     }
-    let input = input(&document, surface, walls, machine);
+    let mut input = input(&document, surface, walls, machine);
+    input.doubts.extend(notes);
     let start = Instant::now();
     let result = plan(&input, progress, cancel).map_err(|e| anyhow::anyhow!("{}: {e}", document.name()))?;
     let seconds = start.elapsed().as_secs_f64();

@@ -207,9 +207,16 @@ fn set<T>(place: &mut T, given: Option<impl Into<T>>) {
     }
 }
 
+/// What is asked, and what its user is to be told of it.
+pub(super) struct Asked {
+    pub document: FlankDocument,
+    /// In words.
+    pub notes: Vec<String>,
+}
+
 impl FlankArguments {
     /// What is asked.
-    pub(super) fn document(&self, session: &Session) -> anyhow::Result<FlankDocument> {
+    pub(super) fn asked(&self, session: &Session) -> anyhow::Result<Asked> {
         let mut document = match &self.surface.file {
             Some(file) if is_flank_file(file) => read_flank(file)?,
             Some(file) => anyhow::bail!(
@@ -220,11 +227,13 @@ impl FlankArguments {
         };
         self.cutter.apply(&mut document);
         self.plan.apply(&mut document)?;
-        self.milling.apply(&mut document);
+        let notes = self.milling.apply(&mut document).into_iter().collect();
         document.validate().map_err(anyhow::Error::msg)?;
         if let (Some(name), Some(of)) = (&self.surface.electrode, &self.surface.of) {
             let found = flank_electrode::find(name, of, session)?;
-            (document.source, document.milling.workpiece) = (found.source, None);
+            // What a file says of another part is not meant for this one, what is asked now is.
+            document = document.of_another(found.source);
+            document.overrides.clone_from(&self.milling.overrides);
             if found.is_upside_down {
                 turn_over(&mut document)?;
             }
@@ -232,7 +241,7 @@ impl FlankArguments {
         self.surface.apply(&mut document)?;
         document.validate().map_err(anyhow::Error::msg)?;
         self.milling.clamp(&mut document)?;
-        Ok(document)
+        Ok(Asked { document, notes })
     }
 }
 
@@ -275,8 +284,12 @@ impl SurfaceArguments {
             let units = document.walls.as_ref().map_or_else(Units::default, |walls| walls.units);
             document.walls = Some(WallsFile { file: file.clone(), units });
         }
-        if let Some(walls) = &mut document.walls {
-            set(&mut walls.units, self.units);
+        match &mut document.walls {
+            Some(walls) => set(&mut walls.units, self.units),
+            None if self.units.is_some() && !matches!(document.source, FlankSource::Mesh(_)) => anyhow::bail!(
+                "--units is for a mesh and for walls, and there is neither: guide curves are in mm; scale them before"
+            ),
+            None => {}
         }
         Ok(())
     }
@@ -331,10 +344,16 @@ impl PlanArguments {
 }
 
 impl MillingArguments {
-    fn apply(&self, document: &mut FlankDocument) {
+    /// Answers what of a former machine was forgotten and is not given anew, in words.
+    fn apply(&self, document: &mut FlankDocument) -> Option<String> {
         let milling = &mut document.milling;
         let machine = self.machine.as_deref().map(|name| if name == "none" { "" } else { name });
-        set(&mut milling.machine, machine);
+        let forgotten = machine.filter(|machine| *machine != milling.machine).and_then(|machine| {
+            // What is given anew is not missed.
+            milling.gauge_length_mm = milling.gauge_length_mm.filter(|_| self.gauge_length.is_none());
+            milling.workpiece = milling.workpiece.take().filter(|_| !self.is_clamped_anew());
+            milling.take_machine(machine)
+        });
         set(&mut milling.cut, self.cut);
         milling.gauge_length_mm = self.gauge_length.or(milling.gauge_length_mm);
         set(&mut milling.post, self.post.clone());
@@ -345,11 +364,16 @@ impl MillingArguments {
         set(&mut milling.retract_mm, self.retract);
         set(&mut milling.program.tip_control, self.tip_control);
         document.overrides.extend(self.overrides.iter().cloned());
+        forgotten
+    }
+
+    fn is_clamped_anew(&self) -> bool {
+        self.zero.is_some() || self.clamp_z.is_some() || self.clamp_x.is_some()
     }
 
     /// Puts the workpiece where it was asked for; what was not said stays where the machine's file has it.
     fn clamp(&self, document: &mut FlankDocument) -> anyhow::Result<()> {
-        if self.zero.is_none() && self.clamp_z.is_none() && self.clamp_x.is_none() {
+        if !self.is_clamped_anew() {
             return Ok(());
         }
         let Some(machine) = load_machine(document, user_folder().as_deref())? else {

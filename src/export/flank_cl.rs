@@ -39,7 +39,7 @@ pub struct ClJob<'a> {
 /// # Errors
 /// [`ToolPathError`] where the path has no tool.
 pub fn cl_text(path: &ToolPath, job: &ClJob) -> Result<String, ToolPathError> {
-    let moves = path.straightened(job.tolerance_mm, job.flute_mm)?;
+    let moves = path.straightened(job.tolerance_mm, job.flute_mm)?.moves;
     let mut lines = vec![format!("PARTNO/{}", plain(job.part))];
     let mut remark = |text: &str| lines.extend(wrapped(text));
     remark(&format!("Sparkpath {}: flank path, mm, workpiece frame", env!("CARGO_PKG_VERSION")));

@@ -138,7 +138,10 @@ pub struct PathEntry {
     pub height_range_mm: [f64; 2],
     /// How far below the curve of `control_lower` the bottom's centre is, along the axis (mm).
     pub below_mm: f64,
-    /// Control points of the curve of the axis at the lower guide (mm), of a clamped uniform cubic B-spline over t.
+    /// Whether the curves of the axis are closed, around a closed surface.
+    pub is_closed: bool,
+    /// Control points of the curve of the axis at the lower guide (mm), of a uniform cubic B-spline over t: clamped, or
+    /// periodic if it is closed, where the points 0, 1, 2 come again after the last.
     pub control_lower: Vec<[f64; 3]>,
     /// The same of the upper end of the axis.
     pub control_upper: Vec<[f64; 3]>,

@@ -3,7 +3,7 @@
 
 use super::FlankError;
 use super::cutter::FlankCutter;
-use super::deviation::{DesignGrid, Deviation};
+use super::deviation::{DesignGrid, Deviation, Feet};
 use super::envelope::EnvelopeCheck;
 use super::path::{Coverage, FlankPath};
 use super::ruled_surface::RuledSurface;
@@ -69,19 +69,14 @@ impl CheckGrid {
     /// # Errors
     /// [`FlankError::Unmeasured`] if no place of the axis stands over some place.
     pub fn checked(&self, path: &FlankPath, touching: &FlankCutter) -> Result<CheckedPath, FlankError> {
-        let words = self.words();
+        let (words, along) = (self.words(), self.along.clone());
         // Most plans are made on the same places.
-        let (deviation, coverage, envelope) = if self.is_even && path.deviation.grid == self.places.size() {
-            (path.deviation.clone(), path.coverage, path.envelope.clone())
+        let ((deviation, feet), coverage, envelope) = if self.is_even && path.deviation.grid == self.places.size() {
+            ((path.deviation.clone(), path.feet.clone()), path.coverage, path.envelope.clone())
         } else {
             path.over(&self.places, touching)?
         };
-        let worst = (0..envelope.deviation.values.len()).max_by(|a, b| {
-            let values = &envelope.deviation.values;
-            values[*a].abs().total_cmp(&values[*b].abs())
-        });
-        let worst = worst.and_then(|k| self.places.places().nth(k)).map_or([0.0; 2], |place| [place.u, place.v]);
-        Ok(CheckedPath { words, deviation, coverage, envelope, worst })
+        Ok(CheckedPath { words, deviation, feet, coverage, envelope, along })
     }
 }
 
@@ -92,10 +87,21 @@ pub struct CheckedPath {
     pub words: String,
     /// Deviation of the standing cutter.
     pub deviation: Deviation,
+    /// Where the axis stands over the places of the grid.
+    pub feet: Feet,
     /// What is covered.
     pub coverage: Coverage,
     /// Deviation of the moving cutter.
     pub envelope: EnvelopeCheck,
-    /// u and v of the place where the moving cutter is off most.
-    pub worst: [f64; 2],
+    /// u of the grid's rulings.
+    along: Vec<f64>,
+}
+
+impl CheckedPath {
+    /// u and v of the place with this number.
+    pub fn place(&self, number: usize) -> [f64; 2] {
+        let across = self.deviation.grid[1].max(1);
+        let u = self.along.get(number / across).copied().unwrap_or(1.0);
+        [u, (number % across) as f64 / (across.max(2) - 1) as f64]
+    }
 }

@@ -32,7 +32,7 @@ pub mod ruled_surface;
 #[cfg(test)]
 mod tests;
 pub mod walls;
-mod warning;
+pub mod warning;
 
 use glam::DVec3;
 

@@ -17,7 +17,6 @@ use super::deviation::{DesignGrid, GridPlace};
 use super::envelope;
 use super::gouge::{Frustum, ToolPart, tool_of};
 use super::path::{FlankPath, FlankPose};
-use super::ruled_surface::RuledSurface;
 use crate::progress::{Cancel, Progress};
 
 /// How exact depths are (mm).
@@ -49,21 +48,6 @@ impl OwnGouge {
     }
 }
 
-/// The envelope beside a sweep by brute force along the normals.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct SweepCheck {
-    /// Places along u and v.
-    pub grid: [usize; 2],
-    /// Greatest difference between both (mm).
-    pub greatest_difference_mm: f64,
-    /// The place of it, u and v.
-    pub place: [f64; 2],
-    /// Sum of absolute deviations by the envelope and by the sweep (mm), over places that both know.
-    pub sums_mm: [f64; 2],
-    /// Places that the cutter stands nowhere over, or whose normals the flutes never reach.
-    pub without: usize,
-}
-
 /// How the whole tool keeps off the design surface.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OwnSurfaceCheck {
@@ -75,8 +59,6 @@ pub struct OwnSurfaceCheck {
     pub count: usize,
     /// The one that is cut deepest beyond what is expected.
     pub worst: Option<OwnGouge>,
-    /// The second opinion of the envelope.
-    pub sweep: SweepCheck,
 }
 
 impl OwnSurfaceCheck {
@@ -107,7 +89,7 @@ impl OwnSurfaceCheck {
     }
 }
 
-/// Holds every place of a grid of the design surface `surface` against the whole `cutter`, flutes and holder, all along `path`.
+/// Holds every place of a `grid` of the design surface against the whole `cutter`, flutes and holder, all along `path`.
 /// A place fails where it lies deeper in the tool than the moving cutter cuts there, by more than `tolerance_mm`.
 ///
 /// # Errors
@@ -115,7 +97,6 @@ impl OwnSurfaceCheck {
 pub fn own_surface(
     path: &FlankPath,
     cutter: &FlankCutter,
-    surface: &RuledSurface,
     (grid, tolerance_mm): (&DesignGrid, f64),
     (progress, cancel): (&Progress, &Cancel),
 ) -> Result<OwnSurfaceCheck, FlankError> {
@@ -144,10 +125,8 @@ pub fn own_surface(
     let found = found?;
     let gouges = || found.iter().take(grid.counted_places().len()).flatten();
     let worst = gouges().max_by(|a, b| a.excess_mm().total_cmp(&b.excess_mm())).copied();
-    progress.report("the tool against its own surface", 0.9, "");
-    let sweep = swept(path, &touching, surface, cancel)?;
     progress.report("the tool against its own surface", 1.0, "");
-    Ok(OwnSurfaceCheck { grid: grid.counted_size(), tolerance_mm, count: gouges().count(), worst, sweep })
+    Ok(OwnSurfaceCheck { grid: grid.counted_size(), tolerance_mm, count: gouges().count(), worst })
 }
 
 /// The least distance from a point to the tool along the path, where and by which part, if it is less than `most`.
@@ -179,7 +158,7 @@ fn deepest(path: &FlankPath, tool: &[(ToolPart, Frustum)], p: DVec3, most: f64) 
 }
 
 /// Deviation of the moving cutter over the places of a grid; none where it stands nowhere over one.
-fn moving(grid: &DesignGrid, path: &FlankPath, touching: &FlankCutter) -> Vec<Option<f64>> {
+pub(super) fn moving(grid: &DesignGrid, path: &FlankPath, touching: &FlankCutter) -> Vec<Option<f64>> {
     let standing = grid.measured(&path.axis, touching, None);
     let over = |(place, standing): (&GridPlace, &Option<(f64, DVec2)>)| {
         let (still, foot) = (*standing)?;
@@ -187,39 +166,4 @@ fn moving(grid: &DesignGrid, path: &FlankPath, touching: &FlankCutter) -> Vec<Op
         Some(grazing.and_then(|g| g.above).unwrap_or(still))
     };
     grid.grid_places().par_iter().zip(&standing).map(over).collect()
-}
-
-/// The envelope beside the brute-force sweep, on a coarse grid.
-fn swept(
-    path: &FlankPath,
-    touching: &FlankCutter,
-    surface: &RuledSurface,
-    cancel: &Cancel,
-) -> Result<SweepCheck, FlankError> {
-    const SIZE: [usize; 2] = [15, 7];
-    const SAMPLES: usize = 100;
-    let grid = DesignGrid::new(surface, SIZE);
-    let moving = moving(&grid, path, touching);
-    // Flutes are gone on past both ends, as those of the envelope are: whether they reach is told by coverage.
-    let further = touching.radius_at(touching.length_mm);
-    let heights = [-path.below_mm - touching.radius_mm, touching.length_mm + further];
-    let one = |place: &GridPlace| -> Result<Option<f64>, FlankError> {
-        cancel.check()?;
-        Ok(envelope::swept_above(&path.axis, touching, (place.at.point, place.at.normal), heights, SAMPLES))
-    };
-    let found: Result<Vec<Option<f64>>, FlankError> = grid.counted_places().par_iter().map(one).collect();
-    let mut check =
-        SweepCheck { grid: SIZE, greatest_difference_mm: 0.0, place: [0.0; 2], sums_mm: [0.0; 2], without: 0 };
-    for ((place, swept), moving) in grid.places().zip(found?).zip(moving) {
-        let (Some(swept), Some(moving)) = (swept, moving) else {
-            check.without += 1;
-            continue;
-        };
-        check.sums_mm = [check.sums_mm[0] + moving.abs(), check.sums_mm[1] + swept.abs()];
-        if (swept - moving).abs() > check.greatest_difference_mm {
-            check.greatest_difference_mm = (swept - moving).abs();
-            check.place = [place.u, place.v];
-        }
-    }
-    Ok(check)
 }

@@ -63,8 +63,8 @@ impl FlankPath {
         Self { axis, below_mm, poses, deviation, feet, coverage, envelope }
     }
 
-    /// What it does over another grid: deviation of the standing cutter, coverage, and the moving cutter. `cutter` is what
-    /// touches.
+    /// What it does over another grid: deviation of the standing cutter and where it stands, coverage, and the moving cutter.
+    /// `cutter` is what touches.
     ///
     /// # Errors
     /// [`FlankError::Unmeasured`] if no place of the axis stands over some place.
@@ -72,11 +72,11 @@ impl FlankPath {
         &self,
         grid: &DesignGrid,
         cutter: &FlankCutter,
-    ) -> Result<(Deviation, Coverage, EnvelopeCheck), FlankError> {
+    ) -> Result<((Deviation, Feet), Coverage, EnvelopeCheck), FlankError> {
         let (deviation, feet) = grid.deviation(&self.axis, cutter, None)?;
         let envelope = envelope::check(grid, &self.axis, cutter, (&deviation, &feet));
         let coverage = coverage((&self.axis, self.below_mm), cutter, &feet, &envelope);
-        Ok((deviation, coverage, envelope))
+        Ok(((deviation, feet), coverage, envelope))
     }
 
     /// The cutter at `t`, from 0 to 1.

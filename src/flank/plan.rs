@@ -12,7 +12,7 @@ use super::params::{FlankParams, OffsetMethod};
 use super::path::FlankPath;
 use super::refine::{is_better, refine};
 use super::ruled_surface::RuledSurface;
-use super::warning;
+use super::warning::{self, PlanWarning};
 use crate::progress::{Cancel, Progress};
 
 /// What is said where the cutter touches all of the surface from the start.
@@ -37,14 +37,20 @@ pub struct FlankPlan {
     pub chosen: FlankPath,
     /// The path made best in the objective; the chosen one again if no rounds were asked for.
     pub refined: FlankPath,
-    /// What the reader must know, in words.
-    pub warnings: Vec<String>,
+    /// What the reader must know.
+    pub warnings: Vec<PlanWarning>,
 }
 
 impl FlankPlan {
     /// The paths and their names: initial, chosen, refined.
     pub fn paths(&self) -> [(&'static str, &FlankPath); 3] {
         [("initial", &self.initial), ("chosen", &self.chosen), ("refined", &self.refined)]
+    }
+
+    /// What the reader of one of the paths must know, in words: what is of the plan, and of this path.
+    pub fn warnings_of<'a>(&'a self, path: &'a str) -> impl Iterator<Item = &'a str> {
+        let of_it = self.warnings.iter().filter(move |warning| warning.path.is_none_or(|of| of == path));
+        of_it.map(|warning| warning.text.as_str())
     }
 
     /// The sum of absolute deviations of a path as a share of the initial one's.
@@ -63,7 +69,13 @@ impl FlankPlan {
         self.has_deviation().then(|| sum / self.initial.deviation.sum)
     }
 
-    /// The same in words, as in `ratio 0.541`.
+    /// The same of the moving cutter: its sum on a path as a share of its sum on the initial one.
+    pub fn moving_share(&self, path: &FlankPath) -> Option<f64> {
+        let [sum, first] = [path, &self.initial].map(|path| path.envelope.deviation.sum);
+        self.has_deviation().then(|| sum / first.max(f64::MIN_POSITIVE))
+    }
+
+    /// A [`Self::share`] in words, as in `ratio 0.541`.
     pub fn ratio_words(&self, sum: f64) -> String {
         self.share(sum).map_or_else(|| WITHIN_ROUNDING.to_owned(), |share| format!("ratio {share:.3}"))
     }

@@ -7,8 +7,29 @@ use super::plan::{FlankPlan, RING_FIT_MM};
 use super::refine::path_beyond_bounds;
 use super::ruled_surface::RuledSurface;
 
+/// What the reader of a plan must know.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PlanWarning {
+    /// Of which path alone: see [`FlankPlan::paths`]. None if it is of the whole plan.
+    pub path: Option<&'static str>,
+    /// In words.
+    pub text: String,
+}
+
 /// All warnings of a plan.
-pub(super) fn of_plan(surface: &RuledSurface, plan: &FlankPlan) -> Vec<String> {
+pub(super) fn of_plan(surface: &RuledSurface, plan: &FlankPlan) -> Vec<PlanWarning> {
+    let mut warnings = of_whole(surface, plan);
+    for (name, path) in plan.paths() {
+        let of_path = of_coverage(name, path).into_iter().chain(of_envelope(path));
+        warnings.extend(of_path.map(|text| PlanWarning { path: Some(name), text }));
+    }
+    let refined = of_bounds(plan).into_iter().chain(of_refined(plan));
+    warnings.extend(refined.map(|text| PlanWarning { path: Some("refined"), text }));
+    warnings
+}
+
+/// Those of the plan as a whole.
+fn of_whole(surface: &RuledSurface, plan: &FlankPlan) -> Vec<PlanWarning> {
     let mut warnings = Vec::new();
     if let Err(error) = plan.cutter.fits(surface, plan.params.below_mm) {
         let instead = match error {
@@ -19,11 +40,21 @@ pub(super) fn of_plan(surface: &RuledSurface, plan: &FlankPlan) -> Vec<String> {
     }
     warnings.extend(of_locations(plan));
     warnings.extend(of_ring(plan));
-    warnings.extend(of_bounds(plan));
-    for (name, path) in plan.paths() {
-        warnings.extend(of_coverage(name, path));
+    let [along, across] = plan.ranks.grid;
+    if plan.ranks.grid != plan.params.grid {
+        warnings.push(format!(
+            "the grid is fine: ranks were tried on one of {along} x {across} places, and the sums over ranks are of that one"
+        ));
     }
-    warnings.extend(of_envelope(&plan.refined));
+    if plan.ranks.best == 0 {
+        warnings.push("no rank makes the sum of deviations less: the initial path was kept as the chosen one".into());
+    }
+    warnings.into_iter().map(|text| PlanWarning { path: None, text }).collect()
+}
+
+/// What the refined path is worse in than the first one.
+fn of_refined(plan: &FlankPlan) -> Vec<String> {
+    let mut warnings = Vec::new();
     let (before, after) = (&plan.initial.deviation, &plan.refined.deviation);
     if is_worse(before.most_undercut, after.most_undercut) {
         let (a, b) = (before.most_undercut, after.most_undercut);
@@ -38,15 +69,6 @@ pub(super) fn of_plan(surface: &RuledSurface, plan: &FlankPlan) -> Vec<String> {
             "the refined path's sum is less, but its greatest overcut is {b:.4} mm where the initial one's is {a:.4} mm; bound \
              the overcut if that matters"
         ));
-    }
-    let [along, across] = plan.ranks.grid;
-    if plan.ranks.grid != plan.params.grid {
-        warnings.push(format!(
-            "the grid is fine: ranks were tried on one of {along} x {across} places, and the sums over ranks are of that one"
-        ));
-    }
-    if plan.ranks.best == 0 {
-        warnings.push("no rank makes the sum of deviations less: the initial path was kept as the chosen one".into());
     }
     warnings
 }

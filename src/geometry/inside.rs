@@ -1,5 +1,7 @@
 //! Inside or outside a closed surface, also where the surface is folded or crosses itself.
 
+use std::f64::consts::TAU;
+
 use glam::DVec3;
 
 use super::exact::ExactMesh;
@@ -21,6 +23,22 @@ pub fn winding_number(mesh: &ExactMesh, p: DVec3) -> i32 {
 /// Whether `p` is inside of a mesh of which only few points are asked: every triangle is looked at, nothing is prepared.
 pub fn is_inside_of(mesh: &Mesh, p: DVec3) -> bool {
     agreed(|direction| signed_crossings(mesh.iter_corners(), p, direction)) != 0
+}
+
+/// How often a mesh that need not be closed winds around `p`: where it is closed, outwards, 1 inside and 0 outside; where
+/// something of it is missing, less than 1 by the share of all directions in which `p` looks out of it. One is inside of
+/// what lacks little where this is above a half.
+pub fn generalised_winding_number(mesh: &Mesh, p: DVec3) -> f64 {
+    mesh.iter_corners().map(|corners| half_solid_angle(&corners, p)).sum::<f64>() / TAU
+}
+
+/// Half of the solid angle under which a triangle is seen from `p`, positive from behind it. After A. Van Oosterom and
+/// J. Strackee (IEEE Trans. Biomed. Eng. 30, 1983).
+pub fn half_solid_angle(corners: &[DVec3; 3], p: DVec3) -> f64 {
+    let [a, b, c] = corners.map(|q| q - p);
+    let (la, lb, lc) = (a.length(), b.length(), c.length());
+    let cosine = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+    a.dot(b.cross(c)).atan2(cosine)
 }
 
 /// The number of crossings that two directions agree on, or else two of three.

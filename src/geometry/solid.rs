@@ -240,7 +240,18 @@ pub fn prism(rings: &[&[DVec2]], low: f64, high: f64) -> Result<Mesh, SolidError
 /// Whether a mesh is closed as files know it: with vertices within `within` (mm) taken for one, each side of a triangle has
 /// exactly one neighbour, which runs the other way.
 pub fn is_closed(mesh: &Mesh, within: f64) -> bool {
-    let mut known = std::collections::HashMap::new();
+    welded(mesh, within).is_watertight()
+}
+
+/// How many sides of triangles have not exactly one neighbour, which runs the other way: see [`is_closed`].
+pub fn open_edges(mesh: &Mesh, within: f64) -> usize {
+    let sides = welded(mesh, within).directed_edges();
+    sides.iter().filter(|((a, b), count)| **count != 1 || sides.get(&(*b, *a)) != Some(&1)).count()
+}
+
+/// The triangles of a mesh whose vertices within `within` (mm) are one, without those that are none then. Without places.
+fn welded(mesh: &Mesh, within: f64) -> Mesh {
+    let mut known = HashMap::new();
     let places: Vec<u32> = mesh
         .vertices
         .iter()
@@ -250,8 +261,8 @@ pub fn is_closed(mesh: &Mesh, within: f64) -> bool {
         })
         .collect();
     let welded = mesh.triangles.iter().map(|t| t.map(|v| places[v as usize]));
-    let triangles: Vec<[u32; 3]> = welded.filter(|[a, b, c]| a != b && b != c && c != a).collect();
-    Mesh { vertices: Vec::new(), triangles }.is_watertight()
+    let triangles = welded.filter(|[a, b, c]| a != b && b != c && c != a).collect();
+    Mesh { vertices: Vec::new(), triangles }
 }
 
 #[cfg(test)]

@@ -30,11 +30,12 @@ use crate::project::flank_override::FlankOverride;
 use crate::project::flank_params::{CutDirection, MillingSettings, PathChoice};
 
 mod checks;
+mod clearances;
 mod places;
 mod way;
 
 pub use checks::{CheckKind, FlankCheck};
-use way::{leads, milled, tool_path};
+use way::{leads, milled, stray, tool_path};
 
 /// How far what is given as walls may be off the surface itself without being a wall (mm): the same part once more.
 const OWN_MM: f64 = 0.01;
@@ -193,6 +194,9 @@ pub struct FlankResult {
     pub retract: Vec<ToolPose>,
     /// The machine's path, or why there is none; none of both without a machine.
     pub milled: Option<Result<Milled, String>>,
+    /// The furthest that tip and flutes' top leave the path on the straight moves that are written (mm): of the cutter
+    /// locations or of the machine's positions, whichever is more.
+    pub stray_mm: f64,
     /// How it is milled.
     pub milling: MillingSettings,
     /// How much the moving cutter may cut otherwise than the standing one at any place (mm).
@@ -302,7 +306,7 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
     let checked = grid.checked(path, &input.cutter.above(input.params.below_mm)?)?;
     let whole_tool = grid.for_whole_tool(&surface);
     let against = (&whole_tool, input.params.gouge_tolerance_mm);
-    let own_surface = own_surface(path, &input.cutter, &surface, against, (progress, cancel))?;
+    let own_surface = own_surface(path, &input.cutter, against, (progress, cancel))?;
     let [approach, retract] = leads(&surface, path, &input.milling);
     let walls = walls(input, (&surface, path), fit.as_ref(), cancel)?;
     let gouge = lesser_of(&walls, |wall| gouge::check(path, &input.cutter, wall, progress, cancel))?;
@@ -322,6 +326,7 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
         milled(machine, &path, (&input.milling, &input.cutter), cancel)
     });
     cancel.check()?;
+    let stray_mm = stray(path, &input.milling, [&approach, &retract], (&input.cutter, milled.as_ref()));
     progress.report("positions of the machine", 1.0, "");
     let mut result = FlankResult {
         name: input.name.clone(),
@@ -337,6 +342,7 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
         approach,
         retract,
         milled,
+        stray_mm,
         milling: input.milling.clone(),
         envelope_tolerance_mm: input.envelope_tolerance_mm,
         overcut_tolerance_mm: input.overcut_tolerance_mm,

@@ -9,7 +9,6 @@ use crate::flank::fit_ruled::RuledFit;
 use crate::flank::gouge::{Clearance, ToolPart};
 use crate::flank::machine::joint_feed::Slowed;
 use crate::flank::offset::Touch;
-use crate::flank::path::FlankPath;
 use crate::flank::ruled_surface::{RuledSurface, Side};
 use crate::geometry::nurbs::NurbsCurve;
 use crate::project::flank_override::FlankOverride;
@@ -121,7 +120,7 @@ fn path(result: &FlankResult, choice: PathChoice) -> PathEntry {
         name: choice.name(),
         is_milled: choice == result.path,
         ratio: result.plan.share(path.deviation.sum),
-        moving_ratio: result.plan.share(path.deviation.sum).map(|_| moving_share(result, path)),
+        moving_ratio: result.plan.moving_share(path),
         standing: Figures::of(&path.deviation),
         moving: Figures::of(&path.envelope.deviation),
         greatest_difference_mm: path.envelope.greatest_difference,
@@ -130,14 +129,10 @@ fn path(result: &FlankResult, choice: PathChoice) -> PathEntry {
         t_range: path.coverage.t_range,
         height_range_mm: path.coverage.height_range_mm,
         below_mm: result.plan.params.below_mm,
+        is_closed: path.axis.is_closed(),
         control_lower: points(path.axis.lower()),
         control_upper: points(path.axis.upper()),
     }
-}
-
-/// The moving cutter's sum as a share of its sum on the initial path.
-fn moving_share(result: &FlankResult, path: &FlankPath) -> f64 {
-    path.envelope.deviation.sum / result.plan.initial.envelope.deviation.sum.max(f64::MIN_POSITIVE)
 }
 
 fn paper(document: &FlankDocument) -> PaperEntry {

@@ -98,3 +98,16 @@ fn every_change_has_a_name_for_undo() {
     }
     assert_eq!(before.change_since(&before), "");
 }
+
+#[test]
+fn another_machine_forgets_how_workpiece_and_tool_were_on_the_former_one() {
+    let mut milling = FlankDocument::default().milling;
+    let machine = milling.machine.clone();
+    (milling.workpiece, milling.gauge_length_mm) = (Some(Default::default()), Some(125.0));
+    let clamped = milling.clone();
+    assert_eq!((milling.take_machine(&machine), &milling), (None, &clamped), "it is the same");
+    let said = milling.take_machine("fork-cb").unwrap();
+    assert!(said.contains("clamped") && said.contains("gauge_length_mm"), "{said}");
+    assert_eq!((milling.workpiece.clone(), milling.gauge_length_mm, &*milling.machine), (None, None, "fork-cb"));
+    assert_eq!((milling.take_machine(&machine), milling.machine), (None, machine), "there is nothing to forget");
+}

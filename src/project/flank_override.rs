@@ -77,6 +77,10 @@ impl FlankOverride {
         if self.is_for_whatever() {
             return None;
         }
+        if now.is_empty() {
+            let why = "what fails here has no figure to be held against the one that this was decided for";
+            return Some(format!("{why}; it does not hold: name the check alone to let it pass whatever it finds"));
+        }
         let allowed = |name: &str| {
             // What was not wrong when it was decided is not let pass now.
             let unknown = if self.figures.is_empty() { f64::INFINITY } else { 0.0 };
@@ -171,6 +175,11 @@ mod tests {
         assert!(most.lapsed(&figures(&[("depth_mm", 0.12)])).is_none());
         assert!(most.lapsed(&figures(&[("depth_mm", 0.2)])).is_some());
         assert_eq!(FlankOverride::whatever("gouge").lapsed(&figures(&[("depth_mm", 9.0)])), None);
+        // What cannot be counted is within no figure.
+        for one in [then, most] {
+            assert!(one.lapsed(&Figures::new()).is_some_and(|why| why.contains("name the check alone")), "{one}");
+        }
+        assert_eq!(FlankOverride::whatever("machine").lapsed(&Figures::new()), None);
     }
 
     #[test]

@@ -269,6 +269,24 @@ impl Default for MillingSettings {
 }
 
 impl MillingSettings {
+    /// Takes another machine. Where the workpiece stands on the former one, and how long the tool is on it, says nothing of
+    /// this one: both are then as its file says. Answers in words what was forgotten, if anything.
+    pub fn take_machine(&mut self, machine: &str) -> Option<String> {
+        if self.machine == machine {
+            return None;
+        }
+        self.machine = machine.to_owned();
+        let clamped = self.workpiece.take().map(|_| "how the workpiece was clamped");
+        let tool = self.gauge_length_mm.take().map(|_| "the length of the tool (gauge_length_mm)");
+        let forgotten: Vec<&str> = clamped.into_iter().chain(tool).collect();
+        let what = forgotten.join(" and ");
+        (!forgotten.is_empty()).then(|| {
+            format!(
+                "the machine is another: {what} was of the former one, and is now as the machine's file says; see to it"
+            )
+        })
+    }
+
     /// How closely the machine is to follow, with flutes of this length (mm).
     pub fn linearisation(&self, flutes_mm: f64) -> LinearisationParams {
         LinearisationParams {

@@ -4,12 +4,14 @@ use std::path::Path;
 
 use glam::DVec3;
 use sparkpath::flank::params::Objective;
+use sparkpath::flank::ruled_surface::Side;
 use sparkpath::geometry::mesh::Mesh;
 use sparkpath::mesh_io::{Units, write_stl};
 use sparkpath::mold::cutter::{Cutter, CutterLibrary};
 use sparkpath::project::MoldParams;
-use sparkpath::project::flank_file::read_flank;
-use sparkpath::project::flank_params::{CutDirection, FlankSource};
+use sparkpath::project::flank_file::{read_flank, write_flank};
+use sparkpath::project::flank_override::FlankOverride;
+use sparkpath::project::flank_params::{CutDirection, FlankDocument, FlankSource, WallsFile};
 use sparkpath::project::mold_file::write_mold;
 
 use super::uncut::pocket;
@@ -140,6 +142,7 @@ fn every_mistake_is_one_line_and_is_found_before_anything_is_computed() {
         (&["--demo", "a", "--feed", "nan"], "feed_mm_per_min is NaN"),
         (&["--demo", "a", "--max-overcut", "0"], "are for --objective bounded"),
         (&["--demo", "a", "--flank", "1"], "give one with --mesh"),
+        (&["--lower", &lower, "--upper", &lower, "--units", "inch"], "guide curves are in mm"),
         (&["--demo", "a", "--walls", "nowhere.stl"], "nowhere.stl"),
         (&["--demo", "a", "--out", &lower], "lower.csv"),
         (&["--mesh", &small], "small.obj: it says no unit"),
@@ -178,7 +181,18 @@ fn an_electrode_of_a_mold_or_of_a_folder_is_milled_as_it_stands_on_the_table() {
     let saved = read_flank(&save).unwrap();
     let FlankSource::Mesh(source) = &saved.source else { panic!("{said}") };
     assert!(source.part() == "E01 of mold" && source.fit.up == DVec3::NEG_Z);
-    assert_eq!(saved.milling.workpiece.unwrap().z_axis, DVec3::NEG_Z);
+    assert_eq!(saved.milling.workpiece.as_ref().unwrap().z_axis, DVec3::NEG_Z);
+    // What was said of one part is not said of another that takes its place.
+    let mut other = FlankDocument { side: Side::Negative, ..saved.clone() };
+    other.overrides = vec![FlankOverride::whatever("gouge")];
+    other.walls = Some(WallsFile { file: mesh.into(), units: Units::Mm });
+    write_flank(&save, &other).unwrap();
+    let other = ["--electrode", "E01", "--of", out, "--override", "leads:0.5", "--save", save.to_str().unwrap()];
+    let (code, said, last) = run(&[&[save.to_str().unwrap()][..], &other].concat());
+    assert!(matches!(code, Some(0 | 3)), "{said} {last}");
+    let found = read_flank(&save).unwrap();
+    assert_eq!((found.side, found.walls, found.cutter), (Side::Automatic, None, saved.cutter));
+    assert_eq!(found.overrides, ["leads:0.5".parse().unwrap()]);
     for (of, name, words) in [
         (file, "E99", "there is no electrode \"E99\"; there are E01"),
         (out, "E99", "there is no electrode \"E99\"; there are E01"),
@@ -222,6 +236,13 @@ fn a_users_own_machine_and_what_is_said_beside_a_file_are_taken() {
     let document = read_flank(Path::new(save)).unwrap();
     let bounds = Objective::Bounded { overcut_mm: Some(0.04), undercut_mm: Some(0.07) };
     assert_eq!((document.plan.objective, document.milling.cut), (bounds, CutDirection::Conventional));
+    // Another machine has the workpiece and the tool where its own file says, and that is said.
+    assert_eq!(told(&[save, "--zero", "0,0,45", "--gauge-length", "125", "--save", save]).0, Some(0));
+    assert!(read_flank(Path::new(save)).unwrap().milling.workpiece.is_some());
+    let (code, said, _) = run(&[save, "--machine", "trunnion-ac", "--gauge-length", "130", "--save", save]);
+    assert!(code == Some(0) && said.contains("how the workpiece was clamped was of the former one"), "{said}");
+    let milling = read_flank(Path::new(save)).unwrap().milling;
+    assert_eq!((milling.workpiece, milling.gauge_length_mm), (None, Some(130.0)));
     // What the post cannot say is found before anything is computed.
     let post = sparkpath::export::flank_nc::BUILT_IN_POST.1.replacen("[[axes]]\naxis = \"c\"\nword = \"C\"\n", "", 1);
     let post = file(folder.path(), "no_c.toml", &post);

@@ -316,7 +316,7 @@ impl FlankDesk {
             (_, Some(sketch)) => (Some(sketch), Standing::Sketch),
             // What cannot be planned has no deviations, and another surface has others.
             _ if self.why_not().is_some() => (None, Standing::Nothing),
-            (Some(planned), _) if self.is_of_same_surface(&planned) => (Some(planned), Standing::Stale),
+            (Some(planned), _) if self.work.is_planned_of_surface(&self.params) => (Some(planned), Standing::Stale),
             _ => (None, Standing::Nothing),
         };
         let is_seen = shown.is_some() || self.open_side().is_some();
@@ -335,13 +335,10 @@ impl FlankDesk {
 
     /// The plan or the quick look that the present surface is known from, whatever cutter they are of.
     pub fn surface_from(&self) -> (Option<&Arc<Planned>>, Option<&Arc<Sketch>>) {
-        let planned = self.shown.as_ref().or(self.work.planned().filter(|planned| self.is_of_same_surface(planned)));
+        let is_same = self.work.is_planned_of_surface(&self.params);
+        let planned = self.shown.as_ref().or(self.work.planned().filter(|_| is_same));
         let sketch = self.work.sketched(&self.params, true).filter(|_| planned.is_none());
         (planned, sketch)
-    }
-
-    fn is_of_same_surface(&self, planned: &Planned) -> bool {
-        planned.result.name == self.params.name()
     }
 
     /// What was seen at a glance of the present parameters, or while they are dragged of the last ones.

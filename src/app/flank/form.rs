@@ -354,9 +354,13 @@ fn machine(ui: &mut Ui, core: &Core, params: &mut FlankDocument, wrong: &mut Opt
         let now = if milling.machine.is_empty() { "none".to_owned() } else { file_name(&milling.machine) };
         let combo = ComboBox::from_id_salt("milling machine").selected_text(now).width(160.0);
         let shown = combo.show_ui(ui, |ui| {
-            ui.selectable_value(&mut milling.machine, String::new(), "none").on_hover_text("Cutter locations only");
+            let mut chosen = milling.machine.clone();
+            ui.selectable_value(&mut chosen, String::new(), "none").on_hover_text("Cutter locations only");
             for [name, title] in &core.flank.machines {
-                ui.selectable_value(&mut milling.machine, name.clone(), file_name(name)).on_hover_text(title);
+                ui.selectable_value(&mut chosen, name.clone(), file_name(name)).on_hover_text(title);
+            }
+            if let Some(forgotten) = milling.take_machine(&chosen) {
+                *wrong = Some(forgotten);
             }
             if ui.selectable_label(false, "Own file\u{2026}").clicked() {
                 asked = Some(Purpose::Flank(FlankPurpose::Machine));

@@ -96,15 +96,15 @@ fn figures(ui: &mut Ui, core: &mut Core, planned: &Planned) {
                 }
                 ui.end_row();
             }
-            ui.label("ratio").on_hover_text("Of the sum to the initial path's sum of the standing cutter");
+            ui.label("ratio").on_hover_text("Of the sum to that of the same cutter on the initial path");
             for path in paths {
-                let sum = if moving { path.envelope.deviation.sum } else { path.deviation.sum };
-                cell(ui, plan.share(sum).map_or_else(|| "\u{2013}".to_owned(), |share| format!("{share:.3}")));
+                let share = if moving { plan.moving_share(path) } else { plan.share(path.deviation.sum) };
+                cell(ui, share.map_or_else(|| "\u{2013}".to_owned(), |share| format!("{share:.3}")));
             }
             ui.end_row();
         }
     });
-    let text = "Every ratio is to the initial path's sum of the standing cutter.";
+    let text = "Ratios are to the initial path's sum: of the standing cutter to its own, of the moving one to its own.";
     ui.add(Label::new(RichText::new(text).small().color(palette(ui).faint)).wrap());
     if !plan.has_deviation() {
         let text = format!("The initial path {WITHIN_ROUNDING}: ratios mean nothing.");

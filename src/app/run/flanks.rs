@@ -211,7 +211,11 @@ impl SparkpathApp {
                 listed.push([name, machine.title.clone()]);
             }
         }
-        self.edit_flank(|params| params.milling.machine = first);
+        let mut forgotten = None;
+        self.edit_flank(|params| forgotten = params.milling.take_machine(&first));
+        if let Some(forgotten) = forgotten {
+            self.core.say_in_passing(forgotten);
+        }
     }
 
     /// Writes the files of the plan into `folder`; says why not if it cannot.

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
+use crate::geometry::inside::half_solid_angle;
 use crate::geometry::mesh::{Bounds, Mesh};
 use crate::progress::{Cancel, Cancelled};
 
@@ -93,19 +94,12 @@ pub(super) fn first_inside(
     Ok(None)
 }
 
-/// How often the surface winds around `p`: 1 inside a closed, outward oriented surface, 0 outside. Solid angles
-/// of the triangles after A. Van Oosterom and J. Strackee (IEEE Trans. Biomed. Eng. 30, 1983).
+/// How often the surface winds around `p`: 1 inside a closed, outward oriented surface, 0 outside.
 fn winding_number(triangles: &[[DVec3; 3]], p: DVec3, cancel: &Cancel) -> Result<f64, Cancelled> {
-    let half_solid_angle = |corners: &[DVec3; 3]| {
-        let [a, b, c] = corners.map(|q| q - p);
-        let (la, lb, lc) = (a.length(), b.length(), c.length());
-        let cosine = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-        a.dot(b.cross(c)).atan2(cosine)
-    };
     let mut sum = 0.0;
     for some in triangles.chunks(PER_CHECK) {
         cancel.check()?;
-        sum = some.iter().map(half_solid_angle).fold(sum, |sum, angle| sum + angle);
+        sum = some.iter().map(|corners| half_solid_angle(corners, p)).fold(sum, |sum, angle| sum + angle);
     }
     Ok(sum / TAU)
 }

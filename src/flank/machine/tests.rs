@@ -9,7 +9,7 @@ use super::joint_path::MillingError;
 use super::kinematics::{Joints, Kinematics, ToolPose};
 use super::linearise::{Interpolation, LinearisationParams, MachinePath, linearise, on_the_way};
 use super::milling_machine::{CarriedBy, MachineError, MillingMachine};
-use super::tool_path::{Section, ToolPath, ToolPathError};
+use super::tool_path::{Section, StraightMoves, ToolPath, ToolPathError};
 use crate::progress::Cancel;
 
 mod feed;
@@ -299,10 +299,20 @@ fn leads_belong_to_the_path_and_are_named() {
     let k = trunnion().kinematics().unwrap();
     let line = linearise(&k, &path, &params, &Cancel::default()).unwrap();
     assert!(densely(&k, &path, &line, &params) <= params.linearisation_mm);
-    let moves = path.straightened(0.001, 20.0).unwrap();
+    let StraightMoves { moves, stray_mm } = path.straightened(0.001, 20.0).unwrap();
     assert!(moves.len() > 7 && moves.windows(2).all(|w| w[0].0 < w[1].0));
     let off = |(s, pose): &(f64, ToolPose)| path.at(*s).unwrap().tip.distance(pose.tip);
     assert!(moves.iter().all(|m| off(m) == 0.0));
+    // What is said to be the furthest is that of dense sampling, and no more than was allowed.
+    let dense = moves.windows(2).flat_map(|w| (0..=64).map(move |i| (w[0], w[1], f64::from(i) / 64.0)));
+    let by = dense.map(|((from, start), (to, end), share)| {
+        let (wanted, axis) =
+            (path.at(from + (to - from) * share).unwrap(), start.axis.lerp(end.axis, share).normalize());
+        let straight = ToolPose { tip: start.tip.lerp(end.tip, share), axis };
+        [0.0, 20.0].map(|h| wanted.at_height(h).distance(straight.at_height(h))).into_iter().fold(0.0, f64::max)
+    });
+    let furthest = by.fold(0.0, f64::max);
+    assert!(stray_mm <= 0.001 && stray_mm > 2e-4 && (furthest / stray_mm - 1.0).abs() < 0.05, "{furthest} {stray_mm}");
 }
 
 #[test]

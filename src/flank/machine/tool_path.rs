@@ -102,6 +102,15 @@ pub struct ToolPath<'a> {
     retract: Vec<ToolPose>,
 }
 
+/// A path as straight moves of tip and axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StraightMoves {
+    /// Where each ends on the [`ToolPath`], and the tool there; the first is the start.
+    pub moves: Vec<(f64, ToolPose)>,
+    /// The furthest that was measured between them (mm).
+    pub stray_mm: f64,
+}
+
 impl<'a> ToolPath<'a> {
     /// The path that `cut` gives: tip and direction to the spindle (of any length but 0) for u. `points` are the values
     /// of u that are programmed in any case.
@@ -243,14 +252,15 @@ impl<'a> ToolPath<'a> {
     ///
     /// # Errors
     /// [`ToolPathError`].
-    pub fn straightened(&self, tolerance_mm: f64, reach_mm: f64) -> Result<Vec<(f64, ToolPose)>, ToolPathError> {
-        let mut moves = vec![(0.0, self.at(0.0)?)];
+    pub fn straightened(&self, tolerance_mm: f64, reach_mm: f64) -> Result<StraightMoves, ToolPathError> {
+        let (mut moves, mut stray_mm) = (vec![(0.0, self.at(0.0)?)], 0.0f64);
         for i in 0..self.last() {
             let mut open = vec![(i as f64 + 1.0, self.at(i as f64 + 1.0)?)];
             while let Some(&(to, end)) = open.last() {
                 let (from, start) = moves[moves.len() - 1];
                 let by_mm = self.strays(from, &start, to, &end, reach_mm)?;
                 if by_mm <= tolerance_mm {
+                    stray_mm = stray_mm.max(by_mm);
                     moves.push((to, end));
                     open.pop();
                 } else if to - from < SHORTEST_MOVE || by_mm.is_nan() {
@@ -261,7 +271,7 @@ impl<'a> ToolPath<'a> {
                 }
             }
         }
-        Ok(moves)
+        Ok(StraightMoves { moves, stray_mm })
     }
 
     fn strays(&self, from: f64, start: &ToolPose, to: f64, end: &ToolPose, reach: f64) -> Result<f64, ToolPathError> {

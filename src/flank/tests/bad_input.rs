@@ -122,7 +122,7 @@ fn a_cutter_too_short_or_too_thick_is_planned_with_and_told_so() {
     let short = FlankCutter::cylinder(2.0, 8.0);
     assert!(matches!(short.fits(&surface, 0.0), Err(FlankError::CutterTooShort { .. })));
     let plan = planned(&surface, &short, &params).unwrap();
-    assert!(plan.warnings.iter().any(|w| w.contains("as if its flutes were long enough")), "{:?}", plan.warnings);
+    assert!(plan.warnings.iter().any(|w| w.text.contains("as if its flutes were long enough")), "{:?}", plan.warnings);
     // A hollow of radius 6, seen from inside.
     let arc = |z: f64| {
         let points = (0..=20).map(|i| 0.1 * f64::from(i)).map(|a| DVec3::new(6.0 * a.cos(), 6.0 * a.sin(), z));
@@ -158,8 +158,8 @@ fn without_a_change_of_sign_the_nearest_location_is_taken_and_said() {
     let params =
         FlankParams { slide_u: 0.001, is_covering: false, grid: [20, 10], rounds: 0, ..FlankParams::default() };
     let plan = planned(&surface, &cutter, &params).unwrap();
-    assert!(plan.warnings.iter().any(|w| w.contains("cannot touch the surface midway")), "{:?}", plan.warnings);
-    assert!(plan.warnings.iter().any(|w| w.contains("does not cover")), "{:?}", plan.warnings);
+    assert!(plan.warnings.iter().any(|w| w.text.contains("cannot touch the surface midway")), "{:?}", plan.warnings);
+    assert!(plan.warnings.iter().any(|w| w.text.contains("does not cover")), "{:?}", plan.warnings);
 }
 
 #[test]
@@ -197,4 +197,14 @@ fn parameters_out_of_range_are_named() {
     assert!(matches!(stopped, Err(FlankError::Cancelled(_))));
     let two = FlankParams { offset: OffsetMethod::TwoPoint, grid: [20, 10], rounds: 0, ..usual() };
     assert!(planned(&surface, &cutter, &two).unwrap().locations.iter().all(|l| l.touch == Touch::TwoPoints));
+}
+
+#[test]
+fn what_is_said_of_one_path_is_said_to_the_readers_of_that_path_alone() {
+    let (surface, cutter, _) = case(&reference(), "cone_r1_a5_A");
+    let objective = Objective::Bounded { overcut_mm: Some(0.0), undercut_mm: Some(0.0) };
+    let params = FlankParams { grid: [30, 12], rounds: 2, objective, ..FlankParams::default() };
+    let plan = planned(&surface, &cutter, &params).unwrap();
+    let says = |path: &str| plan.warnings_of(path).any(|w| w.contains("the bounds asked for are not kept"));
+    assert_eq!(["initial", "chosen", "refined"].map(says), [false, false, true], "{:?}", plan.warnings);
 }

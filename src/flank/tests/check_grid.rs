@@ -37,7 +37,16 @@ fn a_bump_between_two_places_of_the_plan_is_seen_by_the_check() {
     let height = cut.fold(0.0, f64::max);
     assert!((height - 0.6).abs() < 0.03, "{height} {}", found.words);
     assert!(found.deviation.most_overcut < -0.3, "{}", found.deviation.most_overcut);
-    assert!((surface.point(found.worst[0], 0.0).x - 150.0).abs() < 0.5, "{:?}", found.worst);
+    let values = &found.envelope.deviation.values;
+    let deepest = (0..values.len()).min_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap();
+    assert!((surface.point(found.place(deepest)[0], 0.0).x - 150.0).abs() < 0.5, "{:?}", found.place(deepest));
+    // Numbers are those of the grid's own places.
+    let off = |(k, place): (usize, _)| {
+        let [u, v] = found.place(k);
+        let place: crate::flank::ruled_surface::SurfacePlace = place;
+        (place.u - u).abs().max((place.v - v).abs())
+    };
+    assert!(grid.places.places().enumerate().map(off).fold(0.0, f64::max) < 1e-12);
     // Nor does the cutter fit into the hollows at its feet.
     assert!(matches!(cutter.fits(&surface, 0.1), Err(FlankError::CutterTooThick { u, .. }) if (u - 0.5).abs() < 0.01));
 }

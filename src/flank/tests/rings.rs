@@ -89,8 +89,8 @@ fn a_frustum_is_touched_all_along_its_rulings_by_cylinder_and_cone() {
         close(plan.locations[0].tip, plan.locations[80].tip, 1e-12);
         let control = (&Progress::silent(), &Cancel::default());
         let grid = DesignGrid::new(&surface, [40, 5]);
-        let own = own_surface(&plan.chosen, &cutter, &surface, (&grid, 0.01), control).unwrap();
-        assert!(own.holds() && own.sweep.without == 0, "{}", own.text());
+        let own = own_surface(&plan.chosen, &cutter, (&grid, 0.01), control).unwrap();
+        assert!(own.holds(), "{}", own.text());
     }
 }
 
@@ -154,12 +154,12 @@ fn a_ring_is_given_as_many_control_points_as_it_needs() {
     assert!(count > 10 && count <= 49 && plan.fit_mm <= RING_FIT_MM, "{count} {}", plan.fit_mm);
     let most = plan.initial.deviation.most_undercut.max(-plan.initial.deviation.most_overcut);
     assert!(most < 2.0 * RING_FIT_MM, "{most}: the flute lies along every ruling of a frustum");
-    assert!(plan.warnings.iter().all(|w| !w.contains("around the ring")), "{:?}", plan.warnings);
+    assert!(plan.warnings.iter().all(|w| !w.text.contains("around the ring")), "{:?}", plan.warnings);
     // No more than one for two places around; then it is said how far the path is off.
     let coarse = FlankParams { grid: [25, 6], ..usual.clone() };
     let plan = planned(&between([8.0, 5.0], 0.0), &cutter, &coarse).unwrap();
     assert!(plan.initial.axis.lower().len() == 12 && plan.fit_mm > RING_FIT_MM);
-    assert!(plan.warnings.iter().any(|w| w.contains("12 control points") && w.contains("25 places around")));
+    assert!(plan.warnings.iter().any(|w| w.text.contains("12 control points") && w.text.contains("25 places around")));
     // Those that were asked for are never made fewer, and open guides have what they were given.
     let many = FlankParams { control_points: 40, locations: 80, grid: [41, 6], ..usual };
     assert_eq!(planned(&between([8.0, 5.0], 0.0), &cutter, &many).unwrap().initial.axis.lower().len(), 40);
@@ -243,5 +243,5 @@ fn guides_that_meet_their_start_at_a_corner_are_not_closed() {
         GuideCurve::Points { points, degree: 1 }
     };
     let surface = RuledSurface::from_guides(&square(5.0, 0.0), &square(4.0, 10.0), Side::Positive);
-    assert!(surface.is_err() || !surface.unwrap().is_closed());
+    assert!(!surface.unwrap().is_closed());
 }

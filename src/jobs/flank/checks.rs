@@ -2,12 +2,13 @@
 
 use glam::DVec3;
 
-use super::{FlankInput, FlankResult, LoadedSurface, places};
+use super::clearances::{gouge, leads, own_surface};
+use super::{FlankInput, FlankResult, LoadedSurface, PathChoice, places};
 use crate::export::nc_feed::LEAST_BLOCK_MINUTES;
 use crate::flank::FlankError;
 use crate::flank::deviation::Deviation;
-use crate::flank::gouge::{Clearance, ToolPart};
 use crate::flank::guide::pairing_warning;
+use crate::flank::inside_wall::open_edges_about;
 use crate::flank::machine::joint_feed::Slowed;
 use crate::flank::params::Objective;
 use crate::flank::refine::beyond_bounds;
@@ -103,13 +104,13 @@ pub struct FlankCheck {
 }
 
 impl FlankCheck {
-    fn new(kind: CheckKind, holds: bool, text: String) -> Self {
+    pub(super) fn new(kind: CheckKind, holds: bool, text: String) -> Self {
         let figures = Figures::new();
         Self { kind, holds, is_overridden: false, text, place: None, t: None, figures, lapsed: None }
     }
 
     /// The same with figures of what is wrong; those that are not wrong are left out.
-    fn with(mut self, figures: &[(&str, f64)]) -> Self {
+    pub(super) fn with(mut self, figures: &[(&str, f64)]) -> Self {
         let wrong = figures.iter().filter(|(_, figure)| !self.holds && (*figure > 0.0 || figure.is_nan()));
         let kept = |figure: f64| if figure.is_finite() { figure.min(WORST) } else { WORST };
         self.figures.extend(wrong.map(|(name, figure)| ((*name).to_owned(), kept(*figure))));
@@ -135,7 +136,7 @@ impl FlankCheck {
         (self.is_overridden, self.lapsed) = (is_overridden, lapsed.pop().filter(|_| !is_overridden));
     }
 
-    fn at(self, place: DVec3) -> Self {
+    pub(super) fn at(self, place: DVec3) -> Self {
         Self { place: Some(place), ..self }
     }
 }
@@ -239,10 +240,12 @@ fn greatest(result: &FlankResult) -> [f64; 2] {
     [overcut, all.iter().fold(0.0, |most: f64, d| most.max(d.most_undercut))]
 }
 
-/// The worse of the standing and the moving cutter, to which the fit of a face adds its own error.
+/// The worse of the standing and the moving cutter, to which the fit of a face adds its own error, and the straight moves
+/// that are written how far they leave the path.
 fn deviation(result: &FlankResult) -> FlankCheck {
     let off_mm = result.fit.as_ref().map_or(0.0, |fit| fit.error.greatest_mm);
-    let [overcut, undercut] = greatest(result).map(|most| most + off_mm);
+    let stray_mm = result.stray_mm;
+    let [overcut, undercut] = greatest(result).map(|most| most + off_mm + stray_mm);
     let allowed = [result.overcut_tolerance_mm, result.undercut_tolerance_mm];
     let holds = overcut <= allowed[0] && undercut <= allowed[1];
     let mut text = format!(
@@ -252,10 +255,9 @@ fn deviation(result: &FlankResult) -> FlankCheck {
     if result.fit.is_some() {
         text += &format!("; {off_mm:.4} mm of both is what the surface itself is off the face");
     }
-    let [u, v] = result.checked.worst;
-    let place = (!holds).then(|| result.surface.point(u, v));
+    text += &format!("; {stray_mm:.4} mm of both is how far the straight moves leave the path");
     let figures = [("overcut_mm", overcut), ("undercut_mm", undercut)];
-    FlankCheck { place, ..FlankCheck::new(CheckKind::Deviation, holds, text) }.with(&figures)
+    FlankCheck::new(CheckKind::Deviation, holds, text).with(&figures)
 }
 
 fn bounds(result: &FlankResult) -> Option<FlankCheck> {
@@ -287,89 +289,6 @@ fn envelope(result: &FlankResult) -> FlankCheck {
     FlankCheck::new(CheckKind::Envelope, holds, text).with(&figures)
 }
 
-fn part_name(part: ToolPart) -> String {
-    match part {
-        ToolPart::Cutter => "the flutes".to_owned(),
-        // As many as the flutes, for the verbs behind.
-        ToolPart::Holder(i) => format!("the sides of part {} of the holder", i + 1),
-    }
-}
-
-/// Approach and retraction against the surface itself, and against walls if there are any.
-fn leads(result: &FlankResult) -> FlankCheck {
-    let tolerance = result.plan.params.gouge_tolerance_mm;
-    let names = ["approach", "retraction"];
-    let own = names.into_iter().zip(result.lead_own).filter_map(|(name, own)| Some((name, own?)));
-    if let Some((name, own)) = own.max_by(|a, b| a.1.excess_mm().total_cmp(&b.1.excess_mm())) {
-        let text = format!(
-            "on the {name} {} cut the surface itself {:.4} mm deep at u = {:.4}, v = {:.4}, where the end of the path cuts {:.4} \
-             mm; {tolerance} mm more are allowed; shorten aside_mm, or take a thinner cutter",
-            part_name(own.part),
-            own.depth_mm,
-            own.u,
-            own.v,
-            own.expected_mm
-        );
-        return FlankCheck::new(CheckKind::Leads, false, text).at(own.point);
-    }
-    let near = names.into_iter().zip(result.lead_gouge).flat_map(|(name, gouge)| {
-        gouge.into_iter().flat_map(|g| [g.cutter, g.holder]).flatten().map(move |clearance| (name, clearance))
-    });
-    let nearest = near.min_by(|a, b| a.1.distance_mm.total_cmp(&b.1.distance_mm));
-    let Some((name, Clearance { part, distance_mm, point, .. })) = nearest else {
-        let near = if result.lead_gouge.iter().any(Option::is_some) { "; no wall is near them" } else { "" };
-        let text = format!("approach and retraction cut the surface itself nowhere deeper than the path's ends{near}");
-        return FlankCheck::new(CheckKind::Leads, true, text);
-    };
-    let part = part_name(part);
-    let text = if distance_mm < 0.0 {
-        format!("on the {name} {part} go {:.4} mm deep; allowed: {tolerance} mm", -distance_mm)
-    } else {
-        format!("on approach and retraction {part} keep {distance_mm:.4} mm away from walls and off the surface itself")
-    };
-    let check = FlankCheck::new(CheckKind::Leads, distance_mm >= -tolerance, text).at(point);
-    check.with(&[("depth_mm", -distance_mm)])
-}
-
-fn own_surface(result: &FlankResult) -> FlankCheck {
-    let own = &result.own_surface;
-    let ([_, across], [_, usual]) = (own.grid, result.checked.deviation.grid);
-    let mut text = own.text();
-    if across < usual {
-        text += &format!("; with this many rulings {across} places of each, where the other checks look at {usual}");
-    }
-    let check = FlankCheck::new(CheckKind::Surface, own.holds(), text);
-    match own.worst {
-        Some(worst) => {
-            FlankCheck { t: Some(worst.t), ..check.at(worst.point) }.with(&[("excess_mm", worst.excess_mm())])
-        }
-        None => check,
-    }
-}
-
-fn gouge(result: &FlankResult) -> Vec<FlankCheck> {
-    let Some(gouge) = &result.gouge else { return Vec::new() };
-    let tolerance = result.plan.params.gouge_tolerance_mm;
-    let one = |kind, what: &str, clearance: Option<Clearance>| {
-        let Some(Clearance { part, distance_mm, point, t }) = clearance else {
-            return FlankCheck::new(kind, true, format!("nothing is near the {what}"));
-        };
-        let part = part_name(part);
-        let text = if distance_mm < 0.0 {
-            format!("{part} go {:.4} mm deep at t = {t:.4}; allowed: {tolerance} mm", -distance_mm)
-        } else {
-            format!("{part} keep {distance_mm:.4} mm away, nearest at t = {t:.4}")
-        };
-        let check = FlankCheck::new(kind, distance_mm >= -tolerance, text).at(point);
-        FlankCheck { t: Some(t), ..check }.with(&[("depth_mm", -distance_mm)])
-    };
-    let mut checks = vec![one(CheckKind::Gouge, "flutes", gouge.cutter)];
-    if !result.plan.cutter.holder.is_empty() {
-        checks.push(one(CheckKind::Holder, "holder", gouge.holder));
-    }
-    checks
-}
-
 fn machine(result: &FlankResult) -> Option<FlankCheck> {
     let check = match result.milled.as_ref()? {
         Ok(milled) => FlankCheck::new(
@@ -391,8 +310,9 @@ fn machine(result: &FlankResult) -> Option<FlankCheck> {
 
 /// The plan's warnings, and what was not checked.
 pub(super) fn warnings(result: &FlankResult, input: &FlankInput) -> Vec<String> {
-    let mut warnings = result.plan.warnings.clone();
+    let mut warnings: Vec<String> = result.plan.warnings_of(result.path.name()).map(str::to_owned).collect();
     warnings.extend(sinks(result));
+    warnings.extend(open_walls(result, input));
     if let LoadedSurface::Guides { lower, upper } = &input.surface {
         warnings.extend(pairing_warning(lower, upper));
     }
@@ -404,6 +324,16 @@ pub(super) fn warnings(result: &FlankResult, input: &FlankInput) -> Vec<String> 
         warnings.push("the cutter has no holder: what is above the flutes was not checked".to_owned());
     }
     warnings
+}
+
+/// Of walls that are not closed, and about the tool, no one can tell for sure what is inside of them.
+fn open_walls(result: &FlankResult, input: &FlankInput) -> Option<String> {
+    let wall = input.walls.as_ref()?;
+    let edges = open_edges_about(&result.path().pose(0.0), &result.plan.cutter, wall)?;
+    Some(format!(
+        "the walls are open at {edges} edges: whether a tool that touches none of them is inside of them is taken from which \
+         side of them it sees more of; close them to be sure"
+    ))
 }
 
 /// Overrides that override nothing, and why.
@@ -425,10 +355,15 @@ fn sinks(result: &FlankResult) -> Option<String> {
     let on_lower_guide = path.feet.at.iter().step_by(path.deviation.grid[1].max(1));
     let heights = on_lower_guide.map(|q| asked + touching.contact_height(q.y * path.axis.at(q.x).length()));
     let deepest = heights.fold(asked, f64::max);
+    let instead = match result.path {
+        PathChoice::Refined => ", or mill the chosen path",
+        PathChoice::Chosen => ", or mill the initial path",
+        PathChoice::Initial => "",
+    };
     (deepest > asked + SUNK_MM).then(|| {
         format!(
             "the {} path sinks the cutter's bottom up to {deepest:.2} mm below the lower guide, {asked} mm were asked for: see \
-             that nothing is there, or mill the chosen path",
+             that nothing is there{instead}",
             result.path.name()
         )
     })

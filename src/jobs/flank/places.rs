@@ -4,6 +4,8 @@ use glam::DVec3;
 
 use super::checks::{CheckKind, FlankCheck};
 use super::{FlankResult, PathChoice};
+use crate::flank::deviation::{Deviation, Feet};
+use crate::flank::envelope::EnvelopeCheck;
 use crate::flank::params::Objective;
 
 /// Completes the checks that fail: with the place, the cutter's place along the path, and advice.
@@ -12,7 +14,7 @@ pub(super) fn complete(result: &FlankResult, checks: &mut [FlankCheck]) {
         if let Some(advice) = advice(result, check.kind) {
             check.text += &format!("; {advice}");
         }
-        check.place = check.place.or_else(|| worst(result, check.kind).map(|k| place(result, k)));
+        check.place = check.place.or_else(|| worst(result, check.kind));
         if is_of_surface(check.kind) {
             check.t = check.t.or_else(|| check.place.map(|place| nearest(result, place)));
         }
@@ -27,42 +29,80 @@ fn is_of_surface(kind: CheckKind) -> bool {
     )
 }
 
-/// The place of the plan's grid that is worst for the check; none where none is worse than others.
-fn worst(result: &FlankResult, kind: CheckKind) -> Option<usize> {
-    let path = result.path();
-    let both = [&path.deviation.values, &path.envelope.deviation.values];
-    let worse = |of: &dyn Fn(usize) -> f64| {
-        let found = (0..both[0].len().min(both[1].len())).max_by(|a, b| of(*a).total_cmp(&of(*b)))?;
-        (of(found) > 0.0).then_some(found)
+/// The worst place for the check, of the plan's grid or of that of the checks (mm): that which gave the figure. None where
+/// no place is worse than others.
+fn worst(result: &FlankResult, kind: CheckKind) -> Option<DVec3> {
+    let found = grids(result).map(|grid| {
+        let badness = |k: usize| badness(result, &grid, k, kind).unwrap_or(0.0);
+        let k = (0..grid.moving.deviation.values.len()).max_by(|a, b| badness(*a).total_cmp(&badness(*b)))?;
+        (badness(k) > 0.0).then(|| (badness(k), grid.place(result, k)))
+    });
+    // Of two that are as bad the first: the plan's.
+    let [planned, checked] = found;
+    let worse = match (planned, checked) {
+        (Some(a), Some(b)) => Some(if b.0 > a.0 { b } else { a }),
+        (a, b) => a.or(b),
     };
-    match kind {
-        CheckKind::Deviation => worse(&|k| both.iter().fold(0.0, |most: f64, values| most.max(values[k].abs()))),
-        CheckKind::Envelope => worse(&|k| (both[0][k] - both[1][k]).abs()),
-        CheckKind::Bounds => {
-            let Objective::Bounded { overcut_mm, undercut_mm } = result.plan.params.objective else { return None };
-            let [over, under] = [overcut_mm, undercut_mm].map(|bound| bound.unwrap_or(f64::INFINITY));
-            let beyond = |value: f64| (-value - over).max(value - under);
-            worse(&|k| both.iter().fold(0.0, |most: f64, values| most.max(beyond(values[k]))))
-        }
-        CheckKind::Coverage => {
-            let touching = result.plan.cutter.above(path.below_mm).ok()?;
-            let flutes = result.plan.cutter.length_mm;
-            worse(&|k| {
-                let Some(foot) = path.feet.at.get(k) else { return 0.0 };
-                let height = path.below_mm + touching.contact_height(foot.y * path.axis.at(foot.x).length());
-                let past_ends = (-foot.x).max(foot.x - 1.0) * path.axis.at(0.5).length();
-                (-height).max(height - flutes).max(past_ends)
-            })
-        }
-        _ => None,
+    worse.map(|(_, place)| place)
+}
+
+/// What the path does over one of the grids.
+struct Looked<'a> {
+    standing: &'a Deviation,
+    moving: &'a EnvelopeCheck,
+    feet: &'a Feet,
+    is_planned: bool,
+}
+
+fn grids(result: &FlankResult) -> [Looked<'_>; 2] {
+    let (path, checked) = (result.path(), &result.checked);
+    [
+        Looked { standing: &path.deviation, moving: &path.envelope, feet: &path.feet, is_planned: true },
+        Looked { standing: &checked.deviation, moving: &checked.envelope, feet: &checked.feet, is_planned: false },
+    ]
+}
+
+impl Looked<'_> {
+    /// Place `k` of the grid (mm).
+    fn place(&self, result: &FlankResult, k: usize) -> DVec3 {
+        let [u, v] = if self.is_planned {
+            let [along, up] = self.standing.grid;
+            let share = |i: usize, n: usize| (i as f64 / (n.max(2) - 1) as f64).min(1.0);
+            [share(k / up.max(1), along), share(k % up.max(1), up)]
+        } else {
+            result.checked.place(k)
+        };
+        result.surface.point(u, v)
     }
 }
 
-/// Place `k` of the plan's grid (mm).
-fn place(result: &FlankResult, k: usize) -> DVec3 {
-    let [along, up] = result.path().deviation.grid;
-    let share = |i: usize, n: usize| (i as f64 / (n.max(2) - 1) as f64).min(1.0);
-    result.surface.point(share(k / up.max(1), along), share(k % up.max(1), up))
+/// How bad place `k` of a grid is for the check, each thing against its own tolerance; above 0 where it is bad at all.
+fn badness(result: &FlankResult, grid: &Looked, k: usize, kind: CheckKind) -> Option<f64> {
+    let both = [grid.standing.values.get(k)?, grid.moving.deviation.values.get(k)?];
+    let beyond = |[over, under]: [f64; 2]| both.iter().map(|e| (-**e - over).max(**e - under)).fold(f64::MIN, f64::max);
+    match kind {
+        CheckKind::Deviation => {
+            // What the surface is off the face and what straight moves leave is added to every place alike.
+            let added_mm = result.stray_mm + result.fit.as_ref().map_or(0.0, |fit| fit.error.greatest_mm);
+            Some(added_mm + beyond([result.overcut_tolerance_mm, result.undercut_tolerance_mm]))
+        }
+        CheckKind::Envelope => Some((both[0] - both[1]).abs()),
+        CheckKind::Bounds => {
+            let Objective::Bounded { overcut_mm, undercut_mm } = result.plan.params.objective else { return None };
+            Some(beyond([overcut_mm, undercut_mm].map(|bound| bound.unwrap_or(f64::INFINITY))))
+        }
+        CheckKind::Coverage => {
+            let path = result.path();
+            let foot = grid.feet.at.get(k)?;
+            let touching = result.plan.cutter.above(path.below_mm).ok()?;
+            let height = path.below_mm + touching.contact_height(foot.y * path.axis.at(foot.x).length());
+            // Once around there are no ends.
+            let past_ends = if path.axis.is_closed() { 0.0 } else { (-foot.x).max(foot.x - 1.0) };
+            let past_ends = past_ends * path.axis.at(0.5).length();
+            Some((-height).max(height - result.plan.cutter.length_mm).max(past_ends))
+        }
+        _ => None,
+    }
 }
 
 /// Where along the path the axis is nearest to a place.
@@ -76,6 +116,14 @@ fn nearest(result: &FlankResult, place: DVec3) -> f64 {
     found.map_or(0.0, |pose| pose.t)
 }
 
+/// Where the straight moves leave the path by much, they could follow it more closely.
+fn finer_moves(result: &FlankResult) -> Option<&'static str> {
+    /// What counts as much (mm).
+    const MUCH_MM: f64 = 0.01;
+    (result.stray_mm > MUCH_MM)
+        .then_some("have straight moves follow the path more closely (linearisation_mm, --tolerance)")
+}
+
 /// What could be done about a check that fails, as far as it was not done.
 fn advice(result: &FlankResult, kind: CheckKind) -> Option<String> {
     let is_bounded = matches!(result.plan.params.objective, Objective::Bounded { .. });
@@ -84,15 +132,15 @@ fn advice(result: &FlankResult, kind: CheckKind) -> Option<String> {
         CheckKind::Deviation => {
             let bounded = (!is_bounded).then_some("bound it (objective bounded)");
             let points = is_bounded.then_some("take more control points");
-            refined.into_iter().chain(bounded).chain(points).chain(["take a thinner cutter", "allow more"]).collect()
+            let finer = finer_moves(result);
+            let others = ["take a thinner cutter", "allow more"];
+            finer.into_iter().chain(refined).chain(bounded).chain(points).chain(others).collect()
         }
         CheckKind::Bounds => {
             let others = ["widen the bounds", "take more control points", "take a thinner cutter"];
             refined.into_iter().chain(others).collect()
         }
-        CheckKind::Leads => {
-            vec!["take another aside or retract (--aside, --retract)", "move the walls away"]
-        }
+        CheckKind::Gouge | CheckKind::Holder => finer_moves(result).into_iter().collect(),
         _ => return None,
     };
     Some(match &ways[..] {

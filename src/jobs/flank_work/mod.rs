@@ -4,6 +4,8 @@
 mod curves;
 mod stamps;
 mod steps;
+#[cfg(test)]
+mod tests;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -221,6 +223,18 @@ impl FlankWork {
     /// Whether that is of `document`, whatever is being worked on.
     pub fn is_planned_of(&self, document: &FlankDocument) -> bool {
         self.planned.is_of(&self.question(document))
+    }
+
+    /// Whether that is of the surface that `document` names, whatever cutter, side and walls it was planned with.
+    pub fn is_planned_of_surface(&self, document: &FlankDocument) -> bool {
+        let is_same = |of: &FlankSource| match (of, &document.source) {
+            // Which other faces are walls is no matter of the surface.
+            (FlankSource::Mesh(of), FlankSource::Mesh(asked)) => {
+                *of == MeshFlank { is_own_wall: of.is_own_wall, ..asked.clone() }
+            }
+            (of, asked) => of == asked,
+        };
+        self.planned.value.as_ref().is_some_and(|((_, of), _)| is_same(&of.source))
     }
 
     /// Begins to plan.
