@@ -80,6 +80,15 @@ pub(super) struct Burns<'a> {
     pub(super) fullest: Option<&'a Burning>,
 }
 
+/// What is left on a sample.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LeftAt {
+    /// How much.
+    pub(super) left: LeftOfRegion,
+    /// Whether it is in a slot that no electrode of this spark enters, so that none of them is to blame.
+    pub(super) is_in_slot: bool,
+}
+
 /// What is left on each of the samples of a region's surface, of what the cutters left.
 ///
 /// # Errors
@@ -89,28 +98,29 @@ pub(super) fn left_by(
     samples: &[Sample],
     (mold, milled): (&Obstacle, &Milled),
     cancel: &Cancel,
-) -> Result<Vec<LeftOfRegion>, Cancelled> {
-    let of = |sample: &Sample| -> Result<LeftOfRegion, Cancelled> {
+) -> Result<Vec<LeftAt>, Cancelled> {
+    let of = |sample: &Sample| -> Result<LeftAt, Cancelled> {
         cancel.check()?;
         Ok(left_at(burns, sample, mold, milled))
     };
     samples.par_iter().map(of).collect()
 }
 
-fn left_at(burns: &Burns, sample: &Sample, mold: &Obstacle, milled: &Milled) -> LeftOfRegion {
+fn left_at(burns: &Burns, sample: &Sample, mold: &Obstacle, milled: &Milled) -> LeftAt {
     let beyond = |p: DVec3| burns.all.iter().map(|burn| burn.beyond(p)).fold(f64::INFINITY, f64::min);
     let thickness = march(sample, &beyond, mold, milled).thickness;
-    let allowed = match burns.fullest {
-        Some(fullest) if thickness > 0.0 && !burns.all.is_empty() => {
-            let least = march(sample, &|p| fullest.beyond(p), mold, milled);
-            let reach = burns.all.iter().map(Burning::reach).fold(0.0, f64::max);
-            let is_corner = least.farthest <= FARTHEST * reach && !least.is_opposed;
-            if is_corner { least.thickness } else { 0.0 }
+    let (mut allowed, mut is_in_slot) = (0.0, false);
+    if let Some(fullest) = burns.fullest.filter(|_| thickness > 0.0 && !burns.all.is_empty()) {
+        let least = march(sample, &|p| fullest.beyond(p), mold, milled);
+        let reach = burns.all.iter().map(Burning::reach).fold(0.0, f64::max);
+        is_in_slot = least.is_opposed;
+        if least.farthest <= FARTHEST * reach && !is_in_slot {
+            allowed = least.thickness;
         }
-        _ => 0.0,
-    };
+    }
     let excess = (thickness - allowed).max(0.0);
-    LeftOfRegion { thickness, excess, place: sample.point, volume: thickness * sample.area }
+    let left = LeftOfRegion { thickness, excess, place: sample.point, volume: thickness * sample.area };
+    LeftAt { left, is_in_slot }
 }
 
 /// What is met on the way along a sample's normal through what is left.

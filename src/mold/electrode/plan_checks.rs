@@ -226,7 +226,6 @@ fn left_of(
     let cuts = plan.tree.as_ref().map_or_else(Vec::new, cuts);
     let corners: Vec<[DVec3; 3]> = region.corners.iter().map(|c| c.map(|p| setting.turned * p)).collect();
     let radii = [last.gap_mm, last.gap_mm + last.orbit.radius_mm()];
-    let radii = if radii[0] < radii[1] { &radii[..] } else { &radii[..1] };
     let (samples, looked) = samples(&corners, region, (&setting.edges, &cuts), radii);
     let back = setting.turned.transpose();
     let leaves = |p: DVec3| (milled.leaves)(back * p);
@@ -236,9 +235,10 @@ fn left_of(
     let reach = last.most_across() + CELL;
     let mut left = Left { looked, ..Left::default() };
     for (sample, found) in samples.iter().zip(found) {
-        let found = LeftOfRegion { place: back * found.place, ..found };
+        let is_own = found.left.thickness > 0.0 && !found.is_in_slot;
+        let found = LeftOfRegion { place: back * found.left.place, ..found.left };
         left.all = left.all.and(found);
-        let own = if found.thickness > 0.0 { own_parts(sample, &parts, reach) } else { Vec::new() };
+        let own = if is_own { own_parts(sample, &parts, reach) } else { Vec::new() };
         if own.is_empty() {
             left.of_none = left.of_none.and(found);
         }

@@ -4,6 +4,7 @@
 use std::collections::HashMap;
 
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 use super::check::Sample;
 use super::leftover::Looked;
@@ -19,8 +20,11 @@ const FINE: f64 = 0.2;
 const SAMPLES: f64 = 6000.0;
 /// Turn of a concave edge from which on the spark leaves something in it that is worth looking at.
 const LEAST_TURN_DEG: f64 = 15.0;
-/// Distances from an edge at which it is looked at, of the radius that burns.
-const FROM_EDGE: [f64; 3] = [0.1, 0.3, 0.65];
+/// Distances from an edge at which it is looked at, and the widths that these stand for, of the radius that burns: such that
+/// the area that it leaves in a right angle comes out, and where that is thickest.
+const FROM_EDGE: [(f64, f64); 4] = [(0.11, 0.22), (0.29, 0.0), (0.344, 0.2), (0.661, 0.58)];
+/// Upwards part of an edge's direction from which on the orbit rounds it.
+const UPRIGHT: f64 = 0.5;
 /// How far a place may lie off a region's surface to be on it (mm).
 const ON_REGION: f64 = 1e-3;
 
@@ -30,6 +34,25 @@ pub(super) struct Edge {
     ends: [DVec3; 2],
     /// The unit normals of its faces, first of the one on its left.
     normals: [DVec3; 2],
+}
+
+impl Edge {
+    fn along(&self) -> DVec3 {
+        (self.ends[1] - self.ends[0]).normalize_or_zero()
+    }
+
+    /// With what radius the spark rounds it, of those of level and of upright edges (mm).
+    fn radius(&self, [level, upright]: [f64; 2]) -> f64 {
+        if self.along().z.abs() > UPRIGHT { upright } else { level }
+    }
+
+    /// How far a point is from it (mm).
+    fn off(&self, p: DVec3) -> f64 {
+        let [a, b] = self.ends;
+        let way = b - a;
+        let t = ((p - a).dot(way) / way.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        p.distance(a + way * t)
+    }
 }
 
 /// The edges of a mold where faces meet at less than half a turn on the outside.
@@ -150,26 +173,25 @@ impl Surface<'_> {
     }
 
     /// On both sides of edges, up to the reach of the spark.
-    fn along(&self, edges: &[Edge], radii: &[f64]) -> (Vec<Sample>, f64) {
+    fn along(&self, edges: &[Edge], radii: [f64; 2]) -> (Vec<Sample>, f64) {
         let soup = Mesh {
             vertices: self.corners.as_flattened().to_vec(),
             triangles: (0..self.corners.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
         };
         let Ok(exact) = ExactMesh::new(&soup) else { return (Vec::new(), 0.0) };
-        let strips = strips(radii);
         let length: f64 = edges.iter().map(|edge| edge.ends[0].distance(edge.ends[1])).sum();
-        let apart = FINE.max(length * 2.0 * strips.len() as f64 / SAMPLES);
+        let apart = FINE.max(length * 2.0 * FROM_EDGE.len() as f64 / SAMPLES);
         let mut evenly = Evenly::new(apart);
         let mut samples = Vec::new();
         for edge in edges {
-            let along = (edge.ends[1] - edge.ends[0]).normalize_or_zero();
+            let (along, radius) = (edge.along(), edge.radius(radii));
             let [n, m] = edge.normals;
             // Into each face, away from the edge.
             let sides = [n.cross(along), along.cross(m)];
             for place in evenly.on(edge.ends) {
                 for side in sides {
-                    for (off, width) in &strips {
-                        let nearest = exact.nearest(place + side * *off);
+                    for (off, width) in FROM_EDGE.map(|(off, width)| (off * radius, width * radius)) {
+                        let nearest = exact.nearest(place + side * off);
                         if nearest.signed_distance.abs() < ON_REGION {
                             samples.push(self.sample(nearest.triangle as usize, nearest.point, apart * width));
                         }
@@ -203,47 +225,26 @@ impl Surface<'_> {
     }
 }
 
-/// How far from an edge it is looked at, and over what width each of these stands for (mm).
-fn strips(radii: &[f64]) -> Vec<(f64, f64)> {
-    let mut offs: Vec<f64> = radii.iter().flat_map(|r| FROM_EDGE.map(|share| share * r)).collect();
-    offs.sort_by(f64::total_cmp);
-    offs.dedup();
-    let end = radii.iter().copied().fold(0.0, f64::max);
-    let border = |i: usize| if i == 0 { 0.0 } else { offs.get(i).map_or(end, |off| offs[i - 1].midpoint(*off)) };
-    (0..offs.len()).map(|i| (offs[i], border(i + 1) - border(i))).collect()
-}
-
-/// How far a point is from the nearest of these edges (mm).
-fn off_edges(edges: &[Edge], p: DVec3) -> f64 {
-    let off = |edge: &Edge| {
-        let [a, b] = edge.ends;
-        let way = b - a;
-        let t = ((p - a).dot(way) / way.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        p.distance_squared(a + way * t)
-    };
-    edges.iter().map(off).fold(f64::INFINITY, f64::min).sqrt()
-}
-
 /// Where leftovers of a region are looked for, given the corners of its surface in the burn frame, the mold's edges, the
-/// cuts between its parts and the radii with which the spark rounds (mm).
+/// cuts between its parts and the radii with which the spark rounds level and upright edges (mm).
 pub(super) fn samples(
     corners: &[[DVec3; 3]],
     region: &RegionToBurn,
     (edges, cuts): (&[Edge], &[(DVec2, DVec2)]),
-    radii: &[f64],
+    radii: [f64; 2],
 ) -> (Vec<Sample>, Looked) {
     let surface = Surface { corners, region };
     let (mut samples, on_faces) = surface.on_faces();
-    let most = radii.iter().copied().fold(0.0, f64::max);
     let mut along_edges = on_faces;
-    if most > 0.0 {
+    if radii[1] > 0.0 {
         let bounds = Bounds::of(corners.as_flattened().iter().copied()).grown(ON_REGION);
         let edges = near(edges, &bounds);
         let (close, apart) = surface.along(&edges, radii);
-        along_edges = if close.is_empty() { on_faces } else { apart };
-        // What is looked at closely is not counted twice.
         if !close.is_empty() {
-            samples.iter_mut().filter(|s| off_edges(&edges, s.point) < most).for_each(|s| s.area = 0.0);
+            along_edges = apart;
+            // What is looked at closely is not counted twice.
+            let is_close = |s: &Sample| edges.iter().any(|edge| edge.off(s.point) < edge.radius(radii));
+            samples.par_iter_mut().filter(|s| is_close(s)).for_each(|s| s.area = 0.0);
         }
         samples.extend(close);
     }
