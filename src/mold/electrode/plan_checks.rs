@@ -306,3 +306,26 @@ pub fn check_own(
     }
     Ok(findings)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mold::test_molds::rectangle;
+
+    #[test]
+    fn what_is_left_is_charged_to_the_parts_that_stand_there() {
+        let at = |x: f64| Outline::new(rectangle(2.0, 1.0).iter().map(|p| *p + DVec2::X * x).collect());
+        // Two that reach over one another by 0.2 mm, and one apart.
+        let parts: Vec<(usize, Vec<Outline>)> =
+            [0.0, 1.8, 6.0].into_iter().enumerate().map(|(i, x)| (i, at(x).into_iter().collect())).collect();
+        let own = |x: f64, y: f64| {
+            let sample = Sample { point: DVec3::new(x, y, -1.0), normal: DVec3::Z, area: 1.0, thickest: 1.0 };
+            own_parts(&sample, &parts, 0.1)
+        };
+        assert_eq!(own(0.0, 0.0), [0]);
+        assert_eq!(own(0.9, 0.0), [0, 1], "where both stand");
+        assert_eq!(own(2.0, 0.55), [1], "its wall");
+        assert_eq!(own(6.0, -0.55), [2]);
+        assert!(own(4.0, 0.0).is_empty() && own(0.0, 0.7).is_empty(), "where none comes");
+    }
+}
