@@ -4,7 +4,7 @@ use glam::{DAffine3, DQuat, DVec3};
 use parry3d_f64::bounding_volume::BoundingVolume;
 use parry3d_f64::math::Pose;
 use parry3d_f64::partitioning::BvhNode;
-use parry3d_f64::query::{self, PointQuery, Ray, RayCast};
+use parry3d_f64::query::{self, ClosestPoints, PointQuery, Ray, RayCast};
 use parry3d_f64::shape::{TriMesh, TriMeshFlags};
 
 use super::mesh::Mesh;
@@ -92,6 +92,16 @@ impl ExactMesh {
         let pose = Pose::from_parts(placement.translation, DQuat::from_mat3(&placement.matrix3));
         query::distance(&Pose::IDENTITY, &self.shape, &pose, &other.shape).map_or(f64::NAN, |d| d.distance)
     }
+
+    /// The point of this mesh that is nearest to `other` moved by `shift`; none if they touch or cross, or are further apart
+    /// than `within`.
+    pub fn nearest_to(&self, other: &ExactMesh, shift: DVec3, within: f64) -> Option<DVec3> {
+        let pose = Pose::from_translation(shift);
+        match query::closest_points(&Pose::IDENTITY, &self.shape, &pose, &other.shape, within) {
+            Ok(ClosestPoints::WithinMargin(own, _)) => Some(own),
+            _ => None,
+        }
+    }
 }
 
 #[cfg(test)]
@@ -113,6 +123,10 @@ mod tests {
         let other = ExactMesh::new(&cuboid(DVec3::ONE)).unwrap();
         let moved = DAffine3::from_translation(DVec3::new(2.5, 2.5, 0.0));
         assert!((mesh.distance_to(&other, &moved) - 0.5f64.hypot(0.5)).abs() < 1e-9);
+        let nearest = mesh.nearest_to(&other, DVec3::new(2.5, 0.5, 0.5), 1.0).unwrap();
+        assert!((nearest.x - 2.0).abs() < 1e-9 && mesh.signed_distance(nearest).abs() < 1e-9, "{nearest}");
+        assert_eq!(mesh.nearest_to(&other, DVec3::new(1.5, 0.5, 0.5), 1.0), None, "they cross");
+        assert_eq!(mesh.nearest_to(&other, DVec3::new(4.5, 0.5, 0.5), 1.0), None, "too far apart");
         assert_eq!(mesh.first_crossing(DVec3::new(1.0, 1.0, 5.0), DVec3::NEG_Z, 10.0), Some(3.0));
     }
 }

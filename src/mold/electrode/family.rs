@@ -76,7 +76,7 @@ pub(super) fn into_families(
             Err("no other stage has an electrode for just the same places".to_owned())
         } else {
             let turned = to_burn_frame(electrodes[members[0]].direction);
-            let obstacle = Obstacle::new(&mold.mapped(|p| turned * p))?;
+            let obstacle = Obstacle::new(&mold.mapped(|p| turned * p))?.stopped_by(cancel);
             row(electrodes, &members, (&obstacle, clear), (params, stages), cancel)?
         };
         match found {

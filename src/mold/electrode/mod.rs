@@ -7,12 +7,15 @@
 pub mod base;
 pub mod burning;
 pub mod check;
+pub mod clearance;
 pub mod combine;
 pub mod design;
 pub mod division;
 pub mod family;
 pub mod footprint;
 pub mod h_edge;
+pub mod leftover;
+pub mod milling;
 pub mod overrides;
 pub mod params;
 pub mod plan;
@@ -22,8 +25,11 @@ pub mod tip;
 mod earlier;
 mod edits;
 mod removal;
+mod samples;
 mod sharing;
 
+#[cfg(test)]
+mod leftover_tests;
 #[cfg(test)]
 mod orbit_tests;
 #[cfg(test)]

@@ -132,7 +132,7 @@ impl Setting {
 /// A circle moves each face by its own way. So does a square, but where the facets of two of its quarters meet, its own side
 /// belongs between them: moved each by its own way they would meet further out, by as much as the orbit times the tangent
 /// of half their turn. What a square sweeps is therefore added as a solid.
-fn kept_clear(mold: &Mesh, stage: &Stage) -> Result<Mesh, ElectrodeError> {
+pub(super) fn kept_clear(mold: &Mesh, stage: &Stage) -> Result<Mesh, ElectrodeError> {
     let gap = stage.gap_mm + stage.stock_mm;
     match stage.orbit {
         Orbit::None => Ok(unfolded(offset(mold, |_| gap)?)?),

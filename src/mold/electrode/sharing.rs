@@ -34,7 +34,7 @@ pub(super) fn shared(
     params: &ElectrodeParams,
     cancel: &Cancel,
 ) -> Result<Vec<Shared>, ElectrodeError> {
-    let mold = Obstacle::new(&setting.mold)?;
+    let mold = Obstacle::new(&setting.mold)?.stopped_by(cancel);
     let mut groups: Vec<Shared> = Vec::new();
     for (i, leaf) in leaves.iter().enumerate() {
         cancel.check()?;

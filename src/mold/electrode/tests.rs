@@ -10,6 +10,7 @@ use super::combine::{Form, near};
 use super::design::ElectrodeSet;
 use super::footprint::{grown, hull, shrunk};
 use super::h_edge::h_edges;
+use super::leftover::{Burns, Looked, left_by, leftover};
 use super::params::{Edit, ElectrodeParams, ElectrodeParamsError, Method, Orbit, Removal, Shape, Stage};
 use super::plan::{RegionToBurn, plan};
 use super::plan_checks::check_own;
@@ -215,9 +216,10 @@ fn broken_electrodes_are_caught_by_the_check_that_is_meant_for_it() {
     let everything = |_: DVec3| true;
     let milled = Milled { leaves: &everything, within: 0.05 };
     let obstacle = super::check::Obstacle::new(&mold).unwrap();
-    let left = super::check::left_by(&[&burning], &[floor], (&obstacle, &milled), &Cancel::default()).unwrap();
+    let burns = Burns { all: &[burning], fullest: None };
+    let left = left_by(&burns, &[floor], (&obstacle, &milled), &Cancel::default()).unwrap()[0].left;
     assert!((left.thickness - 0.3).abs() < 1e-3, "{left:?}");
-    assert!(!super::check::leftover(&left, params.tolerance_mm, &params.stages[0]).holds);
+    assert!(!leftover(&left, params.tolerance_mm, &params.stages[0], Looked::default()).holds);
 }
 
 #[test]

@@ -1,0 +1,205 @@
+//! What burns leave of a region, and what of that nobody can burn with this spark.
+//!
+//! The spark rounds what it burns: an electrode that has all the room that the gap and the orbit allow, the fullest one,
+//! still leaves something in corners. What an electrode leaves there besides it is held against the tolerance. Where the
+//! fullest one does not come at all, as in a slot that is narrower than twice the gap, it is no excuse: a corner is where
+//! faces meet at an angle, near what it burns, and not where they stand opposite to one another.
+
+use glam::DVec3;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::burning::Burning;
+use super::check::{CheckKind, Finding, Obstacle};
+use super::params::{Orbit, Stage};
+use crate::progress::{Cancel, Cancelled};
+
+/// How near to the burn surface a march along a normal ends (mm).
+const ARRIVED: f64 = 1e-6;
+/// Share of a distance by which a point above a face is nearer to another one if it is that one's.
+const OTHER: f64 = 1e-3;
+/// A step of such a march, at least (mm).
+const LEAST_STEP: f64 = 1e-4;
+/// Steps of such a march, at most.
+const STEPS: usize = 200;
+/// Cosine of the angle of two normals below which faces stand opposite to one another.
+const OPPOSED: f64 = -0.7;
+/// How far a corner's end may be from what the fullest electrode burns, of the radius of what burns: where two faces meet
+/// at 45 degrees, or two at 60 on a floor.
+const FARTHEST: f64 = 1.65;
+
+/// A part of a mold's surface that cutters leave, as leftovers are looked for on it.
+#[derive(Debug, Clone, Copy)]
+pub struct Sample {
+    /// Its middle (mm).
+    pub point: DVec3,
+    /// Its unit normal.
+    pub normal: DVec3,
+    /// Its area (mm^2).
+    pub area: f64,
+    /// How thick at most the cutters leave it (mm).
+    pub thickest: f64,
+}
+
+/// What burns leave of a region.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct LeftOfRegion {
+    /// Greatest distance from the mold's surface (mm).
+    pub thickness: f64,
+    /// The same without what the gap's radius keeps in corners (mm).
+    pub excess: f64,
+    /// Where that is greatest; where there is none, where the thickness is.
+    pub place: DVec3,
+    /// Volume (mm^3).
+    pub volume: f64,
+}
+
+impl LeftOfRegion {
+    /// What is left of both: what is thickest, the place of the greater excess, the volumes together.
+    pub(super) fn and(self, other: Self) -> Self {
+        let (volume, thickness) = (self.volume + other.volume, self.thickness.max(other.thickness));
+        // Where no excess is, the place is that of the greatest thickness.
+        let is_worse = (other.excess, other.thickness) > (self.excess, self.thickness);
+        Self { volume, thickness, ..if is_worse { other } else { self } }
+    }
+}
+
+/// Where cutters leave something, known to `within` (mm).
+pub struct Milled<'a> {
+    /// Whether they leave it at a point, or within that distance of it.
+    pub leaves: &'a (dyn Fn(DVec3) -> bool + Sync),
+    /// How far off the answer may be (mm).
+    pub within: f64,
+}
+
+/// What burns a region.
+pub(super) struct Burns<'a> {
+    /// Each of its burns.
+    pub(super) all: &'a [Burning],
+    /// The fullest electrode, if corners are to be forgiven at all.
+    pub(super) fullest: Option<&'a Burning>,
+}
+
+/// What is left on a sample.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LeftAt {
+    /// How much.
+    pub(super) left: LeftOfRegion,
+    /// Whether it is in a slot that no electrode of this spark enters, so that none of them is to blame.
+    pub(super) is_in_slot: bool,
+}
+
+/// What is left on each of the samples of a region's surface, of what the cutters left.
+///
+/// # Errors
+/// [`Cancelled`].
+pub(super) fn left_by(
+    burns: &Burns,
+    samples: &[Sample],
+    (mold, milled): (&Obstacle, &Milled),
+    cancel: &Cancel,
+) -> Result<Vec<LeftAt>, Cancelled> {
+    let of = |sample: &Sample| -> Result<LeftAt, Cancelled> {
+        cancel.check()?;
+        Ok(left_at(burns, sample, mold, milled))
+    };
+    samples.par_iter().map(of).collect()
+}
+
+fn left_at(burns: &Burns, sample: &Sample, mold: &Obstacle, milled: &Milled) -> LeftAt {
+    let beyond = |p: DVec3| burns.all.iter().map(|burn| burn.beyond(p)).fold(f64::INFINITY, f64::min);
+    let thickness = march(sample, &beyond, mold, milled).thickness;
+    let (mut allowed, mut is_in_slot) = (0.0, false);
+    if let Some(fullest) = burns.fullest.filter(|_| thickness > 0.0 && !burns.all.is_empty()) {
+        let least = march(sample, &|p| fullest.beyond(p), mold, milled);
+        let reach = burns.all.iter().map(Burning::reach).fold(0.0, f64::max);
+        is_in_slot = least.is_opposed;
+        if least.farthest <= FARTHEST * reach && !is_in_slot {
+            allowed = least.thickness;
+        }
+    }
+    let excess = (thickness - allowed).max(0.0);
+    let left = LeftOfRegion { thickness, excess, place: sample.point, volume: thickness * sample.area };
+    LeftAt { left, is_in_slot }
+}
+
+/// What is met on the way along a sample's normal through what is left.
+struct March {
+    /// How far off any face the way comes (mm): along an edge a normal runs beside another face, and what is nearer to that
+    /// one is counted there.
+    thickness: f64,
+    /// How far at most it was from what is burned (mm).
+    farthest: f64,
+    /// Whether it came nearer to a face that stands opposite.
+    is_opposed: bool,
+}
+
+/// The way along a sample's normal to where nothing is `beyond` what is burned, or the cutters have been.
+fn march(sample: &Sample, beyond: &dyn Fn(DVec3) -> f64, mold: &Obstacle, milled: &Milled) -> March {
+    let at = |t: f64| sample.point + sample.normal * t;
+    let mut met = March { thickness: 0.0, farthest: 0.0, is_opposed: false };
+    let mut along = 0.0;
+    for _ in 0..STEPS {
+        let step = beyond(at(along));
+        if step <= ARRIVED || along >= sample.thickest {
+            break;
+        }
+        met.farthest = met.farthest.max(step);
+        // Where it is not known to a cell whether the cutters leave it, small steps.
+        let on = f64::min(along + step.clamp(LEAST_STEP, milled.within.max(LEAST_STEP)), sample.thickest);
+        let (off, from) = mold.off(at(on));
+        if off <= 0.0 {
+            break;
+        }
+        if !(milled.leaves)(at(on)) {
+            met.thickness = f64::max(met.thickness - 1.5 * milled.within, 0.0);
+            break;
+        }
+        along = on;
+        met.thickness = met.thickness.max(along.min(off));
+        met.is_opposed |= off < along * (1.0 - OTHER) && from.dot(sample.normal) < OPPOSED;
+    }
+    met
+}
+
+/// How closely a region was looked at.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Looked {
+    /// Distance of samples on faces (mm).
+    pub on_faces: f64,
+    /// The same along edges and cuts (mm).
+    pub along_edges: f64,
+}
+
+impl Looked {
+    /// The coarser of both.
+    pub(super) fn and(self, other: Self) -> Self {
+        Self { on_faces: self.on_faces.max(other.on_faces), along_edges: self.along_edges.max(other.along_edges) }
+    }
+}
+
+/// What is said of a square orbit where something is left.
+const SQUARE: &str =
+    "; a square orbit reaches only into corners of walls along X and Y: a circular one, or none, leaves less";
+
+/// The finding for what is left of the parts that an electrode is for: what is left beyond what the spark keeps in corners
+/// is held against the tolerance.
+pub fn leftover(left: &LeftOfRegion, tolerance: f64, stage: &Stage, looked: Looked) -> Finding {
+    let holds = left.excess <= tolerance;
+    let apart =
+        format!("looked at every {:.2} mm on faces, every {:.2} mm along edges", looked.on_faces, looked.along_edges);
+    let text = if holds {
+        format!(
+            "at most {:.4} mm are left, in corners that the spark rounds; {:.4} mm^3 in all; {apart}",
+            left.thickness, left.volume
+        )
+    } else {
+        format!(
+            "{:.4} mm are left beyond what corners keep, {tolerance:.4} mm are allowed; {:.4} mm^3 in all{}; {apart}",
+            left.excess,
+            left.volume,
+            if matches!(stage.orbit, Orbit::Square { .. }) { SQUARE } else { "" }
+        )
+    };
+    Finding::new(CheckKind::Leftover, holds, text, (!holds).then_some(left.place))
+}
