@@ -1,7 +1,7 @@
 //! Regions of what is left, by all that is known of them.
 //!
 //! The grid of heights knows every kind of cutter, the layers know flat ones better. Where only flat cutters count, a
-//! region's extent and volume are those of the layers, and the grid adds what it knows of it, and regions that lie between
+//! region's extent in plan and volume are those of the layers, and the grid adds what it knows of it, and regions that lie between
 //! layers. Where rounded cutters count too, regions are those of the grid.
 
 use glam::DVec2;
@@ -56,6 +56,11 @@ impl UncutRegion {
 
     fn of_layers(layers: &[UncutLayer], region: &LayerRegion, of_field: &[&FieldRegion]) -> Self {
         let greatest = |value: fn(&FieldRegion) -> f64| of_field.iter().map(|r| value(r)).fold(0.0, f64::max);
+        // Between layers, and above and below them, the grid knows more of its height.
+        let of_both = |value: fn(&Bounds) -> f64| of_field.iter().map(move |r| value(&r.bounds));
+        let mut bounds = region.bounds;
+        bounds.min.z = of_both(|b| b.min.z).fold(bounds.min.z, f64::min);
+        bounds.max.z = of_both(|b| b.max.z).fold(bounds.max.z, f64::max);
         let main = of_field.iter().max_by(|a, b| a.volume.total_cmp(&b.volume));
         Self {
             volume: region.volume,
@@ -67,7 +72,7 @@ impl UncutRegion {
             surface_area: 0.0,
             depth: if main.is_some() { greatest(|r| r.depth) } else { region.height },
             thickness: if main.is_some() { greatest(|r| r.normal_depth) } else { region.residue() },
-            bounds: region.bounds,
+            bounds,
             faces: Vec::new(),
             nearest_cutter: main.map(|r| r.nearest_cutter),
             pieces: region.pieces.clone(),

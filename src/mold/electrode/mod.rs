@@ -21,11 +21,15 @@ pub mod tip;
 
 mod earlier;
 mod edits;
+mod net_shape;
+mod part_numbers;
 mod removal;
 mod sharing;
 
 #[cfg(test)]
 mod orbit_tests;
+#[cfg(test)]
+mod plan_tests;
 #[cfg(test)]
 mod stages_tests;
 #[cfg(test)]

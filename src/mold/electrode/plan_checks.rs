@@ -148,7 +148,7 @@ fn left_of(
 }
 
 /// Places of a region's surface, evenly by area: large parts are divided, of small ones each stands for its neighbours.
-fn samples(region: &RegionToBurn, turned: &DMat3) -> Vec<Sample> {
+pub(super) fn samples(region: &RegionToBurn, turned: &DMat3) -> Vec<Sample> {
     let area = |[a, b, c]: &[DVec3; 3]| 0.5 * (*b - *a).cross(*c - *a).length();
     let all: f64 = region.corners.iter().map(area).sum();
     let share = (all / SAMPLES as f64).max(1e-9);
