@@ -179,3 +179,37 @@ fn holds(layers: &[UncutLayer], region: &LayerRegion, at: DVec2, [low, high]: [f
     let mut own = region.pieces.iter().filter(|[k, _]| (low - slack..=high + slack).contains(&layers[*k].z));
     is_in_box && own.any(|&[k, i]| near.iter().any(|p| plane::holds(&layers[k].pieces[i].boundary, *p)))
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    #[test]
+    fn a_region_of_layers_is_as_high_as_the_grid_knows() {
+        let bounds = |low: f64, high: f64| Bounds { min: DVec3::new(0.0, 0.0, low), max: DVec3::new(2.0, 1.0, high) };
+        let region = LayerRegion {
+            pieces: Vec::new(),
+            volume: 3.0,
+            plan_area: 2.0,
+            bounds: bounds(-7.0, -6.87),
+            height: 0.13,
+            corner_depth: 1.0,
+        };
+        let of_field = FieldRegion {
+            cells: Vec::new(),
+            plan_area: 2.5,
+            volume: 3.5,
+            depth: 0.2,
+            normal_depth: 0.1,
+            bounds: bounds(-6.98, -6.79).grown(0.5),
+            nearest_cutter: 0,
+        };
+        let of = |field: &[&FieldRegion]| UncutRegion::of_layers(&[], &region, field).bounds;
+        assert_eq!(of(&[]), region.bounds);
+        let joined = of(&[&of_field]);
+        assert_eq!((joined.min.z, joined.max.z), (of_field.bounds.min.z, of_field.bounds.max.z));
+        assert_eq!(joined.min.truncate(), region.bounds.min.truncate(), "in plan the layers know better");
+    }
+}
