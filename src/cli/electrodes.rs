@@ -16,7 +16,7 @@ use crate::geometry::mesh::Mesh;
 use crate::jobs::electrodes::electrodes as find_electrodes;
 use crate::jobs::uncut::uncut as find_uncut;
 use crate::mold::cutter::{Cutter, CutterLibrary};
-use crate::mold::electrode::design::ElectrodeSet;
+use crate::mold::electrode::design::{Electrode, ElectrodeSet};
 use crate::mold::electrode::overrides::Override;
 use crate::mold::electrode::params::{ElectrodeParams, Shape};
 use crate::mold::opening::Opening;
@@ -211,7 +211,9 @@ fn lines(set: &ElectrodeSet, report: &ElectrodesReport) -> Vec<String> {
         }));
     }
     for (number, region) in set.regions.iter().enumerate() {
-        lines.extend(region.trouble.as_ref().map(|t| format!("region {} has no electrode: {t}", number + 1)));
+        let is_burned = |e: &Electrode| e.burns.iter().flat_map(|b| &b.parts).any(|part| part.region == number);
+        let what = if set.electrodes.iter().any(is_burned) { "" } else { " has no electrode" };
+        lines.extend(region.trouble.as_ref().map(|t| format!("region {}{what}: {t}", number + 1)));
     }
     lines.extend(corners(set));
     let idle = set.idle_overrides();
@@ -242,6 +244,8 @@ fn not_written(written: &WrittenElectrodes) -> Vec<String> {
         let older = left.older.iter().map(|f| format!("    an older file of it is still there: {}", f.display()));
         lines.extend(older);
     }
+    let stale = written.stale.iter();
+    lines.extend(stale.map(|f| format!("{} is of an earlier export: the burn table does not have it", f.display())));
     lines.extend(written.no_sheet.as_ref().map(|why| format!("burn_sheet.txt was not written: {why}")));
     lines
 }

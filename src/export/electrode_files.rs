@@ -82,6 +82,8 @@ pub struct WrittenElectrodes {
     pub files: Vec<ElectrodeFile>,
     /// Electrodes without files.
     pub left_out: Vec<LeftOut>,
+    /// Electrode files of earlier exports that are still in the folder and are not of this one, in order.
+    pub stale: Vec<PathBuf>,
     /// Why there is no burn sheet, if there is none.
     pub no_sheet: Option<String>,
 }
@@ -137,7 +139,17 @@ pub fn write_electrode_files(
             written.files.push(ElectrodeFile { electrode: name.clone(), path });
         }
     }
+    written.stale = stale(folder, &written);
     Ok(written)
+}
+
+/// Electrode files of earlier exports that are not replaced by these, nor told with an electrode that has none.
+fn stale(folder: &ExportFolder, written: &WrittenElectrodes) -> Vec<PathBuf> {
+    let new = written.files.iter().map(|file| &file.path);
+    let told: Vec<&PathBuf> = new.chain(written.left_out.iter().flat_map(|left| &left.older)).collect();
+    let is_told = |path: &PathBuf| told.iter().any(|t| t.as_os_str().eq_ignore_ascii_case(path.as_os_str()));
+    let earlier = folder.names().into_iter().filter(|file| is_electrode_file(file));
+    earlier.map(|file| folder.path(&file)).filter(|path| !is_told(path)).collect()
 }
 
 /// Why an electrode may not be exported; none if it may.
@@ -214,6 +226,14 @@ pub fn is_file_of(file: &str, electrode: &str, stage: &str) -> bool {
     of_form.is_some_and(|rest| rest.starts_with('_') && rest.contains(&format!("_{}_g", plain(stage))))
 }
 
+/// Whether a file is called as electrodes are, as in `E01_finish_g0.05_copper_x1.stl`.
+fn is_electrode_file(file: &str) -> bool {
+    let is_mesh = ElectrodeFormat::ALL.iter().any(|f| file.ends_with(&format!(".{}", f.extension())));
+    let number = file.strip_prefix('E').and_then(|rest| rest.split_once('_')).map_or("", |(number, _)| number);
+    let is_number = number.len() >= 2 && number.bytes().all(|b| b.is_ascii_digit());
+    is_mesh && is_number && file.contains("_g")
+}
+
 /// Text as a part of a file's name on every system.
 fn plain(text: &str) -> String {
     let mut plain = String::new();
@@ -277,6 +297,24 @@ mod tests {
         assert_eq!(left.older.iter().collect::<Vec<_>>(), [&old]);
         assert_eq!(std::fs::read(old).unwrap(), b"old", "files of an earlier export are not ours to delete");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
+    }
+
+    #[test]
+    fn electrode_files_of_an_earlier_plan_are_told_and_stay() {
+        let folder = tempfile::tempdir().unwrap();
+        let old = [
+            "E04_finish_g0.05_Cu-soft_x1.stl",
+            "E02_finish_g0.3_Cu-soft_x1.obj",
+            "E03_finish_g0.05_Cu-soft_x1.stl",
+            "E02_finish_g0.05_Cu-soft_x1.glb",
+        ];
+        let others = ["Eiffel_g1.stl", "E04_finish_g0.05_Cu-soft_x1.txt", "mold.stl"];
+        old.iter().chain(&others).for_each(|name| std::fs::write(folder.path().join(name), "old").unwrap());
+        let written = written(folder.path(), &set(), &[ElectrodeFormat::Stl]);
+        let stale: Vec<PathBuf> = [old[3], old[1], old[0]].iter().map(|name| folder.path().join(name)).collect();
+        assert_eq!(written.stale, stale, "one that is blocked is told with its reason");
+        assert!(written.left_out[0].older.contains(&folder.path().join(old[2])));
+        assert!(old.iter().chain(&others).all(|name| folder.path().join(name).exists()));
     }
 
     #[test]

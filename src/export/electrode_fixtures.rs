@@ -69,6 +69,7 @@ fn region(tree: Option<PartNode>, trouble: Option<&str>, thickness: f64) -> Regi
     RegionPlan {
         edits: Vec::new(),
         tree,
+        earlier: Vec::new(),
         method: Method::Cutting,
         direction: DVec3::NEG_Z,
         trouble: trouble.map(str::to_owned),

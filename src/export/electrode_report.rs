@@ -78,6 +78,8 @@ pub struct RegionEntry {
     pub parts: usize,
     /// Its division; none where there is no footprint.
     pub division: Option<Division>,
+    /// Divisions by earlier stages that have parts which it does not.
+    pub earlier_divisions: Vec<EarlierDivision>,
     /// Electrodes that burn it or parts of it.
     pub electrodes: Vec<String>,
     /// Greatest thickness that all burns leave, across the surface (mm).
@@ -90,6 +92,15 @@ pub struct RegionEntry {
     pub trouble: Option<String>,
     /// What stages leave to those after them, in words.
     pub left_out: Vec<String>,
+}
+
+/// How an earlier stage divides a region.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EarlierDivision {
+    /// The stage, by name.
+    pub stage: String,
+    /// Its division.
+    pub division: Division,
 }
 
 /// A part of a region and what it is divided into.
@@ -209,6 +220,7 @@ fn region(set: &ElectrodeSet, r: usize, plan: &RegionPlan) -> RegionEntry {
         direction: plan.direction.to_array().map(|v| v + 0.0),
         parts: plan.tree.as_ref().map_or(0, leaves),
         division: plan.tree.as_ref().map(|tree| division(tree, r)),
+        earlier_divisions: earlier_divisions(set, r, plan),
         electrodes: set.electrodes.iter().filter(burns).map(|e| e.name.clone()).collect(),
         left_thickness_mm: plan.left.thickness,
         left_at_mm: plan.left.place.to_array().map(|v| rounded(v, 1e6)),
@@ -216,6 +228,22 @@ fn region(set: &ElectrodeSet, r: usize, plan: &RegionPlan) -> RegionEntry {
         trouble: plan.trouble.clone(),
         left_out: plan.left_out.iter().map(|left| left.text.clone()).collect(),
     }
+}
+
+/// What names parts that the last stage's division does not have.
+fn earlier_divisions(set: &ElectrodeSet, r: usize, plan: &RegionPlan) -> Vec<EarlierDivision> {
+    fn has(node: &PartNode, part: usize) -> bool {
+        node.part == Some(part) || node.parts.iter().any(|node| has(node, part))
+    }
+    fn is_new(node: &PartNode, last: &PartNode) -> bool {
+        node.part.is_some_and(|part| !has(last, part)) || node.parts.iter().any(|node| is_new(node, last))
+    }
+    let told = plan.earlier.iter().rev().filter(|(_, tree)| plan.tree.as_ref().is_some_and(|last| is_new(tree, last)));
+    let of = |(stage, tree): &(usize, PartNode)| EarlierDivision {
+        stage: set.params.stages[*stage].name.clone(),
+        division: division(tree, r),
+    };
+    told.map(of).collect()
 }
 
 /// To one part in `scale`, and no zero with a sign.

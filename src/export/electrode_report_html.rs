@@ -281,7 +281,8 @@ fn regions(out: &mut String, regions: &[RegionEntry]) {
     let head =
         ["#region", "#parts", "electrodes", "method", "burned along", "#left mm", "#left mm\u{b3}", "at", "not burned"];
     table(out, "", "What all burns leave", &head, rows);
-    let divided: Vec<&RegionEntry> = regions.iter().filter(|r| r.parts > 1).collect();
+    let divided: Vec<&RegionEntry> =
+        regions.iter().filter(|r| r.parts > 1 || !r.earlier_divisions.is_empty()).collect();
     if !divided.is_empty() {
         out.push_str("<h3>Divisions <small>in plan, mm, seen along the burn</small></h3><ul>");
         for region in divided {
@@ -289,6 +290,10 @@ fn regions(out: &mut String, regions: &[RegionEntry]) {
             if let Some(tree) = &region.division {
                 out.push_str(": ");
                 division(out, tree);
+            }
+            for earlier in &region.earlier_divisions {
+                let _ = write!(out, "<br>{} stage: ", escape(&earlier.stage));
+                division(out, &earlier.division);
             }
             out.push_str("</li>");
         }

@@ -69,6 +69,23 @@ fn a_cut_that_leads_to_one_part_says_why() {
 }
 
 #[test]
+fn parts_that_only_an_earlier_stage_has_are_told_with_its_division() {
+    let mut set = set();
+    let last = set.regions[0].tree.clone().unwrap();
+    set.regions[0].earlier = vec![(0, last.clone())];
+    let divisions = |set: &ElectrodeSet| {
+        let report = ElectrodesReport::of(set, "", Opening::PlusZ);
+        (report.regions[0].earlier_divisions.clone(), report.html(&[]))
+    };
+    assert!(divisions(&set).0.is_empty(), "the same parts are told once");
+    set.regions[0].earlier[0].1.parts[1].part = Some(2);
+    let (told, page) = divisions(&set);
+    let [earlier] = &told[..] else { panic!("{told:?}") };
+    assert_eq!((earlier.stage.as_str(), earlier.division.parts[1].text.as_str()), ("rough", "part R1.3"));
+    assert!(page.contains("rough stage: ") && page.contains("part R1.3"));
+}
+
+#[test]
 fn the_page_stands_alone_and_holds_everything() {
     let pictures = [("All <electrodes>".to_owned(), vec![0x89, b'P', b'N', b'G'])];
     let page = report().html(&pictures);

@@ -58,6 +58,15 @@ impl ExportFolder {
         self.folder.join(name)
     }
 
+    /// The names of the files that are there before anything is published, in order; none where they cannot be read.
+    pub fn names(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(&self.folder).into_iter().flatten().flatten();
+        let files = entries.filter(|entry| entry.path().is_file());
+        let mut names: Vec<String> = files.filter_map(|entry| entry.file_name().into_string().ok()).collect();
+        names.sort_unstable();
+        names
+    }
+
     /// Writes a file; one that has the name already is replaced when all are published.
     ///
     /// # Errors

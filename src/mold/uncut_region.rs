@@ -1,7 +1,7 @@
 //! Regions of what is left, by all that is known of them.
 //!
 //! The grid of heights knows every kind of cutter, the layers know flat ones better. Where only flat cutters count, a
-//! region's extent and volume are those of the layers, and the grid adds what it knows of it, and regions that lie between
+//! region's extent in plan and volume are those of the layers, and the grid adds what it knows of it, and regions that lie between
 //! layers. Where rounded cutters count too, regions are those of the grid.
 
 use glam::DVec2;
@@ -56,6 +56,11 @@ impl UncutRegion {
 
     fn of_layers(layers: &[UncutLayer], region: &LayerRegion, of_field: &[&FieldRegion]) -> Self {
         let greatest = |value: fn(&FieldRegion) -> f64| of_field.iter().map(|r| value(r)).fold(0.0, f64::max);
+        // Between layers, and above and below them, the grid knows more of its height.
+        let of_both = |value: fn(&Bounds) -> f64| of_field.iter().map(move |r| value(&r.bounds));
+        let mut bounds = region.bounds;
+        bounds.min.z = of_both(|b| b.min.z).fold(bounds.min.z, f64::min);
+        bounds.max.z = of_both(|b| b.max.z).fold(bounds.max.z, f64::max);
         let main = of_field.iter().max_by(|a, b| a.volume.total_cmp(&b.volume));
         Self {
             volume: region.volume,
@@ -67,7 +72,7 @@ impl UncutRegion {
             surface_area: 0.0,
             depth: if main.is_some() { greatest(|r| r.depth) } else { region.height },
             thickness: if main.is_some() { greatest(|r| r.normal_depth) } else { region.residue() },
-            bounds: region.bounds,
+            bounds,
             faces: Vec::new(),
             nearest_cutter: main.map(|r| r.nearest_cutter),
             pieces: region.pieces.clone(),
@@ -173,4 +178,38 @@ fn holds(layers: &[UncutLayer], region: &LayerRegion, at: DVec2, [low, high]: [f
     let is_in_box = bounds.min.truncate().cmple(at).all() && at.cmple(bounds.max.truncate()).all();
     let mut own = region.pieces.iter().filter(|[k, _]| (low - slack..=high + slack).contains(&layers[*k].z));
     is_in_box && own.any(|&[k, i]| near.iter().any(|p| plane::holds(&layers[k].pieces[i].boundary, *p)))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    #[test]
+    fn a_region_of_layers_is_as_high_as_the_grid_knows() {
+        let bounds = |low: f64, high: f64| Bounds { min: DVec3::new(0.0, 0.0, low), max: DVec3::new(2.0, 1.0, high) };
+        let region = LayerRegion {
+            pieces: Vec::new(),
+            volume: 3.0,
+            plan_area: 2.0,
+            bounds: bounds(-7.0, -6.87),
+            height: 0.13,
+            corner_depth: 1.0,
+        };
+        let of_field = FieldRegion {
+            cells: Vec::new(),
+            plan_area: 2.5,
+            volume: 3.5,
+            depth: 0.2,
+            normal_depth: 0.1,
+            bounds: bounds(-6.98, -6.79).grown(0.5),
+            nearest_cutter: 0,
+        };
+        let of = |field: &[&FieldRegion]| UncutRegion::of_layers(&[], &region, field).bounds;
+        assert_eq!(of(&[]), region.bounds);
+        let joined = of(&[&of_field]);
+        assert_eq!((joined.min.z, joined.max.z), (of_field.bounds.min.z, of_field.bounds.max.z));
+        assert_eq!(joined.min.truncate(), region.bounds.min.truncate(), "in plan the layers know better");
+    }
 }

@@ -42,7 +42,7 @@ impl Designed {
         self.report.sentence_with(&self.set, overrides).replace("mm3", "mm³").replace("mm^3", "mm³")
     }
 
-    /// A place in each part of a region that was not divided further, by which changes name it, upright (mm): none if
+    /// A place in each part of a region that was not divided further, by its number, by which changes name it, upright (mm): none if
     /// the region is not burned straight down, or none was found.
     pub fn leaves(&self, region: usize) -> Vec<Option<DVec3>> {
         let Some(plan) = self.set.regions.get(region) else { return Vec::new() };
@@ -57,8 +57,9 @@ impl Designed {
 
 fn leaf_places(node: &PartNode, z: f64, places: &mut Vec<Option<DVec3>>) {
     node.parts.iter().for_each(|part| leaf_places(part, z, places));
-    if node.part.is_some() {
-        places.push(node.place.map(|p| p.extend(z)));
+    if let Some(number) = node.part {
+        places.resize(places.len().max(number + 1), None);
+        places[number] = node.place.map(|p| p.extend(z));
     }
 }
 

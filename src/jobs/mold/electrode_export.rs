@@ -20,6 +20,8 @@ pub struct Exported {
     folder: PathBuf,
     files: usize,
     left_out: Vec<LeftOut>,
+    /// How many electrode files of earlier exports are still there.
+    stale: usize,
     /// Overrides for what electrodes of their names no longer burn, in words.
     lapsed: Vec<String>,
     /// Why there is no burn sheet.
@@ -35,6 +37,11 @@ impl Exported {
         let mut text = format!("{} file{plural} and the burn table written to {}", self.files, self.folder.display());
         for left in &self.left_out {
             text += &format!("; {} left out ({})", left.electrode, left.why);
+        }
+        match self.stale {
+            0 => {}
+            1 => text += "; an electrode file of an earlier export is still there",
+            stale => text += &format!("; {stale} electrode files of earlier exports are still there"),
         }
         for lapsed in &self.lapsed {
             text += &format!("; {lapsed}");
@@ -77,6 +84,7 @@ pub(super) fn export(
         lapsed,
         folder: folder.to_owned(),
         files: written.files.len(),
+        stale: written.stale.len(),
         left_out: written.left_out,
         no_sheet: written.no_sheet,
         no_pictures,

@@ -13,7 +13,8 @@ use super::overrides::{IdleOverride, Override};
 use super::params::{ElectrodeParams, Method};
 use crate::geometry::mesh::{Bounds, Mesh};
 
-/// Where a part of a region is: the region's place in the list, and the part's among its parts.
+/// Where a part of a region is: the region's place in the list, and the part's number, which is the same for the same place
+/// in every stage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 pub struct PartId {
     /// The region.
@@ -130,8 +131,10 @@ pub struct LeftOut {
 /// How a region is burned.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RegionPlan {
-    /// Its division.
+    /// Its division by the last stage that has one.
     pub tree: Option<PartNode>,
+    /// Its divisions by the stages before that one: their places in the list, the later one first.
+    pub earlier: Vec<(usize, PartNode)>,
     /// How its tips are made.
     pub method: Method,
     /// Where its electrodes go, in the upright mold.

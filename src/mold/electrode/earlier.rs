@@ -4,8 +4,8 @@
 use super::design::LeftOut;
 use super::division::Part;
 use super::footprint::{grown, is_thin};
-use super::params::Stage;
-use super::plan::Setting;
+use super::params::{ElectrodeParams, Stage};
+use super::plan::{RegionToBurn, Setting};
 use crate::mold::outline::Outline;
 use crate::mold::plane;
 
@@ -66,5 +66,21 @@ pub(super) fn no_room(stage: &Stage, number: usize) -> LeftOut {
     let name = &stage.name;
     let text =
         format!("{name} stage: it is left out, as its gap leaves no room for a tip; the stages after it burn alone");
+    LeftOut { stage: number, text }
+}
+
+/// Whether a region that has no room for a tip needs none: it is about as thin as what counts as burned.
+pub(super) fn is_nothing(region: &RegionToBurn, params: &ElectrodeParams) -> bool {
+    /// Thickness of such a region, in tolerances.
+    const NEAR: f64 = 1.5;
+    region.thickness <= NEAR * params.tolerance_mm
+}
+
+/// What is said of such a region.
+pub(super) fn nothing(stage: &Stage, number: usize, thickness: f64) -> LeftOut {
+    let name = &stage.name;
+    let text = format!(
+        "{name} stage: there is nothing to burn, as what is left is {thickness:.4} mm thick, about as thin as the tolerance"
+    );
     LeftOut { stage: number, text }
 }

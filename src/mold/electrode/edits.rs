@@ -4,9 +4,11 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::division::{Cut, DivisionSettings, Part, cut_along, whole};
-use super::params::Edit;
+use super::params::{Edit, ElectrodeParamsError};
 use super::plan::{RegionToBurn, TOUCHES};
 use super::tip::{Burned, Footprint, SKIN, TipError};
+use crate::geometry::exact::ExactMesh;
+use crate::geometry::mesh::Mesh;
 use crate::mold::outline::{Outline, off_segment};
 use crate::mold::plane;
 
@@ -14,6 +16,26 @@ use crate::mold::plane;
 const HAIR: f64 = 1e-3;
 /// Regions whose distances from a place differ by less are as near (mm): they are known to cells of about this size.
 const AS_NEAR: f64 = 0.02;
+
+impl Edit {
+    /// Whether it can be made; `number` is its place in the list, counted from 1.
+    pub(super) fn validate(&self, number: usize) -> Result<(), ElectrodeParamsError> {
+        let is_place = match self {
+            Self::Merge { places: [a, b] } | Self::Split { line: [a, b] } => a.is_finite() && b.is_finite(),
+            Self::Make { place, .. } | Self::Burn { place, .. } => place.is_finite(),
+        };
+        if !is_place {
+            return Err(ElectrodeParamsError::Place(number));
+        }
+        match self {
+            // Too long or too short a direction has no length that can be told.
+            Self::Burn { direction, .. } if direction.try_normalize().is_none() => {
+                Err(ElectrodeParamsError::Direction(number))
+            }
+            _ => Ok(()),
+        }
+    }
+}
 
 /// Makes a change to the parts of a region; whether it meets them. `plan` takes a place of the upright mold to the plan of
 /// the burn frame.
@@ -122,6 +144,28 @@ pub(super) fn named(
     let nearest: Vec<f64> = (0..edits.len()).map(least).collect();
     let is_near = |of: &[f64], e: usize| of[e].is_finite() && of[e] <= nearest[e] + AS_NEAR;
     offs.iter().map(|of| (0..edits.len()).filter(|e| is_near(of, *e)).collect()).collect()
+}
+
+/// For each region those of the changes that say how it is made and from where, by their places in the list: each is for the
+/// region nearest to its place, if that is near enough.
+pub(super) fn pointed_at(regions: &[RegionToBurn], edits: &[Edit]) -> Vec<Vec<usize>> {
+    let mut of = vec![Vec::new(); regions.len()];
+    for (number, edit) in edits.iter().enumerate() {
+        let (Edit::Make { place, .. } | Edit::Burn { place, .. }) = edit else { continue };
+        let offs: Vec<f64> = regions.par_iter().map(|region| off_in_space(region, *place)).collect();
+        let nearest = offs.iter().copied().fold(f64::INFINITY, f64::min);
+        let is_meant = |off: f64| off < TOUCHES && off <= nearest + AS_NEAR;
+        offs.iter().zip(&mut of).filter(|(off, _)| is_meant(**off)).for_each(|(_, of)| of.push(number));
+    }
+    of
+}
+
+/// How far a point is from a region's surface (mm).
+fn off_in_space(region: &RegionToBurn, p: DVec3) -> f64 {
+    let vertices: Vec<DVec3> = region.corners.iter().flatten().copied().collect();
+    let triangles = (0..region.corners.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let surface = ExactMesh::new(&Mesh { vertices, triangles });
+    surface.map_or(f64::INFINITY, |surface| surface.nearest(p).point.distance(p))
 }
 
 /// How far a point is from a region in plan (mm).

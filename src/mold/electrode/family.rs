@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::base::{Base, placed};
 use super::check::Obstacle;
 use super::design::{Burn, Electrode, PartId};
+use super::net_shape::burned;
 use super::params::{ElectrodeParams, Shape, Stage};
 use super::plan::{ElectrodeError, to_burn_frame};
 use super::tip::joined;
@@ -64,7 +65,11 @@ pub(super) fn into_families(
     if !params.family || stages.len() < 2 {
         return Ok(());
     }
-    if let Some(like) = like.filter(|like| like.len() == electrodes.len()) {
+    let is_same = |like: &&[Electrode]| {
+        let same = |(a, b): (&Electrode, &Electrode)| a.stage == b.stage && burned(a) == burned(b);
+        like.len() == electrodes.len() && like.iter().zip(electrodes.iter()).all(same)
+    };
+    if let Some(like) = like.filter(is_same) {
         return rows_of(like).into_iter().try_for_each(|row| set(electrodes, &row, params));
     }
     let radius = cutters.needed().iter().map(|c| c.radius()).fold(f64::INFINITY, f64::min);

@@ -24,6 +24,8 @@ pub mod tip;
 
 mod earlier;
 mod edits;
+mod net_shape;
+mod part_numbers;
 mod removal;
 mod samples;
 mod sharing;
@@ -32,6 +34,8 @@ mod sharing;
 mod leftover_tests;
 #[cfg(test)]
 mod orbit_tests;
+#[cfg(test)]
+mod plan_tests;
 #[cfg(test)]
 mod stages_tests;
 #[cfg(test)]

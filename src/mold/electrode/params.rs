@@ -406,6 +406,12 @@ pub enum ElectrodeParamsError {
     /// Blanks that are none.
     #[error("blanks: sides must rise and the increment must be from 0.1 to 100 mm")]
     Blanks,
+    /// A place of a change that is none.
+    #[error("change {0} of edits: its places must be finite numbers (mm)")]
+    Place(usize),
+    /// A burn direction that is none.
+    #[error("change {0} of edits: its direction must be finite and not zero; straight down is [0, 0, -1]")]
+    Direction(usize),
     /// Burning times that are none.
     #[error("removal: all figures must be positive and finite")]
     Removal,
@@ -459,6 +465,9 @@ impl ElectrodeParams {
                 let [earlier, later] = [0, 1].map(|i| pair[i].name.clone());
                 return Err(ElectrodeParamsError::StageOrder { earlier, earlier_mm, later, later_mm });
             }
+        }
+        for (number, edit) in self.edits.iter().enumerate() {
+            edit.validate(number + 1)?;
         }
         let is_holder = |h: &Holder| h.size_mm.iter().chain([&h.height_mm]).all(|v| v.is_finite() && *v > 0.0);
         if let Some(bad) = self.holders.iter().find(|h| !is_holder(h)) {

@@ -1,5 +1,6 @@
 //! From regions to electrodes.
 
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use glam::{DMat3, DQuat, DVec2, DVec3};
@@ -10,10 +11,12 @@ use super::check::{GOUGE, LeftOfRegion, Milled};
 use super::combine::Form;
 use super::design::{Burn, Electrode, ElectrodeSet, PartId, PartNode, RegionPlan};
 use super::division::{DivisionSettings, Part, divide};
-use super::earlier::{left_to_later, no_room, thick_only};
-use super::edits::{apply, named as named_by_edits, places};
+use super::earlier::{is_nothing, left_to_later, no_room, nothing, thick_only};
+use super::edits::{apply, named as named_by_edits, places, pointed_at};
 use super::family::{Family, into_families, parts};
+use super::net_shape::{net, told_of_real};
 use super::params::{Edit, ElectrodeParams, ElectrodeParamsError, Method, Orbit, Shape, Stage};
+use super::part_numbers::{Numbered, Parts, numbers, renumber, shape, volumes};
 use super::plan_checks::checked;
 use super::sharing::{assembled, shared};
 use super::tip::{Burned, Place, TipError, footprint};
@@ -25,14 +28,11 @@ use crate::geometry::solid::{SolidError, unfolded};
 use crate::mold::cutter::CutterLibrary;
 use crate::mold::height_field::HeightFieldError;
 use crate::mold::outline::Outline;
+use crate::mold::plane;
 use crate::progress::{Cancel, Cancelled, Progress};
 
 /// How far off a burn surface a point of a tip may be to be part of it (mm).
 const ON_BURN: f64 = 1e-6;
-
-/// Said where the two do not belong together.
-const OTHER_NET: &str = "without gap it is divided or shared otherwise than with it, so that its net shape is not that of an electrode: \
-    write undersized shapes";
 
 /// Why there are no electrodes.
 #[derive(Debug, thiserror::Error)]
@@ -173,67 +173,53 @@ pub fn plan(
     cancel: &Cancel,
 ) -> Result<ElectrodeSet, ElectrodeError> {
     params.validate()?;
-    let made = plan_stages(mold, regions, libraries, (params, &params.stages, None), progress, cancel)?;
+    let (made, parts) = plan_stages(mold, regions, libraries, (params, &params.stages, None), progress, cancel)?;
     if params.shape == Shape::Undersized {
         return Ok(made);
     }
     // Files of the net shape are those of an electrode without gap; it is the real one that has to come out.
     let stages: Vec<Stage> = params.stages.iter().map(net).collect();
-    let like = Some(&made.electrodes[..]);
-    let mut filed = plan_stages(mold, regions, libraries, (params, &stages, like), progress, cancel)?;
-    let parts = |set: &ElectrodeSet| -> Vec<(usize, Vec<Vec<PartId>>)> {
-        let of = |e: &Electrode| (e.stage, e.burns.iter().map(|b| b.parts.clone()).collect());
-        set.electrodes.iter().map(of).collect()
-    };
-    let is_same = parts(&made) == parts(&filed);
-    for (plan, made) in filed.regions.iter_mut().zip(made.regions) {
-        plan.left = made.left;
-        plan.left_out = made.left_out;
-        plan.trouble = plan.trouble.take().or(made.trouble);
-        if !is_same && plan.trouble.is_none() {
-            plan.trouble = Some(OTHER_NET.to_owned());
-        }
-    }
-    for (filed, made) in filed.checks.iter_mut().zip(made.checks).filter(|_| is_same) {
-        for (net, real) in filed.iter_mut().zip(made) {
-            if net.holds {
-                *net = real;
-            }
-        }
-    }
-    Ok(filed)
+    let like = Some((&made.electrodes[..], &parts));
+    let (filed, _) = plan_stages(mold, regions, libraries, (params, &stages, like), progress, cancel)?;
+    Ok(told_of_real(filed, made))
 }
+
+/// Electrodes of which these are the net shapes, and the parts that they burn.
+type Real<'a> = (&'a [Electrode], &'a Parts);
 
 fn plan_stages(
     mold: &Mesh,
     regions: &[RegionToBurn],
     (library, milled): (&CutterLibrary, &Milled),
-    (params, stages, like): (&ElectrodeParams, &[Stage], Option<&[Electrode]>),
+    (params, stages, like): (&ElectrodeParams, &[Stage], Option<Real>),
     progress: &Progress,
     cancel: &Cancel,
-) -> Result<ElectrodeSet, ElectrodeError> {
+) -> Result<(ElectrodeSet, Parts), ElectrodeError> {
     let cutters = params.cutters.as_ref().unwrap_or(library);
-    let mut plans: Vec<RegionPlan> = regions.iter().map(|r| region_plan(r, params)).collect();
-    let mut electrodes: Vec<Electrode> = Vec::new();
-    // Of each stage, the share of each region that it has tips for.
-    let mut made: Vec<Vec<f64>> = Vec::new();
-    for (number, stage) in stages.iter().enumerate() {
-        progress.report("electrodes", number as f64 / stages.len() as f64 * 0.7, &stage.name);
-        let is_last = number + 1 == stages.len();
-        made.push(vec![1.0; regions.len()]);
-        let mut directions: Vec<DVec3> = Vec::new();
-        for plan in &plans {
-            if !directions.contains(&plan.direction) {
-                directions.push(plan.direction);
-            }
+    let mut plans = region_plans(regions, params);
+    let mut directions: Vec<DVec3> = Vec::new();
+    for plan in &plans {
+        if !directions.contains(&plan.direction) {
+            directions.push(plan.direction);
         }
-        for direction in directions {
+    }
+    let mut electrodes: Vec<Electrode> = Vec::new();
+    let mut parts: Parts = vec![Vec::new(); regions.len()];
+    // Of each stage, the share of each region that it has tips for.
+    let mut made = vec![vec![1.0; regions.len()]; stages.len()];
+    // The last stage, which burns everything, tells what the parts are.
+    for (number, stage) in stages.iter().enumerate().rev() {
+        progress.report("electrodes", (1.0 - (number + 1) as f64 / stages.len() as f64) * 0.7, &stage.name);
+        let is_last = number + 1 == stages.len();
+        for &direction in &directions {
             let setting = Setting::new(mold, direction, stage)?;
             let here: Vec<usize> = (0..regions.len()).filter(|r| plans[*r].direction == direction).collect();
-            let leaves = leaves(&setting, regions, (&here, is_last), (&mut plans, &mut made), params, cancel)?;
+            let known = (&mut parts, like.map(|(_, parts)| parts));
+            let found = (&mut plans[..], &mut made[number][..]);
+            let leaves = leaves(&setting, regions, (&here, number, is_last), (found, known), params, cancel)?;
             let shared = shared(&setting, &leaves, regions, cutters, params, cancel)?;
             for group in &shared {
-                match assembled(&setting, &leaves, group, regions, (number, params, &made)) {
+                match assembled(&setting, &leaves, group, (number, params)) {
                     Ok(electrode) => electrodes.push(electrode),
                     Err(ElectrodeError::Solid(error)) => {
                         let ids = group.burns.iter().flat_map(|(.., ids)| ids).map(|i| leaves[*i].id.region);
@@ -244,49 +230,62 @@ fn plan_stages(
             }
         }
     }
-    into_families(mold, &mut electrodes, like, (cutters, params, stages), cancel)?;
+    electrodes.sort_by_key(|e| e.stage);
+    plans.iter_mut().for_each(|plan| plan.left_out.sort_by_key(|left| left.stage));
+    with_volumes(&mut electrodes, &volumes(regions, &plans, &parts, params, &made), (&parts, params));
+    into_families(mold, &mut electrodes, like.map(|(real, _)| real), (cutters, params, stages), cancel)?;
     named(&mut electrodes, params);
     progress.report("checks", 0.7, "");
     let checks = checked((mold, milled), &electrodes, &mut plans, regions, (cutters, params, stages), cancel)?;
     progress.report("checks", 1.0, "");
-    Ok(ElectrodeSet { params: params.clone(), electrodes, checks, regions: plans })
+    Ok((ElectrodeSet { params: params.clone(), electrodes, checks, regions: plans }, parts))
 }
 
-/// The stage as files of the net shape hold it.
-fn net(stage: &Stage) -> Stage {
-    Stage { gap_mm: 0.0, stock_mm: 0.0, orbit: Default::default(), ..stage.clone() }
+/// Tells the burns what they take and how long.
+fn with_volumes(
+    electrodes: &mut [Electrode],
+    volumes: &BTreeMap<(usize, PartId), f64>,
+    (parts, params): (&Parts, &ElectrodeParams),
+) {
+    for electrode in electrodes {
+        let stage = electrode.stage;
+        let is_it = |id: &PartId, part: &&Numbered| (part.stage, part.number) == (stage, id.part);
+        let front = |id: &PartId| parts[id.region].iter().find(|part| is_it(id, part)).and_then(|part| part.front);
+        // Each place is burned by the tip in the same place of the list.
+        let own: Vec<PartId> = electrode.burns.first().map(|burn| burn.parts.clone()).unwrap_or_default();
+        let fronts: Vec<f64> = own.iter().map(|id| front(id).unwrap_or(0.0)).collect();
+        for burn in &mut electrode.burns {
+            let volume = |id: &PartId| volumes.get(&(stage, *id)).copied().unwrap_or(0.0);
+            let tips: Vec<(f64, f64)> = burn.parts.iter().map(volume).zip(fronts.iter().copied()).collect();
+            burn.volume = tips.iter().map(|(volume, _)| volume).sum();
+            burn.minutes = params.removal.minutes_of_tips(&tips, params.stages[stage].finish_vdi);
+        }
+        electrode.minutes = electrode.burns.iter().map(|burn| burn.minutes).sum();
+    }
 }
 
 /// How far a place of an edit may be from a region's surface, or from a part in plan (mm).
 pub(super) const TOUCHES: f64 = 0.5;
 
-fn holds(region: &RegionToBurn, place: DVec3) -> bool {
-    let mut surface = Mesh::default();
-    for corners in &region.corners {
-        let first = surface.vertices.len() as u32;
-        surface.vertices.extend(corners);
-        surface.triangles.push([first, first + 1, first + 2]);
-    }
-    ExactMesh::new(&surface).is_ok_and(|s| s.nearest(place).point.distance(place) < TOUCHES)
+/// How regions are burned, with those of the user's changes that say so: each is for the region nearest to its place.
+fn region_plans(regions: &[RegionToBurn], params: &ElectrodeParams) -> Vec<RegionPlan> {
+    let edits = pointed_at(regions, &params.edits);
+    regions.iter().zip(edits).map(|(region, edits)| region_plan(region, edits, params)).collect()
 }
 
-fn region_plan(region: &RegionToBurn, params: &ElectrodeParams) -> RegionPlan {
+fn region_plan(region: &RegionToBurn, edits: Vec<usize>, params: &ElectrodeParams) -> RegionPlan {
     let mut method = if region.has_whole_faces { Method::Extruding } else { Method::Cutting };
     let mut direction = DVec3::NEG_Z;
-    let mut edits = Vec::new();
-    for (number, edit) in params.edits.iter().enumerate() {
-        match edit {
-            Edit::Make { place, method: chosen } if holds(region, *place) => method = *chosen,
-            Edit::Burn { place, direction: chosen } if holds(region, *place) => direction = chosen.normalize_or_zero(),
-            _ => continue,
+    for number in &edits {
+        match &params.edits[*number] {
+            Edit::Make { method: chosen, .. } => method = *chosen,
+            Edit::Burn { direction: chosen, .. } => direction = chosen.normalize_or(DVec3::NEG_Z),
+            Edit::Merge { .. } | Edit::Split { .. } => {}
         }
-        edits.push(number);
-    }
-    if direction == DVec3::ZERO {
-        direction = DVec3::NEG_Z;
     }
     RegionPlan {
         tree: None,
+        earlier: Vec::new(),
         method,
         direction,
         edits,
@@ -296,58 +295,98 @@ fn region_plan(region: &RegionToBurn, params: &ElectrodeParams) -> RegionPlan {
     }
 }
 
-/// The tips of these regions; what stands in their way is told in their plans. `made` has a list of shares for each stage up
-/// to this one, the place in whose last these are noted.
+/// What is found out about regions: how they are burned, and the share of each that the stage has tips for.
+type Found<'a> = (&'a mut [RegionPlan], &'a mut [f64]);
+/// The parts of stages after this one, to which its own are added, and of electrodes of which these are the net shapes.
+type Known<'a> = (&'a mut Parts, Option<&'a Parts>);
+
+/// The tips of these regions for stage `number`; what stands in their way is told in their plans.
 fn leaves(
     setting: &Setting,
     regions: &[RegionToBurn],
-    (here, is_last): (&[usize], bool),
-    (plans, made): (&mut [RegionPlan], &mut [Vec<f64>]),
+    (here, number, is_last): (&[usize], usize, bool),
+    ((plans, made), (parts, like)): (Found, Known),
     params: &ElectrodeParams,
     cancel: &Cancel,
 ) -> Result<Vec<Leaf>, ElectrodeError> {
-    let burns = |p: DVec3| setting.burns(p);
     let own: Vec<&RegionToBurn> = here.iter().map(|r| &regions[*r]).collect();
     let edits = named_by_edits(&own, &params.edits, |p| (setting.turned * p).truncate());
     let of = |(r, edits): (&usize, &Vec<usize>)| {
         parts_of(setting, &regions[*r], (plans[*r].method, edits), (params, is_last), cancel)
     };
     let found: Vec<Result<Divided, TipError>> = here.par_iter().zip(&edits).map(of).collect();
-    let (number, least) = (made.len().saturating_sub(1), params.least_size_mm);
+    let least = params.least_size_mm;
     let mut leaves = Vec::new();
-    for (region, found) in here.iter().zip(found) {
-        let plan = &mut plans[*region];
-        let mut share = 1.0;
+    for (&r, found) in here.iter().zip(found) {
+        let plan = &mut plans[r];
         match found {
-            Ok(Divided { tree, parts, met, in_plan, is_lacking }) => {
-                plan.tree = Some(tree);
-                plan.edits.extend(met);
-                let mut parts: Vec<(usize, Part)> = parts.into_iter().enumerate().collect();
-                let mut is_close = false;
-                if !is_last {
-                    (share, is_close) = thick_only(setting, &mut parts, &in_plan, (least, is_lacking));
-                }
+            Ok(divided) => {
+                let known = (&mut *parts, like);
+                let (own, (share, is_close)) = numbered(setting, (r, number), divided, plan, known, (least, is_last));
                 if share < 1.0 {
                     plan.left_out.push(left_to_later(&setting.stage, number, (share, is_close), least));
                 }
-                let forms: Vec<Form> = parts.par_iter().map(|(_, p)| Form::of(&p.body, burns)).collect();
-                leaves.extend(parts.into_iter().zip(forms).map(|((part, leaf), form)| {
-                    let id = PartId { region: *region, part };
-                    Leaf { id, part: leaf, form }
-                }));
+                made[r] = share;
+                leaves.extend(own);
             }
             Err(TipError::Cancelled(cancelled)) => return Err(cancelled.into()),
+            Err(TipError::NoRoom | TipError::NoSurface) if is_nothing(&regions[r], params) => {
+                made[r] = 0.0;
+                plan.left_out.push(nothing(&setting.stage, number, regions[r].thickness));
+            }
             Err(TipError::NoRoom) if !is_last => {
-                share = 0.0;
+                made[r] = 0.0;
                 plan.left_out.push(no_room(&setting.stage, number));
             }
-            Err(other) => plan.trouble = Some(format!("{} stage: {other}", setting.stage.name)),
-        }
-        if let Some(shares) = made.last_mut() {
-            shares[*region] = share;
+            Err(other) => {
+                plan.trouble.get_or_insert(format!("{} stage: {other}", setting.stage.name));
+            }
         }
     }
     Ok(leaves)
+}
+
+/// The parts of a region that a stage has tips for, by numbers that are the same in every stage, what share of the region
+/// they burn, and whether a part was left out by hardly more than regions are known to.
+fn numbered(
+    setting: &Setting,
+    (region, stage): (usize, usize),
+    Divided { mut tree, parts, met, in_plan, is_lacking }: Divided,
+    plan: &mut RegionPlan,
+    (known, like): Known,
+    (least, is_last): (f64, bool),
+) -> (Vec<Leaf>, (f64, bool)) {
+    let shapes: Vec<Vec<Outline>> = parts.iter().map(shape).collect();
+    let real = like.map(|parts| &parts[region]);
+    let fresh = real.into_iter().chain([&known[region]]).flatten().map(|p| p.number + 1).max().unwrap_or(0);
+    let same: Vec<&Numbered> = match real {
+        Some(real) => real.iter().filter(|p| p.stage == stage).collect(),
+        None => known[region].iter().collect(),
+    };
+    let numbers = numbers(&same, &shapes, fresh);
+    renumber(&mut tree, &numbers);
+    if plan.tree.is_none() {
+        plan.tree = Some(tree);
+    } else {
+        plan.earlier.push((stage, tree));
+    }
+    plan.edits.extend(met);
+    let mut parts: Vec<(usize, Part)> = numbers.iter().copied().zip(parts).collect();
+    let share =
+        if is_last { (1.0, false) } else { thick_only(setting, &mut parts, &in_plan, (least, is_lacking)) };
+    let front = |number: usize| {
+        parts.iter().find(|(kept, _)| *kept == number).map(|(_, part)| plane::area(&part.footprint.free))
+    };
+    known[region].extend(numbers.iter().zip(shapes).map(|(&number, shape)| Numbered {
+        stage,
+        number,
+        shape,
+        front: front(number),
+    }));
+    let burns = |p: DVec3| setting.burns(p);
+    let forms: Vec<Form> = parts.par_iter().map(|(_, p)| Form::of(&p.body, burns)).collect();
+    let leaf = |((part, leaf), form): ((usize, Part), Form)| Leaf { id: PartId { region, part }, part: leaf, form };
+    (parts.into_iter().zip(forms).map(leaf).collect(), share)
 }
 
 /// A region's division.
@@ -372,7 +411,9 @@ fn parts_of(
 ) -> Result<Divided, TipError> {
     let corners = region.corners.iter().map(|c| c.map(|p| setting.turned * p)).collect();
     let highest = || region.corners.iter().flatten().map(|p| (setting.turned * *p).z).fold(f64::NEG_INFINITY, f64::max);
-    let rim = if setting.turned == DMat3::IDENTITY { region.rim } else { highest() };
+    // Layers may know less of a region than its surface does; above the mold there is nothing to burn.
+    let known = if setting.turned == DMat3::IDENTITY { region.rim } else { f64::NEG_INFINITY };
+    let rim = known.max(highest().min(setting.mold.bounds().max.z));
     let keeps_gap = |p: DVec3| setting.keeps_gap(p);
     let burned = Burned {
         kept_clear: &setting.kept_clear,

@@ -1,6 +1,7 @@
 //! Which places one electrode burns, and the electrode itself.
 
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 use super::base::{Base, INTO_BASE, placed};
 use super::burning::Burning;
@@ -10,7 +11,8 @@ use super::design::{Burn, Electrode};
 use super::footprint::is_thin;
 use super::params::{ElectrodeParams, Method};
 use super::plan::{ElectrodeError, Leaf, RegionToBurn, Setting};
-use super::removal::{burn_area, taken};
+use super::removal::burn_area;
+use super::samples::samples;
 use super::tip::{joined, led_up};
 use crate::geometry::mesh::{Bounds, Mesh};
 use crate::mold::cutter::{Cutter, CutterLibrary};
@@ -38,11 +40,23 @@ pub(super) fn shared(
     let mut groups: Vec<Shared> = Vec::new();
     for (i, leaf) in leaves.iter().enumerate() {
         cancel.check()?;
-        let fits = |group: &Shared| -> Option<(f64, DVec3)> {
+        // Looked for once there is a tip that may be laid onto it.
+        let mut own: Option<Own> = None;
+        let mut fits = |group: &Shared| -> Option<(f64, DVec3)> {
             let first = &leaves[group.leaves[0]];
-            let onto = first.form.onto(&leaf.form);
-            let mut onto = onto.into_iter().filter(|(turn, _)| setting.stage.orbit.fits_turned(*turn));
-            onto.find(|by| serves(setting, &mold, (first, leaf), *by, regions, params).unwrap_or(false))
+            let onto = first.form.onto(&leaf.form).into_iter();
+            for by in onto.filter(|(turn, _)| setting.stage.orbit.fits_turned(*turn)) {
+                if own.is_none() {
+                    own = Own::of(setting, leaf, &regions[leaf.id.region], params).ok();
+                }
+                if cancel.is_cancelled() {
+                    return None;
+                }
+                if serves(setting, &mold, (first, own.as_ref()?), by, params).unwrap_or(false) {
+                    return Some(by);
+                }
+            }
+            None
         };
         let found =
             params.share.then(|| groups.iter().enumerate().find_map(|(g, group)| Some((g, fits(group)?)))).flatten();
@@ -64,44 +78,63 @@ pub(super) fn shared(
     Ok(several)
 }
 
-/// Whether the tip of `first`, moved, burns what `leaf` is for as well as its own tip does, and keeps the gap.
+/// What a leaf's own tip burns: places of its region's surface, as the check of what is left has them, and how far the tip
+/// stays off each of them (mm).
+struct Own(Vec<(DVec3, f64)>);
+
+impl Own {
+    fn of(
+        setting: &Setting,
+        leaf: &Leaf,
+        region: &RegionToBurn,
+        params: &ElectrodeParams,
+    ) -> Result<Self, ElectrodeError> {
+        let burning = Burning::new(&leaf.part.body, &setting.stage)?;
+        // In its corners more may stay than on its faces; beyond its share other tips burn.
+        let most = (3f64.sqrt() - 1.0) * burning.reach() + params.tolerance_mm;
+        let is_own = |p: DVec3, off: f64| {
+            off <= params.tolerance_mm / 2.0 || (off <= most && plane::holds(&leaf.part.footprint.region, p.truncate()))
+        };
+        let corners: Vec<[DVec3; 3]> = region.corners.iter().map(|c| c.map(|p| setting.turned * p)).collect();
+        let (places, _) = samples(&corners, region, (&[], &[]), [0.0; 2]);
+        let with_off = places.into_par_iter().map(|s| (s.point, burning.beyond(s.point)));
+        Ok(Self(with_off.filter(|(p, off)| is_own(*p, *off)).collect()))
+    }
+}
+
+/// Whether the tip of `first`, moved, burns what another leaf's own tip does as well as that one, and keeps the gap where it
+/// burns and on its way there.
 fn serves(
     setting: &Setting,
     mold: &Obstacle,
-    (first, leaf): (&Leaf, &Leaf),
+    (first, own): (&Leaf, &Own),
     (turn, shift): (f64, DVec3),
-    regions: &[RegionToBurn],
     params: &ElectrodeParams,
 ) -> Result<bool, ElectrodeError> {
+    /// By how much it may burn a place less well (mm): tips are laid onto one another no better.
+    const WORSE: f64 = 2e-3;
     let moved = placed(&first.part.body, turn, shift);
     let least = params.tolerance_mm / 2.0;
-    let (own, other) = (Burning::new(&leaf.part.body, &setting.stage)?, Burning::new(&moved, &setting.stage)?);
-    let corners = &regions[leaf.id.region].corners;
-    let stride = corners.len() / 400 + 1;
-    let points = corners.iter().step_by(stride).map(|c| setting.turned * ((c[0] + c[1] + c[2]) / 3.0));
-    for p in points {
-        // What the leaf's own tip burns.
-        let by_own = own.beyond(p);
-        if by_own <= least && other.beyond(p) > by_own.max(0.0) + least {
-            return Ok(false);
-        }
+    let other = Burning::new(&moved, &setting.stage)?;
+    if own.0.par_iter().any(|(p, by_own)| other.beyond(*p) > (by_own + WORSE).max(least)) {
+        return Ok(false);
     }
     // Most of what does not keep the gap is told by a corner. Moved, it may have less room on its orbit than at its middle.
     if !moved.vertices.iter().all(|p| setting.keeps_gap(*p)) {
         return Ok(false);
     }
-    let found = mold.clearance(&moved, &setting.stage, 0.0)?;
-    Ok(found.findings(&setting.stage)[0].holds)
+    let top = setting.mold.bounds().max.z + params.extension_mm;
+    let led = placed(&led_up(&first.part.body, first.part.footprint.cap, top - shift.z), turn, shift);
+    let found = mold.clearance(&led, &setting.stage, params.lift_mm)?;
+    Ok(found.findings(&setting.stage).iter().all(|finding| finding.holds))
 }
 
-/// The electrode of a group, for stage number `stage`; `made` says of each stage up to it which share of each region it has
-/// tips for.
+/// The electrode of a group, for stage number `stage`; what its burns take is not known yet.
 pub(super) fn assembled(
     setting: &Setting,
     leaves: &[Leaf],
     group: &Shared,
-    regions: &[RegionToBurn],
-    (stage, params, made): (usize, &ElectrodeParams, &[Vec<f64>]),
+    (stage, params): (usize, &ElectrodeParams),
 ) -> Result<Electrode, ElectrodeError> {
     let own: Vec<&Leaf> = group.leaves.iter().map(|i| &leaves[*i]).collect();
     let highest = group.burns.iter().map(|(_, shift, _)| -shift.z).fold(0.0, f64::max);
@@ -112,7 +145,7 @@ pub(super) fn assembled(
     let origin = around.center().with_z(seat);
     let tips: Vec<Mesh> = raised.iter().map(|m| m.mapped(|p| p - origin)).collect();
     let (base, length) = Base::under(&Bounds { max: around.max.with_z(seat), ..around }, params);
-    let burns = burns(setting, leaves, group, regions, (stage, params, made), (origin, around.min.z));
+    let burns = burns(setting, leaves, group, (origin, around.min.z));
     let is_extruded = own.iter().all(|leaf| leaf.part.footprint.method == Method::Extruding);
     Ok(Electrode {
         name: String::new(),
@@ -123,7 +156,7 @@ pub(super) fn assembled(
         method: if is_extruded { Method::Extruding } else { Method::Cutting },
         blank: base.sides.extend(length),
         holder: base.holder(params),
-        minutes: burns.iter().map(|burn| burn.minutes).sum(),
+        minutes: 0.0,
         burns,
         is_thin: own.iter().any(|leaf| is_thin(&leaf.part.footprint.free, params.least_size_mm)),
         front_area: own.iter().map(|leaf| plane::area(&leaf.part.footprint.free)).sum(),
@@ -135,40 +168,18 @@ pub(super) fn assembled(
 }
 
 /// The burns of a group's electrode, whose origin and lowest point stand there in the first of them.
-fn burns(
-    setting: &Setting,
-    leaves: &[Leaf],
-    group: &Shared,
-    regions: &[RegionToBurn],
-    (stage, params, made): (usize, &ElectrodeParams, &[Vec<f64>]),
-    (origin, lowest): (DVec3, f64),
-) -> Vec<Burn> {
+fn burns(setting: &Setting, leaves: &[Leaf], group: &Shared, (origin, lowest): (DVec3, f64)) -> Vec<Burn> {
     let (top, back) = (setting.mold.bounds().max.z, setting.turned.transpose());
-    let volume_of = |i: &usize| {
-        let number = leaves[*i].id.region;
-        let made: Vec<f64> = made.iter().map(|shares| shares[number]).collect();
-        taken(&regions[number], setting, (&params.stages, stage), &made) * share_of(&leaves[*i], leaves)
-    };
     let of = |(turn, shift, ids): &(f64, DVec3, Vec<usize>)| {
-        // Each place is burned by the tip in the same place of the list.
-        let fronts = group.leaves.iter().map(|i| plane::area(&leaves[*i].part.footprint.free));
-        let tips: Vec<(f64, f64)> = ids.iter().map(volume_of).zip(fronts).collect();
         let at = DVec2::from_angle(*turn).rotate(origin.truncate()).extend(origin.z) + *shift;
         Burn {
             position: back * at,
             turn: *turn,
             parts: ids.iter().map(|i| leaves[*i].id).collect(),
             depth: top - lowest - shift.z,
-            volume: tips.iter().map(|(volume, _)| volume).sum(),
-            minutes: params.removal.minutes_of_tips(&tips, params.stages[stage].finish_vdi),
+            volume: 0.0,
+            minutes: 0.0,
         }
     };
     group.burns.iter().map(of).collect()
-}
-
-/// The part of a region that is a leaf's, by area.
-fn share_of(leaf: &Leaf, leaves: &[Leaf]) -> f64 {
-    let area = |l: &Leaf| plane::area(&l.part.footprint.region).max(1e-12);
-    let all: f64 = leaves.iter().filter(|l| l.id.region == leaf.id.region).map(area).sum();
-    area(leaf) / all
 }

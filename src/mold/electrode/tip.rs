@@ -42,6 +42,12 @@ pub enum TipError {
         "the spark gap leaves no room for a tip: the region is narrower than twice the gap; a smaller gap is needed"
     )]
     NoRoom,
+    /// Nothing of the mold's surface is known to bound the region.
+    #[error(
+        "no part of the mold's surface was found to bound the region, so that there is nothing to make a tip for: find what \
+         is left with a finer grid"
+    )]
+    NoSurface,
     /// The solids could not be combined.
     #[error(transparent)]
     Solid(#[from] SolidError),
@@ -77,7 +83,6 @@ impl Place {
     /// The place of a region with these parts of the surface, what is left reaching up to `rim` (mm).
     pub fn new(corners: Vec<[DVec3; 3]>, rim: f64) -> Self {
         let mut bounds = Bounds::of(corners.iter().flatten().copied());
-        // Walls are divided roughly: their parts may reach a little above what is left.
         bounds.max.z = rim.max(bounds.min.z);
         Self { corners, bounds }
     }
@@ -173,7 +178,7 @@ pub struct Footprint {
 /// little more than the region, else its hull, else what lies within the margin of it.
 ///
 /// # Errors
-/// [`TipError::NoRoom`], [`TipError::Cancelled`].
+/// [`TipError::NoRoom`], [`TipError::NoSurface`], [`TipError::Cancelled`].
 pub fn footprint(
     burned: &Burned,
     place: &Place,
@@ -181,6 +186,9 @@ pub fn footprint(
     margin: f64,
     cancel: &Cancel,
 ) -> Result<Footprint, TipError> {
+    if place.corners.is_empty() {
+        return Err(TipError::NoSurface);
+    }
     let cap = place.bounds.max.z + burned.gap_up - BELOW_RIM;
     let section = sections(burned.kept_clear, &[cap], cancel)?.remove(0);
     let cells = place.cells(margin / CELLS);
