@@ -268,7 +268,7 @@ fn ranks(out: &mut String, report: &FlankReport) {
     out.push_str(&plot("Sum of deviations, mm, every rank", true, points, &marks, [620.0, 260.0]).svg());
     out.push_str(&plot("Near the best", false, close, &circles, [360.0, 260.0]).svg());
     let words = match ranks.best {
-        0 => "No rank makes the sum less than that of the initial path.".to_owned(),
+        0 => "The initial path is kept: it is good enough, or no rank makes its sum less.".to_owned(),
         k => format!(
             "Least at k = {k} of {}. Each candidate is measured with its true deviation, not with the linear model; what is \
              not drawn could not be measured.",

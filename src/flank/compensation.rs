@@ -14,6 +14,7 @@ use super::axis_surface::AxisSurface;
 use super::cutter::FlankCutter;
 use super::deviation::{DesignGrid, Deviation, Feet, GridPlace, ROUNDING_MM};
 use super::envelope::envelope_over;
+use super::heights::Heights;
 use crate::progress::Cancel;
 
 /// True sums of deviations over the number of singular values kept.
@@ -22,10 +23,10 @@ pub struct RankCurve {
     /// The singular values, falling.
     pub singular_values: Vec<f64>,
     /// For each rank k from 1: the sum of absolute deviations (mm) of the path it leads to; none where that path is so
-    /// far off that it cannot be measured.
+    /// far off that it cannot be measured. That of the best rank is the chosen path's, put back along its axis or not.
     pub sums: Vec<Option<f64>>,
-    /// The rank with the least sum; among those of paths that cover the surface if there are any. 0 if no rank is
-    /// better than the path before.
+    /// The rank with the least sum; among those of paths that cover the surface, along it and in height, if
+    /// there are any. 0 if no rank is better than the path before, or if that is good enough.
     pub best: usize,
     /// Places along u and v of the grid that the sums are of.
     pub grid: [usize; 2],
@@ -206,6 +207,8 @@ pub struct Measured {
     /// How far in t it grazes them before it stands over the surface's beginning, or after it stands over its end, at
     /// most.
     pub(super) lag: f64,
+    /// Least and greatest height (mm) above the tip of the places of the axis over the lower guide.
+    pub heights_mm: [f64; 2],
 }
 
 impl Measured {
@@ -231,7 +234,10 @@ impl Measured {
             grazing = [grazing[0].min(found.t), grazing[1].max(found.t)];
             lag = lag.max(outwards * (found.t - feet.at[k].x));
         }
-        Ok(Self { axis, deviation, feet, grazing, lag })
+        let heights = feet.at.iter().step_by(across).map(|q| q.y * axis.at(q.x).length());
+        let widest = |[low, high]: [f64; 2], h: f64| [low.min(h), high.max(h)];
+        let heights_mm = heights.fold([f64::INFINITY, f64::NEG_INFINITY], widest);
+        Ok(Self { axis, deviation, feet, grazing, lag, heights_mm })
     }
 
     /// Least and greatest t that the path must have to cover the surface, standing and moving; 0 and 1 of a closed path,
@@ -263,7 +269,7 @@ impl Measured {
 }
 
 /// Tries every rank in one step from `start` and answers the best path; `start` itself if none is better by more than
-/// rounding.
+/// rounding, or if there is nothing to gain. A cylinder that leaves its heights is put back along its axis.
 ///
 /// # Errors
 /// [`FlankError::Singular`], cancelled.
@@ -275,27 +281,37 @@ pub fn best_rank(
     cancel: &Cancel,
 ) -> Result<(Measured, RankCurve), FlankError> {
     let system = Compensation::new(grid, &start.axis, cutter, (&start.deviation, &start.feet), (model, cancel))?;
-    let candidate = |rank: usize| -> Result<Option<(f64, bool)>, FlankError> {
+    let heights = Heights::of(start, cutter);
+    let must_cover = start.stands_over_all();
+    let allowed = |path: Measured| {
+        let path = heights.kept(grid, path, start, cutter)?;
+        (path.stands_over_all() || !must_cover).then_some(path)
+    };
+    // The sum of each, and that of the path taken for it, if one is allowed.
+    let candidate = |rank: usize| -> Result<Option<(f64, Option<f64>)>, FlankError> {
         cancel.check()?;
-        Ok(path_of(grid, start, cutter, &system, rank).map(|path| (path.deviation.sum, path.stands_over_all())))
+        let path = path_of(grid, start, cutter, &system, rank);
+        Ok(path.map(|path| (path.deviation.sum, allowed(path).map(|path| path.deviation.sum))))
     };
     let ranks = system.singular_values().len();
     let found: Result<Vec<_>, _> = (1..=ranks).into_par_iter().map(candidate).collect();
     let found = found?;
-    let must_cover = start.stands_over_all();
     let rounding = ROUNDING_MM * start.deviation.counted().len() as f64;
     let mut best = (0, start.deviation.sum - rounding);
-    for (i, candidate) in found.iter().enumerate() {
-        if let Some((sum, covers)) = *candidate
+    for (i, candidate) in found.iter().enumerate().filter(|_| !start.deviation.is_settled()) {
+        if let Some((_, Some(sum))) = *candidate
             && sum < best.1
-            && (covers || !must_cover)
         {
             best = (i + 1, sum);
         }
     }
-    let sums = found.iter().map(|f| f.map(|(sum, _)| sum)).collect();
+    let chosen = if best.0 > 0 { path_of(grid, start, cutter, &system, best.0).and_then(allowed) } else { None };
+    let sum_of = |i: usize| match &chosen {
+        Some(path) if i + 1 == best.0 => Some(path.deviation.sum),
+        _ => found[i].map(|(sum, _)| sum),
+    };
+    let sums = (0..ranks).map(sum_of).collect();
     let curve = RankCurve { singular_values: system.singular_values().to_vec(), sums, best: best.0, grid: grid.size() };
-    let chosen = if best.0 > 0 { path_of(grid, start, cutter, &system, best.0) } else { None };
     Ok((chosen.unwrap_or_else(|| start.clone()), curve))
 }
 

@@ -16,6 +16,10 @@ use super::ruled_surface::{RuledSurface, SurfacePlace};
 /// A deviation (mm) that is rounding, of guides too, and no stock: nothing is gained by making it less.
 pub const ROUNDING_MM: f64 = 1e-6;
 
+/// A greatest deviation (mm) that nothing is gained by making less: guides written with three decimals are off by as
+/// much, and it is a hundredth of what walls are usually allowed.
+pub const SETTLED_MM: f64 = 1e-3;
+
 /// Deviations over a grid, positive where stock is left.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Deviation {
@@ -76,10 +80,10 @@ impl Deviation {
         [self.grid[0] - usize::from(self.is_closed && self.grid[0] > 1), self.grid[1]]
     }
 
-    /// Whether the cutter touches everywhere to within rounding: there is nothing to gain, and what seems less still has
-    /// come about by sliding along the surface.
-    pub fn is_rounding(&self) -> bool {
-        self.most_undercut.max(-self.most_overcut) <= ROUNDING_MM
+    /// Whether the cutter touches everywhere to within [`SETTLED_MM`]: there is nothing to gain, and what seems less still
+    /// has come about by sliding along the surface.
+    pub fn is_settled(&self) -> bool {
+        self.most_undercut.max(-self.most_overcut) <= SETTLED_MM
     }
 
     /// The deviation at the place (i, j) of the grid (mm).

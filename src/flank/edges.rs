@@ -5,8 +5,8 @@ use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
 
 use super::compensation::{Measured, Row};
-use super::cutter::FlankCutter;
 use super::deviation::DesignGrid;
+use super::heights::Heights;
 
 /// Bounds that a path should keep, and what it costs not to.
 #[derive(Debug, Clone, Copy)]
@@ -24,23 +24,16 @@ pub(super) struct Edges {
 }
 
 impl Edges {
-    /// Bounds that `start` keeps, and costs that match deviations of the size `scale` (mm).
-    pub fn of(grid: &DesignGrid, start: &Measured, cutter: &FlankCutter, scale: f64) -> Self {
+    /// Bounds of t that `start` keeps, those of the height, and costs that match deviations of the size `scale` (mm).
+    pub fn of(start: &Measured, heights: &Heights, scale: f64) -> Self {
         /// A share of the path and a height (mm) that cost as much as a deviation of the usual size.
         const SHARE: f64 = 2e-4;
         const HEIGHT: f64 = 5e-3;
-        /// How much deeper than before the cutter may sink (mm).
-        const DEEPER: f64 = 0.3;
         let [first, last] = start.feet.t_range();
         // The moving cutter grazes the ends a little before or after it stands over them.
         let margin = (0.5 * first.min(1.0 - last)).min(2e-3).max(1.2 * start.lag);
         let margin = (!start.axis.is_closed()).then_some(margin);
-        let [_, across] = grid.size();
-        let heights = start.feet.at.iter().step_by(across).map(|q| q.y * start.axis.at(q.x).length());
-        // The contact on the rim has its sphere this high.
-        let rim = cutter.radius_mm * cutter.half_angle().tan();
-        let [floor, highest] = heights.fold([rim, rim], |[low, high], h| [low.min(h), high.max(h)]);
-        let ceiling = highest + DEEPER;
+        let Heights { floor, ceiling } = *heights;
         Self { margin, floor, ceiling, by_t: scale / (SHARE * SHARE), by_height: scale / (HEIGHT * HEIGHT) }
     }
 

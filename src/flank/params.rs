@@ -51,8 +51,8 @@ pub struct FlankParams {
     pub is_covering: bool,
     /// How far past the last place needed they go, in u.
     pub overrun_u: f64,
-    /// How far the cutter's bottom reaches below the lower guide, along the axis (mm). Refined paths need some: their
-    /// locations move along the axis too.
+    /// How far the cutter's bottom reaches below the lower guide, along the axis (mm). Paths need some: locations move
+    /// along the axis too, by less than 0.05 mm upwards and about as much downwards.
     pub below_mm: f64,
     /// How far the upper contact may slide away from the lower, in u.
     pub slide_u: f64,

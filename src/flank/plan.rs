@@ -7,10 +7,11 @@ use super::axis_surface::AxisSurface;
 use super::compensation::{Measured, Model, RankCurve, best_rank};
 use super::cutter::FlankCutter;
 use super::deviation::{DesignGrid, ROUNDING_MM};
+use super::heights::Heights;
 use super::offset::{CutterLocation, three_point, two_point};
 use super::params::{FlankParams, OffsetMethod};
 use super::path::FlankPath;
-use super::refine::{is_better, refine};
+use super::refine::{is_better, is_settled, refine};
 use super::ruled_surface::RuledSurface;
 use super::warning::{self, PlanWarning};
 use crate::progress::{Cancel, Progress};
@@ -102,7 +103,8 @@ pub fn plan_flank(
     let Start { locations, fit_mm, path: start } = covering_start(surface, cutter, params, &grid, cancel)?;
     progress.report("trying every rank", 0.0, "");
     let (chosen, ranks) = ranked(surface, &grid, &start, cutter, cancel)?;
-    let refined = refined(surface, &grid, &chosen, cutter, params, (progress, cancel))?;
+    let heights = Heights::of(&start, cutter);
+    let refined = refined(surface, &grid, &chosen, (cutter, &heights), params, (progress, cancel))?;
     progress.report("checking the moving cutter", 0.0, "");
     let path = |measured: Measured| -> Result<FlankPath, FlankError> {
         cancel.check()?;
@@ -153,30 +155,30 @@ fn ranked(
 }
 
 /// The path refined; on a fine grid first on a coarser one, which costs little and leads near to the answer. One that
-/// touches everywhere is kept: steps would only slide it along the surface.
+/// touches well enough everywhere is kept: steps would only slide it along the surface.
 fn refined(
     surface: &RuledSurface,
     grid: &DesignGrid,
     chosen: &Measured,
-    cutter: &FlankCutter,
+    (cutter, heights): (&FlankCutter, &Heights),
     params: &FlankParams,
     control: (&Progress, &Cancel),
 ) -> Result<Measured, FlankError> {
-    if chosen.deviation.is_rounding() {
+    if is_settled(params.objective, &chosen.deviation) {
         return Ok(chosen.clone());
     }
     if !is_fine(grid.size()) {
-        return refine(grid, chosen, cutter, (params.objective, params.rounds, 0.5), control);
+        return refine(grid, chosen, (cutter, heights), (params.objective, params.rounds, 0.5), control);
     }
     let coarse = DesignGrid::new(surface, COARSE);
     let near = Measured::new(&coarse, chosen.axis.clone(), cutter, None)
-        .and_then(|start| refine(&coarse, &start, cutter, (params.objective, params.rounds, 0.5), control))
+        .and_then(|start| refine(&coarse, &start, (cutter, heights), (params.objective, params.rounds, 0.5), control))
         .and_then(|near| Measured::new(grid, near.axis, cutter, Some(&chosen.feet)));
     control.1.check()?;
     let near = near.ok().filter(|near| is_better(params.objective, &near.deviation, &chosen.deviation));
-    let near = near.filter(|near| near.covers_as(chosen));
+    let near = near.filter(|near| near.covers_as(chosen) && heights.keeps_as(near, chosen));
     let start = near.as_ref().unwrap_or(chosen);
-    refine(grid, start, cutter, (params.objective, params.rounds.div_ceil(4), 0.05), control)
+    refine(grid, start, (cutter, heights), (params.objective, params.rounds.div_ceil(4), 0.05), control)
 }
 
 /// The location at `u0` by the method asked for.

@@ -1,7 +1,8 @@
 //! Refinement beyond P4: damped Gauss-Newton steps with the exact derivative, for sums of absolute values by
 //! re-weighting, with bounds by growing penalties.
 //!
-//! Guaranteed: the answer is no worse in its objective than the start, and covers the surface if the start does. Not
+//! Guaranteed: the answer is no worse in its objective than the start, and covers the surface, along it and in height,
+//! if the start does. Not
 //! guaranteed: that no other path is better. Steps stop where the moving cutter no longer does what the standing one
 //! does, see [`envelope`].
 
@@ -14,6 +15,7 @@ use super::cutter::FlankCutter;
 use super::deviation::{DesignGrid, Deviation};
 use super::edges::Edges;
 use super::envelope;
+use super::heights::Heights;
 use super::params::Objective;
 use super::path::FlankPath;
 use crate::progress::{Cancel, Progress};
@@ -76,8 +78,14 @@ pub(super) fn is_better(objective: Objective, a: &Deviation, b: &Deviation) -> b
     if beyond[0] != beyond[1] { beyond[0] < beyond[1] } else { of(a) < of(b) }
 }
 
+/// Whether a path is within its bounds and touches so well that there is nothing to gain.
+pub(super) fn is_settled(objective: Objective, deviation: &Deviation) -> bool {
+    deviation.is_settled() && beyond_bounds(objective, deviation) == 0.0
+}
+
 /// Refines `start` in at most `rounds` steps. `soft` says from which share of the mean deviation on absolute values are
-/// rounded off at first: 0.5 far from the answer, less near to it. Bounds are made narrower by what the moving cutter
+/// rounded off at first: 0.5 far from the answer, less near to it. `heights` are those
+/// that the first path has. Bounds are made narrower by what the moving cutter
 /// goes beyond them, and refinement goes on.
 ///
 /// # Errors
@@ -85,14 +93,14 @@ pub(super) fn is_better(objective: Objective, a: &Deviation, b: &Deviation) -> b
 pub fn refine(
     grid: &DesignGrid,
     start: &Measured,
-    cutter: &FlankCutter,
+    (cutter, heights): (&FlankCutter, &Heights),
     (objective, rounds, soft): (Objective, usize, f64),
     control: (&Progress, &Cancel),
 ) -> Result<Measured, FlankError> {
     const TRIES: usize = 3;
     /// What is beyond a bound by less counts as within (mm).
     const KEPT: f64 = 1e-6;
-    let mut answer = refine_standing(grid, start, cutter, (objective, rounds, soft), control)?;
+    let mut answer = refine_standing(grid, start, (cutter, heights), (objective, rounds, soft), control)?;
     let Objective::Bounded { mut overcut_mm, mut undercut_mm } = objective else { return Ok(answer) };
     let [least, most] = bounds_of(objective);
     let moving_of =
@@ -110,7 +118,7 @@ pub fn refine(
         overcut_mm = overcut_mm.map(|x| x - over);
         undercut_mm = undercut_mm.map(|x| x - under);
         let narrower = Objective::Bounded { overcut_mm, undercut_mm };
-        let next = refine_standing(grid, &answer, cutter, (narrower, rounds, 0.2), control)?;
+        let next = refine_standing(grid, &answer, (cutter, heights), (narrower, rounds, 0.2), control)?;
         let next_moving = moving_of(&next);
         if beyond_bounds(objective, &next_moving).max(beyond_bounds(objective, &next.deviation)) >= beyond {
             break;
@@ -124,7 +132,7 @@ pub fn refine(
 fn refine_standing(
     grid: &DesignGrid,
     start: &Measured,
-    cutter: &FlankCutter,
+    (cutter, heights): (&FlankCutter, &Heights),
     (objective, rounds, soft): (Objective, usize, f64),
     (progress, cancel): (&Progress, &Cancel),
 ) -> Result<Measured, FlankError> {
@@ -134,7 +142,7 @@ fn refine_standing(
     let scale = start.deviation.mean.max(1e-9);
     let bounds = bounds_of(objective);
     let mut merit = Merit { is_square: objective == Objective::Rms, soft: soft * scale, bounds, penalty: 10.0 / scale };
-    let edges = Edges::of(grid, start, cutter, scale);
+    let edges = Edges::of(start, heights, scale);
     let (mut best, mut now, mut damping) = (start.clone(), start.clone(), 1e-3);
     // Bounds come before that: the moving cutter is held to them by itself.
     let is_bounded = matches!(objective, Objective::Bounded { .. });
@@ -144,7 +152,7 @@ fn refine_standing(
     for round in 0..rounds {
         cancel.check()?;
         progress.report("refining the path", round as f64 / rounds as f64, "");
-        let (next, gained) = step(grid, &now, cutter, (&merit, &edges), &mut damping);
+        let (next, gained) = step(grid, &now, (cutter, heights), (&merit, &edges), &mut damping);
         in_stage += 1;
         if let Some(next) = next {
             if is_better(objective, &next.deviation, &best.deviation) {
@@ -190,7 +198,7 @@ fn moving_difference(grid: &DesignGrid, path: &Measured, cutter: &FlankCutter) -
 fn step(
     grid: &DesignGrid,
     now: &Measured,
-    cutter: &FlankCutter,
+    (cutter, heights): (&FlankCutter, &Heights),
     (merit, edges): (&Merit, &Edges),
     damping: &mut f64,
 ) -> (Option<Measured>, f64) {
@@ -206,7 +214,8 @@ fn step(
         (0..damped.nrows()).for_each(|i| damped[(i, i)] += *damping * matrix[(i, i)] + 1e-7 * mean);
         let next = Cholesky::new(damped).and_then(|system| {
             let axis = now.axis.moved(&-system.solve(&slope)).ok()?;
-            Measured::new(grid, axis, cutter, Some(&now.feet)).ok()
+            let next = Measured::new(grid, axis, cutter, Some(&now.feet)).ok()?;
+            heights.kept(grid, next, now, cutter)
         });
         if let Some(next) = next.filter(|next| next.covers_as(now)) {
             let gain = value - cost(&next);

@@ -19,6 +19,7 @@ mod bad_input;
 mod check_grid;
 mod flat;
 mod gouging;
+mod heights;
 mod laws;
 mod own_surface;
 mod rings;

@@ -46,8 +46,17 @@ fn of_whole(surface: &RuledSurface, plan: &FlankPlan) -> Vec<PlanWarning> {
             "the grid is fine: ranks were tried on one of {along} x {across} places, and the sums over ranks are of that one"
         ));
     }
-    if plan.ranks.best == 0 {
-        warnings.push("no rank makes the sum of deviations less: the initial path was kept as the chosen one".into());
+    let before = &plan.initial.deviation;
+    if before.is_settled() {
+        warnings.push(format!(
+            "the initial path is at most {:.4} mm off, as much as guides written with three decimals: there is nothing to gain, \
+             and it was kept as the chosen one",
+            before.most_undercut.max(-before.most_overcut)
+        ));
+    } else if plan.ranks.best == 0 {
+        let kept = "no rank makes the sum of deviations less while the cutter keeps its place on the surface: the initial path was kept \
+                    as the chosen one";
+        warnings.push(kept.into());
     }
     warnings.into_iter().map(|text| PlanWarning { path: None, text }).collect()
 }

@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::*;
 use crate::flank::compensation::Row;
+use crate::flank::heights::Heights;
 use crate::flank::offset::middle;
 use crate::flank::refine::refine;
 
@@ -172,7 +173,8 @@ fn objectives_do_what_they_say() {
     let (grid, start) = covered_start(&surface, &cutter, &figures, [40, 20]);
     let of = |objective| {
         let (progress, cancel) = (Progress::silent(), Cancel::default());
-        refine(&grid, &start, &cutter, (objective, 80, 0.5), (&progress, &cancel)).unwrap().deviation
+        let heights = Heights::of(&start, &cutter);
+        refine(&grid, &start, (&cutter, &heights), (objective, 80, 0.5), (&progress, &cancel)).unwrap().deviation
     };
     let (sum, rms) = (of(Objective::Sum), of(Objective::Rms));
     assert!(sum.sum < rms.sum && rms.rms < sum.rms, "{} {} {} {}", sum.sum, rms.sum, rms.rms, sum.rms);
@@ -190,7 +192,8 @@ fn a_bound_on_overcut_holds_for_the_moving_cutter_too() {
     for name in ["cone_r1_a5_A", "cone_r1_a5_B"] {
         let (surface, cutter, figures) = case(&reference(), name);
         let (grid, start) = covered_start(&surface, &cutter, &figures, [40, 20]);
-        let path = refine(&grid, &start, &cutter, (objective, 60, 0.5), (&quiet.0, &quiet.1)).unwrap();
+        let heights = Heights::of(&start, &cutter);
+        let path = refine(&grid, &start, (&cutter, &heights), (objective, 60, 0.5), (&quiet.0, &quiet.1)).unwrap();
         let moving = envelope::check(&grid, &path.axis, &cutter, (&path.deviation, &path.feet)).deviation;
         let worst = [moving.most_overcut, path.deviation.most_overcut];
         assert!(worst.iter().all(|e| *e > -1e-5), "{name}: {worst:?} {}", path.deviation.sum);

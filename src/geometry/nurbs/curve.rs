@@ -11,6 +11,8 @@ pub struct NurbsCurve {
     knots: KnotVector,
     /// Control points times their weights, and the weights.
     points: Vec<DVec4>,
+    /// Diagonal of the control points' box.
+    extent: f64,
 }
 
 /// The point of a curve that is nearest to another.
@@ -27,6 +29,8 @@ pub struct NearestOnCurve {
 impl NurbsCurve {
     /// Places looked at on each piece before feet are approached from those nearer than their neighbours.
     const LOOKS: usize = 6;
+    /// Most places looked at so, of a curve that has no more pieces.
+    const MOST_LOOKS: usize = 6000;
     /// Share of the curve's extent by which a point may be nearer than the one that [`Self::nearest`] answers.
     pub const NEAR: f64 = 1e-4;
 
@@ -42,12 +46,16 @@ impl NurbsCurve {
         if let Some(i) = (0..points.len()).find(|i| !usable(i)) {
             return Err(NurbsError::Value(i));
         }
-        Ok(Self { knots, points: points.iter().zip(weights).map(|(p, w)| (*p * *w).extend(*w)).collect() })
+        let points: Vec<DVec4> = points.iter().zip(weights).map(|(p, w)| (*p * *w).extend(*w)).collect();
+        let corners = |pick: fn(DVec3, DVec3) -> DVec3| points.iter().map(|q| q.truncate() / q.w).reduce(pick);
+        let extent = corners(DVec3::max).zip(corners(DVec3::min)).map_or(0.0, |(high, low)| high.distance(low));
+        Ok(Self { knots, points, extent })
     }
 
     /// The same curve run the other way: its point at u is this one's at first plus last parameter less u.
     pub fn reversed(&self) -> Self {
-        Self { knots: self.knots.reversed(), points: self.points.iter().rev().copied().collect() }
+        let points = self.points.iter().rev().copied().collect();
+        Self { knots: self.knots.reversed(), points, extent: self.extent }
     }
 
     /// Its knots.
@@ -109,7 +117,10 @@ impl NurbsCurve {
     /// [`Self::NEAR`] of the curve's greatest extent: stretches are looked at until the greatest speed along them
     /// forbids more.
     pub fn nearest(&self, p: DVec3) -> NearestOnCurve {
-        let mut looks: Vec<f64> = self.knots.joints().windows(2).flat_map(|w| places(w, Self::LOOKS)).collect();
+        let joints = self.knots.joints();
+        // Stretches are halved where that may be needed: fewer looks of short pieces miss nothing.
+        let parts = (Self::MOST_LOOKS / joints.len()).clamp(1, Self::LOOKS);
+        let mut looks: Vec<f64> = joints.windows(2).flat_map(|w| places(w, parts)).collect();
         looks.dedup();
         let distances: Vec<f64> = looks.iter().map(|u| self.point(*u).distance(p)).collect();
         let last = looks.len() - 1;
@@ -152,8 +163,7 @@ impl NurbsCurve {
 
     /// Diagonal of the control points' box; the curve lies within it.
     pub fn extent(&self) -> f64 {
-        let corners = |pick: fn(DVec3, DVec3) -> DVec3| self.points.iter().map(|q| q.truncate() / q.w).reduce(pick);
-        corners(DVec3::max).zip(corners(DVec3::min)).map_or(0.0, |(high, low)| high.distance(low))
+        self.extent
     }
 
     /// No less than the speed anywhere on the piece around `u`. With the origin among the piece's control points, none
