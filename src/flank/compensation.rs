@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::FlankError;
+use super::advance::Advance;
 use super::axis_surface::AxisSurface;
 use super::cutter::FlankCutter;
 use super::deviation::{DesignGrid, Deviation, Feet, GridPlace, ROUNDING_MM};
@@ -24,8 +25,8 @@ pub struct RankCurve {
     /// For each rank k from 1: the sum of absolute deviations (mm) of the path it leads to; none where that path is so
     /// far off that it cannot be measured.
     pub sums: Vec<Option<f64>>,
-    /// The rank with the least sum; among those of paths that cover the surface if there are any. 0 if no rank is
-    /// better than the path before.
+    /// The rank with the least sum, among those of paths that do not turn back and, if there are any, that cover the
+    /// surface. 0 if no rank is better than the path before.
     pub best: usize,
     /// Places along u and v of the grid that the sums are of.
     pub grid: [usize; 2],
@@ -275,20 +276,20 @@ pub fn best_rank(
     cancel: &Cancel,
 ) -> Result<(Measured, RankCurve), FlankError> {
     let system = Compensation::new(grid, &start.axis, cutter, (&start.deviation, &start.feet), (model, cancel))?;
+    let (must_cover, advance) = (start.stands_over_all(), Advance::of(&start.axis, 0.0));
+    let is_sound = |path: &Measured| (path.stands_over_all() || !must_cover) && advance.is_kept(&path.axis);
     let candidate = |rank: usize| -> Result<Option<(f64, bool)>, FlankError> {
         cancel.check()?;
-        Ok(path_of(grid, start, cutter, &system, rank).map(|path| (path.deviation.sum, path.stands_over_all())))
+        Ok(path_of(grid, start, cutter, &system, rank).map(|path| (path.deviation.sum, is_sound(&path))))
     };
     let ranks = system.singular_values().len();
     let found: Result<Vec<_>, _> = (1..=ranks).into_par_iter().map(candidate).collect();
     let found = found?;
-    let must_cover = start.stands_over_all();
     let rounding = ROUNDING_MM * start.deviation.counted().len() as f64;
     let mut best = (0, start.deviation.sum - rounding);
     for (i, candidate) in found.iter().enumerate() {
-        if let Some((sum, covers)) = *candidate
+        if let Some((sum, true)) = *candidate
             && sum < best.1
-            && (covers || !must_cover)
         {
             best = (i + 1, sum);
         }

@@ -22,6 +22,7 @@ mod gouging;
 mod laws;
 mod own_surface;
 mod rings;
+mod turning_back;
 mod wall_beside;
 mod walls;
 
