@@ -32,14 +32,16 @@ fn least_turn(path: &FlankPath) -> f64 {
 #[test]
 fn refined_paths_over_a_bulged_wall_go_on_to_their_ends() {
     let cutter = FlankCutter::cylinder(2.0, 40.0);
-    for (counts, side) in
-        [([200, 200], Side::Positive), ([200, 200], Side::Negative), ([40, 77], Side::Positive), ([40, 77], Side::Negative)]
-    {
+    for (counts, side) in [
+        ([200, 200], Side::Positive),
+        ([200, 200], Side::Negative),
+        ([40, 77], Side::Positive),
+        ([40, 77], Side::Negative),
+    ] {
         let surface = bulged(counts, side);
         let plan = planned(&surface, &cutter, &FlankParams::default()).unwrap();
         let path = &plan.refined;
         let what = format!("{counts:?} {side:?}");
-        eprintln!("{what}: {:?} {} {} {:?} mov {} turn {}", plan.paths().map(|p| p.1.deviation.sum), path.deviation.most_overcut, path.deviation.most_undercut, path.coverage, path.envelope.deviation.sum, least_turn(path));
         for (name, path) in plan.paths() {
             assert!(least_turn(path) > 0.99, "{what} {name}: {}", least_turn(path));
         }
@@ -48,7 +50,6 @@ fn refined_paths_over_a_bulged_wall_go_on_to_their_ends() {
         // Measured anew on another grid, the same path is as good.
         let finer = DesignGrid::new(&surface, [173, 31]);
         let ((deviation, _), coverage, envelope) = path.over(&finer, &cutter.above(path.below_mm).unwrap()).unwrap();
-        eprintln!("   finer {} {} mean {} {:?} env {} {}", deviation.most_overcut, deviation.most_undercut, deviation.mean, coverage, envelope.deviation.mean, envelope.greatest_difference);
         assert!(coverage.is_whole, "{what}: {coverage:?}");
         let [before, after] = [&path.deviation, &deviation].map(|d| d.most_undercut.max(-d.most_overcut));
         assert!(after < 1.5 * before, "{what}: {before} {after}");
