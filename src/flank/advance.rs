@@ -37,8 +37,8 @@ impl Advance {
         Self { legs, by_share: scale / (SHARE * SHARE) }
     }
 
-    /// Whether every leg still goes on. The speed of a curve is a mean of its legs with weights that are not negative, so
-    /// one whose legs all go on does not turn back.
+    /// Whether every leg still goes on. The speed of a curve is the sum of three neighbouring legs with weights that
+    /// are not negative: where the path bends little within them, it goes on as they do.
     pub fn is_kept(&self, axis: &AxisSurface) -> bool {
         self.legs.iter().all(|leg| leg.share(axis) > 0.0)
     }
