@@ -2,8 +2,8 @@
 //! re-weighting, with bounds by growing penalties.
 //!
 //! Guaranteed: the answer is no worse in its objective than the start, covers the surface if the start does, and none of
-//! its control points has moved back behind the one before. Not guaranteed: that no other path is better. Steps stop where the moving cutter no longer does what the standing one
-//! does, see [`envelope`].
+//! its control points has moved back behind the one before. Not guaranteed: that no other path is better. Steps stop
+//! where the moving cutter no longer does what the standing one does, see [`envelope`].
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rayon::prelude::*;
