@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::FlankError;
+use super::advance::Advance;
 use super::axis_surface::AxisSurface;
 use super::cutter::FlankCutter;
 use super::deviation::{DesignGrid, Deviation, Feet, GridPlace, ROUNDING_MM};
@@ -25,8 +26,8 @@ pub struct RankCurve {
     /// For each rank k from 1: the sum of absolute deviations (mm) of the path it leads to; none where that path is so
     /// far off that it cannot be measured. That of the best rank is the chosen path's, put back along its axis or not.
     pub sums: Vec<Option<f64>>,
-    /// The rank with the least sum; among those of paths that cover the surface, along it and in height, if
-    /// there are any. 0 if no rank is better than the path before, or if that is good enough.
+    /// The rank with the least sum, among those of paths that do not turn back and, if there are any, that cover the
+    /// surface, along it and in height. 0 if no rank is better than the path before, or if that is good enough.
     pub best: usize,
     /// Places along u and v of the grid that the sums are of.
     pub grid: [usize; 2],
@@ -281,11 +282,11 @@ pub fn best_rank(
     cancel: &Cancel,
 ) -> Result<(Measured, RankCurve), FlankError> {
     let system = Compensation::new(grid, &start.axis, cutter, (&start.deviation, &start.feet), (model, cancel))?;
-    let heights = Heights::of(start, cutter);
+    let (heights, advance) = (Heights::of(start, cutter), Advance::of(&start.axis, 0.0));
     let must_cover = start.stands_over_all();
     let allowed = |path: Measured| {
         let path = heights.kept(grid, path, start, cutter)?;
-        (path.stands_over_all() || !must_cover).then_some(path)
+        ((path.stands_over_all() || !must_cover) && advance.is_kept(&path.axis)).then_some(path)
     };
     // The sum of each, and that of the path taken for it, if one is allowed.
     let candidate = |rank: usize| -> Result<Option<(f64, Option<f64>)>, FlankError> {

@@ -220,7 +220,7 @@ impl DesignGrid {
             .map(|(block, places)| {
                 let one = |(k, place): (usize, &GridPlace)| {
                     let start = near.map(|feet| feet.at[block * BLOCK + k]);
-                    over(axis, place, start).map(|(q, at)| (deviation_at(cutter, place, &at, q.y), q))
+                    over(axis, cutter, place, start).map(|(q, at)| (deviation_at(cutter, place, &at, q.y), q))
                 };
                 places.iter().enumerate().map(one).collect()
             })
@@ -236,15 +236,26 @@ fn deviation_at(cutter: &FlankCutter, place: &GridPlace, axis: &AxisAt, a: f64) 
 }
 
 /// The place (t, a) of the axis over a place of the surface. Where the axis runs unevenly and nothing is known of where
-/// it stands, it is looked for further and further around.
-fn over(axis: &AxisSurface, place: &GridPlace, start: Option<DVec2>) -> Option<(DVec2, AxisAt)> {
+/// it stands, it is looked for further and further around; past an end of the path only if none of the path's own places
+/// near that end is as good.
+fn over(axis: &AxisSurface, cutter: &FlankCutter, place: &GridPlace, start: Option<DVec2>) -> Option<(DVec2, AxisAt)> {
     const AROUND: [f64; 8] = [-0.01, 0.01, -0.02, 0.02, -0.04, 0.04, -0.08, 0.08];
+    if let Some(start) = start {
+        return over_near(axis, place, start);
+    }
     let [from, to] = axis.u0_range;
-    let first = start.unwrap_or_else(|| DVec2::new((place.at.u - from) / (to - from), place.at.v));
-    over_near(axis, place, first).or_else(|| {
-        let tries = AROUND.iter().filter(|_| start.is_none());
-        tries.into_iter().find_map(|off| over_near(axis, place, first + DVec2::new(*off, 0.0)))
-    })
+    let first = DVec2::new((place.at.u - from) / (to - from), place.at.v);
+    let from_aside = |off: &f64| over_near(axis, place, first + DVec2::new(*off, 0.0));
+    let found = over_near(axis, place, first).or_else(|| AROUND.iter().find_map(from_aside))?;
+    let is_within = |(q, _): &(DVec2, AxisAt)| axis.is_closed() || (0.0..=1.0).contains(&q.x);
+    if is_within(&found) {
+        return Some(found);
+    }
+    // A path that turns back near its end, gone on past it, comes over the place once more.
+    let off = |(q, at): &(DVec2, AxisAt)| deviation_at(cutter, place, at, q.y).abs();
+    let own = AROUND.iter().filter_map(from_aside).filter(is_within);
+    let best = own.min_by(|a, b| off(a).total_cmp(&off(b)));
+    Some(best.filter(|best| off(best) <= off(&found)).unwrap_or(found))
 }
 
 /// The place of the axis over a place of the surface, by Newton's method from `q`.

@@ -8,6 +8,7 @@
 //! Sums of deviations are those of a fixed grid of the design surface, so that no path gets better by leaving the
 //! part. The static deviation of each location is not that of the moving cutter: [`envelope`] gives the latter.
 
+mod advance;
 pub mod axis_surface;
 pub mod check_grid;
 pub mod compensation;

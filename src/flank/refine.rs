@@ -1,15 +1,15 @@
 //! Refinement beyond P4: damped Gauss-Newton steps with the exact derivative, for sums of absolute values by
 //! re-weighting, with bounds by growing penalties.
 //!
-//! Guaranteed: the answer is no worse in its objective than the start, and covers the surface, along it and in height,
-//! if the start does. Not
-//! guaranteed: that no other path is better. Steps stop where the moving cutter no longer does what the standing one
-//! does, see [`envelope`].
+//! Guaranteed: the answer is no worse in its objective than the start, covers the surface, along it and in height, if the
+//! start does, and none of its control points has moved back behind the one before. Not guaranteed: that no other path is
+//! better. Steps stop where the moving cutter no longer does what the standing one does, see [`envelope`].
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::FlankError;
+use super::advance::Advance;
 use super::compensation::{Measured, Model, Row};
 use super::cutter::FlankCutter;
 use super::deviation::{DesignGrid, Deviation};
@@ -142,7 +142,7 @@ fn refine_standing(
     let scale = start.deviation.mean.max(1e-9);
     let bounds = bounds_of(objective);
     let mut merit = Merit { is_square: objective == Objective::Rms, soft: soft * scale, bounds, penalty: 10.0 / scale };
-    let edges = Edges::of(start, heights, scale);
+    let (edges, advance) = (Edges::of(start, heights, scale), Advance::of(&start.axis, scale));
     let (mut best, mut now, mut damping) = (start.clone(), start.clone(), 1e-3);
     // Bounds come before that: the moving cutter is held to them by itself.
     let is_bounded = matches!(objective, Objective::Bounded { .. });
@@ -152,7 +152,7 @@ fn refine_standing(
     for round in 0..rounds {
         cancel.check()?;
         progress.report("refining the path", round as f64 / rounds as f64, "");
-        let (next, gained) = step(grid, &now, (cutter, heights), (&merit, &edges), &mut damping);
+        let (next, gained) = step(grid, &now, (cutter, heights), (&merit, &edges, &advance), &mut damping);
         in_stage += 1;
         if let Some(next) = next {
             if is_better(objective, &next.deviation, &best.deviation) {
@@ -199,13 +199,14 @@ fn step(
     grid: &DesignGrid,
     now: &Measured,
     (cutter, heights): (&FlankCutter, &Heights),
-    (merit, edges): (&Merit, &Edges),
+    (merit, edges, advance): (&Merit, &Edges, &Advance),
     damping: &mut f64,
 ) -> (Option<Measured>, f64) {
     const TRIES: usize = 8;
     let (mut matrix, mut slope) = normal_equations(grid, now, cutter, merit);
     edges.add_to(grid, now, &mut matrix, &mut slope);
-    let cost = |path: &Measured| merit.of(&path.deviation) + edges.cost(grid, path);
+    advance.add_to(&now.axis, &mut matrix, &mut slope);
+    let cost = |path: &Measured| merit.of(&path.deviation) + edges.cost(grid, path) + advance.cost(&path.axis);
     let value = cost(now);
     let mean = matrix.diagonal().mean();
     for _ in 0..TRIES {
@@ -217,7 +218,7 @@ fn step(
             let next = Measured::new(grid, axis, cutter, Some(&now.feet)).ok()?;
             heights.kept(grid, next, now, cutter)
         });
-        if let Some(next) = next.filter(|next| next.covers_as(now)) {
+        if let Some(next) = next.filter(|next| next.covers_as(now) && advance.is_kept(&next.axis)) {
             let gain = value - cost(&next);
             if gain > 0.0 {
                 *damping = (*damping * 0.2).max(1e-9);

@@ -23,6 +23,7 @@ mod heights;
 mod laws;
 mod own_surface;
 mod rings;
+mod turning_back;
 mod wall_beside;
 mod walls;
 

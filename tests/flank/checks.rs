@@ -189,3 +189,16 @@ fn a_tool_inside_a_wall_that_lacks_a_triangle_gouges_it() {
         assert_eq!(result.warnings.iter().any(|w| w.contains("open at 3 edges")), is_open, "{:?}", result.warnings);
     }
 }
+
+#[test]
+fn a_path_that_ends_too_early_is_told_what_would_cover_the_surface() {
+    let mut document = quick();
+    document.plan.is_covering = false;
+    let result = run(&loaded(&document));
+    let coverage = check(&result, CheckKind::Coverage);
+    assert!(!coverage.holds && coverage.text.contains("are needed"), "{}", coverage.text);
+    assert!(coverage.text.contains("is_covering") && coverage.text.contains("--points"), "{}", coverage.text);
+    // A path that covers no more is no remedy.
+    let covers = result.plan.refined.coverage.is_whole;
+    assert_eq!(coverage.text.contains("--path refined"), covers, "{}", coverage.text);
+}

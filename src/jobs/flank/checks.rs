@@ -15,7 +15,7 @@ use crate::flank::refine::beyond_bounds;
 use crate::project::flank_override::{Figures, FlankOverride};
 
 /// How far below the flutes the surface may go (mm): the bottom's own rounding.
-const BELOW_MM: f64 = 1e-3;
+pub(super) const BELOW_MM: f64 = 1e-3;
 /// The greatest figure of what is wrong: what is no number is as bad as that.
 const WORST: f64 = 1e9;
 /// What counts as keeping a bound (mm).

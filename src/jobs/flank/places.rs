@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::checks::{CheckKind, FlankCheck};
+use super::checks::{BELOW_MM, CheckKind, FlankCheck};
 use super::{FlankResult, PathChoice};
 use crate::flank::deviation::{Deviation, Feet};
 use crate::flank::envelope::EnvelopeCheck;
@@ -124,6 +124,22 @@ fn finer_moves(result: &FlankResult) -> Option<&'static str> {
         .then_some("have straight moves follow the path more closely (linearisation_mm, --tolerance)")
 }
 
+/// What could be done about a surface that the path does not cover. Another path is named only if it does; flutes that
+/// are too short are the check of the cutter's.
+fn to_cover(result: &FlankResult) -> Vec<&'static str> {
+    let (plan, path) = (&result.plan, result.path());
+    let is_short = !(path.coverage.is_whole && result.checked.coverage.is_whole);
+    let ends = (is_short && !plan.params.is_covering).then_some("let it go on past the guides' ends (is_covering)");
+    let other = match result.path {
+        PathChoice::Refined => plan.chosen.coverage.is_whole.then_some("mill the chosen path (--path chosen)"),
+        _ => plan.refined.coverage.is_whole.then_some("mill the refined path (--path refined)"),
+    };
+    let points = is_short.then_some("take more control points (Points, --points)");
+    let lowest = path.coverage.height_range_mm[0].min(result.checked.coverage.height_range_mm[0]);
+    let below = (lowest < -BELOW_MM).then_some("reach further below the lower guide (Below, --below)");
+    ends.into_iter().chain(other.filter(|_| is_short)).chain(points).chain(below).collect()
+}
+
 /// What could be done about a check that fails, as far as it was not done.
 fn advice(result: &FlankResult, kind: CheckKind) -> Option<String> {
     let is_bounded = matches!(result.plan.params.objective, Objective::Bounded { .. });
@@ -141,6 +157,7 @@ fn advice(result: &FlankResult, kind: CheckKind) -> Option<String> {
             refined.into_iter().chain(others).collect()
         }
         CheckKind::Gouge | CheckKind::Holder => finer_moves(result).into_iter().collect(),
+        CheckKind::Coverage => to_cover(result),
         _ => return None,
     };
     Some(match &ways[..] {
