@@ -515,6 +515,15 @@ fn a_flank_all_around_is_milled_in_one_go_and_back_to_its_start() {
     // Beside the seam it leaves along the normal: further from the axis of the part than on the path.
     let away = |p: DVec3| p.truncate().length();
     assert!(away(result.approach[1].tip) > away(start.tip) + 1.0 && away(result.retract[0].tip) > away(end.tip) + 1.0);
+    // The report tells its curves so that they can be had again.
+    let entry = &serde_json::to_value(report(&result, &document)).unwrap()["paths"][PathChoice::Chosen as usize];
+    let count = entry["control_lower"].as_array().unwrap().len();
+    assert!(entry["is_milled"] == true && entry["is_closed"] == true && count >= 40);
+    for (i, x) in [(0, 0.0), (3, 0.4), (count - 2, 0.7), (count - 1, 0.9)] {
+        let pose = result.path().pose((i as f64 + x) / count as f64);
+        let [low, high] = ["control_lower", "control_upper"].map(|key| checks::periodic(&entry[key], (i, x)));
+        assert!(low.distance(pose.tip) < 1e-9 && (high - low).normalize().distance(pose.axis) < 1e-9, "{i} {x}");
+    }
     // Reaching below, it cuts the foot: deepest where bottom and flute are as near, x beside the wall, x cos(a) deep.
     input.params.below_mm = 0.3;
     let (sin, cos) = 0.3f64.atan().sin_cos();

@@ -189,3 +189,15 @@ fn a_tool_inside_a_wall_that_lacks_a_triangle_gouges_it() {
         assert_eq!(result.warnings.iter().any(|w| w.contains("open at 3 edges")), is_open, "{:?}", result.warnings);
     }
 }
+
+/// The curve of a path that `flank.json` tells: a uniform cubic B-spline that is periodic, at share `x` of piece `i`.
+pub(super) fn periodic(points: &Value, (i, x): (usize, f64)) -> DVec3 {
+    let points = points.as_array().unwrap();
+    let point = |k: usize| {
+        let at = |axis: usize| points[k % points.len()][axis].as_f64().unwrap();
+        DVec3::new(at(0), at(1), at(2))
+    };
+    let weights =
+        [(1.0 - x).powi(3), 3.0 * x.powi(3) - 6.0 * x * x + 4.0, 3.0 * (x + x * x - x.powi(3)) + 1.0, x.powi(3)];
+    weights.iter().enumerate().map(|(k, weight)| point(i + k) * *weight / 6.0).sum()
+}
