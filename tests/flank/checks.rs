@@ -202,3 +202,15 @@ fn a_path_that_ends_too_early_is_told_what_would_cover_the_surface() {
     let covers = result.plan.refined.coverage.is_whole;
     assert_eq!(coverage.text.contains("--path refined"), covers, "{}", coverage.text);
 }
+
+/// The curve of a path that `flank.json` tells: a uniform cubic B-spline that is periodic, at share `x` of piece `i`.
+pub(super) fn periodic(points: &Value, (i, x): (usize, f64)) -> DVec3 {
+    let points = points.as_array().unwrap();
+    let point = |k: usize| {
+        let at = |axis: usize| points[k % points.len()][axis].as_f64().unwrap();
+        DVec3::new(at(0), at(1), at(2))
+    };
+    let weights =
+        [(1.0 - x).powi(3), 3.0 * x.powi(3) - 6.0 * x * x + 4.0, 3.0 * (x + x * x - x.powi(3)) + 1.0, x.powi(3)];
+    weights.iter().enumerate().map(|(k, weight)| point(i + k) * *weight / 6.0).sum()
+}
