@@ -3,6 +3,7 @@
 use super::*;
 use crate::flank::check_grid::{CheckGrid, CheckedPath};
 use crate::flank::path::FlankPath;
+use crate::flank::ruled_surface::SurfacePlace;
 
 fn checked(surface: &RuledSurface, path: &FlankPath, cutter: &FlankCutter) -> CheckedPath {
     CheckGrid::new(surface).checked(path, &cutter.above(path.below_mm).unwrap()).unwrap()
@@ -41,9 +42,8 @@ fn a_bump_between_two_places_of_the_plan_is_seen_by_the_check() {
     let deepest = (0..values.len()).min_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap();
     assert!((surface.point(found.place(deepest)[0], 0.0).x - 150.0).abs() < 0.5, "{:?}", found.place(deepest));
     // Numbers are those of the grid's own places.
-    let off = |(k, place): (usize, _)| {
+    let off = |(k, place): (usize, &SurfacePlace)| {
         let [u, v] = found.place(k);
-        let place: crate::flank::ruled_surface::SurfacePlace = place;
         (place.u - u).abs().max((place.v - v).abs())
     };
     assert!(grid.places.places().enumerate().map(off).fold(0.0, f64::max) < 1e-12);
