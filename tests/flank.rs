@@ -233,7 +233,11 @@ fn what_fails_a_check_is_not_written_unless_it_is_overridden_by_name() {
     assert!(result.warnings.iter().any(|w| w.contains("planned as if its flutes were long enough")));
     let (folder, written) = exported(&document, &result);
     assert_eq!(written.files, ["flank.json", "report.html"]);
-    assert!(written.sentence().contains("nothing to mill was written") && written.set_aside.is_empty());
+    let told = written.sentence();
+    assert!(
+        told.contains("nothing to mill was written, as checks fail: cutter, coverage") && written.set_aside.is_empty(),
+        "{told}"
+    );
     assert!(read(&folder, "report.html").contains("Check cutter fails."));
     let only_nc = ExportChoice { cl: false, nc: true, csv: false, report: false };
     let other = folder.path().join("other");

@@ -6,13 +6,13 @@ use clap::Args;
 use glam::DVec3;
 
 use super::flank_values::{
-    CutName, Demo, ObjectiveName, OffsetName, PathName, SideName, TipName, check_override, direction, grid,
-    holder_part, vector,
+    CutName, Demo, ObjectiveName, OffsetName, PathName, SideName, TipName, check_override, direction, flank_number,
+    grid, holder_part, vector,
 };
 use super::{Session, flank_electrode, unit};
 use crate::flank::cutter::HolderPart;
 use crate::flank::params::Objective;
-use crate::jobs::flank_electrode::turn_over;
+use crate::jobs::flank_electrode::{keep_off_base, turn_over};
 use crate::jobs::flank_files::load_machine;
 use crate::mesh_io::Units;
 use crate::project::flank_file::{ENDING, is_flank_file, read_flank};
@@ -44,7 +44,8 @@ pub(super) struct FlankArguments {
 pub(super) struct SurfaceArguments {
     /// What was saved before (.sparkflank); the other arguments then change it.
     file: Option<PathBuf>,
-    /// The guide curve that the cutter's bottom follows: a CSV file with x, y, z (mm) of a point on each line.
+    /// The guide curve that the cutter's bottom follows: a CSV file with x, y, z (mm) of a point on each line. Points are
+    /// joined by one smooth curve (a cubic spline): what is straight needs points along it, and at a corner the flank ends.
     #[arg(long, value_name = "CSV", requires = "upper", conflicts_with_all = ["mesh", "demo"])]
     lower: Option<PathBuf>,
     /// The other guide curve, in the same direction.
@@ -61,8 +62,9 @@ pub(super) struct SurfaceArguments {
     /// `electrodes` has written.
     #[arg(long, value_name = "PATH", requires = "electrode")]
     of: Option<PathBuf>,
-    /// Which flank of the mesh, from 1, the largest first [default: 1].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    /// Which flank of the mesh, one number from 1 as --list has them: the largest first, planes that lie last, and of an
+    /// electrode of a mold those of its tips before those of its base [default: 1].
+    #[arg(long, value_name = "N", value_parser = flank_number)]
     flank: Option<u32>,
     /// Lists the flanks of the mesh and ends.
     #[arg(long)]
@@ -139,7 +141,8 @@ struct PlanArguments {
     /// How much stock it may leave before that check fails (mm) [default: 0.15].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     undercut_tolerance: Option<f64>,
-    /// How far the cutter's bottom reaches below the lower guide (mm) [default: 0.1].
+    /// How far the cutter's bottom reaches below the lower guide (mm) [default: 0.1; 0 for --electrode of a mold, whose
+    /// base goes on there].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     below: Option<f64>,
     /// Which path is milled: initial, chosen or refined [default: refined].
@@ -193,9 +196,9 @@ pub(super) struct MillingArguments {
     /// (the tip, with the tool's direction: G43.5) [default: off].
     #[arg(long, value_name = "NAME")]
     tip_control: Option<TipName>,
-    /// Exports although this check fails: ruled, cutter, coverage, deviation, bounds, envelope, surface, gouge, holder, leads,
-    /// machine. With a figure, as in gouge:0.12, only while none of the check's figures is greater. May be given more than
-    /// once.
+    /// Exports although this check fails: ruled, guides, cutter, coverage, deviation, bounds, envelope, surface, gouge, holder,
+    /// leads, machine. With a figure, as in gouge:0.12, only while none of the check's figures is greater. May be given more
+    /// than once.
     #[arg(long = "override", value_name = "CHECK[:FIGURE]", value_parser = check_override)]
     overrides: Vec<FlankOverride>,
 }
@@ -235,6 +238,9 @@ impl FlankArguments {
             document = document.of_another(found.source);
             document.overrides.clone_from(&self.milling.overrides);
             if found.is_upside_down {
+                if self.plan.below.is_none() {
+                    keep_off_base(&mut document);
+                }
                 turn_over(&mut document)?;
             }
         }

@@ -53,7 +53,7 @@ pub(super) fn find(name: &str, of: &Path, session: &Session) -> anyhow::Result<F
         // Exported STL and OBJ are in mm.
         let source = MeshFlank {
             units: Units::Mm,
-            fit: RuledFitParams { up: UP_OF_MOLDS, ..RuledFitParams::default() },
+            fit: RuledFitParams { up: UP_OF_MOLDS, stands_on_base: true, ..RuledFitParams::default() },
             ..MeshFlank::of(&of_folder(name, of)?)
         };
         Ok(FoundElectrode { source: FlankSource::Mesh(source), is_upside_down: true })
@@ -67,9 +67,9 @@ pub(super) fn find(name: &str, of: &Path, session: &Session) -> anyhow::Result<F
 }
 
 fn kept(electrode: FlankElectrode) -> anyhow::Result<FoundElectrode> {
-    let FlankElectrode { name, of, mesh, up, is_upside_down } = &electrode;
+    let FlankElectrode { name, of, mesh, is_upside_down, .. } = &electrode;
     let source = MeshFlank {
-        fit: RuledFitParams { up: *up, ..RuledFitParams::default() },
+        fit: electrode.fit(),
         kept: Some(KeptMesh::new(name, of, mesh).map_err(anyhow::Error::msg)?),
         ..MeshFlank::default()
     };

@@ -132,6 +132,16 @@ pub(super) fn holder_part(text: &str) -> Result<HolderPart, String> {
     }
 }
 
+/// The number of a flank of a mesh, from 1.
+pub(super) fn flank_number(text: &str) -> Result<u32, String> {
+    match text.trim().parse::<u32>() {
+        Ok(number) if number > 0 => Ok(number),
+        _ => Err("expected one number from 1, as --list has them; faces that go over into each other smoothly are one flank \
+                  together there, others are milled one after the other"
+            .to_owned()),
+    }
+}
+
 /// Three finite numbers with commas between.
 pub(super) fn vector(text: &str) -> Result<DVec3, String> {
     let numbers: Result<Vec<f64>, _> = text.split(',').map(|n| n.trim().parse::<f64>()).collect();
@@ -187,7 +197,11 @@ mod tests {
         assert_eq!(holder_part("30:3").unwrap().upper_radius_mm, 3.0);
         assert_eq!(check_override("gouge:0.2").unwrap().most, Some(0.2));
         let why = check_override("nonsense").unwrap_err();
-        assert!(why.contains("nonsense") && why.contains("ruled, cutter, coverage"), "{why}");
+        assert!(why.contains("nonsense") && why.contains("ruled, guides, cutter, coverage"), "{why}");
+        assert_eq!(flank_number("3"), Ok(3));
+        for text in ["0", "3,4", "-1", "a", ""] {
+            assert!(flank_number(text).unwrap_err().contains("one number from 1"), "{text}");
+        }
         assert_eq!(grid("100x50"), Ok([100, 50]));
         assert_eq!(direction("-Z"), Ok(-DVec3::Z));
         assert_eq!(direction("0,1,-2.5"), Ok(DVec3::new(0.0, 1.0, -2.5)));

@@ -364,7 +364,8 @@ fn usage(error: &clap::Error, json: bool) -> ExitCode {
     }
     let text = error.to_string();
     let said = text.lines().map(str::trim).take_while(|l| !l.starts_with("Usage:"));
-    let said: Vec<&str> = said.filter(|l| !l.is_empty() && !l.starts_with("tip:")).collect();
+    let is_said = |l: &&str| !l.is_empty() && !l.starts_with("tip:") && !l.starts_with("For more information");
+    let said: Vec<&str> = said.filter(is_said).collect();
     fail(&format!("{}; see --help", said.join(" ")), 2, json)
 }
 

@@ -66,11 +66,15 @@ pub struct RuledFitParams {
     /// Which way is up: from the lower guide to the upper one. Of two ways to rule a face as well the rulings that run
     /// along it are taken.
     pub up: DVec3,
+    /// Whether the part stands on a base that is not milled, as an electrode with its blank: flanks that begin above the
+    /// lowest place of the part then come first.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub stands_on_base: bool,
 }
 
 impl Default for RuledFitParams {
     fn default() -> Self {
-        Self { tolerance_mm: 0.01, most_control_points: 131, up: DVec3::Z }
+        Self { tolerance_mm: 0.01, most_control_points: 131, up: DVec3::Z, stands_on_base: false }
     }
 }
 
@@ -119,7 +123,8 @@ pub enum RuledFitError {
     Cancelled,
     /// No four sides.
     #[error(
-        "the border of the face has no four sides, two guides and two end rulings; choose a face that is a strip, or join faces to one"
+        "the border of the face has no four sides, two guides and two end rulings; choose another one, which is a strip: faces that go over into each \
+         other smoothly are one flank together in the list"
     )]
     NoSides,
     /// Triangles to which no distance can be measured.

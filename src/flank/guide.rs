@@ -61,11 +61,29 @@ pub(super) fn pair(lower: &GuideCurve, upper: &GuideCurve) -> Result<[NurbsCurve
     if low.len() != high.len() {
         return Ok(own);
     }
-    let chords = |which, points: &[DVec3]| chord_parameters(points).map_err(wrong(which));
-    let (first, second) = (chords("lower", low)?, chords("upper", high)?);
-    let shared: Vec<f64> = first.iter().zip(&second).map(|(a, b)| 0.5 * (a + b)).collect();
+    let [Some(shared), _] = row_parameters(lower, upper)? else { return Ok(own) };
     let through = |which, points: &[DVec3], degree| through_at(&shared, points, degree).map_err(wrong(which));
     Ok([through("lower", low, low_degree)?, through("upper", high, high_degree)?])
+}
+
+/// The parameters at which the curves of [`pair`] go through their points; none of a guide that is no row of points.
+///
+/// # Errors
+/// As [`pair`].
+pub(super) fn row_parameters(lower: &GuideCurve, upper: &GuideCurve) -> Result<[Option<Vec<f64>>; 2], FlankError> {
+    let own = |which, guide: &GuideCurve| match guide {
+        GuideCurve::Points { points, .. } => {
+            chord_parameters(points).map(Some).map_err(|reason| guide.wrong(which, reason))
+        }
+        _ => Ok(None),
+    };
+    let both = [own("lower", lower)?, own("upper", upper)?];
+    let [Some(first), Some(second)] = &both else { return Ok(both) };
+    if first.len() != second.len() {
+        return Ok(both);
+    }
+    let shared: Vec<f64> = first.iter().zip(second).map(|(a, b)| 0.5 * (a + b)).collect();
+    Ok([Some(shared.clone()), Some(shared)])
 }
 
 /// What the reader must know of how two guides are joined: rows of points with different counts have no fellows.
@@ -195,18 +213,23 @@ fn through_at(parameters: &[f64], points: &[DVec3], degree: usize) -> Result<Nur
 /// Whether points end where they begin without a corner there: the line through them does not turn much more than at the
 /// points beside.
 fn is_ring(points: &[DVec3]) -> bool {
-    /// Share of the size within which points coincide, as for surfaces.
-    const NEAR: f64 = 1e-6;
     /// What the seam may turn more than the points beside it: a factor, and an angle (rad).
     const MORE: [f64; 2] = [1.5, 0.1];
     let [first, second, third, .., before, behind, last] = points else { return false };
-    let extent = points.iter().map(|p| p.distance(*first)).fold(0.0, f64::max);
-    if first.distance(*last) > NEAR * extent || points.len() < 7 {
+    if !is_near(points, *first, *last) || points.len() < 7 {
         return false;
     }
     let turn = |a: &DVec3, b: &DVec3, c: &DVec3| (*b - *a).angle_between(*c - *b);
     let beside = turn(first, second, third).max(turn(before, behind, last));
     turn(behind, last, second) <= MORE[0] * beside + MORE[1]
+}
+
+/// Whether two of `points` coincide for their size.
+pub(super) fn is_near(points: &[DVec3], a: DVec3, b: DVec3) -> bool {
+    /// Share of the size within which points coincide, as for surfaces.
+    const NEAR: f64 = 1e-6;
+    let extent = points.iter().map(|p| p.distance(a)).fold(0.0, f64::max);
+    a.distance(b) <= NEAR * extent
 }
 
 /// The same knots, stretched so that they run from 0 to 1.

@@ -20,6 +20,7 @@ pub mod fit_ruled;
 pub mod frustum_distance;
 pub mod gouge;
 pub mod guide;
+pub mod guide_joining;
 pub mod heights;
 pub mod inside_wall;
 pub mod machine;

@@ -11,6 +11,7 @@ use crate::flank::cutter::FlankCutter;
 use crate::flank::fit_ruled::{Candidate, CandidateFit, RuledFit};
 use crate::flank::gouge::{self, Clearance, GougeCheck};
 use crate::flank::guide::GuideCurve;
+use crate::flank::guide_joining::Joining;
 use crate::flank::inside_wall::within;
 use crate::flank::machine::joint_feed::{Contact, Slowed};
 use crate::flank::machine::kinematics::{Kinematics, ToolPose};
@@ -54,7 +55,7 @@ pub enum LoadedSurface {
     Face {
         /// The mesh.
         mesh: Arc<Mesh>,
-        /// Its faces that could be milled, the largest first.
+        /// Its faces that could be milled, as [`flank_candidates`](crate::flank::fit_ruled::flank_candidates) has them.
         candidates: Arc<Vec<Candidate>>,
         /// Which one, from 1.
         number: usize,
@@ -106,7 +107,8 @@ pub enum FlankJobError {
     Flank(#[from] FlankError),
     /// A face that there is not.
     #[error(
-        "there is no flank {number}: the mesh has {count} that could be milled; they are counted from 1, the largest first"
+        "there is no flank {number}: the mesh has {count} that could be milled; they are counted from 1 as they are \
+         listed"
     )]
     NoCandidate {
         /// Which one was asked for.
@@ -173,6 +175,8 @@ pub struct FlankResult {
     pub surface: RuledSurface,
     /// The fit to the face of a mesh; none for guides.
     pub fit: Option<RuledFit>,
+    /// How rows of points that are guides were joined; empty without such.
+    pub joinings: Vec<Joining>,
     /// The paths.
     pub plan: FlankPlan,
     /// Which of them is milled.
@@ -290,6 +294,10 @@ pub fn path_of(plan: &FlankPlan, choice: PathChoice) -> &FlankPath {
 /// [`FlankJobError`] if there is no path at all; cancelled.
 pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result<FlankResult, FlankJobError> {
     let (surface, fit) = surface(input)?;
+    let joinings = match &input.surface {
+        LoadedSurface::Guides { lower, upper } => Joining::of(lower, upper)?,
+        LoadedSurface::Face { .. } => Vec::new(),
+    };
     let plan = plan_flank(&surface, &input.cutter, &input.params, progress, cancel).map_err(|why| {
         // A cutter that does not fit is what is to blame, wherever it showed.
         let misfit = input.cutter.fits(&surface, input.params.below_mm).err().filter(|misfit| *misfit != why);
@@ -332,6 +340,7 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
         name: input.name.clone(),
         surface,
         fit,
+        joinings,
         plan,
         path: input.path,
         checked,

@@ -7,6 +7,7 @@ use crate::blisk::electrode::Electrode as BliskElectrode;
 use crate::export::choice::MeshFrame;
 use crate::flank::fit_ruled::RuledFitParams;
 use crate::flank::machine::milling_machine::Workpiece;
+use crate::flank::params::FlankParams;
 use crate::geometry::frame::Frame;
 use crate::geometry::mesh::Mesh;
 use crate::mold::electrode::design::Electrode as MoldElectrode;
@@ -63,13 +64,27 @@ impl FlankElectrode {
     /// [`FlankLoadError`] if the machine cannot be read, or the mesh is none.
     pub fn document(&self, before: &FlankDocument) -> Result<FlankDocument, FlankLoadError> {
         let kept = KeptMesh::new(&self.name, &self.of, &self.mesh).map_err(FlankLoadError)?;
-        let fit = RuledFitParams { up: self.up, ..RuledFitParams::default() };
+        let fit = self.fit();
         let mut document =
             before.of_another(FlankSource::Mesh(MeshFlank { fit, kept: Some(kept), ..MeshFlank::default() }));
         if self.is_upside_down {
+            keep_off_base(&mut document);
             turn_over(&mut document)?;
         }
         Ok(document)
+    }
+
+    /// How ruled surfaces are fitted to its faces: the blank of one of a mold is under its tips.
+    pub fn fit(&self) -> RuledFitParams {
+        RuledFitParams { up: self.up, stands_on_base: self.is_upside_down, ..RuledFitParams::default() }
+    }
+}
+
+/// Has the cutter's bottom end at the lower guide unless it was told where to: under an electrode's tips its base goes on,
+/// and what reaches below gouges it.
+pub fn keep_off_base(document: &mut FlankDocument) {
+    if document.plan.below_mm == FlankParams::default().below_mm {
+        document.plan.below_mm = 0.0;
     }
 }
 
@@ -83,4 +98,45 @@ pub fn turn_over(document: &mut FlankDocument) -> Result<(), FlankLoadError> {
         document.milling.workpiece = Some(Workpiece { z_axis: DVec3::ZERO - place.z_axis, ..place });
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flank::fit_ruled::flank_candidates;
+    use crate::progress::Cancel;
+
+    /// A box (mm) from `low` to `high`, outwards.
+    fn cuboid(low: DVec3, high: DVec3) -> Mesh {
+        let vertices =
+            (0..8).map(|i| DVec3::select(glam::BVec3::new(i & 1 > 0, i & 2 > 0, i & 4 > 0), high, low)).collect();
+        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        Mesh { vertices, triangles: quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect() }
+    }
+
+    #[test]
+    fn of_an_electrode_of_a_mold_a_tips_flank_comes_first_and_the_cutter_ends_at_its_base() {
+        // Tips along -Z: a blank of 40 x 30 x 20 mm with a tip of 8 x 5 x 12 mm under it.
+        let mut mesh = cuboid(DVec3::ZERO, DVec3::new(40.0, 30.0, 20.0));
+        let tip = cuboid(DVec3::new(10.0, 10.0, -12.0), DVec3::new(18.0, 15.0, 0.0));
+        mesh.triangles.extend(tip.triangles.iter().map(|t| t.map(|v| v + 8)));
+        mesh.vertices.extend(tip.vertices);
+        let electrode =
+            FlankElectrode { name: "E1".into(), of: "mold".into(), mesh, up: UP_OF_MOLDS, is_upside_down: true };
+        let found = flank_candidates(&electrode.mesh, &electrode.fit(), &Cancel::default()).unwrap();
+        assert!((found[0].area_mm2 - 96.0).abs() < 1e-6 && found[0].is_millable(), "{}", found[0].summary());
+        let lies = |c: &crate::flank::fit_ruled::Candidate| c.outwards.z.abs() > 0.99;
+        let first = found.iter().position(lies).unwrap();
+        assert!(first == 8 && found[first..].iter().all(lies) && found[4].area_mm2 > 500.0);
+        // Without a base the largest that stands is first.
+        let plain = RuledFitParams { stands_on_base: false, ..electrode.fit() };
+        let plain = flank_candidates(&electrode.mesh, &plain, &Cancel::default()).unwrap();
+        assert!((plain[0].area_mm2 - 800.0).abs() < 1e-6, "{}", plain[0].summary());
+
+        let mut before = FlankDocument::default();
+        before.milling.machine = String::new();
+        assert_eq!(electrode.document(&before).unwrap().plan.below_mm, 0.0);
+        before.plan.below_mm = 0.3;
+        assert_eq!(electrode.document(&before).unwrap().plan.below_mm, 0.3);
+    }
 }

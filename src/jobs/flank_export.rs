@@ -64,6 +64,8 @@ pub struct WrittenFlank {
     pub files: Vec<String>,
     /// Why there is nothing to mill among them; none if there is.
     pub blocked: Option<String>,
+    /// Names of the checks that fail: those that block it, or else those that are let pass.
+    pub failing: Vec<&'static str>,
     /// Files of an earlier path that would have passed for those of this one, and what they are called now.
     pub set_aside: Vec<[String; 2]>,
 }
@@ -73,7 +75,10 @@ impl WrittenFlank {
     pub fn sentence(&self) -> String {
         let mut text = format!("{} written to {}", self.files.join(", "), self.folder.display());
         if let Some(why) = &self.blocked {
-            text += &format!("; nothing to mill was written ({why})");
+            let failing = if self.failing.is_empty() { why.clone() } else { self.failing.join(", ") };
+            text += &format!("; nothing to mill was written, as checks fail: {failing}");
+        } else if !self.failing.is_empty() {
+            text += &format!("; by decision, although checks fail: {}", self.failing.join(", "));
         }
         for [was, is] in &self.set_aside {
             text += &format!("; {was} of an earlier path is now called {is}");
@@ -139,7 +144,9 @@ pub fn export(
     cancel.check().map_err(|e| e.to_string())?;
     out.publish().map_err(|e| e.to_string())?;
     progress.report("files", 1.0, "");
-    Ok(WrittenFlank { folder: folder.to_owned(), files, blocked, set_aside })
+    let failing = result.checks.iter().filter(|c| !c.holds && (blocked.is_none() || !c.is_overridden));
+    let failing = failing.map(|c| c.kind.name()).collect();
+    Ok(WrittenFlank { folder: folder.to_owned(), files, blocked, failing, set_aside })
 }
 
 /// Names of files in `folder` that are those of a flank's path, whatever post they were made with.

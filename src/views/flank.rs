@@ -39,6 +39,8 @@ const RULINGS: usize = 24;
 const BARE: [usize; 2] = [65, 5];
 /// Distance of the surfaces side by side, in parts of their own size that way.
 const APART: f64 = 1.35;
+/// Share of a surface's width below which the way between its ends does not tell how long it is.
+const SHORT: f64 = 0.5;
 
 /// Length of the arrows to both sides of a surface, in parts of its length and height together.
 const ARROW: f64 = 0.16;
@@ -64,6 +66,8 @@ pub struct FlankSurface {
     normal: DVec3,
     along: DVec3,
     across: DVec3,
+    /// Whether its ends are so near to each other that it is seen as a whole from the side.
+    is_round: bool,
 }
 
 /// A plan made for the screen.
@@ -98,7 +102,7 @@ impl FlankSurface {
         let rulings = (0..=RULINGS).map(|i| share(i, RULINGS + 1));
         let rulings = rulings.map(|u| vec![surface.point(u, 0.0), surface.point(u, 1.0)]).collect();
         let normal = (0..=8).map(|i| surface.normal(f64::from(i) / 8.0, 0.5)).sum::<DVec3>().normalize_or_zero();
-        Self {
+        let made = Self {
             shape: Arc::new(RenderMesh::new(&mesh)),
             rulings,
             middle: surface.point(0.5, 0.5),
@@ -106,7 +110,37 @@ impl FlankSurface {
             along: surface.point(1.0, 0.5) - surface.point(0.0, 0.5),
             across: 0.5 * (surface.point(0.0, 1.0) + surface.point(1.0, 1.0))
                 - 0.5 * (surface.point(0.0, 0.0) + surface.point(1.0, 0.0)),
+            is_round: false,
+        };
+        made.seen_round(&mesh.vertices)
+    }
+
+    /// The same, where its ends are near to each other for its width, with the directions in which it is seen as a whole:
+    /// the way from one end to the other is then no measure of it.
+    fn seen_round(self, vertices: &[DVec3]) -> Self {
+        let across = self.rulings.iter().map(|r| r[1] - r[0]).sum::<DVec3>() / self.rulings.len() as f64;
+        let up = across.normalize_or_zero();
+        let extent = |way: DVec3| {
+            let heights = vertices.iter().map(|p| p.dot(way));
+            let [low, high] =
+                heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high]: [f64; 2], x| [low.min(x), high.max(x)]);
+            high - low
+        };
+        let [aside, towards] = [up.any_orthonormal_vector(), up.cross(up.any_orthonormal_vector())];
+        let width = extent(aside).max(extent(towards));
+        if up == DVec3::ZERO || !width.is_finite() || self.along.reject_from(up).length() >= SHORT * width {
+            return self;
         }
+        // From where most of it looks to, or, all around a ring, from the same side each time.
+        let normal = self.normal.reject_from(up).try_normalize().filter(|_| !self.is_ring(width)).unwrap_or(towards);
+        let way = up.cross(normal);
+        let middle = vertices.iter().sum::<DVec3>() / vertices.len().max(1) as f64;
+        Self { middle, normal, along: extent(way) * way, across, is_round: true, ..self }
+    }
+
+    /// Whether its ends meet, for what is `width` wide (mm).
+    fn is_ring(&self, width: f64) -> bool {
+        self.along.length() < 1e-3 * width
     }
 
     /// A surface without a plan.
@@ -116,7 +150,9 @@ impl FlankSurface {
 
     /// From one surface to the next of several side by side (mm): long ones stand above each other.
     fn step(&self) -> DVec3 {
-        if self.along.length() > 1.6 * self.across.length() { -APART * self.across } else { APART * self.along }
+        let is_long = self.along.length() > 1.6 * self.across.length();
+        // Rings above each other would cover each other.
+        if is_long && !self.is_round { -APART * self.across } else { APART * self.along }
     }
 
     /// Onto the surface from the cutter's side, so that a box around it fills a picture `aspect` times as wide as high;
@@ -395,6 +431,7 @@ pub fn flank_surface_of(id: ObjectId) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::flank::guide::GuideCurve;
     use crate::flank::params::FlankParams;
     use crate::flank::plan::plan_flank;
     use crate::flank::ruled_surface::Side;
@@ -409,6 +446,29 @@ mod tests {
         let volume = std::f64::consts::PI * 20.0 / 3.0 * (1.0 + top + top * top);
         let share = mesh.volume() / volume;
         assert!(mesh.is_watertight() && share < 1.0 && share > 0.99, "{share}");
+    }
+
+    #[test]
+    fn a_ring_and_two_more_of_it_stand_beside_each_other_and_are_seen_square() {
+        // Frustums whose guides are circles, or three quarters of them, of any direction that is up.
+        let circle = |radius: f64, turn: f64, up: DVec3, height: f64| {
+            let (x, y) = (up.any_orthonormal_vector(), up.cross(up.any_orthonormal_vector()));
+            let at = |i: i32| TAU * turn * f64::from(i) / 48.0;
+            let points = (0..=48).map(|i| radius * (at(i).cos() * x + at(i).sin() * y) + height * up).collect();
+            GuideCurve::Points { points, degree: 3 }
+        };
+        for (turn, up) in [(1.0, DVec3::Z), (1.0, DVec3::new(0.6, 0.0, 0.8)), (0.9, DVec3::Y)] {
+            let [lower, upper] = [(20.0, 0.0), (17.0, 10.0)].map(|(r, height)| circle(r, turn, up, height));
+            let surface = RuledSurface::from_guides(&lower, &upper, Side::Positive).unwrap();
+            let shown = FlankSurface::bare(&surface);
+            // The circle is as wide as its diameter from every side.
+            assert!((shown.along.length() - 40.0).abs() < 4.0, "{turn}: {}", shown.along.length());
+            assert!((shown.across - 10.0 * up).length() < 0.3 * shown.across.length(), "{turn}: {}", shown.across);
+            assert!(shown.step().length() > shown.along.length() && shown.step().dot(shown.across).abs() < 1e-6);
+            // Square to it, with what is up upwards.
+            assert!((shown.normal.length() - 1.0).abs() < 1e-9 && shown.normal.dot(shown.across).abs() < 1e-6);
+            assert!(shown.normal.dot(shown.along).abs() < 1e-6);
+        }
     }
 
     #[test]

@@ -142,6 +142,7 @@ fn every_mistake_is_one_line_and_is_found_before_anything_is_computed() {
         (&["--demo", "a", "--feed", "nan"], "feed_mm_per_min is NaN"),
         (&["--demo", "a", "--max-overcut", "0"], "are for --objective bounded"),
         (&["--demo", "a", "--flank", "1"], "give one with --mesh"),
+        (&["--mesh", &part, "--flank", "3,4"], "expected one number from 1"),
         (&["--lower", &lower, "--upper", &lower, "--units", "inch"], "guide curves are in mm"),
         (&["--demo", "a", "--walls", "nowhere.stl"], "nowhere.stl"),
         (&["--demo", "a", "--out", &lower], "lower.csv"),
@@ -150,6 +151,7 @@ fn every_mistake_is_one_line_and_is_found_before_anything_is_computed() {
     ] {
         let (code, said, last) = run(arguments);
         assert!(code == Some(2) && said.is_empty() && last.contains(words), "{arguments:?}: {code:?} {last}");
+        assert!(last.matches("--help").count() < 2, "{last}");
     }
 }
 

@@ -45,11 +45,7 @@ fn decisions_on_leads_are_held_against_what_is_cut_of_surface_and_wall() {
         let [of_own, of_wall] =
             ["cut the surface itself", "deep into a wall"].map(|words| leads.text.find(words).unwrap());
         assert_eq!(of_wall < of_own, is_wall_worse, "the worse comes first: {}", leads.text);
-        assert!(
-            leads.text.contains("shorten aside_mm") && leads.text.contains("move the walls away"),
-            "{}",
-            leads.text
-        );
+        assert!(leads.text.contains("shorten Aside") && leads.text.contains("move the walls away"), "{}", leads.text);
         // What was decided of the surface alone lets no wall be cut.
         assert_eq!(decided(&result, "leads:1.05"), !is_wall_worse);
         let mut again = result.clone();
@@ -188,6 +184,30 @@ fn a_tool_inside_a_wall_that_lacks_a_triangle_gouges_it() {
         assert!(!check(&result, CheckKind::Gouge).holds && !check(&result, CheckKind::Leads).holds);
         assert_eq!(result.warnings.iter().any(|w| w.contains("open at 3 edges")), is_open, "{:?}", result.warnings);
     }
+}
+
+#[test]
+fn guides_with_a_corner_of_few_points_fail_and_dense_curves_do_not() {
+    let mut input = loaded(&quick());
+    (input.machine, input.side) = (None, Side::Positive);
+    let row = |z: f64| GuideCurve::Points {
+        points: [[0.0, 0.0], [20.0, 0.0], [20.0, 20.0]].map(|[x, y]| DVec3::new(x, y, z)).to_vec(),
+        degree: 3,
+    };
+    input.surface = LoadedSurface::Guides { lower: row(0.0), upper: row(10.0) };
+    let result = run(&input);
+    let guides = check(&result, CheckKind::Guides);
+    // The parabola through the three has its foot beside the middle of either side.
+    assert!(!guides.holds && result.why_blocked().is_some_and(|why| why.contains("guides: the points")), "{guides:?}");
+    assert!(guides.figures.get("off_mm").is_some_and(|off| *off > 1.0) && guides.place.is_some(), "{guides:?}");
+    input.surface = upright_arc(20.0, 120.0);
+    let result = run(&input);
+    let guides = check(&result, CheckKind::Guides);
+    // The sagitta of two degrees.
+    let sagitta = 20.0 * (1.0 - 1f64.to_radians().cos());
+    assert!(guides.holds && guides.text.contains(&format!("up to {sagitta:.3} mm")), "{}", guides.text);
+    // Curves that are not given by points have no such check.
+    assert!(planned().iter().all(|(_, result)| result.checks.iter().all(|c| c.kind != CheckKind::Guides)));
 }
 
 #[test]

@@ -163,6 +163,9 @@ impl FlankDesk {
     pub fn replace(&mut self, params: FlankDocument, file: Option<&Path>) {
         if self.params.source == params.source {
             self.work.reload();
+        } else {
+            // What is opened is looked at by itself first.
+            self.is_side_by_side = false;
         }
         self.record.replace(&params, file);
         (self.path, self.rank, self.place) = (params.path, None, None);

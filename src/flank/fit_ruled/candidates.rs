@@ -98,7 +98,8 @@ impl Candidate {
 }
 
 /// The faces of `mesh`, and groups of those that stand up and go over into each other smoothly, with the ruled surfaces
-/// fitted to them; the largest first.
+/// fitted to them; the largest first, planes that lie last. Of a part on a base
+/// ([`RuledFitParams::stands_on_base`]) those above it come first.
 ///
 /// # Errors
 /// If a parameter has no meaning, or it was told to stop.
@@ -125,7 +126,47 @@ pub fn flank_candidates(
         };
     });
     cancel.check()?;
+    let standing = Standing::of(mesh, params);
+    found.sort_by_key(|candidate| standing.rank(candidate));
     Ok(found)
+}
+
+/// What tells which candidates come first, whatever their size.
+struct Standing<'a> {
+    mesh: &'a Mesh,
+    up: DVec3,
+    /// Height up to which a face begins at the bottom of the part (mm); none if that does not matter.
+    bottom_mm: Option<f64>,
+}
+
+impl<'a> Standing<'a> {
+    /// Share of the part's height within which a face begins at its bottom.
+    const NEAR: f64 = 1e-3;
+    /// How nearly a plane's normal points up or down (cosine) if the plane lies: the side of a cutter mills none such.
+    const LIES: f64 = 0.99;
+
+    fn of(mesh: &'a Mesh, params: &RuledFitParams) -> Self {
+        let up = params.up.normalize_or_zero();
+        let heights = mesh.vertices.iter().map(|p| p.dot(up)).filter(|h| h.is_finite());
+        let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        Self { mesh, up, bottom_mm: params.stands_on_base.then_some(low + Self::NEAR * (high - low)) }
+    }
+
+    /// The less the earlier: of a part on a base the flanks above it that can be milled, then its others; what lies comes
+    /// last.
+    fn rank(&self, candidate: &Candidate) -> u8 {
+        if candidate.kind == CandidateKind::Plane && candidate.outwards.dot(self.up).abs() > Self::LIES {
+            return 3;
+        }
+        let Some(bottom_mm) = self.bottom_mm else { return 0 };
+        let corners = candidate.triangles.iter().filter_map(|&t| self.mesh.triangles.get(t as usize)).flatten();
+        let heights = corners.filter_map(|&v| self.mesh.vertices.get(v as usize)).map(|p| p.dot(self.up));
+        match heights.fold(f64::INFINITY, f64::min) > bottom_mm {
+            true if candidate.is_millable() => 0,
+            true => 1,
+            false => 2,
+        }
+    }
 }
 
 /// Groups of two faces or more that stand up, joined over smooth edges.

@@ -8,6 +8,7 @@ use crate::export::nc_feed::LEAST_BLOCK_MINUTES;
 use crate::flank::FlankError;
 use crate::flank::deviation::Deviation;
 use crate::flank::guide::pairing_warning;
+use crate::flank::guide_joining::Joining;
 use crate::flank::inside_wall::open_edges_about;
 use crate::flank::machine::joint_feed::Slowed;
 use crate::flank::params::Objective;
@@ -26,6 +27,8 @@ const KEPT_MM: f64 = 1e-4;
 pub enum CheckKind {
     /// That the face of the mesh is ruled.
     Ruled,
+    /// That the points of guides account for the smooth curves through them.
+    Guides,
     /// That the cutter is long and thin enough.
     Cutter,
     /// That the path covers the whole surface.
@@ -50,8 +53,9 @@ pub enum CheckKind {
 
 impl CheckKind {
     /// All of them.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Ruled,
+        Self::Guides,
         Self::Cutter,
         Self::Coverage,
         Self::Deviation,
@@ -68,6 +72,7 @@ impl CheckKind {
     pub fn name(self) -> &'static str {
         match self {
             Self::Ruled => "ruled",
+            Self::Guides => "guides",
             Self::Cutter => "cutter",
             Self::Coverage => "coverage",
             Self::Deviation => "deviation",
@@ -145,6 +150,7 @@ impl FlankCheck {
 pub(super) fn of(result: &FlankResult) -> Vec<FlankCheck> {
     let mut checks = Vec::new();
     checks.extend(ruled(result));
+    checks.extend(guides(&result.joinings));
     checks.push(cutter(result));
     checks.push(coverage(result));
     checks.push(deviation(result));
@@ -173,6 +179,24 @@ fn ruled(result: &FlankResult) -> Option<FlankCheck> {
     Some(check.with(&[("off_mm", off), ("uncovered_mm", uncovered)]))
 }
 
+/// Whether rows of points are joined as they were meant.
+fn guides(joinings: &[Joining]) -> Option<FlankCheck> {
+    let worst = joinings.iter().copied().reduce(|a, b| {
+        let is_worse = (b.is_doubtful, b.departure_mm) > (a.is_doubtful, a.departure_mm);
+        if is_worse { b } else { a }
+    })?;
+    let told: Vec<String> =
+        joinings.iter().filter(|j| j.is_doubtful == worst.is_doubtful).map(Joining::words).collect();
+    let text = if worst.is_doubtful {
+        told.join("; ")
+    } else {
+        let told = told.join("; ");
+        format!("smooth curves through the guides' points leave the straight lines between them by up to {told}")
+    };
+    let check = FlankCheck::new(CheckKind::Guides, !worst.is_doubtful, text).at(worst.at);
+    Some(check.with(&[("off_mm", worst.departure_mm)]))
+}
+
 fn cutter(result: &FlankResult) -> FlankCheck {
     let (plan, surface) = (&result.plan, &result.surface);
     match plan.cutter.fits(surface, plan.params.below_mm) {
@@ -191,7 +215,12 @@ fn cutter(result: &FlankResult) -> FlankCheck {
                 }
                 _ => (None, None),
             };
-            FlankCheck { place, ..FlankCheck::new(CheckKind::Cutter, false, error.to_string()) }.with(figure.as_slice())
+            let mut text = error.to_string();
+            if matches!(error, FlankError::CutterTooThick { .. }) && !result.joinings.is_empty() {
+                text += "; if the guides are measured points, their noise may be all of that hollow, as the curve goes through \
+                         every one of them: smooth them, or take points that stand further apart";
+            }
+            FlankCheck { place, ..FlankCheck::new(CheckKind::Cutter, false, text) }.with(figure.as_slice())
         }
     }
 }
@@ -283,7 +312,9 @@ fn envelope(result: &FlankResult) -> FlankCheck {
         result.checked.words
     );
     if without > 0 {
-        text += &format!("; over {without} places the moving cutter touches nothing");
+        // What fails comes first.
+        let untouched = format!("over {without} places the moving cutter touches nothing");
+        text = if greatest > tolerance { format!("{text}; {untouched}") } else { format!("{untouched}; {text}") };
     }
     let figures = [("difference_mm", greatest), ("untouched_places", without as f64)];
     FlankCheck::new(CheckKind::Envelope, holds, text).with(&figures)

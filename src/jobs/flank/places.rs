@@ -11,7 +11,7 @@ use crate::flank::params::Objective;
 /// Completes the checks that fail: with the place, the cutter's place along the path, and advice.
 pub(super) fn complete(result: &FlankResult, checks: &mut [FlankCheck]) {
     for check in checks.iter_mut().filter(|check| !check.holds) {
-        if let Some(advice) = advice(result, check.kind) {
+        if let Some(advice) = advice(result, check) {
             check.text += &format!("; {advice}");
         }
         check.place = check.place.or_else(|| worst(result, check.kind));
@@ -140,13 +140,29 @@ fn to_cover(result: &FlankResult) -> Vec<&'static str> {
     ends.into_iter().chain(other.filter(|_| is_short)).chain(points).chain(below).collect()
 }
 
+/// What helps against a wall that is touched no higher than the cutter's bottom reaches below the lower guide: as under the
+/// tips of an electrode, where its base goes on.
+fn higher(result: &FlankResult, check: &FlankCheck) -> Option<&'static str> {
+    /// What of the flutes counts as their bottom (mm).
+    const BOTTOM_MM: f64 = 0.01;
+    let (path, place) = (result.path(), check.place?);
+    let is_low = |t: f64| {
+        let pose = path.pose(t);
+        (place - pose.tip).dot(pose.axis) <= path.below_mm + BOTTOM_MM
+    };
+    let is_at_bottom = check.t.map_or_else(|| is_low(0.0) || is_low(1.0), is_low);
+    (path.below_mm > 0.0 && is_at_bottom).then_some(
+        "have the cutter's bottom reach less far below the lower guide, where the part goes on (Below, --below 0)",
+    )
+}
+
 /// What could be done about a check that fails, as far as it was not done.
-fn advice(result: &FlankResult, kind: CheckKind) -> Option<String> {
+fn advice(result: &FlankResult, check: &FlankCheck) -> Option<String> {
     let is_bounded = matches!(result.plan.params.objective, Objective::Bounded { .. });
     let refined = (result.path != PathChoice::Refined).then_some("mill the refined path");
-    let ways: Vec<&str> = match kind {
+    let ways: Vec<&str> = match check.kind {
         CheckKind::Deviation => {
-            let bounded = (!is_bounded).then_some("bound it (objective bounded)");
+            let bounded = (!is_bounded).then_some("bound it (--objective bounded)");
             let points = is_bounded.then_some("take more control points");
             let finer = finer_moves(result);
             let others = ["take a thinner cutter", "allow more"];
@@ -156,7 +172,8 @@ fn advice(result: &FlankResult, kind: CheckKind) -> Option<String> {
             let others = ["widen the bounds", "take more control points", "take a thinner cutter"];
             refined.into_iter().chain(others).collect()
         }
-        CheckKind::Gouge | CheckKind::Holder => finer_moves(result).into_iter().collect(),
+        CheckKind::Gouge | CheckKind::Leads => finer_moves(result).into_iter().chain(higher(result, check)).collect(),
+        CheckKind::Holder => finer_moves(result).into_iter().collect(),
         CheckKind::Coverage => to_cover(result),
         _ => return None,
     };
