@@ -372,8 +372,7 @@ fn numbered(
     }
     plan.edits.extend(met);
     let mut parts: Vec<(usize, Part)> = numbers.iter().copied().zip(parts).collect();
-    let share =
-        if is_last { (1.0, false) } else { thick_only(setting, &mut parts, &in_plan, (least, is_lacking)) };
+    let share = if is_last { (1.0, false) } else { thick_only(setting, &mut parts, &in_plan, (least, is_lacking)) };
     let front = |number: usize| {
         parts.iter().find(|(kept, _)| *kept == number).map(|(_, part)| plane::area(&part.footprint.free))
     };
