@@ -40,11 +40,6 @@ impl Obstacle {
         Self { cancel: cancel.clone(), ..self }
     }
 
-    /// Its surface.
-    pub(super) fn surface(&self) -> &Mesh {
-        &self.surface
-    }
-
     /// Distance from a point to its surface (mm).
     pub fn distance(&self, p: DVec3) -> f64 {
         self.mesh.nearest(p).signed_distance.abs()
