@@ -97,12 +97,12 @@ pub(super) fn volumes(
         let areas: Vec<f64> = places.iter().map(|p| plane::area(&p.shape).max(1e-12)).collect();
         let all: f64 = areas.iter().sum();
         let mut left: Vec<f64> = areas.iter().map(|a| region.volume * a / all).collect();
-        for stage in 0..made.len() {
+        for (stage, made) in made.iter().enumerate() {
             let own = of_stage(stage);
             let layer =
                 params.stages.get(stage + 1).map_or(0.0, |next| layer(region, &turned, [&params.stages[stage], next]));
             for (p, place) in places.iter().enumerate() {
-                let shares = shares(&own, place, areas[p], (Some(stage) == last, made[stage][r] >= 1.0));
+                let shares = shares(&own, place, areas[p], (Some(stage) == last, made[r] >= 1.0));
                 let most = left[p] - left[p].min(layer * areas[p] / all);
                 for (part, share) in own.iter().zip(shares) {
                     *taken.entry((stage, PartId { region: r, part: part.number })).or_insert(0.0) += share * most;
