@@ -161,10 +161,11 @@ impl<'a> Standing<'a> {
         let Some(bottom_mm) = self.bottom_mm else { return 0 };
         let corners = candidate.triangles.iter().filter_map(|&t| self.mesh.triangles.get(t as usize)).flatten();
         let heights = corners.filter_map(|&v| self.mesh.vertices.get(v as usize)).map(|p| p.dot(self.up));
-        match heights.fold(f64::INFINITY, f64::min) > bottom_mm {
-            true if candidate.is_millable() => 0,
-            true => 1,
-            false => 2,
+        let is_above = heights.fold(f64::INFINITY, f64::min) > bottom_mm;
+        match (is_above, candidate.is_millable()) {
+            (true, true) => 0,
+            (true, false) => 1,
+            (false, _) => 2,
         }
     }
 }
