@@ -101,7 +101,9 @@ fn the_papers_surfaces_reach_the_figures_of_the_reference_and_the_report_says_th
         let html = read(&folder, "report.html");
         let ratio = format!("{:.3}", plan.ratio(&plan.refined));
         assert!(html.contains(&format!("the refined path {ratio}")) && html.contains(&format!("leaves {paper} of")));
-        assert!(html.matches("<img").count() == 4 && html.contains("100 \u{d7} 50") && !html.contains("NaN"));
+        assert!(html.matches("<img").count() == 4 && html.contains("100 \u{d7} 50"));
+        // What encodes pictures may hold any letters.
+        assert!(html.split('"').filter(|part| !part.starts_with("data:")).all(|part| !part.contains("NaN")));
     }
 }
 
@@ -185,7 +187,7 @@ fn a_path_that_is_off_more_than_is_allowed_is_no_program() {
     let again = refined.checks.iter().filter(|c| !c.holds).find(|c| c.text.contains("mill the refined path"));
     assert!(again.is_none(), "{again:?}");
     (document.path, document.plan.objective) = (PathChoice::Initial, Objective::Sum);
-    document.overcut_tolerance_mm = most + 1e-3;
+    document.overcut_tolerance_mm = most + result.stray_mm + 1e-3;
     document.undercut_tolerance_mm = 1.0;
     assert!(check(&run(&loaded(&document)), CheckKind::Deviation).holds);
     // A grid on which nothing is seen of it does not help.

@@ -36,6 +36,8 @@ pub enum Purpose {
     SaveMold,
     /// Folder for the files of electrodes.
     ElectrodeFolder,
+    /// A template of the burn sheet.
+    BurnSheet,
     /// Where the cutters are saved.
     SaveCutters,
     /// The mesh that was at this path.
@@ -151,6 +153,7 @@ impl Purpose {
             Self::OtherCutters => "Load cutters to compare with",
             Self::SaveMold => "Save mold",
             Self::SaveCutters => "Save cutters",
+            Self::BurnSheet => "Template of the burn sheet",
             Self::ElectrodeFolder => "Folder for the electrodes",
             Self::MovedMesh(_) => "Find the mesh",
             Self::Flank(what) => what.title(),
@@ -169,7 +172,12 @@ impl Purpose {
             Self::Open | Self::ExportFolder | Self::ElectrodeMesh | Self::Post | Self::Machine | Self::MovedMesh(_) => {
                 None
             }
-            Self::Mold | Self::Cutters | Self::OtherCutters | Self::ElectrodeFolder | Self::Flank(_) => None,
+            Self::Mold
+            | Self::Cutters
+            | Self::OtherCutters
+            | Self::ElectrodeFolder
+            | Self::BurnSheet
+            | Self::Flank(_) => None,
         }
     }
 
@@ -246,6 +254,7 @@ impl FileDialogs {
                 Purpose::Cutters | Purpose::OtherCutters => {
                     dialog.set_title(purpose.title()).add_filter("Cutters", &["toml"]).pick_file()
                 }
+                Purpose::BurnSheet => dialog.set_title(purpose.title()).add_filter("All files", &["*"]).pick_file(),
                 Purpose::Mold => dialog
                     .set_title(purpose.title())
                     .add_filter("Molds and meshes", &[&MESHES[..], &["sparkmold"]].concat())

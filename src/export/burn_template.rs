@@ -71,6 +71,11 @@ impl BurnSheet {
         Self { name: "the built-in burn sheet".to_owned(), text: BURN_SHEET.to_owned() }
     }
 
+    /// What it is called: that of the program, or its file.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
     /// The template in `file`, tried on examples of all that a table may hold: electrodes take their time, and what is wrong
     /// with their sheet should be known before.
     ///

@@ -150,9 +150,9 @@ mod tests {
             }
         }
         // Points at distances that differ eight times, on a parabola and on a sine.
-        let uneven = |i: usize| i as f64 + if i % 2 == 0 { 0.0 } else { -0.75 };
+        let uneven = |i: usize| i as f64 + if i.is_multiple_of(2) { 0.0 } else { -0.75 };
         for shape in [|x: f64| 0.02 * x * x, |x: f64| 2.0 * (0.3 * x).sin()] {
-            let points: Vec<DVec3> = (0..=30).map(|i| uneven(i)).map(|x| DVec3::new(x, shape(x), 0.0)).collect();
+            let points: Vec<DVec3> = (0..=30).map(uneven).map(|x| DVec3::new(x, shape(x), 0.0)).collect();
             assert!(both(&points).iter().all(|found| !found.is_doubtful), "{:?}", both(&points));
         }
         // A straight line leaves nothing, and noise below the tolerance is no corner.

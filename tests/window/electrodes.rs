@@ -83,6 +83,18 @@ fn electrodes_are_designed_looked_at_changed_and_exported() {
     desk.until("it goes on", |d| d.mold().electrodes.time > at);
     desk.press("Where it has burned");
 
+    // A template of one's own; a broken one is refused and changes nothing.
+    let (mine, broken) = (home.path("mine.jinja"), home.path("broken.jinja"));
+    std::fs::write(&mine, "{% for e in electrodes %}BURN {{ e.name }}\n{% endfor %}").unwrap();
+    std::fs::write(&broken, "{{ electrodes[0].weight }}").unwrap();
+    for template in [&mine, &broken] {
+        desk.press("Template\u{2026}");
+        desk.type_path(template);
+    }
+    desk.assert_shows("This is no template of a burn sheet");
+    desk.press("Close");
+    desk.assert_shows("mine.jinja");
+
     let folder = home.path("out");
     desk.key_with(Modifiers::COMMAND, Key::E);
     desk.type_path(&folder);
@@ -95,6 +107,10 @@ fn electrodes_are_designed_looked_at_changed_and_exported() {
     for file in ["burn_table.csv", "burn_table.json", "burn_sheet.txt", "report.html"] {
         assert!(folder.join(file).exists(), "{file}; {:?}", desk.log());
     }
+
+    let sheet = std::fs::read_to_string(folder.join("burn_sheet.txt")).unwrap();
+    let names: Vec<&str> = sheet.lines().filter_map(|line| line.strip_prefix("BURN ")).collect();
+    assert_eq!(names, made.set.electrodes.iter().map(|e| &*e.name).collect::<Vec<_>>(), "{sheet}");
 
     // A change of what is asked makes them stale; undo makes them those of the present parameters again.
     desk.mold_mut().follows = false;

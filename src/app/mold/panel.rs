@@ -31,7 +31,7 @@ pub fn show(ui: &mut Ui, core: &mut Core, with_list: bool) -> Option<Purpose> {
         section(ui, "Mold", true, |ui| asked = mold(ui, core));
         section(ui, "Cutters", true, |ui| asked = library(ui, core).or(asked.take()));
         section(ui, "Uncut", true, |ui| uncut(ui, core));
-        section(ui, "Electrodes", false, |ui| electrode::form(ui, core));
+        section(ui, "Electrodes", false, |ui| asked = electrode::form(ui, core).or(asked.take()));
         if with_list {
             section(ui, "List", true, |ui| {
                 ui.allocate_ui(vec2(ui.available_width(), LIST), |ui| super::lists(ui, core));

@@ -248,6 +248,7 @@ impl SparkpathApp {
             Purpose::Mold => self.choose_mold(path, ctx),
             Purpose::Cutters | Purpose::OtherCutters => self.load_cutters(&path, purpose == Purpose::OtherCutters),
             Purpose::SaveCutters => self.save_cutters(&path),
+            Purpose::BurnSheet => self.take_burn_sheet(&path),
             Purpose::ElectrodeFolder => self.export_electrodes(&path),
             Purpose::SaveMold => self.write_mold(&path, ctx),
             Purpose::Post => self.take_post(&path),

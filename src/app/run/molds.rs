@@ -11,6 +11,7 @@ use crate::app::files::Purpose;
 use crate::app::record::Hands;
 use crate::app::viewport::Viewport;
 use crate::app::workspace::Workspace;
+use crate::export::burn_template::BurnSheet;
 use crate::jobs::kept::WorkEvent;
 use crate::jobs::pipeline::EventKind;
 use crate::project::cutter_file::{read_cutters, write_cutters};
@@ -120,6 +121,16 @@ impl SparkpathApp {
         }
     }
 
+    /// A template that is wrong changes nothing.
+    pub(super) fn take_burn_sheet(&mut self, path: &Path) {
+        match BurnSheet::read(path) {
+            Ok(sheet) => self.core.mold.electrodes.sheet = sheet,
+            Err(error) => {
+                self.dialog = Dialog::Error("This is no template of a burn sheet".to_owned(), error.to_string())
+            }
+        }
+    }
+
     pub(super) fn save_cutters(&mut self, path: &Path) {
         match write_cutters(path, &self.core.mold.params.library) {
             Ok(()) => self.core.say(EventKind::Done, format!("cutters saved as {}", path.display())),
@@ -153,7 +164,7 @@ impl SparkpathApp {
     pub fn export_electrodes(&mut self, folder: &Path) {
         let mold = &mut self.core.mold;
         let formats = mold.electrodes.formats();
-        if let Err(why) = mold.work.export_electrodes(&mold.params, folder, &formats) {
+        if let Err(why) = mold.work.export_electrodes(&mold.params, folder, (&formats, &mold.electrodes.sheet)) {
             self.dialog = Dialog::Error("Nothing was exported".to_owned(), why);
         }
     }

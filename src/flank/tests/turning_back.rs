@@ -46,7 +46,8 @@ fn refined_paths_over_a_bulged_wall_go_on_to_their_ends() {
             assert!(least_turn(path) > 0.99, "{what} {name}: {}", least_turn(path));
         }
         assert!(path.coverage.is_whole, "{what}: {:?}", path.coverage);
-        assert!(path.deviation.sum < plan.chosen.deviation.sum, "{what}: refinement still gains");
+        let is_settled = plan.chosen.deviation.is_settled();
+        assert!(is_settled || path.deviation.sum < plan.chosen.deviation.sum, "{what}: refinement still gains");
         // Measured anew on another grid, the same path is as good.
         let finer = DesignGrid::new(&surface, [173, 31]);
         let ((deviation, _), coverage, envelope) = path.over(&finer, &cutter.above(path.below_mm).unwrap()).unwrap();

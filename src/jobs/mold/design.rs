@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use super::electrode_export::{Exported, export};
 use super::{FoundUncut, LoadedMold, Question};
+use crate::export::burn_template::BurnSheet;
 use crate::export::electrode_files::ElectrodeFormat;
 use crate::export::electrode_report::ElectrodesReport;
 use crate::jobs::electrodes::electrodes;
@@ -164,12 +165,12 @@ impl Designer {
         folder: &Path,
         (designed, mold): (Arc<Designed>, Arc<LoadedMold>),
         (name, params): (String, &ElectrodeParams),
-        formats: Vec<ElectrodeFormat>,
+        (formats, sheet): (Vec<ElectrodeFormat>, BurnSheet),
     ) {
         let (folder, params): (PathBuf, _) = (folder.to_owned(), params.clone());
         self.exporter.submit(0, move |_, progress, cancel| {
             let set = ElectrodeSet { params, ..designed.set.clone() };
-            export(&folder, (&set, &designed), (&mold, &name), &formats, progress, cancel)
+            export(&folder, (&set, &designed), (&mold, &name), (&formats, &sheet), progress, cancel)
         });
     }
 

@@ -64,7 +64,7 @@ pub(super) fn export(
     folder: &Path,
     (set, designed): (&ElectrodeSet, &Designed),
     (mold, name): (&LoadedMold, &str),
-    formats: &[ElectrodeFormat],
+    (formats, sheet): (&[ElectrodeFormat], &BurnSheet),
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<Exported, String> {
@@ -76,8 +76,7 @@ pub(super) fn export(
     };
     let report = ElectrodesReport::of(set, name, designed.opening);
     cancel.check().map_err(|e| e.to_string())?;
-    let written = export_electrodes(opened, (set, &report), &BurnSheet::standard(), &pictures, formats)
-        .map_err(|e| e.to_string())?;
+    let written = export_electrodes(opened, (set, &report), sheet, &pictures, formats).map_err(|e| e.to_string())?;
     let lapsed = set.idle_overrides().into_iter().filter(|(_, why)| *why == IdleOverride::OtherParts);
     let lapsed = lapsed.map(|(o, why)| format!("override of {o}: {}", why.text())).collect();
     Ok(Exported {

@@ -15,6 +15,7 @@ use super::pipeline::{EventKind, StageState};
 use super::uncut::UncutParams;
 use super::uncut_compare::Comparison;
 use super::worker::{Ended, Message, Reporter, TaskId, Worker};
+use crate::export::burn_template::BurnSheet;
 use crate::export::electrode_files::ElectrodeFormat;
 use crate::mesh_io::Units;
 use crate::mold::cutter::CutterLibrary;
@@ -355,14 +356,14 @@ impl MoldWork {
         &mut self,
         params: &MoldParams,
         folder: &Path,
-        formats: &[ElectrodeFormat],
+        (formats, sheet): (&[ElectrodeFormat], &BurnSheet),
     ) -> Result<(), String> {
         let made = self.designed().filter(|_| self.is_designed_of(params)).cloned();
         let (Some(made), Some(mold)) = (made, self.mold().cloned()) else {
             return Err("the electrodes are not of the present parameters: design them again".to_owned());
         };
         let name = params.name();
-        self.designer.export(folder, (made, mold), (name, &params.electrodes), formats.to_vec());
+        self.designer.export(folder, (made, mold), (name, &params.electrodes), (formats.to_vec(), sheet.clone()));
         Ok(())
     }
 }

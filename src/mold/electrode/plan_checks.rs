@@ -11,7 +11,7 @@ use super::check::{
     CheckKind, Clearance, Finding, LeftOfRegion, Milled, Obstacle, Sample, leftover, machinable, watertight,
 };
 use super::design::{Burn, Electrode, PartId, PartNode, RegionPlan};
-use super::earlier::CELL;
+use super::earlier::{CELL, is_nothing};
 use super::leftover::{Burns, Looked, left_by};
 use super::params::{ElectrodeParams, Stage};
 use super::plan::{ElectrodeError, RegionToBurn, kept_clear, to_burn_frame};
@@ -90,9 +90,12 @@ pub(super) fn checked(
         None => Ok(Left::default()),
     };
     let left: Vec<Left> = (0..regions.len()).into_par_iter().map(left_of).collect::<Result<_, _>>()?;
-    for (plan, left) in plans.iter_mut().zip(&left) {
+    for ((plan, left), region) in plans.iter_mut().zip(&left).zip(regions) {
         plan.left = left.all;
-        plan.trouble = plan.trouble.take().or_else(|| nobodys(left, params.tolerance_mm));
+        // Of what needs no tip it is told that it stays.
+        let needs_none = plan.tree.is_none() && is_nothing(region, params);
+        let nobodys = || (!needs_none).then(|| nobodys(left, params.tolerance_mm)).flatten();
+        plan.trouble = plan.trouble.take().or_else(nobodys);
     }
     let check = |electrode: &Electrode| -> Result<Vec<Finding>, ElectrodeError> {
         cancel.check()?;

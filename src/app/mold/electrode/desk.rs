@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use crate::export::burn_template::BurnSheet;
 use crate::export::electrode_files::ElectrodeFormat;
 use crate::geometry::mesh::Bounds;
 use crate::jobs::mold::Designed;
@@ -92,6 +93,8 @@ pub struct ElectrodeDesk {
     pub split_region: Option<usize>,
     /// Whether files of each format are written.
     pub formats: [bool; 3],
+    /// How the burn sheet is written.
+    pub sheet: BurnSheet,
     /// Where the view is to go.
     pub fly: Option<Fly>,
     /// Whether electrodes were asked for, to be looked at once they are made.
@@ -121,6 +124,7 @@ impl Default for ElectrodeDesk {
             split: None,
             split_region: None,
             formats: [true, false, false],
+            sheet: BurnSheet::standard(),
             fly: None,
             is_awaited: false,
             // Those of a broken file would be none: what the parameters name is there in any case.

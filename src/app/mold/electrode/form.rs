@@ -1,22 +1,26 @@
 //! What is asked of electrodes, what they came to, and their export.
 
+use std::path::Path;
+
 use egui::{CollapsingHeader, RichText, TextEdit, Ui};
 
 use super::super::super::commands::Command;
 use super::super::super::core::Core;
+use super::super::super::files::Purpose;
 use super::super::super::panel_parts::named;
 use super::super::super::stepper::{command_button, fact, notice, sentence};
 use super::super::super::theme::{palette, tick};
 use super::super::cutters;
 use super::fields::{Figure, figure, measure, sizes};
 use super::stages;
+use crate::export::burn_template::BurnSheet;
 use crate::export::electrode_files::ElectrodeFormat;
 use crate::jobs::pipeline::StageState;
 use crate::mold::cutter::CutterLibrary;
 use crate::mold::electrode::params::{ElectrodeParams, Holder, Removal, Shape};
 
-/// Draws it.
-pub fn show(ui: &mut Ui, core: &mut Core) {
+/// Draws it. Answers what a path is wanted for.
+pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
     let mut params = core.mold.params.clone();
     let asked = &mut params.electrodes;
     stages::show(ui, asked);
@@ -40,7 +44,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
     let made = core.mold.electrodes.designed().filter(|made| made.set.params.edits == asked.edits);
     edits(ui, asked, &made.map_or_else(Vec::new, |made| made.set.unmet_edits()));
     core.mold.edit(params);
-    answer(ui, core);
+    answer(ui, core)
 }
 
 /// The name of fields that belong together.
@@ -249,8 +253,8 @@ fn edits(ui: &mut Ui, asked: &mut ElectrodeParams, unmet: &[usize]) {
     }
 }
 
-/// What they came to.
-fn answer(ui: &mut Ui, core: &mut Core) {
+/// What they came to, and how it is written.
+fn answer(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
     let state = core.mold.design_state();
     if let StageState::Failed(why) = &state {
         notice(ui, palette(ui).bad, why);
@@ -258,7 +262,7 @@ fn answer(ui: &mut Ui, core: &mut Core) {
     let Some(made) = core.mold.electrodes.designed().cloned() else {
         let text = "Design makes electrodes for what the cutters leave; it is found first if it has to be.";
         ui.add(egui::Label::new(RichText::new(text).small().color(palette(ui).faint)).wrap());
-        return;
+        return None;
     };
     let said = made.sentence(&core.mold.params.electrodes.overrides);
     let colours = palette(ui);
@@ -270,6 +274,7 @@ fn answer(ui: &mut Ui, core: &mut Core) {
         notice(ui, colours.warning, &format!("Of other parameters: {said}"));
     }
     fact(ui, "All burns", format!("{:.0} min", made.set.minutes()));
+    let asked = burn_sheet(ui, core);
     ui.horizontal(|ui| {
         for (format, is_on) in ElectrodeFormat::ALL.into_iter().zip(&mut core.mold.electrodes.formats) {
             tick(ui, is_on, format.extension().to_uppercase());
@@ -283,4 +288,26 @@ fn answer(ui: &mut Ui, core: &mut Core) {
         let text = format!("Not exported, for a check fails: {}", names.join(", "));
         ui.add(egui::Label::new(RichText::new(text).small().color(colours.bad)).wrap());
     }
+    asked
+}
+
+/// The template of the burn sheet.
+fn burn_sheet(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
+    let sheet = &mut core.mold.electrodes.sheet;
+    let mut asked = None;
+    ui.horizontal(|ui| {
+        ui.label("Burn sheet");
+        let hint = "A text file in the language of Jinja that sees the keys of burn_table.json";
+        if ui.small_button("Template\u{2026}").on_hover_text(hint).clicked() {
+            asked = Some(Purpose::BurnSheet);
+        }
+        let is_standard = sheet.name() == BurnSheet::standard().name();
+        if !is_standard && ui.small_button("Built-in").on_hover_text("Back to that of the program").clicked() {
+            *sheet = BurnSheet::standard();
+        }
+        // Last, as it takes what is left of the row.
+        let name = Path::new(sheet.name()).file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+        ui.add(egui::Label::new(RichText::new(name).color(palette(ui).faint)).truncate()).on_hover_text(sheet.name());
+    });
+    asked
 }
