@@ -7,7 +7,7 @@ use sparkpath::flank::guide::GuideCurve;
 use sparkpath::flank::params::FlankParams;
 use sparkpath::flank::plan::plan_flank;
 use sparkpath::flank::ruled_surface::{RuledSurface, Side};
-use sparkpath::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 fn bezier(points: [[f64; 3]; 4]) -> GuideCurve {
     GuideCurve::Bezier { points: points.map(DVec3::from).to_vec() }

@@ -6,7 +6,7 @@ use sparkpath::jobs::uncut::{UncutParams, uncut};
 use sparkpath::mesh_io::{ImportOptions, import_file};
 use sparkpath::mold::cutter::{Cutter, CutterLibrary};
 use sparkpath::mold::height_field::{HeightField, closing, regions};
-use sparkpath::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 fn library(cutters: &[&str]) -> CutterLibrary {
     CutterLibrary { cutter: cutters.iter().map(|c| c.parse::<Cutter>().expect("a cutter")).collect() }

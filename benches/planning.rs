@@ -15,8 +15,8 @@ use sparkpath::feed::verify::Verifier;
 use sparkpath::geometry::distance_field::DistanceField;
 use sparkpath::geometry::exact::ExactMesh;
 use sparkpath::jobs::plan::{PlanInputs, run};
-use sparkpath::progress::{Cancel, Progress};
 use sparkpath::project::PlanJob;
+use task::{Cancel, Progress};
 
 fn planning(criterion: &mut Criterion) {
     let (progress, cancel) = (Progress::silent(), Cancel::default());

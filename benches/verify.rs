@@ -9,7 +9,7 @@ use sparkpath::feed::pose::Pose;
 use sparkpath::feed::verify::{Verifier, VerifyOptions};
 use sparkpath::geometry::frame::{Cylindrical, Frame};
 use sparkpath::geometry::mesh::Mesh;
-use sparkpath::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 const GAP: f64 = 0.1;
 const HUB: f64 = 110.0;

@@ -3,7 +3,6 @@
 //!
 //! The floors of the house, lowest first; a module uses only those above it in this list:
 //!
-//! * [`progress`]: how long work reports where it stands, and how it is cancelled.
 //! * [`geometry`]: meshes, frames, exact distances, the signed distance field, splines.
 //! * [`mesh_io`]: mesh files to meshes and back.
 //! * [`blisk`]: axis, channel, electrode, and a parametric blisk.
@@ -31,7 +30,6 @@ pub mod geometry;
 pub mod jobs;
 pub mod mesh_io;
 pub mod mold;
-pub mod progress;
 pub mod project;
 pub mod render;
 pub mod views;

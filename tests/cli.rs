@@ -23,7 +23,7 @@ use std::sync::OnceLock;
 use common::{curved_blisk, easy_blisk, mesh};
 use sparkpath::blisk::parametric::ParametricBlisk;
 use sparkpath::mesh_io::write_stl;
-use sparkpath::progress::Progress;
+use task::Progress;
 use tempfile::TempDir;
 
 fn sparkpath(arguments: &[&str]) -> Output {

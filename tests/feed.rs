@@ -40,8 +40,8 @@ use sparkpath::geometry::frame::Cylindrical;
 use sparkpath::geometry::mesh::Mesh;
 use sparkpath::jobs::plan::{PlanInputs, PlanJobError, PlanOutcome, prepare, run, run_feeds};
 use sparkpath::jobs::prepared_blisk::PreparedBlisk;
-use sparkpath::progress::{Cancel, Progress};
 use sparkpath::project::PlanJob;
+use task::{Cancel, Progress};
 
 /// A small genetic search for the easy blisk, withdrawn towards -X; the global search has tests of its own.
 fn easy_job() -> PlanJob {

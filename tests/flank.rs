@@ -15,11 +15,11 @@ use sparkpath::jobs::flank_export::{CL_FILE, CSV_FILE, ExportChoice, WrittenFlan
 use sparkpath::jobs::flank_files::{load, load_surface};
 use sparkpath::jobs::flank_report::report;
 use sparkpath::mesh_io::{Units, write_stl};
-use sparkpath::progress::{Cancel, Progress};
 use sparkpath::project::flank_override::FlankOverride;
 use sparkpath::project::flank_params::{
     CutDirection, DemonstrationSurface, FlankDocument, FlankSource, MeshFlank, PathChoice, WallsFile,
 };
+use task::{Cancel, Progress};
 use tempfile::TempDir;
 
 #[path = "flank/checks.rs"]

@@ -13,7 +13,7 @@ use files::*;
 use glam::DVec3;
 use sparkpath::geometry::mesh::{Bounds, Mesh};
 use sparkpath::mesh_io::{Format, ImportOptions, Imported, Unit, Units, import_file, write_stl};
-use sparkpath::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 // ---- Ordinary files ----
 

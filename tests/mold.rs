@@ -11,7 +11,7 @@ use sparkpath::mold::cutter::{Cutter, CutterLibrary};
 use sparkpath::mold::electrode::design::ElectrodeSet;
 use sparkpath::mold::electrode::params::{ElectrodeParams, Stage};
 use sparkpath::mold::surface::SurfacePiece;
-use sparkpath::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 fn mold(name: &str) -> Mesh {
     let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/molds").join(name);

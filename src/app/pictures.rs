@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use crate::jobs::worker::{Ended, Message, Worker};
 use crate::mesh_io::atomic_write;
-use crate::progress::Cancel;
 use crate::render::camera::Camera;
 use crate::render::offscreen::Offscreen;
 use crate::render::scene::Scene;
+use task::Cancel;
 
 /// Width and height (pixels).
 const SIZE: [u32; 2] = [1920, 1200];

@@ -14,7 +14,7 @@ use super::nurbs_wall::NurbsWall;
 use crate::geometry::exact::ExactMesh;
 use crate::geometry::frame::Cylindrical;
 use crate::geometry::nurbs::{FitError, NurbsCurve, NurbsError};
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// A circle between the walls, in W.
 #[derive(Debug, Clone, Copy, PartialEq)]

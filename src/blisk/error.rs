@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::frame::Axis;
-use crate::progress::Cancelled;
+use task::Cancelled;
 
 /// Why the axis, the blades or a channel could not be found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

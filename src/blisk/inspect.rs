@@ -15,7 +15,7 @@ use crate::geometry::exact::ExactMesh;
 use crate::geometry::frame::Frame;
 use crate::geometry::mesh::Mesh;
 use crate::geometry::nurbs::FitError;
-use crate::progress::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Progress};
 
 /// Everything found in a mesh. What comes after the first thing not found is absent.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -8,7 +8,7 @@ use super::channel::ChannelWall;
 use super::sections::MeasuredSection;
 use crate::geometry::exact::ExactMesh;
 use crate::geometry::nurbs::{FitError, NurbsCurve, NurbsError, NurbsSurface};
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// A wall as a surface: `u` runs along the chord from the -X edge, `v` from the hub outwards.
 #[derive(Debug, Clone, PartialEq)]

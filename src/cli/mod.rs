@@ -39,9 +39,9 @@ use crate::export::choice::Channels;
 use crate::feed::pose::Axis;
 use crate::feed::strategy::Strategy;
 use crate::mesh_io::{ImportOptions, Imported, Units, import_file};
-use crate::progress::{Cancel, Progress};
 use crate::render::colour::Theme;
 use crate::views::NamedView;
+use task::{Cancel, Progress};
 
 /// Plans, verifies and exports EDM electrode feed paths for shrouded blisks.
 #[derive(Debug, Parser)]

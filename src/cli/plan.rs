@@ -14,8 +14,8 @@ use crate::jobs::plan_files;
 use crate::jobs::prepared_blisk::PreparedBlisk;
 use crate::jobs::stages::input_file;
 use crate::mesh_io::Units;
-use crate::progress::Cancel;
 use crate::project::PlanJob;
+use task::Cancel;
 
 /// Plans the job in the file `job_file` and writes its results into `out`.
 pub(super) fn plan(job_file: &Path, out: &Path, session: &Session) -> anyhow::Result<Answer> {

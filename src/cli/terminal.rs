@@ -4,7 +4,7 @@ use std::io::{IsTerminal, Write};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use crate::progress::{Progress, Update};
+use task::{Progress, Update};
 
 /// Shortest time between two drawings of the bar or two JSON lines of a stage.
 const PACE: Duration = Duration::from_millis(100);

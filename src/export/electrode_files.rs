@@ -254,7 +254,7 @@ mod tests {
     use crate::mesh_io::{ImportOptions, import_file};
     use crate::mold::electrode::check::CheckKind;
     use crate::mold::electrode::overrides::{IdleOverride, Override};
-    use crate::progress::{Cancel, Progress};
+    use task::{Cancel, Progress};
 
     fn written(folder: &std::path::Path, set: &ElectrodeSet, formats: &[ElectrodeFormat]) -> WrittenElectrodes {
         let mut folder = ExportFolder::open(folder).unwrap();

@@ -8,7 +8,7 @@ use crate::flank::machine::kinematics::ToolPose;
 use crate::flank::machine::linearise::linearise;
 use crate::flank::machine::milling_machine::MillingMachine;
 use crate::flank::machine::singular::Passage;
-use crate::progress::Cancel;
+use task::Cancel;
 
 #[path = "flank_nc_tip_tests.rs"]
 mod tip;

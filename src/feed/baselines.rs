@@ -15,7 +15,7 @@ use super::even::even;
 use super::pose::{Axis, Pose};
 use super::probes::Demand;
 use super::search::{Candidate, NodeTask, SearchProblem};
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// Poses that are tried for a node.
 const SEEDS: usize = 24;

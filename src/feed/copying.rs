@@ -23,8 +23,8 @@ use super::verify::{Verifier, VerifyError, VerifyOptions};
 use crate::blisk::channel::Surface;
 use crate::blisk::electrode::{Column, Electrode, ElectrodeParams};
 use crate::geometry::frame::Frame;
-use crate::progress::{Cancel, Progress};
 use glam::DVec3;
+use task::{Cancel, Progress};
 
 /// Heights above the final pose, and below the greatest height, that turns are tried at (mm), in order.
 const LIFTS: [f64; 7] = [0.0, 0.002, 0.005, 0.01, 0.015, 0.02, 0.05];

@@ -10,7 +10,7 @@ use crate::blisk::channel::Channel;
 use crate::blisk::electrode::Electrode;
 use crate::blisk::surface_finder::SurfaceFinder;
 use crate::geometry::frame::Cylindrical;
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// Least distances of an electrode in one pose (mm).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -111,7 +111,7 @@ mod tests {
     use crate::blisk::parametric::tests::exact_channel;
     use crate::blisk::parametric::{MeshResolution, ParametricBlisk};
     use crate::geometry::exact::ExactMesh;
-    use crate::progress::Progress;
+    use task::Progress;
 
     #[test]
     fn in_the_final_pose_they_are_the_gap_and_the_reductions() {

@@ -8,7 +8,7 @@ use super::objective::StepMotion;
 use super::pose::Pose;
 use super::probes::Demand;
 use super::search::{Node, SearchProblem};
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 impl SearchProblem<'_> {
     /// Times that the curve is drawn anew through more nodes before this is given up.

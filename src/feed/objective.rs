@@ -9,7 +9,7 @@ use crate::blisk::channel::Channel;
 use crate::blisk::electrode::ElectrodeFace;
 use crate::blisk::surface_finder::SurfaceFinder;
 use crate::geometry::mesh::Bounds;
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// Weights of the objective; within each group only the ratios count, and each is used scaled to sum 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -29,7 +29,7 @@ use crate::blisk::surface_finder::SurfaceFinder;
 use crate::geometry::distance_field::DistanceField;
 use crate::geometry::exact::ExactMesh;
 use crate::geometry::mesh::{Bounds, Mesh};
-use crate::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 /// What all electrodes of one channel share: the blisk's surface in W, its distance field, and the walls.
 pub struct PlanningSpace {

@@ -16,7 +16,7 @@ use crate::blisk::centreline::CentrelineError;
 use crate::blisk::electrode::ElectrodeError;
 use crate::geometry::distance_field::FieldError;
 use crate::geometry::exact::ExactMeshError;
-use crate::progress::Cancelled;
+use task::Cancelled;
 
 /// Parameters of a plan beyond those of its strategy.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -29,7 +29,7 @@ use super::verify::Verifier;
 use crate::blisk::electrode::{Electrode, ElectrodeError, ElectrodeFace};
 use crate::geometry::distance_field::DistanceField;
 use crate::geometry::frame::Frame;
-use crate::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 /// Plans one electrode.
 pub(super) struct Planner<'a> {

@@ -13,7 +13,7 @@ use super::samples::{Sample, SampleSpacing, limit_to_reduced, sample_electrode};
 use crate::blisk::electrode::Electrode;
 use crate::geometry::distance_field::DistanceField;
 use crate::geometry::exact::ExactMesh;
-use crate::progress::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Progress};
 
 /// See the module's text.
 pub struct PreparedElectrode {

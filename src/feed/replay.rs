@@ -14,7 +14,7 @@ use crate::blisk::electrode::Electrode;
 use crate::blisk::surface_finder::SurfaceFinder;
 use crate::geometry::frame::Frame;
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 /// Where a replay takes place.
 #[derive(Clone, Copy)]

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::blisk::electrode::ElectrodeFace;
 use crate::geometry::distance_field::DistanceField;
 use crate::geometry::mesh::{Bounds, Mesh, unit_normal};
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// A point on the electrode in its final pose.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -20,7 +20,7 @@ use super::probes::{Demand, Turns};
 pub use super::strategy::Strategy;
 use crate::blisk::channel::Surface;
 use crate::blisk::electrode::EntrySide;
-use crate::progress::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Progress};
 
 /// What a pose must meet to count as free during the search. The verifier has the last word either way.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]

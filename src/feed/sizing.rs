@@ -11,7 +11,7 @@ use super::planner::{Lessons, Planner};
 use super::probes::Turns;
 use super::search::SearchProblem;
 use crate::blisk::electrode::Electrode;
-use crate::progress::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Progress};
 
 /// Looks for the least reductions of one electrode on one side.
 pub struct Sizer<'a> {

@@ -24,10 +24,10 @@ use crate::blisk::channel::Surface;
 use crate::geometry::bvh::Bvh;
 use crate::geometry::mesh::Mesh;
 use crate::geometry::triangle_distance::ClosestPoints;
-use crate::progress::{Cancel, Cancelled, Progress};
 use interval::{Answer, Question};
 use motion::Motion;
 use nearest::Nearest;
+use task::{Cancel, Cancelled, Progress};
 
 mod inside;
 mod interval;

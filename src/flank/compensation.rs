@@ -16,7 +16,7 @@ use super::cutter::FlankCutter;
 use super::deviation::{DesignGrid, Deviation, Feet, GridPlace, ROUNDING_MM};
 use super::envelope::envelope_over;
 use super::heights::Heights;
-use crate::progress::Cancel;
+use task::Cancel;
 
 /// True sums of deviations over the number of singular values kept.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]

@@ -34,7 +34,7 @@ use self::solve::Samples;
 use self::strip::Strip;
 use crate::geometry::mesh::Mesh;
 use crate::geometry::nurbs::{FitError, NurbsCurve, NurbsError};
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 pub use self::candidates::{Candidate, CandidateFit, CandidateKind, flank_candidates};
 

@@ -17,7 +17,7 @@ use super::frustum_distance::{EXACT, nearest_on};
 use super::path::{FlankPath, FlankPose};
 use super::walls::Walls;
 use crate::geometry::bvh::Bvh;
-use crate::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 /// How exact clearances are near a touch (mm).
 pub const TOLERANCE: f64 = 1e-3;

@@ -40,7 +40,7 @@ pub mod warning;
 use glam::DVec3;
 
 use crate::geometry::nurbs::NurbsError;
-use crate::progress::Cancelled;
+use task::Cancelled;
 
 /// Why there is no flank path.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

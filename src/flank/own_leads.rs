@@ -12,7 +12,7 @@ use super::deviation::{DesignGrid, GridPlace};
 use super::gouge::{Frustum, ToolPart, tool_of};
 use super::own_surface::{EXACT, OwnGouge};
 use super::path::FlankPose;
-use crate::progress::Cancel;
+use task::Cancel;
 
 /// The place of the surface that the tool cuts deepest beyond what is expected while its tip goes straight through `places`
 /// (mm) without turning; its t is the share of these moves. The first of the places is the end of the path: as deep as the

@@ -17,7 +17,7 @@ use super::deviation::{DesignGrid, GridPlace};
 use super::envelope;
 use super::gouge::{Frustum, ToolPart, tool_of};
 use super::path::{FlankPath, FlankPose};
-use crate::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 /// How exact depths are (mm).
 pub const EXACT: f64 = 1e-3;

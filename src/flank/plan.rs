@@ -14,7 +14,7 @@ use super::path::FlankPath;
 use super::refine::{is_better, is_settled, refine};
 use super::ruled_surface::RuledSurface;
 use super::warning::{self, PlanWarning};
-use crate::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 /// What is said where the cutter touches all of the surface from the start.
 pub const WITHIN_ROUNDING: &str = "touches within rounding";

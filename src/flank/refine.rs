@@ -18,7 +18,7 @@ use super::envelope;
 use super::heights::Heights;
 use super::params::Objective;
 use super::path::FlankPath;
-use crate::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 /// What a step makes smaller: the sum over places of a function that nears the objective.
 #[derive(Debug, Clone, Copy)]

@@ -13,7 +13,7 @@ use super::params::{FlankParams, Objective, OffsetMethod};
 use super::plan::{FlankPlan, plan_flank};
 use super::ruled_surface::{RuledSurface, Side};
 use super::{FlankError, envelope};
-use crate::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 mod bad_input;
 mod check_grid;

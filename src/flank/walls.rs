@@ -23,7 +23,7 @@ use super::ruled_surface::{RuledSurface, SurfacePlace};
 use crate::geometry::bvh::Bvh;
 use crate::geometry::exact::ExactMesh;
 use crate::geometry::mesh::{Mesh, normal_times_two_areas};
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// How far a wall may turn towards the tool at the border and still go on smoothly (deg): as far as neighbouring facets
 /// of one curved surface turn.

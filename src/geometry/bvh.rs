@@ -10,7 +10,7 @@ use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, SymmetricEigen};
 
 use super::mesh::{Mesh, normal_times_two_areas};
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// Below this many triangles a subtree is built on the thread at hand.
 const PARALLEL_FROM: usize = 2048;

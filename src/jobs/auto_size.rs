@@ -5,7 +5,7 @@ use super::prepared_blisk::PreparedBlisk;
 use super::sizing::{SizeRow, SizingRange, size};
 use crate::blisk::electrode::Sizing;
 use crate::feed::search::Strategy;
-use crate::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 /// `inputs` with the reductions, and the side of entry, of the thickest electrodes that come out in as many parts as it
 /// asks for, to be planned with the strategy that found them; and the row they come from. With the reductions that it

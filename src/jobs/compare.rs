@@ -11,8 +11,8 @@ use crate::export::files::write_atomically;
 use crate::export::report::InputFile;
 use crate::feed::genetic::ReductionMode;
 use crate::feed::strategy::Strategy;
-use crate::progress::{Cancel, Progress};
 use crate::project::{BliskSection, KeptPlan, KeptRun, PlanJob};
+use task::{Cancel, Progress};
 
 /// Plans every electrode of the job by each of `strategies` and shows `finished` each run as it ends. Electrodes are those
 /// that the job gives: none is drawn in further by the genetic search. A strategy that cannot be followed on this job says

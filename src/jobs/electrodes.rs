@@ -10,7 +10,7 @@ use crate::mold::electrode::design::ElectrodeSet;
 use crate::mold::electrode::params::ElectrodeParams;
 use crate::mold::electrode::plan::{ElectrodeError, RegionToBurn, plan};
 use crate::mold::height_field::{Covered, HeightField};
-use crate::progress::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Progress};
 
 /// Share of a face that has to be left for all of it to be: pieces at its border are known roughly.
 const WHOLE: f64 = 0.9;

@@ -18,8 +18,8 @@ use crate::feed::pose::Pose;
 use crate::feed::simulation::Simulation;
 use crate::feed::verify::Verifier;
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Cancelled, Progress};
 use crate::project::PlanJob;
+use task::{Cancel, Cancelled, Progress};
 
 /// How the electrodes of a plan finish the channel once they are in.
 #[derive(Debug, Clone)]

@@ -26,9 +26,9 @@ use crate::flank::plan::{FlankPlan, plan_flank};
 use crate::flank::ruled_surface::{RuledSurface, Side};
 use crate::flank::walls::{OwnTriangles, Walls};
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Cancelled, Progress};
 use crate::project::flank_override::FlankOverride;
 use crate::project::flank_params::{CutDirection, MillingSettings, PathChoice};
+use task::{Cancel, Cancelled, Progress};
 
 mod checks;
 mod clearances;

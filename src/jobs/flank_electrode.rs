@@ -104,7 +104,7 @@ pub fn turn_over(document: &mut FlankDocument) -> Result<(), FlankLoadError> {
 mod tests {
     use super::*;
     use crate::flank::fit_ruled::flank_candidates;
-    use crate::progress::Cancel;
+    use task::Cancel;
 
     /// A box (mm) from `low` to `high`, outwards.
     fn cuboid(low: DVec3, high: DVec3) -> Mesh {

@@ -15,8 +15,8 @@ use crate::export::flank_nc::{FlankNc, FlankNcJob, milling_post};
 use crate::flank::cutter::FlankCutter;
 use crate::flank::path::FlankPath;
 use crate::flank::plan::WITHIN_ROUNDING;
-use crate::progress::{Cancel, Progress};
 use crate::project::flank_params::FlankDocument;
+use task::{Cancel, Progress};
 
 /// The file of cutter locations.
 pub const CL_FILE: &str = "flank.cl";

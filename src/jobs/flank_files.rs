@@ -11,10 +11,10 @@ use crate::flank::machine::milling_machine::MillingMachine;
 use crate::flank::ruled_surface::Side;
 use crate::geometry::mesh::Mesh;
 use crate::mesh_io::{ImportOptions, Undeclared, Unit, Units, import_bytes, import_file};
-use crate::progress::{Cancel, Progress};
 use crate::project::flank_params::{FlankDocument, FlankSource, GuideSource, MeshFlank, WallsFile};
 use crate::project::kept_mesh::KeptMesh;
 use crate::project::milling_machine_file::milling_machine;
+use task::{Cancel, Progress};
 
 /// The largest file of points (bytes).
 const LARGEST_FILE: u64 = 16 << 20;

@@ -5,9 +5,9 @@ use image::{Rgba, RgbaImage};
 use crate::export::flank_report::{DeviationMaps, FlankPicture};
 use crate::flank::deviation::Deviation;
 use crate::flank::plan::{FlankPlan, WITHIN_ROUNDING};
-use crate::progress::Cancel;
 use crate::render::colour_map::ColourMap;
 use crate::render::offscreen::{RenderError, png_bytes};
+use task::Cancel;
 
 /// The most pixels of a map, across and up.
 const MOST_PIXELS: [usize; 2] = [400, 200];

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::worker::{Ended, Message, Worker};
-use crate::progress::Cancel;
+use task::Cancel;
 
 /// Looks at one question at a time; the next is that which is asked when the last one is answered.
 pub(super) struct Glances<Q, T> {

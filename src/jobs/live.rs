@@ -8,7 +8,7 @@ use crate::blisk::channel::Channel;
 use crate::blisk::electrode::{Electrode, EntrySide};
 use crate::feed::global::CoarseWay;
 use crate::feed::plan::{DrawnIn, coarse_way};
-use crate::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 /// What a quick look found for one electrode.
 #[derive(Debug, Clone)]

@@ -1,5 +1,5 @@
-//! Floor 5: whole jobs as pure functions of their inputs, a [`Progress`](crate::progress::Progress) and a
-//! [`Cancel`](crate::progress::Cancel). They read and write no file, except where a module says so.
+//! Floor 5: whole jobs as pure functions of their inputs, a [`Progress`](task::Progress) and a
+//! [`Cancel`](task::Cancel). They read and write no file, except where a module says so.
 
 pub mod auto_size;
 pub mod compare;

@@ -34,10 +34,10 @@ use crate::blisk::channel::Channel;
 use crate::blisk::electrode::Electrode;
 use crate::export::report::InputFile;
 use crate::feed::search::{Convergence, Node};
-use crate::progress::{Cancel, Progress};
 use crate::project::{Fingerprint, KeptPlan, PlanJob, Stage};
 use crate::render::mesh::RenderMesh;
 use crate::views::LeftoverShape;
+use task::{Cancel, Progress};
 
 /// What a step has found.
 enum Found {

@@ -25,9 +25,9 @@ use crate::feed::verify::VerifyError;
 use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::frame::Frame;
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Cancelled, Progress};
 use crate::project::machine_file::MachineFileError;
 use crate::project::{KeptElectrode, KeptPlan, KeptPlanError, PlanJob};
+use task::{Cancel, Cancelled, Progress};
 
 /// What a plan is made from.
 #[derive(Debug, Clone)]

@@ -19,8 +19,8 @@ use crate::feed::copying::Copying;
 use crate::feed::machine_model::MachineModel;
 use crate::geometry::mesh::Mesh;
 use crate::mesh_io::stl_bytes;
-use crate::progress::{Cancel, Cancelled, Progress};
 use crate::project::{ExportSection, PlanJob};
+use task::{Cancel, Cancelled, Progress};
 
 /// Why results cannot be written.
 #[derive(Debug, thiserror::Error)]

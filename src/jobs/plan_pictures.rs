@@ -4,9 +4,9 @@ use std::time::Instant;
 
 use super::plan::{PlanInputs, PlanOutcome};
 use crate::export::report::{Picture, Report, StageTime};
-use crate::progress::{Cancel, Cancelled, Progress};
 use crate::render::offscreen::{Offscreen, RenderError};
 use crate::views::{PICTURE_SIZE, PlanPicture, PlanToShow, plan_pictures};
+use task::{Cancel, Cancelled, Progress};
 
 /// Puts the pictures of `outcome` into `report`, or the reason why there are none: a plan is good without them.
 ///

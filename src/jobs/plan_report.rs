@@ -17,8 +17,8 @@ use crate::feed::jam::JamCause;
 use crate::feed::plan::{FeedPlan, PlannedPath};
 use crate::feed::pose::{Axis, Pose};
 use crate::feed::search::{Constraint, Strategy};
-use crate::progress::Cancel;
 use crate::project::PlanJob;
+use task::Cancel;
 
 /// The report on `outcome`, without pictures. `inputs` tells which files it was made from.
 pub fn report(outcome: &PlanOutcome, job: &PlanJob, inputs: Vec<InputFile>) -> Report {

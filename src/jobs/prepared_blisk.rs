@@ -10,7 +10,7 @@ use crate::feed::prepared::PreparedElectrode;
 use crate::feed::probes::Turns;
 use crate::geometry::exact::ExactMesh;
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 /// See the module's text.
 pub struct PreparedBlisk {

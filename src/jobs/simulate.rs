@@ -9,9 +9,9 @@ use crate::export::choice::Channels;
 use crate::feed::copying::Copying;
 use crate::feed::machine_model::MachineModel;
 use crate::feed::simulation::{Scenario, Simulation, SimulationOptions, simulate as simulate_motion};
-use crate::progress::{Cancel, Progress};
 use crate::project::PlanJob;
 use crate::project::machine_file::read_machine;
+use task::{Cancel, Progress};
 
 /// Whether a program of this job may only be made after its whole motion was simulated: the machine has bodies, or other
 /// channels than that of the plan are burnt.

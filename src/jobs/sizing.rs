@@ -14,7 +14,7 @@ use crate::feed::prepared::PreparedElectrode;
 use crate::feed::probes::Turns;
 use crate::feed::search::Strategy;
 use crate::feed::sizing::{Least, Sizer};
-use crate::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 /// What is sized.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

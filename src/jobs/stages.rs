@@ -14,10 +14,10 @@ use crate::export::report::InputFile;
 use crate::geometry::exact::ExactMesh;
 use crate::geometry::mesh::Mesh;
 use crate::mesh_io::{ImportOptions, ImportReport, Imported, Units, import_file};
-use crate::progress::{Cancel, Progress};
 use crate::project::PlanJob;
 use crate::render::mesh::RenderMesh;
 use crate::views::{ChannelShapes, channel_shapes};
+use task::{Cancel, Progress};
 
 /// The meshes of a job as loaded.
 #[derive(Debug)]

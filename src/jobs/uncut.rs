@@ -23,10 +23,10 @@ use crate::mold::stack::{UncutStack, uncut_stack};
 use crate::mold::surface::{SurfacePiece, segments_at, uncut_surface};
 use crate::mold::uncut_region::{Regions, UncutRegion};
 use crate::mold::warning::MoldWarning;
-use crate::progress::{Cancel, Cancelled, Progress};
 pub use layer_figures::LayerFound;
 use layer_figures::{of_layers, of_surface};
 use step::usual_step;
+use task::{Cancel, Cancelled, Progress};
 
 /// Step of the field of heights beyond which it is too coarse, as a share of a smallest radius.
 const COARSEST: f64 = 0.1;

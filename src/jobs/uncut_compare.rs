@@ -16,7 +16,7 @@ use crate::geometry::mesh::{Bounds, Mesh};
 use crate::mold::height_field::{Closing, FieldRegion, HeightField, closing, difference, regions};
 use crate::mold::surface::SurfacePiece;
 use crate::mold::uncut_region::UncutRegion;
-use crate::progress::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Progress};
 
 /// How many cells of a region of the field are asked to whom they belong, at most.
 const LOOKS: usize = 256;

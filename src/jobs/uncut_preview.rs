@@ -6,7 +6,7 @@ use super::uncut::{UncutError, UncutParams};
 use crate::geometry::mesh::{Bounds, Mesh};
 use crate::mold::height_field::{self, HeightField, HeightFieldError};
 use crate::mold::surface::SurfacePiece;
-use crate::progress::Cancel;
+use task::Cancel;
 
 /// Cells of the field of heights of a quick look.
 const CELLS: f64 = 250e3;

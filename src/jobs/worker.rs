@@ -9,7 +9,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
-use crate::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 /// The number of a task, rising.
 pub type TaskId = u64;

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::edges::{EdgeTable, NONE, half_ends};
 use crate::geometry::mesh::{Mesh, normal_times_two_areas};
-use crate::progress::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Progress};
 
 /// Removes triangles that have a vertex twice; answers how many.
 ///

@@ -2,7 +2,7 @@
 
 use super::source::tick;
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Progress};
 
 /// No half-edge.
 pub(super) const NONE: u32 = u32::MAX;

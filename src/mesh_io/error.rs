@@ -2,7 +2,7 @@
 
 use std::io;
 
-use crate::progress::Cancelled;
+use task::Cancelled;
 
 /// Why a mesh file was not imported. Its text is one line that names the file, the place in it and the remedy.
 #[derive(Debug, thiserror::Error)]

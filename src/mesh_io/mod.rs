@@ -10,7 +10,7 @@
 //!
 //! ```
 //! use sparkpath::mesh_io::{ImportOptions, Units, import_bytes};
-//! use sparkpath::progress::{Cancel, Progress};
+//! use task::{Cancel, Progress};
 //!
 //! let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
 //! let options = ImportOptions { units: Units::Inch, ..ImportOptions::default() };
@@ -28,7 +28,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Progress};
 
 mod atomic;
 mod clean;

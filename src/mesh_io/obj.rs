@@ -299,7 +299,7 @@ mod tests {
     use crate::geometry::mesh::Mesh;
     use crate::geometry::mesh::tests::cuboid;
     use crate::mesh_io::{ImportOptions, Unit, import_bytes};
-    use crate::progress::{Cancel, Progress};
+    use task::{Cancel, Progress};
 
     #[test]
     fn what_is_written_is_read_as_it_was() {

@@ -6,7 +6,7 @@ use super::edges::{EdgeTable, NONE, half_ends};
 use super::holes::Boundary;
 use super::source::tick;
 use crate::geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
-use crate::progress::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Progress};
 
 /// What was found and done about orientation.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -8,7 +8,7 @@ use super::holes::{Hole, trace};
 use super::orient::{Orientation, orient};
 use super::weld::weld_near;
 use crate::geometry::mesh::{Bounds, Mesh};
-use crate::progress::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Progress};
 
 /// Cracks of exporters are about the last digit of their numbers wide, relative to the part's size.
 const WELD_RELATIVE_TO_SIZE: f64 = 1e-6;

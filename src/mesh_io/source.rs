@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::error::ImportError;
 use super::limits::ImportLimits;
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Progress};
 
 /// How many items a reader handles between two looks at the cancel flag: a few milliseconds of work.
 const ITEMS_PER_CHECK: usize = 1 << 14;

@@ -8,7 +8,7 @@ use glam::{DVec3, I64Vec3};
 use super::edges::NONE;
 use super::source::tick;
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Progress};
 
 /// Gives equal points the same number; numbers go up in the order in which points first come.
 ///

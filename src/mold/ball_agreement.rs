@@ -7,7 +7,7 @@ use super::cutter::{CutterKind, CutterLibrary};
 use super::height_field::{Closing, FieldRegion, HeightField};
 use super::rolling::ball::BallReach;
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// Places that are looked at, at most.
 const PLACES: usize = 400;

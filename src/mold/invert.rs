@@ -13,7 +13,7 @@ use super::outline::Outline;
 use super::plane::{self, Shape};
 use super::section::Section;
 use crate::geometry::mesh::{Mesh, normal_times_two_areas, unit_normal};
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// Faces whose unit normal's z is less than this look downwards; vertical walls of files in single precision do not.
 const DOWNWARDS: f64 = -1e-3;

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::outline::{Outline, without_straight_points};
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// Deviation up to which a point counts as on a straight line (mm): what single precision makes of coordinates.
 const STRAIGHT: f64 = 6e-6;

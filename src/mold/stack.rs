@@ -16,7 +16,7 @@ use super::uncut_layer::uncut_with_holder;
 use super::warning::MoldWarning;
 use super::way::Obstacle;
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Progress};
 
 /// Share of an outline set's extent in area up to which two ways to reckon its area agree.
 const SAME_AREA: f64 = 1e-9;

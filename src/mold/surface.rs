@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use super::height_field::{Cover, Covered};
 use crate::geometry::mesh::{Mesh, unit_normal};
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// Longest side of the smallest triangles, in cells.
 const FINENESS: f64 = 2.0;

@@ -9,7 +9,7 @@ use image::RgbaImage;
 use super::camera::Camera;
 use super::renderer::{Quality, Renderer};
 use super::scene::Scene;
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// How long is waited for the driver between two looks at the cancel flag.
 const PATIENCE: Duration = Duration::from_millis(30);

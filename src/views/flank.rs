@@ -435,8 +435,8 @@ mod tests {
     use crate::flank::params::FlankParams;
     use crate::flank::plan::plan_flank;
     use crate::flank::ruled_surface::Side;
-    use crate::progress::{Cancel, Progress};
     use crate::project::flank_params::DemonstrationSurface;
+    use task::{Cancel, Progress};
 
     #[test]
     fn a_cutter_is_closed_and_has_the_volume_of_its_cone() {

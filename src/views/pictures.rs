@@ -18,11 +18,11 @@ use crate::feed::leftover::Leftover;
 use crate::feed::plan::FeedPlan;
 use crate::geometry::mesh::Mesh;
 use crate::geometry::swept::SweptError;
-use crate::progress::{Cancel, Cancelled, Progress};
 use crate::render::camera::Camera;
 use crate::render::colour::{Colour, Theme};
 use crate::render::mesh::RenderMesh;
 use crate::render::scene::{Scene, SectionPlane};
+use task::{Cancel, Cancelled, Progress};
 
 /// Width and height of a picture (pixels).
 pub const PICTURE_SIZE: [u32; 2] = [1400, 900];

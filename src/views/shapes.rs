@@ -82,7 +82,7 @@ mod tests {
     use crate::blisk::find_channel::find_channel;
     use crate::blisk::options::BliskOptions;
     use crate::blisk::parametric::{MeshResolution, ParametricBlisk};
-    use crate::progress::{Cancel, Progress};
+    use task::{Cancel, Progress};
 
     #[test]
     fn without_its_shroud_a_blisk_keeps_its_disc_and_blades() {

@@ -7,8 +7,8 @@ use glam::DAffine3;
 use super::track::Track;
 use crate::blisk::electrode::Electrode;
 use crate::geometry::swept::{SweptError, SweptSurface};
-use crate::progress::{Cancel, Progress};
 use crate::render::mesh::RenderMesh;
+use task::{Cancel, Progress};
 
 /// Cells of the lattice of a surface to be looked at closely: cells of some tenths of a millimetre. Takes seconds.
 pub const FINE: usize = 1_000_000;

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::blisk::electrode::Electrode;
 use crate::feed::pose::Pose;
 use crate::geometry::exact::ExactMesh;
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// Vertices between two looks at the cancel flag.
 const BLOCK: usize = 4096;

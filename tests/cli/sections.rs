@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use sparkpath::blisk::find_channel::find_channel;
 use sparkpath::blisk::options::BliskOptions;
-use sparkpath::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 use super::{easy_blisk, mesh, part, sparkpath, text};
 

@@ -9,8 +9,8 @@ use sparkpath::feed::search::Strategy;
 use sparkpath::geometry::exact::ExactMesh;
 use sparkpath::jobs::plan::{PlanInputs, PlanOutcome, kept, replay};
 use sparkpath::jobs::plan_report::report;
-use sparkpath::progress::{Cancel, Progress};
 use sparkpath::project::{KeptPlan, PlanJob};
+use task::{Cancel, Progress};
 
 use super::{curved_blisk, easy_blisk, easy_job, mesh, plan, plan_easy, threads};
 

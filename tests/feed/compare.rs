@@ -9,7 +9,7 @@ use sparkpath::feed::strategy::Strategy;
 use sparkpath::jobs::compare::{compare, comparison};
 use sparkpath::jobs::plan::{PlanInputs, PlanJobError, prepare, run_prepared};
 use sparkpath::jobs::prepared_blisk::PreparedBlisk;
-use sparkpath::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 use crate::common::{easy_blisk, mesh};
 use crate::easy_job;

@@ -6,7 +6,7 @@ use std::path::Path;
 use sparkpath::export::post::{BUILT_IN, Post};
 use sparkpath::jobs::plan::PlanInputs;
 use sparkpath::jobs::{plan_files, plan_report};
-use sparkpath::progress::Cancel;
+use task::Cancel;
 
 use super::{easy_blisk, easy_job, mesh, whole_easy_plan};
 

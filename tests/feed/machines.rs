@@ -8,9 +8,9 @@ use sparkpath::feed::search::Strategy;
 use sparkpath::feed::simulation::{Scenario, Simulation, SimulationOptions, simulate};
 use sparkpath::geometry::mesh::Mesh;
 use sparkpath::jobs::plan::{PlanOutcome, kept};
-use sparkpath::progress::{Cancel, Progress};
 use sparkpath::project::machine_file::{BUILT_IN, machine_table, read_machine};
 use sparkpath::project::{KeptPlan, PlanJob, ProjectFile};
+use task::{Cancel, Progress};
 
 fn machine(name: &str) -> MachineParams {
     let params: MachineParams = toml::Value::Table(machine_table(name).unwrap()).try_into().unwrap();

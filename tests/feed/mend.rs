@@ -15,7 +15,7 @@ use sparkpath::feed::verify::Verifier;
 use sparkpath::geometry::distance_field::DistanceField;
 use sparkpath::geometry::exact::ExactMesh;
 use sparkpath::geometry::spline::EndCondition;
-use sparkpath::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 use super::{easy_blisk, easy_job, easy_plan, mesh};
 

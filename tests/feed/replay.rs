@@ -4,8 +4,8 @@ use sparkpath::blisk::electrode::EntrySide;
 use sparkpath::feed::search::Node;
 use sparkpath::geometry::exact::ExactMesh;
 use sparkpath::jobs::plan::{PlanInputs, PlanJobError, PlanOutcome, kept, replay, run};
-use sparkpath::progress::{Cancel, Progress};
 use sparkpath::project::{KeptElectrode, KeptPlan, PlanJob};
+use task::{Cancel, Progress};
 
 use super::{easy_blisk, easy_job, easy_plan, mesh};
 

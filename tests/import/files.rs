@@ -3,7 +3,7 @@
 use glam::DVec3;
 use sparkpath::geometry::mesh::Mesh;
 use sparkpath::mesh_io::{Format, ImportError, ImportOptions, Imported, Units, import_bytes};
-use sparkpath::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 /// The box `[0, size]` with outward triangles.
 pub fn cuboid(size: DVec3) -> Mesh {

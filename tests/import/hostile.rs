@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::DVec3;
 use sparkpath::geometry::mesh::Mesh;
 use sparkpath::mesh_io::{ImportError, ImportLimits, ImportOptions, import_bytes, import_file};
-use sparkpath::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 use super::files::*;
 

@@ -4,7 +4,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use sparkpath::geometry::mesh::Mesh;
 use sparkpath::mesh_io::{ImportLimits, ImportOptions, Units, import_bytes};
-use sparkpath::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 use super::files::*;
 

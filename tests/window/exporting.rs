@@ -10,8 +10,8 @@ use sparkpath::export::post::BUILT_IN;
 use sparkpath::geometry::frame::Frame;
 use sparkpath::jobs::pipeline::StageState;
 use sparkpath::mesh_io::{ImportOptions, import_file};
-use sparkpath::progress::{Cancel, Progress};
 use sparkpath::project::Stage;
+use task::{Cancel, Progress};
 
 use crate::common::easy_blisk;
 use crate::desk::{Desk, Home, quick};

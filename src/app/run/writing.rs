@@ -7,10 +7,10 @@ use crate::app::dialogs::Dialog;
 use crate::export::post::Post;
 use crate::jobs::pipeline::{EventKind, ExportWork};
 use crate::jobs::plan_files;
-use crate::progress::{Cancel, Progress};
 use crate::project::machine_file::read_machine;
 use crate::project::{Field, Stage, job_as_json, with_value};
 use crate::render::scene::Scene;
+use task::{Cancel, Progress};
 
 impl SparkpathApp {
     pub(super) fn write_job(&mut self, path: &Path) {

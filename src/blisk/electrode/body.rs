@@ -8,7 +8,7 @@ use super::ring::{Finisher, Layout, Reduction};
 use super::{Column, Electrode, ElectrodeError, ElectrodeFace, ElectrodeParams, EntrySide};
 use crate::blisk::channel::Channel;
 use crate::geometry::mesh::{Bounds, Mesh};
-use crate::progress::Cancel;
+use task::Cancel;
 
 /// Rings of a shank inside the channel are at least this far apart (mm).
 const SHANK_STEP: f64 = 0.45;

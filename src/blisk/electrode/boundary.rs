@@ -9,7 +9,7 @@ use crate::blisk::channel::Channel;
 use crate::geometry::exact::ExactMesh;
 use crate::geometry::frame::Cylindrical;
 use crate::geometry::inside::guarded_distance;
-use crate::progress::Cancel;
+use task::Cancel;
 
 /// A boundary point keeps at least the gap and at most this more (mm).
 const TOLERANCE: f64 = 1e-4;

@@ -7,7 +7,7 @@ use super::{ElectrodeError, ElectrodeFace};
 use crate::geometry::exact::ExactMesh;
 use crate::geometry::inside::guarded_distance;
 use crate::geometry::mesh::{Mesh, normal_times_two_areas, unit_normal};
-use crate::progress::Cancel;
+use task::Cancel;
 
 /// How far thickness is looked for (mm).
 const REACH: f64 = 1e3;

@@ -34,9 +34,9 @@ use super::channel::{Channel, ChannelWall};
 use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::frame::Cylindrical;
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Cancelled, Progress};
 use boundary::Boundary;
 use ring::Finisher;
+use task::{Cancel, Cancelled, Progress};
 
 /// What a face of an electrode is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]

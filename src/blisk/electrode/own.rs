@@ -10,7 +10,7 @@ use crate::blisk::channel::Channel;
 use crate::geometry::exact::ExactMesh;
 use crate::geometry::inside::guarded_distance;
 use crate::geometry::mesh::{Mesh, unit_normal};
-use crate::progress::Cancel;
+use task::Cancel;
 
 /// Takes a user's mesh, in its final pose in W, as the electrode of `channel`.
 ///

@@ -7,7 +7,7 @@ use super::boundary::{Boundary, Polar, Section, components};
 
 use super::{ElectrodeError, ElectrodeFace};
 use crate::geometry::inside::guarded_distance;
-use crate::progress::Cancel;
+use task::Cancel;
 
 /// Metal that must be left between the walls (mm).
 const LEAST_METAL: f64 = 0.2;

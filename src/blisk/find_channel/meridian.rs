@@ -4,7 +4,7 @@ use super::super::channel::MeridianSample;
 use super::super::error::BliskError;
 use super::super::frame::slices::{Gap, RadialCrossing, Slices};
 use super::super::options::BliskOptions;
-use crate::progress::Cancel;
+use task::Cancel;
 
 /// Samples over the whole length of the part. No round number: on parts with round figures a sample would fall
 /// on the very edge of the blades, where rounding decides whether they are met.

@@ -18,7 +18,7 @@ use super::frame::{BliskFrame, find_frame, is_inside_out};
 use super::options::BliskOptions;
 use crate::geometry::frame::Frame;
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 /// Finds the axis, the blades and the chosen channel of `mesh` (mm, closed, in any attitude).
 ///

@@ -19,7 +19,7 @@ use super::error::BliskError;
 use super::options::{AxisChoice, AxisLine, AxisName, BliskOptions};
 use crate::geometry::frame::Frame;
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 /// The axis and period of a blisk.
 #[derive(Debug, Clone, PartialEq)]

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::slices::{CELLS, Gap, Slices};
 use crate::geometry::frame::{Cylindrical, wrap_angle};
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// How exactly the walls repeat around the axis.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

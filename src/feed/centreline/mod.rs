@@ -18,7 +18,7 @@ pub use guide::Guide;
 use super::pose::{Axis, Pose};
 use super::probes::Demand;
 use super::search::{Candidate, Convergence, NodeTask, SearchProblem};
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// Parameters of the centreline strategy.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -5,7 +5,7 @@ use crate::blisk::parametric::MeshResolution;
 use crate::blisk::parametric::ParametricBlisk;
 use crate::blisk::parametric::tests::exact_channel;
 use crate::geometry::exact::ExactMesh;
-use crate::progress::Progress;
+use task::Progress;
 
 fn guide() -> (Guide, Centreline) {
     let blisk = ParametricBlisk::demonstration();

@@ -11,7 +11,7 @@ use super::{GeneticParams, ReductionMode};
 use crate::feed::objective::ObjectiveValue;
 use crate::feed::pose::{Axis, Pose};
 use crate::feed::search::{Candidate, Convergence, NodeTask, SearchProblem};
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// The search for one node.
 pub struct GeneticStep<'a> {

@@ -8,7 +8,7 @@ use crate::feed::climb::mobility;
 use crate::feed::even::even;
 use crate::feed::pose::{Axis, Pose};
 use crate::feed::search::SearchProblem;
-use crate::progress::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Progress};
 
 /// How many poses are tried.
 #[derive(Debug, Clone, Copy)]

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::corridor::{Way, Waypoint};
 use super::ground::{Ground, Place};
 use crate::feed::pose::Pose;
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 impl Ground<'_> {
     /// Times that a motion that is not free is halved.

@@ -21,10 +21,10 @@ use super::jam::{Jam, JamCause, JamContact};
 use super::pose::Pose;
 use super::search::{Convergence, Node, SearchOutcome, SearchProblem};
 use crate::blisk::channel::Surface;
-use crate::progress::{Cancel, Cancelled, Progress};
 pub(super) use corridor::Way;
 use corridor::{Corridor, DeadEnd, Effort, Waypoint};
 use ground::Ground;
+use task::{Cancel, Cancelled, Progress};
 
 /// Parameters of the global strategy (`[plan.global]` of a job).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

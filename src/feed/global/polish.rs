@@ -17,7 +17,7 @@ use crate::feed::pose::{Axis, Pose};
 use crate::feed::probes::Demand;
 use crate::feed::search::{Node, SearchProblem};
 use crate::geometry::smoothing::Smoother;
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// How far the first step of polishing trusts what was found about a node, and the most it does (mm).
 const TRUST: [f64; 2] = [0.6, 2.0];

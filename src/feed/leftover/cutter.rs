@@ -6,7 +6,7 @@ use crate::feed::pose::Pose;
 use crate::geometry::distance_field::{DistanceField, FieldError};
 use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::mesh::{Bounds, Mesh};
-use crate::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 /// How close the least distance found is to the least there is (mm), beside the error of the distance field.
 pub(super) const RESOLUTION: f64 = 0.002;

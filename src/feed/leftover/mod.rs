@@ -36,8 +36,8 @@ use crate::geometry::distance_field::DistanceField;
 use crate::geometry::exact::ExactMeshError;
 use crate::geometry::frame::Cylindrical;
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Cancelled, Progress};
 use cutter::{Cutter, CutterError, REACH};
+use task::{Cancel, Cancelled, Progress};
 
 /// Deviations up to this are good (mm): the form accuracy that P1 measures.
 pub const TOLERANCE: f64 = 0.03;

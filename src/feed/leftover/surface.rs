@@ -10,7 +10,7 @@ use super::{Layer, LeftoverError, Passage, Removal, Site, SurfaceFigures, TOLERA
 use crate::blisk::channel::Surface;
 use crate::geometry::frame::Cylindrical;
 use crate::geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
-use crate::progress::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Progress};
 
 /// Longest edge of a triangle of the map (mm).
 const EDGE: f64 = 0.45;

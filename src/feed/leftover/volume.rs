@@ -10,7 +10,7 @@ use super::{Passage, Removal, Stock};
 use crate::blisk::channel::Channel;
 use crate::geometry::distance_field::DistanceField;
 use crate::geometry::frame::Cylindrical;
-use crate::progress::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Progress};
 
 /// Distance between the planes of the rays along X (mm).
 const STEP_X: f64 = 0.3;

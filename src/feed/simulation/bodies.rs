@@ -5,8 +5,8 @@ use crate::feed::machine_model::{Body, Carrier, Station};
 use crate::feed::pose::Pose;
 use crate::feed::verify::pair::Solid;
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Cancelled};
 use glam::DVec3;
+use task::{Cancel, Cancelled};
 
 /// A body that the axes move.
 pub(super) struct Mover {

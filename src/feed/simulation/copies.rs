@@ -7,7 +7,7 @@ use super::Visit;
 use crate::feed::verify::pair::Solid;
 use crate::geometry::mesh::{Bounds, Mesh};
 use crate::geometry::triangle_distance::triangle_distance;
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// The most triangles that all copies of a body may have.
 const MOST_TRIANGLES: usize = 2_000_000;

@@ -30,12 +30,12 @@ use super::machine_model::MachineModel;
 use super::path::FeedPath;
 use crate::blisk::electrode::Electrode;
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Cancelled, Progress};
 pub use approach::Approach;
 use bodies::Bodies;
 pub(crate) use findings::Findings;
 pub use findings::{OutOfTravel, PairReport, Place, Simulation, Visit};
 use run::Run;
+use task::{Cancel, Cancelled, Progress};
 pub use tour::{Leg, Phase};
 
 /// What is simulated.

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::Visit;
 use super::tour::Leg;
-use crate::progress::Progress;
+use task::Progress;
 
 /// Counts the legs of all tests, which are done in parallel.
 pub(super) struct Pace<'a> {

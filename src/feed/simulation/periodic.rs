@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use glam::{DMat3, DVec3};
 
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// Vertices further apart than this (mm) are not taken for the same.
 const SAME: f64 = 1e-3;

@@ -14,7 +14,7 @@ use crate::feed::path::FeedPath;
 use crate::feed::pose::Pose;
 use crate::feed::verify::pair::{Near, Pair, PairClearance, TOUCHING};
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Progress};
 
 /// A pair of bodies and the legs it is tested on.
 struct Test<'a> {

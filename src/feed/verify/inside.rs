@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use crate::geometry::inside::half_solid_angle;
 use crate::geometry::mesh::{Bounds, Mesh};
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// How many vertices or triangles are looked at between two looks at the cancel flag: well below 50 ms.
 const PER_CHECK: usize = 16384;

@@ -9,7 +9,7 @@ use super::motion::{Motion, Window};
 use super::nearest::{NodePair, halves};
 use crate::geometry::bvh::Bvh;
 use crate::geometry::triangle_distance::{ClosestPoints, triangle_distance};
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// How many pairs are looked at between two looks at the cancel flag: well below 50 ms.
 const PAIRS_PER_CHECK: u32 = 4096;

@@ -11,7 +11,7 @@ use super::{ROUNDING, ROWS_IN_TURN, inside};
 use crate::feed::pose::Pose;
 use crate::geometry::bvh::Bvh;
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// A surface nearer than this is touched (mm).
 pub const TOUCHING: f64 = 1e-6;

@@ -7,7 +7,7 @@ use super::patch::mean_normal;
 use super::{RuledFit, RuledFitError, RuledFitParams, fit_ruled};
 use crate::geometry::mesh::Mesh;
 use crate::geometry::segmentation::{EdgeKind, FaceKind, Segmentation, SegmentationSettings};
-use crate::progress::Cancel;
+use task::Cancel;
 
 /// Faces that are fitted at most, the largest.
 const MOST_FITTED: usize = 40;

@@ -7,7 +7,7 @@ use super::knots::{Basis, Knots};
 use super::patch::Patch;
 use super::sides::Sides;
 use super::strip::{Foot, Strip};
-use crate::progress::Cancel;
+use task::Cancel;
 
 /// Points of each guide's border that a fit looks at, for one of the face.
 const SIDE_POINTS: f64 = 0.1;

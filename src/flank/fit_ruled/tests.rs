@@ -2,7 +2,7 @@ use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 
 use super::*;
-use crate::progress::Cancel;
+use task::Cancel;
 
 /// Points and normals over the unit square.
 type Form = dyn Fn(f64, f64) -> DVec3;

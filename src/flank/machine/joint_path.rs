@@ -9,7 +9,7 @@ use super::linearise::LinearisationParams;
 use super::milling_machine::MachineError;
 use super::singular::pole_places;
 use super::tool_path::{Place, ToolPath, ToolPathError};
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// What being outside of the limits by 1 mm or 1 rad costs beside the travel (rad): it is never worth it.
 const OUTSIDE_COST: f64 = 1e6;

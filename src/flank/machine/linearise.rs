@@ -16,7 +16,7 @@ use super::joint_path::{Chosen, MillingError, chosen, furthest_outside};
 use super::kinematics::{Joints, Kinematics, ToolPose};
 use super::singular::{SingularPassage, passages};
 use super::tool_path::ToolPath;
-use crate::progress::Cancel;
+use task::Cancel;
 
 /// Decimals of X, Y, Z (mm) and of the rotary axes (degrees) in programs: positions are rounded to them before the moves
 /// are measured.

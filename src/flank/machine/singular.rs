@@ -5,7 +5,7 @@ use super::joint_path::MillingError;
 use super::kinematics::Kinematics;
 use super::linearise::{LinearisationParams, MachinePoint};
 use super::tool_path::{Place, ToolPath, ToolPathError};
-use crate::progress::Cancel;
+use task::Cancel;
 
 /// Places at which a stretch between two points is looked at for the pole.
 const LOOKS: usize = 16;

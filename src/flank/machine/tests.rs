@@ -10,7 +10,7 @@ use super::kinematics::{Joints, Kinematics, ToolPose};
 use super::linearise::{Interpolation, LinearisationParams, MachinePath, linearise, on_the_way};
 use super::milling_machine::{CarriedBy, MachineError, MillingMachine};
 use super::tool_path::{Section, StraightMoves, ToolPath, ToolPathError};
-use crate::progress::Cancel;
+use task::Cancel;
 
 mod feed;
 mod pole;

@@ -10,7 +10,7 @@ use super::signs::{self, Passage};
 use super::{DistanceField, Handle, LocalTriangles, trilinear};
 use crate::geometry::exact::ExactMesh;
 use crate::geometry::mesh::{Bounds, Mesh};
-use crate::progress::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Progress};
 
 /// Levels of leaves above single cells: the largest leaf spans `2^LEVELS` cells.
 const LEVELS: u32 = 3;

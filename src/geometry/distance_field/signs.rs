@@ -15,7 +15,7 @@ use super::local_triangles::Candidate;
 use super::{DistanceField, Handle};
 use crate::geometry::exact::ExactMesh;
 use crate::geometry::inside::winding_number;
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// How the surface passes a leaf.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,7 +5,7 @@ use super::DistanceField;
 use crate::geometry::exact::ExactMesh;
 use crate::geometry::mesh::tests::{cuboid, folded_box};
 use crate::geometry::mesh::{Bounds, Mesh};
-use crate::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 /// A block with a notch: convex edges, and a concave corner that distances have a crease in.
 fn notched_block() -> Mesh {

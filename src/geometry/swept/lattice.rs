@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::motion::{Motion, Near};
 use crate::geometry::mesh::Bounds;
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// Cells along an edge of a block.
 pub(super) const BLOCK: usize = 8;

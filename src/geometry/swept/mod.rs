@@ -22,9 +22,9 @@ use glam::DAffine3;
 use super::distance_field::{DistanceField, FieldError};
 use super::exact::{ExactMesh, ExactMeshError};
 use super::mesh::{Bounds, Mesh};
-use crate::progress::{Cancel, Cancelled, Progress};
 use lattice::Lattice;
 use motion::Motion;
+use task::{Cancel, Cancelled, Progress};
 
 /// Why there is no swept surface.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

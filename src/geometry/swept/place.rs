@@ -10,7 +10,7 @@ use super::motion::{Motion, Near, Touch};
 use super::net::{Net, Start};
 use crate::geometry::distance_field::DistanceField;
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// From how far above the surface its vertices are led there at least (cells).
 const HEIGHT: f64 = 0.4;

@@ -6,7 +6,7 @@ use super::{SweptError, SweptSurface};
 use crate::geometry::exact::ExactMesh;
 use crate::geometry::mesh::Mesh;
 use crate::geometry::mesh::tests::cuboid;
-use crate::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 /// A ball of radius 2 mm about the origin; its faces lie up to `sagitta` within it.
 fn ball() -> (Mesh, f64) {

@@ -12,8 +12,8 @@ use crate::flank::machine::milling_machine::MillingMachine;
 use crate::flank::machine::tool_path::{ToolPath, ToolPathError};
 use crate::flank::path::FlankPath;
 use crate::flank::ruled_surface::RuledSurface;
-use crate::progress::Cancel;
 use crate::project::flank_params::{CutDirection, MillingSettings};
+use task::Cancel;
 
 /// How much longer than the machine's tool flutes and holder may be drawn (mm).
 const TOOL_MM: f64 = 1e-6;

@@ -13,11 +13,11 @@ use crate::geometry::mesh::Mesh;
 use crate::jobs::flank::{FlankInput, FlankJobError, FlankResult, LoadedSurface, flank, surface};
 use crate::jobs::flank_files::{self, FromFile, input, load_machine, load_surface};
 use crate::mesh_io::Unit;
-use crate::progress::{Cancel, Progress};
 use crate::project::flank_params::{FlankDocument, FlankSource, PathChoice, WallsFile};
 use crate::project::user_folder;
 use crate::render::mesh::RenderMesh;
 use crate::views::{FlankShapes, FlankSurface};
+use task::{Cancel, Progress};
 
 /// Places of the grid of a quick look, and its most rounds of refinement.
 const SKETCH_GRID: [usize; 2] = [34, 18];

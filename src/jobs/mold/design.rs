@@ -19,8 +19,8 @@ use crate::mold::electrode::design::{ElectrodeSet, PartNode};
 use crate::mold::electrode::overrides::Override;
 use crate::mold::electrode::params::ElectrodeParams;
 use crate::mold::opening::Opening;
-use crate::progress::{Cancel, Progress};
 use crate::views::{ElectrodeShape, electrode_shapes};
+use task::{Cancel, Progress};
 
 /// Electrodes with all that is shown of them.
 #[derive(Debug)]

@@ -10,9 +10,9 @@ use crate::export::electrode_report::ElectrodesReport;
 use crate::export::export_folder::ExportFolder;
 use crate::mold::electrode::design::ElectrodeSet;
 use crate::mold::electrode::overrides::IdleOverride;
-use crate::progress::{Cancel, Progress};
 use crate::render::offscreen::{Offscreen, RenderError};
 use crate::views::{PICTURE_SIZE, electrode_pictures};
+use task::{Cancel, Progress};
 
 /// What was written.
 #[derive(Debug)]

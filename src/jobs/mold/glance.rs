@@ -5,9 +5,9 @@ use std::sync::Arc;
 use super::LoadedMold;
 use crate::jobs::uncut::UncutParams;
 use crate::jobs::uncut_preview::{Preview, preview};
-use crate::progress::Cancel;
 use crate::render::mesh::RenderMesh;
 use crate::views::region_shapes;
+use task::Cancel;
 
 /// What was seen at a glance.
 #[derive(Debug)]

@@ -19,12 +19,12 @@ use crate::export::burn_template::BurnSheet;
 use crate::export::electrode_files::ElectrodeFormat;
 use crate::mesh_io::Units;
 use crate::mold::cutter::CutterLibrary;
-use crate::progress::{Cancel, Progress};
 use crate::project::MoldParams;
 pub use design::Designed;
 use design::Designer;
 pub use glance::Glance;
 pub use steps::{FoundUncut, LoadedMold};
+use task::{Cancel, Progress};
 
 /// What a mesh is read from: the file, its unit, how often it was asked for.
 type MeshKey = (PathBuf, Units, u64);

@@ -8,9 +8,9 @@ use crate::jobs::uncut::{Uncut, UncutError, UncutParams, uncut};
 use crate::jobs::uncut_compare::{Comparison, compare as compare_answers};
 use crate::jobs::uncut_report::UncutReport;
 use crate::mesh_io::{ImportOptions, ImportReport, Units, import_file};
-use crate::progress::{Cancel, Progress};
 use crate::render::mesh::RenderMesh;
 use crate::views::{RegionShape, faces_shape, region_shapes};
+use task::{Cancel, Progress};
 
 /// A mold as loaded.
 #[derive(Debug)]

@@ -5,8 +5,8 @@ use crate::jobs::finish::finish;
 use crate::jobs::plan::PlanInputs;
 use crate::jobs::stages;
 use crate::jobs::worker::Reporter;
-use crate::progress::{Cancel, Progress};
 use crate::project::{Document, Fingerprint, KeptPlan, PlanJob, Stage};
+use task::{Cancel, Progress};
 
 impl Pipeline {
     /// Takes in what the worker has said, and starts what `document` needs. Answers what has happened.

@@ -6,7 +6,7 @@ use std::time::Duration;
 use crate::jobs::plan::PlanJobError;
 use crate::jobs::prepared_blisk::PreparedBlisk;
 use crate::jobs::stages::FoundChannel;
-use crate::progress::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Progress};
 
 /// The blisk that was made ready for planning last, kept between plans.
 #[derive(Clone, Default)]

@@ -10,8 +10,8 @@ use crate::feed::search::Strategy;
 use crate::jobs::plan::PlanInputs;
 use crate::jobs::prepared_blisk::PreparedBlisk;
 use crate::jobs::stages::FoundChannel;
-use crate::progress::{Cancel, Progress};
 use crate::project::{Fingerprint, Stage};
+use task::{Cancel, Progress};
 
 /// The inputs of the present plan.
 pub struct TuningInputs {

@@ -12,7 +12,7 @@ use crate::geometry::exact::{ExactMesh, ExactMeshError};
 use crate::geometry::inside::winding_number;
 use crate::geometry::mesh::{Mesh, unit_normal};
 use crate::geometry::offset::offset;
-use crate::progress::Cancel;
+use task::Cancel;
 
 /// By how much an electrode may come closer than the gap (mm): rounding of files, not of sparks.
 pub const GOUGE: f64 = 5e-4;

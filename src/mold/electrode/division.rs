@@ -14,7 +14,7 @@ use super::tip::{Burned, Footprint, SKIN, TipError, tip};
 use crate::geometry::mesh::Mesh;
 use crate::mold::outline::Outline;
 use crate::mold::plane::{self, Shape};
-use crate::progress::Cancel;
+use task::Cancel;
 
 /// How far a cut lies off the wall it goes along (mm), so that the two do not lie in one another.
 const OFF_WALL: f64 = 1e-4;

@@ -14,7 +14,7 @@ use super::plan::{ElectrodeError, to_burn_frame};
 use super::tip::joined;
 use crate::geometry::mesh::{Bounds, Mesh};
 use crate::mold::cutter::CutterLibrary;
-use crate::progress::Cancel;
+use task::Cancel;
 
 /// By how much tips of a row are moved further apart until none is in the way (mm).
 const FURTHER: f64 = 1.0;

@@ -12,7 +12,7 @@ use serde::Serialize;
 use super::burning::Burning;
 use super::check::{CheckKind, Finding, Obstacle};
 use super::params::{Orbit, Stage};
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// How near to the burn surface a march along a normal ends (mm).
 const ARRIVED: f64 = 1e-6;

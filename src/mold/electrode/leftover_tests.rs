@@ -11,7 +11,7 @@ use super::plan::{ElectrodeError, plan};
 use super::tests::{GAP, cutters, mold, params, planned, region, ring};
 use crate::geometry::mesh::Mesh;
 use crate::mold::test_molds::rectangle;
-use crate::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 /// A pocket with a slot of this width and length that leads out of it along X, both this deep.
 fn pocket_with_slot(width: f64, length: f64, depth: f64) -> Mesh {

@@ -7,7 +7,7 @@ use crate::geometry::mesh::Mesh;
 use crate::mold::cutter::CutterLibrary;
 use crate::mold::height_field::{self, HeightField, HeightFieldError};
 use crate::mold::invert::InvertFaces;
-use crate::progress::Cancel;
+use task::Cancel;
 
 /// Cells of the smallest radius on the grid on which it is tried whether an electrode can be milled.
 const MILLING_CELLS: f64 = 20.0;

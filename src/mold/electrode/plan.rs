@@ -29,7 +29,7 @@ use crate::mold::cutter::CutterLibrary;
 use crate::mold::height_field::HeightFieldError;
 use crate::mold::outline::Outline;
 use crate::mold::plane;
-use crate::progress::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Progress};
 
 /// How far off a burn surface a point of a tip may be to be part of it (mm).
 const ON_BURN: f64 = 1e-6;

@@ -23,7 +23,7 @@ use crate::mold::cutter::CutterLibrary;
 use crate::mold::height_field::HeightFieldError;
 use crate::mold::outline::Outline;
 use crate::mold::plane;
-use crate::progress::Cancel;
+use task::Cancel;
 
 /// How alike directions are that are one (cosine).
 const SAME: f64 = 1.0 - 1e-12;

@@ -17,7 +17,7 @@ use super::tip::{joined, led_up};
 use crate::geometry::mesh::{Bounds, Mesh};
 use crate::mold::cutter::{Cutter, CutterLibrary};
 use crate::mold::plane;
-use crate::progress::Cancel;
+use task::Cancel;
 
 /// One electrode for several leaves: which, turned and shifted how.
 pub(super) struct Shared {

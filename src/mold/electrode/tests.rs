@@ -20,7 +20,7 @@ use crate::mold::cutter::{Cutter, CutterLibrary};
 use crate::mold::outline::Outline;
 use crate::mold::plane;
 use crate::mold::test_molds::rectangle;
-use crate::progress::{Cancel, Progress};
+use task::{Cancel, Progress};
 
 pub(super) const GAP: f64 = 0.05;
 

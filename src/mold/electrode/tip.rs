@@ -13,7 +13,7 @@ use crate::mold::groups::Groups;
 use crate::mold::outline::Outline;
 use crate::mold::plane::{self, Shape};
 use crate::mold::section::sections;
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// How far below the rim of what is left a tip's walls are cut off and led straight up (mm).
 const BELOW_RIM: f64 = 1e-3;

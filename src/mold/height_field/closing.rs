@@ -7,7 +7,7 @@ use super::element::Element;
 use super::sweep::{TILE_COLUMNS, TILE_ROWS, Tile};
 use super::{HeightField, HeightFieldError, check_size};
 use crate::mold::cutter::{Cutter, CutterKind, CutterLibrary};
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// What is left above the material up to which a cell counts as cut (mm): rounding of heights.
 const CLEAN: f32 = 1e-5;

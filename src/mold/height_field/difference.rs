@@ -1,7 +1,7 @@
 //! What one library of cutters leaves and another one takes.
 
 use super::{Closing, FieldRegion, HeightField, HeightFieldError, regions};
-use crate::progress::Cancel;
+use task::Cancel;
 
 /// The connected pieces of what `more` leaves above what `less` leaves, where that is thicker than `tolerance` (mm) along
 /// the normal of the material's surface, the largest first. Both are of `field`.

@@ -28,7 +28,7 @@ pub use regions::{FieldRegion, regions};
 use glam::{DVec2, DVec3};
 
 use super::cutter::CutterError;
-use crate::progress::Cancelled;
+use task::Cancelled;
 
 /// Most cells that a grid may have: some 20 bytes each.
 const MOST_CELLS: f64 = 64e6;

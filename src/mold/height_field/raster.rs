@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::{HeightField, HeightFieldError, UPNESS_ONE, check_size};
 use crate::geometry::mesh::{Mesh, normal_times_two_areas};
-use crate::progress::Cancel;
+use task::Cancel;
 
 /// Rows of cells that are filled together.
 const BAND: usize = 32;

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::{Closing, HeightField, HeightFieldError, UPNESS_ONE};
 use crate::geometry::mesh::Bounds;
 use crate::mold::groups::Groups;
-use crate::progress::Cancel;
+use task::Cancel;
 
 /// A connected piece of uncut material.
 #[derive(Debug, Clone, PartialEq)]

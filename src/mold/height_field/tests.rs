@@ -9,7 +9,7 @@ use super::*;
 use crate::geometry::mesh::Mesh;
 use crate::geometry::mesh::tests::cuboid;
 use crate::mold::cutter::{Cutter, CutterKind, CutterLibrary};
-use crate::progress::Cancel;
+use task::Cancel;
 
 const STEP: f64 = 0.025;
 /// Plan area that a flat cutter of radius 1 leaves in a right-angled corner.

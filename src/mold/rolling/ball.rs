@@ -6,7 +6,7 @@ use super::halfspaces::{HalfSpace, nearest};
 use super::lattice::Lattice;
 use super::obstacles::Obstacles;
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// A ball-end cutter over a mold.
 pub struct BallReach {

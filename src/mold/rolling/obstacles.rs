@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3, IVec2};
 
 use crate::geometry::mesh::{Mesh, unit_normal};
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 /// A face of the mold.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 
 use super::ball::BallReach;
 use crate::geometry::mesh::Mesh;
-use crate::progress::{Cancel, Cancelled};
+use task::{Cancel, Cancelled};
 
 fn over(mesh: &Mesh, radius: f64) -> BallReach {
     BallReach::new(mesh, radius, &Cancel::default()).unwrap()

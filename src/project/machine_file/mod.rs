@@ -30,8 +30,8 @@ use crate::feed::machine::MachineParams;
 use crate::feed::machine_model::{Body, Carrier, MachineModel};
 use crate::geometry::mesh::Mesh;
 use crate::mesh_io::{ImportError, ImportOptions, Units, import_file};
-use crate::progress::{Cancel, Cancelled, Progress};
 pub use builtin::BUILT_IN;
+use task::{Cancel, Cancelled, Progress};
 use urdf::{Look, UrdfBody};
 
 /// The most bodies that a machine may have, and the most triangles of all of them.

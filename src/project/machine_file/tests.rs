@@ -1,8 +1,8 @@
 use super::*;
 use crate::feed::machine::AxisSet;
 use crate::geometry::mesh::tests::cuboid;
-use crate::progress::{Cancel, Progress};
 use std::f64::consts::PI;
+use task::{Cancel, Progress};
 
 fn read(name: &str) -> Result<MachineModel, MachineFileError> {
     read_machine(name, &Progress::silent(), &Cancel::default())

@@ -5,7 +5,6 @@ use image::RgbaImage;
 
 use super::Quality;
 use crate::geometry::mesh::tests::cuboid;
-use crate::progress::{Cancel, Cancelled};
 use crate::render::camera::Camera;
 use crate::render::colour::{Colour, Theme};
 use crate::render::colour_map::ColourMap;
@@ -14,6 +13,7 @@ use crate::render::mesh::tests::sphere;
 use crate::render::offscreen::{Offscreen, RenderError, png_bytes};
 use crate::render::scene::{Grid, LineSet, Marker, Object, ObjectId, Scene, SectionPlane, SurfaceValues};
 use crate::render::view::{StandardView, looking};
+use task::{Cancel, Cancelled};
 
 const SIZE: [u32; 2] = [240, 160];
 const MIDDLE: DVec2 = DVec2::new(120.0, 80.0);
