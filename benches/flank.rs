@@ -1,12 +1,12 @@
 //! Times of flank milling: one surface planned whole, the same with twenty times the places, the moving cutter's check.
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use flank::cutter::FlankCutter;
+use flank::guide::GuideCurve;
+use flank::params::FlankParams;
+use flank::plan::plan_flank;
+use flank::ruled_surface::{RuledSurface, Side};
 use glam::DVec3;
-use sparkpath::flank::cutter::FlankCutter;
-use sparkpath::flank::guide::GuideCurve;
-use sparkpath::flank::params::FlankParams;
-use sparkpath::flank::plan::plan_flank;
-use sparkpath::flank::ruled_surface::{RuledSurface, Side};
 use task::{Cancel, Progress};
 
 fn bezier(points: [[f64; 3]; 4]) -> GuideCurve {

@@ -1,11 +1,11 @@
 //! Times of uncut detection: a mold of filleted cavities, 31 thousand triangles, and the same divided to 495 thousand.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use sparkpath::geometry::mesh::Mesh;
-use sparkpath::jobs::uncut::{UncutParams, uncut};
-use sparkpath::mesh_io::{ImportOptions, import_file};
-use sparkpath::mold::cutter::{Cutter, CutterLibrary};
-use sparkpath::mold::height_field::{HeightField, closing, regions};
+use geometry::mesh::Mesh;
+use import::{ImportOptions, import_file};
+use mold::cutter::{Cutter, CutterLibrary};
+use mold::height_field::{HeightField, closing, regions};
+use sparkpath::workspaces::mold::job::uncut::{UncutParams, uncut};
 use task::{Cancel, Progress};
 
 fn library(cutters: &[&str]) -> CutterLibrary {

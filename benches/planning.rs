@@ -1,22 +1,22 @@
 //! Times of the planning floors on the built-in demonstration blisk.
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use feed::clearance::{Bodies, ClearanceModel, SamplesOf};
+use feed::outside::Outside;
+use feed::pose::Pose;
+use feed::probes::Turns;
+use feed::samples::{SampleSpacing, sample_electrode};
+use feed::verify::Verifier;
+use geometry::distance_field::DistanceField;
+use geometry::exact::ExactMesh;
 use glam::DVec3;
-use sparkpath::blisk::electrode::{EntrySide, make_electrodes};
-use sparkpath::blisk::find_channel::find_channel;
-use sparkpath::blisk::options::BliskOptions;
-use sparkpath::blisk::parametric::{MeshResolution, ParametricBlisk};
-use sparkpath::feed::clearance::{Bodies, ClearanceModel, SamplesOf};
-use sparkpath::feed::outside::Outside;
-use sparkpath::feed::pose::Pose;
-use sparkpath::feed::probes::Turns;
-use sparkpath::feed::samples::{SampleSpacing, sample_electrode};
-use sparkpath::feed::verify::Verifier;
-use sparkpath::geometry::distance_field::DistanceField;
-use sparkpath::geometry::exact::ExactMesh;
-use sparkpath::jobs::plan::{PlanInputs, run};
-use sparkpath::project::PlanJob;
+use sparkpath::workspaces::blisk::document::job_file::PlanJob;
+use sparkpath::workspaces::blisk::job::plan::{PlanInputs, run};
 use task::{Cancel, Progress};
+use wheel::electrode::{EntrySide, make_electrodes};
+use wheel::find_channel::find_channel;
+use wheel::options::BliskOptions;
+use wheel::parametric::{MeshResolution, ParametricBlisk};
 
 fn planning(criterion: &mut Criterion) {
     let (progress, cancel) = (Progress::silent(), Cancel::default());

@@ -4,16 +4,16 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use geometry::mesh::Mesh;
 use glam::{DAffine3, DVec2, DVec3};
-use sparkpath::geometry::mesh::Mesh;
-use sparkpath::render::camera::{Camera, OrbitStyle};
-use sparkpath::render::colour::{Colour, Theme};
-use sparkpath::render::mesh::RenderMesh;
-use sparkpath::render::offscreen::Offscreen;
-use sparkpath::render::pick::pick;
-use sparkpath::render::renderer::Quality;
-use sparkpath::render::scene::{Grid, Object, ObjectId, Scene, SectionPlane};
-use sparkpath::render::section::cut;
+use render::camera::{Camera, OrbitStyle};
+use render::colour::{Colour, Theme};
+use render::mesh::RenderMesh;
+use render::offscreen::Offscreen;
+use render::pick::pick;
+use render::renderer::Quality;
+use render::scene::{Grid, Object, ObjectId, Scene, SectionPlane};
+use render::section::cut;
 
 const SIZE: [u32; 2] = [1280, 800];
 

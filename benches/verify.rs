@@ -2,14 +2,14 @@
 //! the electrode keeps a constant distance of about the spark gap from the blisk all the way.
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use feed::path::{FeedPath, PathRow};
+use feed::pose::Pose;
+use feed::verify::{Verifier, VerifyOptions};
+use geometry::frame::{Cylindrical, Frame};
+use geometry::mesh::Mesh;
 use glam::DVec3;
-use sparkpath::blisk::channel::Surface;
-use sparkpath::feed::path::{FeedPath, PathRow};
-use sparkpath::feed::pose::Pose;
-use sparkpath::feed::verify::{Verifier, VerifyOptions};
-use sparkpath::geometry::frame::{Cylindrical, Frame};
-use sparkpath::geometry::mesh::Mesh;
 use task::{Cancel, Progress};
+use wheel::channel::Surface;
 
 const GAP: f64 = 0.1;
 const HUB: f64 = 110.0;

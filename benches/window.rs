@@ -9,9 +9,9 @@ use std::time::{Duration, Instant};
 use criterion::{Criterion, criterion_group, criterion_main};
 use egui::vec2;
 use egui_kittest::Harness;
-use sparkpath::app::{Opening, SparkpathApp};
-use sparkpath::jobs::pipeline::StageState;
-use sparkpath::project::Stage;
+use sparkpath::shell::run::{Opening, SparkpathApp};
+use sparkpath::workspaces::blisk::document::stage::Stage;
+use sparkpath::workspaces::blisk::pipeline::StageState;
 
 type Window = Harness<'static, SparkpathApp>;
 

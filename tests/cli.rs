@@ -21,10 +21,10 @@ use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 
 use common::{curved_blisk, easy_blisk, mesh};
-use sparkpath::blisk::parametric::ParametricBlisk;
-use sparkpath::mesh_io::write_stl;
+use import::write_stl;
 use task::Progress;
 use tempfile::TempDir;
+use wheel::parametric::ParametricBlisk;
 
 fn sparkpath(arguments: &[&str]) -> Output {
     sparkpath_with(concat!(env!("CARGO_TARGET_TMPDIR"), "/no-settings"), arguments)
@@ -258,10 +258,9 @@ fn a_verification_judges_travel_if_limits_are_given_and_leaves_the_plans_report_
 fn an_electrode_in_w_is_told_from_a_collision() {
     let folder = tempfile::tempdir().unwrap();
     let (blisk, csv, right) = (path("part.stl"), path("out/path_1.csv"), path("out/electrode_1.stl"));
-    let path = sparkpath::export::path_csv::read_path_csv(&std::fs::read_to_string(&csv).unwrap()).unwrap();
-    let options = sparkpath::mesh_io::ImportOptions { units: sparkpath::mesh_io::Units::Mm, ..Default::default() };
-    let electrode =
-        sparkpath::mesh_io::import_file(Path::new(&right), &options, &Progress::silent(), &Default::default());
+    let path = nc::path_csv::read_path_csv(&std::fs::read_to_string(&csv).unwrap()).unwrap();
+    let options = import::ImportOptions { units: import::Units::Mm, ..Default::default() };
+    let electrode = import::import_file(Path::new(&right), &options, &Progress::silent(), &Default::default());
     let in_w = folder.path().join("w.stl");
     write_stl(&in_w, &electrode.unwrap().mesh.in_frame(&path.frame)).unwrap();
     let verify = |electrode: &str, gap: &str| {

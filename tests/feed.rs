@@ -21,27 +21,27 @@ mod replay;
 use std::sync::{Arc, OnceLock};
 
 use common::{curved_blisk, easy_blisk, mesh};
+use feed::certificate::TravelVerdict;
+use feed::genetic::ReductionMode;
+use feed::jam::JamCause;
+use feed::plan::{PlanSettings, PlanningSpace, plan_feed};
+use feed::pose::{Axis, Pose};
+use feed::search::{Constraint, Strategy};
+use feed::verify::{Verifier, VerifyOptions};
+use geometry::exact::ExactMesh;
+use geometry::frame::Cylindrical;
+use geometry::mesh::Mesh;
 use glam::{DMat3, DVec3};
-use sparkpath::blisk::channel::Surface;
-use sparkpath::blisk::electrode::{ElectrodeError, ElectrodeParams, EnterSide, EntrySide, make_electrodes};
-use sparkpath::blisk::find_channel::find_channel;
-use sparkpath::blisk::options::BliskOptions;
-use sparkpath::blisk::parametric::{ChannelSide, MeshResolution, ParametricBlisk};
-use sparkpath::export::approved::Approved;
-use sparkpath::feed::certificate::TravelVerdict;
-use sparkpath::feed::genetic::ReductionMode;
-use sparkpath::feed::jam::JamCause;
-use sparkpath::feed::plan::{PlanSettings, PlanningSpace, plan_feed};
-use sparkpath::feed::pose::{Axis, Pose};
-use sparkpath::feed::search::{Constraint, Strategy};
-use sparkpath::feed::verify::{Verifier, VerifyOptions};
-use sparkpath::geometry::exact::ExactMesh;
-use sparkpath::geometry::frame::Cylindrical;
-use sparkpath::geometry::mesh::Mesh;
-use sparkpath::jobs::plan::{PlanInputs, PlanJobError, PlanOutcome, prepare, run, run_feeds};
-use sparkpath::jobs::prepared_blisk::PreparedBlisk;
-use sparkpath::project::PlanJob;
+use nc::approved::Approved;
+use sparkpath::workspaces::blisk::document::job_file::PlanJob;
+use sparkpath::workspaces::blisk::job::plan::{PlanInputs, PlanJobError, PlanOutcome, prepare, run, run_feeds};
+use sparkpath::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
 use task::{Cancel, Progress};
+use wheel::channel::Surface;
+use wheel::electrode::{ElectrodeError, ElectrodeParams, EnterSide, EntrySide, make_electrodes};
+use wheel::find_channel::find_channel;
+use wheel::options::BliskOptions;
+use wheel::parametric::{ChannelSide, MeshResolution, ParametricBlisk};
 
 /// A small genetic search for the easy blisk, withdrawn towards -X; the global search has tests of its own.
 fn easy_job() -> PlanJob {
@@ -208,7 +208,7 @@ fn moving_and_scaling_the_mesh_changes_nothing_in_w() {
     let mut path = planned.path.clone();
     path.reference_point = b.reference_point;
     let options = VerifyOptions::default();
-    let surface = |_| sparkpath::blisk::channel::Surface::Elsewhere;
+    let surface = |_| wheel::channel::Surface::Elsewhere;
     let certificate = verifier.verify(&path, &surface, &options, &Progress::silent(), &Cancel::default()).unwrap();
     let difference = certificate.least().distance - planned.certificate.least().distance;
     assert!(difference.abs() < 1e-3, "{difference}");
@@ -456,7 +456,7 @@ fn two_parts_are_two_electrodes_that_share_their_overlap() {
     let outcome = plan_easy(job);
     assert_eq!(outcome.electrodes.len(), 2);
     assert!(outcome.is_verified());
-    let burning = |e: &sparkpath::blisk::electrode::Electrode| {
+    let burning = |e: &wheel::electrode::Electrode| {
         let burns = (0..e.faces.len()).filter(|&i| e.faces[i].burns()).flat_map(|i| e.mesh.corners(i));
         burns.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], p| [a.min(p.x), b.max(p.x)])
     };

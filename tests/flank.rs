@@ -2,23 +2,23 @@
 
 use std::sync::{Arc, OnceLock};
 
+use flank::cutter::{FlankCutter, HolderPart};
+use flank::guide::GuideCurve;
+use flank::machine::milling_machine::MillingMachine;
+use flank::params::{FlankParams, Objective, OffsetMethod};
+use flank::ruled_surface::{RuledSurface, Side};
+use geometry::mesh::Mesh;
 use glam::DVec3;
+use import::{Units, write_stl};
 use serde_json::Value;
-use sparkpath::flank::cutter::{FlankCutter, HolderPart};
-use sparkpath::flank::guide::GuideCurve;
-use sparkpath::flank::machine::milling_machine::MillingMachine;
-use sparkpath::flank::params::{FlankParams, Objective, OffsetMethod};
-use sparkpath::flank::ruled_surface::{RuledSurface, Side};
-use sparkpath::geometry::mesh::Mesh;
-use sparkpath::jobs::flank::{CheckKind, FlankInput, FlankResult, flank};
-use sparkpath::jobs::flank_export::{CL_FILE, CSV_FILE, ExportChoice, WrittenFlank, cl, export};
-use sparkpath::jobs::flank_files::{load, load_surface};
-use sparkpath::jobs::flank_report::report;
-use sparkpath::mesh_io::{Units, write_stl};
-use sparkpath::project::flank_override::FlankOverride;
-use sparkpath::project::flank_params::{
+use sparkpath::workspaces::flank::document::overrides::FlankOverride;
+use sparkpath::workspaces::flank::document::{
     CutDirection, DemonstrationSurface, FlankDocument, FlankSource, MeshFlank, PathChoice, WallsFile,
 };
+use sparkpath::workspaces::flank::export::{CL_FILE, CSV_FILE, ExportChoice, WrittenFlank, cl, export};
+use sparkpath::workspaces::flank::job::inputs::{load, load_surface};
+use sparkpath::workspaces::flank::job::{CheckKind, FlankInput, FlankResult, flank};
+use sparkpath::workspaces::flank::report::build::report;
 use task::{Cancel, Progress};
 use tempfile::TempDir;
 
@@ -70,7 +70,7 @@ fn read(folder: &TempDir, file: &str) -> String {
     std::fs::read_to_string(folder.path().join("out").join(file)).unwrap()
 }
 
-fn check(result: &FlankResult, kind: CheckKind) -> &sparkpath::jobs::flank::FlankCheck {
+fn check(result: &FlankResult, kind: CheckKind) -> &sparkpath::workspaces::flank::job::FlankCheck {
     result.checks.iter().find(|c| c.kind == kind).unwrap()
 }
 
@@ -206,14 +206,13 @@ fn leads_that_cut_the_surface_itself_fail_without_any_wall() {
         let angles = (0..=60).map(|i| (f64::from(i) * 190.0 / 60.0).to_radians());
         GuideCurve::Points { points: angles.map(|a| DVec3::new(4.0 * a.cos(), 4.0 * a.sin(), z)).collect(), degree: 3 }
     };
-    input.surface = sparkpath::jobs::flank::LoadedSurface::Guides { lower: arc(0.0), upper: arc(10.0) };
+    input.surface = sparkpath::workspaces::flank::job::LoadedSurface::Guides { lower: arc(0.0), upper: arc(10.0) };
     input.side = Side::Negative;
     input.cutter = FlankCutter::cylinder(3.0, 20.0);
     input.machine = None;
     let result = run(&input);
     let leads = check(&result, CheckKind::Leads);
-    let deep =
-        |own: &Option<sparkpath::flank::own_surface::OwnGouge>| own.is_some_and(|o| (o.depth_mm - 1.0).abs() < 0.02);
+    let deep = |own: &Option<flank::own_surface::OwnGouge>| own.is_some_and(|o| (o.depth_mm - 1.0).abs() < 0.02);
     assert!(result.lead_own.iter().all(deep), "3 mm aside in a hollow of 4 mm: {:?}", result.lead_own);
     assert!(!leads.holds && leads.text.contains("cut the surface itself") && leads.place.is_some(), "{}", leads.text);
     input.milling.aside_mm = 1.5;
@@ -438,7 +437,7 @@ fn a_flank_of_a_mesh_is_milled_as_the_surface_that_it_was_made_from() {
     let source = MeshFlank { file, units: Units::Mm, ..MeshFlank::default() };
     let document = FlankDocument { source: FlankSource::Mesh(source), ..quick() };
     let mut input = loaded(&document);
-    let sparkpath::jobs::flank::LoadedSurface::Face { candidates, number, .. } = &mut input.surface else {
+    let sparkpath::workspaces::flank::job::LoadedSurface::Face { candidates, number, .. } = &mut input.surface else {
         panic!("a face of a mesh")
     };
     // The front and the back are equal in area: the front is the one that looks forwards.
@@ -463,7 +462,7 @@ fn a_flank_of_a_mesh_is_milled_as_the_surface_that_it_was_made_from() {
     let most = most + off_mm + result.stray_mm;
     assert!(deviation.text.contains(&format!("overcut up to {most:.4} mm")), "{}", deviation.text);
     // One that there is not.
-    let sparkpath::jobs::flank::LoadedSurface::Face { number, .. } = &mut input.surface else { return };
+    let sparkpath::workspaces::flank::job::LoadedSurface::Face { number, .. } = &mut input.surface else { return };
     *number = 1000;
     let said = flank(&input, &Progress::silent(), &Cancel::default()).unwrap_err().to_string();
     assert!(said.contains("no flank 1000"), "{said}");
@@ -506,10 +505,10 @@ fn a_flank_all_around_is_milled_in_one_go_and_back_to_its_start() {
     document.cutter = FlankCutter::cylinder(3.0, 20.0);
     let mut input = loaded(&document);
     input.machine = None;
-    let sparkpath::jobs::flank::LoadedSurface::Face { candidates, number, .. } = &mut input.surface else {
+    let sparkpath::workspaces::flank::job::LoadedSurface::Face { candidates, number, .. } = &mut input.surface else {
         panic!("a face of a mesh")
     };
-    let frustum = candidates.iter().position(|c| c.kind == sparkpath::flank::fit_ruled::CandidateKind::Cone);
+    let frustum = candidates.iter().position(|c| c.kind == flank::fit_ruled::CandidateKind::Cone);
     *number = frustum.unwrap() + 1;
     let result = run(&input);
     let fit = result.fit.as_ref().unwrap();
@@ -545,7 +544,7 @@ fn a_flank_that_cannot_be_is_answered_in_words_and_work_that_is_not_wanted_stops
     cancel.cancel();
     assert!(flank(&input, &Progress::silent(), &cancel).unwrap_err().is_cancelled());
     let line = |from: [f64; 3], to: [f64; 3]| GuideCurve::Bezier { points: vec![from.into(), to.into()] };
-    input.surface = sparkpath::jobs::flank::LoadedSurface::Guides {
+    input.surface = sparkpath::workspaces::flank::job::LoadedSurface::Guides {
         lower: line([0.0, 0.0, 0.0], [10.0, 0.0, 0.0]),
         upper: line([5.0, -5.0, 0.0], [5.0, 5.0, 0.0]),
     };
@@ -573,8 +572,8 @@ fn a_part_without_a_unit_is_not_milled_in_inches_by_a_guess() {
         let source = FlankSource::Mesh(MeshFlank { file: file.clone(), units, ..MeshFlank::default() });
         load_surface(&source, &Progress::silent(), &Cancel::default())
     };
-    let length = |surface: &sparkpath::jobs::flank::LoadedSurface| match surface {
-        sparkpath::jobs::flank::LoadedSurface::Face { mesh, .. } => mesh.bounds().size().x,
+    let length = |surface: &sparkpath::workspaces::flank::job::LoadedSurface| match surface {
+        sparkpath::workspaces::flank::job::LoadedSurface::Face { mesh, .. } => mesh.bounds().size().x,
         other => panic!("{other:?}"),
     };
     // 12 inches would be an ordinary part, 12 mm is an electrode.
@@ -614,9 +613,9 @@ fn walls_without_a_unit_are_in_that_of_the_surface_and_every_reader_is_told() {
     let result = run(&input);
     let said = "walls.obj: The unit is a guess: millimetres";
     assert!(result.all_warnings().iter().any(|w| w.contains(said)), "{:?}", result.all_warnings());
-    let cl = sparkpath::jobs::flank_export::cl(&result).unwrap();
+    let cl = sparkpath::workspaces::flank::export::cl(&result).unwrap();
     assert!(cl.contains("WARNING: walls.obj: The unit is a guess"), "{cl}");
-    let nc = sparkpath::jobs::flank_export::nc(&result, result.milled().unwrap()).unwrap().text;
+    let nc = sparkpath::workspaces::flank::export::nc(&result, result.milled().unwrap()).unwrap().text;
     assert!(nc.to_lowercase().contains("walls.obj: the unit is a guess"), "{nc}");
     let report = report(&result, &document);
     assert!(report.json().unwrap().contains(said) && report.warnings.iter().any(|w| w.contains(said)));

@@ -10,9 +10,9 @@ mod laws;
 use std::fs;
 
 use files::*;
+use geometry::mesh::{Bounds, Mesh};
 use glam::DVec3;
-use sparkpath::geometry::mesh::{Bounds, Mesh};
-use sparkpath::mesh_io::{Format, ImportOptions, Imported, Unit, Units, import_file, write_stl};
+use import::{Format, ImportOptions, Imported, Unit, Units, import_file, write_stl};
 use task::{Cancel, Progress};
 
 // ---- Ordinary files ----

@@ -2,15 +2,15 @@
 //!
 //! The three molds come from a CAD kernel: square pockets, slots and lands, filleted cavities on a draft.
 
+use geometry::mesh::Mesh;
 use glam::{DVec2, DVec3};
-use sparkpath::geometry::mesh::Mesh;
-use sparkpath::jobs::electrodes::electrodes;
-use sparkpath::jobs::uncut::{Uncut, UncutParams, uncut};
-use sparkpath::mesh_io::{ImportOptions, import_file};
-use sparkpath::mold::cutter::{Cutter, CutterLibrary};
-use sparkpath::mold::electrode::design::ElectrodeSet;
-use sparkpath::mold::electrode::params::{ElectrodeParams, Stage};
-use sparkpath::mold::surface::SurfacePiece;
+use import::{ImportOptions, import_file};
+use mold::cutter::{Cutter, CutterLibrary};
+use mold::electrode::design::ElectrodeSet;
+use mold::electrode::params::{ElectrodeParams, Stage};
+use mold::surface::SurfacePiece;
+use sparkpath::workspaces::mold::job::electrodes::electrodes;
+use sparkpath::workspaces::mold::job::uncut::{Uncut, UncutParams, uncut};
 use task::{Cancel, Progress};
 
 fn mold(name: &str) -> Mesh {

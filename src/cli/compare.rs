@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use super::{Answer, Session};
-use crate::export::comparison::{Comparison, Run};
-use crate::feed::pose::Axis;
-use crate::feed::strategy::Strategy;
-use crate::jobs::{compare as job, plan_files};
+use crate::workspaces::blisk::export;
+use crate::workspaces::blisk::job::compare as job;
+use crate::workspaces::blisk::report::comparison::{Comparison, Run};
+use feed::pose::Axis;
+use feed::strategy::Strategy;
 
 /// The strategy called `name`.
 pub(super) fn strategy(name: &str) -> Result<Strategy, String> {
@@ -23,7 +24,7 @@ pub(super) fn compare(
     session: &Session,
 ) -> anyhow::Result<Answer> {
     let (inputs, files) = super::plan::load(job_file, session)?;
-    plan_files::prepare(out)?;
+    export::prepare(out)?;
     let mut wanted: Vec<Strategy> = Vec::new();
     for &strategy in if strategies.is_empty() { &Strategy::ALL } else { strategies } {
         if !wanted.contains(&strategy) {
@@ -59,7 +60,7 @@ fn lines(run: &Run) -> Vec<String> {
     if let Some(why) = &run.failure {
         return vec![format!("{name:<16}  cannot be followed: {why}")];
     }
-    let line = |e: &crate::export::comparison::RunElectrode| {
+    let line = |e: &crate::workspaces::blisk::report::comparison::RunElectrode| {
         let clearance = e.certified_clearance_mm.map_or("-".to_owned(), |c| format!("{c:.4}"));
         let figures = format!(
             "{name:<16}  {:>9}  {:>4}  {clearance:>12}  {:>5}  {:>6}  {:>8.2}  {:>13.2}  {:>13.4}",

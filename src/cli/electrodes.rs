@@ -7,26 +7,28 @@ use clap::{Args, ValueEnum};
 
 use super::uncut::MoldArguments;
 use super::{Answer, Session};
-use crate::export::burn_template::BurnSheet;
-use crate::export::electrode_files::{ElectrodeFormat, WrittenElectrodes};
-use crate::export::electrode_folder::export_electrodes;
-use crate::export::electrode_report::ElectrodesReport;
-use crate::export::export_folder::ExportFolder;
-use crate::geometry::mesh::Mesh;
-use crate::jobs::electrodes::electrodes as find_electrodes;
-use crate::jobs::uncut::uncut as find_uncut;
-use crate::mold::cutter::{Cutter, CutterLibrary};
-use crate::mold::electrode::design::{Electrode, ElectrodeSet};
-use crate::mold::electrode::overrides::Override;
-use crate::mold::electrode::params::{ElectrodeParams, Shape};
-use crate::mold::opening::Opening;
-use crate::project::cutter_file::read_cutters;
-use crate::project::electrode_file::{load_electrodes, read_electrodes};
-use crate::project::holder_files::read_holders;
-use crate::project::user_folder;
-use crate::render::mesh::RenderMesh;
-use crate::render::offscreen::Offscreen;
-use crate::views::{PICTURE_SIZE, electrode_pictures, electrode_shapes};
+use crate::workspaces::blisk::scene::pictures::PICTURE_SIZE;
+use crate::workspaces::mold::document::cutter_file::read_cutters;
+use crate::workspaces::mold::document::electrode_file::{load_electrodes, read_electrodes};
+use crate::workspaces::mold::document::holder_files::read_holders;
+use crate::workspaces::mold::export::export_electrodes;
+use crate::workspaces::mold::job::electrodes::electrodes as find_electrodes;
+use crate::workspaces::mold::job::uncut::uncut as find_uncut;
+use crate::workspaces::mold::report::ElectrodesReport;
+use crate::workspaces::mold::scene::electrodes::electrode_shapes;
+use crate::workspaces::mold::scene::pictures::electrode_pictures;
+use files::export_folder::ExportFolder;
+use files::user_folder::user_folder;
+use geometry::mesh::Mesh;
+use mold::cutter::{Cutter, CutterLibrary};
+use mold::electrode::design::{Electrode, ElectrodeSet};
+use mold::electrode::overrides::Override;
+use mold::electrode::params::{ElectrodeParams, Shape};
+use mold::opening::Opening;
+use nc::burn_template::BurnSheet;
+use nc::electrode_files::{ElectrodeFormat, WrittenElectrodes};
+use render::mesh::RenderMesh;
+use render::offscreen::Offscreen;
 
 #[derive(Debug, Args)]
 pub(super) struct ElectrodesArguments {

@@ -4,15 +4,15 @@ use std::time::Instant;
 
 use super::flank_arguments::{Asked, FlankArguments};
 use super::{Answer, Session};
-use crate::export::flank_report::FlankReport;
-use crate::flank::fit_ruled::{Candidate, CandidateFit};
-use crate::jobs::flank::{FlankResult, LoadedSurface, flank as plan};
-use crate::jobs::flank_export::{ExportChoice, check_folder, export};
-use crate::jobs::flank_files::{input, load_machine, load_surface, load_walls, walls_unit};
-use crate::jobs::flank_report::{report, sentence};
-use crate::project::flank_file::write_flank;
-use crate::project::flank_params::FlankDocument;
-use crate::project::user_folder;
+use crate::workspaces::flank::document::FlankDocument;
+use crate::workspaces::flank::document::flank_file::write_flank;
+use crate::workspaces::flank::export::{ExportChoice, check_folder, export};
+use crate::workspaces::flank::job::inputs::{input, load_machine, load_surface, load_walls, walls_unit};
+use crate::workspaces::flank::job::{FlankResult, LoadedSurface, flank as plan};
+use crate::workspaces::flank::report::FlankReport;
+use crate::workspaces::flank::report::build::{report, sentence};
+use files::user_folder::user_folder;
+use flank::fit_ruled::{Candidate, CandidateFit};
 
 /// Plans the flank, checks the path, writes what may be milled. The answer is no where a check fails, overridden or not.
 pub(super) fn flank(arguments: &FlankArguments, session: &Session) -> anyhow::Result<Answer> {

@@ -10,15 +10,15 @@ use super::flank_values::{
     grid, holder_part, vector,
 };
 use super::{Session, flank_electrode, unit};
-use crate::flank::cutter::HolderPart;
-use crate::flank::params::Objective;
-use crate::jobs::flank_electrode::{keep_off_base, turn_over};
-use crate::jobs::flank_files::load_machine;
-use crate::mesh_io::Units;
-use crate::project::flank_file::{ENDING, is_flank_file, read_flank};
-use crate::project::flank_override::FlankOverride;
-use crate::project::flank_params::{FlankDocument, FlankSource, GuideSource, MeshFlank, WallsFile};
-use crate::project::user_folder;
+use crate::workspaces::flank::document::flank_file::{ENDING, is_flank_file, read_flank};
+use crate::workspaces::flank::document::overrides::FlankOverride;
+use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, MeshFlank, WallsFile};
+use crate::workspaces::flank::electrode_part::{keep_off_base, turn_over};
+use crate::workspaces::flank::job::inputs::load_machine;
+use files::user_folder::user_folder;
+use flank::cutter::HolderPart;
+use flank::params::Objective;
+use import::Units;
 
 #[derive(Debug, Args)]
 pub(super) struct FlankArguments {

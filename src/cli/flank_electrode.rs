@@ -5,17 +5,17 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::Session;
-use crate::export::electrode_files::is_file_of;
-use crate::flank::fit_ruled::RuledFitParams;
-use crate::jobs::electrodes::electrodes;
-use crate::jobs::flank_electrode::{FlankElectrode, UP_OF_MOLDS};
-use crate::jobs::stages;
-use crate::jobs::uncut::{UncutParams, uncut};
-use crate::mesh_io::Units;
-use crate::project::PlanJob;
-use crate::project::flank_params::{FlankSource, MeshFlank};
-use crate::project::kept_mesh::KeptMesh;
-use crate::project::mold_file::{is_mold_file, read_mold};
+use crate::workspaces::blisk::document::job_file::PlanJob;
+use crate::workspaces::blisk::job::stages;
+use crate::workspaces::flank::document::kept_mesh::KeptMesh;
+use crate::workspaces::flank::document::{FlankSource, MeshFlank};
+use crate::workspaces::flank::electrode_part::{FlankElectrode, UP_OF_MOLDS};
+use crate::workspaces::mold::document::mold_file::{is_mold_file, read_mold};
+use crate::workspaces::mold::job::electrodes::electrodes;
+use crate::workspaces::mold::job::uncut::{UncutParams, uncut};
+use flank::fit_ruled::RuledFitParams;
+use import::Units;
+use nc::electrode_files::is_file_of;
 
 /// The largest burn table that is read (bytes).
 const LARGEST_TABLE: u64 = 16 << 20;

@@ -3,13 +3,13 @@
 use clap::ValueEnum;
 use glam::DVec3;
 
-use crate::export::flank_nc::TipControl;
-use crate::flank::cutter::HolderPart;
-use crate::flank::params::OffsetMethod;
-use crate::flank::ruled_surface::Side;
-use crate::jobs::flank::CheckKind;
-use crate::project::flank_override::FlankOverride;
-use crate::project::flank_params::{CutDirection, DemonstrationSurface, PathChoice};
+use crate::workspaces::flank::document::overrides::FlankOverride;
+use crate::workspaces::flank::document::{CutDirection, DemonstrationSurface, PathChoice};
+use crate::workspaces::flank::job::CheckKind;
+use flank::cutter::HolderPart;
+use flank::params::OffsetMethod;
+use flank::ruled_surface::Side;
+use nc::flank_program::TipControl;
 
 /// See [`CutDirection`].
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -77,7 +77,7 @@ impl From<OffsetName> for OffsetMethod {
     }
 }
 
-/// See [`crate::flank::params::Objective`].
+/// See [`flank::params::Objective`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum ObjectiveName {
     Sum,

@@ -3,15 +3,15 @@
 use std::path::Path;
 
 use super::{Answer, InspectArguments, Session};
-use crate::blisk::centreline::CentrelineSummary;
-use crate::blisk::channel::BladeSide;
-use crate::blisk::inspect::inspect as inspect_blisk;
-use crate::blisk::nurbs_wall::NurbsWall;
-use crate::blisk::options::{Auto, AxisChoice, BliskOptions};
-use crate::blisk::sections::read_sections_file;
-use crate::geometry::exact::ExactMesh;
-use crate::geometry::mesh::Mesh;
-use crate::mesh_io::Imported;
+use geometry::exact::ExactMesh;
+use geometry::mesh::Mesh;
+use import::Imported;
+use wheel::centreline::CentrelineSummary;
+use wheel::channel::BladeSide;
+use wheel::inspect::inspect as inspect_blisk;
+use wheel::nurbs_wall::NurbsWall;
+use wheel::options::{Auto, AxisChoice, BliskOptions};
+use wheel::sections::read_sections_file;
 
 /// Prints what was found in the mesh of `arguments`.
 pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow::Result<Answer> {

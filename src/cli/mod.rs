@@ -34,13 +34,14 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::app::{Opening, run_window};
-use crate::export::choice::Channels;
-use crate::feed::pose::Axis;
-use crate::feed::strategy::Strategy;
-use crate::mesh_io::{ImportOptions, Imported, Units, import_file};
-use crate::render::colour::Theme;
-use crate::views::NamedView;
+use crate::shell::run::Opening;
+use crate::shell::startup::run_window;
+use crate::widgets::camera::NamedView;
+use crate::workspaces::blisk::document::choice::Channels;
+use ::render::colour::Theme;
+use feed::pose::Axis;
+use feed::strategy::Strategy;
+use import::{ImportOptions, Imported, Units, import_file};
 use task::{Cancel, Progress};
 
 /// Plans, verifies and exports EDM electrode feed paths for shrouded blisks.

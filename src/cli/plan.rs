@@ -3,19 +3,19 @@
 use std::path::Path;
 
 use super::{Answer, Session};
-use crate::blisk::electrode::Sizing;
-use crate::blisk::parametric::{MeshResolution, ParametricBlisk};
-use crate::export::post::Post;
-use crate::export::report::{InputFile, Report};
-use crate::jobs::auto_size::sized;
-use crate::jobs::finish::finish_as_far_as_possible;
-use crate::jobs::plan::{PlanInputs, PlanOutcome, prepare, run_prepared};
-use crate::jobs::plan_files;
-use crate::jobs::prepared_blisk::PreparedBlisk;
-use crate::jobs::stages::input_file;
-use crate::mesh_io::Units;
-use crate::project::PlanJob;
+use crate::workspaces::blisk::document::job_file::PlanJob;
+use crate::workspaces::blisk::export;
+use crate::workspaces::blisk::job::auto_size::sized;
+use crate::workspaces::blisk::job::finish::finish_as_far_as_possible;
+use crate::workspaces::blisk::job::plan::{PlanInputs, PlanOutcome, prepare, run_prepared};
+use crate::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
+use crate::workspaces::blisk::job::stages::input_file;
+use crate::workspaces::blisk::report::{InputFile, Report};
+use import::Units;
+use nc::post::Post;
 use task::Cancel;
+use wheel::electrode::Sizing;
+use wheel::parametric::{MeshResolution, ParametricBlisk};
 
 /// Plans the job in the file `job_file` and writes its results into `out`.
 pub(super) fn plan(job_file: &Path, out: &Path, session: &Session) -> anyhow::Result<Answer> {
@@ -67,14 +67,14 @@ pub(super) fn demo(out: &Path, session: &Session) -> anyhow::Result<Answer> {
 fn finish(inputs: PlanInputs, files: Vec<InputFile>, out: &Path, session: &Session) -> anyhow::Result<Answer> {
     // What would stop the results should be found out before the work.
     Post::named(&inputs.job.export.post)?;
-    plan_files::prepare(out)?;
+    export::prepare(out)?;
     let Session { progress, cancel, .. } = session;
     let (prepared, inputs) = ready(inputs, session)?;
     let outcome = run_prepared(&prepared, &inputs, &|_, _, _| (), progress, cancel)?;
     let stopped = finish_as_far_as_possible(&outcome, &inputs, prepared.blisk(), progress, cancel)?.stopped;
     // What was certified before the work was stopped is written all the same.
     let writing = if stopped.is_some() { &Cancel::default() } else { cancel };
-    let (report, written) = plan_files::export(out, &outcome, &inputs, files, progress, writing)?;
+    let (report, written) = export::export(out, &outcome, &inputs, files, progress, writing)?;
     super::terminal::finish();
     if session.json {
         say!("{}", report.json()?);

@@ -4,20 +4,24 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::{Answer, RenderArguments, Session};
-use crate::blisk::electrode::Electrode;
-use crate::export::files::write_atomically;
-use crate::jobs::plan::{PlanInputs, run_prepared};
-use crate::jobs::stages::{self, FoundChannel, Part};
-use crate::project::{PlanJob, ProjectFile};
-use crate::render::camera::Camera;
-use crate::render::colour::Theme;
-use crate::render::mesh::RenderMesh;
-use crate::render::offscreen::Offscreen;
-use crate::render::scene::{Grid, Object, ObjectId, Scene};
-use crate::render::view::StandardView;
-use crate::views::{
-    FINE, Layer, Layers, NamedView, SceneInputs, Track, build, into_channel, mesh_colour, standard, swept_shape,
-};
+use crate::widgets::camera::{NamedView, into_channel, standard};
+use crate::widgets::colours::mesh_colour;
+use crate::workspaces::blisk::document::job_file::PlanJob;
+use crate::workspaces::blisk::document::project_file::ProjectFile;
+use crate::workspaces::blisk::job::plan::{PlanInputs, run_prepared};
+use crate::workspaces::blisk::job::stages;
+use crate::workspaces::blisk::job::stages::{FoundChannel, Part};
+use crate::workspaces::blisk::scene::sweep::{FINE, swept_shape};
+use crate::workspaces::blisk::scene::track::Track;
+use crate::workspaces::blisk::scene::{Layer, Layers, SceneInputs, build};
+use files::whole_file::write_atomically;
+use render::camera::Camera;
+use render::colour::Theme;
+use render::mesh::RenderMesh;
+use render::offscreen::Offscreen;
+use render::scene::{Grid, Object, ObjectId, Scene};
+use render::view::StandardView;
+use wheel::electrode::Electrode;
 
 /// Fewest and most pixels along a side.
 const SIDES: [u32; 2] = [16, 8192];

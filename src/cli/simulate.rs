@@ -5,10 +5,10 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::{Answer, Session};
-use crate::export::choice::Channels;
-use crate::export::files::write_atomically;
-use crate::export::simulation_report::SimulationReport;
-use crate::jobs::plan::{PlanOutcome, run_finished};
+use crate::workspaces::blisk::document::choice::Channels;
+use crate::workspaces::blisk::job::plan::{PlanOutcome, run_finished};
+use crate::workspaces::blisk::report::simulation::SimulationReport;
+use files::whole_file::write_atomically;
 
 /// What `simulation.json` holds.
 #[derive(Serialize)]
@@ -67,7 +67,7 @@ pub(super) fn simulate(
 }
 
 fn answers(outcome: &PlanOutcome) -> Answers {
-    let answer = |(i, e): (usize, &crate::jobs::plan::ElectrodeOutcome)| ElectrodeAnswer {
+    let answer = |(i, e): (usize, &crate::workspaces::blisk::job::plan::ElectrodeOutcome)| ElectrodeAnswer {
         index: i + 1,
         path: format!("Electrode {} {}.", i + 1, e.plan.verdict(&outcome.channel)),
         simulation: outcome.simulation(i).map(|s| SimulationReport::of(s)),

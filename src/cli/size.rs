@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::{Answer, Session};
-use crate::jobs::plan::prepare;
-use crate::jobs::sizing::{SizeRow, SizingRange, size as size_job};
+use crate::workspaces::blisk::job::plan::prepare;
+use crate::workspaces::blisk::job::sizing::{SizeRow, SizingRange, size as size_job};
 
 /// Sizes the electrodes of the job in the file `job_file` for up to `parts` parts and prints the table.
 pub(super) fn size(job_file: &Path, parts: usize, session: &Session) -> anyhow::Result<Answer> {

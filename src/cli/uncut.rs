@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::{Answer, Session, unit};
-use crate::export::files::write_atomically;
-use crate::export::uncut_ply::surface_as_ply;
-use crate::jobs::uncut::{UncutParams, uncut as find_uncut};
-use crate::jobs::uncut_report::UncutReport;
-use crate::mesh_io::Units;
-use crate::mold::cutter::{Cutter, CutterLibrary};
-use crate::mold::opening::Opening;
-use crate::project::cutter_file::{read_cutters, standard_cutters};
+use crate::workspaces::mold::document::cutter_file::{read_cutters, standard_cutters};
+use crate::workspaces::mold::job::uncut::{UncutParams, uncut as find_uncut};
+use crate::workspaces::mold::report::uncut::UncutReport;
+use crate::workspaces::mold::report::uncut_ply::surface_as_ply;
+use files::whole_file::write_atomically;
+use import::Units;
+use mold::cutter::{Cutter, CutterLibrary};
+use mold::opening::Opening;
 
 /// A mold and the cutters that mill it.
 #[derive(Debug, Args)]

@@ -5,20 +5,20 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 
 use super::{Answer, Session, VerifyArguments};
-use crate::blisk::channel::{Channel, Surface};
-use crate::blisk::find_channel::find_channel;
-use crate::blisk::options::BliskOptions;
-use crate::blisk::surface_finder::SurfaceFinder;
-use crate::export::files::write_atomically;
-use crate::export::path_csv::read_path_csv;
-use crate::export::verify_report::{VerifiedFile, VerifyReport};
-use crate::feed::certificate::Certificate;
-use crate::feed::machine::TravelLimits;
-use crate::feed::path::FeedPath;
-use crate::feed::pose::Axis;
-use crate::feed::verify::{Verifier, VerifyOptions};
-use crate::geometry::mesh::Mesh;
-use crate::mesh_io::Units;
+use crate::workspaces::blisk::report::verify::{VerifiedFile, VerifyReport};
+use feed::certificate::Certificate;
+use feed::machine::TravelLimits;
+use feed::path::FeedPath;
+use feed::pose::Axis;
+use feed::verify::{Verifier, VerifyOptions};
+use files::whole_file::write_atomically;
+use geometry::mesh::Mesh;
+use import::Units;
+use nc::path_csv::read_path_csv;
+use wheel::channel::{Channel, Surface};
+use wheel::find_channel::find_channel;
+use wheel::options::BliskOptions;
+use wheel::surface_finder::SurfaceFinder;
 
 /// Said where a path does not hold for the electrode as it is given, but does for one that stands in the path's frame.
 const IN_W: &str = " The electrode's file is in W, the frame of the path, but has to be in the coordinates of the \

@@ -1,8 +1,8 @@
 //! Electrodes from the command line.
 
+use geometry::mesh::Mesh;
 use glam::DVec3;
-use sparkpath::geometry::mesh::Mesh;
-use sparkpath::mesh_io::write_stl;
+use import::write_stl;
 
 use super::uncut::pocket;
 use super::{sparkpath, text};

@@ -2,17 +2,17 @@
 
 use std::path::Path;
 
+use flank::params::Objective;
+use flank::ruled_surface::Side;
+use geometry::mesh::Mesh;
 use glam::DVec3;
-use sparkpath::flank::params::Objective;
-use sparkpath::flank::ruled_surface::Side;
-use sparkpath::geometry::mesh::Mesh;
-use sparkpath::mesh_io::{Units, write_stl};
-use sparkpath::mold::cutter::{Cutter, CutterLibrary};
-use sparkpath::project::MoldParams;
-use sparkpath::project::flank_file::{read_flank, write_flank};
-use sparkpath::project::flank_override::FlankOverride;
-use sparkpath::project::flank_params::{CutDirection, FlankDocument, FlankSource, WallsFile};
-use sparkpath::project::mold_file::write_mold;
+use import::{Units, write_stl};
+use mold::cutter::{Cutter, CutterLibrary};
+use sparkpath::workspaces::flank::document::flank_file::{read_flank, write_flank};
+use sparkpath::workspaces::flank::document::overrides::FlankOverride;
+use sparkpath::workspaces::flank::document::{CutDirection, FlankDocument, FlankSource, WallsFile};
+use sparkpath::workspaces::mold::document::MoldParams;
+use sparkpath::workspaces::mold::document::mold_file::write_mold;
 
 use super::uncut::pocket;
 use super::{sparkpath, sparkpath_with, text};
@@ -211,7 +211,11 @@ fn a_users_own_machine_and_what_is_said_beside_a_file_are_taken() {
     let folder = tempfile::tempdir().unwrap();
     let settings = folder.path().join("sparkpath");
     std::fs::create_dir(&settings).unwrap();
-    let own = sparkpath::project::milling_machine_file::STANDARD_FILE.replacen("trunnion-ac", "my-mill", 1);
+    let own = sparkpath::workspaces::flank::document::milling_machine_file::STANDARD_FILE.replacen(
+        "trunnion-ac",
+        "my-mill",
+        1,
+    );
     file(&settings, "milling_machines.toml", &own);
     let save = folder.path().join("a.sparkflank");
     let save = save.to_str().unwrap();
@@ -246,7 +250,7 @@ fn a_users_own_machine_and_what_is_said_beside_a_file_are_taken() {
     let milling = read_flank(Path::new(save)).unwrap().milling;
     assert_eq!((milling.workpiece, milling.gauge_length_mm), (None, Some(130.0)));
     // What the post cannot say is found before anything is computed.
-    let post = sparkpath::export::flank_nc::BUILT_IN_POST.1.replacen("[[axes]]\naxis = \"c\"\nword = \"C\"\n", "", 1);
+    let post = nc::flank_program::BUILT_IN_POST.1.replacen("[[axes]]\naxis = \"c\"\nword = \"C\"\n", "", 1);
     let post = file(folder.path(), "no_c.toml", &post);
     let (code, _, said) = run(&["--demo", "a", "--post", &post]);
     assert!(code == Some(2) && said.contains("axis C"), "{said}");

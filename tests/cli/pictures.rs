@@ -44,9 +44,9 @@ pub fn meshes_are_drawn_in_the_size_asked_for_and_each_in_its_own_colour() {
 fn a_project_is_drawn_in_its_final_pose_and_at_a_node() {
     let folder = tempfile::tempdir().unwrap();
     let file = job(folder.path(), COMES_OUT);
-    let job = sparkpath::project::PlanJob::read(Path::new(&file)).unwrap();
+    let job = sparkpath::workspaces::blisk::document::job_file::PlanJob::read(Path::new(&file)).unwrap();
     let project = folder.path().join("a.sparkpath");
-    sparkpath::project::Document::new(job).save_as(&project).unwrap();
+    sparkpath::workspaces::blisk::document::Document::new(job).save_as(&project).unwrap();
     let png = folder.path().join("a.png");
     let draw = |rest: &[&str]| {
         let files = ["render", project.to_str().unwrap(), "--png", png.to_str().unwrap(), "--size", "400x260"];

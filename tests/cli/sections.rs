@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use sparkpath::blisk::find_channel::find_channel;
-use sparkpath::blisk::options::BliskOptions;
 use task::{Cancel, Progress};
+use wheel::find_channel::find_channel;
+use wheel::options::BliskOptions;
 
 use super::{easy_blisk, mesh, part, sparkpath, text};
 

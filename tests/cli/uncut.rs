@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
+use geometry::mesh::Mesh;
 use glam::DVec3;
-use sparkpath::geometry::mesh::Mesh;
-use sparkpath::mesh_io::write_stl;
+use import::write_stl;
 
 use super::{sparkpath, text};
 

@@ -1,7 +1,7 @@
 //! Parts that several journeys share.
 
-use sparkpath::blisk::parametric::{MeshResolution, ParametricBlisk};
-use sparkpath::geometry::mesh::Mesh;
+use geometry::mesh::Mesh;
+use wheel::parametric::{MeshResolution, ParametricBlisk};
 
 /// A blisk with wide channels of little turning, so that small populations do.
 pub fn easy_blisk() -> ParametricBlisk {

@@ -2,14 +2,15 @@
 
 use std::sync::OnceLock;
 
-use sparkpath::feed::axis_curve::CurveKind;
-use sparkpath::feed::jam::JamCause;
-use sparkpath::feed::pose::Pose;
-use sparkpath::feed::search::Strategy;
-use sparkpath::geometry::exact::ExactMesh;
-use sparkpath::jobs::plan::{PlanInputs, PlanOutcome, kept, replay};
-use sparkpath::jobs::plan_report::report;
-use sparkpath::project::{KeptPlan, PlanJob};
+use feed::axis_curve::CurveKind;
+use feed::jam::JamCause;
+use feed::pose::Pose;
+use feed::search::Strategy;
+use geometry::exact::ExactMesh;
+use sparkpath::workspaces::blisk::document::job_file::PlanJob;
+use sparkpath::workspaces::blisk::document::kept_plan::KeptPlan;
+use sparkpath::workspaces::blisk::job::plan::{PlanInputs, PlanOutcome, kept, replay};
+use sparkpath::workspaces::blisk::report::build::report;
 use task::{Cancel, Progress};
 
 use super::{curved_blisk, easy_blisk, easy_job, mesh, plan, plan_easy, threads};

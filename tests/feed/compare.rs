@@ -2,13 +2,13 @@
 
 use std::sync::Mutex;
 
-use sparkpath::export::comparison::{Comparison, Run};
-use sparkpath::export::report::Smoothness;
-use sparkpath::feed::pose::Axis;
-use sparkpath::feed::strategy::Strategy;
-use sparkpath::jobs::compare::{compare, comparison};
-use sparkpath::jobs::plan::{PlanInputs, PlanJobError, prepare, run_prepared};
-use sparkpath::jobs::prepared_blisk::PreparedBlisk;
+use feed::pose::Axis;
+use feed::strategy::Strategy;
+use sparkpath::workspaces::blisk::job::compare::{compare, comparison};
+use sparkpath::workspaces::blisk::job::plan::{PlanInputs, PlanJobError, prepare, run_prepared};
+use sparkpath::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
+use sparkpath::workspaces::blisk::report::Smoothness;
+use sparkpath::workspaces::blisk::report::comparison::{Comparison, Run};
 use task::{Cancel, Progress};
 
 use crate::common::{easy_blisk, mesh};

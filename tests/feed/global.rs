@@ -3,11 +3,11 @@
 use std::sync::OnceLock;
 
 use super::*;
-use sparkpath::feed::jam::JamCause;
-use sparkpath::feed::search::Strategy;
-use sparkpath::jobs::live::live_way;
-use sparkpath::jobs::plan::{ElectrodeOutcome, run_prepared};
-use sparkpath::jobs::sizing::{SizingRange, size};
+use feed::jam::JamCause;
+use feed::search::Strategy;
+use sparkpath::workspaces::blisk::job::plan::{ElectrodeOutcome, run_prepared};
+use sparkpath::workspaces::blisk::job::preview::live_way;
+use sparkpath::workspaces::blisk::job::sizing::{SizingRange, size};
 
 fn job_with(strategy: Strategy, reduction_deg: f64) -> PlanJob {
     let mut job = easy_job();
@@ -69,7 +69,7 @@ fn it_is_at_least_twice_as_smooth_as_free_travel() {
     let path = |outcome: &PlanOutcome| only(outcome).plan.path.clone().expect("it comes out");
     let (free, global) = (path(&free), path(global_plan()));
     for axis in [Axis::Y, Axis::Z, Axis::A, Axis::C] {
-        let of = |p: &sparkpath::feed::plan::PlannedPath| p.smoothness[axis as usize].max_second_difference;
+        let of = |p: &feed::plan::PlannedPath| p.smoothness[axis as usize].max_second_difference;
         assert!(2.0 * of(&global) <= of(&free), "{axis:?}: {} against {}", of(&global), of(&free));
     }
 }
@@ -126,7 +126,8 @@ fn sizes_are_certified_and_what_is_sized_is_what_a_plan_makes() {
     let plan = run_feeds(ready(), &inputs, &Progress::silent(), &Cancel::default()).unwrap();
     assert!(plan.is_verified());
     assert_eq!(only(&plan).electrode.least_thickness_mm, row.least_thickness_mm);
-    let thicker = |r: &sparkpath::jobs::sizing::SizeRow| r.least_thickness_mm >= row.least_thickness_mm;
+    let thicker =
+        |r: &sparkpath::workspaces::blisk::job::sizing::SizeRow| r.least_thickness_mm >= row.least_thickness_mm;
     assert!(rows.iter().filter(|r| r.reduction_deg[0] != r.reduction_deg[1]).all(thicker), "{rows:?}");
 }
 

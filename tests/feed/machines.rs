@@ -2,15 +2,17 @@
 
 use super::common::{easy_blisk, mesh};
 use super::{easy_job, plan};
-use sparkpath::blisk::parametric::ParametricBlisk;
-use sparkpath::feed::machine::MachineParams;
-use sparkpath::feed::search::Strategy;
-use sparkpath::feed::simulation::{Scenario, Simulation, SimulationOptions, simulate};
-use sparkpath::geometry::mesh::Mesh;
-use sparkpath::jobs::plan::{PlanOutcome, kept};
-use sparkpath::project::machine_file::{BUILT_IN, machine_table, read_machine};
-use sparkpath::project::{KeptPlan, PlanJob, ProjectFile};
+use feed::machine::MachineParams;
+use feed::search::Strategy;
+use feed::simulation::{Scenario, Simulation, SimulationOptions, simulate};
+use geometry::mesh::Mesh;
+use sparkpath::workspaces::blisk::document::job_file::PlanJob;
+use sparkpath::workspaces::blisk::document::kept_plan::KeptPlan;
+use sparkpath::workspaces::blisk::document::machine_file::{BUILT_IN, machine_table, read_machine};
+use sparkpath::workspaces::blisk::document::project_file::ProjectFile;
+use sparkpath::workspaces::blisk::job::plan::{PlanOutcome, kept};
 use task::{Cancel, Progress};
+use wheel::parametric::ParametricBlisk;
 
 fn machine(name: &str) -> MachineParams {
     let params: MachineParams = toml::Value::Table(machine_table(name).unwrap()).try_into().unwrap();

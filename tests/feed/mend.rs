@@ -2,19 +2,19 @@
 
 use std::sync::Arc;
 
-use sparkpath::feed::clearance::{Bodies, ClearanceModel, SamplesOf};
-use sparkpath::feed::interpolation::AxisCurves;
-use sparkpath::feed::objective::Objective;
-use sparkpath::feed::outside::Outside;
-use sparkpath::feed::plan::PlanningSpace;
-use sparkpath::feed::pose::{Axis, Pose};
-use sparkpath::feed::probes::{Demand, Turns};
-use sparkpath::feed::samples::{SampleSpacing, sample_electrode};
-use sparkpath::feed::search::{Node, SearchProblem};
-use sparkpath::feed::verify::Verifier;
-use sparkpath::geometry::distance_field::DistanceField;
-use sparkpath::geometry::exact::ExactMesh;
-use sparkpath::geometry::spline::EndCondition;
+use feed::clearance::{Bodies, ClearanceModel, SamplesOf};
+use feed::interpolation::AxisCurves;
+use feed::objective::Objective;
+use feed::outside::Outside;
+use feed::plan::PlanningSpace;
+use feed::pose::{Axis, Pose};
+use feed::probes::{Demand, Turns};
+use feed::samples::{SampleSpacing, sample_electrode};
+use feed::search::{Node, SearchProblem};
+use feed::verify::Verifier;
+use geometry::distance_field::DistanceField;
+use geometry::exact::ExactMesh;
+use geometry::spline::EndCondition;
 use task::{Cancel, Progress};
 
 use super::{easy_blisk, easy_job, easy_plan, mesh};

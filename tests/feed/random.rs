@@ -1,9 +1,9 @@
 //! Blisks at random: where the searches of the papers find a way, the global one does.
 
 use super::*;
+use feed::search::Strategy;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use sparkpath::feed::search::Strategy;
 use std::ops::Range;
 
 /// A blisk that can be made, of some 20 to 60 blades with channels of 10 to 20 mm depth.

@@ -1,11 +1,12 @@
 //! A kept plan is taken up only if the job can have had it.
 
-use sparkpath::blisk::electrode::EntrySide;
-use sparkpath::feed::search::Node;
-use sparkpath::geometry::exact::ExactMesh;
-use sparkpath::jobs::plan::{PlanInputs, PlanJobError, PlanOutcome, kept, replay, run};
-use sparkpath::project::{KeptElectrode, KeptPlan, PlanJob};
+use feed::search::Node;
+use geometry::exact::ExactMesh;
+use sparkpath::workspaces::blisk::document::job_file::PlanJob;
+use sparkpath::workspaces::blisk::document::kept_plan::{KeptElectrode, KeptPlan};
+use sparkpath::workspaces::blisk::job::plan::{PlanInputs, PlanJobError, PlanOutcome, kept, replay, run};
 use task::{Cancel, Progress};
+use wheel::electrode::EntrySide;
 
 use super::{easy_blisk, easy_job, easy_plan, mesh};
 

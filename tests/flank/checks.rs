@@ -1,7 +1,7 @@
 //! What checks find, where it is, and how far decisions on it go.
 
 use super::*;
-use sparkpath::jobs::flank::LoadedSurface;
+use sparkpath::workspaces::flank::job::LoadedSurface;
 
 /// Guides of 10 mm height over an arc of `radius` (mm) from 0 to `to_deg`.
 fn upright_arc(radius: f64, to_deg: f64) -> LoadedSurface {
@@ -136,7 +136,7 @@ fn a_failing_deviation_is_placed_where_it_is_worst_against_its_own_tolerance() {
         planned.into_iter().chain([&checked.deviation, &checked.envelope.deviation])
     };
     let most = |sign: f64| {
-        let of = |d: &sparkpath::flank::deviation::Deviation| {
+        let of = |d: &flank::deviation::Deviation| {
             let [along, across] = d.grid;
             let k = (0..d.values.len()).max_by(|a, b| (sign * d.values[*a]).total_cmp(&(sign * d.values[*b]))).unwrap();
             let [u, v] = [(k / across, along), (k % across, across)].map(|(i, n)| i as f64 / (n - 1) as f64);
@@ -158,7 +158,7 @@ fn a_failing_deviation_is_placed_where_it_is_worst_against_its_own_tolerance() {
 #[test]
 fn a_tool_inside_a_wall_that_lacks_a_triangle_gouges_it() {
     let mut input = loaded(&quick());
-    let around = sparkpath::geometry::mesh::Mesh {
+    let around = geometry::mesh::Mesh {
         vertices: (0..8)
             .map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)) * 800.0 - 400.0)
             .collect(),

@@ -1,8 +1,8 @@
 //! Mesh files made of a mesh, and the short ways to import them.
 
+use geometry::mesh::Mesh;
 use glam::DVec3;
-use sparkpath::geometry::mesh::Mesh;
-use sparkpath::mesh_io::{Format, ImportError, ImportOptions, Imported, Units, import_bytes};
+use import::{Format, ImportError, ImportOptions, Imported, Units, import_bytes};
 use task::{Cancel, Progress};
 
 /// The box `[0, size]` with outward triangles.

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use geometry::mesh::Mesh;
 use glam::DVec3;
-use sparkpath::geometry::mesh::Mesh;
-use sparkpath::mesh_io::{ImportError, ImportLimits, ImportOptions, import_bytes, import_file};
+use import::{ImportError, ImportLimits, ImportOptions, import_bytes, import_file};
 use task::{Cancel, Progress};
 
 use super::files::*;

@@ -1,9 +1,9 @@
 //! What holds for any bytes, any damage and any shape.
 
+use geometry::mesh::Mesh;
 use glam::DVec3;
+use import::{ImportLimits, ImportOptions, Units, import_bytes};
 use proptest::prelude::*;
-use sparkpath::geometry::mesh::Mesh;
-use sparkpath::mesh_io::{ImportLimits, ImportOptions, Units, import_bytes};
 use task::{Cancel, Progress};
 
 use super::files::*;

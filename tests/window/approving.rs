@@ -4,9 +4,9 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use egui::Key;
-use sparkpath::blisk::parametric::ParametricBlisk;
-use sparkpath::jobs::pipeline::{ExportWork, StageState};
-use sparkpath::project::Stage;
+use sparkpath::workspaces::blisk::document::stage::Stage;
+use sparkpath::workspaces::blisk::pipeline::{ExportWork, StageState};
+use wheel::parametric::ParametricBlisk;
 
 use crate::common::easy_blisk;
 use crate::desk::Home;

@@ -6,14 +6,15 @@ use std::time::{Duration, Instant};
 use egui::{Key, Modifiers, Role, pos2, vec2};
 use egui_kittest::kittest::{By, Queryable as _};
 use egui_kittest::{Harness, Node};
-use sparkpath::app::{Folders, Opening, SparkpathApp};
-use sparkpath::blisk::electrode::EnterSide;
-use sparkpath::blisk::parametric::ParametricBlisk;
-use sparkpath::feed::strategy::Strategy;
-use sparkpath::jobs::pipeline::StageState;
-use sparkpath::mesh_io::write_stl;
-use sparkpath::project::{PlanJob, Stage};
+use feed::strategy::Strategy;
+use import::write_stl;
+use sparkpath::shell::run::{Folders, Opening, SparkpathApp};
+use sparkpath::workspaces::blisk::document::job_file::PlanJob;
+use sparkpath::workspaces::blisk::document::stage::Stage;
+use sparkpath::workspaces::blisk::pipeline::StageState;
 use tempfile::TempDir;
+use wheel::electrode::EnterSide;
+use wheel::parametric::ParametricBlisk;
 
 use crate::common::mesh;
 

@@ -2,19 +2,21 @@
 
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::{By, Queryable as _};
+use geometry::mesh::Mesh;
+use geometry::solid::{difference, prism};
 use glam::{DVec2, DVec3};
-use sparkpath::app::{Command, Opening, Workspace};
-use sparkpath::export::burn_template::BurnSheet;
-use sparkpath::geometry::mesh::Mesh;
-use sparkpath::geometry::solid::{difference, prism};
-use sparkpath::jobs::pipeline::StageState;
-use sparkpath::mesh_io::write_stl;
-use sparkpath::mold::cutter::{Cutter, CutterLibrary};
-use sparkpath::mold::electrode::design::{Burn, ElectrodeSet};
-use sparkpath::mold::electrode::params::{Edit, Method};
-use sparkpath::project::flank_file::read_flank;
-use sparkpath::project::flank_params::FlankSource;
-use sparkpath::views::BurnOf;
+use import::write_stl;
+use mold::cutter::{Cutter, CutterLibrary};
+use mold::electrode::design::{Burn, ElectrodeSet};
+use mold::electrode::params::{Edit, Method};
+use nc::burn_template::BurnSheet;
+use sparkpath::shell::commands::Command;
+use sparkpath::shell::run::Opening;
+use sparkpath::shell::workspace::Workspace;
+use sparkpath::workspaces::blisk::pipeline::StageState;
+use sparkpath::workspaces::flank::document::FlankSource;
+use sparkpath::workspaces::flank::document::flank_file::read_flank;
+use sparkpath::workspaces::mold::scene::electrodes::BurnOf;
 
 use crate::desk::{Desk, Home};
 

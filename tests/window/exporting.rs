@@ -4,13 +4,13 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use egui::Role;
-use sparkpath::app::Opening;
-use sparkpath::export::choice::MeshFrame;
-use sparkpath::export::post::BUILT_IN;
-use sparkpath::geometry::frame::Frame;
-use sparkpath::jobs::pipeline::StageState;
-use sparkpath::mesh_io::{ImportOptions, import_file};
-use sparkpath::project::Stage;
+use geometry::frame::Frame;
+use import::{ImportOptions, import_file};
+use nc::post::BUILT_IN;
+use sparkpath::shell::run::Opening;
+use sparkpath::workspaces::blisk::document::choice::MeshFrame;
+use sparkpath::workspaces::blisk::document::stage::Stage;
+use sparkpath::workspaces::blisk::pipeline::StageState;
 use task::{Cancel, Progress};
 
 use crate::common::easy_blisk;

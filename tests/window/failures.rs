@@ -1,9 +1,9 @@
 //! What goes wrong is said where it went wrong, in words.
 
 use egui::Key;
-use sparkpath::app::Opening;
-use sparkpath::jobs::pipeline::StageState;
-use sparkpath::project::Stage;
+use sparkpath::shell::run::Opening;
+use sparkpath::workspaces::blisk::document::stage::Stage;
+use sparkpath::workspaces::blisk::pipeline::StageState;
 
 use crate::common::{curved_blisk, easy_blisk};
 use crate::desk::Home;

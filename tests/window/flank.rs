@@ -5,16 +5,18 @@ use std::time::Duration;
 
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::{By, Queryable as _};
+use flank::ruled_surface::Side;
 use glam::DVec3;
-use sparkpath::app::{FlankDesk, Opening, Workspace};
-use sparkpath::export::flank_nc::TipControl;
-use sparkpath::flank::ruled_surface::Side;
-use sparkpath::jobs::flank::LoadedSurface;
-use sparkpath::jobs::flank_export::nc;
-use sparkpath::jobs::pipeline::StageState;
-use sparkpath::project::Stage;
-use sparkpath::project::flank_file::{read_flank, write_flank};
-use sparkpath::project::flank_params::{FlankDocument, FlankSource, GuideSource, PathChoice};
+use nc::flank_program::TipControl;
+use sparkpath::shell::run::Opening;
+use sparkpath::shell::workspace::Workspace;
+use sparkpath::workspaces::blisk::document::stage::Stage;
+use sparkpath::workspaces::blisk::pipeline::StageState;
+use sparkpath::workspaces::flank::document::flank_file::{read_flank, write_flank};
+use sparkpath::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, PathChoice};
+use sparkpath::workspaces::flank::export::nc;
+use sparkpath::workspaces::flank::job::LoadedSurface;
+use sparkpath::workspaces::flank::panels::FlankDesk;
 
 use crate::common::easy_blisk;
 use crate::desk::{Desk, Home};

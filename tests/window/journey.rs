@@ -4,10 +4,11 @@ use egui::accesskit::Toggled;
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::{AccessKitNode, By, Queryable as _};
 use glam::DVec3;
-use sparkpath::app::{Opening, ThemeChoice};
-use sparkpath::jobs::pipeline::StageState;
-use sparkpath::project::Stage;
-use sparkpath::views::{Layer, layer_id};
+use sparkpath::shell::preferences::ThemeChoice;
+use sparkpath::shell::run::Opening;
+use sparkpath::workspaces::blisk::document::stage::Stage;
+use sparkpath::workspaces::blisk::pipeline::StageState;
+use sparkpath::workspaces::blisk::scene::{Layer, layer_id};
 
 use crate::common::easy_blisk;
 use crate::desk::{Desk, Home, holds};

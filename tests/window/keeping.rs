@@ -2,11 +2,11 @@
 
 use egui::{Key, Role};
 use egui_kittest::kittest::{By, Queryable as _};
-use sparkpath::app::Opening;
-use sparkpath::blisk::electrode::EnterSide;
-use sparkpath::feed::strategy::Strategy;
-use sparkpath::jobs::pipeline::StageState;
-use sparkpath::project::Stage;
+use feed::strategy::Strategy;
+use sparkpath::shell::run::Opening;
+use sparkpath::workspaces::blisk::document::stage::Stage;
+use sparkpath::workspaces::blisk::pipeline::StageState;
+use wheel::electrode::EnterSide;
 
 use crate::common::easy_blisk;
 use crate::desk::{Desk, Home};
@@ -100,7 +100,7 @@ fn sizes_are_of_the_parameters_that_they_were_found_with() {
     let home = Home::new();
     let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
     desk.until_idle();
-    let edit = |desk: &mut Desk, change: &dyn Fn(&mut sparkpath::project::PlanJob)| {
+    let edit = |desk: &mut Desk, change: &dyn Fn(&mut sparkpath::workspaces::blisk::document::job_file::PlanJob)| {
         let core = desk.window.state_mut().core_mut();
         let mut job = core.document.job().clone();
         change(&mut job);

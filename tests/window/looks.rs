@@ -4,10 +4,12 @@ use std::time::Duration;
 
 use egui::{Key, Role};
 use egui_kittest::SnapshotOptions;
-use sparkpath::app::{Opening, ThemeChoice};
-use sparkpath::jobs::pipeline::StageState;
-use sparkpath::project::{PlanJob, Stage};
-use sparkpath::views::Layer;
+use sparkpath::shell::preferences::ThemeChoice;
+use sparkpath::shell::run::Opening;
+use sparkpath::workspaces::blisk::document::job_file::PlanJob;
+use sparkpath::workspaces::blisk::document::stage::Stage;
+use sparkpath::workspaces::blisk::pipeline::StageState;
+use sparkpath::workspaces::blisk::scene::Layer;
 
 use crate::common::{curved_blisk, easy_blisk};
 use crate::desk::{Desk, Home, quick};

@@ -2,13 +2,14 @@
 
 use egui::Key;
 use egui_kittest::kittest::Queryable as _;
+use feed::simulation::Phase;
 use glam::DVec3;
-use sparkpath::app::{Opening, ThemeChoice};
-use sparkpath::feed::simulation::Phase;
-use sparkpath::jobs::pipeline::StageState;
-use sparkpath::project::Stage;
-use sparkpath::render::scene::Object;
-use sparkpath::views::{Layer, layer_of};
+use render::scene::Object;
+use sparkpath::shell::preferences::ThemeChoice;
+use sparkpath::shell::run::Opening;
+use sparkpath::workspaces::blisk::document::stage::Stage;
+use sparkpath::workspaces::blisk::pipeline::StageState;
+use sparkpath::workspaces::blisk::scene::{Layer, layer_of};
 
 use crate::common::easy_blisk;
 use crate::desk::{Desk, Home, quick};

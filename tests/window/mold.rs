@@ -6,12 +6,13 @@ use std::sync::Arc;
 
 use egui::{Key, Modifiers, Role, vec2};
 use egui_kittest::kittest::{By, Queryable as _};
+use geometry::mesh::Mesh;
 use glam::DVec3;
-use sparkpath::app::{MoldDesk, Opening};
-use sparkpath::geometry::mesh::Mesh;
-use sparkpath::jobs::pipeline::StageState;
-use sparkpath::mesh_io::{Units, write_stl};
-use sparkpath::mold::cutter::{Cutter, CutterLibrary};
+use import::{Units, write_stl};
+use mold::cutter::{Cutter, CutterLibrary};
+use sparkpath::shell::run::Opening;
+use sparkpath::workspaces::blisk::pipeline::StageState;
+use sparkpath::workspaces::mold::panels::MoldDesk;
 
 use crate::desk::{Desk, Home};
 
@@ -321,7 +322,7 @@ fn a_mold_is_saved_and_dropped_on_either_workspace() {
     app.open(&home.path("mine.sparkmold"));
     desk.until_loaded();
     assert!(
-        desk.app().core().workspace == sparkpath::app::Workspace::Mold
+        desk.app().core().workspace == sparkpath::shell::workspace::Workspace::Mold
             && desk.mold().params == saved
             && desk.mold().name() == "mine"
     );

@@ -5,8 +5,11 @@ use std::time::Duration;
 
 use eframe::App as _;
 use egui::{Key, Modifiers};
-use sparkpath::app::Opening;
-use sparkpath::project::{Document, MoldParams, ProjectFile, Recovered, Recovery};
+use sparkpath::shell::autosave::{Recovered, Recovery};
+use sparkpath::shell::run::Opening;
+use sparkpath::workspaces::blisk::document::Document;
+use sparkpath::workspaces::blisk::document::project_file::ProjectFile;
+use sparkpath::workspaces::mold::document::MoldParams;
 
 use crate::desk::{Desk, Home, holds};
 

@@ -1,0 +1,106 @@
+//! Where a search of the global strategy may stand, and where it may go from there.
+
+use crate::clearance::{ClearanceModel, Shortfall};
+use crate::climb::Ascent;
+use crate::pose::Pose;
+use crate::probes::Demand;
+use crate::search::SearchProblem;
+
+/// Distance between the points that lead the search (mm).
+pub(super) const COARSE: f64 = 0.6;
+
+/// The fields of a problem as a search looks at them: led by some of the probes and judged by all.
+pub(super) struct Ground<'a> {
+    pub(super) problem: &'a SearchProblem<'a>,
+    /// Some of the problem's probes, which lead the search.
+    coarse: ClearanceModel<'a>,
+    /// Clearance beyond what is asked for, up to which more counts as better (mm).
+    pub(super) room: f64,
+    /// Steps of ascent for each pose.
+    ascent: usize,
+}
+
+/// A place where an electrode might stand.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    /// Withdrawn distance (mm).
+    pub(super) s: f64,
+    /// The pose.
+    pub(super) pose: Pose,
+    /// Room beyond what is asked for (mm); near the final pose in proportion to what space may have opened.
+    pub(super) room: f64,
+    /// Clearance that it lacks (mm).
+    pub(super) lack: f64,
+    /// What it is nearest to, if that is nearer than all the room that counts.
+    pub(super) worst: Option<Shortfall>,
+}
+
+impl<'a> Ground<'a> {
+    /// Distance withdrawn at which all the room that counts may have opened (mm).
+    const OPEN: f64 = 4.0;
+    /// Steps of ascent for each pose, and those of a quick look.
+    const ASCENT: [usize; 2] = [12, 8];
+    /// Steps that all probes take part in, where some of them did not tell enough.
+    const TOUCH: usize = 4;
+    /// Clearance that may be missing by the leading probes for the others to be asked (mm).
+    const HOPELESS: f64 = 0.05;
+    /// Motion between the places where a way is tested (mm).
+    const STRIDE: f64 = 0.25;
+
+    pub(super) fn new(problem: &'a SearchProblem<'a>, room: f64) -> Self {
+        Self { problem, coarse: problem.model.thinned(COARSE), room, ascent: Self::ASCENT[0] }
+    }
+
+    /// The same for a quick look, which is content with half the room: polishing finds the rest.
+    pub(super) fn quick(problem: &'a SearchProblem<'a>, room: f64) -> Self {
+        Self { ascent: Self::ASCENT[1], ..Self::new(problem, 0.5 * room) }
+    }
+
+    /// The final pose, which is given.
+    pub(super) fn origin(&self) -> Place {
+        Place { s: 0.0, pose: Pose::FINAL, room: self.room, lack: 0.0, worst: None }
+    }
+
+    /// The place with most room near `start`.
+    pub(super) fn roomiest_near(&self, start: Pose, s: f64) -> Place {
+        // Near the final pose there cannot be much room: it is taken in proportion to what space may have opened.
+        let opened = (s / Self::OPEN).min(1.0);
+        let wide = self.room * opened;
+        let ascent = self.ascended(start, s, &Demand { room: wide, ..self.problem.narrow() });
+        let (room, lack) = ((wide - ascent.lack) / opened, (ascent.lack - wide).max(0.0));
+        Place { s, pose: ascent.pose, room, lack, worst: ascent.worst }
+    }
+
+    fn ascended(&self, start: Pose, s: f64, demand: &Demand) -> Ascent {
+        let (at, axes) = ((s, self.problem.turns), self.problem.free_axes());
+        let led = self.coarse.ascend(start, at, demand, axes, self.ascent);
+        if led.lack > demand.room + Self::HOPELESS {
+            return led;
+        }
+        let touch = |lack: f64| if lack > demand.room { Self::TOUCH } else { 0 };
+        self.problem.model.ascend_from(led.pose, at, demand, axes, touch)
+    }
+
+    /// Whether the electrode can stand there.
+    pub(super) fn is_free(&self, place: &Place) -> bool {
+        place.lack == 0.0 && self.problem.travel.beyond(&place.pose).is_none()
+    }
+
+    /// Whether the straight motion from one withdrawn distance and pose to another is free.
+    pub(super) fn joins(&self, (from_s, from): (f64, &Pose), (to_s, to): (f64, &Pose)) -> bool {
+        let strides = self.motion_between(from, to) / Self::STRIDE;
+        let parts = strides.ceil().clamp(2.0, 24.0) as usize;
+        let between = self.problem.between();
+        let mut lookout = self.coarse.lookout();
+        (1..parts).all(|i| {
+            let t = i as f64 / parts as f64;
+            let s = from_s + (to_s - from_s) * t;
+            self.coarse.stays_free(&mut lookout, &from.lerp(to, t), (s, self.problem.turns), &between)
+        })
+    }
+
+    /// About how far the electrode's points move from one pose to another (mm).
+    pub(super) fn motion_between(&self, from: &Pose, to: &Pose) -> f64 {
+        self.coarse.motion_between(from, to)
+    }
+}

@@ -1,0 +1,288 @@
+//! What stock the electrodes leave in their channel, and where they cut too deep. No paper has it.
+//!
+//! Whatever comes within the spark gap of an electrode on its way is eroded. So at every point of the finished surface
+//! of the channel the deviation is the least distance to any electrode, over its whole copying motion and feed, less
+//! the spark gap: positive where stock is left of that thickness, negative where it is cut too deep. The same is asked
+//! along rays across the channel from wall to wall, which tells the volume left between the walls, such as at the
+//! junction of two parts.
+//!
+//! **Accuracy:** motions are taken as continuous, the least distance to within 2 um and the error of a distance field
+//! (5 um near the surface); where it comes within 10 um of what the certificates prove it is not searched any further.
+//! Stock thicker than some 3 mm is told as that much or more. A figure of the surface is that of points some 0.4 mm
+//! apart, and 0.05 mm where two electrodes only just meet; one of the volume that of rays 0.3 mm apart along X, and from
+//! 0.05 mm apart at hub and shroud to 0.4 mm apart between.
+//!
+//! **What counts as the channel:** between the walls, hub and shroud, over the X span of the blades. Beside it the
+//! rings are taken to be turned before. What is left between the shank and a ring is therefore not counted.
+
+mod cutter;
+mod surface;
+mod volume;
+
+#[cfg(test)]
+mod tests;
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use serde::Serialize;
+
+use super::pose::Pose;
+use cutter::{Cutter, CutterError, REACH};
+use geometry::distance_field::DistanceField;
+use geometry::exact::ExactMeshError;
+use geometry::frame::Cylindrical;
+use geometry::mesh::Mesh;
+use task::{Cancel, Cancelled, Progress};
+use wheel::channel::{Channel, Surface};
+use wheel::electrode::walls::WallTable;
+use wheel::electrode::{Electrode, Junctions};
+use wheel::surface_finder::SurfaceFinder;
+
+/// Deviations up to this are good (mm): the form accuracy that P1 measures.
+pub const TOLERANCE: f64 = 0.03;
+
+/// An electrode with all that it does.
+pub struct Burn<'a> {
+    /// The electrode.
+    pub electrode: &'a Electrode,
+    /// Its feed, in any order; empty to leave it out. The last pose of a feed is the final pose.
+    pub feed: Vec<Pose>,
+    /// Its copying motion; empty for none.
+    pub copying: Vec<Pose>,
+}
+
+/// Where the electrodes burn.
+pub struct Site<'a> {
+    /// The finished blisk in W.
+    pub blisk: &'a Mesh,
+    /// Its channel.
+    pub channel: &'a Channel,
+    /// The surfaces of the channel.
+    pub finder: &'a SurfaceFinder,
+    /// Spark gap (mm).
+    pub spark_gap: f64,
+    /// Where electrodes meet: the surface is looked at more closely there.
+    pub junctions: Junctions,
+    /// Distance to the finished surface that all the motions are proven to keep (mm); 0 if nothing is proven.
+    pub proven: f64,
+}
+
+/// A layer of stock left, or of metal cut too deep, on one surface: all that exceeds the tolerance.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Layer {
+    /// Area (mm^2).
+    pub area_mm2: f64,
+    /// Volume (mm^3).
+    pub volume_mm3: f64,
+    /// Greatest thickness (mm).
+    pub depth_mm: f64,
+    /// Where that is, in W (mm).
+    pub at: Option<DVec3>,
+    /// Whether it is thicker than can be told: further away from all electrodes than their distances are known.
+    pub or_more: bool,
+}
+
+/// What became of one surface of the channel.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SurfaceFigures {
+    /// Which one.
+    pub surface: Surface,
+    /// Its area (mm^2).
+    pub area_mm2: f64,
+    /// Stock left on it.
+    pub left: Layer,
+    /// What is cut too deep.
+    pub overcut: Layer,
+}
+
+/// What is left within the channel.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Stock {
+    /// Volume of the channel (mm^3).
+    pub channel_mm3: f64,
+    /// Volume that no electrode erodes (mm^3).
+    pub left_mm3: f64,
+    /// How deep in the stock a point is at most, from what is eroded (mm).
+    pub depth_mm: f64,
+    /// Where, in W (mm).
+    pub at: Option<DVec3>,
+}
+
+/// The finished surface of the channel with the deviation of every vertex.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DeviationMap {
+    /// The surface, in W.
+    pub mesh: Arc<Mesh>,
+    /// What each triangle is a part of.
+    pub surfaces: Vec<Surface>,
+    /// Thickness of the stock left on each vertex, negative where it is cut too deep (mm).
+    pub deviation: Arc<Vec<f32>>,
+}
+
+/// What the electrodes of a channel leave.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Leftover {
+    /// The map.
+    pub map: DeviationMap,
+    /// Figures of each surface.
+    pub surfaces: Vec<SurfaceFigures>,
+    /// Figures of the volume.
+    pub stock: Stock,
+}
+
+impl Leftover {
+    /// The surface with the thickest stock left above the tolerance, and that layer.
+    pub fn thickest(&self) -> Option<(Surface, Layer)> {
+        worst(self.surfaces.iter().map(|s| (s.surface, s.left)))
+    }
+
+    /// The surface with the deepest overcut beyond the tolerance, and that layer.
+    pub fn deepest(&self) -> Option<(Surface, Layer)> {
+        worst(self.surfaces.iter().map(|s| (s.surface, s.overcut)))
+    }
+
+    /// The answer in a sentence.
+    pub fn sentence(&self, channel: &Channel) -> String {
+        let layer = |found: Option<(Surface, Layer)>| {
+            found.map(|(surface, layer)| {
+                let more = if layer.or_more { " or more" } else { "" };
+                format!("{:.3} mm{more} on the {}", layer.depth_mm, channel.surface_name(surface))
+            })
+        };
+        let left = layer(self.thickest()).map_or("no stock is left".to_owned(), |l| format!("stock is left up to {l}"));
+        let cut = layer(self.deepest())
+            .map_or("nothing is cut too deep".to_owned(), |l| format!("it is cut up to {l} too deep"));
+        format!(
+            "Beyond {TOLERANCE:.2} mm {left}, and {cut}; {:.1} of {:.1} mm\u{b3} remain in the channel.",
+            self.stock.left_mm3, self.stock.channel_mm3
+        )
+    }
+}
+
+fn worst(layers: impl Iterator<Item = (Surface, Layer)>) -> Option<(Surface, Layer)> {
+    layers.filter(|(_, l)| l.at.is_some()).max_by(|a, b| a.1.depth_mm.total_cmp(&b.1.depth_mm))
+}
+
+/// Why it cannot be told.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum LeftoverError {
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    #[error("{0}")]
+    Cutter(CutterError),
+    #[error(transparent)]
+    Mesh(#[from] ExactMeshError),
+    #[error("the walls of the channel have fewer than 2 x 2 points")]
+    NoWalls,
+    #[error("no triangle of the blisk lies on the surfaces of the channel; look at the channel step")]
+    NoSurface,
+}
+
+impl From<CutterError> for LeftoverError {
+    fn from(error: CutterError) -> Self {
+        use geometry::distance_field::FieldError;
+        match error {
+            CutterError::Field(FieldError::Cancelled(cancelled)) => cancelled.into(),
+            other => Self::Cutter(other),
+        }
+    }
+}
+
+/// What `burns` leave of the channel. Takes some seconds.
+///
+/// # Errors
+/// If an electrode or the channel cannot be searched, or when told to stop.
+pub fn leftover(site: &Site, burns: &[Burn], progress: &Progress, cancel: &Cancel) -> Result<Leftover, LeftoverError> {
+    let progress = progress.as_stage("leftover");
+    let mut cutters = Vec::with_capacity(burns.len());
+    let [from, to] = site.channel.span_x();
+    let span = [from - 1.0, to + 1.0];
+    for burn in burns {
+        let motions = vec![[&[Pose::FINAL], &burn.copying[..]].concat(), burn.feed.clone()];
+        let electrode = burn.electrode;
+        cutters.push(Cutter::new(&electrode.mesh, electrode.reference_point, span, motions, &progress, cancel)?);
+    }
+    let removal = Removal { cutters, spark_gap: site.spark_gap };
+    let passage = Passage::new(site.channel).ok_or(LeftoverError::NoWalls)?;
+    let patch = surface::patch(site, &passage, cancel)?;
+    let deviation = surface::deviations(&patch, &removal, least_deviation(site), &progress, cancel)?;
+    let surfaces = surface::figures(&patch, &deviation, removal.most());
+    let stock = volume::stock(site.channel, &passage, &removal, &progress, cancel)?;
+    let deviation = Arc::new(deviation.into_iter().map(|d| d as f32).collect());
+    let map = DeviationMap { mesh: Arc::new(patch.mesh), surfaces: patch.surfaces, deviation };
+    Ok(Leftover { map, surfaces, stock })
+}
+
+/// A deviation that no motion can make much less (mm): what is proven, and twice the error of the field.
+fn least_deviation(site: &Site) -> f64 {
+    if site.proven > 0.0 { site.proven - site.spark_gap + 2.0 * DistanceField::ACCURACY } else { f64::NEG_INFINITY }
+}
+
+/// All electrodes together.
+struct Removal {
+    cutters: Vec<Cutter>,
+    spark_gap: f64,
+}
+
+impl Removal {
+    /// The greatest deviation that can be told (mm).
+    fn most(&self) -> f64 {
+        REACH - self.spark_gap
+    }
+
+    /// Thickness of the stock left at `p` (mm), negative where `p` is eroded; at most [`most`](Self::most). Once it is known
+    /// to be `enough` or less the rest is not looked at.
+    fn deviation(&self, p: DVec3, enough: f64) -> f64 {
+        let enough = enough + self.spark_gap;
+        let in_final_pose = self.cutters.iter().filter_map(|c| c.in_final_pose(p));
+        let mut least = in_final_pose.fold(REACH, f64::min);
+        // What costs least comes first: few points need all of it.
+        for cutter in &self.cutters {
+            if least > enough {
+                least = cutter.at_rows(p, least);
+            }
+        }
+        for cutter in &self.cutters {
+            if least > enough {
+                least = cutter.least(p, least, enough);
+            }
+        }
+        least - self.spark_gap
+    }
+}
+
+/// The room between the two walls.
+struct Passage {
+    tables: [WallTable; 2],
+    span_x: [f64; 2],
+}
+
+impl Passage {
+    fn new(channel: &Channel) -> Option<Self> {
+        let tables = [WallTable::new(&channel.low)?, WallTable::new(&channel.high)?];
+        Some(Self { tables, span_x: channel.span_x() })
+    }
+
+    /// The angles of the low and the high wall at `x` and `r` (rad).
+    fn between(&self, x: f64, r: f64) -> [f64; 2] {
+        [self.tables[0].at(x, r).theta, self.tables[1].at(x, r).theta]
+    }
+
+    /// How far a point lies from the surface across the channel that has `share` of its width on the low side, along
+    /// the circumference (mm, negative on the low side).
+    fn beyond_split(&self, p: DVec3, share: f64) -> f64 {
+        let Cylindrical { x, r, theta } = Cylindrical::from_point(p);
+        let [low, high] = self.between(x, r);
+        (theta - low - share * (high - low)) * r
+    }
+
+    /// Whether a point of the surface bounds the room, to within `slack` (mm) along the circumference.
+    fn holds(&self, p: DVec3, slack: f64) -> bool {
+        let Cylindrical { x, r, theta } = Cylindrical::from_point(p);
+        let [low, high] = self.between(x, r);
+        let [from, to] = self.span_x;
+        (from..=to).contains(&x) && (low - slack / r..=high + slack / r).contains(&theta)
+    }
+}

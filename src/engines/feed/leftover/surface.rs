@@ -1,0 +1,182 @@
+//! The finished surface of the channel, cut into small triangles, and its figures.
+
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::{Layer, LeftoverError, Passage, Removal, Site, SurfaceFigures, TOLERANCE};
+use geometry::frame::Cylindrical;
+use geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
+use task::{Cancel, Cancelled, Progress};
+use wheel::channel::Surface;
+
+/// Longest edge of a triangle of the map (mm).
+const EDGE: f64 = 0.45;
+/// The same where two electrodes meet (mm).
+const EDGE_AT_JUNCTION: f64 = 0.06;
+/// How far from their junction that is so (mm).
+const AT_JUNCTION: f64 = 0.15;
+/// How far beside the walls, along the circumference, a point may seem to be (mm): chord errors of the wall grids.
+const BESIDE: f64 = 0.1;
+/// How far a point may be from the nearest surface of the channel (mm): the middle of a fillet.
+const IN_FILLET: f64 = 0.8;
+/// Vertices between two looks at the cancel flag.
+const BATCH: usize = 64;
+
+/// The surfaces that bound a channel.
+const SURFACES: [Surface; 4] = [Surface::LowWall, Surface::HighWall, Surface::Hub, Surface::Shroud];
+
+/// The finished surface of the channel.
+pub(super) struct Patch {
+    /// Small triangles that share their vertices.
+    pub mesh: Mesh,
+    /// What each of them is a part of.
+    pub surfaces: Vec<Surface>,
+}
+
+/// The triangles of the blisk that bound the channel.
+pub(super) fn patch(site: &Site, passage: &Passage, cancel: &Cancel) -> Result<Patch, LeftoverError> {
+    let walls = site.channel.low.points.iter().chain(&site.channel.high.points).copied();
+    let around = Bounds::of(walls).grown(1.0);
+    let longest = |p: DVec3, q: DVec3| if at_junction(site, passage, p, q) { EDGE_AT_JUNCTION } else { EDGE };
+    let parts: Vec<_> = site
+        .blisk
+        .triangles
+        .par_chunks(BATCH)
+        .map(|batch| {
+            cancel.check()?;
+            let corners = batch.iter().map(|t| t.map(|v| site.blisk.vertices[v as usize]));
+            let near = corners.filter(|corners| Bounds::of(*corners).intersects(&around));
+            Ok(near
+                .flat_map(|corners| pieces(corners, &around, &longest))
+                .filter_map(|c| part(site, passage, c))
+                .collect())
+        })
+        .collect();
+    let parts: Vec<Vec<([DVec3; 3], Surface)>> = parts.into_iter().collect::<Result<_, Cancelled>>()?;
+    let (mut mesh, mut surfaces, mut known) = (Mesh::default(), Vec::new(), HashMap::new());
+    for (corners, surface) in parts.into_iter().flatten() {
+        let vertices = &mut mesh.vertices;
+        let id = |p: DVec3| {
+            // Halves of shared edges are the same to the last bit; adding zero makes -0 and 0 the same.
+            let key = (p + DVec3::ZERO).to_array().map(f64::to_bits);
+            *known.entry(key).or_insert_with(|| {
+                vertices.push(p);
+                vertices.len() as u32 - 1
+            })
+        };
+        mesh.triangles.push(corners.map(id));
+        surfaces.push(surface);
+    }
+    if mesh.triangles.is_empty() { Err(LeftoverError::NoSurface) } else { Ok(Patch { mesh, surfaces }) }
+}
+
+/// Whether an edge comes near a junction of two electrodes, or crosses it.
+fn at_junction(site: &Site, passage: &Passage, p: DVec3, q: DVec3) -> bool {
+    let near = |a: f64, b: f64| a * b <= 0.0 || a.abs().min(b.abs()) < AT_JUNCTION;
+    let planes = &site.junctions.planes;
+    let split = site.junctions.split;
+    planes.iter().any(|x| near(p.x - x, q.x - x))
+        || split.is_some_and(|s| near(passage.beyond_split(p, s), passage.beyond_split(q, s)))
+}
+
+/// A triangle halved until no edge is longer than `longest` allows between its ends, at the edge that exceeds it most,
+/// as far as it lies in `around`. Every long edge is halved at its middle, from both sides, so that neighbours share
+/// their vertices.
+fn pieces(corners: [DVec3; 3], around: &Bounds, longest: &dyn Fn(DVec3, DVec3) -> f64) -> Vec<[DVec3; 3]> {
+    let (mut open, mut small) = (vec![corners], Vec::new());
+    while let Some([a, b, c]) = open.pop() {
+        if !Bounds::of([a, b, c]).intersects(around) {
+            continue;
+        }
+        let turns = [[a, b, c], [b, c, a], [c, a, b]];
+        let excess = turns.map(|[p, q, _]| p.distance(q) / longest(p, q));
+        let most = (0..3).fold(0, |best, i| if excess[i] > excess[best] { i } else { best });
+        if excess[most] <= 1.0 {
+            small.push([a, b, c]);
+            continue;
+        }
+        let [p, q, r] = turns[most];
+        // The sum does not depend on the order of the two ends.
+        let middle = (p + q) * 0.5;
+        open.extend([[p, middle, r], [middle, q, r]]);
+    }
+    small
+}
+
+/// What a small triangle is a part of, if it bounds the channel.
+fn part(site: &Site, passage: &Passage, corners: [DVec3; 3]) -> Option<([DVec3; 3], Surface)> {
+    let center = corners.iter().sum::<DVec3>() / 3.0;
+    if !passage.holds(center, BESIDE) {
+        return None;
+    }
+    let Cylindrical { x, r, .. } = Cylindrical::from_point(center);
+    let (hub, shroud) = site.channel.radii_at(x);
+    let [low, high] = site.finder.wall_distances(center);
+    let closed = if site.channel.shrouded { (r - shroud).abs() } else { f64::INFINITY };
+    let distances = [low, high, (r - hub).abs(), closed];
+    let nearest = (0..4).fold(0, |best, i| if distances[i] < distances[best] { i } else { best });
+    (distances[nearest] <= IN_FILLET).then_some((corners, SURFACES[nearest]))
+}
+
+/// Thickness of the stock left on every vertex (mm), negative where it is cut too deep. Once it is known to be `enough`
+/// or less no more is looked for.
+pub(super) fn deviations(
+    patch: &Patch,
+    removal: &Removal,
+    enough: f64,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Vec<f64>, Cancelled> {
+    let (done, all) = (AtomicUsize::new(0), patch.mesh.vertices.len());
+    let batches: Vec<_> = patch
+        .mesh
+        .vertices
+        .par_chunks(BATCH)
+        .map(|batch| {
+            cancel.check()?;
+            let found: Vec<f64> = batch.iter().map(|&p| removal.deviation(p, enough)).collect();
+            let done = done.fetch_add(batch.len(), Ordering::Relaxed) + batch.len();
+            progress.report("leftover", 0.7 * done as f64 / all as f64, "surfaces of the channel");
+            Ok(found)
+        })
+        .collect();
+    Ok(batches.into_iter().collect::<Result<Vec<_>, Cancelled>>()?.concat())
+}
+
+/// The figures of each surface that there is: every vertex stands for a third of the triangles around it. No deviation
+/// is told that is greater than `most` (mm).
+pub(super) fn figures(patch: &Patch, deviation: &[f64], most: f64) -> Vec<SurfaceFigures> {
+    let of = |surface: Surface| {
+        let mut figures = SurfaceFigures { surface, area_mm2: 0.0, left: Layer::default(), overcut: Layer::default() };
+        let mine = patch.mesh.triangles.iter().zip(&patch.surfaces).filter(|(_, s)| **s == surface);
+        for (triangle, _) in mine {
+            let corners = triangle.map(|v| patch.mesh.vertices[v as usize]);
+            let third = normal_times_two_areas(corners).length() / 6.0;
+            figures.area_mm2 += 3.0 * third;
+            for (v, at) in triangle.iter().zip(corners) {
+                let d = deviation[*v as usize];
+                let layer = if d > 0.0 { &mut figures.left } else { &mut figures.overcut };
+                layer.add(d.abs(), third, at);
+                layer.or_more |= d >= most;
+            }
+        }
+        figures
+    };
+    SURFACES.into_iter().map(of).filter(|f| f.area_mm2 > 0.0).collect()
+}
+
+impl Layer {
+    fn add(&mut self, depth: f64, area: f64, at: DVec3) {
+        if depth <= TOLERANCE {
+            return;
+        }
+        self.area_mm2 += area;
+        self.volume_mm3 += area * depth;
+        if depth > self.depth_mm {
+            (self.depth_mm, self.at) = (depth, Some(at));
+        }
+    }
+}

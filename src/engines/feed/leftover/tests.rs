@@ -1,0 +1,290 @@
+use std::sync::{Arc, LazyLock};
+
+use super::*;
+use crate::copying::{Copying, CopyingExtent, CopyingMotion, CopyingSettings, copying_motion};
+use crate::machine::{AxisSet, MachineParams};
+use crate::verify::{Verifier, VerifyOptions};
+use geometry::exact::ExactMesh;
+use wheel::electrode::{ElectrodeParams, EntrySide, make_electrodes};
+use wheel::fixtures::exact_channel;
+use wheel::parametric::{MeshResolution, ParametricBlisk};
+
+const GAP: f64 = 0.1;
+/// Facets of blisk and electrode, the field's error and the resolution (mm).
+const ERROR: f64 = 0.015;
+
+struct Part {
+    mesh: Mesh,
+    exact: ExactMesh,
+    channel: Arc<Channel>,
+    finder: SurfaceFinder,
+}
+
+/// A blisk of little turning without fillets, finely meshed.
+static PART: LazyLock<Part> = LazyLock::new(|| {
+    let blisk = ParametricBlisk {
+        blades: 40,
+        hub_radius_mm: 90.0,
+        shroud_radius_mm: 100.0,
+        beta_in_deg: 20.0,
+        beta_out_deg: -25.0,
+        chord_mm: 14.0,
+        width_mm: 18.0,
+        ..ParametricBlisk::default()
+    };
+    let mesh = blisk.mesh(&MeshResolution { edge: 8, chord: 40, span: 6, pitch: 20, ring: 2 }).unwrap();
+    let channel = Arc::new(exact_channel(&blisk));
+    let finder = SurfaceFinder::new(channel.clone()).unwrap();
+    Part { exact: ExactMesh::new(&mesh).unwrap(), mesh, channel, finder }
+});
+
+fn site() -> Site<'static> {
+    let junctions = Junctions::default();
+    Site { blisk: &PART.mesh, channel: &PART.channel, finder: &PART.finder, spark_gap: GAP, junctions, proven: 0.0 }
+}
+
+fn unreduced() -> ElectrodeParams {
+    ElectrodeParams {
+        spark_gap_mm: GAP,
+        circumferential_reduction_deg: [0.0; 2],
+        radial_reduction_mm: 0.0,
+        ..Default::default()
+    }
+}
+
+fn make(params: &ElectrodeParams) -> Vec<Electrode> {
+    let (progress, cancel) = (Progress::silent(), Cancel::default());
+    make_electrodes(&PART.channel, &PART.exact, params, EntrySide::MinusX, &progress, &cancel).unwrap()
+}
+
+fn left_by(burns: &[Burn]) -> Leftover {
+    leftover(&site(), burns, &Progress::silent(), &Cancel::default()).unwrap()
+}
+
+fn standing(electrodes: &[Electrode]) -> Leftover {
+    let burn = |electrode| Burn { electrode, feed: Vec::new(), copying: Vec::new() };
+    left_by(&electrodes.iter().map(burn).collect::<Vec<_>>())
+}
+
+/// What electrodes that are made so leave, looked at closely where they meet.
+fn divided(params: &ElectrodeParams) -> Leftover {
+    let electrodes = make(params);
+    assert!(electrodes.iter().all(|e| e.mesh.is_watertight()) && electrodes.len() == params.count());
+    let burns: Vec<_> =
+        electrodes.iter().map(|electrode| Burn { electrode, feed: Vec::new(), copying: Vec::new() }).collect();
+    let site = Site { junctions: Junctions::of(&PART.channel, params).unwrap(), ..site() };
+    leftover(&site, &burns, &Progress::silent(), &Cancel::default()).unwrap()
+}
+
+/// Greatest deviation of the vertices near a surface that tells how far a point lies from it, away from hub, shroud
+/// and the blades' edges.
+fn ridge(found: &Leftover, surfaces: [Surface; 2], off: impl Fn(DVec3) -> f64, near: f64) -> f64 {
+    let map = &found.map;
+    let mine = map.mesh.triangles.iter().zip(&map.surfaces).filter(|(_, s)| surfaces.contains(s));
+    mine.flat_map(|(t, _)| t)
+        .map(|&v| (map.mesh.vertices[v as usize], f64::from(map.deviation[v as usize])))
+        .filter(|(p, _)| off(*p).abs() < near && (2.0..12.0).contains(&p.x))
+        .map(|(_, d)| d)
+        .fold(f64::NEG_INFINITY, f64::max)
+}
+
+#[test]
+fn burns_that_only_meet_leave_a_ridge_and_none_where_they_overlap() {
+    // Two edges, each a gap before the plane where the burns meet and a gap off the wall: the point of the wall
+    // in that plane is sqrt(2) gaps from both.
+    let left = (2f64.sqrt() - 1.0) * GAP;
+    let walls = [Surface::LowWall, Surface::HighWall];
+    let parts = |overlap_mm| ElectrodeParams { parts: 2, overlap_mm, ..unreduced() };
+    let plane = Junctions::of(&PART.channel, &parts(0.0)).unwrap().planes[0];
+    let on_wall = |p: DVec3| if (90.6..99.4).contains(&p.y.hypot(p.z)) { p.x - plane } else { f64::INFINITY };
+    let meeting = ridge(&divided(&parts(0.0)), walls, on_wall, 0.05);
+    // Where the channel is at an angle to X one of the edges is the sharper.
+    assert!((left - ERROR..1.3 * left + ERROR).contains(&meeting), "{meeting} {left}");
+    assert!(meeting > TOLERANCE);
+    let overlapping = ridge(&divided(&parts(ElectrodeParams::default().overlap_mm)), walls, on_wall, 0.8);
+    assert!(overlapping < ERROR, "{overlapping}");
+
+    let columns = |column_overlap_mm| ElectrodeParams { columns: 2, column_overlap_mm, ..unreduced() };
+    let passage = Passage::new(&PART.channel).unwrap();
+    let off = |p: DVec3| passage.beyond_split(p, 0.5);
+    let ends = [Surface::Hub, Surface::Shroud];
+    let meeting = ridge(&divided(&columns(0.0)), ends, off, 0.05);
+    assert!((left - ERROR..1.3 * left + ERROR).contains(&meeting), "{meeting} {left}");
+    let overlapping = ridge(&divided(&columns(ElectrodeParams::default().column_overlap_mm)), ends, off, 0.8);
+    assert!(overlapping < ERROR, "{overlapping}");
+}
+
+fn motion(electrode: &Electrode, params: &ElectrodeParams, axes: AxisSet) -> Copying {
+    let (verify, machine) = (VerifyOptions::default(), MachineParams { axes, ..Default::default() });
+    let settings = CopyingSettings { machine: &machine, verify: &verify, spark_gap: GAP, frame: PART.channel.frame };
+    let (progress, cancel) = (Progress::silent(), Cancel::default());
+    let verifier = Verifier::new(&PART.mesh, &electrode.mesh, electrode.reference_point, &cancel).unwrap();
+    let verifier = verifier.within(machine.limits());
+    let wanted = CopyingExtent::of(electrode, params, 0.0);
+    let surface_of = |p: DVec3| PART.finder.surface_of(p);
+    copying_motion(electrode, &verifier, wanted, &settings, &surface_of, &progress, &cancel).unwrap()
+}
+
+fn made(copying: Copying) -> CopyingMotion {
+    match copying {
+        Copying::Made(motion) => *motion,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Vertices on walls, away from hub, shroud and the blades' edges, with their deviation and whether on the low wall.
+fn on_walls(found: &Leftover) -> Vec<(DVec3, f64, bool)> {
+    let map = &found.map;
+    let mut seen = vec![None; map.mesh.vertices.len()];
+    for (triangle, surface) in map.mesh.triangles.iter().zip(&map.surfaces) {
+        triangle.iter().for_each(|&v| seen[v as usize] = Some(*surface));
+    }
+    let walls = [Surface::LowWall, Surface::HighWall];
+    (0..seen.len())
+        .filter(|&v| seen[v].is_some_and(|s| walls.contains(&s)))
+        .map(|v| (map.mesh.vertices[v], f64::from(map.deviation[v]), seen[v] == Some(Surface::LowWall)))
+        .filter(|(p, ..)| (2.0..12.0).contains(&p.x) && (90.6..99.4).contains(&p.y.hypot(p.z)))
+        .collect()
+}
+
+#[test]
+fn an_unreduced_electrode_leaves_no_more_than_the_rounding_of_corners() {
+    let found = standing(&make(&unreduced()));
+    let walls = on_walls(&found);
+    assert!(walls.len() > 500, "{}", walls.len());
+    for (p, d, _) in walls {
+        assert!(d.abs() < ERROR, "{p}: {d}");
+    }
+    // A corner of two walls at the angle phi is rounded by gap / sin(phi / 2) - gap; here phi is 60 degrees or more.
+    let thickest = found.surfaces.iter().map(|s| s.left.depth_mm).fold(0.0, f64::max);
+    assert!(thickest < GAP + ERROR, "{found:#?}", found = found.surfaces);
+    assert!(found.surfaces.iter().all(|s| s.overcut.at.is_none()), "{:?}", found.surfaces);
+    let area: f64 = found.surfaces.iter().map(|s| s.area_mm2).sum();
+    let left: f64 = found.surfaces.iter().map(|s| s.left.area_mm2).sum();
+    assert!(left < 0.06 * area, "{left} of {area} mm2: {:#?}", found.surfaces);
+    assert!(found.stock.left_mm3 < 0.005 * found.stock.channel_mm3, "{:?}", found.stock);
+}
+
+#[test]
+fn the_channel_is_measured_right() {
+    let found = standing(&make(&unreduced()));
+    let c = &PART.channel;
+    // Slices between the exact walls.
+    let (nu, nv) = (c.low.nu, c.low.nv);
+    let mut volume = 0.0;
+    for u in 1..nu {
+        for v in 1..nv {
+            let corner = |u, v| (c.low.cylindrical(u, v), c.high.cylindrical(u, v));
+            let corners = [corner(u - 1, v - 1), corner(u, v - 1), corner(u, v), corner(u - 1, v)];
+            let pitch = corners.iter().map(|(a, b)| b.theta - a.theta).sum::<f64>() / 4.0;
+            let r = corners.iter().map(|(a, _)| a.r).sum::<f64>() / 4.0;
+            let (a, b, d) = (corners[0].0, corners[1].0, corners[3].0);
+            volume += (b.x - a.x) * (d.r - a.r) * r * pitch;
+        }
+    }
+    assert!((found.stock.channel_mm3 / volume - 1.0).abs() < 0.01, "{} {volume}", found.stock.channel_mm3);
+    let hub = found.surfaces.iter().find(|s| s.surface == Surface::Hub).unwrap().area_mm2;
+    let shroud = found.surfaces.iter().find(|s| s.surface == Surface::Shroud).unwrap().area_mm2;
+    let mean = volume / 10.0;
+    assert!((0.5 * (hub + shroud) / mean - 1.0).abs() < 0.05, "{hub} {shroud} {mean}");
+}
+
+#[test]
+fn without_copying_the_walls_keep_what_the_reduction_takes() {
+    let deg = [0.2, 0.3];
+    let reduced = ElectrodeParams { circumferential_reduction_deg: deg, ..unreduced() };
+    let found = standing(&make(&reduced));
+    let mut compared = 0;
+    for (p, d, is_low) in on_walls(&found) {
+        let nearest = PART.exact.nearest(p);
+        let normal = geometry::mesh::unit_normal(PART.mesh.corners(nearest.triangle as usize));
+        let around = DVec3::X.cross(DVec3::new(0.0, p.y, p.z).normalize());
+        let turn = deg[usize::from(!is_low)].to_radians();
+        let expected = p.y.hypot(p.z) * turn * normal.dot(around).abs();
+        assert!((d / expected - 1.0).abs() < 0.02 + ERROR / expected, "{p}: {d} {expected}");
+        compared += 1;
+    }
+    assert!(compared > 500);
+    let walls = found.surfaces.iter().filter(|s| matches!(s.surface, Surface::LowWall | Surface::HighWall));
+    let layers: f64 = walls.map(|s| s.left.volume_mm3).sum();
+    // The layers on the two walls are all that is left, but for corners.
+    assert!((found.stock.left_mm3 / layers - 1.0).abs() < 0.05, "{} {layers}", found.stock.left_mm3);
+}
+
+/// Each wall's layer counts in full, also where a ray comes upon it from what is eroded.
+#[test]
+fn a_thin_layer_counts_the_same_on_either_wall() {
+    let left = |deg: [f64; 2]| {
+        let reduced = ElectrodeParams { circumferential_reduction_deg: deg, ..unreduced() };
+        standing(&make(&reduced)).stock.left_mm3
+    };
+    let nothing = left([0.0, 0.0]);
+    let [low, high] = [left([0.04, 0.0]) - nothing, left([0.0, 0.04]) - nothing];
+    // 0.04 deg at a radius of 95 mm make 0.066 mm on 14 x 10 mm of wall, measured round the axis.
+    let expected = 0.04f64.to_radians() * 95.0 * 140.0;
+    for layer in [low, high] {
+        assert!((layer / expected - 1.0).abs() < 0.12, "{low} {high} {expected}");
+    }
+}
+
+#[test]
+fn the_copying_motion_brings_every_wall_to_its_gap() {
+    let reduced =
+        ElectrodeParams { circumferential_reduction_deg: [0.8, 0.6], radial_reduction_mm: 0.4, ..unreduced() };
+    let electrodes = make(&reduced);
+    let copying = made(motion(&electrodes[0], &reduced, AxisSet::XYZAC));
+    assert!(copying.holds() && copying.is_whole(), "{copying:#?}");
+    let poses: Vec<Pose> = copying.path.rows.iter().map(|r| r.pose).collect();
+    let burn = |copying: Vec<Pose>| Burn { electrode: &electrodes[0], feed: Vec::new(), copying };
+    let (without, with) = (left_by(&[burn(Vec::new())]), left_by(&[burn(poses.clone())]));
+    for (p, d, _) in on_walls(&with) {
+        // The step that lifts it over the facets of the hub moves it along the walls.
+        assert!(d.abs() < ERROR + 0.01, "{p}: {d}");
+    }
+    assert!(without.stock.left_mm3 > 10.0 * with.stock.left_mm3, "{:?} {:?}", without.stock, with.stock);
+    assert!(with.surfaces.iter().all(|s| s.overcut.at.is_none()), "{:?}", with.surfaces);
+    // A feed can only take away.
+    let feed = vec![Pose { x: -9.0, ..Pose::FINAL }, Pose::FINAL];
+    let fed = left_by(&[Burn { electrode: &electrodes[0], feed, copying: poses }]);
+    assert!(fed.stock.left_mm3 <= with.stock.left_mm3 + 1e-9);
+    let less = fed.map.deviation.iter().zip(with.map.deviation.iter());
+    let more = less.map(|(fed, unfed)| fed - unfed).fold(0.0, f32::max);
+    assert!(f64::from(more) <= cutter::RESOLUTION + 1e-6, "{more}");
+}
+
+#[test]
+fn a_motion_that_would_cut_too_deep_is_shortened_or_refused() {
+    let reduced = ElectrodeParams { circumferential_reduction_deg: [0.5, 0.5], ..unreduced() };
+    let electrode = &make(&reduced)[0];
+    assert_eq!(motion(electrode, &reduced, AxisSet::XYZC), Copying::NoTable);
+    assert_eq!(motion(&make(&unreduced())[0], &unreduced(), AxisSet::XYZAC), Copying::NotNeeded);
+    let too_much = ElectrodeParams { circumferential_reduction_deg: [0.5, 0.9], ..unreduced() };
+    let copying = made(motion(electrode, &too_much, AxisSet::XYZAC));
+    assert!(copying.holds() && !copying.is_whole(), "{copying:#?}");
+    assert!(copying.reached.high <= 0.502f64.to_radians(), "{:?}", copying.reached);
+}
+
+#[test]
+fn columns_that_overlap_leave_no_more_than_one_electrode_and_a_web_where_they_do_not() {
+    let columns = |column_overlap_mm| ElectrodeParams { columns: 2, column_overlap_mm, ..unreduced() };
+    let whole = standing(&make(&unreduced()));
+    let overlapping = make(&columns(0.5));
+    assert!(overlapping.iter().all(|e| e.mesh.is_watertight()) && overlapping.len() == 2);
+    let found = standing(&overlapping);
+    assert!(found.stock.left_mm3 < whole.stock.left_mm3 + 0.5, "{:?} {:?}", found.stock, whole.stock);
+    let thickest = |l: &Leftover| l.thickest().map_or(0.0, |(_, layer)| layer.depth_mm);
+    assert!(thickest(&found) < thickest(&whole) + ERROR, "{:?} {:?}", found.thickest(), whole.thickest());
+
+    let apart = make(&columns(-1.0));
+    let found = standing(&apart);
+    // A web along the middle: what the two burns stand apart.
+    let web = 1.0;
+    // The channel leans by up to 25 degrees, so that the web is thinner than it is wide round the axis.
+    let thinnest = web * 25f64.to_radians().cos() - 2.0 * GAP * (1.0 / 25f64.to_radians().cos() - 1.0);
+    assert!((0.5 * thinnest - 0.02..0.5 * web + 0.02).contains(&found.stock.depth_mm), "{:?}", found.stock);
+    // 14 mm long and 10 mm high.
+    assert!((0.8 * web * 140.0..1.1 * web * 140.0).contains(&found.stock.left_mm3), "{:?}", found.stock);
+    let hub = found.surfaces.iter().find(|s| s.surface == Surface::Hub).unwrap();
+    let shroud = found.surfaces.iter().find(|s| s.surface == Surface::Shroud).unwrap();
+    assert!(hub.left.depth_mm > 0.3 && shroud.left.depth_mm > 0.3, "{hub:?} {shroud:?}");
+}

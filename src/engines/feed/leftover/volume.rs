@@ -1,0 +1,134 @@
+//! The volume left in the channel, along rays from wall to wall.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::cutter::RESOLUTION;
+use super::{Passage, Removal, Stock};
+use geometry::distance_field::DistanceField;
+use geometry::frame::Cylindrical;
+use task::{Cancel, Cancelled, Progress};
+use wheel::channel::Channel;
+
+/// Distance between the planes of the rays along X (mm).
+const STEP_X: f64 = 0.3;
+/// Distance between rays along the radius: at the hub and shroud, and the most between (mm).
+const STEPS_R: [f64; 2] = [0.05, 0.4];
+/// By how much each is longer than the one before.
+const GROWTH: f64 = 1.3;
+/// Shortest step along a ray (mm).
+const LEAST_STEP: f64 = 0.02;
+/// Less stock than this is none (mm): the error of a distance.
+const NOTHING: f64 = DistanceField::ACCURACY + RESOLUTION;
+
+/// What one ray tells.
+#[derive(Clone, Copy, Default)]
+struct Passed {
+    channel: f64,
+    left: f64,
+    depth: f64,
+    at: Option<DVec3>,
+}
+
+/// What is left between the walls.
+pub(super) fn stock(
+    channel: &Channel,
+    passage: &Passage,
+    removal: &Removal,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Stock, Cancelled> {
+    let [from, to] = passage.span_x;
+    let planes = ((to - from) / STEP_X).ceil().max(1.0) as usize;
+    let dx = (to - from) / planes as f64;
+    let done = AtomicUsize::new(0);
+    let plane = |i: usize| {
+        let x = from + (i as f64 + 0.5) * dx;
+        let (hub, shroud) = channel.radii_at(x);
+        let mut sum = Passed::default();
+        for [bottom, top] in shells(hub, shroud) {
+            cancel.check()?;
+            let passed = ray(passage, removal, x, 0.5 * (bottom + top));
+            let section = dx * (top - bottom);
+            sum.channel += section * passed.channel;
+            sum.left += section * passed.left;
+            if passed.depth > sum.depth {
+                (sum.depth, sum.at) = (passed.depth, passed.at);
+            }
+        }
+        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+        progress.report("leftover", 0.7 + 0.3 * done as f64 / planes as f64, "volume of the channel");
+        Ok(sum)
+    };
+    let sums: Vec<Result<Passed, Cancelled>> = (0..planes).into_par_iter().map(plane).collect();
+    let mut stock = Stock { channel_mm3: 0.0, left_mm3: 0.0, depth_mm: 0.0, at: None };
+    for sum in sums {
+        let sum = sum?;
+        stock.channel_mm3 += sum.channel;
+        stock.left_mm3 += sum.left;
+        if sum.depth > stock.depth_mm {
+            (stock.depth_mm, stock.at) = (sum.depth, sum.at);
+        }
+    }
+    Ok(stock)
+}
+
+/// Intervals of the radius from the hub to the shroud, short at both.
+fn shells(hub: f64, shroud: f64) -> Vec<[f64; 2]> {
+    let middle = 0.5 * (hub + shroud);
+    if middle.is_nan() || shroud <= hub {
+        return Vec::new();
+    }
+    let (mut heights, mut sum, mut step) = (vec![0.0], 0.0, STEPS_R[0]);
+    while sum < 0.5 * (shroud - hub) {
+        sum += step;
+        heights.push(sum);
+        step = (step * GROWTH).min(STEPS_R[1]);
+    }
+    // The last one ends in the middle, all others a little shorter.
+    let scale = 0.5 * (shroud - hub) / sum;
+    let upwards = heights.windows(2).map(|h| [hub + scale * h[0], hub + scale * h[1]]);
+    let downwards = heights.windows(2).rev().map(|h| [shroud - scale * h[1], shroud - scale * h[0]]);
+    upwards.chain(downwards).collect()
+}
+
+/// Goes from the low to the high wall: no deviation changes faster than the point moves, so that what is left, or
+/// eroded, stays so for as far as it is deep.
+fn ray(passage: &Passage, removal: &Removal, x: f64, r: f64) -> Passed {
+    let [low, high] = passage.between(x, r);
+    let width = (high - low) * r;
+    let mut passed = Passed { channel: width.max(0.0), ..Passed::default() };
+    let mut s = 0.0;
+    // The part of the last step that may have led into stock.
+    let mut entered = 0.0;
+    while s < width {
+        let p = Cylindrical { x, r, theta: low + s / r }.point();
+        let deviation = removal.deviation(p, 0.0);
+        let step = deviation.abs().max(LEAST_STEP).min(width - s);
+        if deviation > NOTHING {
+            passed.left += deviation.min(width - s) + deviation.min(entered);
+        }
+        entered = if deviation > NOTHING { 0.0 } else { step - deviation.abs().min(step) };
+        if deviation > passed.depth {
+            (passed.depth, passed.at) = (deviation, Some(p));
+        }
+        s += step;
+    }
+    passed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shells_fill_the_height_without_gaps() {
+        let shells = shells(100.0, 115.0);
+        assert_eq!((shells[0][0], shells[shells.len() - 1][1]), (100.0, 115.0));
+        assert!(shells.windows(2).all(|w| (w[0][1] - w[1][0]).abs() < 1e-9));
+        assert!(shells.iter().all(|s| s[1] > s[0] && s[1] - s[0] <= STEPS_R[1] + 1e-9));
+        assert!(super::shells(10.0, 10.0).is_empty() && super::shells(f64::NAN, 10.0).is_empty());
+    }
+}

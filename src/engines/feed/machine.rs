@@ -1,0 +1,325 @@
+//! The machine: which axes it has and how far and how fast they go.
+
+use serde::{Deserialize, Serialize};
+
+use super::path::PathRow;
+use super::pose::{Axis, Pose};
+use wheel::electrode::EntrySide;
+
+/// Axes of the machine.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[allow(clippy::upper_case_acronyms)]
+pub enum AxisSet {
+    /// Four axes.
+    XYZC,
+    /// Five axes: the blisk turns on A.
+    #[default]
+    XYZAC,
+    /// Six axes: the electrode tilts about B too.
+    XYZABC,
+}
+
+impl AxisSet {
+    /// The axes in order.
+    pub fn axes(self) -> &'static [Axis] {
+        use Axis::{A, B, C, X, Y, Z};
+        match self {
+            Self::XYZC => &[X, Y, Z, C],
+            Self::XYZAC => &[X, Y, Z, A, C],
+            Self::XYZABC => &[X, Y, Z, A, B, C],
+        }
+    }
+}
+
+/// Travel of the axes about the final pose, as `[least, greatest]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MachineParams {
+    /// Whose bodies are simulated: a built-in machine or the path of a machine file; empty for no bodies.
+    pub name: String,
+    /// Clearance that bodies keep from each other and from the blisk (mm).
+    pub body_clearance_mm: f64,
+    /// Axes of the machine.
+    pub axes: AxisSet,
+    /// Travel along X (mm).
+    pub travel_x_mm: [f64; 2],
+    /// Travel along Y (mm).
+    pub travel_y_mm: [f64; 2],
+    /// Travel along Z (mm).
+    pub travel_z_mm: [f64; 2],
+    /// Travel about A (deg).
+    pub travel_a_deg: [f64; 2],
+    /// Travel about B (deg).
+    pub travel_b_deg: [f64; 2],
+    /// Travel about C (deg).
+    pub travel_c_deg: [f64; 2],
+    /// Greatest speed of X, Y, Z (mm/min).
+    pub speed_mm_min: f64,
+    /// Greatest speed of A, B, C (deg/min).
+    pub speed_deg_min: f64,
+}
+
+impl Default for MachineParams {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            body_clearance_mm: 1.0,
+            axes: AxisSet::default(),
+            travel_x_mm: [-250.0, 250.0],
+            travel_y_mm: [-150.0, 150.0],
+            travel_z_mm: [-150.0, 150.0],
+            travel_a_deg: [-360.0, 360.0],
+            travel_b_deg: [-45.0, 45.0],
+            travel_c_deg: [-360.0, 360.0],
+            speed_mm_min: 1000.0,
+            speed_deg_min: 1800.0,
+        }
+    }
+}
+
+/// What of [`MachineParams`] a search depends on: all but the bodies.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SearchedMachine {
+    axes: AxisSet,
+    travel_x_mm: [f64; 2],
+    travel_y_mm: [f64; 2],
+    travel_z_mm: [f64; 2],
+    travel_a_deg: [f64; 2],
+    travel_b_deg: [f64; 2],
+    travel_c_deg: [f64; 2],
+    speed_mm_min: f64,
+    speed_deg_min: f64,
+}
+
+/// What is wrong with machine parameters, or with a path on that machine.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum MachineError {
+    /// A travel that does not hold the final pose.
+    #[error(
+        "[machine] travel_{axis}: {least} to {greatest} must be finite and include 0, the final pose; give [least, greatest]"
+    )]
+    Travel {
+        /// Axis and unit, as in the key.
+        axis: &'static str,
+        /// Lower end.
+        least: f64,
+        /// Upper end.
+        greatest: f64,
+    },
+    /// A clearance that is out of range.
+    #[error("[machine] body_clearance_mm is {0}; it must be from 0.01 to 100 mm")]
+    BodyClearance(f64),
+    /// A speed that is not positive.
+    #[error("[machine] {0} must be finite and greater than 0")]
+    Speed(&'static str),
+}
+
+/// Travel of every axis about the final pose, `[least, greatest]` (mm or rad).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TravelLimits([[f64; 2]; 6]);
+
+/// A row that is beyond the travel of an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct BeyondTravel {
+    /// The axis.
+    pub axis: Axis,
+    /// Index of the row in feed order.
+    pub row: usize,
+    /// Where the axis would have to go (mm or rad).
+    pub value: f64,
+    /// Where its travel ends (mm or rad).
+    pub limit: f64,
+}
+
+impl BeyondTravel {
+    /// Value, limit and their unit, as files have them: mm or degrees.
+    pub fn in_file_units(&self) -> (f64, f64, &'static str) {
+        if self.axis.is_rotary() {
+            (self.value.to_degrees(), self.limit.to_degrees(), "deg")
+        } else {
+            (self.value, self.limit, "mm")
+        }
+    }
+}
+
+impl std::fmt::Display for BeyondTravel {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (value, limit, unit) = self.in_file_units();
+        let letter = self.axis.letter();
+        write!(f, "axis {letter} goes to {value:.5} {unit} at row {}, beyond its travel to {limit} {unit}", self.row)
+    }
+}
+
+impl TravelLimits {
+    /// What rounding may add (mm or rad).
+    const ROUNDING: f64 = 1e-9;
+
+    /// Axes that go as far as they like.
+    pub const UNLIMITED: Self = Self([[f64::NEG_INFINITY, f64::INFINITY]; 6]);
+
+    /// The same with `axis` kept within `[least, greatest]` (mm or rad).
+    pub fn with(mut self, axis: Axis, travel: [f64; 2]) -> Self {
+        self.0[axis as usize] = travel;
+        self
+    }
+
+    /// Travel of `axis` (mm or rad).
+    pub fn of(&self, axis: Axis) -> [f64; 2] {
+        self.0[axis as usize]
+    }
+
+    /// The first axis that is beyond its travel at `pose`, with where that ends.
+    pub fn beyond(&self, pose: &Pose) -> Option<(Axis, f64)> {
+        Axis::ALL.into_iter().find_map(|axis| {
+            let ([least, greatest], value) = (self.of(axis), pose.get(axis));
+            let within = (least - Self::ROUNDING..=greatest + Self::ROUNDING).contains(&value);
+            (!within).then_some((axis, if value < least { least } else { greatest }))
+        })
+    }
+
+    /// The first of `rows` that is beyond travel. Axes are linear between rows, so that what holds at the rows holds
+    /// between them.
+    pub fn first_beyond(&self, rows: &[PathRow]) -> Option<BeyondTravel> {
+        rows.iter().enumerate().find_map(|(row, r)| {
+            self.beyond(&r.pose).map(|(axis, limit)| BeyondTravel { axis, row, value: r.pose.get(axis), limit })
+        })
+    }
+}
+
+impl MachineParams {
+    /// Whether every travel holds the final pose and every speed is positive.
+    pub fn validate(&self) -> Result<(), MachineError> {
+        const KEYS: [&str; 6] = ["x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg"];
+        for (axis, [least, greatest]) in KEYS.into_iter().zip(self.travels()) {
+            if !(least <= 0.0 && greatest >= 0.0 && least.is_finite() && greatest.is_finite()) {
+                return Err(MachineError::Travel { axis, least, greatest });
+            }
+        }
+        if !(0.01..=100.0).contains(&self.body_clearance_mm) {
+            return Err(MachineError::BodyClearance(self.body_clearance_mm));
+        }
+        for (key, speed) in [("speed_mm_min", self.speed_mm_min), ("speed_deg_min", self.speed_deg_min)] {
+            if !speed.is_finite() || speed <= 0.0 {
+                return Err(MachineError::Speed(key));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether it has bodies that a motion has to be simulated with.
+    pub fn has_bodies(&self) -> bool {
+        !self.name.is_empty()
+    }
+
+    /// What of it a search depends on.
+    pub fn searched(&self) -> SearchedMachine {
+        let Self { travel_x_mm, travel_y_mm, travel_z_mm, travel_a_deg, travel_b_deg, travel_c_deg, .. } = *self;
+        let Self { axes, speed_mm_min, speed_deg_min, .. } = *self;
+        SearchedMachine {
+            axes,
+            travel_x_mm,
+            travel_y_mm,
+            travel_z_mm,
+            travel_a_deg,
+            travel_b_deg,
+            travel_c_deg,
+            speed_mm_min,
+            speed_deg_min,
+        }
+    }
+
+    fn travels(&self) -> [[f64; 2]; 6] {
+        let Self { travel_x_mm, travel_y_mm, travel_z_mm, travel_a_deg, travel_b_deg, travel_c_deg, .. } = *self;
+        [travel_x_mm, travel_y_mm, travel_z_mm, travel_a_deg, travel_b_deg, travel_c_deg]
+    }
+
+    /// Axes that count the other way round on a machine with bodies when the electrode enters from -X: there the
+    /// machine is turned by half a turn about Z against W, since its own +x points away from the blisk.
+    pub const TURNED: [Axis; 4] = [Axis::X, Axis::Y, Axis::A, Axis::B];
+
+    /// Whether the directions of the machine are turned against those of W for an electrode that enters from `side`.
+    pub fn is_turned(&self, side: EntrySide) -> bool {
+        self.has_bodies() && side == EntrySide::MinusX
+    }
+
+    /// The same machine with its travels in the directions of W, for an electrode that enters from `side`.
+    pub fn seen_from_w(&self, side: EntrySide) -> Self {
+        let mut seen = self.clone();
+        if self.is_turned(side) {
+            for travel in [&mut seen.travel_x_mm, &mut seen.travel_y_mm, &mut seen.travel_a_deg, &mut seen.travel_b_deg]
+            {
+                *travel = [0.0 - travel[1], 0.0 - travel[0]];
+            }
+        }
+        seen
+    }
+
+    /// Travel of an axis (mm or rad); nothing for an axis the machine does not have.
+    pub fn travel(&self, axis: Axis) -> [f64; 2] {
+        if !self.axes.axes().contains(&axis) {
+            return [0.0; 2];
+        }
+        let travel = self.travels()[axis as usize];
+        if axis.is_rotary() { travel.map(f64::to_radians) } else { travel }
+    }
+
+    /// Travel of all axes; that of an axis which the machine does not have is nothing.
+    pub fn limits(&self) -> TravelLimits {
+        TravelLimits(Axis::ALL.map(|axis| self.travel(axis)))
+    }
+
+    /// Shortest time (min) in which all axes can go linearly from one pose to the other within their speeds, and the
+    /// axis that needs it.
+    pub fn least_minutes(&self, from: &Pose, to: &Pose) -> (f64, Axis) {
+        let minutes = |axis: Axis| {
+            let way = (to.get(axis) - from.get(axis)).abs();
+            if axis.is_rotary() { way.to_degrees() / self.speed_deg_min } else { way / self.speed_mm_min }
+        };
+        let slowest = Axis::ALL.map(|axis| (minutes(axis), axis));
+        slowest.into_iter().fold((0.0, Axis::X), |most, next| if next.0 > most.0 { next } else { most })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pose_beyond_travel_names_its_axis() {
+        let machine = MachineParams { travel_c_deg: [-10.0, 90.0], ..Default::default() };
+        let beyond = |pose: Pose| machine.limits().beyond(&pose);
+        assert_eq!(beyond(Pose { c: -0.2, ..Pose::FINAL }), Some((Axis::C, (-10f64).to_radians())));
+        assert_eq!(beyond(Pose { b: 0.01, ..Pose::FINAL }), Some((Axis::B, 0.0)), "five axes have no B");
+        assert_eq!(beyond(Pose { x: -40.0, a: 1.0, ..Pose::FINAL }), None);
+        assert_eq!(beyond(Pose { x: -250.0, ..Pose::FINAL }), None, "the end of travel can be reached");
+        assert!(beyond(Pose { x: f64::NAN, ..Pose::FINAL }).is_some());
+    }
+
+    #[test]
+    fn a_machine_with_bodies_is_turned_for_an_electrode_from_the_other_side() {
+        let machine = MachineParams { travel_x_mm: [-20.0, 250.0], travel_z_mm: [-5.0, 90.0], ..Default::default() };
+        assert_eq!(machine.seen_from_w(EntrySide::MinusX), machine, "without bodies travels are those of W");
+        let machine = MachineParams { name: "xyzac".to_owned(), ..machine };
+        assert_eq!(machine.seen_from_w(EntrySide::PlusX), machine);
+        let seen = machine.seen_from_w(EntrySide::MinusX);
+        assert_eq!((seen.travel_x_mm, seen.travel_z_mm), ([-250.0, 20.0], [-5.0, 90.0]));
+    }
+
+    #[test]
+    fn the_slowest_axis_sets_the_time() {
+        let machine = MachineParams { speed_mm_min: 100.0, speed_deg_min: 30.0, ..Default::default() };
+        let to = Pose { x: -2.0, y: 1.0, c: 0.3f64.to_radians(), ..Pose::FINAL };
+        let (minutes, axis) = machine.least_minutes(&Pose::FINAL, &to);
+        assert!((minutes - 0.02).abs() < 1e-15 && axis == Axis::X);
+        let (minutes, axis) = machine.least_minutes(&to, &Pose { a: (-1.5f64).to_radians(), ..to });
+        assert!((minutes - 0.05).abs() < 1e-15 && axis == Axis::A);
+        assert_eq!(machine.least_minutes(&to, &to).0, 0.0);
+    }
+
+    #[test]
+    fn travel_that_excludes_the_final_pose_is_refused() {
+        let machine = MachineParams { travel_z_mm: [1.0, 50.0], ..Default::default() };
+        assert!(machine.validate().unwrap_err().to_string().contains("z_mm"));
+        assert!(MachineParams { speed_deg_min: 0.0, ..Default::default() }.validate().is_err());
+    }
+}

@@ -1,0 +1,155 @@
+//! The bodies of a machine: what may collide besides electrode and blisk.
+//!
+//! Bodies are given where they stand in the final pose, in directions of the machine that turn with the side of entry:
+//! +x points away from the blisk, the way the electrode is withdrawn, +z is the machine's Z, which at the channel
+//! points away from the blisk's axis, and y makes them right-handed. An electrode that enters from the other side
+//! finds the same machine turned by half a turn about Z. Where x, y and z are counted from is the carrier's matter:
+//!
+//! | carrier | goes with | counted from |
+//! | --- | --- | --- |
+//! | `electrode` | X Y Z C B | the middle of the electrode's end face on the side of entry, the holder's interface |
+//! | `head` | X Y Z | the reference point O, through which the C axis goes |
+//! | `table` | the blisk, which A turns | the blisk's axis at the blisk's face away from the side of entry |
+//! | `bed` | nothing | the same point |
+//!
+//! In the machine frame, which is W in the final pose, the tool is moved by `O + (x, y, z) + Rz(c) Ry(b) (p - O)`, and
+//! the blisk and its table are turned by `Rx(-a)`.
+
+use glam::{DAffine3, DMat3, DVec3};
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use geometry::mesh::Mesh;
+use wheel::electrode::EntrySide;
+
+/// What a body goes with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Carrier {
+    /// The electrode: slides with X, Y, Z and turns with C and B.
+    Electrode,
+    /// The head: slides with X, Y, Z.
+    Head,
+    /// The table: turns with A, so that it keeps its place at the blisk.
+    Table,
+    /// The bed: stands still.
+    Bed,
+}
+
+impl Carrier {
+    /// Whether the axes X, Y and Z move it.
+    pub fn slides(self) -> bool {
+        matches!(self, Self::Electrode | Self::Head)
+    }
+}
+
+/// A body in the coordinates of its carrier.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body {
+    /// What it is called.
+    pub name: String,
+    /// What it goes with.
+    pub carrier: Carrier,
+    /// Its closed surface (mm). A cylinder is a prism around it, never smaller than the cylinder.
+    pub mesh: Mesh,
+}
+
+/// The bodies of a machine.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MachineModel {
+    /// The bodies in the order of the file.
+    pub bodies: Vec<Body>,
+}
+
+impl MachineModel {
+    /// SHA-256 (lower-case hex) over names, carriers and meshes: two models with the same digest are the same machine.
+    pub fn digest(&self) -> String {
+        let mut hash = Sha256::new();
+        for Body { name, carrier, mesh } in &self.bodies {
+            // With its length no name can pass for the end of one body and the start of another.
+            hash.update(format!("{}\0{name}\0{carrier:?}\0{}\0", name.len(), mesh.digest()));
+        }
+        hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+}
+
+/// Where a machine stands about one electrode and a blisk.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Station {
+    side: EntrySide,
+    interface: DVec3,
+    reference_point: DVec3,
+    seat: DVec3,
+}
+
+impl Station {
+    /// The machine about `electrode`, in its final pose with its reference point O, and `blisk`, all in W (mm).
+    pub fn new(electrode: &Mesh, reference_point: DVec3, side: EntrySide, blisk: &Mesh) -> Self {
+        let outermost = electrode.vertices.iter().map(|p| p.x * side.sign()).fold(f64::NEG_INFINITY, f64::max);
+        let at_end = |p: &&DVec3| p.x * side.sign() > outermost - 1e-3;
+        let end = geometry::mesh::Bounds::of(electrode.vertices.iter().filter(at_end).copied());
+        let blisk = blisk.bounds();
+        let seat = if side == EntrySide::PlusX { blisk.min.x } else { blisk.max.x };
+        Self { side, interface: end.center(), reference_point, seat: DVec3::new(seat, 0.0, 0.0) }
+    }
+
+    /// From the coordinates of `carrier` to W, where its bodies are in the final pose.
+    pub fn placement(&self, carrier: Carrier) -> DAffine3 {
+        let translation = match carrier {
+            Carrier::Electrode => self.interface,
+            Carrier::Head => self.reference_point,
+            Carrier::Table | Carrier::Bed => self.seat,
+        };
+        let matrix3 = match self.side {
+            EntrySide::PlusX => DMat3::IDENTITY,
+            EntrySide::MinusX => DMat3::from_diagonal(DVec3::new(-1.0, -1.0, 1.0)),
+        };
+        DAffine3 { matrix3, translation }
+    }
+
+    /// A body in W, where it is in the final pose (mm).
+    pub fn placed(&self, body: &Body) -> Mesh {
+        let DAffine3 { matrix3, translation } = self.placement(body.carrier);
+        body.mesh.mapped(|p| translation + matrix3 * p)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_machine_stands_where_the_electrode_comes_from() {
+        let electrode = Mesh::cuboid(DVec3::new(40.0, 4.0, 10.0)).mapped(|p| p + DVec3::new(-20.0, -2.0, 95.0));
+        let blisk = Mesh::cuboid(DVec3::new(26.0, 200.0, 200.0)).mapped(|p| p - DVec3::new(10.0, 100.0, 100.0));
+        let o = DVec3::new(0.0, 0.0, 100.0);
+        let body = |carrier| Body { name: String::new(), carrier, mesh: Mesh::cuboid(DVec3::new(2.0, 3.0, 4.0)) };
+        let placed = |side, carrier| Station::new(&electrode, o, side, &blisk).placed(&body(carrier)).bounds();
+        for (side, carrier, min, max) in [
+            (EntrySide::PlusX, Carrier::Electrode, [20.0, 0.0, 100.0], [22.0, 3.0, 104.0]),
+            (EntrySide::MinusX, Carrier::Electrode, [-22.0, -3.0, 100.0], [-20.0, 0.0, 104.0]),
+            (EntrySide::MinusX, Carrier::Head, [-2.0, -3.0, 100.0], [0.0, 0.0, 104.0]),
+            (EntrySide::PlusX, Carrier::Table, [-10.0, 0.0, 0.0], [-8.0, 3.0, 4.0]),
+            (EntrySide::MinusX, Carrier::Bed, [14.0, -3.0, 0.0], [16.0, 0.0, 4.0]),
+        ] {
+            let bounds = placed(side, carrier);
+            let off = (bounds.min - DVec3::from_array(min)).length() + (bounds.max - DVec3::from_array(max)).length();
+            assert!(off < 1e-12, "{side:?} {carrier:?}: {bounds:?}");
+        }
+    }
+
+    #[test]
+    fn a_body_that_has_moved_makes_another_machine() {
+        let machine = |x: f64| {
+            let mesh = Mesh::cuboid(DVec3::ONE).mapped(|p| p + DVec3::X * x);
+            MachineModel { bodies: vec![Body { name: "stop".to_owned(), carrier: Carrier::Bed, mesh }] }
+        };
+        assert_eq!(machine(1.0).digest(), machine(1.0).digest());
+        assert_ne!(machine(1.0).digest(), machine(1.000001).digest());
+        // A name that reads like the end of one body and the start of another.
+        let [first, second] = ["a", "b"].map(|name| Body { name: name.to_owned(), ..machine(1.0).bodies[0].clone() });
+        let name = format!("a\0Bed\0{}\0b", first.mesh.digest());
+        let one = MachineModel { bodies: vec![Body { name, ..first.clone() }] };
+        assert_ne!(one.digest(), MachineModel { bodies: vec![first, second] }.digest());
+    }
+}

@@ -1,0 +1,86 @@
+//! Where a blisk ends: the one place that says when an electrode is outside, for the search and the verifier alike.
+
+use glam::DVec3;
+
+use super::pose::Pose;
+use geometry::mesh::Mesh;
+use wheel::electrode::EntrySide;
+
+/// Depth below the electrode's innermost point down to which metal counts as its surroundings (mm).
+const SURROUNDINGS: f64 = 15.0;
+
+/// An electrode and the X extent of the metal around it, rings and drums beyond the channel's own faces included.
+#[derive(Debug, Clone)]
+pub struct Outside {
+    faces_x: [f64; 2],
+    /// Vertices of the electrode in its final pose, in W (mm).
+    points: Vec<DVec3>,
+    reference_point: DVec3,
+}
+
+impl Outside {
+    /// For a blisk and an electrode in its final pose, both in W, with the electrode's reference point O.
+    pub fn new(blisk: &Mesh, electrode: &Mesh, reference_point: DVec3) -> Self {
+        let radius = |p: &DVec3| p.y.hypot(p.z);
+        // Vertices that no triangle uses are no part of the surface.
+        let mut used = vec![false; electrode.vertices.len()];
+        electrode.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
+        let points: Vec<DVec3> =
+            electrode.vertices.iter().zip(used).filter(|(_, used)| *used).map(|(&p, _)| p).collect();
+        let innermost = points.iter().map(radius).fold(f64::INFINITY, f64::min);
+        let around = blisk.iter_corners().filter(|t| t.iter().any(|p| radius(p) > innermost - SURROUNDINGS));
+        let faces_x = extent(around.flatten().map(|p| p.x));
+        Self { faces_x, points, reference_point }
+    }
+
+    /// How far the whole electrode at `pose` is beyond the metal on `side`: negative while some point is not (mm).
+    pub fn way_out(&self, pose: &Pose, side: EntrySide) -> f64 {
+        let place = pose.placement(self.reference_point);
+        let [least, most] = extent(self.points.iter().map(|&p| place.transform_point3(p).x));
+        match side {
+            EntrySide::MinusX => self.faces_x[0] - most,
+            EntrySide::PlusX => least - self.faces_x[1],
+        }
+    }
+
+    /// Whether the whole electrode at `pose` is beyond the metal on one side or the other.
+    pub fn is_outside(&self, pose: &Pose) -> bool {
+        [EntrySide::MinusX, EntrySide::PlusX].into_iter().any(|side| self.way_out(pose, side) > 0.0)
+    }
+}
+
+fn extent(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[min, max], x| [min.min(x), max.max(x)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn metal_just_below_the_electrode_counts_and_metal_far_below_does_not() {
+        let tool = Mesh::cuboid(DVec3::ONE).mapped(|p| p + DVec3::new(4.0, 0.0, 60.0));
+        for (top, way) in [(46.0, -31.0), (44.0, -11.0)] {
+            // A ring of 10 mm below the tool, and a drum of 30 mm that reaches up to `top`.
+            let ring = Mesh::cuboid(DVec3::new(10.0, 1.0, 1.0)).mapped(|p| p + DVec3::Z * 58.0);
+            let drum = Mesh::cuboid(DVec3::new(30.0, 1.0, 1.0)).mapped(|p| p + DVec3::Z * (top - 1.0));
+            let first = ring.vertices.len() as u32;
+            let blisk = Mesh {
+                vertices: [ring.vertices, drum.vertices].concat(),
+                triangles: ring
+                    .triangles
+                    .into_iter()
+                    .chain(drum.triangles.iter().map(|t| t.map(|v| v + first)))
+                    .collect(),
+            };
+            let outside = Outside::new(&blisk, &tool, DVec3::new(3.0, 2.0, 50.0));
+            // The tool begins 4 mm inside: it lacks its place less the end of the metal.
+            let moved = Pose { x: -5.0, ..Pose::FINAL };
+            assert!((outside.way_out(&moved, EntrySide::PlusX) - way).abs() < 1e-12, "{top}");
+            assert!((outside.way_out(&moved, EntrySide::MinusX) - 0.0).abs() < 1e-12);
+            assert!(!outside.is_outside(&moved), "touching the plane of the face is not outside");
+            assert!(outside.is_outside(&Pose { x: -5.1, ..moved }));
+            assert_eq!(outside.is_outside(&Pose { x: 7.0, ..moved }), top < 45.0);
+        }
+    }
+}

@@ -1,0 +1,307 @@
+//! Points carried by one body and tested against the other: the electrode's samples against the blisk, and the
+//! blisk's edges against the electrode.
+
+use glam::DVec3;
+
+use super::samples::{Cluster, Sample, cluster};
+use super::watch::{Rest, Watch};
+use geometry::distance_field::DistanceField;
+use geometry::mesh::Bounds;
+use wheel::electrode::ElectrodeFace;
+
+/// How much clearance the search demands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Demand {
+    /// The spark gap (mm).
+    pub spark_gap: f64,
+    /// Clearance wanted beyond it (mm).
+    pub margin: f64,
+    /// Allowance for the error of the fields (mm).
+    pub guard: f64,
+    /// Room wanted beyond all that, also near the final pose (mm).
+    pub room: f64,
+}
+
+impl Demand {
+    /// Clearance wanted wherever the final pose does not stand in the way (mm).
+    pub fn wanted(&self) -> f64 {
+        self.needed() + self.room
+    }
+
+    /// The same without the room beyond it (mm).
+    fn needed(&self) -> f64 {
+        self.spark_gap + self.margin + self.guard
+    }
+}
+
+/// Angles by which the low and the high wall are drawn in further than those of the electrode at hand, P0's h (rad).
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Turns(pub [f64; 2]);
+
+impl Turns {
+    /// The electrode as it is.
+    pub const NONE: Self = Self([0.0; 2]);
+
+    /// Both walls drawn in by the same angle (rad).
+    pub fn both(h: f64) -> Self {
+        Self([h; 2])
+    }
+
+    /// Whether no wall is drawn in.
+    pub fn is_none(self) -> bool {
+        self == Self::NONE
+    }
+}
+
+/// What is the same for all points at one moment of the search.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instant {
+    /// Withdrawn distance (mm).
+    pub s: f64,
+    /// How far the walls are drawn in.
+    pub turns: Turns,
+}
+
+impl Instant {
+    /// Whether a point is still part of the electrode.
+    #[inline]
+    fn holds(&self, sample: &Sample) -> bool {
+        let Turns([low, high]) = self.turns;
+        sample.stays_to[0] >= low && sample.stays_to[1] >= high
+    }
+}
+
+/// Which way a point follows the additional circumferential reduction h of P0: 0 not at all, 1 with the low
+/// wall, 2 with the high wall.
+pub fn group(face: ElectrodeFace) -> usize {
+    match face {
+        ElectrodeFace::LowWall => 1,
+        ElectrodeFace::HighWall => 2,
+        _ => 0,
+    }
+}
+
+/// How much too great a field may read for something `distance` away (mm).
+fn doubt(distance: f64) -> f64 {
+    DistanceField::ACCURACY + 0.05 * (distance - DistanceField::NEAR).max(0.0)
+}
+
+/// Points with what is demanded of each, in clusters.
+#[derive(Debug, Clone)]
+pub struct Probes {
+    samples: Vec<Sample>,
+    /// Clearance of each in the final pose (mm).
+    at_final: Vec<f64>,
+    clusters: Vec<Cluster>,
+    /// Greatest `extra` in each cluster (mm).
+    cluster_extra: Vec<f64>,
+    /// Neighbouring clusters, as balls around all their points; `start` and `end` count clusters.
+    blocks: Vec<Cluster>,
+    /// Greatest `extra` of all (mm).
+    greatest_extra: f64,
+}
+
+impl Probes {
+    /// How much more than in the final pose a point must have for every mm withdrawn, until it has what is
+    /// wanted. In the final pose itself only the spark gap is open.
+    const OPENING: f64 = 0.05;
+    /// Distance withdrawn from which on all that was learned of a point is asked for (mm).
+    const LEARNED: f64 = 0.25;
+    /// Points in a cluster, a balance between tests saved and balls that are too wide to decide.
+    const CLUSTER: usize = 12;
+
+    /// Probes at `samples`, whose clearance in the final pose `clearance` tells.
+    pub fn new(mut samples: Vec<Sample>, clearance: impl Fn(DVec3) -> f64) -> Self {
+        let clusters = cluster(&mut samples, Self::CLUSTER, |face| group(face) as u8);
+        let at_final = samples.iter().map(|s| clearance(s.point)).collect();
+        let extra = |c: &Cluster| samples[c.start..c.end].iter().map(|s| s.extra).fold(0.0, f64::max);
+        let cluster_extra: Vec<f64> = clusters.iter().map(extra).collect();
+        let greatest_extra = cluster_extra.iter().copied().fold(0.0, f64::max);
+        let blocks = blocks(&samples, &clusters);
+        Self { samples, at_final, clusters, cluster_extra, blocks, greatest_extra }
+    }
+
+    /// The points, in the order of their numbers.
+    pub fn samples(&self) -> &[Sample] {
+        &self.samples
+    }
+
+    /// The points that are part of the electrode with walls drawn in by `turns`, with their numbers.
+    pub fn held(&self, turns: Turns) -> impl Iterator<Item = (usize, &Sample)> {
+        let at = Instant { s: 0.0, turns };
+        self.samples.iter().enumerate().filter(move |(_, sample)| at.holds(sample))
+    }
+
+    /// The first cluster that lacks clearance at an instant. `clearance` tells the clearance of a point of a group, or
+    /// any that is no less than its last argument if that is less.
+    pub fn first_blocked(
+        &self,
+        at: &Instant,
+        demand: &Demand,
+        clearance: &impl Fn(DVec3, usize, f64) -> f64,
+    ) -> Option<usize> {
+        let crowded = self.blocks.iter().filter(|block| {
+            let group = self.group_of(&self.clusters[block.start]);
+            self.spare(block, group, self.greatest_extra, demand, clearance) < demand.room
+        });
+        crowded.flat_map(|block| block.start..block.end).find(|&i| !self.cluster_is_free(i, at, demand, clearance))
+    }
+
+    /// How much more clearance than its points need, without any room, a ball of points of one group surely has (mm), or
+    /// what is no less than the room that is demanded.
+    #[inline]
+    fn spare(
+        &self,
+        ball: &Cluster,
+        group: usize,
+        extra: f64,
+        demand: &Demand,
+        clearance: &impl Fn(DVec3, usize, f64) -> f64,
+    ) -> f64 {
+        let needed = demand.needed() + extra + ball.radius;
+        let enough = needed + demand.room;
+        let clearance = clearance(ball.center, group, enough + doubt(enough));
+        if clearance.is_finite() { clearance - doubt(clearance) - needed } else { clearance }
+    }
+
+    /// A watch over these points.
+    pub fn watch(&self) -> Watch {
+        Watch::new([self.blocks.len(), self.clusters.len(), self.samples.len()])
+    }
+
+    /// How much more may be demanded of a point after a further withdrawal by `further` (mm).
+    pub fn rise(&self, further: f64) -> f64 {
+        let further = further.max(0.0);
+        Self::OPENING * further + self.greatest_extra * (further / Self::LEARNED).min(1.0)
+    }
+
+    /// Calls `found` with every point that lacks clearance and how much it lacks (mm), in order, until it answers false; of
+    /// each cluster only with the one that lacks most, if `one_each`. Points that rest by what `watch` knows are passed
+    /// over.
+    pub fn lacking(
+        &self,
+        at: &Instant,
+        demand: &Demand,
+        clearance: &impl Fn(DVec3, usize, f64) -> f64,
+        watch: &mut Watch,
+        one_each: bool,
+        mut found: impl FnMut(usize, f64) -> bool,
+    ) {
+        let (moved, room) = (watch.moved(), demand.room);
+        for (block, rest) in self.blocks.iter().zip(&mut watch.blocks) {
+            let group = self.group_of(&self.clusters[block.start]);
+            let spare = |ball, extra| self.spare(ball, group, extra, demand, clearance);
+            if !rest.opens(moved, room, || spare(block, self.greatest_extra)) {
+                continue;
+            }
+            for i in block.start..block.end {
+                let cluster = &self.clusters[i];
+                if !watch.clusters[i].opens(moved, room, || spare(cluster, self.cluster_extra[i])) {
+                    continue;
+                }
+                let mut worst: Option<(usize, f64)> = None;
+                for k in cluster.start..cluster.end {
+                    if watch.points[k].lasts(moved, room) {
+                        continue;
+                    }
+                    let (lack, rest) = self.lack(k, at, demand, clearance, moved);
+                    watch.points[k] = rest;
+                    if lack > 0.0 && !one_each {
+                        if !found(k, lack) {
+                            return;
+                        }
+                    } else if lack > worst.map_or(0.0, |(_, most)| most) {
+                        worst = Some((k, lack));
+                    }
+                }
+                if worst.is_some_and(|(k, lack)| !found(k, lack)) {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// What point `k` lacks (mm), and how long it rests if it lacks nothing.
+    #[inline]
+    fn lack(
+        &self,
+        k: usize,
+        at: &Instant,
+        demand: &Demand,
+        clearance: &impl Fn(DVec3, usize, f64) -> f64,
+        moved: f64,
+    ) -> (f64, Rest) {
+        let sample = &self.samples[k];
+        if !at.holds(sample) {
+            return (0.0, Rest::FOR_EVER);
+        }
+        let demanded = self.demanded(k, at.s, demand);
+        let clearance = clearance(sample.point, group(sample.face), demanded);
+        (demanded - clearance, Rest::of(clearance - doubt(clearance) - demanded + demand.room, moved))
+    }
+
+    fn group_of(&self, cluster: &Cluster) -> usize {
+        group(self.samples[cluster.start].face)
+    }
+
+    /// Number of clusters.
+    pub fn clusters(&self) -> usize {
+        self.clusters.len()
+    }
+
+    /// The same points and `more`; a point that is known already is asked for that much more.
+    pub fn joined(&self, more: &[Sample]) -> Vec<Sample> {
+        let mut samples = self.samples.clone();
+        for new in more {
+            match samples.iter_mut().find(|s| s.point.distance(new.point) < 1e-3 && s.face == new.face) {
+                Some(known) => known.extra += new.extra,
+                None => samples.push(*new),
+            }
+        }
+        samples
+    }
+
+    /// Whether every point of cluster `i` has what is demanded of it; see [`first_blocked`](Self::first_blocked).
+    #[inline]
+    pub fn cluster_is_free(
+        &self,
+        i: usize,
+        at: &Instant,
+        demand: &Demand,
+        clearance: &impl Fn(DVec3, usize, f64) -> f64,
+    ) -> bool {
+        let c = &self.clusters[i];
+        let group = self.group_of(c);
+        self.spare(c, group, self.cluster_extra[i], demand, clearance) >= demand.room
+            || (c.start..c.end).all(|k| {
+                let demanded = self.demanded(k, at.s, demand);
+                !at.holds(&self.samples[k]) || clearance(self.samples[k].point, group, demanded) >= demanded
+            })
+    }
+
+    /// Clearance demanded of point `k` when withdrawn by `s`.
+    #[inline]
+    fn demanded(&self, k: usize, s: f64, demand: &Demand) -> f64 {
+        let extra = self.samples[k].extra;
+        let opened = self.at_final[k] + Self::OPENING * s + extra * (s / Self::LEARNED).min(1.0);
+        (demand.needed() + extra).min(opened) + demand.room
+    }
+}
+
+/// Balls around up to eight neighbouring clusters of one group each.
+fn blocks(samples: &[Sample], clusters: &[Cluster]) -> Vec<Cluster> {
+    const CLUSTERS: usize = 8;
+    let group_of = |c: &Cluster| group(samples[c.start].face);
+    let mut blocks = Vec::new();
+    let mut start = 0;
+    while start < clusters.len() {
+        let same = |c: &&Cluster| group_of(c) == group_of(&clusters[start]);
+        let end = start + clusters[start..].iter().take(CLUSTERS).take_while(same).count();
+        let points = &samples[clusters[start].start..clusters[end - 1].end];
+        let center = Bounds::of(points.iter().map(|s| s.point)).center();
+        let radius = points.iter().map(|s| s.point.distance(center)).fold(0.0, f64::max);
+        blocks.push(Cluster { center, radius, start, end });
+        start = end;
+    }
+    blocks
+}

@@ -1,0 +1,60 @@
+//! The way from a position clear of everything to the first row of the feed.
+
+use super::Scenario;
+use crate::machine::MachineParams;
+use crate::pose::{Axis, Pose};
+use crate::quantise::{quantise, quantise_mm};
+
+/// What files round lengths to (mm).
+const STEP: f64 = 1e-5;
+
+/// Straight moves from a clear position to the first row of the feed.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Approach {
+    /// The poses; the last is the first row.
+    pub poses: Vec<Pose>,
+}
+
+/// Ways to try, best first: across above the blisk, then in beside it to the first row; without the way across; and none
+/// at all. All that turns has turned before.
+pub(super) fn candidates(scenario: &Scenario, clear: f64) -> Vec<Approach> {
+    let Some(first) = scenario.feed.0.rows.first().map(|row| row.pose) else { return vec![Approach::default()] };
+    let machine = scenario.machine;
+    let sign = scenario.electrode.enters_from.sign();
+    let out = Pose { x: within(machine, Axis::X, first.x + sign * clear, first.x), ..first };
+    let up = Pose { z: within(machine, Axis::Z, first.z + rise(scenario, &first, clear), first.z), ..out };
+    [vec![up, out, first], vec![out, first], vec![first]].map(shortened).to_vec()
+}
+
+/// `value` (mm), rounded as files are, as far as the travel of `axis` goes, seen from `from`, which may itself be beyond
+/// it.
+fn within(machine: &MachineParams, axis: Axis, value: f64, from: f64) -> f64 {
+    let [least, most] = machine.travel(axis);
+    let [least, most] = [least.min(from), most.max(from)];
+    let rounded = quantise_mm(value.clamp(least, most));
+    if (least..=most).contains(&rounded) {
+        return rounded;
+    }
+    // The step of files nearest to the end of travel is beyond it; the one before is not.
+    quantise_mm(rounded + STEP.copysign(from - rounded))
+}
+
+/// How far the electrode has to rise from `pose` to be above the blisk by `clear` (mm).
+fn rise(scenario: &Scenario, pose: &Pose, clear: f64) -> f64 {
+    let electrode = scenario.electrode;
+    let place = Pose { a: 0.0, ..*pose }.placement(electrode.reference_point);
+    let heights = electrode.mesh.vertices.iter().map(|&p| place.transform_point3(p).z);
+    let lowest = heights.fold(f64::INFINITY, f64::min);
+    let top = scenario.blisk.vertices.iter().map(|p| p.y.hypot(p.z)).fold(0.0, f64::max);
+    let rise = top + clear - lowest;
+    if rise.is_finite() { rise.max(0.0) } else { 0.0 }
+}
+
+/// The way with its poses as files have them, each only once in a row.
+fn shortened(poses: Vec<Pose>) -> Approach {
+    let last = poses.len().saturating_sub(1);
+    let mut rounded: Vec<Pose> =
+        poses.iter().enumerate().map(|(i, pose)| if i == last { *pose } else { quantise(pose) }).collect();
+    rounded.dedup();
+    Approach { poses: rounded }
+}

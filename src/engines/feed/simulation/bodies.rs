@@ -1,0 +1,116 @@
+//! What moves and what it may meet.
+
+use super::Scenario;
+use crate::machine_model::{Body, Carrier, Station};
+use crate::pose::Pose;
+use crate::verify::pair::Solid;
+use geometry::mesh::Mesh;
+use glam::DVec3;
+use task::{Cancel, Cancelled};
+
+/// A body that the axes move.
+pub(super) struct Mover {
+    pub name: String,
+    /// Whether A turns it, rather than X, Y and Z moving it: the blisk, and what the table carries.
+    pub on_table: bool,
+    /// Whether it is the electrode itself.
+    pub is_electrode: bool,
+    /// Whether it turns with C and B.
+    pub turns: bool,
+    pub solid: Solid,
+}
+
+/// A body that they may meet.
+pub(super) struct Obstacle {
+    pub name: String,
+    /// What it is carried by; none for the blisk.
+    pub carrier: Option<Carrier>,
+    /// A table's surface in W; it may be needed in every channel.
+    pub table: Option<Mesh>,
+    pub solid: Solid,
+}
+
+impl Obstacle {
+    pub fn is_blisk(&self) -> bool {
+        self.carrier.is_none()
+    }
+}
+
+impl Mover {
+    /// Whether it could meet `fixed`: what moves with it stands still against it.
+    pub fn could_meet(&self, fixed: &Obstacle) -> bool {
+        match fixed.carrier {
+            // C and B turn the electrode against the head.
+            Some(Carrier::Head) => self.turns,
+            Some(Carrier::Bed) => true,
+            _ => !self.on_table,
+        }
+    }
+}
+
+/// All bodies of a scenario, those that move about the reference point O.
+pub(super) struct Bodies {
+    pub movers: Vec<Mover>,
+    pub obstacles: Vec<Obstacle>,
+}
+
+impl Bodies {
+    pub fn new(scenario: &Scenario, cancel: &Cancel) -> Result<Self, Cancelled> {
+        let electrode = scenario.electrode;
+        let o = electrode.reference_point;
+        let solid = Solid::new(&electrode.mesh, o, cancel)?;
+        let tool = |name, turns, solid| Mover { name, on_table: false, is_electrode: false, turns, solid };
+        let on_table = |name, solid| Mover { name, on_table: true, is_electrode: false, turns: false, solid };
+        let electrode = Mover { is_electrode: true, ..tool("electrode".to_owned(), true, solid) };
+        let mut movers = vec![electrode];
+        let bodies = placed(scenario);
+        if bodies.iter().any(|body| body.carrier == Carrier::Bed) {
+            movers.push(on_table("blisk".to_owned(), Solid::new(scenario.blisk, DVec3::ZERO, cancel)?));
+        }
+        let solid = Solid::new(scenario.blisk, DVec3::ZERO, cancel)?;
+        let mut obstacles = vec![Obstacle { name: "blisk".to_owned(), carrier: None, table: None, solid }];
+        for Body { name, carrier, mesh } in bodies {
+            if carrier.slides() {
+                if carrier == Carrier::Head {
+                    let solid = Solid::new(&mesh, DVec3::ZERO, cancel)?;
+                    obstacles.push(Obstacle { name: name.clone(), carrier: Some(carrier), table: None, solid });
+                }
+                movers.push(tool(name, carrier == Carrier::Electrode, Solid::new(&mesh, o, cancel)?));
+            } else {
+                if carrier == Carrier::Table {
+                    movers.push(on_table(name.clone(), Solid::new(&mesh, DVec3::ZERO, cancel)?));
+                }
+                let solid = Solid::new(&mesh, DVec3::ZERO, cancel)?;
+                let table = (carrier == Carrier::Table).then_some(mesh);
+                obstacles.push(Obstacle { name, carrier: Some(carrier), table, solid });
+            }
+        }
+        Ok(Self { movers, obstacles })
+    }
+}
+
+/// The bodies of the machine in W, where they are in the final pose.
+pub(super) fn placed(scenario: &Scenario) -> Vec<Body> {
+    let electrode = scenario.electrode;
+    let station = Station::new(&electrode.mesh, electrode.reference_point, electrode.enters_from, scenario.blisk);
+    let in_w = |body: &Body| Body { mesh: station.placed(body), ..body.clone() };
+    scenario.model.bodies.iter().map(in_w).collect()
+}
+
+/// `poses` with only the axes that move `moving` against `fixed`. Blisk and table turn against A, and nothing else moves
+/// them. Of a tool's axes X, Y and Z do not count against the head, which they carry too, and A not against the bed,
+/// which it does not turn; C and B turn what the electrode carries, and not the head.
+pub(super) fn relative(poses: &[Pose], moving: &Mover, fixed: &Obstacle) -> Vec<Pose> {
+    if moving.on_table {
+        return poses.iter().map(|pose| Pose { a: -pose.a, ..Pose::FINAL }).collect();
+    }
+    if fixed.carrier == Some(Carrier::Head) {
+        return poses.iter().map(|pose| Pose { b: pose.b, c: pose.c, ..Pose::FINAL }).collect();
+    }
+    let stands = fixed.carrier == Some(Carrier::Bed);
+    let seen = |pose: &Pose| {
+        let (b, c) = if moving.turns { (pose.b, pose.c) } else { (0.0, 0.0) };
+        Pose { a: if stands { 0.0 } else { pose.a }, b, c, ..*pose }
+    };
+    poses.iter().map(seen).collect()
+}

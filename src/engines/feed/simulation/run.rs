@@ -1,0 +1,377 @@
+//! The tests that a simulation is made of.
+
+use glam::DMat3;
+use rayon::prelude::*;
+
+use super::bodies::{self, Bodies, Mover, Obstacle};
+use super::copies::Copies;
+use super::pace::Pace;
+use super::tour::{self, Leg, Legs, Phase};
+use super::{Approach, PairReport, Place, Scenario, SimulationOptions, Visit, approach};
+use crate::certificate::{Certificate, Contact};
+use crate::machine_model::Carrier;
+use crate::path::FeedPath;
+use crate::pose::Pose;
+use crate::verify::pair::{Near, Pair, PairClearance, TOUCHING};
+use geometry::mesh::Mesh;
+use task::{Cancel, Cancelled, Progress};
+
+/// A pair of bodies and the legs it is tested on.
+struct Test<'a> {
+    moving: &'a Mover,
+    fixed: &'a Obstacle,
+    /// Copies that stand for the body in every channel, and the legs that are then enough, indexing apart.
+    copies: Option<(&'a Copies<'a>, &'a [Leg])>,
+    during: Option<&'static str>,
+    required: f64,
+    legs: Vec<&'a Leg>,
+    /// What is taken off for legs that stand for others (mm).
+    allowance: f64,
+}
+
+impl<'a> Test<'a> {
+    /// A pair on `legs`, with nothing to be said of them.
+    fn new(moving: &'a Mover, fixed: &'a Obstacle, required: f64, legs: Vec<&'a Leg>) -> Self {
+        Self { moving, fixed, copies: None, during: None, required, legs, allowance: 0.0 }
+    }
+
+    /// Whether it is tested on `leg`, where copies of the body that stands still do not make that needless.
+    fn is_on(&self, leg: &Leg) -> bool {
+        self.copies.is_none() || leg.phase == Phase::Index
+    }
+
+    /// Number of legs that it is tested on.
+    fn walked(&self) -> usize {
+        let own = self.copies.map_or(0, |(_, own)| own.len());
+        own + self.legs.iter().filter(|leg| self.is_on(leg)).count()
+    }
+}
+
+/// One simulation under way.
+pub(super) struct Run<'a> {
+    pub scenario: &'a Scenario<'a>,
+    pub options: &'a SimulationOptions,
+    pub bodies: &'a Bodies,
+    pub visits: &'a [Visit],
+    /// How far the blisk is from itself in other channels (mm); none if its channels differ.
+    pub period_error: Option<f64>,
+    pub cancel: &'a Cancel,
+}
+
+impl<'a> Run<'a> {
+    /// The first way to the first row on which everything keeps its clearance in every channel; if there is none, the
+    /// first that does in one of them, and then the first of all.
+    pub fn approach(&self, copies: &[Option<Copies>]) -> Result<Approach, Cancelled> {
+        let candidates = approach::candidates(self.scenario, self.options.clear_mm);
+        let one = [self.representative()];
+        for (visits, copies) in [(self.visits, copies), (&one[..], &[][..])] {
+            for approach in &candidates {
+                if self.is_clear(approach, visits, copies)? {
+                    return Ok(approach.clone());
+                }
+            }
+        }
+        Ok(candidates.into_iter().next().unwrap_or_default())
+    }
+
+    /// Whether the tool keeps its clearances on the approach to `visits` and between them.
+    fn is_clear(&self, approach: &Approach, visits: &[Visit], copies: &[Option<Copies>]) -> Result<bool, Cancelled> {
+        let legs = Legs::new(&approach.poses, &[], self.scenario.own_channel, visits);
+        let tests: Vec<Test> = self.tests(&legs, copies).into_iter().filter(|test| !test.moving.on_table).collect();
+        let silent = Progress::silent();
+        let pace = Pace::new(&silent, self.visits, 0);
+        let results: Result<Vec<_>, Cancelled> = tests.par_iter().map(|test| self.test(test, &legs, &pace)).collect();
+        Ok(results?.iter().flatten().all(PairReport::holds))
+    }
+
+    /// The channel that reports name for what was tested in the channel of the plan: that one if it is burnt, otherwise
+    /// the first that is.
+    fn representative(&self) -> Visit {
+        let own = Visit { channel: self.scenario.own_channel, turn: 0.0 };
+        let visited = self.visits.iter().find(|visit| visit.turn == 0.0).or(self.visits.first());
+        visited.copied().unwrap_or(own)
+    }
+
+    /// Every pair that could meet, with the number of the body that stands still.
+    fn pairs(&self) -> impl Iterator<Item = (&'a Mover, usize, &'a Obstacle)> + use<'a> {
+        let bodies = self.bodies;
+        let with_all = |moving| bodies.obstacles.iter().enumerate().map(move |(i, fixed)| (moving, i, fixed));
+        bodies.movers.iter().flat_map(with_all).filter(|(moving, _, fixed)| moving.could_meet(fixed))
+    }
+
+    /// The clearance asked for outside the feed (mm). The electrode starts its feed where the plan withdrew it to, which
+    /// may be nearer than bodies shall come; `allowance` is taken off what is proven there (mm).
+    fn required_outside(&self, moving: &Mover, fixed: &Obstacle, allowance: f64) -> f64 {
+        let usual = self.scenario.machine.body_clearance_mm;
+        if moving.is_electrode && fixed.is_blisk() {
+            let at_start = self.scenario.feed.1.row_clearance().first().copied().unwrap_or(0.0);
+            return usual.min(at_start - 2.0 * self.options.resolution_mm - allowance);
+        }
+        usual
+    }
+
+    /// Whether `certificate` holds and is that of this very path and these very meshes.
+    fn is_proven(&self, path: &FeedPath, certificate: &Certificate) -> bool {
+        let Scenario { blisk, electrode, .. } = self.scenario;
+        certificate.keeps_clearance()
+            && certificate.path_digest() == path.digest()
+            && certificate.blisk_digest() == blisk.digest()
+            && certificate.electrode_digest() == electrode.mesh.digest()
+    }
+
+    /// What the certificates of feed and copying motion say of the electrode in its channel. On a blisk whose channels
+    /// are alike it is said of all of them; otherwise of nothing, if that channel is not burnt. A certificate that proves
+    /// nothing of this motion is always told, with a clearance of 0.
+    pub fn feed_pairs(&self) -> Vec<PairReport> {
+        let is_burnt = self.period_error.is_some() || self.representative().turn == 0.0;
+        let error = self.period_error.unwrap_or(0.0);
+        let feed = [(Phase::Feed, self.scenario.feed)];
+        let copying = self.scenario.copying.map(|copying| (Phase::Copying, copying));
+        let place = |phase, least: &Contact| Place {
+            distance: least.distance,
+            phase,
+            channel: self.scenario.own_channel,
+            row: least.row,
+            pose: least.pose,
+            on_moving: least.on_electrode,
+            on_fixed: least.on_blisk,
+        };
+        let report = |(phase, (path, c)): (Phase, (&FeedPath, &Certificate))| {
+            let is_proven = self.is_proven(path, c);
+            (is_burnt || !is_proven).then(|| PairReport {
+                moving: "electrode".to_owned(),
+                fixed: "blisk".to_owned(),
+                during: Some(phase.name()),
+                required: c.required() - c.tolerance(),
+                certified: if is_proven { (c.certified() - error).max(0.0) } else { 0.0 },
+                least: self.visited(place(phase, c.least()), true, self.representative()),
+                contact: None,
+            })
+        };
+        feed.into_iter().chain(copying).filter_map(report).collect()
+    }
+
+    /// Copies of every table for all channels, in the order of the bodies that stand still.
+    pub fn copies(&self) -> Result<Vec<Option<Copies<'a>>>, Cancelled> {
+        let of = |table: &'a Mesh| Copies::new(table, self.visits, self.cancel);
+        let tables = self.bodies.obstacles.iter().map(|o| o.table.as_ref());
+        tables.map(|table| table.map_or(Ok(None), of)).collect()
+    }
+
+    /// What is found out about every pair.
+    pub fn all(
+        &self,
+        approach: &Approach,
+        copies: &[Option<Copies>],
+        progress: &Progress,
+    ) -> Result<Vec<PairReport>, Cancelled> {
+        let paths = tour::paths(self.scenario.feed.0, self.scenario.copying.map(|c| c.0));
+        let legs = Legs::new(&approach.poses, &paths, self.scenario.own_channel, self.visits);
+        let tests = self.tests(&legs, copies);
+        let pace = Pace::new(progress, self.visits, tests.iter().map(Test::walked).sum());
+        let results: Result<Vec<_>, Cancelled> = tests.par_iter().map(|test| self.test(test, &legs, &pace)).collect();
+        Ok(results?.into_iter().flatten().collect())
+    }
+
+    /// Every pair with those of `legs` that it has to be tested on.
+    fn tests<'t>(&self, legs: &'t Legs, copies: &'t [Option<Copies<'t>>]) -> Vec<Test<'t>>
+    where
+        'a: 't,
+    {
+        let mut tests = Vec::new();
+        for (moving, at, fixed) in self.pairs() {
+            let (mut on, allowance) = self.legs_against(fixed, legs);
+            let required = self.required_outside(moving, fixed, allowance);
+            if moving.on_table {
+                tests.extend(legs.turned.iter().map(|leg| Test::new(moving, fixed, required, vec![leg])));
+                continue;
+            }
+            let mut during = None;
+            if moving.is_electrode && fixed.is_blisk() {
+                // In its own channel it is the matter of the certificates.
+                let (in_feed, outside): (Vec<_>, Vec<_>) =
+                    on.into_iter().partition(|leg| matches!(leg.phase, Phase::Feed | Phase::Copying));
+                let elsewhere: Vec<_> =
+                    in_feed.into_iter().filter(|leg| leg.channel != self.scenario.own_channel).collect();
+                if !elsewhere.is_empty() {
+                    let required = self.scenario.feed.1.required() - self.scenario.feed.1.tolerance();
+                    let during = Some("feed in other channels");
+                    tests.push(Test { during, ..Test::new(moving, fixed, required, elsewhere) });
+                }
+                (on, during) = (outside, Some("moves outside"));
+            }
+            let copies = copies.get(at).and_then(Option::as_ref).map(|copies| (copies, &legs.own[..]));
+            tests.push(Test { copies, during, allowance, ..Test::new(moving, fixed, required, on) });
+        }
+        tests
+    }
+
+    /// Those of `legs` that a tool has to be tested on against `fixed`, and what is taken off because they stand for
+    /// others (mm).
+    fn legs_against<'t>(&self, fixed: &Obstacle, legs: &'t Legs) -> (Vec<&'t Leg>, f64) {
+        match (fixed.carrier, self.period_error) {
+            // A moves a tool neither against the bed nor against the head.
+            (Some(Carrier::Bed | Carrier::Head), _) => (legs.own.iter().collect(), 0.0),
+            (None, Some(error)) => {
+                let index = legs.widest_index();
+                // Two ways between channels are alike since each is like one about the plan's channel: what channels
+                // differ by counts twice.
+                let steps = if index.is_some() { 2.0 } else { 1.0 };
+                (legs.own.iter().chain(index).collect(), steps * error)
+            }
+            _ => (legs.all.iter().collect(), 0.0),
+        }
+    }
+
+    /// The clearance of a pair over its legs; none if one of the two has no surface.
+    fn test(&self, test: &Test, legs: &Legs, pace: &Pace) -> Result<Option<PairReport>, Cancelled> {
+        let pair = Pair {
+            moving: &test.moving.solid,
+            fixed: &test.fixed.solid,
+            // In a channel the gap itself is narrow.
+            resolution: self.options.resolution_mm.min(0.005 * test.required).max(1e-9),
+            required: test.required,
+            share: self.options.resolution_share,
+        };
+        let may_be_joined = match test.fixed.carrier {
+            Some(Carrier::Head) => !test.moving.is_electrode,
+            Some(Carrier::Bed) => test.moving.on_table && test.moving.name != "blisk",
+            _ => false,
+        };
+        if may_be_joined && self.are_joined(&pair)? {
+            return Ok(None);
+        }
+        let (mut known, mut is_found): (Option<Known>, _) = (None, true);
+        if let Some((copies, own)) = test.copies {
+            known = self.over(own.iter(), &Pair { fixed: &copies.solid, ..pair }, test, None, pace)?;
+            if let Some(Known { place, .. }) = &mut known {
+                let found = copies.visit_at(place.on_fixed, self.cancel)?;
+                is_found = found.is_some();
+                if let Some((visit, on_body)) = found {
+                    (place.channel, place.pose.a, place.on_fixed) = (visit.channel, place.pose.a + visit.turn, on_body);
+                }
+            }
+        }
+        let left = test.legs.iter().copied().filter(|leg| test.is_on(leg));
+        let known = self.over(left, &pair, test, known, pace)?;
+        let Some(Known { clearance: PairClearance { certified, .. }, place: least }) = known else { return Ok(None) };
+        let contact =
+            if certified <= 0.0 || certified < pair.resolution { self.first_contact(&pair, test, legs)? } else { None };
+        // Inside a copy no point tells which one it is; the first contact does.
+        let least = contact.filter(|_| !is_found).unwrap_or(least);
+        let in_tour = |place: Place| match test.moving.on_table {
+            true => passed(place, legs),
+            false => self.visited(place, test.fixed.is_blisk(), self.representative()),
+        };
+        Ok(Some(PairReport {
+            moving: test.moving.name.clone(),
+            fixed: test.fixed.name.clone(),
+            during: test.during,
+            required: test.required,
+            certified: (certified - test.allowance).max(0.0),
+            least: in_tour(least),
+            contact: contact.map(|place| self.first_in_tour(place, test)),
+        }))
+    }
+
+    /// A contact in the channel that it comes about in first: what is tested in the channel of the plan for all of them
+    /// happens in every one.
+    fn first_in_tour(&self, place: Place, test: &Test) -> Place {
+        let is_for_all = match test.fixed.carrier {
+            Some(Carrier::Head | Carrier::Bed) => !test.moving.on_table,
+            Some(_) => false,
+            None => self.period_error.is_some(),
+        };
+        let first = self.visits.first().copied().filter(|_| is_for_all);
+        first.map_or(place, |visit| self.visited(place, test.fixed.is_blisk(), visit))
+    }
+
+    /// `place` told of `visit`, if it is in the channel of the plan. The blisk looks the same from there, with another
+    /// point in its place, and what A does not move is as near.
+    fn visited(&self, place: Place, is_on_blisk: bool, visit: Visit) -> Place {
+        if visit.turn == 0.0 || place.phase == Phase::Index || place.channel != self.scenario.own_channel {
+            return place;
+        }
+        let turned = DMat3::from_rotation_x(visit.turn) * place.on_fixed;
+        Place {
+            channel: visit.channel,
+            pose: Pose { a: place.pose.a + visit.turn, ..place.pose },
+            on_fixed: if is_on_blisk { turned } else { place.on_fixed },
+            ..place
+        }
+    }
+
+    /// Whether two bodies touch in the final pose already: the one turns in the other, as in a bearing.
+    fn are_joined(&self, pair: &Pair) -> Result<bool, Cancelled> {
+        let at_rest = pair.clearance(&[Pose::FINAL], None, self.cancel)?;
+        Ok(at_rest.is_some_and(|clearance| clearance.least.distance <= TOUCHING))
+    }
+
+    /// The clearance of `pair` over `legs` and what is `known` already.
+    fn over<'l>(
+        &self,
+        legs: impl Iterator<Item = &'l Leg>,
+        pair: &Pair,
+        test: &Test,
+        mut known: Option<Known>,
+        pace: &Pace,
+    ) -> Result<Option<Known>, Cancelled> {
+        // Feeds first: they come nearest, and what is known to be farther off is soon done with.
+        let (mut legs, others): (Vec<&Leg>, Vec<&Leg>) = legs.partition(|leg| leg.phase == Phase::Feed);
+        legs.extend(others);
+        for leg in &legs {
+            let poses = bodies::relative(&leg.poses, test.moving, test.fixed);
+            let before = known.as_ref().map(|k| k.clearance);
+            pace.begin(&test.moving.name, leg, &legs);
+            let clearance = pair.clearance(&poses, before, self.cancel)?;
+            pace.end();
+            let Some(clearance) = clearance else { continue };
+            let place = match known {
+                Some(k) if k.clearance.least == clearance.least => k.place,
+                _ => place(leg, &clearance.least),
+            };
+            known = Some(Known { clearance, place });
+        }
+        Ok(known)
+    }
+
+    /// The first contact in the order of time. What A turns is tested over all that A goes through, in one go that knows
+    /// no order, so that the tour itself is walked.
+    fn first_contact(&self, pair: &Pair, test: &Test, legs: &Legs) -> Result<Option<Place>, Cancelled> {
+        let tour: Vec<&Leg> = if test.moving.on_table { legs.all.iter().collect() } else { test.legs.clone() };
+        for leg in tour {
+            let poses = bodies::relative(&leg.poses, test.moving, test.fixed);
+            if let Some(near) = pair.first_contact(&poses, self.cancel)? {
+                return Ok(Some(place(leg, &near)));
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// What is known of a pair, and where in the whole motion it comes closest.
+struct Known {
+    clearance: PairClearance,
+    place: Place,
+}
+
+/// Where the whole motion first takes A to where `place` has it: what only A moves is there as near.
+fn passed(place: Place, legs: &Legs) -> Place {
+    match legs.passing(place.pose.a) {
+        Some((leg, row)) => Place { phase: leg.phase, channel: leg.channel, row, pose: leg.pose_at(row), ..place },
+        None => place,
+    }
+}
+
+/// Where `near`, on the poses of `leg` relative to a pair of bodies, is in the whole motion.
+fn place(leg: &Leg, near: &Near) -> Place {
+    Place {
+        distance: near.distance,
+        phase: leg.phase,
+        channel: leg.channel,
+        row: near.row,
+        pose: leg.pose_at(near.row),
+        on_moving: near.on_moving,
+        on_fixed: near.on_fixed,
+    }
+}

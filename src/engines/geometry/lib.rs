@@ -1,0 +1,20 @@
+//! Floor 0: meshes, frames and distances. Knows no file and no electrode.
+
+pub mod bvh;
+pub mod distance_field;
+pub mod exact;
+#[cfg(any(test, feature = "fixtures"))]
+pub mod fixtures;
+pub mod frame;
+pub mod inside;
+pub mod mesh;
+pub mod minkowski;
+pub mod nurbs;
+pub mod offset;
+pub mod raycast;
+pub mod segmentation;
+pub mod smoothing;
+pub mod solid;
+pub mod spline;
+pub mod swept;
+pub mod triangle_distance;

@@ -1,0 +1,187 @@
+//! Indexed triangle meshes.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+use sha2::{Digest, Sha256};
+
+use super::frame::Frame;
+
+/// A triangle mesh with shared vertices; triangles are counter-clockwise seen from outside.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Mesh {
+    /// Vertex positions (mm).
+    pub vertices: Vec<DVec3>,
+    /// Vertex indices of each triangle.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// An axis-aligned box.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    /// Least coordinates.
+    pub min: DVec3,
+    /// Greatest coordinates.
+    pub max: DVec3,
+}
+
+impl Bounds {
+    /// The box that holds nothing.
+    pub const EMPTY: Self = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
+
+    /// The smallest box around `points`.
+    pub fn of(points: impl IntoIterator<Item = DVec3>) -> Self {
+        points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
+    }
+
+    /// Edge lengths.
+    pub fn size(&self) -> DVec3 {
+        self.max - self.min
+    }
+
+    /// The eight corners: number `i` lies on the far side along x, y, z where bits 0, 1, 2 of `i` are set.
+    pub fn corners(&self) -> [DVec3; 8] {
+        let ends = [self.min, self.max];
+        std::array::from_fn(|i| DVec3::new(ends[i & 1].x, ends[i >> 1 & 1].y, ends[i >> 2 & 1].z))
+    }
+
+    /// Middle point.
+    pub fn center(&self) -> DVec3 {
+        (self.min + self.max) * 0.5
+    }
+
+    /// This box grown by `margin` on every side.
+    pub fn grown(&self, margin: f64) -> Self {
+        Self { min: self.min - margin, max: self.max + margin }
+    }
+
+    /// Whether the two boxes share a point.
+    pub fn intersects(&self, other: &Self) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+}
+
+impl Mesh {
+    /// The box `[0, size]` as 12 outward triangles.
+    pub fn cuboid(size: DVec3) -> Self {
+        let vertices =
+            (0..8).map(|i| size * DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2 & 1) as f64)).collect();
+        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        Self { vertices, triangles }
+    }
+
+    /// Corner points of triangle `i`.
+    pub fn corners(&self, i: usize) -> [DVec3; 3] {
+        self.triangles[i].map(|v| self.vertices[v as usize])
+    }
+
+    /// Corner points of every triangle in order.
+    pub fn iter_corners(&self) -> impl ExactSizeIterator<Item = [DVec3; 3]> + '_ {
+        self.triangles.iter().map(|t| t.map(|v| self.vertices[v as usize]))
+    }
+
+    /// Box around all vertices.
+    pub fn bounds(&self) -> Bounds {
+        Bounds::of(self.vertices.iter().copied())
+    }
+
+    /// Enclosed volume (mm^3); meaningful for closed meshes, positive when normals point outwards.
+    pub fn volume(&self) -> f64 {
+        // Relative to a nearby point, so that a mesh far from the origin loses no digits.
+        let o = self.vertices.first().copied().unwrap_or_default();
+        self.iter_corners().map(|[a, b, c]| (a - o).dot((b - o).cross(c - o))).sum::<f64>() / 6.0
+    }
+
+    /// Surface area (mm^2).
+    pub fn area(&self) -> f64 {
+        self.iter_corners().map(|t| normal_times_two_areas(t).length()).sum::<f64>() / 2.0
+    }
+
+    /// SHA-256 (lower-case hex) over the number and exact bits of the vertices and over the triangles: two meshes with
+    /// the same digest are the same surface in the same coordinates.
+    pub fn digest(&self) -> String {
+        let mut hash = Sha256::new();
+        hash.update((self.vertices.len() as u64).to_le_bytes());
+        for vertex in &self.vertices {
+            vertex.to_array().iter().for_each(|v| hash.update(v.to_bits().to_le_bytes()));
+        }
+        for triangle in &self.triangles {
+            triangle.iter().for_each(|i| hash.update(i.to_le_bytes()));
+        }
+        hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+
+    /// How often each directed edge occurs; in a closed, oriented mesh each once, with its opposite once.
+    pub fn directed_edges(&self) -> HashMap<(u32, u32), u32> {
+        let mut edges = HashMap::with_capacity(self.triangles.len() * 3);
+        for &[a, b, c] in &self.triangles {
+            for edge in [(a, b), (b, c), (c, a)] {
+                *edges.entry(edge).or_insert(0) += 1;
+            }
+        }
+        edges
+    }
+
+    /// Whether every edge is shared by exactly two triangles of agreeing orientation.
+    pub fn is_watertight(&self) -> bool {
+        let edges = self.directed_edges();
+        !self.triangles.is_empty()
+            && edges.iter().all(|(&(a, b), &n)| n == 1 && a != b && edges.get(&(b, a)) == Some(&1))
+    }
+
+    /// The same mesh with its vertices mapped by `f`, which must keep orientation.
+    pub fn mapped(&self, f: impl Fn(DVec3) -> DVec3) -> Self {
+        Self { vertices: self.vertices.iter().map(|&p| f(p)).collect(), triangles: self.triangles.clone() }
+    }
+
+    /// The mesh in coordinates of `frame`, when it is given in the parent's.
+    pub fn in_frame(&self, frame: &Frame) -> Self {
+        self.mapped(|p| frame.from_parent(p))
+    }
+
+    /// The mesh in the parent's coordinates, when it is given in `frame`.
+    pub fn in_parent_of(&self, frame: &Frame) -> Self {
+        self.mapped(|p| frame.to_parent(p))
+    }
+}
+
+/// The normal of a triangle scaled by twice its area.
+pub fn normal_times_two_areas([a, b, c]: [DVec3; 3]) -> DVec3 {
+    (b - a).cross(c - a)
+}
+
+/// The unit normal of a triangle, zero for a degenerate one.
+pub fn unit_normal(corners: [DVec3; 3]) -> DVec3 {
+    normal_times_two_areas(corners).normalize_or_zero()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_digest_tells_one_bit_and_one_triangle() {
+        let mesh = Mesh::cuboid(DVec3::new(2.0, 3.0, 4.0));
+        assert_eq!(mesh.digest(), mesh.clone().digest());
+        let (mut moved, mut turned) = (mesh.clone(), mesh.clone());
+        moved.vertices[5].y = f64::from_bits(moved.vertices[5].y.to_bits() + 1);
+        turned.triangles[3].rotate_left(1);
+        let shorter = Mesh { triangles: mesh.triangles[1..].to_vec(), ..mesh.clone() };
+        let all = [&mesh, &moved, &turned, &shorter].map(Mesh::digest);
+        assert!((0..4).all(|i| all[i].len() == 64 && (0..i).all(|j| all[i] != all[j])), "{all:?}");
+        // No vertices and no triangles: the digest of eight zero bytes, as another program computes it.
+        let nothing = "af5570f5a1810b7af78caf4bc70a660f0df51e42baf91d4de5b2328de0e83dfc";
+        assert_eq!(Mesh::default().digest(), nothing);
+    }
+
+    #[test]
+    fn a_box_has_its_volume_area_and_no_holes() {
+        let mesh = Mesh::cuboid(DVec3::new(2.0, 3.0, 4.0)).mapped(|p| p + 1e4);
+        assert!((mesh.volume() - 24.0).abs() < 1e-9);
+        assert!((mesh.area() - 52.0).abs() < 1e-9);
+        assert!(mesh.is_watertight());
+        let open = Mesh { triangles: mesh.triangles[1..].to_vec(), ..mesh };
+        assert!(!open.is_watertight());
+    }
+}

@@ -1,0 +1,236 @@
+//! Floor 1: mesh files to meshes in millimetres, and back. Knows no blisk.
+//!
+//! [`import_file`] reads STL (binary and ASCII), OBJ, glTF and GLB, told apart by their content. Whatever the bytes,
+//! it answers either a mesh and a report on it, or one clear line that names the file, the place and the remedy; it
+//! neither panics nor takes more memory than its [`ImportLimits`] allow.
+//!
+//! The mesh that comes out has one vertex for each point, no collapsed or doubled triangles, and its triangles are
+//! counter-clockwise seen from outside. What it does *not* promise is that the surface is closed: holes are reported,
+//! not filled, and an open surface may have no outside. [`ImportReport::watertight`] tells.
+//!
+//! ```
+//! use import::{ImportOptions, Units, import_bytes};
+//! use task::{Cancel, Progress};
+//!
+//! let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+//! let options = ImportOptions { units: Units::Inch, ..ImportOptions::default() };
+//! let imported = import_bytes("corner.obj", obj.as_bytes(), &options, &Progress::silent(), &Cancel::default())?;
+//! assert!(imported.report.watertight);
+//! assert!((imported.mesh.volume() - 25.4_f64.powi(3) / 6.0).abs() < 1e-9);
+//! # Ok::<(), import::ImportError>(())
+//! ```
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use geometry::mesh::Mesh;
+use task::{Cancel, Cancelled, Progress};
+
+mod clean;
+mod detect;
+mod edges;
+mod error;
+mod glb;
+mod gltf;
+mod gltf_buffers;
+mod holes;
+mod limits;
+mod obj;
+mod orient;
+mod repair;
+mod report;
+mod source;
+mod stl;
+mod units;
+mod weld;
+
+pub use detect::{Format, detect};
+pub use error::ImportError;
+pub use glb::glb_bytes;
+pub use holes::Hole;
+pub use limits::ImportLimits;
+pub use obj::obj_bytes;
+pub use report::ImportReport;
+pub use stl::{stl_bytes, write_stl};
+pub use units::{Undeclared, Unit, Units};
+
+use source::{RawMesh, Source};
+
+/// How a mesh file is to be read.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ImportOptions {
+    /// Unit of the file's coordinates.
+    pub units: Units,
+    /// What is done if that is to be guessed and the file says none.
+    pub undeclared: Undeclared,
+    /// Distance (mm) within which vertices are taken for one where a mesh does not close otherwise. By default a
+    /// millionth of the diagonal, and no less than what `f32` coordinates resolve. 0 welds equal vertices only.
+    pub weld_tolerance_mm: Option<f64>,
+    /// The most that the import may take.
+    pub limits: ImportLimits,
+}
+
+impl ImportOptions {
+    /// Says what is wrong with these options, if anything is.
+    ///
+    /// # Errors
+    /// [`ImportError::BadOption`].
+    pub fn validate(&self) -> Result<(), ImportError> {
+        self.limits.validate()?;
+        // Finer than a picometre would be finer than the coordinates themselves.
+        match self.weld_tolerance_mm {
+            Some(t) if t != 0.0 && !(1e-9..=1.0).contains(&t) => Err(ImportError::BadOption {
+                problem: format!("weld_tolerance_mm is {t}; give 0 or a length from 1e-9 to 1 mm"),
+            }),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A mesh from a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Imported {
+    /// The repaired mesh (mm), in the axes of the file.
+    pub mesh: Mesh,
+    /// What was found and done.
+    pub report: ImportReport,
+    /// SHA-256 of the file, and of its buffer files after it, in hexadecimal.
+    pub sha256: String,
+}
+
+/// Largest coordinate that is believed (mm): a kilometre.
+const LARGEST_COORDINATE: f64 = 1e6;
+
+/// How much is read or hashed between two looks at the cancel flag (bytes).
+const BLOCK: usize = 4 << 20;
+
+/// Reads the mesh file at `path`.
+///
+/// # Errors
+/// See [`ImportError`]; the text of each is one line naming the file, the place in it and the remedy.
+pub fn import_file(
+    path: &Path,
+    options: &ImportOptions,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Imported, ImportError> {
+    options.validate()?;
+    let name = error::one_line(&path.display().to_string());
+    let bytes = read_whole(path, &name, &options.limits, progress, cancel)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let source = Source { name: &name, bytes: &bytes, folder: Some(folder), limits: &options.limits, progress, cancel };
+    import(&source, options)
+}
+
+/// Reads a mesh file that is in memory already; `name` is for messages, and its extension a hint at the format.
+///
+/// A glTF whose buffers lie in files of their own cannot be read in this way.
+///
+/// # Errors
+/// As [`import_file`].
+pub fn import_bytes(
+    name: &str,
+    bytes: &[u8],
+    options: &ImportOptions,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Imported, ImportError> {
+    options.validate()?;
+    let name = error::one_line(name);
+    options.limits.check_file(&name, bytes.len() as u64)?;
+    let source = Source { name: &name, bytes, folder: None, limits: &options.limits, progress, cancel };
+    import(&source, options)
+}
+
+fn read_whole(
+    path: &Path,
+    name: &str,
+    limits: &ImportLimits,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Vec<u8>, ImportError> {
+    let unreadable = |source| ImportError::Unreadable { file: name.to_owned(), source };
+    // Asked before opening, as opening a pipe would wait for ever.
+    let about = std::fs::metadata(path).map_err(unreadable)?;
+    if !about.is_file() {
+        let kind = if about.is_dir() { "a folder" } else { "a device or pipe" };
+        return Err(ImportError::NotAFile { file: name.to_owned(), kind });
+    }
+    limits.check_file(name, about.len())?;
+    limits.check_memory(name, about.len())?;
+    let mut file = File::open(path).map_err(unreadable)?;
+    let mut bytes = Vec::new();
+    loop {
+        cancel.check()?;
+        progress.report("reading the file", bytes.len() as f64 / about.len().max(1) as f64, "");
+        let read = file.by_ref().take(BLOCK as u64).read_to_end(&mut bytes).map_err(unreadable)?;
+        if read == 0 {
+            return Ok(bytes);
+        }
+        // The file may have grown since it was asked for its length.
+        limits.check_file(name, bytes.len() as u64)?;
+    }
+}
+
+fn import(source: &Source, options: &ImportOptions) -> Result<Imported, ImportError> {
+    let (progress, cancel) = (source.progress, source.cancel);
+    let format = detect(source.name, source.bytes)?;
+    let read = match format {
+        Format::StlBinary => stl::read_binary,
+        Format::StlAscii => stl::read_ascii,
+        Format::Obj => obj::read,
+        Format::Gltf | Format::Glb => gltf::read,
+    };
+    let mut hasher = Sha256::new();
+    let (raw, hashed) = rayon::join(|| read(source), || hash(&mut hasher, source.bytes, cancel));
+    let RawMesh { mesh, warnings, note, attachments } = raw?;
+    hashed?;
+    attachments.iter().try_for_each(|content| hash(&mut hasher, content, cancel))?;
+    drop(attachments);
+    let declared = match format {
+        Format::Gltf | Format::Glb => Some((Unit::M, "the glTF standard")),
+        _ => units::declared_in(&note).map(|unit| (unit, "the file")),
+    };
+    let (given, size) = (options.units.given(), repair::largest_extent(&mesh));
+    let unit = units::choose_with_care(given, declared, options.undeclared, size)
+        .map_err(|guess| ImportError::UnitOpen { file: source.name.to_owned(), guess: guess.reason })?;
+    let mesh = in_millimetres(source, mesh, unit.unit)?;
+    let triangles_read = mesh.triangles.len();
+    let (mesh, repairs) = repair::repair(mesh, options.weld_tolerance_mm, progress, cancel)?;
+    if mesh.triangles.is_empty() {
+        return Err(ImportError::NoTriangles { file: source.name.to_owned() });
+    }
+    let report = ImportReport::new(format, triangles_read, &mesh, unit, repairs, warnings);
+    progress.report("importing", 1.0, "");
+    let sha256 = hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+    Ok(Imported { mesh, report, sha256 })
+}
+
+/// `mesh` converted from `unit`; refuses coordinates that no part can have.
+fn in_millimetres(source: &Source, mut mesh: Mesh, unit: Unit) -> Result<Mesh, ImportError> {
+    for p in &mut mesh.vertices {
+        *p *= unit.in_mm();
+    }
+    let too_far = |v: u32| mesh.vertices[v as usize].abs().max_element() > LARGEST_COORDINATE;
+    let Some(t) = mesh.triangles.iter().position(|t| t.iter().any(|&v| too_far(v))) else { return Ok(mesh) };
+    let corners = mesh.corners(t);
+    let farthest = corners.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+    Err(source.malformed(
+        format!("triangle {}", t + 1),
+        format!("a coordinate of {farthest:.3e} mm is larger than any part (unit: {})", unit.name()),
+        "check the unit, or move the part to the origin and export it again",
+    ))
+}
+
+fn hash(hasher: &mut Sha256, content: &[u8], cancel: &Cancel) -> Result<(), Cancelled> {
+    for block in content.chunks(BLOCK) {
+        cancel.check()?;
+        hasher.update(block);
+    }
+    Ok(())
+}

@@ -1,0 +1,96 @@
+//! A file's bytes on their way to a reader, with everything a reader needs to refuse them.
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::error::ImportError;
+use super::limits::ImportLimits;
+use geometry::mesh::Mesh;
+use task::{Cancel, Cancelled, Progress};
+
+/// How many items a reader handles between two looks at the cancel flag: a few milliseconds of work.
+const ITEMS_PER_CHECK: usize = 1 << 14;
+
+/// The bytes of one file and the circumstances of reading them.
+pub(super) struct Source<'a> {
+    /// Name for messages.
+    pub name: &'a str,
+    /// The whole content.
+    pub bytes: &'a [u8],
+    /// Folder of the file; `None` for bytes that came from memory.
+    pub folder: Option<&'a Path>,
+    /// What the import may take.
+    pub limits: &'a ImportLimits,
+    /// Where progress goes.
+    pub progress: &'a Progress,
+    /// Whether to stop.
+    pub cancel: &'a Cancel,
+}
+
+/// What a reader makes of a file: coordinates as they stand in it, vertices as the format shares them.
+#[derive(Debug, Default)]
+pub(super) struct RawMesh {
+    /// Vertices in the file's unit, no two of them equal, and triangles.
+    pub mesh: Mesh,
+    /// Sentences on what the reader skipped or assumed.
+    pub warnings: Vec<String>,
+    /// Free text of the file (header, comments) in which a unit may be named.
+    pub note: String,
+    /// Content of further files that belong to the mesh, in order, for the hash.
+    pub attachments: Vec<Vec<u8>>,
+}
+
+impl<'a> Source<'a> {
+    /// The content as text, without the mark that some editors put in front of UTF-8.
+    pub fn text(&self) -> &'a [u8] {
+        without_mark(self.bytes)
+    }
+
+    /// The error for a `problem` at `place`.
+    pub fn malformed(&self, place: impl Into<String>, problem: impl Into<String>, remedy: &'static str) -> ImportError {
+        ImportError::Malformed { file: self.name.to_owned(), place: place.into(), problem: problem.into(), remedy }
+    }
+
+    /// Refuses a mesh that the limits do not allow.
+    pub fn check_mesh(&self, triangles: u64, vertices: u64) -> Result<(), ImportError> {
+        self.limits.check_mesh(self.name, self.bytes.len() as u64, triangles, vertices)
+    }
+
+    /// `p` if it is finite; `place` is only called for the error.
+    pub fn finite(&self, p: DVec3, place: impl FnOnce() -> String) -> Result<DVec3, ImportError> {
+        if p.is_finite() {
+            return Ok(p);
+        }
+        Err(self.malformed(
+            place(),
+            format!("a coordinate is not a finite number ({}, {}, {})", p.x, p.y, p.z),
+            "repair the mesh where it was made and export it again",
+        ))
+    }
+
+    /// Reports progress and looks at the cancel flag every so many items of `total`.
+    pub fn tick(&self, stage: &str, item: usize, total: usize) -> Result<(), Cancelled> {
+        tick(self.progress, self.cancel, stage, item, total)
+    }
+}
+
+/// A text without the mark that some editors put in front of UTF-8.
+pub(super) fn without_mark(text: &[u8]) -> &[u8] {
+    text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text)
+}
+
+/// Reports progress and looks at the cancel flag every so many items of `total`.
+pub(super) fn tick(
+    progress: &Progress,
+    cancel: &Cancel,
+    stage: &str,
+    item: usize,
+    total: usize,
+) -> Result<(), Cancelled> {
+    if item.is_multiple_of(ITEMS_PER_CHECK) {
+        progress.report(stage, item as f64 / total.max(1) as f64, "");
+        cancel.check()?;
+    }
+    Ok(())
+}

@@ -1,0 +1,249 @@
+//! How near an electrode comes to the mold, where it burns and on its way in and out.
+
+use std::f64::consts::PI;
+
+use glam::{DAffine3, DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::check::{CheckKind, Finding};
+use super::params::{Orbit, Stage};
+use super::plan::ElectrodeError;
+use geometry::exact::{ExactMesh, ExactMeshError};
+use geometry::inside::winding_number;
+use geometry::mesh::{Mesh, unit_normal};
+use geometry::offset::offset;
+use task::Cancel;
+
+/// By how much an electrode may come closer than the gap (mm): rounding of files, not of sparks.
+pub const GOUGE: f64 = 5e-4;
+/// How far an orbit may bulge beyond the places of it that are tried (mm).
+const BULGE: f64 = 2e-4;
+
+/// A mold that electrodes must keep clear of.
+pub struct Obstacle {
+    mesh: ExactMesh,
+    surface: Mesh,
+    cancel: Cancel,
+}
+
+impl Obstacle {
+    /// A mold.
+    ///
+    /// # Errors
+    /// [`ExactMeshError`].
+    pub fn new(mold: &Mesh) -> Result<Self, ExactMeshError> {
+        Ok(Self { mesh: ExactMesh::new(mold)?, surface: mold.clone(), cancel: Cancel::default() })
+    }
+
+    /// The same mold; `cancel` stops what is long with it.
+    pub fn stopped_by(self, cancel: &Cancel) -> Self {
+        Self { cancel: cancel.clone(), ..self }
+    }
+
+    /// Distance from a point to its surface (mm).
+    pub fn distance(&self, p: DVec3) -> f64 {
+        self.mesh.nearest(p).signed_distance.abs()
+    }
+
+    /// Distance from a point to its surface, negative within (mm), and the unit vector to the point from the nearest of it.
+    pub(super) fn off(&self, p: DVec3) -> (f64, DVec3) {
+        let nearest = self.mesh.nearest(p);
+        (nearest.signed_distance, (p - nearest.point).normalize_or_zero())
+    }
+
+    /// How near the electrode, which stands where it burns, comes to the mold there and on its way straight up by `lift` (mm).
+    ///
+    /// While a body moves, the boundary of what it sweeps is made of its first and last place and of what its edges
+    /// sweep: these are held against the mold exactly.
+    /// The holder needs none: the base, and all that is above it, begins higher than any point of the mold by the extension.
+    ///
+    /// # Errors
+    /// [`ElectrodeError::Exact`], [`ElectrodeError::Cancelled`].
+    pub fn clearance(&self, electrode: &Mesh, stage: &Stage, lift: f64) -> Result<Clearance, ElectrodeError> {
+        // Without a gap surfaces touch, and touching cannot be told from crossing: the electrode is tried a hair smaller.
+        let (hair, smaller);
+        let electrode = if stage.gap_mm + stage.stock_mm < 2.0 * GOUGE {
+            hair = 2.0 * GOUGE;
+            smaller = inset(electrode, hair);
+            &smaller
+        } else {
+            hair = 0.0;
+            electrode
+        };
+        let inside = self.inside(electrode);
+        let near = |mesh: &Mesh, shifts: &[DVec3]| -> Result<Near, ElectrodeError> {
+            let exact = ExactMesh::new(mesh)?;
+            let (distance, shift) = self.least(&exact, shifts)?;
+            let distance = distance - hair;
+            let is_near = distance < needed(stage) && inside.is_none();
+            let place = if is_near { self.contact((mesh, &exact), shift) } else { None };
+            Ok(Near { distance, place })
+        };
+        let burning = near(electrode, &burning_places(stage.orbit))?;
+        let way = near(&swept(electrode, lift), &[DVec3::ZERO])?;
+        Ok(Clearance { near: [burning, way], inside })
+    }
+
+    /// The least distance of a body at these shifts, and at which of them, the first of those that are alike.
+    fn least(&self, body: &ExactMesh, shifts: &[DVec3]) -> Result<(f64, DVec3), ElectrodeError> {
+        let at = |shift: &DVec3| -> Result<(f64, DVec3), ElectrodeError> {
+            self.cancel.check()?;
+            Ok((self.mesh.distance_to(body, &DAffine3::from_translation(*shift)), *shift))
+        };
+        let all = shifts.par_iter().map(at).collect::<Result<Vec<_>, _>>()?;
+        let nearer = |a: (f64, DVec3), b: (f64, DVec3)| if b.0 < a.0 { b } else { a };
+        Ok(all.into_iter().fold((f64::INFINITY, DVec3::ZERO), nearer))
+    }
+
+    /// Whether a body that stands beside the tips that burn keeps the gap there and on its way.
+    ///
+    /// # Errors
+    /// [`ElectrodeError::Exact`], [`ElectrodeError::Cancelled`].
+    pub fn keeps_clear(&self, beside: &Mesh, stage: &Stage, lift: f64) -> Result<bool, ElectrodeError> {
+        // Most of what does not is told by a corner.
+        if beside.vertices.iter().any(|p| self.off(*p).0 < stage.gap_mm + stage.stock_mm) {
+            return Ok(false);
+        }
+        Ok(self.clearance(beside, stage, lift)?.findings(stage).iter().all(|finding| finding.holds))
+    }
+
+    /// A vertex that stands inside the mold.
+    fn inside(&self, electrode: &Mesh) -> Option<DVec3> {
+        let is_inside = |p: &&DVec3| self.distance(**p) > GOUGE && winding_number(&self.mesh, **p) != 0;
+        electrode.vertices.iter().find(is_inside).copied()
+    }
+
+    /// Where a body, shifted, comes nearest to the mold or crosses its surface.
+    fn contact(&self, (mesh, exact): (&Mesh, &ExactMesh), shift: DVec3) -> Option<DVec3> {
+        /// Further than any body comes near (mm).
+        const FAR: f64 = 1e3;
+        let nearest = |a: &DVec3, b: &DVec3| self.distance(*a).total_cmp(&self.distance(*b));
+        let crossing = || {
+            let own = edges(mesh).find_map(|[a, b]| crossed(&self.mesh, a + shift, b + shift));
+            let of_mold = || edges(&self.surface).find_map(|[a, b]| crossed(exact, a - shift, b - shift));
+            own.or_else(|| of_mold().map(|p| p + shift))
+        };
+        let vertex = || mesh.vertices.iter().map(|p| *p + shift).min_by(nearest);
+        self.mesh.nearest_to(exact, shift, FAR).or_else(crossing).or_else(vertex)
+    }
+}
+
+/// The edges of a mesh, each from both of its faces.
+fn edges(mesh: &Mesh) -> impl Iterator<Item = [DVec3; 2]> + '_ {
+    mesh.iter_corners().flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]])
+}
+
+/// Where the way from one point to another first crosses a surface.
+fn crossed(surface: &ExactMesh, from: DVec3, to: DVec3) -> Option<DVec3> {
+    let along = (to - from).try_normalize()?;
+    surface.first_crossing(from, along, from.distance(to)).map(|t| from + along * t)
+}
+
+/// How near a body may come to the mold (mm).
+fn needed(stage: &Stage) -> f64 {
+    stage.gap_mm + stage.stock_mm - GOUGE
+}
+
+/// How near a body comes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Near {
+    /// Least distance (mm).
+    distance: f64,
+    /// Where, if that is too near.
+    place: Option<DVec3>,
+}
+
+/// How near an electrode comes to the mold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Clearance {
+    /// Where it burns, and on its way in and out.
+    near: [Near; 2],
+    /// A vertex of it that stands inside the mold.
+    inside: Option<DVec3>,
+}
+
+impl Clearance {
+    /// The worse of two: what stands inside the mold is worse than what comes near it.
+    pub fn worse(self, other: Self) -> Self {
+        let badness = |c: &Self| (c.inside.is_some(), -c.near[0].distance.min(c.near[1].distance));
+        if badness(&other) > badness(&self) { other } else { self }
+    }
+
+    /// Whether the gap of a stage is kept where it burns, and on the way in and out.
+    pub fn findings(&self, stage: &Stage) -> [Finding; 2] {
+        let asked = if stage.stock_mm > 0.0 {
+            format!("gap {:.4} mm and stock {:.4} mm", stage.gap_mm, stage.stock_mm)
+        } else {
+            format!("gap {:.4} mm", stage.gap_mm)
+        };
+        let of = |kind: CheckKind, Near { distance, place }: Near, way: &str| {
+            let (holds, found) = (distance >= needed(stage) && self.inside.is_none(), distance.max(0.0));
+            let text = if self.inside.is_some() {
+                format!("{way} it stands inside the mold")
+            } else if holds {
+                format!("{way} it keeps {found:.4} mm from the mold ({asked})")
+            } else {
+                format!(
+                    "{way} it comes to {found:.4} mm of the mold, which is less than asked ({asked}): too deep a burn"
+                )
+            };
+            Finding::new(kind, holds, text, if holds { None } else { self.inside.or(place) })
+        };
+        let [burning, way] = self.near;
+        [of(CheckKind::Gouge, burning, "where it burns"), of(CheckKind::Approach, way, "on its way in and out")]
+    }
+}
+
+/// A closed surface moved inwards by `by` (mm); as it is where that cannot be.
+fn inset(mesh: &Mesh, by: f64) -> Mesh {
+    let turned = |mesh: &Mesh| Mesh {
+        vertices: mesh.vertices.clone(),
+        triangles: mesh.triangles.iter().map(|[a, b, c]| [*a, *c, *b]).collect(),
+    };
+    offset(&turned(mesh), |_| by).map_or_else(|_| mesh.clone(), |moved| turned(&moved))
+}
+
+/// Places of an electrode that burns: the middle of its orbit, and so many around it that it bulges less beyond them than
+/// [`BULGE`].
+fn burning_places(orbit: Orbit) -> Vec<DVec3> {
+    std::iter::once(DVec3::ZERO).chain(orbit_places(orbit)).collect()
+}
+
+fn orbit_places(orbit: Orbit) -> Vec<DVec3> {
+    match orbit {
+        Orbit::None => Vec::new(),
+        Orbit::Circular { radius_mm } => {
+            let half_step = (1.0 - BULGE / radius_mm.max(BULGE)).acos();
+            let count = (PI / half_step).ceil().max(8.0);
+            let around = |i: usize| DVec2::from_angle(i as f64 * 2.0 * PI / count);
+            (0..count as usize).map(|i| (around(i) * radius_mm).extend(0.0)).collect()
+        }
+        Orbit::Square { radius_mm: r } => {
+            [(r, r), (r, -r), (-r, r), (-r, -r)].into_iter().map(|(x, y)| DVec3::new(x, y, 0.0)).collect()
+        }
+    }
+}
+
+/// The surfaces that bound what a mesh sweeps on its way straight up.
+fn swept(mesh: &Mesh, lift: f64) -> Mesh {
+    let count = mesh.vertices.len() as u32;
+    let mut soup = mesh.clone();
+    soup.vertices.extend(mesh.vertices.iter().map(|p| *p + DVec3::Z * lift));
+    soup.triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + count)));
+    let mut faces = std::collections::BTreeMap::new();
+    for (i, &[a, b, c]) in mesh.triangles.iter().enumerate() {
+        let up = unit_normal(mesh.corners(i)).z;
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            faces.entry((from.min(to), from.max(to))).or_insert_with(Vec::new).push(up);
+        }
+    }
+    for ((a, b), ups) in faces {
+        // Between two faces that both look up or both down nothing of the boundary is swept.
+        let both = |is: fn(&f64) -> bool| ups.len() == 2 && ups.iter().all(is);
+        let is_upright = mesh.vertices[a as usize].truncate() == mesh.vertices[b as usize].truncate();
+        if !is_upright && !both(|up| *up > 1e-9) && !both(|up| *up < -1e-9) {
+            soup.triangles.extend([[a, b, b + count], [a, b + count, a + count]]);
+        }
+    }
+    soup
+}

@@ -1,0 +1,235 @@
+//! Electrodes, from tips to burns.
+
+use std::fmt;
+
+use glam::{DVec2, DVec3};
+use serde::Serialize;
+
+use super::base::Base;
+use super::check::{CheckKind, Finding, LeftOfRegion};
+use super::division::Cut;
+use super::family::Family;
+use super::overrides::{IdleOverride, Override};
+use super::params::{ElectrodeParams, Method};
+use geometry::mesh::{Bounds, Mesh};
+
+/// Where a part of a region is: the region's place in the list, and the part's number, which is the same for the same place
+/// in every stage.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+pub struct PartId {
+    /// The region.
+    pub region: usize,
+    /// The part of it.
+    pub part: usize,
+}
+
+/// As in tables: `R3.2` is part 2 of region 3, both counted from 1.
+impl fmt::Display for PartId {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "R{}.{}", self.region + 1, self.part + 1)
+    }
+}
+
+/// Where an electrode stands when it has burned.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Burn {
+    /// Where the electrode's origin is, in the upright mold (mm).
+    pub position: DVec3,
+    /// How far the electrode is turned about the burn direction (radians).
+    pub turn: f64,
+    /// What it burns.
+    pub parts: Vec<PartId>,
+    /// How deep below the mold's top its lowest point is (mm).
+    pub depth: f64,
+    /// Volume that is burned away (mm^3).
+    pub volume: f64,
+    /// Minutes that it takes: as long as its slowest tip, or as all of them at the generator's greatest rate.
+    pub minutes: f64,
+}
+
+/// An electrode: a base with one tip or several. Its origin is the middle of the base's underside, from where the tips
+/// reach down along -Z.
+#[derive(Debug, Clone)]
+pub struct Electrode {
+    /// Its name, which its files carry.
+    pub name: String,
+    /// Its burn: the place in the list of stages.
+    pub stage: usize,
+    /// Its surface, tips and base (mm).
+    pub mesh: Mesh,
+    /// The tips alone, up to the base.
+    pub tips: Mesh,
+    /// Where it burns; each of these alike.
+    pub burns: Vec<Burn>,
+    /// Where the electrode goes, in the upright mold.
+    pub direction: DVec3,
+    /// How its tips were made.
+    pub method: Method,
+    /// Sides of the blank, and its length along Z (mm).
+    pub blank: DVec3,
+    /// The holder: its place in the list, if one is large enough.
+    pub holder: Option<usize>,
+    /// Minutes that all its burns take.
+    pub minutes: f64,
+    /// Whether a tip is nowhere as thick as the least size.
+    pub is_thin: bool,
+    /// Area of the tips seen along the burn (mm^2).
+    pub front_area: f64,
+    /// Area of the tips that burns, walls and floors (mm^2).
+    pub burn_area: f64,
+    /// The base that the tips stand on.
+    pub base: Base,
+    /// Whether tips of other stages stand on it too.
+    pub family: Family,
+    /// These tips.
+    pub others: Mesh,
+}
+
+impl Electrode {
+    /// Box around it.
+    pub fn bounds(&self) -> Bounds {
+        self.mesh.bounds()
+    }
+
+    /// The parts of regions that all its burns are for, by name, in order.
+    pub fn part_names(&self) -> Vec<String> {
+        let mut parts: Vec<PartId> = self.burns.iter().flat_map(|b| b.parts.iter().copied()).collect();
+        parts.sort_unstable();
+        parts.dedup();
+        parts.iter().map(PartId::to_string).collect()
+    }
+}
+
+/// A part of a region after division, as the tree shows it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PartNode {
+    /// The cut that divides it; none for a leaf.
+    pub cut: Option<Cut>,
+    /// H-edges that it has.
+    pub h_edges: usize,
+    /// Its outlines in plan, in the burn frame (mm).
+    pub outlines: Vec<Vec<DVec2>>,
+    /// What it is divided into; one part only where nothing else of it is burned.
+    pub parts: Vec<PartNode>,
+    /// Whether something beyond the cut was left out as too thin.
+    pub lacks_thin: bool,
+    /// For a leaf its number among the region's parts.
+    pub part: Option<usize>,
+    /// For a leaf a point of it by which changes name it, in plan, in the burn frame (mm).
+    pub place: Option<DVec2>,
+}
+
+/// What a stage has no tip for, and leaves to the stages after it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LeftOut {
+    /// The stage: its place in the list.
+    pub stage: usize,
+    /// What, and why, in words.
+    pub text: String,
+}
+
+/// How a region is burned.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RegionPlan {
+    /// Its division by the last stage that has one.
+    pub tree: Option<PartNode>,
+    /// Its divisions by the stages before that one: their places in the list, the later one first.
+    pub earlier: Vec<(usize, PartNode)>,
+    /// How its tips are made.
+    pub method: Method,
+    /// Where its electrodes go, in the upright mold.
+    pub direction: DVec3,
+    /// The user's changes that met it: their places in the list.
+    pub edits: Vec<usize>,
+    /// Why it has no electrode, or lacks one for a part.
+    pub trouble: Option<String>,
+    /// What stages leave to those after them.
+    pub left_out: Vec<LeftOut>,
+    /// What all burns and cutters leave of it.
+    pub left: LeftOfRegion,
+}
+
+/// All electrodes for a mold, with what was checked.
+#[derive(Debug, Clone)]
+pub struct ElectrodeSet {
+    /// What was asked.
+    pub params: ElectrodeParams,
+    /// They; those for the first stage first.
+    pub electrodes: Vec<Electrode>,
+    /// What was checked, for each of them.
+    pub checks: Vec<Vec<Finding>>,
+    /// How each region is burned, in the order of the regions.
+    pub regions: Vec<RegionPlan>,
+}
+
+impl ElectrodeSet {
+    /// Whether a check of an electrode fails.
+    pub fn fails(&self, electrode: usize) -> bool {
+        self.checks[electrode].iter().any(|finding| !finding.holds)
+    }
+
+    /// Whether an electrode may not be exported: a check fails and the user did not override it.
+    pub fn is_blocked(&self, electrode: usize) -> bool {
+        self.is_blocked_with(electrode, &self.params.overrides)
+    }
+
+    /// The same if these are the user's overrides. Those that share a body with it are asked too: it is one piece.
+    pub fn is_blocked_with(&self, electrode: usize, overrides: &[Override]) -> bool {
+        let is_blocked = |e: &usize| {
+            let mut failing = self.checks[*e].iter().filter(|f| !f.holds);
+            failing.any(|f| !self.is_overridden(*e, f.kind, overrides))
+        };
+        self.body_of(electrode).iter().any(is_blocked)
+    }
+
+    /// The electrodes that are one body with this one, itself among them.
+    pub fn body_of(&self, electrode: usize) -> Vec<usize> {
+        match self.electrodes[electrode].family.name() {
+            None => vec![electrode],
+            name => (0..self.electrodes.len()).filter(|e| self.electrodes[*e].family.name() == name).collect(),
+        }
+    }
+
+    /// Whether one of `overrides` is for this check of an electrode.
+    pub fn is_overridden(&self, electrode: usize, check: CheckKind, overrides: &[Override]) -> bool {
+        let electrode = &self.electrodes[electrode];
+        overrides.iter().any(|o| o.is_for(electrode) && o.check.is_none_or(|kind| kind == check))
+    }
+
+    /// The overrides that override nothing, with the reason.
+    pub fn idle_overrides(&self) -> Vec<(&Override, IdleOverride)> {
+        let why = |o: &Override| -> Option<IdleOverride> {
+            let Some(e) = self.electrodes.iter().position(|e| e.name == o.electrode) else {
+                return Some(IdleOverride::NoElectrode);
+            };
+            if !o.is_for(&self.electrodes[e]) {
+                return Some(IdleOverride::OtherParts);
+            }
+            let is_used = self.checks[e].iter().any(|f| !f.holds && o.check.is_none_or(|kind| kind == f.kind));
+            (!is_used).then_some(IdleOverride::Holds)
+        };
+        self.params.overrides.iter().filter_map(|o| Some((o, why(o)?))).collect()
+    }
+
+    /// Regions that have no electrode for all of them.
+    pub fn without_electrode(&self) -> Vec<usize> {
+        (0..self.regions.len()).filter(|r| self.regions[*r].trouble.is_some()).collect()
+    }
+
+    /// The user's changes that met no region, or changed nothing: their places in the list.
+    pub fn unmet_edits(&self) -> Vec<usize> {
+        let is_met = |edit: &usize| self.regions.iter().any(|region| region.edits.contains(edit));
+        (0..self.params.edits.len()).filter(|edit| !is_met(edit)).collect()
+    }
+
+    /// Whether every region has its electrodes and every check holds.
+    pub fn holds(&self) -> bool {
+        self.without_electrode().is_empty() && (0..self.electrodes.len()).all(|e| !self.fails(e))
+    }
+
+    /// Minutes that all burns take.
+    pub fn minutes(&self) -> f64 {
+        // The sum of none is a zero with a sign.
+        self.electrodes.iter().map(|e| e.minutes).sum::<f64>() + 0.0
+    }
+}

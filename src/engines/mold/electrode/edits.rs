@@ -1,0 +1,215 @@
+//! The user's changes to the division of a region.
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::division::{Cut, DivisionSettings, Part, cut_along, whole};
+use super::params::{Edit, ElectrodeParamsError};
+use super::plan::{RegionToBurn, TOUCHES};
+use super::tip::{Burned, Footprint, SKIN, TipError};
+use crate::outline::{Outline, off_segment};
+use crate::plane;
+use geometry::exact::ExactMesh;
+use geometry::mesh::Mesh;
+
+/// What a cut leaves between two parts at most (mm).
+const HAIR: f64 = 1e-3;
+/// Regions whose distances from a place differ by less are as near (mm): they are known to cells of about this size.
+const AS_NEAR: f64 = 0.02;
+
+impl Edit {
+    /// Whether it can be made; `number` is its place in the list, counted from 1.
+    pub(super) fn validate(&self, number: usize) -> Result<(), ElectrodeParamsError> {
+        let is_place = match self {
+            Self::Merge { places: [a, b] } | Self::Split { line: [a, b] } => a.is_finite() && b.is_finite(),
+            Self::Make { place, .. } | Self::Burn { place, .. } => place.is_finite(),
+        };
+        if !is_place {
+            return Err(ElectrodeParamsError::Place(number));
+        }
+        match self {
+            // Too long or too short a direction has no length that can be told.
+            Self::Burn { direction, .. } if direction.try_normalize().is_none() => {
+                Err(ElectrodeParamsError::Direction(number))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Makes a change to the parts of a region; whether it meets them. `plan` takes a place of the upright mold to the plan of
+/// the burn frame.
+///
+/// # Errors
+/// [`TipError`].
+pub(super) fn apply(
+    burned: &Burned,
+    tree: &mut Part,
+    edit: &Edit,
+    plan: impl Fn(DVec3) -> DVec2,
+    settings: &DivisionSettings,
+) -> Result<bool, TipError> {
+    match edit {
+        Edit::Split { line } => {
+            let [a, b] = line.map(plan);
+            split(burned, tree, [a, b], settings)
+        }
+        Edit::Merge { places } => {
+            let [a, b] = places.map(plan);
+            merge(burned, tree, [a, b])
+        }
+        Edit::Make { .. } | Edit::Burn { .. } => Ok(false),
+    }
+}
+
+/// Cuts the part that the middle of a line names along it.
+fn split(burned: &Burned, tree: &mut Part, [a, b]: [DVec2; 2], settings: &DivisionSettings) -> Result<bool, TipError> {
+    let (through, outward) = (a.midpoint(b), (b - a).perp().normalize_or_zero());
+    let held = holder(tree, through).filter(|_| outward != DVec2::ZERO);
+    let Some(part) = held.and_then(|way| at(tree, &way)) else { return Ok(false) };
+    let cut = Cut { through, outward, overlaps: true };
+    let (halves, _) = cut_along(burned, &part.footprint, &cut, settings);
+    if halves.len() < 2 {
+        return Ok(false);
+    }
+    let halves = halves.into_iter().map(|f| whole(burned, f)).collect::<Result<Vec<_>, _>>()?;
+    part.divided = Some((cut, halves));
+    Ok(true)
+}
+
+/// Makes the parts that two places name one, which stands where the first of them stood.
+fn merge(burned: &Burned, tree: &mut Part, places: [DVec2; 2]) -> Result<bool, TipError> {
+    let [Some(a), Some(b)] = places.map(|p| holder(tree, p)) else { return Ok(false) };
+    if a == b {
+        return Ok(false);
+    }
+    let (first, second) = if a < b { (a, b) } else { (b, a) };
+    let Some(other) = at(tree, &second).map(|part| part.footprint.clone()) else { return Ok(false) };
+    let Some(one) = at(tree, &first) else { return Ok(false) };
+    let flat = |shapes: Vec<plane::Shape>| shapes.into_iter().flatten().collect::<Vec<Outline>>();
+    let joined = |x: &[Outline], y: &[Outline]| flat(plane::union(x, y));
+    let mut footprint = one.footprint.clone();
+    // A hair between the two, which a cut leaves, is closed.
+    let free = joined(&footprint.free, &other.free);
+    footprint.free = flat(plane::grown(&flat(plane::grown(&free, HAIR)), -HAIR));
+    footprint.outlines = flat(plane::grown(&footprint.free, SKIN));
+    footprint.region = joined(&footprint.region, &other.region);
+    *one = whole(burned, footprint)?;
+    remove(tree, &second);
+    Ok(true)
+}
+
+/// The way to the undivided part that a point names: the part whose share of the region holds it, else of those whose tip
+/// or share does the one whose share is nearest, else the nearest part beside it. What is left often lies along walls only,
+/// with the tip between them, and a neighbour's margin may reach over a part.
+fn holder(tree: &Part, p: DVec2) -> Option<Vec<usize>> {
+    let mut ways = Vec::new();
+    ways_to(tree, Vec::new(), &mut ways);
+    let named = ways.into_iter().filter_map(|(way, part)| {
+        let Footprint { free, outlines, region, .. } = &part.footprint;
+        let off = plane::off(region, p);
+        let is_in_tip = plane::holds(outlines, p) || plane::holds(free, p);
+        let is_inner = off == 0.0 && plane::holds(free, p);
+        let is_beside = !is_in_tip && off > 0.0;
+        // Between a wall and a tip the nearest of both says whose it is.
+        let off = if is_beside { off.min(plane::off(free, p)) } else { off };
+        (off <= TOUCHES || is_in_tip).then_some((is_beside, !is_inner, off, way))
+    });
+    named.min_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2))).map(|(.., way)| way)
+}
+
+/// The undivided parts and the ways to them, in order.
+fn ways_to<'a>(tree: &'a Part, way: Vec<usize>, ways: &mut Vec<(Vec<usize>, &'a Part)>) {
+    let Some((_, parts)) = &tree.divided else { return ways.push((way, tree)) };
+    for (i, part) in parts.iter().enumerate() {
+        ways_to(part, way.iter().copied().chain([i]).collect(), ways);
+    }
+}
+
+/// For each of these regions the changes to a division that may meet it, by their places in the list: of those nearest to
+/// it in plan. Tips of neighbours overlap, and a change is for one region.
+pub(super) fn named(
+    regions: &[&RegionToBurn],
+    edits: &[Edit],
+    plan: impl Fn(DVec3) -> DVec2 + Sync,
+) -> Vec<Vec<usize>> {
+    let off = |region: &RegionToBurn, edit: &Edit| -> f64 {
+        let (Edit::Split { line: [a, b] } | Edit::Merge { places: [a, b] }) = edit else { return f64::INFINITY };
+        let (a, b) = (plan(*a), plan(*b));
+        let places = if matches!(edit, Edit::Split { .. }) { [a.midpoint(b); 2] } else { [a, b] };
+        places.into_iter().map(|p| off_in_plan(region, &plan, p)).fold(0.0, f64::max)
+    };
+    let offs: Vec<Vec<f64>> = regions.par_iter().map(|r| edits.iter().map(|e| off(r, e)).collect()).collect();
+    let least = |e: usize| offs.iter().map(|of| of[e]).fold(f64::INFINITY, f64::min);
+    let nearest: Vec<f64> = (0..edits.len()).map(least).collect();
+    let is_near = |of: &[f64], e: usize| of[e].is_finite() && of[e] <= nearest[e] + AS_NEAR;
+    offs.iter().map(|of| (0..edits.len()).filter(|e| is_near(of, *e)).collect()).collect()
+}
+
+/// For each region those of the changes that say how it is made and from where, by their places in the list: each is for the
+/// region nearest to its place, if that is near enough.
+pub(super) fn pointed_at(regions: &[RegionToBurn], edits: &[Edit]) -> Vec<Vec<usize>> {
+    let mut of = vec![Vec::new(); regions.len()];
+    for (number, edit) in edits.iter().enumerate() {
+        let (Edit::Make { place, .. } | Edit::Burn { place, .. }) = edit else { continue };
+        let offs: Vec<f64> = regions.par_iter().map(|region| off_in_space(region, *place)).collect();
+        let nearest = offs.iter().copied().fold(f64::INFINITY, f64::min);
+        let is_meant = |off: f64| off < TOUCHES && off <= nearest + AS_NEAR;
+        offs.iter().zip(&mut of).filter(|(off, _)| is_meant(**off)).for_each(|(_, of)| of.push(number));
+    }
+    of
+}
+
+/// How far a point is from a region's surface (mm).
+fn off_in_space(region: &RegionToBurn, p: DVec3) -> f64 {
+    let vertices: Vec<DVec3> = region.corners.iter().flatten().copied().collect();
+    let triangles = (0..region.corners.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let surface = ExactMesh::new(&Mesh { vertices, triangles });
+    surface.map_or(f64::INFINITY, |surface| surface.nearest(p).point.distance(p))
+}
+
+/// How far a point is from a region in plan (mm).
+fn off_in_plan(region: &RegionToBurn, plan: impl Fn(DVec3) -> DVec2, p: DVec2) -> f64 {
+    let of = |corners: &[DVec3; 3]| {
+        let sides = [0, 1, 2].map(|i| [plan(corners[i]), plan(corners[(i + 1) % 3])]);
+        let turns = sides.map(|[a, b]| (b - a).perp_dot(p - a));
+        if turns.iter().all(|t| *t > 0.0) || turns.iter().all(|t| *t < 0.0) {
+            return 0.0;
+        }
+        sides.into_iter().map(|[a, b]| off_segment(p, a, b)).fold(f64::INFINITY, f64::min)
+    };
+    region.corners.iter().map(of).fold(f64::INFINITY, f64::min)
+}
+
+/// A point of each undivided part that names it, in plan: of its share of the region and of no other's where there is one.
+pub(super) fn places(tree: &Part) -> Vec<Option<DVec2>> {
+    let leaves = tree.leaves();
+    let flat = |shapes: Vec<plane::Shape>| shapes.into_iter().flatten().collect::<Vec<Outline>>();
+    let of = |(i, part): (usize, &&Part)| {
+        let Footprint { free, region, .. } = &part.footprint;
+        let inner = flat(plane::intersection(free, region));
+        let others = leaves.iter().enumerate().filter(|(j, _)| *j != i);
+        let others: Vec<Outline> = others.flat_map(|(_, other)| other.footprint.region.iter().cloned()).collect();
+        let own = |of: &[Outline]| plane::inside(&flat(plane::difference(of, &others)));
+        own(&inner).or_else(|| own(region)).or_else(|| plane::inside(region)).or_else(|| plane::inside(free))
+    };
+    leaves.iter().enumerate().map(of).collect()
+}
+
+/// The part at the end of a way that [`holder`] found.
+fn at<'a>(tree: &'a mut Part, way: &[usize]) -> Option<&'a mut Part> {
+    way.iter().try_fold(tree, |part, i| part.divided.as_mut()?.1.get_mut(*i))
+}
+
+/// Takes a part out of the tree; a part that is left with one only is that one.
+fn remove(tree: &mut Part, way: &[usize]) {
+    let Some((_, parts)) = &mut tree.divided else { return };
+    match way {
+        [i] => drop(parts.remove(*i)),
+        [i, rest @ ..] => remove(&mut parts[*i], rest),
+        [] => return,
+    }
+    if parts.len() == 1 {
+        *tree = parts.remove(0);
+    }
+}

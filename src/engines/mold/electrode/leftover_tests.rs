@@ -1,0 +1,130 @@
+//! Leftovers whose size is known.
+
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
+
+use glam::{DMat3, DVec2, DVec3};
+
+use super::check::{CheckKind, Finding};
+use super::design::ElectrodeSet;
+use super::params::{ElectrodeParams, Orbit, Stage};
+use super::plan::{ElectrodeError, plan};
+use super::tests::{GAP, cutters, mold, params, planned, region, ring};
+use crate::fixtures::rectangle;
+use geometry::mesh::Mesh;
+use task::{Cancel, Progress};
+
+/// A pocket with a slot of this width and length that leads out of it along X, both this deep.
+fn pocket_with_slot(width: f64, length: f64, depth: f64) -> Mesh {
+    let half = width / 2.0;
+    let end = 2.0 + length;
+    let outline = ring(&[
+        (-2.0, -2.0),
+        (2.0, -2.0),
+        (2.0, -half),
+        (end, -half),
+        (end, half),
+        (2.0, half),
+        (2.0, 2.0),
+        (-2.0, 2.0),
+    ]);
+    mold([30.0, 20.0, 10.0], &[(&outline, depth)])
+}
+
+fn planned_all(mold: &Mesh, stage: Stage) -> ElectrodeSet {
+    let all = region(mold, DVec2::splat(-9.0), DVec2::splat(9.0));
+    planned(mold, &[all], &ElectrodeParams { stages: vec![stage], ..params(GAP) })
+}
+
+fn leftover(findings: &[Finding]) -> &Finding {
+    findings.iter().find(|f| f.kind == CheckKind::Leftover).unwrap()
+}
+
+#[test]
+fn a_slot_that_no_electrode_enters_is_no_corner() {
+    // Narrower than twice what the spark and the orbit need, so that all of it is near another face.
+    let circular = Stage { orbit: Orbit::Circular { radius_mm: 0.2 }, ..Stage::finish(GAP) };
+    for (stage, width, length) in [(Stage::finish(0.3), 0.42, 6.0), (circular.clone(), 0.34, 6.0), (circular, 0.3, 1.0)]
+    {
+        let depth = 3.0;
+        let set = planned_all(&pocket_with_slot(width, length, depth), stage);
+        assert!(!set.holds(), "{width}: {:?}", set.checks);
+        let left = set.regions[0].left;
+        assert!((left.excess - width / 2.0).abs() < 0.01, "{width}: {left:?}");
+        // All of the slot, and what corners of the pocket keep.
+        let slot = width * length * depth;
+        assert!((0.9 * slot..1.15 * slot + 0.3).contains(&left.volume), "{width}: {} {slot}", left.volume);
+        assert!(set.regions[0].trouble.as_ref().is_some_and(|t| t.contains("none of its tips")), "{width}");
+        // The pocket itself is burned, and its electrode is not to blame.
+        assert!(set.electrodes.iter().zip(&set.checks).all(|(_, found)| leftover(found).holds), "{:?}", set.checks);
+    }
+}
+
+#[test]
+fn corners_are_forgiven_what_the_spark_cannot_burn_however_sharp_and_no_more() {
+    // Pockets with corners of 60, 90 and 120 degrees: a ball of radius g leaves g (1 - sin(angle / 2)) where two faces meet.
+    for (sides, gap) in [(3, 0.1), (4, 0.1), (6, 0.1), (4, 0.3)] {
+        let outline: Vec<DVec2> =
+            (0..sides).map(|i| DVec2::from_angle(0.2 + 2.0 * PI * f64::from(i) / f64::from(sides)) * 3.0).collect();
+        let mold = mold([20.0, 20.0, 10.0], &[(&outline, 3.0)]);
+        let set = planned_all(&mold, Stage::finish(gap));
+        let left = set.regions[0].left;
+        assert!(leftover(&set.checks[0]).holds, "{sides} {gap}: {:?}", set.checks);
+        let two = gap * (1.0 - (PI * (0.5 - 1.0 / f64::from(sides))).sin().min(FRAC_1_SQRT_2));
+        assert!(left.excess < 2e-3 && left.thickness > 0.7 * two, "{sides} {gap}: {left:?} {two}");
+    }
+}
+
+#[test]
+fn what_a_sharp_floor_edge_keeps_is_found_in_a_pocket_however_large() {
+    let (size, depth) = (90.0, 3.0);
+    let mold = mold([120.0, 120.0, 10.0], &[(&rectangle(size, size), depth)]);
+    let all = region(&mold, DVec2::splat(-50.0), DVec2::splat(50.0));
+    let set = planned(&mold, &[all], &params(GAP));
+    let left = set.regions[0].left;
+    // Two faces meet at right angles; along the floor's edges and in the upright ones.
+    assert!((left.thickness - GAP * (1.0 - FRAC_1_SQRT_2)).abs() < 0.2 * GAP, "{left:?}");
+    let volume = (1.0 - PI / 4.0) * GAP * GAP * (4.0 * size + 4.0 * depth);
+    assert!((left.volume - volume).abs() < 0.2 * volume, "{} {volume}", left.volume);
+    let said = &leftover(&set.checks[0]).text;
+    assert!(said.contains("looked at every"), "{said}");
+}
+
+#[test]
+fn checks_of_an_orbit_stop_when_they_are_told_to() {
+    let mold = pocket_with_slot(0.8, 3.0, 3.0);
+    let all = region(&mold, DVec2::splat(-9.0), DVec2::splat(9.0));
+    let stage = Stage { orbit: Orbit::Circular { radius_mm: 0.1 }, ..Stage::finish(GAP) };
+    let set = planned_all(&mold, stage.clone());
+    let electrode = &set.electrodes[0];
+    let standing = electrode.burning(&electrode.mesh, &electrode.burns[0], &DMat3::IDENTITY);
+    let cancel = Cancel::default();
+    let obstacle = super::check::Obstacle::new(&mold).unwrap().stopped_by(&cancel);
+    assert!(obstacle.clearance(&standing, &stage, 1.0).is_ok());
+    cancel.cancel();
+    let found = obstacle.clearance(&standing, &stage, 1.0);
+    assert!(matches!(found, Err(ElectrodeError::Cancelled(_))), "{found:?}");
+    let everything = |_: DVec3| true;
+    let milled = super::check::Milled { leaves: &everything, within: 0.05 };
+    let asked = ElectrodeParams { stages: vec![stage], ..params(GAP) };
+    let found = plan(&mold, &[all], (&cutters(), &milled), &asked, &Progress::silent(), &cancel);
+    assert!(matches!(found, Err(ElectrodeError::Cancelled(_))));
+}
+
+#[test]
+fn the_place_of_a_gouge_is_where_it_comes_nearest_and_stock_is_named() {
+    // A long block whose middle comes near a ridge: its corners are far from it.
+    let hollow = ring(&[(-9.0, -2.0), (9.0, -2.0), (9.0, 2.0), (0.5, 2.0), (0.0, 1.0), (-0.5, 2.0), (-9.0, 2.0)]);
+    let mold = mold([30.0, 20.0, 10.0], &[(&hollow, 3.0)]);
+    let obstacle = super::check::Obstacle::new(&mold).unwrap();
+    let block = |high: f64| {
+        let outline = ring(&[(-8.0, -1.0), (8.0, -1.0), (8.0, high), (-8.0, high)]);
+        geometry::solid::prism(&[&outline], -2.0, 1.0).unwrap()
+    };
+    let stage = Stage { stock_mm: 0.1, ..Stage::finish(GAP) };
+    for high in [0.9, 1.2] {
+        let [gouge, _] = obstacle.clearance(&block(high), &stage, 5.0).unwrap().findings(&stage);
+        let place = gouge.place.unwrap();
+        assert!(!gouge.holds && place.x.abs() < 0.3 && (0.8..1.4).contains(&place.y), "{gouge:?}");
+        assert!(gouge.text.contains("stock 0.1000 mm"), "{gouge:?}");
+    }
+}

@@ -1,0 +1,488 @@
+//! What is asked of electrodes.
+
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
+
+use super::overrides::Override;
+use crate::cutter::CutterLibrary;
+
+/// A motion of the machine that widens the burn, in a plane across the burn direction.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", tag = "pattern", deny_unknown_fields)]
+pub enum Orbit {
+    /// None.
+    #[default]
+    None,
+    /// A circle.
+    Circular {
+        /// Its radius (mm).
+        radius_mm: f64,
+    },
+    /// A square with its sides along X and Y.
+    Square {
+        /// Half its side (mm).
+        radius_mm: f64,
+    },
+}
+
+impl Orbit {
+    /// How much further than without it a burn goes along the unit normal of a face (mm).
+    pub fn reach(self, normal: DVec3) -> f64 {
+        match self {
+            Self::None => 0.0,
+            Self::Circular { radius_mm } => radius_mm * normal.truncate().length(),
+            Self::Square { radius_mm } => radius_mm * (normal.x.abs() + normal.y.abs()),
+        }
+    }
+
+    /// Whether an electrode that was made for it is right for it turned about the burn direction, too (radians): the
+    /// machine does not turn the orbit with it.
+    pub fn fits_turned(self, turn: f64) -> bool {
+        /// What rounding makes of a quarter turn (radians).
+        const HAIR: f64 = 1e-6;
+        let quarters = turn / std::f64::consts::FRAC_PI_2;
+        !matches!(self, Self::Square { .. }) || (quarters - quarters.round()).abs() < HAIR
+    }
+
+    /// The place within it that is nearest to a point of the plane around its middle (mm).
+    pub fn nearest(self, p: DVec2) -> DVec2 {
+        match self {
+            Self::None => DVec2::ZERO,
+            Self::Circular { radius_mm } => p.clamp_length_max(radius_mm),
+            Self::Square { radius_mm } => p.clamp(DVec2::splat(-radius_mm), DVec2::splat(radius_mm)),
+        }
+    }
+
+    /// Its radius or half side (mm).
+    pub fn radius_mm(self) -> f64 {
+        match self {
+            Self::None => 0.0,
+            Self::Circular { radius_mm } | Self::Square { radius_mm } => radius_mm,
+        }
+    }
+}
+
+/// One of the burns that a place goes through, each with an electrode of its own size.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Stage {
+    /// Its name: rough, finish.
+    pub name: String,
+    /// Spark gap (mm): how far from the electrode material is taken.
+    pub gap_mm: f64,
+    /// What it leaves for the stages after it (mm), on every face.
+    #[serde(default)]
+    pub stock_mm: f64,
+    /// The orbit.
+    #[serde(default)]
+    pub orbit: Orbit,
+    /// Surface finish to be reached (VDI 3400).
+    #[serde(default = "usual_finish")]
+    pub finish_vdi: f64,
+    /// How many electrodes are made.
+    #[serde(default = "one")]
+    pub quantity: u32,
+}
+
+fn usual_finish() -> f64 {
+    24.0
+}
+
+fn one() -> u32 {
+    1
+}
+
+impl Stage {
+    /// A finishing burn with this gap (mm).
+    pub fn finish(gap_mm: f64) -> Self {
+        Self { name: "finish".into(), gap_mm, stock_mm: 0.0, orbit: Orbit::None, finish_vdi: 24.0, quantity: 1 }
+    }
+
+    /// How far an electrode stays from a face with this unit normal (mm): gap, stock and orbit.
+    pub fn undersize(&self, normal: DVec3) -> f64 {
+        self.gap_mm + self.stock_mm + self.orbit.reach(normal)
+    }
+
+    /// The most that it stays from an upright face (mm): with a square orbit from one that stands aslant.
+    pub fn most_across(&self) -> f64 {
+        [DVec3::X, DVec3::new(FRAC_1_SQRT_2, FRAC_1_SQRT_2, 0.0)]
+            .map(|n| self.undersize(n))
+            .into_iter()
+            .fold(0.0, f64::max)
+    }
+
+    /// Roughness that the finish stands for (Ra, micrometres; VDI 3400: 20 log10 of ten times it).
+    pub fn roughness_um(&self) -> f64 {
+        10f64.powf(self.finish_vdi / 20.0) / 10.0
+    }
+}
+
+/// What the electrode files hold.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Shape {
+    /// The electrode as it is made: smaller than the cavity by gap and orbit.
+    #[default]
+    Undersized,
+    /// The shape of the cavity; the gap is an attribute, and the electrode is milled that much smaller.
+    Net,
+}
+
+/// How a tip is made from a region.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// The region's own outline led up: for regions of whole faces.
+    Extruding,
+    /// A box around the region, trimmed by the faces: for regions that hold parts of faces.
+    Cutting,
+}
+
+/// A block that electrodes are made from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Holder {
+    /// Its name.
+    pub name: String,
+    /// Largest blank that it holds, along X and Y (mm).
+    pub size_mm: [f64; 2],
+    /// Its height above the blank (mm).
+    pub height_mm: f64,
+}
+
+/// How blanks are chosen.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Blanks {
+    /// Sides that rectangular blanks come in (mm), rising; beyond the largest, sides are rounded up.
+    pub sides_mm: Vec<f64>,
+    /// Diameters that round blanks come in (mm), rising. One is taken where it is less than the rectangular blank; none where
+    /// the list is empty.
+    pub diameters_mm: Vec<f64>,
+    /// What lengths, and sides beyond the list, are rounded up to (mm).
+    pub increment_mm: f64,
+}
+
+impl Default for Blanks {
+    fn default() -> Self {
+        let sides_mm = [5.0, 8.0, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0, 40.0, 50.0, 60.0, 80.0, 100.0].to_vec();
+        Self { sides_mm, diameters_mm: Vec::new(), increment_mm: 5.0 }
+    }
+}
+
+impl Blanks {
+    /// The least side that holds `length` (mm).
+    pub fn side(&self, length: f64) -> f64 {
+        /// What rounding makes of a length (mm).
+        const HAIR: f64 = 1e-6;
+        let known = self.sides_mm.iter().copied().find(|side| *side >= length - HAIR);
+        known.unwrap_or_else(|| self.rounded_up(length))
+    }
+
+    /// The least diameter that holds `length` (mm), if there is one.
+    pub fn diameter(&self, length: f64) -> Option<f64> {
+        self.diameters_mm.iter().copied().find(|d| *d >= length)
+    }
+
+    /// The least multiple of the increment that holds `length` (mm).
+    pub fn rounded_up(&self, length: f64) -> f64 {
+        ((length / self.increment_mm) - 1e-6).ceil().max(1.0) * self.increment_mm
+    }
+}
+
+/// How fast material is burned away.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Removal {
+    /// Removal rate per area seen along the burn (mm^3 per minute per mm^2) at the finish below.
+    pub per_area_mm_min: f64,
+    /// Removal rate at most (mm^3 per minute).
+    pub most_mm3_min: f64,
+    /// Finish that the rate is stated for (VDI 3400).
+    pub at_vdi: f64,
+    /// How much rougher a finish burns ten times as fast (VDI).
+    pub tenfold_vdi: f64,
+    /// Time for each burn beside burning: positioning, rinsing, measuring (minutes).
+    pub setting_min: f64,
+}
+
+impl Default for Removal {
+    fn default() -> Self {
+        Self { per_area_mm_min: 0.2, most_mm3_min: 30.0, at_vdi: 30.0, tenfold_vdi: 12.0, setting_min: 3.0 }
+    }
+}
+
+impl Removal {
+    /// Minutes for one burn of `volume` (mm^3) with a front of `area` (mm^2, seen along the burn) at a finish.
+    pub fn minutes(&self, volume: f64, area: f64, finish_vdi: f64) -> f64 {
+        let slower = 10f64.powf((finish_vdi - self.at_vdi) / self.tenfold_vdi).min(1.0);
+        let rate = (self.per_area_mm_min * area).min(self.most_mm3_min) * slower;
+        self.setting_min + if rate > 0.0 { volume / rate } else { 0.0 }
+    }
+
+    /// Minutes for one burn with several tips, each the volume that it takes (mm^3) and its front (mm^2). They go down
+    /// together: it takes as long as the slowest of them by itself, and no less than all of them as one, whose rate the
+    /// generator limits. So tips on one base never burn faster than one of them.
+    pub fn minutes_of_tips(&self, tips: &[(f64, f64)], finish_vdi: f64) -> f64 {
+        let all = tips.iter().fold((0.0, 0.0), |sum, tip| (sum.0 + tip.0, sum.1 + tip.1));
+        let each = tips.iter().chain([&all]).map(|(volume, area)| self.minutes(*volume, *area, finish_vdi));
+        each.fold(0.0, f64::max)
+    }
+}
+
+/// A change that the user made to the division.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", tag = "change", deny_unknown_fields)]
+pub enum Edit {
+    /// The parts that these two places name become one: those that hold them, or else the nearest whose tips do.
+    Merge {
+        /// Places of the mold, upright (mm).
+        places: [DVec3; 2],
+    },
+    /// The part that the middle of a line names is cut along it.
+    Split {
+        /// Places of the mold at the line's ends, upright (mm).
+        line: [DVec3; 2],
+    },
+    /// The part that holds a place is made by this method.
+    Make {
+        /// A place of the mold, upright (mm).
+        place: DVec3,
+        /// How.
+        method: Method,
+    },
+    /// The region that holds a place is burned along another direction.
+    Burn {
+        /// A place of the mold, upright (mm).
+        place: DVec3,
+        /// Where the electrode goes, upright: straight down is (0, 0, -1).
+        direction: DVec3,
+    },
+}
+
+impl std::fmt::Display for Edit {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Merge { places: [a, b] } => {
+                write!(f, "merged at {:.2}, {:.2} and {:.2}, {:.2}", a.x, a.y, b.x, b.y)
+            }
+            Self::Split { line: [a, b] } => write!(f, "split from {:.2}, {:.2} to {:.2}, {:.2}", a.x, a.y, b.x, b.y),
+            Self::Make { place, method } => {
+                let how = if *method == Method::Extruding { "extruded" } else { "cut" };
+                write!(f, "{how} at {:.2}, {:.2}", place.x, place.y)
+            }
+            Self::Burn { direction: d, .. } => write!(f, "burned along {:.2}, {:.2}, {:.2}", d.x, d.y, d.z),
+        }
+    }
+}
+
+/// What is asked.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ElectrodeParams {
+    /// The burns.
+    pub stages: Vec<Stage>,
+    /// What files hold.
+    pub shape: Shape,
+    /// How far tips reach beyond what is left, where the mold leaves room (mm).
+    pub margin_mm: f64,
+    /// How far parts of a divided region reach over one another (mm).
+    pub overlap_mm: f64,
+    /// Least width of a part (mm).
+    pub least_size_mm: f64,
+    /// From the mold's top to the base (mm).
+    pub extension_mm: f64,
+    /// Least height of the base (mm).
+    pub base_height_mm: f64,
+    /// How far the base reaches beyond the tips (mm).
+    pub base_margin_mm: f64,
+    /// The corner of the base that is cut off to show how it stands (mm along each side).
+    pub datum_corner_mm: f64,
+    /// One electrode for congruent places.
+    pub share: bool,
+    /// Width up to which tips that lie near one another stand on one base (mm); 0 for none.
+    pub together_mm: f64,
+    /// Whether electrodes of several stages for the same places stand on one base, as a family.
+    pub family: bool,
+    /// Room between the tips of a family at least (mm).
+    pub family_spacing_mm: f64,
+    /// How far an electrode is lifted (mm).
+    pub lift_mm: f64,
+    /// What is left, across the surface, up to which it counts as burned (mm), beyond what the gap's radius leaves in
+    /// edges.
+    pub tolerance_mm: f64,
+    /// What they are made of.
+    pub material: String,
+    /// The cutters that mill them; none for the library that mills the mold.
+    pub cutters: Option<CutterLibrary>,
+    /// Blanks.
+    pub blanks: Blanks,
+    /// Holders, the one that is tried first before the others. None are those of the user's library, which whoever reads
+    /// parameters puts in: a list of its own here would be another one than that library.
+    pub holders: Vec<Holder>,
+    /// Burning times.
+    pub removal: Removal,
+    /// What the user changed.
+    pub edits: Vec<Edit>,
+    /// Electrodes that are exported although a check fails.
+    pub overrides: Vec<Override>,
+}
+
+impl Default for ElectrodeParams {
+    fn default() -> Self {
+        Self {
+            stages: vec![Stage::finish(0.05)],
+            shape: Shape::Undersized,
+            margin_mm: 0.3,
+            overlap_mm: 0.3,
+            least_size_mm: 0.3,
+            extension_mm: 5.0,
+            base_height_mm: 10.0,
+            base_margin_mm: 2.0,
+            datum_corner_mm: 1.0,
+            share: true,
+            together_mm: 12.0,
+            family: false,
+            family_spacing_mm: 5.0,
+            lift_mm: 30.0,
+            tolerance_mm: 0.02,
+            material: "copper".into(),
+            cutters: None,
+            blanks: Blanks::default(),
+            holders: Vec::new(),
+            removal: Removal::default(),
+            edits: Vec::new(),
+            overrides: Vec::new(),
+        }
+    }
+}
+
+/// Why parameters cannot be used.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ElectrodeParamsError {
+    /// A length outside what makes sense.
+    #[error("{name} is {value} mm: it must be from {least} to {most} mm")]
+    Length {
+        /// Which.
+        name: String,
+        /// What it is (mm).
+        value: f64,
+        /// The least (mm).
+        least: f64,
+        /// The greatest (mm).
+        most: f64,
+    },
+    /// No burn at all.
+    #[error("there is no stage: give at least one burn, with its gap")]
+    NoStage,
+    /// Stages that cannot be told apart.
+    #[error(
+        "two stages are called {0:?}, or a name is empty or holds more than letters, digits, - and _: file names carry it"
+    )]
+    StageName(String),
+    /// A finish or a number that is none.
+    #[error("stage {0}: finish_vdi must be from 0 to 60, and quantity at least 1")]
+    Stage(String),
+    /// Stages in another order than that in which they burn.
+    #[error(
+        "stage {later} stays {later_mm} mm from the wall and comes after {earlier}, which stays {earlier_mm} mm: it would \
+         take nothing; put the roughest stage first"
+    )]
+    StageOrder {
+        /// The earlier one.
+        earlier: String,
+        /// Its undersize at walls (mm).
+        earlier_mm: f64,
+        /// The later one.
+        later: String,
+        /// Its undersize at walls (mm).
+        later_mm: f64,
+    },
+    /// A holder that takes nothing.
+    #[error("holder {0:?}: size_mm and height_mm must be positive")]
+    Holder(String),
+    /// Blanks that are none.
+    #[error("blanks: sides must rise and the increment must be from 0.1 to 100 mm")]
+    Blanks,
+    /// A place of a change that is none.
+    #[error("change {0} of edits: its places must be finite numbers (mm)")]
+    Place(usize),
+    /// A burn direction that is none.
+    #[error("change {0} of edits: its direction must be finite and not zero; straight down is [0, 0, -1]")]
+    Direction(usize),
+    /// Burning times that are none.
+    #[error("removal: all figures must be positive and finite")]
+    Removal,
+}
+
+impl ElectrodeParams {
+    /// Whether they can be used.
+    ///
+    /// # Errors
+    /// [`ElectrodeParamsError`].
+    pub fn validate(&self) -> Result<(), ElectrodeParamsError> {
+        let lengths = [
+            ("margin_mm", self.margin_mm, 0.01, 20.0),
+            ("overlap_mm", self.overlap_mm, 0.0, 20.0),
+            ("least_size_mm", self.least_size_mm, 0.0, 1000.0),
+            ("extension_mm", self.extension_mm, 0.1, 1000.0),
+            ("base_height_mm", self.base_height_mm, 0.5, 1000.0),
+            ("base_margin_mm", self.base_margin_mm, 0.1, 1000.0),
+            ("datum_corner_mm", self.datum_corner_mm, 0.0, self.base_margin_mm.max(0.0)),
+            ("together_mm", self.together_mm, 0.0, 1000.0),
+            ("family_spacing_mm", self.family_spacing_mm, 0.1, 1000.0),
+            ("lift_mm", self.lift_mm, 0.0, 10000.0),
+            ("tolerance_mm", self.tolerance_mm, 1e-4, 1.0),
+        ];
+        let check = |name: String, value: f64, least: f64, most: f64| {
+            let fits = (least..=most).contains(&value);
+            if fits { Ok(()) } else { Err(ElectrodeParamsError::Length { name, value, least, most }) }
+        };
+        for (name, value, least, most) in lengths {
+            check(name.into(), value, least, most)?;
+        }
+        if self.stages.is_empty() {
+            return Err(ElectrodeParamsError::NoStage);
+        }
+        for (i, stage) in self.stages.iter().enumerate() {
+            check(format!("gap_mm of stage {}", stage.name), stage.gap_mm, 0.0, 5.0)?;
+            check(format!("stock_mm of stage {}", stage.name), stage.stock_mm, 0.0, 5.0)?;
+            check(format!("radius_mm of stage {}", stage.name), stage.orbit.radius_mm(), 0.0, 5.0)?;
+            if !(0.0..=60.0).contains(&stage.finish_vdi) || stage.quantity == 0 {
+                return Err(ElectrodeParamsError::Stage(stage.name.clone()));
+            }
+            let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+            let is_known = self.stages[..i].iter().any(|s| s.name.eq_ignore_ascii_case(&stage.name));
+            if is_known || stage.name.is_empty() || !stage.name.chars().all(is_plain) {
+                return Err(ElectrodeParamsError::StageName(stage.name.clone()));
+            }
+        }
+        for pair in self.stages.windows(2) {
+            let [earlier_mm, later_mm] = [0, 1].map(|i| pair[i].gap_mm + pair[i].stock_mm + pair[i].orbit.radius_mm());
+            if later_mm > earlier_mm {
+                let [earlier, later] = [0, 1].map(|i| pair[i].name.clone());
+                return Err(ElectrodeParamsError::StageOrder { earlier, earlier_mm, later, later_mm });
+            }
+        }
+        for (number, edit) in self.edits.iter().enumerate() {
+            edit.validate(number + 1)?;
+        }
+        let is_holder = |h: &Holder| h.size_mm.iter().chain([&h.height_mm]).all(|v| v.is_finite() && *v > 0.0);
+        if let Some(bad) = self.holders.iter().find(|h| !is_holder(h)) {
+            return Err(ElectrodeParamsError::Holder(bad.name.clone()));
+        }
+        let rises =
+            |list: &[f64]| list.iter().all(|v| v.is_finite() && *v > 0.0) && list.windows(2).all(|w| w[0] < w[1]);
+        let blanks = &self.blanks;
+        if !rises(&blanks.sides_mm) || !rises(&blanks.diameters_mm) || !(0.1..=100.0).contains(&blanks.increment_mm) {
+            return Err(ElectrodeParamsError::Blanks);
+        }
+        let r = &self.removal;
+        let figures = [r.per_area_mm_min, r.most_mm3_min, r.at_vdi, r.tenfold_vdi];
+        let is_right =
+            figures.iter().all(|v| v.is_finite() && *v > 0.0) && r.setting_min.is_finite() && r.setting_min >= 0.0;
+        if is_right { Ok(()) } else { Err(ElectrodeParamsError::Removal) }
+    }
+}

@@ -1,0 +1,478 @@
+//! From regions to electrodes.
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+use glam::{DMat3, DQuat, DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::base::placed;
+use super::check::{GOUGE, LeftOfRegion, Milled};
+use super::combine::Form;
+use super::design::{Burn, Electrode, ElectrodeSet, PartId, PartNode, RegionPlan};
+use super::division::{DivisionSettings, Part, divide};
+use super::earlier::{is_nothing, left_to_later, no_room, nothing, thick_only};
+use super::edits::{apply, named as named_by_edits, places, pointed_at};
+use super::family::{Family, into_families, parts};
+use super::net_shape::{net, told_of_real};
+use super::params::{Edit, ElectrodeParams, ElectrodeParamsError, Method, Orbit, Shape, Stage};
+use super::part_numbers::{Numbered, Parts, numbers, renumber, shape, volumes};
+use super::plan_checks::checked;
+use super::sharing::{assembled, shared};
+use super::tip::{Burned, Place, TipError, footprint};
+use crate::cutter::CutterLibrary;
+use crate::height_field::HeightFieldError;
+use crate::outline::Outline;
+use crate::plane;
+use geometry::exact::{ExactMesh, ExactMeshError};
+use geometry::mesh::Mesh;
+use geometry::minkowski::{on_grid, up_to_grid, with_rectangle};
+use geometry::offset::{OffsetError, offset, offset_along_disc};
+use geometry::solid::{SolidError, unfolded};
+use task::{Cancel, Cancelled, Progress};
+
+/// How far off a burn surface a point of a tip may be to be part of it (mm).
+const ON_BURN: f64 = 1e-6;
+
+/// Why there are no electrodes.
+#[derive(Debug, thiserror::Error)]
+pub enum ElectrodeError {
+    /// Parameters that cannot be used.
+    #[error(transparent)]
+    Params(#[from] ElectrodeParamsError),
+    /// The mold's surface cannot be moved by the gap.
+    #[error("the mold grown by the spark gap: {0}")]
+    Offset(#[from] OffsetError),
+    /// The mold is no solid.
+    #[error("electrodes need a closed mold, which can be told inside from outside: {0}")]
+    Solid(#[from] SolidError),
+    /// The mold cannot be searched.
+    #[error(transparent)]
+    Exact(#[from] ExactMeshError),
+    /// An electrode cannot be tried with the cutters.
+    #[error("milling of the electrodes: {0}")]
+    Milling(HeightFieldError),
+    /// Told to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl From<HeightFieldError> for ElectrodeError {
+    fn from(error: HeightFieldError) -> Self {
+        match error {
+            HeightFieldError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            other => Self::Milling(other),
+        }
+    }
+}
+
+/// A region that cutters leave, upright.
+#[derive(Debug, Clone)]
+pub struct RegionToBurn {
+    /// The corners of the parts of the surface that bound it (mm).
+    pub corners: Vec<[DVec3; 3]>,
+    /// How high each of them is covered (mm).
+    pub depths: Vec<f64>,
+    /// Height that what is left reaches up to (mm).
+    pub rim: f64,
+    /// Its volume (mm^3).
+    pub volume: f64,
+    /// Its greatest thickness across the surface (mm).
+    pub thickness: f64,
+    /// Whether it consists of whole faces of the mold.
+    pub has_whole_faces: bool,
+}
+
+/// The mold for one burn direction and stage.
+pub(super) struct Setting {
+    /// From the upright mold to the burn frame.
+    pub(super) turned: DMat3,
+    /// The mold in it.
+    pub(super) mold: Mesh,
+    /// The same, for distances.
+    own: ExactMesh,
+    /// The mold grown by what electrodes keep off.
+    kept_clear: Mesh,
+    exact: ExactMesh,
+    pub(super) stage: Stage,
+}
+
+impl Setting {
+    fn new(mold: &Mesh, direction: DVec3, stage: &Stage) -> Result<Self, ElectrodeError> {
+        let turned = to_burn_frame(direction);
+        let mold = mold.mapped(|p| turned * p);
+        let kept_clear = kept_clear(&mold, stage)?;
+        let exact = ExactMesh::new(&kept_clear)?;
+        let own = ExactMesh::new(&mold)?;
+        Ok(Self { turned, mold, own, kept_clear, exact, stage: stage.clone() })
+    }
+
+    /// Whether a point lies on the surface that burns.
+    pub(super) fn burns(&self, p: DVec3) -> bool {
+        self.exact.nearest(p).signed_distance.abs() < ON_BURN
+    }
+
+    /// Whether an electrode that holds a point keeps the gap there all along its orbit.
+    pub(super) fn keeps_gap(&self, p: DVec3) -> bool {
+        /// Places of an orbit that are tried.
+        const PLACES: usize = 8;
+        let least = self.stage.gap_mm + self.stage.stock_mm - GOUGE;
+        let keeps = |shift: DVec2| self.own.nearest(p + shift.extend(0.0)).signed_distance >= least;
+        let around = |i: usize| DVec2::from_angle((i as f64 + 0.5) * TAU / PLACES as f64);
+        match self.stage.orbit {
+            Orbit::None => keeps(DVec2::ZERO),
+            Orbit::Circular { radius_mm } => (0..PLACES).all(|i| keeps(around(i) * radius_mm)),
+            Orbit::Square { radius_mm } => (0..PLACES).all(|i| keeps(around(i).signum() * radius_mm)),
+        }
+    }
+}
+
+/// What an electrode must not enter, in the burn frame: the mold grown by the gap, and by what the orbit sweeps.
+///
+/// A circle moves each face by its own way. So does a square, but where the facets of two of its quarters meet, its own side
+/// belongs between them: moved each by its own way they would meet further out, by as much as the orbit times the tangent
+/// of half their turn. What a square sweeps is therefore added as a solid.
+pub(super) fn kept_clear(mold: &Mesh, stage: &Stage) -> Result<Mesh, ElectrodeError> {
+    let gap = stage.gap_mm + stage.stock_mm;
+    match stage.orbit {
+        Orbit::None => Ok(unfolded(offset(mold, |_| gap)?)?),
+        Orbit::Circular { radius_mm } => Ok(unfolded(offset_along_disc(mold, gap, radius_mm)?)?),
+        Orbit::Square { radius_mm } => {
+            let grown = unfolded(on_grid(&offset(mold, |_| gap)?))?;
+            Ok(with_rectangle(&grown, DVec2::splat(up_to_grid(radius_mm)))?)
+        }
+    }
+}
+
+/// The rotation that turns a burn direction to -Z; none for straight down.
+pub fn to_burn_frame(direction: DVec3) -> DMat3 {
+    let direction = direction.normalize_or_zero();
+    if direction == DVec3::ZERO || direction.dot(DVec3::NEG_Z) > 1.0 - 1e-12 {
+        return DMat3::IDENTITY;
+    }
+    DMat3::from_quat(DQuat::from_rotation_arc(direction, DVec3::NEG_Z))
+}
+
+/// A tip with what it is for.
+pub(super) struct Leaf {
+    pub(super) id: PartId,
+    pub(super) part: Part,
+    pub(super) form: Form,
+}
+
+/// Electrodes for `regions` of a mold that opens along +Z.
+///
+/// # Errors
+/// [`ElectrodeError`].
+pub fn plan(
+    mold: &Mesh,
+    regions: &[RegionToBurn],
+    libraries: (&CutterLibrary, &Milled),
+    params: &ElectrodeParams,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<ElectrodeSet, ElectrodeError> {
+    params.validate()?;
+    let (made, parts) = plan_stages(mold, regions, libraries, (params, &params.stages, None), progress, cancel)?;
+    if params.shape == Shape::Undersized {
+        return Ok(made);
+    }
+    // Files of the net shape are those of an electrode without gap; it is the real one that has to come out.
+    let stages: Vec<Stage> = params.stages.iter().map(net).collect();
+    let like = Some((&made.electrodes[..], &parts));
+    let (filed, _) = plan_stages(mold, regions, libraries, (params, &stages, like), progress, cancel)?;
+    Ok(told_of_real(filed, made))
+}
+
+/// Electrodes of which these are the net shapes, and the parts that they burn.
+type Real<'a> = (&'a [Electrode], &'a Parts);
+
+fn plan_stages(
+    mold: &Mesh,
+    regions: &[RegionToBurn],
+    (library, milled): (&CutterLibrary, &Milled),
+    (params, stages, like): (&ElectrodeParams, &[Stage], Option<Real>),
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<(ElectrodeSet, Parts), ElectrodeError> {
+    let cutters = params.cutters.as_ref().unwrap_or(library);
+    let mut plans = region_plans(regions, params);
+    let mut directions: Vec<DVec3> = Vec::new();
+    for plan in &plans {
+        if !directions.contains(&plan.direction) {
+            directions.push(plan.direction);
+        }
+    }
+    let mut electrodes: Vec<Electrode> = Vec::new();
+    let mut parts: Parts = vec![Vec::new(); regions.len()];
+    // Of each stage, the share of each region that it has tips for.
+    let mut made = vec![vec![1.0; regions.len()]; stages.len()];
+    // The last stage, which burns everything, tells what the parts are.
+    for (number, stage) in stages.iter().enumerate().rev() {
+        progress.report("electrodes", (1.0 - (number + 1) as f64 / stages.len() as f64) * 0.7, &stage.name);
+        let is_last = number + 1 == stages.len();
+        for &direction in &directions {
+            let setting = Setting::new(mold, direction, stage)?;
+            let here: Vec<usize> = (0..regions.len()).filter(|r| plans[*r].direction == direction).collect();
+            let known = (&mut parts, like.map(|(_, parts)| parts));
+            let found = (&mut plans[..], &mut made[number][..]);
+            let leaves = leaves(&setting, regions, (&here, number, is_last), (found, known), params, cancel)?;
+            let shared = shared(&setting, &leaves, regions, cutters, params, cancel)?;
+            for group in &shared {
+                match assembled(&setting, &leaves, group, (number, params)) {
+                    Ok(electrode) => electrodes.push(electrode),
+                    Err(ElectrodeError::Solid(error)) => {
+                        let ids = group.burns.iter().flat_map(|(.., ids)| ids).map(|i| leaves[*i].id.region);
+                        ids.for_each(|r| plans[r].trouble = Some(format!("{} stage: {error}", stage.name)));
+                    }
+                    Err(other) => return Err(other),
+                }
+            }
+        }
+    }
+    electrodes.sort_by_key(|e| e.stage);
+    plans.iter_mut().for_each(|plan| plan.left_out.sort_by_key(|left| left.stage));
+    with_volumes(&mut electrodes, &volumes(regions, &plans, &parts, params, &made), (&parts, params));
+    into_families(mold, &mut electrodes, like.map(|(real, _)| real), (cutters, params, stages), cancel)?;
+    named(&mut electrodes, params);
+    progress.report("checks", 0.7, "");
+    let checks = checked((mold, milled), &electrodes, &mut plans, regions, (cutters, params, stages), cancel)?;
+    progress.report("checks", 1.0, "");
+    Ok((ElectrodeSet { params: params.clone(), electrodes, checks, regions: plans }, parts))
+}
+
+/// Tells the burns what they take and how long.
+fn with_volumes(
+    electrodes: &mut [Electrode],
+    volumes: &BTreeMap<(usize, PartId), f64>,
+    (parts, params): (&Parts, &ElectrodeParams),
+) {
+    for electrode in electrodes {
+        let stage = electrode.stage;
+        let is_it = |id: &PartId, part: &&Numbered| (part.stage, part.number) == (stage, id.part);
+        let front = |id: &PartId| parts[id.region].iter().find(|part| is_it(id, part)).and_then(|part| part.front);
+        // Each place is burned by the tip in the same place of the list.
+        let own: Vec<PartId> = electrode.burns.first().map(|burn| burn.parts.clone()).unwrap_or_default();
+        let fronts: Vec<f64> = own.iter().map(|id| front(id).unwrap_or(0.0)).collect();
+        for burn in &mut electrode.burns {
+            let volume = |id: &PartId| volumes.get(&(stage, *id)).copied().unwrap_or(0.0);
+            let tips: Vec<(f64, f64)> = burn.parts.iter().map(volume).zip(fronts.iter().copied()).collect();
+            burn.volume = tips.iter().map(|(volume, _)| volume).sum();
+            burn.minutes = params.removal.minutes_of_tips(&tips, params.stages[stage].finish_vdi);
+        }
+        electrode.minutes = electrode.burns.iter().map(|burn| burn.minutes).sum();
+    }
+}
+
+/// How far a place of an edit may be from a region's surface, or from a part in plan (mm).
+pub(super) const TOUCHES: f64 = 0.5;
+
+/// How regions are burned, with those of the user's changes that say so: each is for the region nearest to its place.
+fn region_plans(regions: &[RegionToBurn], params: &ElectrodeParams) -> Vec<RegionPlan> {
+    let edits = pointed_at(regions, &params.edits);
+    regions.iter().zip(edits).map(|(region, edits)| region_plan(region, edits, params)).collect()
+}
+
+fn region_plan(region: &RegionToBurn, edits: Vec<usize>, params: &ElectrodeParams) -> RegionPlan {
+    let mut method = if region.has_whole_faces { Method::Extruding } else { Method::Cutting };
+    let mut direction = DVec3::NEG_Z;
+    for number in &edits {
+        match &params.edits[*number] {
+            Edit::Make { method: chosen, .. } => method = *chosen,
+            Edit::Burn { direction: chosen, .. } => direction = chosen.normalize_or(DVec3::NEG_Z),
+            Edit::Merge { .. } | Edit::Split { .. } => {}
+        }
+    }
+    RegionPlan {
+        tree: None,
+        earlier: Vec::new(),
+        method,
+        direction,
+        edits,
+        trouble: None,
+        left_out: Vec::new(),
+        left: LeftOfRegion::default(),
+    }
+}
+
+/// What is found out about regions: how they are burned, and the share of each that the stage has tips for.
+type Found<'a> = (&'a mut [RegionPlan], &'a mut [f64]);
+/// The parts of stages after this one, to which its own are added, and of electrodes of which these are the net shapes.
+type Known<'a> = (&'a mut Parts, Option<&'a Parts>);
+
+/// The tips of these regions for stage `number`; what stands in their way is told in their plans.
+fn leaves(
+    setting: &Setting,
+    regions: &[RegionToBurn],
+    (here, number, is_last): (&[usize], usize, bool),
+    ((plans, made), (parts, like)): (Found, Known),
+    params: &ElectrodeParams,
+    cancel: &Cancel,
+) -> Result<Vec<Leaf>, ElectrodeError> {
+    let own: Vec<&RegionToBurn> = here.iter().map(|r| &regions[*r]).collect();
+    let edits = named_by_edits(&own, &params.edits, |p| (setting.turned * p).truncate());
+    let of = |(r, edits): (&usize, &Vec<usize>)| {
+        parts_of(setting, &regions[*r], (plans[*r].method, edits), (params, is_last), cancel)
+    };
+    let found: Vec<Result<Divided, TipError>> = here.par_iter().zip(&edits).map(of).collect();
+    let least = params.least_size_mm;
+    let mut leaves = Vec::new();
+    for (&r, found) in here.iter().zip(found) {
+        let plan = &mut plans[r];
+        match found {
+            Ok(divided) => {
+                let known = (&mut *parts, like);
+                let (own, (share, is_close)) = numbered(setting, (r, number), divided, plan, known, (least, is_last));
+                if share < 1.0 {
+                    plan.left_out.push(left_to_later(&setting.stage, number, (share, is_close), least));
+                }
+                made[r] = share;
+                leaves.extend(own);
+            }
+            Err(TipError::Cancelled(cancelled)) => return Err(cancelled.into()),
+            Err(TipError::NoRoom | TipError::NoSurface) if is_nothing(&regions[r], params) => {
+                made[r] = 0.0;
+                plan.left_out.push(nothing(&setting.stage, number, regions[r].thickness));
+            }
+            Err(TipError::NoRoom) if !is_last => {
+                made[r] = 0.0;
+                plan.left_out.push(no_room(&setting.stage, number));
+            }
+            Err(other) => {
+                plan.trouble.get_or_insert(format!("{} stage: {other}", setting.stage.name));
+            }
+        }
+    }
+    Ok(leaves)
+}
+
+/// The parts of a region that a stage has tips for, by numbers that are the same in every stage, what share of the region
+/// they burn, and whether a part was left out by hardly more than regions are known to.
+fn numbered(
+    setting: &Setting,
+    (region, stage): (usize, usize),
+    Divided { mut tree, parts, met, in_plan, is_lacking }: Divided,
+    plan: &mut RegionPlan,
+    (known, like): Known,
+    (least, is_last): (f64, bool),
+) -> (Vec<Leaf>, (f64, bool)) {
+    let shapes: Vec<Vec<Outline>> = parts.iter().map(shape).collect();
+    let real = like.map(|parts| &parts[region]);
+    let fresh = real.into_iter().chain([&known[region]]).flatten().map(|p| p.number + 1).max().unwrap_or(0);
+    let same: Vec<&Numbered> = match real {
+        Some(real) => real.iter().filter(|p| p.stage == stage).collect(),
+        None => known[region].iter().collect(),
+    };
+    let numbers = numbers(&same, &shapes, fresh);
+    renumber(&mut tree, &numbers);
+    if plan.tree.is_none() {
+        plan.tree = Some(tree);
+    } else {
+        plan.earlier.push((stage, tree));
+    }
+    plan.edits.extend(met);
+    let mut parts: Vec<(usize, Part)> = numbers.iter().copied().zip(parts).collect();
+    let share = if is_last { (1.0, false) } else { thick_only(setting, &mut parts, &in_plan, (least, is_lacking)) };
+    let front = |number: usize| {
+        parts.iter().find(|(kept, _)| *kept == number).map(|(_, part)| plane::area(&part.footprint.free))
+    };
+    known[region].extend(numbers.iter().zip(shapes).map(|(&number, shape)| Numbered {
+        stage,
+        number,
+        shape,
+        front: front(number),
+    }));
+    let burns = |p: DVec3| setting.burns(p);
+    let forms: Vec<Form> = parts.par_iter().map(|(_, p)| Form::of(&p.body, burns)).collect();
+    let leaf = |((part, leaf), form): ((usize, Part), Form)| Leaf { id: PartId { region, part }, part: leaf, form };
+    (parts.into_iter().zip(forms).map(leaf).collect(), share)
+}
+
+/// A region's division.
+struct Divided {
+    tree: PartNode,
+    parts: Vec<Part>,
+    /// The changes that it was met by.
+    met: Vec<usize>,
+    /// The region in plan.
+    in_plan: Vec<Outline>,
+    /// Whether it lacks parts that would be too thin.
+    is_lacking: bool,
+}
+
+/// The parts of a region after division and those of the user's changes that may meet it.
+fn parts_of(
+    setting: &Setting,
+    region: &RegionToBurn,
+    (method, edits): (Method, &[usize]),
+    (params, is_last): (&ElectrodeParams, bool),
+    cancel: &Cancel,
+) -> Result<Divided, TipError> {
+    let corners = region.corners.iter().map(|c| c.map(|p| setting.turned * p)).collect();
+    let highest = || region.corners.iter().flatten().map(|p| (setting.turned * *p).z).fold(f64::NEG_INFINITY, f64::max);
+    // Layers may know less of a region than its surface does; above the mold there is nothing to burn.
+    let known = if setting.turned == DMat3::IDENTITY { region.rim } else { f64::NEG_INFINITY };
+    let rim = known.max(highest().min(setting.mold.bounds().max.z));
+    let keeps_gap = |p: DVec3| setting.keeps_gap(p);
+    let burned = Burned {
+        kept_clear: &setting.kept_clear,
+        exact: &setting.exact,
+        gap_up: setting.stage.undersize(DVec3::Z),
+        gap_across: setting.stage.most_across(),
+        keeps_gap: &keeps_gap,
+    };
+    let place = Place::new(corners, rim);
+    let settings =
+        DivisionSettings { overlap: params.overlap_mm, least: params.least_size_mm, leaves_out_thin: !is_last };
+    let first = footprint(&burned, &place, method, params.margin_mm, cancel)?;
+    let in_plan = first.region.clone();
+    let mut divided = divide(&burned, first, &settings, cancel)?;
+    let mut met = Vec::new();
+    for &number in edits {
+        if apply(&burned, &mut divided, &params.edits[number], |p| (setting.turned * p).truncate(), &settings)? {
+            met.push(number);
+        }
+    }
+    let tree = node(&divided, &places(&divided), &mut 0);
+    let parts = divided.leaves().into_iter().cloned().collect();
+    Ok(Divided { tree, parts, met, in_plan, is_lacking: divided.is_lacking() })
+}
+
+fn node(part: &Part, places: &[Option<DVec2>], count: &mut usize) -> PartNode {
+    let outlines = part.footprint.free.iter().map(|o| o.points().to_vec()).collect();
+    let (cut, h_edges) = (part.divided.as_ref().map(|(cut, _)| *cut), part.h_edges.len());
+    let parts = part.divided.iter().flat_map(|(_, parts)| parts);
+    let parts: Vec<PartNode> = parts.map(|p| node(p, places, count)).collect();
+    let number = parts.is_empty().then_some(*count);
+    let place = number.and_then(|number| places.get(number).copied().flatten());
+    *count += usize::from(number.is_some());
+    PartNode { cut, h_edges, outlines, parts, lacks_thin: part.lacks_thin, part: number, place }
+}
+
+/// Names: numbers by design, the same for all stages where they burn the same parts.
+fn named(electrodes: &mut [Electrode], params: &ElectrodeParams) {
+    let mut known: Vec<Vec<PartId>> = Vec::new();
+    for electrode in electrodes.iter_mut() {
+        let parts = parts(electrode);
+        let number = known.iter().position(|k| *k == parts).unwrap_or_else(|| {
+            known.push(parts);
+            known.len() - 1
+        });
+        let stage = &params.stages[electrode.stage].name;
+        electrode.name = if params.stages.len() == 1 {
+            format!("E{:02}", number + 1)
+        } else {
+            format!("E{:02}-{stage}", number + 1)
+        };
+        if let Family::Member { name, .. } = &mut electrode.family {
+            *name = format!("E{:02}", number + 1);
+        }
+    }
+}
+
+impl Electrode {
+    /// A mesh of its own where a burn puts it, in the burn frame given by the rotation to it.
+    pub fn burning(&self, mesh: &Mesh, burn: &Burn, turned: &DMat3) -> Mesh {
+        placed(mesh, burn.turn, *turned * burn.position)
+    }
+}

@@ -1,0 +1,334 @@
+//! The checks of a plan's electrodes.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use glam::{DMat3, DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::base::on_plate;
+use super::burning::Burning;
+use super::check::{
+    CheckKind, Clearance, Finding, LeftOfRegion, Milled, Obstacle, Sample, leftover, machinable, watertight,
+};
+use super::design::{Burn, Electrode, PartId, PartNode, RegionPlan};
+use super::earlier::{CELL, is_nothing};
+use super::leftover::{Burns, Looked, left_by};
+use super::params::{ElectrodeParams, Stage};
+use super::plan::{ElectrodeError, RegionToBurn, kept_clear, to_burn_frame};
+use super::samples::{Edge, concave_edges, samples};
+use super::tip::joined;
+use crate::cutter::CutterLibrary;
+use crate::height_field::HeightFieldError;
+use crate::outline::Outline;
+use crate::plane;
+use geometry::mesh::Mesh;
+use geometry::solid::{difference, prism};
+use task::Cancel;
+
+/// How alike directions are that are one (cosine).
+const SAME: f64 = 1.0 - 1e-12;
+/// How much nearer in plan a tip has to be for a place to be its own alone (mm).
+const NEARER: f64 = 1e-6;
+
+/// The mold for one burn direction, as it is checked.
+struct Setting {
+    direction: DVec3,
+    /// From the upright mold to the burn frame.
+    turned: DMat3,
+    /// The mold in it.
+    mold: Obstacle,
+    /// The edges in which the spark leaves something.
+    edges: Vec<Edge>,
+    /// The fullest electrode of the last stage: all that gap and orbit leave room for.
+    fullest: Option<Burning>,
+}
+
+impl Setting {
+    fn new(mold: &Mesh, direction: DVec3, last: Option<&Stage>, cancel: &Cancel) -> Result<Self, ElectrodeError> {
+        cancel.check()?;
+        let turned = to_burn_frame(direction);
+        let setting = mold.mapped(|p| turned * p);
+        let fullest = match last.filter(|stage| stage.most_across() > 0.0) {
+            Some(stage) => fullest(&setting, stage)?,
+            None => None,
+        };
+        let (edges, mold) = (concave_edges(&setting), Obstacle::new(&setting)?.stopped_by(cancel));
+        Ok(Self { direction, turned, mold, edges, fullest })
+    }
+}
+
+/// All that a stage's gap and orbit leave room for, within and around a mold; none where that has no solid.
+fn fullest(mold: &Mesh, stage: &Stage) -> Result<Option<Burning>, ElectrodeError> {
+    let around = mold.bounds().grown(4.0 * stage.most_across() + 1.0);
+    let [low, high] = [around.min, around.max].map(|p| p.truncate());
+    let sides = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
+    let kept_clear = kept_clear(mold, stage)?;
+    let room = prism(&[&sides], around.min.z, around.max.z).and_then(|all| difference(&all, &kept_clear));
+    room.ok().map(|room| Ok(Burning::new(&room, stage)?)).transpose()
+}
+
+/// The findings for each electrode; what is left of each region goes into its plan.
+pub(super) fn checked(
+    (mold, milled): (&Mesh, &Milled),
+    electrodes: &[Electrode],
+    plans: &mut [RegionPlan],
+    regions: &[RegionToBurn],
+    (cutters, params, stages): (&CutterLibrary, &ElectrodeParams, &[Stage]),
+    cancel: &Cancel,
+) -> Result<Vec<Vec<Finding>>, ElectrodeError> {
+    // What stages before the last burn does not have its finish.
+    let last: Vec<&Electrode> = electrodes.iter().filter(|e| e.stage + 1 == stages.len()).collect();
+    let mut settings: Vec<Setting> = Vec::new();
+    for direction in plans.iter().map(|plan| plan.direction).chain(electrodes.iter().map(|e| e.direction)) {
+        if !settings.iter().any(|s| is_same(s, direction)) {
+            settings.push(Setting::new(mold, direction, stages.last(), cancel)?);
+        }
+    }
+    let of_direction = |direction: DVec3| settings.iter().find(|s| is_same(s, direction));
+    let left_of = |r: usize| match of_direction(plans[r].direction) {
+        Some(setting) => left_of((setting, milled), (r, &plans[r], &regions[r]), &last, stages, cancel),
+        None => Ok(Left::default()),
+    };
+    let left: Vec<Left> = (0..regions.len()).into_par_iter().map(left_of).collect::<Result<_, _>>()?;
+    for ((plan, left), region) in plans.iter_mut().zip(&left).zip(regions) {
+        plan.left = left.all;
+        // Of what needs no tip it is told that it stays.
+        let needs_none = plan.tree.is_none() && is_nothing(region, params);
+        let nobodys = || (!needs_none).then(|| nobodys(left, params.tolerance_mm)).flatten();
+        plan.trouble = plan.trouble.take().or_else(nobodys);
+    }
+    let check = |electrode: &Electrode| -> Result<Vec<Finding>, ElectrodeError> {
+        cancel.check()?;
+        let closed = watertight(&electrode.mesh);
+        let is_closed = closed.holds;
+        let mut findings = vec![closed];
+        if let Some(setting) = of_direction(electrode.direction) {
+            findings.extend(clearances(electrode, setting, &stages[electrode.stage], params)?);
+        }
+        findings.extend(leftovers(electrode, &left, stages, params));
+        if is_closed {
+            findings.push(milling(electrode, cutters, params, cancel)?);
+        }
+        Ok(findings)
+    };
+    electrodes.par_iter().map(check).collect()
+}
+
+fn is_same(setting: &Setting, direction: DVec3) -> bool {
+    setting.direction.dot(direction) > SAME
+}
+
+/// How near the worst of its burns comes to the mold, there and on its way.
+fn clearances(
+    electrode: &Electrode,
+    setting: &Setting,
+    stage: &Stage,
+    params: &ElectrodeParams,
+) -> Result<Vec<Finding>, ElectrodeError> {
+    let turned = &setting.turned;
+    let clearance = |burn: &Burn| {
+        let mesh = electrode.burning(&electrode.mesh, burn, turned);
+        setting.mold.clearance(&mesh, stage, params.lift_mm.max(burn.depth))
+    };
+    let all: Vec<Clearance> = electrode.burns.iter().map(clearance).collect::<Result<_, _>>()?;
+    let Some(worst) = all.into_iter().reduce(Clearance::worse) else { return Ok(Vec::new()) };
+    let [gouge, approach] = worst.findings(stage);
+    let short = electrode.burns.iter().find(|burn| params.lift_mm < burn.depth);
+    let upright = |f: Finding| Finding { place: f.place.map(|p| turned.transpose() * p), ..f };
+    let approach = short.map_or_else(|| upright(approach), |burn| too_short_a_lift(params.lift_mm, burn));
+    Ok(vec![upright(gouge), approach])
+}
+
+/// What is left of the parts that it is for, each once.
+fn leftovers(electrode: &Electrode, left: &[Left], stages: &[Stage], params: &ElectrodeParams) -> Option<Finding> {
+    let own: BTreeSet<PartId> = electrode.burns.iter().flat_map(|b| &b.parts).copied().collect();
+    let looked = own.iter().map(|p| left[p.region].looked).reduce(Looked::and)?;
+    if electrode.stage + 1 < stages.len() {
+        return Some(for_later());
+    }
+    let of_part = |p: &PartId| left[p.region].of_parts.get(&p.part).copied();
+    let all = own.iter().filter_map(of_part).fold(LeftOfRegion::default(), LeftOfRegion::and);
+    Some(leftover(&all, params.tolerance_mm, &stages[electrode.stage], looked))
+}
+
+/// Whether it can be milled.
+fn milling(
+    electrode: &Electrode,
+    cutters: &CutterLibrary,
+    params: &ElectrodeParams,
+    cancel: &Cancel,
+) -> Result<Finding, ElectrodeError> {
+    // Tips that cannot be set on a plate are tried with their whole base.
+    let plate = on_plate(&joined(electrode.tips.clone(), electrode.others.clone()));
+    let milled = plate.as_ref().unwrap_or(&electrode.mesh);
+    let milling = match machinable(milled, cutters, params.tolerance_mm, cancel) {
+        Err(HeightFieldError::Cancelled(cancelled)) => return Err(cancelled.into()),
+        Err(error) => Finding::failed(CheckKind::Machinable, format!("it could not be tried: {error}")),
+        Ok(finding) => placed_first(finding, electrode),
+    };
+    Ok(if electrode.is_thin { thin(params) } else { milling })
+}
+
+fn too_short_a_lift(lift: f64, burn: &Burn) -> Finding {
+    let text =
+        format!("lifted by {lift} mm it is still in the mold, {:.2} mm deep: a larger lift_mm is needed", burn.depth);
+    Finding { place: Some(burn.position), ..Finding::failed(CheckKind::Approach, text) }
+}
+
+/// What an earlier stage leaves is the business of those after it.
+fn for_later() -> Finding {
+    let text = "what it leaves is for the stages after it".to_owned();
+    Finding { kind: CheckKind::Leftover, holds: true, text, place: None }
+}
+
+fn thin(params: &ElectrodeParams) -> Finding {
+    let least = params.least_size_mm;
+    let text = format!(
+        "a tip is thinner than the least size of {least} mm: a smaller gap or orbit, or a smaller least_size_mm"
+    );
+    Finding::failed(CheckKind::Machinable, text)
+}
+
+/// A finding on an electrode by itself, with its place where the first burn puts it.
+fn placed_first(finding: Finding, electrode: &Electrode) -> Finding {
+    let Some(burn) = electrode.burns.first() else { return finding };
+    let back = to_burn_frame(electrode.direction).transpose();
+    let at = |p: DVec3| burn.position + back * DVec2::from_angle(burn.turn).rotate(p.truncate()).extend(p.z);
+    Finding { place: finding.place.map(at), ..finding }
+}
+
+/// What all burns leave of a region.
+#[derive(Default)]
+struct Left {
+    /// All of it.
+    all: LeftOfRegion,
+    /// Of each part what is left where it stands, by number.
+    of_parts: BTreeMap<usize, LeftOfRegion>,
+    /// What is left where no part stands.
+    of_none: LeftOfRegion,
+    looked: Looked,
+}
+
+fn left_of(
+    (setting, milled): (&Setting, &Milled),
+    (number, plan, region): (usize, &RegionPlan, &RegionToBurn),
+    electrodes: &[&Electrode],
+    stages: &[Stage],
+    cancel: &Cancel,
+) -> Result<Left, ElectrodeError> {
+    cancel.check()?;
+    let Some(last) = stages.last() else { return Ok(Left::default()) };
+    let mut burns: Vec<Burning> = Vec::new();
+    for electrode in electrodes {
+        for burn in electrode.burns.iter().filter(|b| b.parts.iter().any(|p| p.region == number)) {
+            let mesh = electrode.burning(&electrode.tips, burn, &setting.turned);
+            burns.push(Burning::new(&mesh, &stages[electrode.stage])?);
+        }
+    }
+    let parts = plan.tree.as_ref().map_or_else(Vec::new, in_plan);
+    let cuts = plan.tree.as_ref().map_or_else(Vec::new, cuts);
+    let corners: Vec<[DVec3; 3]> = region.corners.iter().map(|c| c.map(|p| setting.turned * p)).collect();
+    let radii = [last.gap_mm, last.gap_mm + last.orbit.radius_mm()];
+    let (samples, looked) = samples(&corners, region, (&setting.edges, &cuts), radii);
+    let back = setting.turned.transpose();
+    let leaves = |p: DVec3| (milled.leaves)(back * p);
+    let milled = Milled { leaves: &leaves, within: milled.within };
+    let burns = Burns { all: &burns, fullest: setting.fullest.as_ref() };
+    let found = left_by(&burns, &samples, (&setting.mold, &milled), cancel)?;
+    let reach = last.most_across() + CELL;
+    let mut left = Left { looked, ..Left::default() };
+    for (sample, found) in samples.iter().zip(found) {
+        let is_own = found.left.thickness > 0.0 && !found.is_in_slot;
+        let found = LeftOfRegion { place: back * found.left.place, ..found.left };
+        left.all = left.all.and(found);
+        let own = if is_own { own_parts(sample, &parts, reach) } else { Vec::new() };
+        if own.is_empty() {
+            left.of_none = left.of_none.and(found);
+        }
+        for part in own {
+            let of_part = left.of_parts.entry(part).or_default();
+            *of_part = of_part.and(found);
+        }
+    }
+    Ok(left)
+}
+
+/// The parts that have a sample to burn: the nearest in plan within `reach` of it, of those that stand over one another all.
+fn own_parts(sample: &Sample, parts: &[(usize, Vec<Outline>)], reach: f64) -> Vec<usize> {
+    let p = sample.point.truncate();
+    let off: Vec<(usize, f64)> = parts.iter().map(|(part, free)| (*part, plane::off(free, p))).collect();
+    let least = off.iter().map(|(_, off)| *off).fold(reach, f64::min);
+    off.into_iter().filter(|(_, off)| *off <= least + NEARER).map(|(part, _)| part).collect()
+}
+
+/// The parts that are not divided further, by number, in plan.
+fn in_plan(node: &PartNode) -> Vec<(usize, Vec<Outline>)> {
+    let free = || node.outlines.iter().filter_map(|points| Outline::new(points.clone())).collect();
+    match node.part {
+        Some(part) => vec![(part, free())],
+        None => node.parts.iter().flat_map(in_plan).collect(),
+    }
+}
+
+/// The cuts between parts: a point of each, and its normal.
+fn cuts(node: &PartNode) -> Vec<(DVec2, DVec2)> {
+    let own = node.cut.iter().map(|cut| (cut.through, cut.outward));
+    own.chain(node.parts.iter().flat_map(cuts)).collect()
+}
+
+/// What is said where something is left that no tip comes near.
+fn nobodys(left: &Left, tolerance: f64) -> Option<String> {
+    let LeftOfRegion { excess, place: p, .. } = left.of_none;
+    (excess > tolerance).then(|| {
+        format!(
+            "{excess:.4} mm are left where none of its tips comes, as near ({:.3}, {:.3}, {:.3}), {tolerance:.4} mm are \
+             allowed: a smaller gap or orbit is needed there, or a cutter",
+            p.x, p.y, p.z
+        )
+    })
+}
+
+/// Checks of electrodes from elsewhere, placed in the upright mold, as those of a plan are checked.
+///
+/// # Errors
+/// [`ElectrodeError`].
+pub fn check_own(
+    mold: &Mesh,
+    electrode: &Mesh,
+    stage: &Stage,
+    (cutters, params): (&CutterLibrary, &ElectrodeParams),
+    cancel: &Cancel,
+) -> Result<Vec<Finding>, ElectrodeError> {
+    let closed = watertight(electrode);
+    let is_closed = closed.holds;
+    let mut findings = vec![closed];
+    let mold = Obstacle::new(mold)?.stopped_by(cancel);
+    findings.extend(mold.clearance(electrode, stage, params.lift_mm)?.findings(stage));
+    if is_closed {
+        findings.push(machinable(electrode, cutters, params.tolerance_mm, cancel)?);
+    }
+    Ok(findings)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixtures::rectangle;
+
+    #[test]
+    fn what_is_left_is_charged_to_the_parts_that_stand_there() {
+        let at = |x: f64| Outline::new(rectangle(2.0, 1.0).iter().map(|p| *p + DVec2::X * x).collect());
+        // Two that reach over one another by 0.2 mm, and one apart.
+        let parts: Vec<(usize, Vec<Outline>)> =
+            [0.0, 1.8, 6.0].into_iter().enumerate().map(|(i, x)| (i, at(x).into_iter().collect())).collect();
+        let own = |x: f64, y: f64| {
+            let sample = Sample { point: DVec3::new(x, y, -1.0), normal: DVec3::Z, area: 1.0, thickest: 1.0 };
+            own_parts(&sample, &parts, 0.1)
+        };
+        assert_eq!(own(0.0, 0.0), [0]);
+        assert_eq!(own(0.9, 0.0), [0, 1], "where both stand");
+        assert_eq!(own(2.0, 0.55), [1], "its wall");
+        assert_eq!(own(6.0, -0.55), [2]);
+        assert!(own(4.0, 0.0).is_empty() && own(0.0, 0.7).is_empty(), "where none comes");
+    }
+}

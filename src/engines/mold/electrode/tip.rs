@@ -1,0 +1,348 @@
+//! The tip of an electrode: a prism over a region, as far as the mold and the spark gap leave room for it.
+
+use std::collections::BTreeSet;
+
+use glam::{DVec2, DVec3};
+
+use super::footprint::{grown, grown_pieces, shrunk};
+use super::params::Method;
+use crate::groups::Groups;
+use crate::outline::Outline;
+use crate::plane;
+use crate::plane::Shape;
+use crate::section::sections;
+use geometry::exact::ExactMesh;
+use geometry::mesh::{Bounds, Mesh, normal_times_two_areas, unit_normal};
+use geometry::solid;
+use geometry::solid::SolidError;
+use task::{Cancel, Cancelled};
+
+/// How far below the rim of what is left a tip's walls are cut off and led straight up (mm).
+const BELOW_RIM: f64 = 1e-3;
+/// How far a prism reaches into the walls that trim it (mm), so that no two faces of solids lie in one another.
+pub(super) const SKIN: f64 = 0.02;
+/// By how much a prism is moved until it can be trimmed (mm).
+const HAIRS: [f64; 5] = [0.0, -1e-5, 1e-5, -1e-4, -1e-3];
+/// A tip stands over a box or a hull around its region unless that is this much larger than what surrounds it closely.
+const WIDE: f64 = 2.0;
+/// Cells of a region in plan at most.
+const MOST_CELLS: f64 = 2e6;
+/// Cells of a margin, into which a region is divided in plan.
+const CELLS: f64 = 6.0;
+/// The same where it matters how much of a region a part holds.
+const FINE_CELLS: f64 = 24.0;
+/// How far a point of the cap may be off (mm).
+const ON_CAP: f64 = 1e-7;
+/// Upwards part of a normal below which a face is a wall.
+const WALL: f64 = 0.2;
+
+/// Why there is no tip.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TipError {
+    /// The gap leaves no room.
+    #[error(
+        "the spark gap leaves no room for a tip: the region is narrower than twice the gap; a smaller gap is needed"
+    )]
+    NoRoom,
+    /// Nothing of the mold's surface is known to bound the region.
+    #[error(
+        "no part of the mold's surface was found to bound the region, so that there is nothing to make a tip for: find what \
+         is left with a finer grid"
+    )]
+    NoSurface,
+    /// The solids could not be combined.
+    #[error(transparent)]
+    Solid(#[from] SolidError),
+    /// Told to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// The mold as the electrodes see it, in the burn frame.
+pub struct Burned<'a> {
+    /// What electrodes must not enter: the mold grown by the gap.
+    pub kept_clear: &'a Mesh,
+    /// The same, for distances.
+    pub exact: &'a ExactMesh,
+    /// The gap upwards (mm): how far horizontal faces are moved.
+    pub gap_up: f64,
+    /// The gap across (mm): how far upright faces are moved at most.
+    pub gap_across: f64,
+    /// Whether an electrode that holds a point keeps the gap there all along its orbit.
+    pub keeps_gap: &'a (dyn Fn(DVec3) -> bool + Sync),
+}
+
+/// A region in the burn frame.
+#[derive(Debug, Clone)]
+pub struct Place {
+    /// The corners of the parts of the surface that bound it (mm).
+    pub corners: Vec<[DVec3; 3]>,
+    /// The box around what is left (mm).
+    pub bounds: Bounds,
+}
+
+impl Place {
+    /// The place of a region with these parts of the surface, what is left reaching up to `rim` (mm).
+    pub fn new(corners: Vec<[DVec3; 3]>, rim: f64) -> Self {
+        let mut bounds = Bounds::of(corners.iter().flatten().copied());
+        bounds.max.z = rim.max(bounds.min.z);
+        Self { corners, bounds }
+    }
+
+    /// Rectangles, runs of cells with this side (mm), that cover it in plan, counter-clockwise.
+    fn cells(&self, side: f64) -> Vec<[DVec2; 4]> {
+        let size = self.bounds.size();
+        let side = side.max((size.x * size.y / MOST_CELLS).sqrt());
+        let mut marked = BTreeSet::new();
+        for triangle in &self.corners {
+            let [a, b, c] = triangle.map(|p| p.truncate() / side);
+            let steps = 1 + (a.distance(b).max(a.distance(c)).max(b.distance(c)) * 1.5) as usize;
+            for i in 0..=steps {
+                for j in 0..=steps - i {
+                    let [u, v] = [i, j].map(|k| k as f64 / steps as f64);
+                    let p = a + (b - a) * u + (c - a) * v;
+                    marked.insert((p.y.floor() as i64, p.x.floor() as i64));
+                }
+            }
+        }
+        let mut runs: Vec<[i64; 3]> = Vec::new();
+        for (row, column) in marked {
+            match runs.last_mut() {
+                Some([r, _, end]) if *r == row && *end == column => *end += 1,
+                _ => runs.push([row, column, column + 1]),
+            }
+        }
+        let corner = |column: i64, row: i64| DVec2::new(column as f64, row as f64) * side;
+        let rectangle = |[row, from, to]: [i64; 3]| {
+            [corner(from, row), corner(to, row), corner(to, row + 1), corner(from, row + 1)]
+        };
+        runs.into_iter().map(rectangle).collect()
+    }
+
+    /// The directions of its walls in plan, as unit vectors, that of the largest walls first.
+    fn walls(&self) -> Vec<DVec2> {
+        /// Directions are told apart by this (radians).
+        const APART: f64 = 0.01;
+        let mut found: Vec<(f64, DVec2)> = Vec::new();
+        for corners in &self.corners {
+            let area = normal_times_two_areas(*corners);
+            if area.z.abs() > WALL * area.length() {
+                continue;
+            }
+            let across = area.truncate().normalize_or_zero();
+            let same = |d: DVec2| d.dot(across).abs() < APART || d.perp_dot(across).abs() < APART;
+            match found.iter_mut().find(|(_, d)| same(*d)) {
+                Some((sum, _)) => *sum += area.length(),
+                None => found.push((area.length(), across)),
+            }
+        }
+        found.sort_by(|a, b| b.0.total_cmp(&a.0));
+        found.into_iter().map(|(_, d)| d).collect()
+    }
+}
+
+/// The least rectangle around points, along one of these directions or else along X, that is `margin` wider all around.
+fn box_around(points: &[DVec2], along: Vec<DVec2>, margin: f64) -> Option<Outline> {
+    let rectangle = |x: DVec2| {
+        let y = x.perp();
+        let span = |d: DVec2| {
+            let values = points.iter().map(move |p| p.dot(d));
+            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(v), h.max(v)])
+        };
+        let ([x0, x1], [y0, y1]) = (span(x), span(y));
+        let corner = |u: f64, v: f64| x * u + y * v;
+        let (x0, x1, y0, y1) = (x0 - margin, x1 + margin, y0 - margin, y1 + margin);
+        Outline::new(vec![corner(x0, y0), corner(x1, y0), corner(x1, y1), corner(x0, y1)])
+    };
+    let directions = if along.is_empty() { vec![DVec2::X] } else { along };
+    directions.into_iter().filter_map(rectangle).min_by(|a, b| a.area().total_cmp(&b.area()))
+}
+
+/// Where a tip may stand: outlines that reach into the walls, and how much of them is free at the height of the rim.
+/// Outlines and holes are those of connected sets, one after another.
+#[derive(Debug, Clone)]
+pub struct Footprint {
+    /// The prism's outlines.
+    pub outlines: Vec<Outline>,
+    /// The free part of them, at the height of the cap.
+    pub free: Vec<Outline>,
+    /// The height at which walls end and are led straight up (mm).
+    pub cap: f64,
+    /// Where the prism begins (mm).
+    pub low: f64,
+    /// The region itself in plan, roughly.
+    pub region: Vec<Outline>,
+    /// How it was found.
+    pub method: Method,
+}
+
+/// The footprint of a tip for a region, `margin` wider than it (mm): the box around it along its walls where that holds
+/// little more than the region, else its hull, else what lies within the margin of it.
+///
+/// # Errors
+/// [`TipError::NoRoom`], [`TipError::NoSurface`], [`TipError::Cancelled`].
+pub fn footprint(
+    burned: &Burned,
+    place: &Place,
+    method: Method,
+    margin: f64,
+    cancel: &Cancel,
+) -> Result<Footprint, TipError> {
+    if place.corners.is_empty() {
+        return Err(TipError::NoSurface);
+    }
+    let cap = place.bounds.max.z + burned.gap_up - BELOW_RIM;
+    let section = sections(burned.kept_clear, &[cap], cancel)?.remove(0);
+    let cells = place.cells(margin / CELLS);
+    let touched: Vec<Outline> =
+        place.cells(margin / FINE_CELLS).into_iter().filter_map(|c| Outline::new(c.to_vec())).collect();
+    // What is narrower than the gap is burned from beside it.
+    let reach = burned.gap_across + 0.5 * burned.gap_up.max(SKIN);
+    let near: Vec<Outline> =
+        grown_pieces(cells.iter().map(|c| c.to_vec()), reach.max(1.5 * SKIN)).into_iter().flatten().collect();
+    let free_of = |outlines: &[Outline]| {
+        let is_touched = |shape: &Shape| !plane::intersection(shape, &near).is_empty();
+        let free = plane::difference(outlines, &section.outlines);
+        free.into_iter().filter(is_touched).flatten().collect::<Vec<Outline>>()
+    };
+    let close: Vec<Outline> = grown_pieces(cells.iter().map(|c| c.to_vec()), margin).into_iter().flatten().collect();
+    let least = plane::area(&free_of(&close));
+    let points: Vec<DVec2> = place.corners.iter().flatten().map(|p| p.truncate()).collect();
+    let round = || grown_pieces(std::iter::once(points.clone()), margin).into_iter().flatten().collect();
+    let wide = [box_around(&points, place.walls(), margin).into_iter().collect::<Vec<Outline>>(), round()];
+    let fits = |room: &&Vec<Outline>| (1e-9..=WIDE * least).contains(&plane::area(&free_of(room)));
+    // Inner corners become as round as the margin, so that a cutter reaches into them.
+    let is_boxed = method == Method::Cutting;
+    let boxed = wide.iter().filter(|_| is_boxed).find(fits).cloned();
+    let room = boxed.unwrap_or_else(|| shrunk(&grown(&close, margin), margin));
+    let free = free_of(&room);
+    if free.is_empty() {
+        return Err(TipError::NoRoom);
+    }
+    let into_walls: Vec<Outline> = plane::grown(&free, SKIN).into_iter().flatten().collect();
+    let outlines = plane::intersection(&into_walls, &room).into_iter().flatten().collect();
+    let low = place.bounds.min.z + burned.gap_up - BELOW_RIM;
+    Ok(Footprint { outlines, free, cap, low, region: touched, method })
+}
+
+/// The tips over a footprint: as many as it has separate parts. Each ends with flat caps at the footprint's height.
+///
+/// # Errors
+/// [`TipError`].
+pub fn tip(burned: &Burned, footprint: &Footprint) -> Result<Mesh, TipError> {
+    let mut tip = Mesh::default();
+    for shape in plane::union(&footprint.outlines, &[]) {
+        tip = joined(tip, trimmed(burned, footprint, &shape)?);
+    }
+    if tip.triangles.is_empty() { Err(TipError::NoRoom) } else { Ok(tip) }
+}
+
+/// The prism over a shape less the mold. Where faces lie in one another so that the solids cannot be told apart, the shape
+/// is moved by a hair.
+fn trimmed(burned: &Burned, footprint: &Footprint, shape: &Shape) -> Result<Mesh, TipError> {
+    let mut found = Err(TipError::NoRoom);
+    for by in HAIRS {
+        let moved = if by == 0.0 { vec![shape.clone()] } else { plane::grown(shape, by) };
+        let part = |shape: &Shape| -> Result<Mesh, SolidError> {
+            let rings: Vec<&[DVec2]> = shape.iter().map(Outline::points).collect();
+            let part = solid::difference(&solid::prism(&rings, footprint.low, footprint.cap)?, burned.kept_clear)?;
+            match fault(burned, footprint, &part) {
+                None => Ok(real(burned, footprint.cap, part)),
+                Some(fault) => Err(SolidError::Failed(fault.to_owned())),
+            }
+        };
+        match moved.iter().map(part).collect::<Result<Vec<Mesh>, _>>() {
+            Ok(parts) => return Ok(parts.into_iter().fold(Mesh::default(), joined)),
+            Err(error) => found = Err(error.into()),
+        }
+    }
+    found
+}
+
+/// The pieces of a tip less those that keep the gap nowhere: in a hollow narrower than the gap the walls, moved past one
+/// another, bound a hollow that is none. At the cap even that may be far enough above the rim.
+fn real(burned: &Burned, cap: f64, part: Mesh) -> Mesh {
+    let mut groups = Groups::of(part.vertices.len());
+    for [a, b, c] in &part.triangles {
+        groups.join(*a as usize, *b as usize);
+        groups.join(*b as usize, *c as usize);
+    }
+    let (piece_of, count) = groups.numbers();
+    let mut is_real = vec![false; count];
+    for (p, piece) in part.vertices.iter().zip(&piece_of) {
+        let piece = &mut is_real[*piece as usize];
+        *piece = *piece || (p.z < cap - ON_CAP && (burned.keeps_gap)(*p));
+    }
+    if is_real.iter().all(|is| *is) {
+        return part;
+    }
+    let mut kept = Mesh::default();
+    let mut number = vec![0; part.vertices.len()];
+    for (v, p) in part.vertices.iter().enumerate().filter(|(v, _)| is_real[piece_of[*v] as usize]) {
+        number[v] = kept.vertices.len() as u32;
+        kept.vertices.push(*p);
+    }
+    let triangles = part.triangles.iter().filter(|[a, ..]| is_real[piece_of[*a as usize] as usize]);
+    kept.triangles = triangles.map(|t| t.map(|v| number[v as usize])).collect();
+    kept
+}
+
+/// What is wrong with a tip that was trimmed.
+fn fault(burned: &Burned, footprint: &Footprint, part: &Mesh) -> Option<&'static str> {
+    /// How far a corner may be within what is kept clear (mm), and how far faces may look up.
+    const WITHIN: f64 = 1e-5;
+    const UPWARDS: f64 = 1e-2;
+    if part.triangles.is_empty() {
+        return None;
+    }
+    if !part.is_watertight() || !solid::is_closed(part, 1e-6) {
+        return Some("the trimmed tip touches itself");
+    }
+    let is_folded = |corners: [DVec3; 3]| {
+        let twice = normal_times_two_areas(corners);
+        twice.z > UPWARDS * twice.length() && twice.length() > 1e-6 && !is_cap(corners, footprint.cap)
+    };
+    if part.iter_corners().any(is_folded) {
+        return Some("the mold grown by the gap hangs over the tip");
+    }
+    let is_within = |p: &DVec3| burned.exact.nearest(*p).signed_distance < -WITHIN;
+    part.vertices.iter().any(is_within).then_some("the trimmed tip enters what it was trimmed by")
+}
+
+/// Both meshes as one, side by side.
+pub(super) fn joined(mut all: Mesh, part: Mesh) -> Mesh {
+    let first = all.vertices.len() as u32;
+    all.vertices.extend(part.vertices);
+    all.triangles.extend(part.triangles.iter().map(|t| t.map(|i| i + first)));
+    all
+}
+
+/// Whether a triangle is part of the flat cap at this height.
+pub fn is_cap(corners: [DVec3; 3], cap: f64) -> bool {
+    corners.iter().all(|p| (p.z - cap).abs() < ON_CAP) && unit_normal(corners).z > 0.5
+}
+
+/// The tip led straight up from its cap to the height `top` (mm).
+pub fn led_up(body: &Mesh, cap: f64, top: f64) -> Mesh {
+    let mut mesh = body.clone();
+    let caps: Vec<usize> = (0..body.triangles.len()).filter(|i| is_cap(body.corners(*i), cap)).collect();
+    let edges: std::collections::HashSet<(u32, u32)> =
+        caps.iter().map(|i| body.triangles[*i]).flat_map(|[a, b, c]| [(a, b), (b, c), (c, a)]).collect();
+    let mut raised = std::collections::HashMap::new();
+    for &i in &caps {
+        let lifted = body.triangles[i].map(|v| {
+            *raised.entry(v).or_insert_with(|| {
+                mesh.vertices.push(body.vertices[v as usize].with_z(top));
+                mesh.vertices.len() as u32 - 1
+            })
+        });
+        for (a, b) in [(0, 1), (1, 2), (2, 0)] {
+            let (from, to) = (body.triangles[i][a], body.triangles[i][b]);
+            if !edges.contains(&(to, from)) {
+                mesh.triangles.extend([[from, to, lifted[b]], [from, lifted[b], lifted[a]]]);
+            }
+        }
+        mesh.triangles[i] = lifted;
+    }
+    mesh
+}

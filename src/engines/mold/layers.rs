@@ -1,0 +1,281 @@
+//! At which heights a mold is looked at.
+//!
+//! Layers lie just above every horizontal face and just below the next one up, so that both ends of what is between
+//! are seen; just above every place that is lower than all around it, in steps that grow, since a flat cutter of radius
+//! R leaves only a disc of height R^2 / (2 rho) there if the floor has a radius rho; and so far apart that none is
+//! further from the next than asked for. Then a slab is halved while its middle is not what its ends predict.
+
+use serde::{Deserialize, Serialize};
+
+use geometry::mesh::{Mesh, unit_normal};
+
+/// Horizontal up to this tilt (1 less cosine) and this rise from corner to corner (mm).
+const LEVEL: (f64, f64) = (1e-6, 2e-5);
+/// Heights nearer to each other than this are one (mm): what single precision makes of a height.
+const SAME_HEIGHT: f64 = 2e-5;
+/// How far below a horizontal face the layer under it lies (mm).
+const BELOW: f64 = 1e-6;
+
+/// Share of the spacing up to which a slab is halved for the number of pieces alone.
+const COUNTED: f64 = 0.125;
+
+/// Share of what is left up to which a layer is as predicted, however much is left.
+const PREDICTED: f64 = 1e-3;
+
+/// How finely a mold is cut into layers.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LayerSettings {
+    /// Greatest distance between layers before any slab is halved (mm).
+    pub spacing_mm: f64,
+    /// Only these: layers this far apart, beside those at horizontal faces and in hollows.
+    pub is_fixed: bool,
+    /// No slab thinner than this is halved (mm).
+    pub least_spacing_mm: f64,
+    /// Volume by which the middle of a slab may miss what its ends predict (mm^3).
+    pub volume_tolerance_mm3: f64,
+    /// Area of untouched wall by which it may (mm^2).
+    pub wall_tolerance_mm2: f64,
+    /// Depth up to which what is left counts as cut (mm).
+    pub depth_tolerance_mm: f64,
+    /// Most layers.
+    pub most_layers: usize,
+}
+
+impl Default for LayerSettings {
+    fn default() -> Self {
+        Self {
+            spacing_mm: 0.5,
+            is_fixed: false,
+            least_spacing_mm: 0.0005,
+            volume_tolerance_mm3: 0.005,
+            wall_tolerance_mm2: 0.05,
+            depth_tolerance_mm: 0.002,
+            most_layers: 4000,
+        }
+    }
+}
+
+/// What is wrong with the settings of layers.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{name} is {value}: it must be finite and from {from} to {to}")]
+pub struct LayerSettingsError {
+    /// Which setting.
+    pub name: &'static str,
+    /// What it is.
+    pub value: f64,
+    /// Least that it may be.
+    pub from: f64,
+    /// Most that it may be.
+    pub to: f64,
+}
+
+impl LayerSettings {
+    /// Whether every setting is possible.
+    ///
+    /// # Errors
+    /// [`LayerSettingsError`].
+    pub fn validate(&self) -> Result<(), LayerSettingsError> {
+        for (name, value, from, to) in [
+            ("spacing_mm", self.spacing_mm, 1e-3, 1e3),
+            ("least_spacing_mm", self.least_spacing_mm, 1e-4, self.spacing_mm),
+            ("volume_tolerance_mm3", self.volume_tolerance_mm3, 1e-9, 1e9),
+            ("wall_tolerance_mm2", self.wall_tolerance_mm2, 1e-9, 1e9),
+            ("depth_tolerance_mm", self.depth_tolerance_mm, 0.0, 10.0),
+            ("most_layers", self.most_layers as f64, 2.0, 1e5),
+        ] {
+            if !(from..=to).contains(&value) {
+                return Err(LayerSettingsError { name, value, from, to });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The layers to begin with, and what they were made from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FirstLayers {
+    /// Heights (mm), rising.
+    pub heights: Vec<f64>,
+    /// Heights of horizontal faces (mm), rising: no slab between layers reaches over one.
+    pub floors: Vec<f64>,
+}
+
+/// The first layers of `mesh`, also at horizontal faces less each of `reaches` (mm): there the holder's obstacles change.
+pub fn first_layers(mesh: &Mesh, reaches: &[f64], settings: &LayerSettings) -> FirstLayers {
+    let bounds = mesh.bounds();
+    let (bottom, top) = (bounds.min.z, bounds.max.z);
+    if mesh.triangles.is_empty() || !(bottom.is_finite() && top.is_finite()) {
+        return FirstLayers { heights: Vec::new(), floors: Vec::new() };
+    }
+    let faces = horizontal(mesh);
+    let lowered = reaches.iter().flat_map(|reach| faces.iter().map(move |f| f.map(|z| z - reach)));
+    let mut floors: Vec<[f64; 2]> = faces.iter().copied().chain(lowered).chain([[bottom; 2], [top; 2]]).collect();
+    floors.retain(|[low, high]| *low >= bottom && *high <= top);
+    let floors = joined(floors);
+    let mut heights = Vec::new();
+    for pair in floors.windows(2) {
+        let [from, to] = [pair[0][1], pair[1][0] - BELOW];
+        if to <= from {
+            heights.push(from);
+            continue;
+        }
+        let steps = ((to - from) / settings.spacing_mm).ceil().max(2.0) as usize;
+        let steps = steps.min(settings.most_layers);
+        heights.extend((0..=steps).map(|k| from + (to - from) * k as f64 / steps as f64));
+    }
+    // A hollow at a floor begins above all of the floor's rounding.
+    let at_floor = |z: f64| floors.iter().find(|[low, high]| low - SAME_HEIGHT <= z && z <= high + SAME_HEIGHT);
+    for hollow in hollows(mesh).into_iter().map(|z| at_floor(z).map_or(z, |floor| floor[1])) {
+        add_steps(&mut heights, hollow, &floors, settings);
+    }
+    heights.sort_by(f64::total_cmp);
+    heights.dedup();
+    FirstLayers { heights, floors: floors.iter().map(|f| f[1]).collect() }
+}
+
+/// Adds layers above a hollow at distances that double, where there is none about there yet.
+fn add_steps(heights: &mut Vec<f64>, hollow: f64, floors: &[[f64; 2]], settings: &LayerSettings) {
+    let next = floors.iter().map(|f| f[0]).find(|z| *z > hollow + SAME_HEIGHT).unwrap_or(hollow) - BELOW;
+    let mut step = settings.least_spacing_mm.min(0.002);
+    heights.push(hollow);
+    while step < settings.spacing_mm && hollow + step < next && heights.len() < settings.most_layers {
+        let at = hollow + step;
+        if !heights.iter().any(|z| *z > hollow && (z - at).abs() < 0.4 * step) {
+            heights.push(at);
+        }
+        step *= 2.0;
+    }
+}
+
+/// Heights of horizontal faces as least and greatest, rising.
+fn horizontal(mesh: &Mesh) -> Vec<[f64; 2]> {
+    let rise = |corners: [glam::DVec3; 3]| {
+        let [a, b, c] = corners.map(|p| p.z);
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        let is_level = high - low <= LEVEL.1 && unit_normal(corners).z.abs() >= 1.0 - LEVEL.0;
+        is_level.then_some([low, high])
+    };
+    joined(mesh.iter_corners().filter_map(rise).collect())
+}
+
+fn joined(mut spans: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    spans.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    let mut joined: Vec<[f64; 2]> = Vec::new();
+    for span in spans {
+        match joined.last_mut() {
+            // A chain of steps does not become one height.
+            Some(last) if span[0] - last[1] <= SAME_HEIGHT && span[1] - last[0] <= 4.0 * SAME_HEIGHT => {
+                last[1] = last[1].max(span[1]);
+            }
+            _ => joined.push(span),
+        }
+    }
+    joined
+}
+
+/// Heights of vertices that have none lower beside them, above the bottom and in a surface that looks upwards, in order.
+fn hollows(mesh: &Mesh) -> Vec<f64> {
+    let bottom = mesh.bounds().min.z;
+    let mut is_lowest = vec![true; mesh.vertices.len()];
+    let mut looks_up = vec![false; mesh.vertices.len()];
+    for (triangle, corners) in mesh.triangles.iter().zip(mesh.iter_corners()) {
+        let low = corners.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
+        let normal = unit_normal(corners).z;
+        for (&v, p) in triangle.iter().zip(corners) {
+            is_lowest[v as usize] &= p.z <= low + LEVEL.1;
+            // A flat floor is a layer of its own.
+            looks_up[v as usize] |= normal > 0.1 && normal < 1.0 - LEVEL.0;
+        }
+    }
+    let is_hollow = |i: &usize| is_lowest[*i] && looks_up[*i] && mesh.vertices[*i].z > bottom + SAME_HEIGHT;
+    let heights = (0..mesh.vertices.len()).filter(is_hollow).map(|i| [mesh.vertices[i].z; 2]);
+    joined(heights.collect()).into_iter().map(|span| span[1]).collect()
+}
+
+/// What is left in a layer, in figures.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct LayerFigures {
+    /// The height (mm).
+    pub z: f64,
+    /// Pieces.
+    pub count: usize,
+    /// Their area (mm^2).
+    pub area: f64,
+    /// Length of untouched outline (mm).
+    pub length: f64,
+}
+
+/// Whether the slabs beside a layer need layers in their own middles: it is not what the layers beside it predict.
+pub fn is_bent([low, middle, high]: [LayerFigures; 3], settings: &LayerSettings) -> bool {
+    let share = (middle.z - low.z) / (high.z - low.z);
+    let off = |of: fn(&LayerFigures) -> f64| {
+        let off = (of(&middle) - (of(&low) + (of(&high) - of(&low)) * share)).abs();
+        if off > PREDICTED * of(&low).max(of(&high)) { off } else { 0.0 }
+    };
+    let thickness = high.z - low.z;
+    let counts = low.count.min(high.count)..=low.count.max(high.count);
+    off(|f| f.area) * thickness > settings.volume_tolerance_mm3
+        || off(|f| f.length) * thickness > settings.wall_tolerance_mm2
+        || (!counts.contains(&middle.count) && thickness > COUNTED * settings.spacing_mm)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    /// A box with a pit in the shape of a pyramid whose tip lies at half its height.
+    fn pit() -> Mesh {
+        let mut mesh = Mesh::cuboid(DVec3::new(10.0, 10.0, 4.0));
+        let top: Vec<usize> =
+            (0..mesh.triangles.len()).filter(|&i| mesh.corners(i).iter().all(|p| p.z == 4.0)).collect();
+        let tip = mesh.vertices.len() as u32;
+        mesh.vertices.push(DVec3::new(5.0, 5.0, 2.0));
+        mesh.triangles.retain({
+            let mut i = 0;
+            move |_| {
+                i += 1;
+                !top.contains(&(i - 1))
+            }
+        });
+        mesh.triangles.extend([[4, 5], [5, 7], [7, 6], [6, 4]].map(|[a, b]| [a, b, tip]));
+        mesh
+    }
+
+    #[test]
+    fn layers_lie_above_floors_below_tops_and_close_above_hollows() {
+        let settings = LayerSettings::default();
+        let mesh = pit();
+        assert!(mesh.is_watertight());
+        let FirstLayers { heights, floors } = first_layers(&mesh, &[], &settings);
+        assert_eq!(floors, [0.0, 4.0]);
+        assert!(heights.windows(2).all(|w| w[1] > w[0] && w[1] - w[0] < 0.5 + 1e-9), "{heights:?}");
+        assert!(heights[0] == 0.0 && heights.last().unwrap() + BELOW == 4.0);
+        let above = heights.iter().filter(|z| **z > 2.0 && **z < 2.1).count();
+        assert!(above >= 4, "{heights:?}");
+        // A holder 1.5 mm above the tip meets the top where the tip is 1.5 mm below it.
+        let block = Mesh::cuboid(DVec3::new(10.0, 10.0, 4.0));
+        assert_eq!(first_layers(&block, &[1.5, 9.0], &settings).floors, [0.0, 2.5, 4.0]);
+        assert!(first_layers(&Mesh::default(), &[], &settings).heights.is_empty());
+    }
+
+    #[test]
+    fn a_layer_that_its_neighbours_predict_is_not_bent() {
+        let settings = LayerSettings::default();
+        let at = |z: f64, count: usize, area: f64| LayerFigures { z, count, area, length: 1.0 };
+        assert!(!is_bent([at(0.0, 2, 1.0), at(0.1, 2, 2.0), at(0.4, 2, 5.0)], &settings));
+        assert!(is_bent([at(0.0, 2, 1.0), at(0.1, 2, 2.1), at(0.4, 2, 5.0)], &settings));
+        assert!(is_bent([at(0.0, 2, 1.0), at(0.2, 3, 1.0), at(0.4, 2, 1.0)], &settings));
+        assert!(!is_bent([at(0.0, 2, 1.0), at(0.2, 3, 1.0), at(0.4, 3, 1.0)], &settings));
+    }
+
+    #[test]
+    fn impossible_settings_are_refused() {
+        assert_eq!(LayerSettings::default().validate(), Ok(()));
+        for (spacing_mm, least_spacing_mm) in [(f64::NAN, 0.001), (0.0, 0.001), (0.5, 0.6), (0.5, -1.0)] {
+            let settings = LayerSettings { spacing_mm, least_spacing_mm, ..LayerSettings::default() };
+            assert!(settings.validate().is_err());
+        }
+    }
+}

@@ -1,0 +1,31 @@
+//! Floor 3: molds. What a milling cutter that comes from above cannot reach.
+//!
+//! A mold stands with its opening upwards: cutters come down along -Z. What is left uncut is defined by the closing of
+//! the mold's height by each cutter; the answer is the least of them over the library.
+
+pub mod ball_agreement;
+pub mod cutter;
+pub mod electrode;
+pub mod height_field;
+pub mod invert;
+pub mod layers;
+pub mod opening;
+pub mod outline;
+pub mod piece;
+pub mod plane;
+pub mod region;
+pub mod rolling;
+pub mod section;
+pub mod stack;
+pub mod surface;
+pub mod uncut_layer;
+pub mod uncut_region;
+pub mod warning;
+
+mod capsule;
+mod edge_grid;
+mod groups;
+mod way;
+
+#[cfg(any(test, feature = "fixtures"))]
+pub mod fixtures;

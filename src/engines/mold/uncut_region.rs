@@ -1,0 +1,215 @@
+//! Regions of what is left, by all that is known of them.
+//!
+//! The grid of heights knows every kind of cutter, the layers know flat ones better. Where only flat cutters count, a
+//! region's extent in plan and volume are those of the layers, and the grid adds what it knows of it, and regions that lie between
+//! layers. Where rounded cutters count too, regions are those of the grid.
+
+use glam::DVec2;
+
+use super::height_field::{Closing, FieldRegion, HeightField};
+use super::plane;
+use super::region::LayerRegion;
+use super::stack::UncutLayer;
+use super::surface::SurfacePiece;
+use geometry::mesh::Bounds;
+
+/// Cells of a region of the grid that are looked for among the layers' regions, at most.
+const LOOKS: usize = 64;
+
+/// A connected part of what the cutters leave.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UncutRegion {
+    /// Volume (mm^3).
+    pub volume: f64,
+    /// Area seen from the cutter (mm^2).
+    pub plan_area: f64,
+    /// Area of the mold's surface that bounds it, walls and floors (mm^2).
+    pub surface_area: f64,
+    /// Greatest height of what is left above the material (mm).
+    pub depth: f64,
+    /// Greatest thickness across the mold's surface (mm).
+    pub thickness: f64,
+    /// The box around it (mm), upright.
+    pub bounds: Bounds,
+    /// The triangles that bound it, wholly or in part, in order.
+    pub faces: Vec<u32>,
+    /// The cutter that leaves least in most of it: its place in the library.
+    pub nearest_cutter: Option<usize>,
+    /// Its pieces in layers: layer and place in the layer; none where the region is one of the grid.
+    pub pieces: Vec<[usize; 2]>,
+}
+
+impl UncutRegion {
+    fn of_field(region: &FieldRegion) -> Self {
+        Self {
+            volume: region.volume,
+            plan_area: region.plan_area,
+            surface_area: 0.0,
+            depth: region.depth,
+            thickness: region.normal_depth,
+            bounds: region.bounds,
+            faces: Vec::new(),
+            nearest_cutter: Some(region.nearest_cutter),
+            pieces: Vec::new(),
+        }
+    }
+
+    fn of_layers(layers: &[UncutLayer], region: &LayerRegion, of_field: &[&FieldRegion]) -> Self {
+        let greatest = |value: fn(&FieldRegion) -> f64| of_field.iter().map(|r| value(r)).fold(0.0, f64::max);
+        // Between layers, and above and below them, the grid knows more of its height.
+        let of_both = |value: fn(&Bounds) -> f64| of_field.iter().map(move |r| value(&r.bounds));
+        let mut bounds = region.bounds;
+        bounds.min.z = of_both(|b| b.min.z).fold(bounds.min.z, f64::min);
+        bounds.max.z = of_both(|b| b.max.z).fold(bounds.max.z, f64::max);
+        let main = of_field.iter().max_by(|a, b| a.volume.total_cmp(&b.volume));
+        Self {
+            volume: region.volume,
+            plan_area: if main.is_some() {
+                plan_area(layers, region).unwrap_or_else(|| of_field.iter().map(|r| r.plan_area).sum())
+            } else {
+                region.plan_area
+            },
+            surface_area: 0.0,
+            depth: if main.is_some() { greatest(|r| r.depth) } else { region.height },
+            thickness: if main.is_some() { greatest(|r| r.normal_depth) } else { region.residue() },
+            bounds,
+            faces: Vec::new(),
+            nearest_cutter: main.map(|r| r.nearest_cutter),
+            pieces: region.pieces.clone(),
+        }
+    }
+}
+
+/// Regions, the largest volume first, and for each of the grid's which of them it is; none if it is in none.
+pub struct Regions {
+    /// They.
+    pub regions: Vec<UncutRegion>,
+    /// Where those of the grid are.
+    pub places: Vec<Option<usize>>,
+}
+
+impl Regions {
+    /// The regions of the grid, which come with the largest first.
+    pub fn of_field(found: &[FieldRegion]) -> Self {
+        Self {
+            regions: found.iter().map(UncutRegion::of_field).collect(),
+            places: (0..found.len()).map(Some).collect(),
+        }
+    }
+
+    /// The regions of layers, with what the grid knows of them.
+    pub fn of_layers(
+        layers: &[UncutLayer],
+        flat: &[LayerRegion],
+        (field, closing): (&HeightField, &Closing),
+        found: &[FieldRegion],
+    ) -> Self {
+        let owner = |region: &FieldRegion| owner(layers, flat, (field, closing), region);
+        let owners: Vec<Option<usize>> = found.iter().map(owner).collect();
+        let parts = |l: usize| found.iter().zip(&owners).filter(move |(_, owner)| **owner == Some(l)).map(|(r, _)| r);
+        let of_layers =
+            (0..flat.len()).map(|l| UncutRegion::of_layers(layers, &flat[l], &parts(l).collect::<Vec<_>>()));
+        // Layers that lie too far apart may have missed what the grid finds.
+        let missed = (0..found.len()).filter(|f| owners[*f].is_none());
+        let all: Vec<UncutRegion> = of_layers.chain(missed.clone().map(|f| UncutRegion::of_field(&found[f]))).collect();
+        let mut order: Vec<usize> = (0..all.len()).collect();
+        order.sort_by(|a, b| all[*b].volume.total_cmp(&all[*a].volume).then(a.cmp(b)));
+        let mut places = vec![0; all.len()];
+        order.iter().enumerate().for_each(|(place, i)| places[*i] = place);
+        let mut of_missed = flat.len()..;
+        let place = |owner: &Option<usize>| owner.or_else(|| of_missed.next()).map(|i| places[i]);
+        let places = owners.iter().map(place).collect();
+        Self { regions: order.into_iter().map(|i| all[i].clone()).collect(), places }
+    }
+
+    /// The pieces of the surface that bound a region, which are numbered as the regions of the grid, numbered as the
+    /// regions; these learn their faces and areas.
+    pub fn with_surface(mut self, pieces: Vec<SurfacePiece>) -> (Vec<UncutRegion>, Vec<SurfacePiece>) {
+        let Self { regions, places } = &mut self;
+        let numbered = |piece: SurfacePiece| {
+            let place = places[piece.region as usize]?;
+            let region = &mut regions[place];
+            region.surface_area += piece.area();
+            if region.faces.last() != Some(&piece.face) {
+                region.faces.push(piece.face);
+            }
+            Some(SurfacePiece { region: place as u32, ..piece })
+        };
+        let pieces = pieces.into_iter().filter_map(numbered).collect();
+        (self.regions, pieces)
+    }
+}
+
+/// The area of a region whose pieces are the same in all layers, as between vertical walls (mm^2). Where they are not,
+/// what is thinner than the tolerance does not count, and only the grid knows it.
+fn plan_area(layers: &[UncutLayer], region: &LayerRegion) -> Option<f64> {
+    let mut pieces = region.pieces.iter().map(|&[k, i]| &layers[k].pieces[i]);
+    let first = pieces.next()?;
+    pieces.all(|piece| piece.boundary == first.boundary).then_some(first.area)
+}
+
+/// The region of layers that holds most of the looked at cells of a region of the grid.
+fn owner(
+    layers: &[UncutLayer],
+    flat: &[LayerRegion],
+    (field, closing): (&HeightField, &Closing),
+    region: &FieldRegion,
+) -> Option<usize> {
+    let slack = 1.5 * field.step();
+    let near: Vec<usize> =
+        (0..flat.len()).filter(|l| flat[*l].bounds.grown(slack).intersects(&region.bounds)).collect();
+    let mut counts = vec![0usize; near.len()];
+    for cell in region.cells.iter().step_by(region.cells.len().div_ceil(LOOKS).max(1)).map(|c| *c as usize) {
+        let Some(low) = field.height(cell) else { continue };
+        let heights = [low, low + closing.residue(field, cell)];
+        let at = field.center(cell);
+        for (count, l) in counts.iter_mut().zip(&near) {
+            *count += usize::from(holds(layers, &flat[*l], at, heights, slack));
+        }
+    }
+    let most = (0..near.len()).rev().max_by_key(|i| counts[*i])?;
+    (counts[most] > 0).then_some(near[most])
+}
+
+/// Whether a piece of the region between the heights holds a place of the plan, or one within `slack` of it (mm).
+fn holds(layers: &[UncutLayer], region: &LayerRegion, at: DVec2, [low, high]: [f64; 2], slack: f64) -> bool {
+    let near = [DVec2::ZERO, DVec2::X, DVec2::NEG_X, DVec2::Y, DVec2::NEG_Y].map(|off| at + slack * off);
+    let bounds = region.bounds.grown(slack);
+    let is_in_box = bounds.min.truncate().cmple(at).all() && at.cmple(bounds.max.truncate()).all();
+    let mut own = region.pieces.iter().filter(|[k, _]| (low - slack..=high + slack).contains(&layers[*k].z));
+    is_in_box && own.any(|&[k, i]| near.iter().any(|p| plane::holds(&layers[k].pieces[i].boundary, *p)))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    #[test]
+    fn a_region_of_layers_is_as_high_as_the_grid_knows() {
+        let bounds = |low: f64, high: f64| Bounds { min: DVec3::new(0.0, 0.0, low), max: DVec3::new(2.0, 1.0, high) };
+        let region = LayerRegion {
+            pieces: Vec::new(),
+            volume: 3.0,
+            plan_area: 2.0,
+            bounds: bounds(-7.0, -6.87),
+            height: 0.13,
+            corner_depth: 1.0,
+        };
+        let of_field = FieldRegion {
+            cells: Vec::new(),
+            plan_area: 2.5,
+            volume: 3.5,
+            depth: 0.2,
+            normal_depth: 0.1,
+            bounds: bounds(-6.98, -6.79).grown(0.5),
+            nearest_cutter: 0,
+        };
+        let of = |field: &[&FieldRegion]| UncutRegion::of_layers(&[], &region, field).bounds;
+        assert_eq!(of(&[]), region.bounds);
+        let joined = of(&[&of_field]);
+        assert_eq!((joined.min.z, joined.max.z), (of_field.bounds.min.z, of_field.bounds.max.z));
+        assert_eq!(joined.min.truncate(), region.bounds.min.truncate(), "in plan the layers know better");
+    }
+}

@@ -1,0 +1,261 @@
+//! The only door to an NC program: a path together with a certificate that holds for exactly this path and
+//! exactly the meshes it is exported with.
+
+use feed::certificate::{Certificate, TravelVerdict};
+use feed::copying::CopyingMotion;
+use feed::machine::BeyondTravel;
+use feed::machine_model::MachineModel;
+use feed::path::FeedPath;
+use feed::pose::Pose;
+use feed::quantise::first_unquantised_row;
+use feed::simulation::Simulation;
+use geometry::mesh::{Bounds, Mesh};
+
+/// A path that may be exported as NC. It can only be made by [`Approved::new`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Approved {
+    path: FeedPath,
+    certificate: Certificate,
+    electrode: Bounds,
+    copying: Option<CopyingMotion>,
+    simulation: Option<Simulation>,
+}
+
+/// Why a path cannot be exported as NC.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum NotApproved {
+    #[error("the certificate belongs to another path; verify this path")]
+    OtherPath,
+    #[error("the certificate belongs to another blisk than the one at hand; verify the path against this blisk")]
+    OtherBlisk,
+    #[error(
+        "the certificate belongs to another electrode than the one to be exported; verify the path with this electrode"
+    )]
+    OtherElectrode,
+    #[error(
+        "the certificate asks for {required} mm of clearance but the path for a spark gap of {spark_gap} mm; \
+             verify the path with its own gap"
+    )]
+    OtherGap { required: f64, spark_gap: f64 },
+    #[error("the path does not lead from wholly outside the blisk to the final pose")]
+    WrongEnds,
+    #[error(
+        "the clearance is proven to be at least {certified:.5} mm only, where {required:.5} mm less {tolerance:.5} mm \
+             are needed; the least clearance is near row {row:.2} (s = {s:.3} mm)"
+    )]
+    TooClose { certified: f64, required: f64, tolerance: f64, row: f64, s: f64 },
+    #[error("{0}; plan for the machine's travel, or correct its limits, and verify again")]
+    BeyondTravel(BeyondTravel),
+    #[error("{0}")]
+    Collides(String),
+    #[error("the whole motion was simulated with another {0} than the one at hand; plan and simulate again")]
+    OtherSimulated(&'static str),
+    #[error("the travel of the axes was not judged; verify the path for the machine that it is exported for")]
+    TravelNotJudged,
+    #[error(
+        "row {row} was not rounded to the decimals of files before it was verified; round the path and verify again"
+    )]
+    NotQuantised { row: usize },
+}
+
+impl Approved {
+    /// Approves `path` on the strength of `certificate`, for the `blisk` at hand and the `electrode` that it is exported
+    /// with, in its final pose; both meshes in W.
+    ///
+    /// # Errors
+    /// [`NotApproved`] unless the certificate holds, proves a clearance above zero and axes within their travel, and was made for this very
+    /// path with this path's spark gap and for these very meshes, and the path is rounded as files are.
+    pub fn new(path: FeedPath, certificate: Certificate, blisk: &Mesh, electrode: &Mesh) -> Result<Self, NotApproved> {
+        let c = &certificate;
+        if c.path_digest() != path.digest() || c.row_clearance().len() != path.rows.len() {
+            return Err(NotApproved::OtherPath);
+        }
+        if c.blisk_digest() != blisk.digest() {
+            return Err(NotApproved::OtherBlisk);
+        }
+        if c.electrode_digest() != electrode.digest() {
+            return Err(NotApproved::OtherElectrode);
+        }
+        if c.required().is_nan() || c.required() < path.spark_gap {
+            return Err(NotApproved::OtherGap { required: c.required(), spark_gap: path.spark_gap });
+        }
+        if !c.ends_right() || path.rows.len() < 2 || path.rows.last().map(|r| r.pose) != Some(Pose::FINAL) {
+            return Err(NotApproved::WrongEnds);
+        }
+        if !c.keeps_clearance() {
+            let (row, s) = (c.least().row, c.least().s);
+            let (certified, required, tolerance) = (c.certified(), c.required(), c.tolerance());
+            return Err(NotApproved::TooClose { certified, required, tolerance, row, s });
+        }
+        match c.travel() {
+            TravelVerdict::Within => {}
+            TravelVerdict::Beyond(beyond) => return Err(NotApproved::BeyondTravel(beyond)),
+            TravelVerdict::NotJudged => return Err(NotApproved::TravelNotJudged),
+        }
+        if let Some(row) = first_unquantised_row(&path) {
+            return Err(NotApproved::NotQuantised { row });
+        }
+        let electrode = electrode.bounds();
+        Ok(Self { path, certificate, electrode, copying: None, simulation: None })
+    }
+
+    /// The same with the copying motion that is to follow the feed, and without a simulation: one with this motion is to
+    /// be given afterwards.
+    ///
+    /// # Errors
+    /// [`NotApproved`] unless it is certified from the final pose back to the final pose, for the very meshes, the
+    /// reference point and the spark gap of the path, with axes within their travel, and is rounded as files are.
+    pub fn with_copying(self, motion: &CopyingMotion) -> Result<Self, NotApproved> {
+        let (c, mine, copying) = (&motion.certificate, &self.certificate, &motion.path);
+        let same_place = copying.reference_point == self.path.reference_point && copying.frame == self.path.frame;
+        if c.path_digest() != copying.digest() || !same_place {
+            return Err(NotApproved::OtherPath);
+        }
+        if c.blisk_digest() != mine.blisk_digest() {
+            return Err(NotApproved::OtherBlisk);
+        }
+        if c.electrode_digest() != mine.electrode_digest() {
+            return Err(NotApproved::OtherElectrode);
+        }
+        if c.required().is_nan() || c.required() < self.path.spark_gap {
+            return Err(NotApproved::OtherGap { required: c.required(), spark_gap: self.path.spark_gap });
+        }
+        if let TravelVerdict::Beyond(beyond) = c.travel() {
+            return Err(NotApproved::BeyondTravel(beyond));
+        }
+        if c.travel() == TravelVerdict::NotJudged {
+            return Err(NotApproved::TravelNotJudged);
+        }
+        if !c.keeps_clearance() {
+            let (row, s) = (c.least().row, c.least().s);
+            let (certified, required, tolerance) = (c.certified(), c.required(), c.tolerance());
+            return Err(NotApproved::TooClose { certified, required, tolerance, row, s });
+        }
+        if !motion.holds() {
+            return Err(NotApproved::WrongEnds);
+        }
+        if let Some(row) = first_unquantised_row(copying) {
+            return Err(NotApproved::NotQuantised { row });
+        }
+        // What was simulated before knows nothing of it.
+        Ok(Self { copying: Some(motion.clone()), simulation: None, ..self })
+    }
+
+    /// The same with the whole motion on the machine `model`, approach and retraction and the other channels included.
+    ///
+    /// # Errors
+    /// [`NotApproved`] unless it is that of this very feed and copying motion, of these very meshes, and of these very
+    /// bodies of the machine, and nothing comes too close or goes beyond the travel of the axes.
+    pub fn with_simulation(self, simulation: &Simulation, model: &MachineModel) -> Result<Self, NotApproved> {
+        let (s, c) = (simulation, &self.certificate);
+        let copying = self.copying.as_ref().map(|motion| motion.path.digest());
+        let same = [
+            ("path", s.path_digest() == c.path_digest()),
+            ("copying motion", s.copying_digest() == copying.as_deref()),
+            ("blisk", s.blisk_digest() == c.blisk_digest()),
+            ("electrode", s.electrode_digest() == c.electrode_digest()),
+            ("machine", s.model_digest() == model.digest()),
+        ];
+        if let Some((what, _)) = same.into_iter().find(|(_, is_same)| !is_same) {
+            return Err(NotApproved::OtherSimulated(what));
+        }
+        if !simulation.holds() {
+            return Err(NotApproved::Collides(simulation.sentence()));
+        }
+        Ok(Self { simulation: Some(simulation.clone()), ..self })
+    }
+
+    /// The whole motion on the machine, if it was simulated.
+    pub fn simulation(&self) -> Option<&Simulation> {
+        self.simulation.as_ref()
+    }
+
+    /// The approved copying motion, from the final pose back to it, if there is one.
+    pub fn copying(&self) -> Option<&CopyingMotion> {
+        self.copying.as_ref()
+    }
+
+    /// The box around the electrode in its final pose, in W (mm).
+    pub fn electrode_bounds(&self) -> &Bounds {
+        &self.electrode
+    }
+
+    /// The approved path.
+    pub fn path(&self) -> &FeedPath {
+        &self.path
+    }
+
+    /// The certificate it was approved on.
+    pub fn certificate(&self) -> &Certificate {
+        &self.certificate
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixtures;
+    use feed::certificate::Findings;
+    use feed::pose::Axis;
+
+    fn refused(change: impl Fn(&mut FeedPath, &mut Findings)) -> NotApproved {
+        let mut path = fixtures::path();
+        let mut findings = fixtures::certificate(&path).into_findings();
+        change(&mut path, &mut findings);
+        let (blisk, electrode) = (fixtures::blisk_mesh(), fixtures::electrode_mesh());
+        Approved::new(path, Certificate::made_up(findings), &blisk, &electrode).unwrap_err()
+    }
+
+    #[test]
+    fn a_certificate_that_holds_approves_its_own_path_only() {
+        let path = fixtures::path();
+        assert_eq!(fixtures::approved().path(), &path);
+        let one_bit = |x: f64| f64::from_bits(x.to_bits() + 1);
+        assert_eq!(refused(|p, _| p.rows[3].pose.y = one_bit(p.rows[3].pose.y)), NotApproved::OtherPath);
+        assert_eq!(refused(|p, _| p.reference_point.z += 1e-9), NotApproved::OtherPath);
+        assert_eq!(refused(|p, _| p.rows.truncate(5)), NotApproved::OtherPath);
+        assert_eq!(refused(|p, _| p.rows.swap(5, 6)), NotApproved::OtherPath);
+    }
+
+    #[test]
+    fn a_certificate_approves_for_its_own_meshes_only() {
+        let path = fixtures::path();
+        let (blisk, electrode) = (fixtures::blisk_mesh(), fixtures::electrode_mesh());
+        let approve = |blisk: &Mesh, electrode: &Mesh| {
+            Approved::new(path.clone(), fixtures::certificate(&path), blisk, electrode).map(|_| ())
+        };
+        let other = |mesh: &Mesh| {
+            let mut mesh = mesh.clone();
+            mesh.vertices[0].x = f64::from_bits(mesh.vertices[0].x.to_bits() + 1);
+            mesh
+        };
+        assert_eq!(approve(&blisk, &electrode), Ok(()));
+        assert_eq!(approve(&other(&blisk), &electrode), Err(NotApproved::OtherBlisk));
+        assert_eq!(approve(&blisk, &other(&electrode)), Err(NotApproved::OtherElectrode));
+        assert_eq!(approve(&electrode, &blisk), Err(NotApproved::OtherBlisk));
+    }
+
+    #[test]
+    fn a_certificate_that_does_not_hold_approves_nothing() {
+        assert!(matches!(refused(|_, c| c.certified = 0.0979), NotApproved::TooClose { .. }));
+        assert!(matches!(refused(|_, c| c.certified = f64::NAN), NotApproved::TooClose { .. }));
+        assert!(matches!(refused(|_, c| c.tolerance = f64::NAN), NotApproved::TooClose { .. }));
+        let touching = |_: &mut FeedPath, c: &mut Findings| (c.certified, c.tolerance) = (0.0, 1.0);
+        assert!(matches!(refused(touching), NotApproved::TooClose { .. }));
+        assert_eq!(refused(|_, c| c.ends_right = false), NotApproved::WrongEnds);
+        assert_eq!(refused(|_, c| c.travel = TravelVerdict::NotJudged), NotApproved::TravelNotJudged);
+        let beyond = BeyondTravel { axis: Axis::C, row: 3, value: 0.4, limit: 0.3 };
+        assert_eq!(refused(|_, c| c.travel = TravelVerdict::Beyond(beyond)), NotApproved::BeyondTravel(beyond));
+        assert!(matches!(refused(|_, c| c.required = 0.05), NotApproved::OtherGap { .. }));
+    }
+
+    #[test]
+    fn a_path_must_be_rounded_before_it_is_verified() {
+        let change = |p: &mut FeedPath, c: &mut Findings| {
+            p.rows[9].pose.a += 1e-10;
+            c.path_digest = p.digest();
+        };
+        assert_eq!(refused(change), NotApproved::NotQuantised { row: 9 });
+    }
+}

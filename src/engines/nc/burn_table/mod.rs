@@ -1,0 +1,476 @@
+//! The burn table: what is burned with which electrode, where, how deep, and what was checked, as CSV and JSON.
+//!
+//! Positions are in the axes of the upright mold, whose opening looks along +Z; `to_file` takes them to the axes of the
+//! mold's file. Text of any other form is made from the
+//! same table by [`burn_template`](super::burn_template).
+
+use glam::{DMat3, DVec3};
+use serde::Serialize;
+
+use mold::electrode::base::round_blank;
+use mold::electrode::check::CheckKind;
+use mold::electrode::design::{Burn, Electrode, ElectrodeSet};
+use mold::electrode::family::Family;
+use mold::electrode::overrides::Override;
+use mold::electrode::params::{Method, Orbit, Shape};
+use mold::electrode::plan::to_burn_frame;
+use mold::opening::Opening;
+
+/// Version of the keys of `burn_table.json`, which templates use too.
+pub const SCHEMA: u32 = 2;
+/// Positions and angles are rounded to as many decimals.
+const DECIMALS: i32 = 4;
+
+/// A motion: three rows of a rotation with the shift in the fourth column (mm), and a row that is always 0 0 0 1.
+pub type Pose = [[f64; 4]; 4];
+
+/// All electrodes of a mold with their burns. Regions and their parts count from 1.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BurnTable {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// Version of the program.
+    pub program_version: &'static str,
+    /// What the mold is called.
+    pub mold: String,
+    /// The direction in which the mold's opening looks in the axes of its file; along +Z in this table.
+    pub opening: &'static str,
+    /// From the axes of this table to those of the mold's file.
+    pub to_file: Pose,
+    /// What electrode files hold.
+    pub shape: Shape,
+    /// What electrodes are made of.
+    pub material: String,
+    /// How far electrodes are lifted (mm).
+    pub lift_mm: f64,
+    /// Minutes that all burns take.
+    pub minutes: f64,
+    /// How many burns there are.
+    pub burns: usize,
+    /// They; those for the first stage first.
+    pub electrodes: Vec<ElectrodeEntry>,
+}
+
+/// An electrode.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ElectrodeEntry {
+    /// Its name.
+    pub name: String,
+    /// What may be done with it.
+    pub state: ElectrodeState,
+    /// Its burn: rough, finish.
+    pub stage: String,
+    /// What it is made of.
+    pub material: String,
+    /// What its file holds.
+    pub shape: Shape,
+    /// Spark gap (mm).
+    pub gap_mm: f64,
+    /// The orbit.
+    pub orbit: OrbitEntry,
+    /// By how much it is smaller than the cavity across an upright wall along X or Y (mm): gap and orbit.
+    pub undersize_wall_mm: f64,
+    /// The same across a level floor (mm).
+    pub undersize_floor_mm: f64,
+    /// How many are made.
+    pub quantity: u32,
+    /// Surface finish to be reached (VDI 3400).
+    pub finish_vdi: f64,
+    /// The same as roughness (Ra, micrometres).
+    pub roughness_um: f64,
+    /// How its tips were made.
+    pub method: Method,
+    /// The blank that it is milled from.
+    pub blank: BlankEntry,
+    /// The holder that takes the blank; none if none is large enough.
+    pub holder: Option<HolderEntry>,
+    /// The body that it shares with electrodes of other stages; none if it has its own.
+    pub family: Option<FamilyEntry>,
+    /// Unit vector along which it is lifted.
+    pub lift: [f64; 3],
+    /// Area of its tips seen along the burn (mm^2).
+    pub front_area_mm2: f64,
+    /// Area of its tips that burns, walls and floors, at one burn (mm^2).
+    pub burn_area_mm2: f64,
+    /// Height of its base (mm).
+    pub base_height_mm: f64,
+    /// Volume that all its burns take away (mm^3).
+    pub volume_mm3: f64,
+    /// Minutes that all its burns take.
+    pub minutes: f64,
+    /// What is to be seen to before it is used, in words.
+    pub warnings: Vec<String>,
+    /// Its burns.
+    pub burns: Vec<BurnEntry>,
+    /// Each kind of check.
+    pub checks: Vec<CheckEntry>,
+}
+
+/// What may be done with an electrode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ElectrodeState {
+    /// Every check holds.
+    Ok,
+    /// A check fails, and the user decided by name to use it nevertheless.
+    Overridden,
+    /// A check fails: it has no file.
+    Blocked,
+}
+
+impl ElectrodeState {
+    /// What may be done with an electrode of a set if these are the user's overrides.
+    pub fn of(set: &ElectrodeSet, electrode: usize, overrides: &[Override]) -> Self {
+        match (set.fails(electrode), set.is_blocked_with(electrode, overrides)) {
+            (false, _) => Self::Ok,
+            (true, false) => Self::Overridden,
+            (true, true) => Self::Blocked,
+        }
+    }
+
+    /// How it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::Overridden => "overridden",
+            Self::Blocked => "blocked",
+        }
+    }
+}
+
+/// An orbit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OrbitEntry {
+    /// none, circular or square.
+    pub pattern: &'static str,
+    /// Its radius or half side (mm).
+    pub radius_mm: f64,
+    /// Unit vectors in whose plane it goes, and along which the sides of a square lie. They do not turn with C.
+    pub x_axis: [f64; 3],
+    /// The other.
+    pub y_axis: [f64; 3],
+}
+
+/// A blank.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BlankEntry {
+    /// Whether it is round, as the base in the file then is.
+    pub is_round: bool,
+    /// Sides along X and Y (mm); the diameter twice if it is round.
+    pub sides_mm: [f64; 2],
+    /// Length along Z (mm).
+    pub length_mm: f64,
+    /// Its diameter if it is round, else that of the least round blank that would do (mm).
+    pub diameter_mm: Option<f64>,
+}
+
+impl BlankEntry {
+    /// Its lengths with a sign between them: `10 x 12 x 25`, or `round 16 x 25`.
+    pub fn text(&self, times: &str) -> String {
+        let ([x, y], z) = (self.sides_mm, self.length_mm);
+        if self.is_round { format!("round {x}{times}{z}") } else { format!("{x}{times}{y}{times}{z}") }
+    }
+}
+
+/// A body that electrodes of several stages share, a family.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FamilyEntry {
+    /// What it is called.
+    pub name: String,
+    /// The electrodes of the other stages.
+    pub others: Vec<String>,
+    /// Where the middle of this stage's tips is, from the middle of the base, which is the datum: X and Y in the electrode's
+    /// own axes (mm).
+    pub offset_mm: [f64; 2],
+}
+
+/// A holder.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HolderEntry {
+    /// Its name.
+    pub name: String,
+    /// Largest blank that it holds (mm).
+    pub size_mm: [f64; 2],
+    /// Its height (mm).
+    pub height_mm: f64,
+}
+
+/// A burn.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BurnEntry {
+    /// Counted from 1 for each electrode.
+    pub number: usize,
+    /// Where the electrode's origin is, the middle of the underside of its base: X (mm).
+    pub x_mm: f64,
+    /// Y (mm).
+    pub y_mm: f64,
+    /// Z (mm).
+    pub z_mm: f64,
+    /// How far it is turned, counter-clockwise seen from the machine's head, along the burn (degrees, above -180 up to 180).
+    pub c_deg: f64,
+    /// Unit vector along which the electrode's own X axis looks: with the direction of the lift, its own Z axis, it says how
+    /// the electrode stands wherever it burns from.
+    pub x_axis: [f64; 3],
+    /// From the axes of the electrode's file to those of this table.
+    pub pose: Pose,
+    /// How deep below the mold's top its lowest point is (mm).
+    pub depth_mm: f64,
+    /// Volume that is burned away (mm^3).
+    pub volume_mm3: f64,
+    /// Minutes that it takes.
+    pub minutes: f64,
+    /// Parts of regions that it burns: `R3.2` is part 2 of region 3. Without the letter spreadsheets would read numbers.
+    pub parts: Vec<String>,
+    /// The regions that these belong to, rising.
+    pub regions: Vec<usize>,
+}
+
+/// What became of a check.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CheckState {
+    /// It holds.
+    Ok,
+    /// It fails, and the electrode is used nevertheless.
+    Overridden,
+    /// It fails.
+    Failed,
+    /// It could not be made, for another one fails.
+    NotMade,
+}
+
+impl CheckState {
+    /// How it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::Overridden => "overridden",
+            Self::Failed => "failed",
+            Self::NotMade => "not-made",
+        }
+    }
+}
+
+/// A check.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CheckEntry {
+    /// What it is about.
+    pub kind: CheckKind,
+    /// What became of it.
+    pub state: CheckState,
+    /// What was found, in words.
+    pub text: String,
+    /// Where, in the upright mold (mm).
+    pub place_mm: Option<[f64; 3]>,
+}
+
+impl BurnTable {
+    /// The table for electrodes of a mold that is called `mold`.
+    pub fn of(set: &ElectrodeSet, mold: &str, opening: Opening) -> Self {
+        let electrodes: Vec<ElectrodeEntry> = (0..set.electrodes.len()).map(|e| entry(set, e)).collect();
+        Self {
+            schema: SCHEMA,
+            program_version: env!("CARGO_PKG_VERSION"),
+            mold: mold.to_owned(),
+            opening: opening.name(),
+            to_file: pose(
+                DMat3::from_cols_array_2d(&[DVec3::X, DVec3::Y, DVec3::Z].map(|a| opening.in_mesh(a).to_array())),
+                [0.0; 3],
+            ),
+            shape: set.params.shape,
+            material: set.params.material.clone(),
+            lift_mm: set.params.lift_mm,
+            minutes: set.minutes(),
+            burns: electrodes.iter().map(|e| e.burns.len()).sum(),
+            electrodes,
+        }
+    }
+
+    /// The table as JSON; a number that is not finite becomes null.
+    ///
+    /// # Errors
+    /// None that is known; the writer's own.
+    pub fn json(&self) -> Result<String, serde_json::Error> {
+        Ok(serde_json::to_string_pretty(self)? + "\n")
+    }
+}
+
+/// How a shape is called.
+pub fn shape_name(shape: Shape) -> &'static str {
+    match shape {
+        Shape::Undersized => "undersized",
+        Shape::Net => "net",
+    }
+}
+
+/// How a method is called.
+pub fn method_name(method: Method) -> &'static str {
+    match method {
+        Method::Extruding => "extruding",
+        Method::Cutting => "cutting",
+    }
+}
+
+fn entry(set: &ElectrodeSet, e: usize) -> ElectrodeEntry {
+    let (electrode, params) = (&set.electrodes[e], &set.params);
+    let stage = &params.stages[electrode.stage];
+    let turned = to_burn_frame(electrode.direction).transpose();
+    let pattern = match stage.orbit {
+        Orbit::None => "none",
+        Orbit::Circular { .. } => "circular",
+        Orbit::Square { .. } => "square",
+    };
+    let DVec3 { x, y, z } = electrode.blank;
+    let diameter_mm = round_blank(&electrode.base, &params.blanks);
+    let holder = electrode.holder.and_then(|h| params.holders.get(h));
+    let burns = electrode.burns.iter().enumerate().map(|(i, burn)| burn_entry(i + 1, burn, &turned));
+    ElectrodeEntry {
+        name: electrode.name.clone(),
+        state: ElectrodeState::of(set, e, &params.overrides),
+        stage: stage.name.clone(),
+        material: params.material.clone(),
+        shape: params.shape,
+        gap_mm: stage.gap_mm,
+        orbit: OrbitEntry {
+            pattern,
+            radius_mm: stage.orbit.radius_mm(),
+            x_axis: unit(turned.x_axis),
+            y_axis: unit(turned.y_axis),
+        },
+        undersize_wall_mm: stage.undersize(DVec3::X),
+        undersize_floor_mm: stage.undersize(DVec3::Z),
+        quantity: stage.quantity,
+        finish_vdi: stage.finish_vdi,
+        roughness_um: stage.roughness_um(),
+        method: electrode.method,
+        blank: BlankEntry { is_round: electrode.base.is_round, sides_mm: [x, y], length_mm: z, diameter_mm },
+        holder: holder.map(|h| HolderEntry { name: h.name.clone(), size_mm: h.size_mm, height_mm: h.height_mm }),
+        family: family(set, e),
+        lift: unit(-electrode.direction),
+        front_area_mm2: electrode.front_area,
+        burn_area_mm2: electrode.burn_area,
+        base_height_mm: electrode.base.height,
+        warnings: warnings(set, electrode),
+        volume_mm3: electrode.burns.iter().map(|b| b.volume).sum(),
+        minutes: electrode.minutes,
+        burns: burns.collect(),
+        checks: CheckKind::ALL.map(|kind| check(set, e, kind)).to_vec(),
+    }
+}
+
+fn family(set: &ElectrodeSet, e: usize) -> Option<FamilyEntry> {
+    let Family::Member { name, offset } = &set.electrodes[e].family else { return None };
+    let others = set.body_of(e).into_iter().filter(|other| *other != e);
+    Some(FamilyEntry {
+        name: name.clone(),
+        others: others.map(|other| set.electrodes[other].name.clone()).collect(),
+        offset_mm: offset.to_array().map(rounded),
+    })
+}
+
+/// What is to be seen to: what is no check, as the electrode itself is right.
+fn warnings(set: &ElectrodeSet, electrode: &Electrode) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if electrode.holder.is_none() {
+        let DVec3 { x, y, .. } = electrode.blank;
+        warnings.push(format!("no holder is large enough for a blank of {x} x {y} mm: add one to the list of holders"));
+    }
+    if electrode.burns.iter().all(|b| b.volume <= 0.0) {
+        warnings.push(
+            "it takes nothing: what it is for is thinner than the layer that its stage leaves; leave it out".into(),
+        );
+    }
+    if let Family::Apart { why } = &electrode.family {
+        warnings.push(format!("it is on a base of its own, not with other stages: {why}"));
+    }
+    let mut alone: Vec<usize> = electrode.burns.iter().flat_map(|b| &b.parts).map(|p| p.region).collect();
+    alone.sort_unstable();
+    alone.dedup();
+    for region in alone {
+        let left_out = set.regions.get(region).map_or(&[][..], |plan| &plan.left_out);
+        let before = left_out.iter().filter(|left| left.stage < electrode.stage);
+        warnings.extend(before.map(|left| format!("region {}, {}", region + 1, left.text)));
+    }
+    if set.params.shape == Shape::Net {
+        let stage = &set.params.stages[electrode.stage];
+        let [wall, floor] = [DVec3::X, DVec3::Z].map(|n| stage.undersize(n));
+        warnings.push(format!(
+            "the file holds the cavity's own shape: the electrode is milled smaller than it by {wall:.4} mm at walls and {floor:.4} \
+             mm at floors"
+        ));
+    }
+    warnings
+}
+
+/// A part of a unit vector without what rounding makes of it.
+fn plain(v: f64) -> f64 {
+    (v * 1e12).round() / 1e12 + 0.0
+}
+
+fn unit(v: DVec3) -> [f64; 3] {
+    v.to_array().map(plain)
+}
+
+fn pose(turned: DMat3, shift: [f64; 3]) -> Pose {
+    let row = |i: usize| {
+        let [x, y, z] = unit(turned.row(i));
+        [x, y, z, shift[i] + 0.0]
+    };
+    [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]]
+}
+
+fn burn_entry(number: usize, burn: &Burn, turned: &DMat3) -> BurnEntry {
+    let [x_mm, y_mm, z_mm] = burn.position.to_array().map(rounded);
+    let mut regions: Vec<usize> = burn.parts.iter().map(|p| p.region + 1).collect();
+    regions.sort_unstable();
+    regions.dedup();
+    let stands = *turned * DMat3::from_rotation_z(burn.turn);
+    BurnEntry {
+        number,
+        x_mm,
+        y_mm,
+        z_mm,
+        c_deg: c_deg(burn.turn),
+        x_axis: unit(stands.x_axis),
+        pose: pose(stands, [x_mm, y_mm, z_mm]),
+        depth_mm: burn.depth,
+        volume_mm3: burn.volume,
+        minutes: burn.minutes,
+        parts: burn.parts.iter().map(ToString::to_string).collect(),
+        regions,
+    }
+}
+
+/// To the decimals of the table, and no zero with a sign.
+fn rounded(value: f64) -> f64 {
+    let scale = 10f64.powi(DECIMALS);
+    (value * scale).round() / scale + 0.0
+}
+
+/// A turn as the machine's C (degrees, above -180 up to 180).
+fn c_deg(turn: f64) -> f64 {
+    let c = rounded(turn.to_degrees().rem_euclid(360.0));
+    if c > 180.0 { rounded(c - 360.0) } else { c }
+}
+
+fn check(set: &ElectrodeSet, e: usize, kind: CheckKind) -> CheckEntry {
+    let made: Vec<_> = set.checks[e].iter().filter(|finding| finding.kind == kind).collect();
+    let fails = made.iter().any(|finding| !finding.holds);
+    // What holds is of no interest beside what does not.
+    let told: Vec<_> = made.iter().filter(|finding| finding.holds != fails).collect();
+    let state = match (made.is_empty(), fails) {
+        (true, _) => CheckState::NotMade,
+        (_, false) => CheckState::Ok,
+        _ if set.is_overridden(e, kind, &set.params.overrides) => CheckState::Overridden,
+        _ => CheckState::Failed,
+    };
+    CheckEntry {
+        kind,
+        state,
+        text: told.iter().map(|finding| finding.text.as_str()).collect::<Vec<_>>().join("; "),
+        place_mm: told.iter().find_map(|finding| finding.place).map(|p| p.to_array().map(rounded)),
+    }
+}
+
+#[cfg(test)]
+mod tests;

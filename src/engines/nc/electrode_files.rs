@@ -1,0 +1,362 @@
+//! Electrodes as mesh files. Those with a check that fails are left out, unless the user overrode it by name.
+//!
+//! A file holds an electrode in its own axes: the origin is the middle of its base's underside, the tips reach down along
+//! -Z. Its name says what a shop needs to know of it, as in `E01_finish_g0.05_copper_x1.stl`.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use files::export_folder::ExportFolder;
+use files::whole_file::WriteError;
+use import::{glb_bytes, obj_bytes, stl_bytes};
+use mold::electrode::design::{Electrode, ElectrodeSet};
+use mold::electrode::params::{ElectrodeParams, Orbit, Shape};
+
+/// The longest that a part of a file's name may be (characters).
+const LONGEST: usize = 40;
+
+/// A format of electrode files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ElectrodeFormat {
+    /// Binary STL, mm.
+    Stl,
+    /// Wavefront OBJ, mm, exact to the last bit.
+    Obj,
+    /// Binary glTF 2.0.
+    Glb,
+}
+
+impl ElectrodeFormat {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Stl, Self::Obj, Self::Glb];
+
+    /// How file names end, and how it is called.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Stl => "stl",
+            Self::Obj => "obj",
+            Self::Glb => "glb",
+        }
+    }
+
+    /// The bytes of a file of `electrode`.
+    ///
+    /// # Errors
+    /// `InvalidInput` for a mesh that the format cannot hold.
+    pub fn bytes(self, electrode: &Electrode) -> std::io::Result<Vec<u8>> {
+        match self {
+            Self::Stl => stl_bytes(&electrode.mesh),
+            Self::Obj => obj_bytes(&electrode.name, &electrode.mesh),
+            Self::Glb => glb_bytes(&[(&electrode.name, &electrode.mesh)]),
+        }
+    }
+}
+
+/// Why electrodes cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum ElectrodeExportError {
+    /// A mesh that a format cannot hold.
+    #[error("electrode {electrode} as {format}: {source}; choose another format, or plan the electrodes again", format = format.extension())]
+    Mesh {
+        /// The electrode.
+        electrode: String,
+        /// The format.
+        format: ElectrodeFormat,
+        /// What is wrong.
+        source: std::io::Error,
+    },
+    /// The file system's refusal.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// The figures have no JSON.
+    #[error("the burn table as JSON: {0}")]
+    Json(#[from] serde_json::Error),
+}
+
+/// What was written and what was not.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct WrittenElectrodes {
+    /// The files, in the order of the electrodes.
+    pub files: Vec<ElectrodeFile>,
+    /// Electrodes without files.
+    pub left_out: Vec<LeftOut>,
+    /// Electrode files of earlier exports that are still in the folder and are not of this one, in order.
+    pub stale: Vec<PathBuf>,
+    /// Why there is no burn sheet, if there is none.
+    pub no_sheet: Option<String>,
+}
+
+/// A file that was written.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct ElectrodeFile {
+    /// The electrode.
+    pub electrode: String,
+    /// The file.
+    pub path: PathBuf,
+}
+
+/// An electrode that was not written.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct LeftOut {
+    /// The electrode.
+    pub electrode: String,
+    /// Which checks fail, and what to do, in words.
+    pub why: String,
+    /// Files of an earlier export that have its name and were not touched.
+    pub older: Vec<PathBuf>,
+}
+
+/// Writes all electrodes that may be exported into `folder`, each in all `formats`, to be published.
+///
+/// # Errors
+/// [`ElectrodeExportError`].
+pub fn write_electrode_files(
+    folder: &mut ExportFolder,
+    set: &ElectrodeSet,
+    formats: &[ElectrodeFormat],
+) -> Result<WrittenElectrodes, ElectrodeExportError> {
+    let mut written = WrittenElectrodes::default();
+    for (e, (electrode, stem)) in set.electrodes.iter().zip(file_stems(set)).enumerate() {
+        let file = |format: ElectrodeFormat| format!("{stem}.{}", format.extension());
+        let name = electrode.name.clone();
+        if let Some(why) = why_blocked(set, e) {
+            let older =
+                ElectrodeFormat::ALL.map(|f| folder.path(&file(f))).into_iter().filter(|p| p.exists()).collect();
+            written.left_out.push(LeftOut { electrode: name, why, older });
+            continue;
+        }
+        // A body of several is one file.
+        let is_first = set.body_of(e).first() == Some(&e);
+        for &format in formats {
+            let wrong = |source| ElectrodeExportError::Mesh { electrode: name.clone(), format, source };
+            let path = if is_first {
+                folder.write(&file(format), &format.bytes(electrode).map_err(wrong)?)?
+            } else {
+                folder.path(&file(format))
+            };
+            written.files.push(ElectrodeFile { electrode: name.clone(), path });
+        }
+    }
+    written.stale = stale(folder, &written);
+    Ok(written)
+}
+
+/// Electrode files of earlier exports that are not replaced by these, nor told with an electrode that has none.
+fn stale(folder: &ExportFolder, written: &WrittenElectrodes) -> Vec<PathBuf> {
+    let new = written.files.iter().map(|file| &file.path);
+    let told: Vec<&PathBuf> = new.chain(written.left_out.iter().flat_map(|left| &left.older)).collect();
+    let is_told = |path: &PathBuf| told.iter().any(|t| t.as_os_str().eq_ignore_ascii_case(path.as_os_str()));
+    let earlier = folder.names().into_iter().filter(|file| is_electrode_file(file));
+    earlier.map(|file| folder.path(&file)).filter(|path| !is_told(path)).collect()
+}
+
+/// Why an electrode may not be exported; none if it may.
+pub fn why_blocked(set: &ElectrodeSet, electrode: usize) -> Option<String> {
+    if !set.is_blocked(electrode) {
+        return None;
+    }
+    let fails = |e: usize| {
+        let is_let_pass = move |kind| set.is_overridden(e, kind, &set.params.overrides);
+        set.checks[e].iter().filter(move |finding| !finding.holds && !is_let_pass(finding.kind))
+    };
+    let told: Vec<String> =
+        fails(electrode).map(|finding| format!("{}: {}", finding.kind.name(), finding.text)).collect();
+    if told.is_empty() {
+        let others = set.body_of(electrode).into_iter().filter(|e| fails(*e).next().is_some());
+        let names: Vec<&str> = others.map(|e| set.electrodes[e].name.as_str()).collect();
+        return Some(format!("it is one body with {}, of which a check fails", names.join(", ")));
+    }
+    Some(format!("{}; mend it, or override it by its name, {}", told.join("; "), set.electrodes[electrode].name))
+}
+
+/// Names of the electrodes' files without their endings, all different even where small and large letters are the same; those
+/// of one body have one.
+pub fn file_stems(set: &ElectrodeSet) -> Vec<String> {
+    let mut stems: Vec<String> = Vec::new();
+    for e in 0..set.electrodes.len() {
+        let body = set.body_of(e);
+        if let Some(known) = body.first().and_then(|first| stems.get(*first)) {
+            stems.push(known.clone());
+            continue;
+        }
+        let plain = file_stem(&body.iter().map(|e| &set.electrodes[*e]).collect::<Vec<_>>(), &set.params);
+        let is_new = |stem: &String| stems.iter().all(|known| !known.eq_ignore_ascii_case(stem));
+        // One of so many names is not among those that are known.
+        let numbered = (2..stems.len() + 3).map(|n| format!("{plain}_{n}"));
+        let stem = std::iter::once(plain.clone()).chain(numbered).find(is_new);
+        stems.push(stem.unwrap_or(plain));
+    }
+    stems
+}
+
+/// The name of a body: that of its form, and each stage with its gap and orbit.
+fn file_stem(body: &[&Electrode], params: &ElectrodeParams) -> String {
+    let mut parts: Vec<String> = Vec::new();
+    for electrode in body {
+        let stage = &params.stages[electrode.stage];
+        if parts.is_empty() {
+            parts.push(plain(form(&electrode.name, &stage.name)));
+        }
+        parts.extend([plain(&stage.name), format!("g{}", stage.gap_mm)]);
+        match stage.orbit {
+            Orbit::None => {}
+            Orbit::Circular { radius_mm } => parts.push(format!("circular{radius_mm}")),
+            Orbit::Square { radius_mm } => parts.push(format!("square{radius_mm}")),
+        }
+    }
+    // Who mills it has to know that the gap is still to be taken off.
+    if params.shape == Shape::Net {
+        parts.push("net".to_owned());
+    }
+    let quantity = body.iter().map(|e| params.stages[e.stage].quantity).max().unwrap_or(1);
+    parts.extend([plain(&params.material), format!("x{quantity}")]);
+    parts.join("_")
+}
+
+/// The name that the stages of a form share: that of an electrode ends with its stage where there are several.
+fn form<'a>(electrode: &'a str, stage: &str) -> &'a str {
+    electrode.strip_suffix(&format!("-{stage}")).unwrap_or(electrode)
+}
+
+/// Whether a file of this name holds the body that an electrode is of, alone or with other stages of its form.
+pub fn is_file_of(file: &str, electrode: &str, stage: &str) -> bool {
+    let of_form = file.strip_prefix(&plain(form(electrode, stage)));
+    of_form.is_some_and(|rest| rest.starts_with('_') && rest.contains(&format!("_{}_g", plain(stage))))
+}
+
+/// Whether a file is called as electrodes are, as in `E01_finish_g0.05_copper_x1.stl`.
+fn is_electrode_file(file: &str) -> bool {
+    let is_mesh = ElectrodeFormat::ALL.iter().any(|f| file.ends_with(&format!(".{}", f.extension())));
+    let number = file.strip_prefix('E').and_then(|rest| rest.split_once('_')).map_or("", |(number, _)| number);
+    let is_number = number.len() >= 2 && number.bytes().all(|b| b.is_ascii_digit());
+    is_mesh && is_number && file.contains("_g")
+}
+
+/// Text as a part of a file's name on every system.
+fn plain(text: &str) -> String {
+    let mut plain = String::new();
+    for c in text.chars() {
+        let c = if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' };
+        if c.is_ascii_alphanumeric() || !plain.ends_with(['-', '.']) {
+            plain.push(c);
+        }
+    }
+    let plain: String = plain.trim_matches(['-', '.']).chars().take(LONGEST).collect();
+    if plain.is_empty() { "unnamed".to_owned() } else { plain }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::electrode_fixtures::set;
+    use import::{ImportOptions, import_file};
+    use mold::electrode::check::CheckKind;
+    use mold::electrode::overrides::{IdleOverride, Override};
+    use task::{Cancel, Progress};
+
+    fn written(folder: &std::path::Path, set: &ElectrodeSet, formats: &[ElectrodeFormat]) -> WrittenElectrodes {
+        let mut folder = ExportFolder::open(folder).unwrap();
+        let written = write_electrode_files(&mut folder, set, formats).unwrap();
+        folder.publish().unwrap();
+        written
+    }
+
+    #[test]
+    fn file_names_say_what_a_shop_needs_and_stay_in_their_folder() {
+        let mut set = set();
+        assert_eq!(
+            file_stems(&set),
+            ["E01_rough_g0.2_circular0.1_Cu-soft_x2", "E02_finish_g0.05_Cu-soft_x1", "E03_finish_g0.05_Cu-soft_x1"]
+        );
+        set.params.material = "copper".to_owned();
+        set.params.shape = Shape::Net;
+        set.electrodes[1].name = "../..\\E3".to_owned();
+        set.electrodes[2].name = "e3-finish".to_owned();
+        assert_eq!(file_stems(&set)[1..], ["E3_finish_g0.05_net_copper_x1", "e3_finish_g0.05_net_copper_x1_2"]);
+        set.electrodes.iter_mut().for_each(|e| (e.name, e.stage) = ("\u{e9}/".to_owned(), 1));
+        let stems = file_stems(&set);
+        assert_eq!(stems[2], "unnamed_finish_g0.05_net_copper_x1_3");
+    }
+
+    #[test]
+    fn what_is_blocked_has_no_file_and_the_reason_is_told() {
+        let folder = tempfile::tempdir().unwrap();
+        let old = folder.path().join("E03_finish_g0.05_Cu-soft_x1.stl");
+        std::fs::write(&old, "old").unwrap();
+        let written = written(folder.path(), &set(), &[ElectrodeFormat::Stl]);
+        let names: Vec<&str> = written.files.iter().map(|f| f.electrode.as_str()).collect();
+        assert_eq!(names, ["E01", "E02-finish"], "what is overridden is written");
+        let [left] = &written.left_out[..] else { panic!("{written:?}") };
+        assert!(
+            left.electrode == "E03" && left.why.contains("gouge: ") && left.why.contains("watertight: "),
+            "{left:?}"
+        );
+        assert!(!left.why.contains("approach"), "what holds is no reason: {left:?}");
+        assert_eq!(left.older.iter().collect::<Vec<_>>(), [&old]);
+        assert_eq!(std::fs::read(old).unwrap(), b"old", "files of an earlier export are not ours to delete");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
+    }
+
+    #[test]
+    fn electrode_files_of_an_earlier_plan_are_told_and_stay() {
+        let folder = tempfile::tempdir().unwrap();
+        let old = [
+            "E04_finish_g0.05_Cu-soft_x1.stl",
+            "E02_finish_g0.3_Cu-soft_x1.obj",
+            "E03_finish_g0.05_Cu-soft_x1.stl",
+            "E02_finish_g0.05_Cu-soft_x1.glb",
+        ];
+        let others = ["Eiffel_g1.stl", "E04_finish_g0.05_Cu-soft_x1.txt", "mold.stl"];
+        old.iter().chain(&others).for_each(|name| std::fs::write(folder.path().join(name), "old").unwrap());
+        let written = written(folder.path(), &set(), &[ElectrodeFormat::Stl]);
+        let stale: Vec<PathBuf> = [old[3], old[1], old[0]].iter().map(|name| folder.path().join(name)).collect();
+        assert_eq!(written.stale, stale, "one that is blocked is told with its reason");
+        assert!(written.left_out[0].older.contains(&folder.path().join(old[2])));
+        assert!(old.iter().chain(&others).all(|name| folder.path().join(name).exists()));
+    }
+
+    #[test]
+    fn every_format_is_read_back_as_the_same_solid() {
+        let folder = tempfile::tempdir().unwrap();
+        let set = set();
+        let written = written(folder.path(), &set, &ElectrodeFormat::ALL);
+        assert_eq!(written.files.len(), 6);
+        for file in &written.files {
+            let electrode = set.electrodes.iter().find(|e| e.name == file.electrode).unwrap();
+            let read =
+                import_file(&file.path, &ImportOptions::default(), &Progress::silent(), &Cancel::default()).unwrap();
+            assert!(read.report.watertight, "{file:?}");
+            assert_eq!(read.mesh.triangles.len(), electrode.mesh.triangles.len());
+            let expected = match file.path.extension().and_then(|e| e.to_str()) {
+                // glTF has Y up.
+                Some("glb") => electrode.mesh.mapped(|p| glam::DVec3::new(p.x, p.z, -p.y)),
+                _ => electrode.mesh.clone(),
+            };
+            assert!((read.mesh.volume() / expected.volume() - 1.0).abs() < 1e-5, "{file:?}: {}", read.mesh.volume());
+            let (found, wanted) = (read.mesh.bounds(), expected.bounds());
+            assert!(found.min.distance(wanted.min) + found.max.distance(wanted.max) < 1e-4, "{file:?}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn an_override_for_one_check_lets_only_that_one_pass_and_only_for_the_same_parts() {
+        let mut set = set();
+        let names = |texts: &[&str]| texts.iter().map(|t| t.parse().unwrap()).collect::<Vec<Override>>();
+        set.params.overrides = names(&["E03:gouge"]);
+        let why = why_blocked(&set, 2).unwrap();
+        assert!(why.contains("watertight: ") && !why.contains("gouge: "), "{why}");
+        set.params.overrides = names(&["E03:gouge", "E03:watertight"]);
+        assert_eq!(why_blocked(&set, 2), None);
+        // As the window decides: for what the electrode burns.
+        set.params.overrides =
+            [CheckKind::Gouge, CheckKind::Watertight].map(|k| Override::of(&set.electrodes[2], k)).to_vec();
+        assert_eq!(set.params.overrides[0].parts, ["R1.2"]);
+        assert_eq!(why_blocked(&set, 2), None);
+        set.electrodes[2].burns[0].parts[0].part = 4;
+        assert!(why_blocked(&set, 2).is_some(), "another plan gave the name to other parts");
+        assert!(set.idle_overrides().iter().all(|(_, why)| *why == IdleOverride::OtherParts));
+        assert_eq!(set.idle_overrides().len(), 2);
+    }
+}

@@ -1,0 +1,131 @@
+//! A set of electrodes made by hand: one that holds, one overridden, one blocked.
+
+use glam::{DVec2, DVec3};
+
+use geometry::mesh::Mesh;
+use mold::electrode::base::Base;
+use mold::electrode::check::{CheckKind, Finding, LeftOfRegion};
+use mold::electrode::design::{Burn, Electrode, ElectrodeSet, PartId, PartNode, RegionPlan};
+use mold::electrode::division::Cut;
+use mold::electrode::family::Family;
+use mold::electrode::overrides::Override;
+use mold::electrode::params::{ElectrodeParams, Holder, Method, Orbit, Stage};
+
+fn finding(kind: CheckKind, holds: bool, text: &str) -> Finding {
+    let place = (!holds).then_some(DVec3::new(1.0, 2.0, -3.00004));
+    Finding { kind, holds, text: text.to_owned(), place }
+}
+
+fn checks(failing: &[CheckKind]) -> Vec<Finding> {
+    let text = |kind| match (kind, failing.contains(&kind)) {
+        (CheckKind::Gouge, true) => "it comes to 0.0100 mm of the mold: too deep a burn",
+        (_, true) => "it fails, \"badly\"",
+        _ => "it holds",
+    };
+    CheckKind::ALL.map(|kind| finding(kind, !failing.contains(&kind), text(kind))).to_vec()
+}
+
+fn electrode(name: &str, stage: usize, burns: Vec<Burn>, size: DVec3) -> Electrode {
+    Electrode {
+        name: name.to_owned(),
+        stage,
+        mesh: Mesh::cuboid(size).mapped(|p| p - DVec3::new(0.0, 0.0, 5.0)),
+        tips: Mesh::cuboid(DVec3::ONE),
+        burns,
+        direction: DVec3::NEG_Z,
+        method: Method::Extruding,
+        blank: DVec3::new(10.0, 12.0, 25.0),
+        holder: Some(0),
+        minutes: 12.5,
+        is_thin: false,
+        front_area: 4.0,
+        burn_area: 11.0,
+        base: Base { sides: DVec2::new(10.0, 12.0), is_round: false, height: 15.0, corner: 1.0 },
+        family: Family::None,
+        others: Mesh::default(),
+    }
+}
+
+fn burn(position: DVec3, turn_deg: f64, parts: &[(usize, usize)]) -> Burn {
+    let parts = parts.iter().map(|&(region, part)| PartId { region, part }).collect();
+    // 0.2 mm^3 per minute and mm^2 on 4 mm^2, and 3 minutes of setting.
+    Burn { position, turn: turn_deg.to_radians(), parts, depth: 7.25, volume: 3.5, minutes: 3.0 + 3.5 / 0.8 }
+}
+
+fn leaf(part: usize) -> PartNode {
+    PartNode {
+        cut: None,
+        h_edges: 0,
+        outlines: Vec::new(),
+        parts: Vec::new(),
+        lacks_thin: false,
+        part: Some(part),
+        place: None,
+    }
+}
+
+fn region(tree: Option<PartNode>, trouble: Option<&str>, thickness: f64) -> RegionPlan {
+    RegionPlan {
+        edits: Vec::new(),
+        tree,
+        earlier: Vec::new(),
+        method: Method::Cutting,
+        direction: DVec3::NEG_Z,
+        trouble: trouble.map(str::to_owned),
+        left_out: Vec::new(),
+        left: LeftOfRegion { thickness, excess: 0.0, place: DVec3::new(5.0, 6.0, 7.0), volume: 0.125 },
+    }
+}
+
+fn named(electrode: &str) -> Override {
+    Override { electrode: electrode.to_owned(), check: None, parts: Vec::new() }
+}
+
+/// E01 burns part 1 of region 1 and, turned by 225 degrees, region 2; E02-finish is overridden; E03 burns part 2 of
+/// region 1 and is blocked. Region 3 has no electrode.
+pub fn set() -> ElectrodeSet {
+    let rough = Stage {
+        name: "rough".to_owned(),
+        gap_mm: 0.2,
+        stock_mm: 0.0,
+        orbit: Orbit::Circular { radius_mm: 0.1 },
+        finish_vdi: 30.0,
+        quantity: 2,
+    };
+    let two = vec![burn(DVec3::new(12.345_678, -4.5, 20.0), 90.0, &[(0, 0)]), burn(DVec3::NEG_X, 225.0, &[(1, 0)])];
+    let mut overridden = electrode(
+        "E02-finish",
+        1,
+        vec![burn(DVec3::new(-1e-9, 0.0, 3.0), 360.0, &[(1, 0), (0, 0)])],
+        DVec3::splat(4.0),
+    );
+    (overridden.holder, overridden.direction) = (None, DVec3::X);
+    let cut = Cut { through: DVec2::new(1.5, -2.0), outward: DVec2::Y, overlaps: true };
+    let divided = PartNode { cut: Some(cut), h_edges: 2, parts: vec![leaf(0), leaf(1)], ..leaf(0) };
+    let divided = PartNode { part: None, ..divided };
+    ElectrodeSet {
+        params: ElectrodeParams {
+            stages: vec![rough, Stage::finish(0.05)],
+            material: "Cu, \"soft\"".to_owned(),
+            overrides: ["E02-finish", "E99"].map(named).to_vec(),
+            holders: vec![Holder { name: "holder 25".to_owned(), size_mm: [25.0; 2], height_mm: 20.0 }],
+            ..ElectrodeParams::default()
+        },
+        electrodes: vec![
+            electrode("E01", 0, two, DVec3::new(2.0, 3.0, 4.0)),
+            overridden,
+            electrode("E03", 1, vec![burn(DVec3::Y, -180.0, &[(0, 1)])], DVec3::ONE),
+        ],
+        checks: vec![
+            checks(&[]),
+            checks(&[CheckKind::Leftover]),
+            // An open surface is not tried with the cutters.
+            checks(&[CheckKind::Watertight, CheckKind::Gouge]).into_iter().take(4).collect(),
+        ],
+        regions: vec![
+            region(Some(divided), None, 0.03),
+            region(Some(leaf(0)), None, 0.0),
+            region(None, Some("no room for a tip <of 0.3 mm>"), 0.9),
+        ],
+    }
+}

@@ -1,0 +1,20 @@
+//! What leaves the program for a machine: approval of paths, NC programs through posts, burn tables, electrode files.
+
+pub mod approved;
+pub mod block_feed;
+pub mod burn_csv;
+pub mod burn_example;
+pub mod burn_table;
+pub mod burn_template;
+pub mod cutter_locations;
+pub mod electrode_files;
+#[cfg(any(test, feature = "fixtures"))]
+pub mod electrode_fixtures;
+#[cfg(any(test, feature = "fixtures"))]
+pub mod fixtures;
+pub mod flank_program;
+pub mod lines;
+pub mod path_csv;
+pub mod post;
+pub mod program;
+pub mod tour;

@@ -1,0 +1,371 @@
+//! NC dialects as data: a post is a TOML file that says how a control wants its words written.
+//!
+//! Built-in posts are compiled in from `assets/posts`; a file of the same name in a user folder takes their place.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use feed::pose::Axis;
+use feed::quantise::{DEG_DECIMALS, MM_DECIMALS};
+
+/// The posts that come with the program: name and text.
+pub const BUILT_IN: [(&str, &str); 2] = [
+    ("iso", include_str!("../../../assets/posts/iso.toml")),
+    ("beckhoff-edm", include_str!("../../../assets/posts/beckhoff-edm.toml")),
+];
+
+/// Extensions of the other files that are written and read: a program may not be taken for one of them, nor take its
+/// place.
+const OTHER_RESULTS: [&str; 12] =
+    ["csv", "stl", "obj", "png", "json", "html", "toml", "cl", "old", "sparkpath", "sparkmold", "sparkflank"];
+
+/// Why a post cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum PostError {
+    #[error("there is no post {name:?}; built in are {}, and one of your own is given by the path of its .toml file",
+            known.join(", "))]
+    Unknown { name: String, known: Vec<&'static str> },
+    #[error("cannot read the post {path}: {source}")]
+    Read { path: PathBuf, source: std::io::Error },
+    #[error("post {origin}: {problem}")]
+    Syntax { origin: String, problem: String },
+    #[error("post {origin}: {key} is {value}; {remedy}")]
+    Value { origin: String, key: &'static str, value: String, remedy: String },
+}
+
+/// How the F word gives the speed of a block.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FeedMode {
+    /// mm per minute, degrees per minute in blocks where only rotary axes move (usually G94).
+    PerMinute,
+    /// One over the minutes that the block takes (usually G93).
+    InverseTime,
+    /// The seconds that the block takes.
+    Seconds,
+}
+
+/// The F word.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FeedWords {
+    /// What F means.
+    pub mode: FeedMode,
+    /// The word that switches this mode on, e.g. `G94`.
+    pub word: String,
+    /// The word for feed per minute, in which the first position is approached: where that starts is not known,
+    /// so its time cannot be given.
+    pub approach_word: String,
+    /// Decimals of the F word.
+    pub decimals: usize,
+}
+
+/// How comments are marked.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CommentStyle {
+    /// What starts a comment.
+    pub open: String,
+    /// What ends it; empty when the end of the line does.
+    pub close: String,
+}
+
+/// Decimals of coordinates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Decimals {
+    /// Of lengths (mm).
+    pub mm: usize,
+    /// Of angles (degrees).
+    pub deg: usize,
+}
+
+/// Numbering of blocks: `N10`, `N20`, ...
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BlockNumbers {
+    /// Number of the first block.
+    pub first: u32,
+    /// Step from one block to the next.
+    pub step: u32,
+    /// Greatest number; counting then starts again at `first`.
+    pub last: u32,
+}
+
+/// One axis word.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxisWord {
+    /// The axis of the pose.
+    pub axis: Axis,
+    /// Its address on the control, e.g. `X`.
+    pub word: String,
+    /// Whether the machine counts this axis the other way round.
+    #[serde(default)]
+    pub reversed: bool,
+}
+
+/// The words of a control that follows the tool's tip. The number of the length offset is written behind as `H1`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TipWords {
+    /// The word after which X Y Z are the tip and the rotary axes are given, e.g. `G43.4`; none if the control has none.
+    #[serde(default)]
+    pub angles: Option<String>,
+    /// The word after which X Y Z are the tip and I J K the tool's direction, e.g. `G43.5`; none if it has none.
+    #[serde(default)]
+    pub vector: Option<String>,
+    /// The word that ends it, e.g. `G49`.
+    pub off: String,
+}
+
+/// How a control wants its program written.
+///
+/// Lines of `program_start`, `safe_start`, `burn`, `safe_end`, `program_end` and `dwell` may hold the
+/// placeholders `{program}` (name of the program) and `{seconds}` (dwell).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Post {
+    /// What the post is for, in a few words.
+    pub title: String,
+    /// File name extension without the dot.
+    pub extension: String,
+    /// Longest line the control takes, without the line end (characters).
+    pub max_line_length: usize,
+    /// Whether lines end with CR LF instead of LF.
+    pub crlf: bool,
+    /// First lines, written as they are.
+    pub program_start: Vec<String>,
+    /// The block that selects mm and absolute positions.
+    pub modes: String,
+    /// The block that makes the control pass exactly through every programmed point, without rounding corners.
+    pub exact_path: String,
+    /// Blocks before the first motion, with the electrode clear of the blisk.
+    pub safe_start: Vec<String>,
+    /// Blocks in the final pose: where the burn is to be put.
+    pub burn: Vec<String>,
+    /// The dwell block, written after `burn` when a dwell is asked for.
+    pub dwell: String,
+    /// Blocks after the retraction.
+    pub safe_end: Vec<String>,
+    /// Last lines, written as they are.
+    pub program_end: Vec<String>,
+    /// The word of linear motion, e.g. `G01`.
+    pub linear: String,
+    /// The F word.
+    pub feed: FeedWords,
+    /// How comments are marked.
+    pub comment: CommentStyle,
+    /// Decimals of coordinates.
+    pub decimals: Decimals,
+    /// Numbering of blocks; none without it.
+    #[serde(default)]
+    pub block_numbers: Option<BlockNumbers>,
+    /// How the control is told to follow the tool's tip; it does not know how without it.
+    #[serde(default)]
+    pub tip_control: Option<TipWords>,
+    /// Axis words in the order they are written.
+    pub axes: Vec<AxisWord>,
+}
+
+impl Post {
+    /// The built-in post of this name, or the one in this file if it ends in `.toml`.
+    ///
+    /// # Errors
+    /// [`PostError`] when there is no such post or its file is not one.
+    pub fn named(name: &str) -> Result<Self, PostError> {
+        if !name.ends_with(".toml") {
+            return Self::load(name, None);
+        }
+        let text = std::fs::read_to_string(name).map_err(|source| PostError::Read { path: name.into(), source })?;
+        Self::from_toml(&text, name)
+    }
+
+    /// The post called `name`: `NAME.toml` in `user_folder` if it is there, else the built-in one.
+    ///
+    /// # Errors
+    /// [`PostError`] when there is no such post or its file is not one.
+    pub fn load(name: &str, user_folder: Option<&Path>) -> Result<Self, PostError> {
+        // A name is a file name here, never a way out of the folder.
+        let plain = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c));
+        let unknown = || PostError::Unknown { name: name.to_owned(), known: BUILT_IN.map(|(n, _)| n).to_vec() };
+        if !plain {
+            return Err(unknown());
+        }
+        if let Some(path) = user_folder.map(|f| f.join(format!("{name}.toml"))) {
+            match std::fs::read_to_string(&path) {
+                Ok(text) => return Self::from_toml(&text, &path.display().to_string()),
+                Err(e) if e.kind() == std::io::ErrorKind::NotFound => {}
+                Err(source) => return Err(PostError::Read { path, source }),
+            }
+        }
+        let (_, text) = BUILT_IN.iter().find(|(n, _)| *n == name).ok_or_else(unknown)?;
+        Self::from_toml(text, name)
+    }
+
+    /// Reads a post; `origin` (file or name) goes into error messages.
+    ///
+    /// # Errors
+    /// [`PostError`] naming the key.
+    pub fn from_toml(text: &str, origin: &str) -> Result<Self, PostError> {
+        let syntax = |e: toml::de::Error| PostError::Syntax { origin: origin.to_owned(), problem: e.to_string() };
+        let post: Self = toml::from_str(text).map_err(syntax)?;
+        post.validate(origin)?;
+        Ok(post)
+    }
+
+    /// Checks what the types cannot.
+    ///
+    /// # Errors
+    /// [`PostError::Value`] naming the key and the remedy.
+    pub fn validate(&self, origin: &str) -> Result<(), PostError> {
+        let bad = |key, value: String, remedy: &str| {
+            Err(PostError::Value { origin: origin.to_owned(), key, value, remedy: remedy.to_owned() })
+        };
+        for (key, found, least) in
+            [("decimals.mm", self.decimals.mm, MM_DECIMALS), ("decimals.deg", self.decimals.deg, DEG_DECIMALS)]
+        {
+            if found < least {
+                let remedy = format!("at least {least} are needed, or the program would leave the verified path");
+                return bad(key, found.to_string(), &remedy);
+            }
+            if found > 12 {
+                return bad(key, found.to_string(), "at most 12 make sense");
+            }
+        }
+        if self.feed.decimals > 12 {
+            return bad("feed.decimals", self.feed.decimals.to_string(), "at most 12 make sense");
+        }
+        if !(40..=4096).contains(&self.max_line_length) {
+            return bad("max_line_length", self.max_line_length.to_string(), "give 40 to 4096 characters");
+        }
+        if self.comment.open.is_empty() {
+            return bad("comment.open", "empty".to_owned(), "say what starts a comment");
+        }
+        if self.block_numbers.is_some_and(|n| n.step == 0 || n.last < n.first) {
+            return bad("block_numbers", "not rising".to_owned(), "give a step of 1 or more and last >= first");
+        }
+        if self.extension.is_empty() || !self.extension.chars().all(|c| c.is_ascii_alphanumeric()) {
+            return bad("extension", format!("{:?}", self.extension), "give letters and digits only");
+        }
+        if OTHER_RESULTS.iter().any(|taken| self.extension.eq_ignore_ascii_case(taken)) {
+            let remedy = "it is the extension of another file of ours; give the one that the control expects";
+            return bad("extension", format!("{:?}", self.extension), remedy);
+        }
+        self.validate_axes(origin)?;
+        self.validate_lines(origin)
+    }
+
+    fn validate_axes(&self, origin: &str) -> Result<(), PostError> {
+        let bad = |value: &str, remedy: &str| {
+            let (value, remedy) = (format!("{value:?}"), remedy.to_owned());
+            Err(PostError::Value { origin: origin.to_owned(), key: "axes", value, remedy })
+        };
+        for (i, a) in self.axes.iter().enumerate() {
+            if !a.word.chars().next().is_some_and(|c| c.is_ascii_uppercase()) || a.word.len() > 4 || !a.word.is_ascii()
+            {
+                return bad(&a.word, "an axis word is a capital letter, at most 4 characters long");
+            }
+            if self.axes[..i].iter().any(|b| b.axis == a.axis || b.word == a.word) {
+                return bad(&a.word, "name each axis and each word once");
+            }
+        }
+        Ok(())
+    }
+
+    fn validate_lines(&self, origin: &str) -> Result<(), PostError> {
+        let bad = |key, value: &str, remedy: &str| {
+            let (value, remedy) = (format!("{value:?}"), remedy.to_owned());
+            Err(PostError::Value { origin: origin.to_owned(), key, value, remedy })
+        };
+        let blocks = [&self.program_start, &self.safe_start, &self.burn, &self.safe_end, &self.program_end];
+        let single =
+            [&self.modes, &self.exact_path, &self.dwell, &self.linear, &self.feed.word, &self.feed.approach_word];
+        let marks = [&self.comment.open, &self.comment.close];
+        let tip = self.tip_control.iter().flat_map(|t| [t.angles.as_ref(), t.vector.as_ref(), Some(&t.off)]).flatten();
+        if let Some(empty) = tip.clone().find(|word| word.trim().is_empty()) {
+            return bad("tip_control", empty, "give the control's word, or leave the key out");
+        }
+        for line in blocks.into_iter().flatten().chain(single).chain(marks).chain(tip) {
+            if !line.chars().all(|c| c == ' ' || c.is_ascii_graphic()) {
+                return bad("a line", line, "use printable ASCII only");
+            }
+            let rest = line.replace("{program}", "").replace("{seconds}", "");
+            if rest.contains(['{', '}']) {
+                return bad("a line", line, "the placeholders are {program} and {seconds}");
+            }
+        }
+        for (key, line) in [("modes", &self.modes), ("exact_path", &self.exact_path), ("linear", &self.linear)] {
+            if line.trim().is_empty() {
+                return bad(key, line, "the program is not safe without it");
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn iso_with(from: &str, to: &str) -> Result<Post, PostError> {
+        let text = BUILT_IN[0].1;
+        assert!(text.contains(from), "{from}");
+        Post::from_toml(&text.replacen(from, to, 1), "changed")
+    }
+
+    #[test]
+    fn every_built_in_post_is_valid_and_reads_back_from_its_own_text() {
+        for (name, _) in BUILT_IN {
+            let post = Post::load(name, None).unwrap();
+            let again = Post::from_toml(&toml::to_string(&post).unwrap(), name).unwrap();
+            assert_eq!(post, again);
+            assert_eq!(post.axes.len(), 6, "every axis of the pose has a word");
+        }
+    }
+
+    #[test]
+    fn a_post_coarser_than_the_path_is_refused() {
+        for (from, to) in [("mm = 5", "mm = 4"), ("deg = 6", "deg = 3")] {
+            let error = iso_with(from, to).unwrap_err().to_string();
+            assert!(error.contains("decimals.") && error.contains("verified path"), "{error}");
+        }
+        assert!(iso_with("mm = 5", "mm = 7").is_ok());
+    }
+
+    #[test]
+    fn a_post_that_is_not_safe_is_refused() {
+        assert!(iso_with("exact_path = \"G61\"", "exact_path = \"\"").is_err());
+        assert!(iso_with("word = \"Y\"", "word = \"X\"").is_err());
+        assert!(iso_with("program_start", "programme_start").is_err());
+        assert!(iso_with("{seconds}", "{minutes}").is_err());
+        let tip = |words: &str| iso_with("[comment]", &format!("[tip_control]\n{words}\n[comment]"));
+        assert!(tip("angles = \"G43.4\"\noff = \"G49\"").is_ok());
+        for wrong in ["angles = \"\"\noff = \"G49\"", "angles = \"G43.4\"", "off = \"G49 \u{e4}\""] {
+            assert!(tip(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_program_may_not_be_called_like_another_result() {
+        for taken in ["csv", "CSV", "Stl", "png", "json", "html", "toml", "sparkpath"] {
+            let error = iso_with("extension = \"nc\"", &format!("extension = \"{taken}\"")).unwrap_err().to_string();
+            assert!(error.contains("extension") && error.contains(taken), "{error}");
+        }
+        assert!(iso_with("extension = \"nc\"", "extension = \"tap\"").is_ok());
+    }
+
+    #[test]
+    fn a_user_folder_takes_precedence_and_names_stay_inside_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let own = BUILT_IN[0].1.replace("mm = 5", "mm = 6");
+        std::fs::write(folder.path().join("iso.toml"), own).unwrap();
+        assert_eq!(Post::load("iso", Some(folder.path())).unwrap().decimals.mm, 6);
+        assert_eq!(Post::load("beckhoff-edm", Some(folder.path())).unwrap().feed.mode, FeedMode::Seconds);
+        for name in ["../iso", "", "no-such", "iso.toml"] {
+            assert!(matches!(Post::load(name, Some(folder.path())), Err(PostError::Unknown { .. })), "{name}");
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! A mesh made ready for drawing.
+
+mod edges;
+mod fans;
+mod shading;
+mod simplify;
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use fans::Fans;
+use geometry::mesh::{Bounds, Mesh, unit_normal};
+use geometry::raycast::RayMesh;
+pub use shading::Vertex;
+use shading::{Shaded, shade};
+
+/// Cosine of the angle (30 degrees) between faces from which on the edge between them is sharp.
+const CREASE: f64 = 0.866_025_403_784_438_6;
+/// The same for the lighter mesh, which is rougher.
+const LIGHTER_CREASE: f64 = 0.7;
+/// From how many triangles on there is a lighter mesh.
+const LIGHTER_FROM: usize = 60_000;
+
+/// A mesh with all that drawing and picking need. Make it once for each mesh, on a worker thread (a second or
+/// so for a million triangles), and share it.
+pub struct RenderMesh {
+    id: u64,
+    source: Mesh,
+    bounds: Bounds,
+    closed: bool,
+    full: Level,
+    lighter: Option<Level>,
+    rays: Option<RayMesh>,
+}
+
+/// One version of a mesh as the GPU wants it: positions are from the [`RenderMesh::origin`].
+#[derive(Debug, Default)]
+pub struct Level {
+    /// Vertices, split where the surface has a crease.
+    pub vertices: Vec<Vertex>,
+    /// For each of them the vertex of the source mesh.
+    pub sources: Vec<u32>,
+    /// Three for each triangle.
+    pub indices: Vec<u32>,
+    /// Both ends of every feature edge; a lighter level has none.
+    pub edges: Vec<[[f32; 3]; 2]>,
+}
+
+impl std::fmt::Debug for RenderMesh {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("RenderMesh").field("id", &self.id).field("triangles", &self.triangle_count()).finish()
+    }
+}
+
+impl RenderMesh {
+    /// Prepares `mesh`. Triangles with vertices that do not exist or are not finite are not seen; the others
+    /// keep their indices.
+    pub fn new(mesh: &Mesh) -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        let (source, bounds) = cleaned(mesh);
+        let origin = if source.triangles.is_empty() { DVec3::ZERO } else { bounds.center() };
+        let (levels, rays) = rayon::join(|| levels(&source, origin), || RayMesh::new(&source).ok());
+        let Levels { full, lighter, closed } = levels;
+        Self { id: NEXT.fetch_add(1, Ordering::Relaxed), source, bounds, closed, full, lighter, rays }
+    }
+
+    /// Whether there is nothing to be seen.
+    pub fn is_empty(&self) -> bool {
+        self.source.triangles.is_empty()
+    }
+
+    /// How many triangles there are.
+    pub fn triangle_count(&self) -> usize {
+        self.source.triangles.len()
+    }
+
+    /// A number that no other prepared mesh of this run of the program has.
+    pub fn id(&self) -> u64 {
+        self.id
+    }
+
+    /// The mesh it was made of, with unusable triangles shrunk to points.
+    pub fn source(&self) -> &Mesh {
+        &self.source
+    }
+
+    /// The box around its triangles, in its own frame; [`Bounds::EMPTY`] if it is empty.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// Where the positions of the levels count from, in the mesh's frame.
+    pub fn origin(&self) -> DVec3 {
+        if self.is_empty() { DVec3::ZERO } else { self.bounds.center() }
+    }
+
+    /// Whether its triangles enclose a space, so that a section of it has cut faces.
+    pub fn is_closed(&self) -> bool {
+        self.closed
+    }
+
+    /// The mesh in full.
+    pub fn full(&self) -> &Level {
+        &self.full
+    }
+
+    /// A version of some ten thousand triangles to be drawn while the view moves; the mesh in full if that is
+    /// small.
+    pub fn lighter(&self) -> &Level {
+        self.lighter.as_ref().unwrap_or(&self.full)
+    }
+
+    /// The mesh prepared for rays; `None` if there is nothing to meet.
+    pub fn rays(&self) -> Option<&RayMesh> {
+        self.rays.as_ref()
+    }
+}
+
+impl From<Shaded> for Level {
+    fn from(shaded: Shaded) -> Self {
+        let Shaded { vertices, sources, indices } = shaded;
+        Self { vertices, sources, indices, edges: Vec::new() }
+    }
+}
+
+/// What is drawn of a mesh.
+struct Levels {
+    full: Level,
+    lighter: Option<Level>,
+    closed: bool,
+}
+
+fn levels(source: &Mesh, origin: DVec3) -> Levels {
+    let normals: Vec<DVec3> = source.triangles.par_iter().map(|t| normal(source, t)).collect();
+    let fans = Fans::new(source.vertices.len(), &source.triangles);
+    let edges = edges::find_edges(&source.triangles, &fans, &normals, CREASE);
+    let ends = |e: &[u32; 2]| e.map(|v| (source.vertices[v as usize] - origin).as_vec3().to_array());
+    let shaded = shade(source, &fans, &normals, origin, CREASE);
+    let full = Level { edges: edges.features.iter().map(ends).collect(), ..Level::from(shaded) };
+    let lighter = (source.triangles.len() >= LIGHTER_FROM).then(|| lighter_level(source, &fans, &normals, origin));
+    Levels { full, lighter, closed: edges.closed }
+}
+
+/// `mesh` with every index valid and every vertex finite, and the box around its triangles.
+fn cleaned(mesh: &Mesh) -> (Mesh, Bounds) {
+    let usable = |v: u32| mesh.vertices.get(v as usize).is_some_and(|p| p.is_finite());
+    let bounds = Bounds::of(
+        mesh.triangles.iter().filter(|t| t.iter().all(|&v| usable(v))).flatten().map(|&v| mesh.vertices[v as usize]),
+    );
+    let first = mesh.triangles.iter().flatten().copied().find(|&v| usable(v));
+    let Some(first) = first.filter(|_| bounds.size().is_finite() && bounds.min.x <= bounds.max.x) else {
+        return (Mesh::default(), Bounds::EMPTY);
+    };
+    let place = mesh.vertices[first as usize];
+    let vertices = mesh.vertices.iter().map(|&p| if p.is_finite() { p } else { place }).collect();
+    let triangles = mesh.triangles.iter().map(|t| if t.iter().all(|&v| usable(v)) { *t } else { [first; 3] }).collect();
+    (Mesh { vertices, triangles }, bounds)
+}
+
+fn normal(mesh: &Mesh, triangle: &[u32; 3]) -> DVec3 {
+    unit_normal(triangle.map(|v| mesh.vertices[v as usize]))
+}
+
+fn lighter_level(source: &Mesh, fans: &Fans, normals: &[DVec3], origin: DVec3) -> Level {
+    let lighter = simplify::lighter(source, fans, normals);
+    let normals: Vec<DVec3> = lighter.mesh.triangles.par_iter().map(|t| normal(&lighter.mesh, t)).collect();
+    let fans = Fans::new(lighter.mesh.vertices.len(), &lighter.mesh.triangles);
+    let mut level = Level::from(shade(&lighter.mesh, &fans, &normals, origin, LIGHTER_CREASE));
+    level.sources.iter_mut().for_each(|v| *v = lighter.sources[*v as usize]);
+    level
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

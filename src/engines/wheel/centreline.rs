@@ -1,0 +1,488 @@
+//! The centreline of a channel (P1): in each section circles inscribed between the two walls, their centres joined, the
+//! middle of all sections, and a NURBS curve through it.
+//!
+//! A section is the curve of both walls at the same share of the height. It is unrolled into a plane of meridional length
+//! and of arc length at its mean radius, where the circles are found. Their centres are taken back to space by the true
+//! places of the two points of contact, so that unrolling costs an error of second order along the channel only.
+
+use glam::DVec3;
+use serde::Serialize;
+
+use super::channel::{BladeSide, Channel};
+use super::inscribed::{InscribedCircle, Passage};
+use super::nurbs_wall::NurbsWall;
+use geometry::exact::ExactMesh;
+use geometry::frame::Cylindrical;
+use geometry::nurbs::{FitError, NurbsCurve, NurbsError};
+use task::{Cancel, Cancelled};
+
+/// A circle between the walls, in W.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ChannelCircle {
+    /// Its centre (mm).
+    pub center: DVec3,
+    /// Its radius (mm).
+    pub radius: f64,
+    /// Where it touches the low and the high wall (mm).
+    pub contacts: [DVec3; 2],
+}
+
+/// The centreline with what it was made from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Centreline {
+    curve: NurbsCurve,
+    /// Circles of each section, from the hub outwards, in order along the channel.
+    pub sections: Vec<Vec<ChannelCircle>>,
+    /// How far the curve is from the middles of the sections, half of which it was drawn through.
+    pub fit: FitError,
+    /// Lengths along the curve at evenly spaced parameters (mm).
+    lengths: Vec<f64>,
+}
+
+/// Why there is no centreline.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum CentrelineError {
+    /// The walls or the middles cannot be joined.
+    #[error("the channel's centreline was not found: {0}")]
+    Nurbs(#[from] NurbsError),
+    /// The walls do not face each other.
+    #[error(
+        "the channel's centreline was not found: in {found} of {sections} sections a circle fits between the walls; \
+         more than half must have one"
+    )]
+    NoPassage {
+        /// Sections with circles.
+        found: usize,
+        /// Sections looked at.
+        sections: usize,
+    },
+    /// The computation was told to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl Centreline {
+    /// Sections.
+    const SECTIONS: usize = 9;
+    /// Circles in each.
+    const CIRCLES: usize = 81;
+    /// Middles along the channel; the curve goes through every other one.
+    const MIDDLES: usize = 81;
+    /// Circles nearer together than this are one (mm).
+    const SAME: f64 = 1e-6;
+    /// Intervals of the table of lengths.
+    const TABLE: usize = 256;
+    /// Share of the length over which the direction beyond an end is taken: circles at the very mouth of a channel
+    /// lean on the round edge of one blade.
+    const MOUTH: f64 = 0.05;
+
+    /// The centreline of `channel`.
+    ///
+    /// # Errors
+    /// [`CentrelineError`].
+    pub fn of_channel(channel: &Channel, cancel: &Cancel) -> Result<Self, CentrelineError> {
+        let [low, high] = [NurbsWall::of_grid(&channel.low)?, NurbsWall::of_grid(&channel.high)?];
+        Self::between(&low, &high, cancel)
+    }
+
+    /// The centreline between two walls whose sections belong together.
+    ///
+    /// # Errors
+    /// [`CentrelineError`].
+    pub fn between(low: &NurbsWall, high: &NurbsWall, cancel: &Cancel) -> Result<Self, CentrelineError> {
+        let mut sections = Vec::new();
+        for k in 0..Self::SECTIONS {
+            cancel.check()?;
+            let share = (k as f64 + 0.5) / Self::SECTIONS as f64;
+            let section = Section::new(low, high, share)?;
+            sections.extend(section.circles()?.map(|circles| (circles, section.span())));
+        }
+        if 2 * sections.len() <= Self::SECTIONS {
+            return Err(CentrelineError::NoPassage { found: sections.len(), sections: Self::SECTIONS });
+        }
+        let middles = middles(&sections)?;
+        for (circles, [from, to]) in &mut sections {
+            circles.retain(|c| (*from..=*to).contains(&c.center.x));
+        }
+        let sections = sections.into_iter().map(|(circles, _)| circles).collect();
+        let through: Vec<DVec3> = middles.iter().copied().step_by(2).collect();
+        let curve = NurbsCurve::cubic(&through, None)?;
+        let fit = FitError::of(middles.iter().map(|p| curve.nearest(*p).distance));
+        let at = |i: usize| i as f64 / Self::TABLE as f64;
+        let mut lengths = vec![0.0];
+        for i in 0..Self::TABLE {
+            lengths.push(lengths[i] + curve.length(at(i), at(i + 1)));
+        }
+        Ok(Self { curve, sections, fit, lengths })
+    }
+
+    /// The curve, from the -X end, parameters 0 to 1, in W.
+    pub fn curve(&self) -> &NurbsCurve {
+        &self.curve
+    }
+
+    /// Its length (mm).
+    pub fn length(&self) -> f64 {
+        self.lengths[Self::TABLE]
+    }
+
+    /// Place and direction at arc length `l` from the -X end (mm); beyond both ends it goes straight on.
+    pub fn at_length(&self, l: f64) -> [DVec3; 2] {
+        let length = self.length();
+        let mouth = Self::MOUTH * length;
+        if l < 0.0 {
+            let [start, inner] = [self.curve.point(0.0), self.curve.point(self.parameter(mouth))];
+            let direction = (inner - start).normalize_or(DVec3::X);
+            return [start + direction * l, direction];
+        }
+        if l > length {
+            let [end, inner] = [self.curve.point(1.0), self.curve.point(self.parameter(length - mouth))];
+            let direction = (end - inner).normalize_or(DVec3::X);
+            return [end + direction * (l - length), direction];
+        }
+        let u = self.parameter(l);
+        [self.curve.point(u), self.curve.tangent(u)]
+    }
+
+    /// The parameter at arc length `l` within the curve.
+    fn parameter(&self, l: f64) -> f64 {
+        const ROUNDS: usize = 8;
+        let i = self.lengths.partition_point(|known| *known <= l).clamp(1, Self::TABLE) - 1;
+        let [u0, u1] = [i, i + 1].map(|i| i as f64 / Self::TABLE as f64);
+        let mut u = u0 + (u1 - u0) * (l - self.lengths[i]) / (self.lengths[i + 1] - self.lengths[i]);
+        for _ in 0..ROUNDS {
+            let speed = self.curve.at(u)[1].length();
+            let step = (l - self.lengths[i] - self.curve.length(u0, u)) / speed;
+            if !step.is_finite() || step.abs() < 1e-12 {
+                break;
+            }
+            u = (u + step).clamp(u0, u1);
+        }
+        u
+    }
+
+    /// The arc length of the place where the line, with its straight ends, passes through the plane at `x`; by halving,
+    /// for lines that run along X throughout.
+    pub fn length_at_x(&self, x: f64) -> f64 {
+        let far = 1e4 + self.length();
+        let (mut low, mut high) = (-far, far);
+        for _ in 0..80 {
+            let middle = 0.5 * (low + high);
+            if self.at_length(middle)[0].x < x {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        0.5 * (low + high)
+    }
+
+    /// Points for drawing, as many as given, from end to end.
+    pub fn polyline(&self, points: usize) -> Vec<DVec3> {
+        let steps = points.max(2) - 1;
+        (0..=steps).map(|i| self.at_length(self.length() * i as f64 / steps as f64)[0]).collect()
+    }
+
+    /// Least and greatest diameter of the circles (mm).
+    pub fn diameters(&self) -> [f64; 2] {
+        let radii = self.sections.iter().flatten().map(|c| 2.0 * c.radius);
+        radii.fold([f64::INFINITY, 0.0], |[least, most], d| [least.min(d), most.max(d)])
+    }
+}
+
+/// Both walls at a share of the height, unrolled.
+struct Section<'a> {
+    walls: [&'a NurbsWall; 2],
+    /// Parameters of the walls across the sections.
+    v: [f64; 2],
+    /// x, radius (the mean of both walls) and meridional length, x rising (mm).
+    meridian: Vec<[f64; 3]>,
+    mean_radius: f64,
+}
+
+impl<'a> Section<'a> {
+    /// Pieces of the meridian.
+    const PIECES: usize = 128;
+
+    fn new(low: &'a NurbsWall, high: &'a NurbsWall, share: f64) -> Result<Self, NurbsError> {
+        let walls = [low, high];
+        let v = walls.map(|wall| at_share(&wall.v, share));
+        let line = |i: usize| -> Vec<[f64; 2]> {
+            let places = walls[i].u.iter().map(|u| Cylindrical::from_point(walls[i].surface.point(*u, v[i])));
+            let mut points: Vec<[f64; 2]> = places.map(|p| [p.x, p.r]).collect();
+            points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            points
+        };
+        let lines = [line(0), line(1)];
+        let all = || lines.iter().flatten();
+        let mean_radius = all().map(|p| p[1]).sum::<f64>() / all().count() as f64;
+        let [from, to] = all().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], p| [a.min(p[0]), b.max(p[0])]);
+        if to <= from {
+            return Err(NurbsError::Counts);
+        }
+        let mut meridian: Vec<[f64; 3]> = Vec::new();
+        for i in 0..=Self::PIECES {
+            let x = from + (to - from) * i as f64 / Self::PIECES as f64;
+            let r = 0.5 * (radius_at(&lines[0], x) + radius_at(&lines[1], x));
+            let m = meridian.last().map_or(0.0, |[x0, r0, m0]| m0 + (x - x0).hypot(r - r0));
+            meridian.push([x, r, m]);
+        }
+        Ok(Self { walls, v, meridian, mean_radius })
+    }
+
+    /// Least and greatest x of both walls (mm).
+    fn span(&self) -> [f64; 2] {
+        [self.meridian[0][0], self.meridian[Self::PIECES][0]]
+    }
+
+    /// The piece of the meridian at `x`: its start, and rates of radius and meridional length by x.
+    fn piece(&self, x: f64) -> ([f64; 3], [f64; 2]) {
+        let i = self.meridian.partition_point(|m| m[0] <= x).clamp(1, self.meridian.len() - 1);
+        let (a, b) = (self.meridian[i - 1], self.meridian[i]);
+        (a, [(b[1] - a[1]) / (b[0] - a[0]), (b[2] - a[2]) / (b[0] - a[0])])
+    }
+
+    fn unrolled(&self, p: DVec3) -> DVec3 {
+        let Cylindrical { x, theta, .. } = Cylindrical::from_point(p);
+        let (start, [_, rate]) = self.piece(x);
+        DVec3::new(start[2] + rate * (x - start[0]), self.mean_radius * theta, 0.0)
+    }
+
+    /// A wall as a curve of the plane, its parameter that of the wall's chord.
+    fn curve(&self, wall: usize) -> Result<NurbsCurve, NurbsError> {
+        let u = &self.walls[wall].u;
+        let points: Vec<DVec3> = u.iter().map(|u| self.unrolled(self.on_wall(wall, *u))).collect();
+        NurbsCurve::through_at(u, &points, 3, None)
+    }
+
+    fn on_wall(&self, wall: usize, u: f64) -> DVec3 {
+        self.walls[wall].surface.point(u, self.v[wall])
+    }
+
+    /// The circles in order along the channel; none if no circle fits.
+    fn circles(&self) -> Result<Option<Vec<ChannelCircle>>, NurbsError> {
+        let curves = [self.curve(0)?, self.curve(1)?];
+        let found = Passage::new(curves[0].clone(), curves[1].clone()).circles(Centreline::CIRCLES);
+        let Some(found) = found else { return Ok(None) };
+        let mut circles: Vec<ChannelCircle> = Vec::new();
+        for circle in &found {
+            let circle = self.in_space(circle, &curves);
+            if circles.last().is_none_or(|last| last.center.distance(circle.center) > Centreline::SAME) {
+                circles.push(circle);
+            }
+        }
+        Ok((circles.len() > 3).then_some(circles))
+    }
+
+    /// A circle of the plane in space: the middle of its true points of contact, and from there what the centre lies
+    /// beside their middle.
+    fn in_space(&self, circle: &InscribedCircle, curves: &[NurbsCurve; 2]) -> ChannelCircle {
+        let contacts = [0, 1].map(|i| self.on_wall(i, circle.contacts[i]));
+        let middle = 0.5 * (contacts[0] + contacts[1]);
+        let beside = circle.center - 0.5 * (curves[0].point(circle.contacts[0]) + curves[1].point(circle.contacts[1]));
+        let Cylindrical { x, r, theta } = Cylindrical::from_point(middle);
+        let (_, [radial, rate]) = self.piece(x);
+        let (sin, cos) = theta.sin_cos();
+        let along = (DVec3::X + DVec3::new(0.0, -sin, cos) * radial) / rate;
+        let around = DVec3::new(0.0, -cos, -sin) * (r / self.mean_radius);
+        let center = middle + along * beside.x + around * beside.y;
+        let radius = 0.5 * (center.distance(contacts[0]) + center.distance(contacts[1]));
+        ChannelCircle { center, radius, contacts }
+    }
+}
+
+/// The radius at `x` on a line of (x, r) with rising x, constant beyond its ends.
+fn radius_at(line: &[[f64; 2]], x: f64) -> f64 {
+    let i = line.partition_point(|p| p[0] <= x).clamp(1, line.len() - 1);
+    let ([x0, r0], [x1, r1]) = (line[i - 1], line[i]);
+    let t = if x1 > x0 { ((x - x0) / (x1 - x0)).clamp(0.0, 1.0) } else { 0.0 };
+    r0 + t * (r1 - r0)
+}
+
+/// The parameter at a share of the rows from first to last.
+fn at_share(v: &[f64], share: f64) -> f64 {
+    let place = share * (v.len() - 1) as f64;
+    let i = (place as usize).min(v.len() - 2);
+    v[i] + (v[i + 1] - v[i]) * (place - i as f64)
+}
+
+/// The means of all sections at equal shares of their lengths between the ends of the walls. Beyond them circles touch
+/// the blades' edges alone.
+fn middles(sections: &[(Vec<ChannelCircle>, [f64; 2])]) -> Result<Vec<DVec3>, NurbsError> {
+    let steps = Centreline::MIDDLES - 1;
+    let mut sums = vec![DVec3::ZERO; Centreline::MIDDLES];
+    for (circles, span) in sections {
+        let centers: Vec<DVec3> = circles.iter().map(|c| c.center).collect();
+        let line = NurbsCurve::through(&centers, 3)?;
+        let [from, to] = span.map(|x| parameter_at_x(&line, x));
+        for (i, sum) in sums.iter_mut().enumerate() {
+            *sum += line.point(from + (to - from) * i as f64 / steps as f64);
+        }
+    }
+    Ok(sums.into_iter().map(|sum| sum / sections.len() as f64).collect())
+}
+
+/// The parameter where `line`, which runs along +X, passes through the plane at `x`, or that of the end nearer to it.
+fn parameter_at_x(line: &NurbsCurve, x: f64) -> f64 {
+    let [mut low, mut high] = line.domain();
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if line.point(middle).x < x {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// The figures of a wall.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct WallFit {
+    /// Which face of its blade.
+    pub side: BladeSide,
+    /// The surface against the points that it was made from.
+    pub points: FitError,
+    /// The surface against the mesh.
+    pub mesh: FitError,
+}
+
+/// The figures of a channel's centreline and of its walls as NURBS.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CentrelineSummary {
+    /// Length of the centreline between the blades (mm).
+    pub length_mm: f64,
+    /// Sections in which circles were inscribed.
+    pub sections: usize,
+    /// Diameter of the least and of the greatest circle (mm).
+    pub diameters_mm: [f64; 2],
+    /// The curve against the middles of the sections.
+    pub fit: FitError,
+    /// The low and the high wall.
+    pub walls: [WallFit; 2],
+}
+
+impl CentrelineSummary {
+    /// The figures of `channel`, whose blisk `mesh` is in W.
+    ///
+    /// # Errors
+    /// [`CentrelineError`].
+    pub fn new(channel: &Channel, mesh: &ExactMesh, cancel: &Cancel) -> Result<Self, CentrelineError> {
+        let walls = [NurbsWall::of_grid(&channel.low)?, NurbsWall::of_grid(&channel.high)?];
+        Self::of_walls(&walls, [channel.low.side, channel.high.side], mesh, cancel)
+    }
+
+    /// The figures of a low and a high wall, which are these sides of their blades; the blisk `mesh` is in the same frame.
+    ///
+    /// # Errors
+    /// [`CentrelineError`].
+    pub fn of_walls(
+        [low, high]: &[NurbsWall; 2],
+        sides: [BladeSide; 2],
+        mesh: &ExactMesh,
+        cancel: &Cancel,
+    ) -> Result<Self, CentrelineError> {
+        let line = Centreline::between(low, high, cancel)?;
+        let fit = |wall: &NurbsWall, side| {
+            cancel.check()?;
+            Ok::<_, CentrelineError>(WallFit { side, points: wall.off_points, mesh: wall.off_mesh(mesh) })
+        };
+        Ok(Self {
+            length_mm: line.length(),
+            sections: line.sections.len(),
+            diameters_mm: line.diameters(),
+            fit: line.fit,
+            walls: [fit(low, sides[0])?, fit(high, sides[1])?],
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Half of a round bore of radius `radius` about `axis`, its middle line at (sine, cosine) 0: `side` -1 is the wall of
+    /// smaller theta. `axis` gives place and sideways direction at a share of the length.
+    fn half_bore(axis: impl Fn(f64) -> [DVec3; 2], radius: f64, side: f64, nu: usize, nv: usize) -> NurbsWall {
+        let angle = |v: usize| 1.4 * (2.0 * v as f64 / (nv - 1) as f64 - 1.0);
+        let mut points = Vec::new();
+        for u in 0..nu {
+            let [middle, sideways] = axis(u as f64 / (nu - 1) as f64);
+            points.extend((0..nv).map(|v| {
+                let (sin, cos) = angle(v).sin_cos();
+                middle + sideways * (side * radius * cos) + DVec3::Z * (radius * sin)
+            }));
+        }
+        let normals = vec![DVec3::Z; points.len()];
+        NurbsWall::of_grid(&crate::channel::ChannelWall { nu, nv, points, normals, side: BladeSide::Flat }).unwrap()
+    }
+
+    #[test]
+    fn the_centreline_of_a_straight_bore_is_its_axis() {
+        // Theta grows towards -Y.
+        let axis = |t: f64| [DVec3::new(30.0 * t - 15.0, 0.0, 110.0), DVec3::NEG_Y];
+        let [low, high] = [-1.0, 1.0].map(|side| half_bore(axis, 4.0, side, 41, 21));
+        let line = Centreline::between(&low, &high, &Cancel::default()).unwrap();
+        assert!((line.length() - 30.0).abs() < 1e-3, "{}", line.length());
+        for i in 0..=50 {
+            let p = line.curve().point(f64::from(i) / 50.0);
+            assert!(p.y.abs() < 1e-3 && (p.z - 110.0).abs() < 1e-3, "{p}");
+        }
+        assert!(line.diameters()[1] < 8.0 + 1e-3);
+        for circle in line.sections.iter().flatten() {
+            let [a, b] = circle.contacts.map(|c| c.distance(circle.center));
+            assert!((a - b).abs() < 1e-6, "as far from one wall as from the other");
+        }
+    }
+
+    #[test]
+    fn the_centreline_of_a_bent_bore_is_its_arc() {
+        // An arc of radius 40 in the plane z = 110, 40 degrees long.
+        let arc = 40f64.to_radians();
+        let axis = |t: f64| {
+            let (sin, cos) = (arc * (t - 0.5)).sin_cos();
+            [DVec3::new(40.0 * sin, 40.0 * cos - 39.0, 110.0), DVec3::new(sin, cos, 0.0) * -1.0]
+        };
+        let [low, high] = [-1.0, 1.0].map(|side| half_bore(axis, 4.0, side, 61, 21));
+        let line = Centreline::between(&low, &high, &Cancel::default()).unwrap();
+        for i in 0..=100 {
+            let p = line.curve().point(f64::from(i) / 100.0);
+            let off = (p.x.hypot(p.y + 39.0) - 40.0).hypot(p.z - 110.0);
+            assert!(off < 1e-3, "{off} mm at {p}");
+        }
+        assert!(line.length() > 0.97 * 40.0 * arc && line.length() < 40.0 * arc + 1e-3, "{}", line.length());
+    }
+
+    #[test]
+    fn places_along_the_line_are_found_by_length_and_by_x() {
+        let axis = |t: f64| [DVec3::new(30.0 * t, 5.0 * t * t, 100.0), DVec3::NEG_Y];
+        let [low, high] = [-1.0, 1.0].map(|side| half_bore(axis, 3.0, side, 41, 15));
+        let line = Centreline::between(&low, &high, &Cancel::default()).unwrap();
+        let places: Vec<DVec3> = (0..=2000).map(|i| line.at_length(line.length() * f64::from(i) / 2000.0)[0]).collect();
+        let chords: f64 = places.windows(2).map(|w| w[0].distance(w[1])).sum();
+        assert!((chords - line.length()).abs() < 1e-4, "{chords}");
+        let even = line.length() / 2000.0;
+        assert!(places.windows(2).all(|w| (w[0].distance(w[1]) - even).abs() < 1e-6));
+        for l in [-20.0, -0.1, 0.0, 4.0, 17.5, line.length(), line.length() + 8.0] {
+            let [place, direction] = line.at_length(l);
+            assert!((line.length_at_x(place.x) - l).abs() < 1e-6, "{l}");
+            assert!((direction.length() - 1.0).abs() < 1e-9 && direction.x > 0.0);
+        }
+        // Beyond the ends it goes straight on from where it ended.
+        let [end, beyond] = [line.length(), line.length() + 3.0].map(|l| line.at_length(l)[0]);
+        assert!((end.distance(beyond) - 3.0).abs() < 1e-9);
+        assert_eq!(line.polyline(7).len(), 7);
+    }
+
+    #[test]
+    fn walls_that_do_not_face_each_other_have_none() {
+        let axis = |x: f64| move |t: f64| [DVec3::new(x + 10.0 * t, 0.0, 100.0), DVec3::NEG_Y];
+        let low = half_bore(axis(0.0), 3.0, -1.0, 21, 9);
+        let high = half_bore(axis(30.0), 3.0, 1.0, 21, 9);
+        let error = Centreline::between(&low, &high, &Cancel::default()).unwrap_err();
+        assert!(matches!(error, CentrelineError::NoPassage { found: 0, .. }), "{error}");
+        let cancel = Cancel::default();
+        cancel.cancel();
+        assert_eq!(Centreline::between(&low, &low, &cancel), Err(CentrelineError::Cancelled(Cancelled)));
+    }
+}

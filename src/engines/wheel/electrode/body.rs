@@ -1,0 +1,242 @@
+//! The closed surface of one electrode: burning part, shoulder, shank and holder joined from rings.
+
+use glam::DVec3;
+
+use super::boundary::Section;
+use super::measure::{self, Measures};
+use super::ring::{Finisher, Layout, Reduction};
+use super::{Column, Electrode, ElectrodeError, ElectrodeFace, ElectrodeParams, EntrySide};
+use crate::channel::Channel;
+use geometry::mesh::{Bounds, Mesh};
+use task::Cancel;
+
+/// Rings of a shank inside the channel are at least this far apart (mm).
+const SHANK_STEP: f64 = 0.45;
+/// By how much the holder block is larger than the shank at least (mm).
+const HOLDER_MARGIN: f64 = 1.0;
+/// How far below the gap an electrode may come out (mm).
+const ACCEPTED_SHORTFALL: f64 = 1e-3;
+
+/// Everything one electrode is made from.
+pub(super) struct Plan<'a> {
+    pub channel: &'a Channel,
+    pub params: &'a ElectrodeParams,
+    pub side: EntrySide,
+    pub part: usize,
+    pub column: Option<Column>,
+    /// The span of X it burns.
+    pub range: [f64; 2],
+    pub sections: &'a [Section],
+}
+
+impl Plan<'_> {
+    /// Sections in the order in which they leave the blisk.
+    fn outwards(&self) -> Vec<&Section> {
+        match self.side {
+            EntrySide::PlusX => self.sections.iter().collect(),
+            EntrySide::MinusX => self.sections.iter().rev().collect(),
+        }
+    }
+
+    /// The end of the burning part on the side of entry.
+    fn entry_end(&self) -> f64 {
+        if self.side == EntrySide::PlusX { self.range[1] } else { self.range[0] }
+    }
+
+    fn burning_sections(&self) -> Vec<&Section> {
+        let [from, to] = self.range;
+        self.outwards().into_iter().filter(|s| (from - 1e-9..=to + 1e-9).contains(&s.x)).collect()
+    }
+
+    fn shank_sections(&self) -> Vec<&Section> {
+        let sign = self.side.sign();
+        let mut kept: Vec<&Section> = Vec::new();
+        let mut beyond = self.outwards().into_iter().filter(|s| (s.x - self.entry_end()) * sign >= -1e-9).peekable();
+        while let Some(section) = beyond.next() {
+            let is_last = beyond.peek().is_none();
+            if is_last || kept.last().is_none_or(|k| (section.x - k.x).abs() >= SHANK_STEP) {
+                kept.push(section);
+            }
+        }
+        kept
+    }
+}
+
+/// Makes the electrode of `plan` and measures it.
+pub(super) fn build(plan: &Plan, finisher: &Finisher, cancel: &Cancel) -> Result<Electrode, ElectrodeError> {
+    let params = plan.params;
+    let is_deep = plan.part > 0;
+    let inset = if is_deep { params.channel_shank_inset_mm } else { params.shank_inset_mm };
+    let turns = super::divide::own_turns(plan.column, params.turns());
+    let burning = finisher.rings(&plan.burning_sections(), Reduction { turns, inset: 0.0 }, cancel)?;
+    let shank = finisher.rings(&plan.shank_sections(), Reduction { turns, inset }, cancel)?;
+    let points = |x: f64, points: &[super::boundary::Polar]| points.iter().map(|p| p.at(x)).collect::<Vec<_>>();
+    let mut skin = Skin::new(finisher.layout);
+    for ring in &burning {
+        skin.add(points(ring.x, &ring.points), |k| divided_face(finisher.layout.face(k), plan.column));
+    }
+    for (i, ring) in shank.iter().enumerate() {
+        let face = if i == 0 { ElectrodeFace::EntryEnd } else { ElectrodeFace::Shank };
+        skin.add(points(ring.x, &ring.points), |_| face);
+    }
+    let mut assumed = Vec::new();
+    if let Some(last) = shank.last() {
+        let face = plan.channel.faces_x[usize::from(plan.side == EntrySide::PlusX)];
+        let sign = plan.side.sign();
+        let outside = if (face - last.x) * sign > 0.0 { face } else { last.x };
+        let end = points(outside + sign * params.shank_length_mm, &last.points);
+        skin.add(end.clone(), |_| ElectrodeFace::Shank);
+        let block = block(&end, params, finisher.layout, &mut assumed);
+        let moved = block.iter().map(|p| p + DVec3::X * sign * params.holder_mm[0]).collect();
+        skin.add(block, |_| ElectrodeFace::Holder);
+        skin.add(moved, |_| ElectrodeFace::Holder);
+    }
+    let (mesh, faces) = skin.close(plan.side);
+    let measures = measure::measure(&mesh, &faces, finisher.boundary.blisk, cancel)?;
+    let gap = params.spark_gap_mm;
+    if measures.clearance < gap - ACCEPTED_SHORTFALL {
+        return Err(ElectrodeError::TooClose { clearance: measures.clearance, gap, at: measures.closest });
+    }
+    Ok(finish(plan, mesh, faces, measures, assumed))
+}
+
+/// What a face of a burning ring is in a column: the wall that the column does not burn is the division.
+fn divided_face(face: ElectrodeFace, column: Option<Column>) -> ElectrodeFace {
+    match (column, face) {
+        (Some(Column::Low), ElectrodeFace::HighWall) | (Some(Column::High), ElectrodeFace::LowWall) => {
+            ElectrodeFace::Division
+        }
+        _ => face,
+    }
+}
+
+fn finish(plan: &Plan, mesh: Mesh, faces: Vec<ElectrodeFace>, m: Measures, mut assumed: Vec<String>) -> Electrode {
+    if !plan.channel.shrouded {
+        assumed.push("The blisk has no shroud: the electrode ends at the radius of the blade tips.".to_owned());
+    }
+    Electrode {
+        enters_from: plan.side,
+        reference_point: measure::reference_point(&mesh, &faces),
+        part: plan.part,
+        parts: plan.params.parts,
+        column: plan.column,
+        least_thickness_mm: m.thickness,
+        volume_mm3: mesh.volume(),
+        burn_area_mm2: m.burn_area,
+        clearance_mm: m.clearance,
+        assumed,
+        mesh,
+        faces,
+    }
+}
+
+/// The ring of the holder block around the end of the shank, its corners at the shank's corners.
+fn block(shank: &[DVec3], params: &ElectrodeParams, layout: Layout, assumed: &mut Vec<String>) -> Vec<DVec3> {
+    let bounds = Bounds::of(shank.iter().copied());
+    let center = bounds.center();
+    let [_, width, height] = params.holder_mm;
+    let needed = bounds.size() + 2.0 * HOLDER_MARGIN;
+    let (w, h) = (width.max(needed.y), height.max(needed.z));
+    if w > width || h > height {
+        assumed.push(format!(
+            "The holder block is {w:.1} x {h:.1} mm instead of {width:.1} x {height:.1} mm, to hold the shank."
+        ));
+    }
+    // Theta grows towards -Y.
+    let corner = |across: f64, up: f64| center + DVec3::new(0.0, -0.5 * w * across, 0.5 * h * up);
+    let mut ring = vec![DVec3::ZERO; layout.len()];
+    for j in 0..=layout.columns {
+        let across = 2.0 * j as f64 / layout.columns as f64 - 1.0;
+        ring[layout.hub(j)] = corner(across, -1.0);
+        ring[layout.shroud(j)] = corner(across, 1.0);
+    }
+    for v in 0..=layout.rows {
+        let up = 2.0 * v as f64 / layout.rows as f64 - 1.0;
+        ring[layout.low(v)] = corner(-1.0, up);
+        ring[layout.high(v)] = corner(1.0, up);
+    }
+    ring
+}
+
+/// A growing tube of rings, from the far end outwards; oriented for withdrawal towards -X until it is closed.
+struct Skin {
+    layout: Layout,
+    mesh: Mesh,
+    faces: Vec<ElectrodeFace>,
+}
+
+impl Skin {
+    fn new(layout: Layout) -> Self {
+        Self { layout, mesh: Mesh::default(), faces: Vec::new() }
+    }
+
+    fn quad(&mut self, [a, b, c, d]: [u32; 4], face: ElectrodeFace) {
+        self.mesh.triangles.extend([[a, b, c], [a, c, d]]);
+        self.faces.extend([face; 2]);
+    }
+
+    /// Joins a ring to the last one.
+    fn add(&mut self, points: Vec<DVec3>, face: impl Fn(usize) -> ElectrodeFace) {
+        let (start, n) = (self.mesh.vertices.len() as u32, self.layout.len() as u32);
+        self.mesh.vertices.extend(points);
+        if start == 0 {
+            return;
+        }
+        for k in 0..n {
+            let (a, b) = (start - n + k, start - n + (k + 1) % n);
+            self.quad([a, b, b + n, a + n], face(k as usize));
+        }
+    }
+
+    /// Caps both ends and turns the triangles outwards.
+    fn close(mut self, side: EntrySide) -> (Mesh, Vec<ElectrodeFace>) {
+        let last = self.mesh.vertices.len() - self.layout.len();
+        self.cap(0, true, ElectrodeFace::FarEnd);
+        self.cap(last, false, ElectrodeFace::Holder);
+        if side == EntrySide::PlusX {
+            self.mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        }
+        (self.mesh, self.faces)
+    }
+
+    /// Fills the plane ring that starts at vertex `start` with a grid blended from its four sides (Coons).
+    fn cap(&mut self, start: usize, is_first: bool, face: ElectrodeFace) {
+        let layout = self.layout;
+        let Layout { rows, columns } = layout;
+        let ring = self.mesh.vertices[start..start + layout.len()].to_vec();
+        let mut grid = vec![vec![0u32; columns + 1]; rows + 1];
+        for (v, row) in grid.iter_mut().enumerate() {
+            for (j, id) in row.iter_mut().enumerate() {
+                let on_ring = match (v, j) {
+                    (0, j) => Some(layout.hub(j)),
+                    (v, j) if v == rows => Some(layout.shroud(j)),
+                    (v, 0) => Some(layout.low(v)),
+                    (v, j) if j == columns => Some(layout.high(v)),
+                    _ => None,
+                };
+                *id = match on_ring {
+                    Some(k) => (start + k) as u32,
+                    None => {
+                        self.mesh.vertices.push(blended(&ring, layout, v, j));
+                        self.mesh.vertices.len() as u32 - 1
+                    }
+                };
+            }
+        }
+        for v in 0..rows {
+            for j in 0..columns {
+                let (a, b, c, d) = (grid[v][j], grid[v][j + 1], grid[v + 1][j + 1], grid[v + 1][j]);
+                self.quad(if is_first { [a, d, c, b] } else { [a, b, c, d] }, face);
+            }
+        }
+    }
+}
+
+fn blended(ring: &[DVec3], layout: Layout, v: usize, j: usize) -> DVec3 {
+    let (s, t) = (j as f64 / layout.columns as f64, v as f64 / layout.rows as f64);
+    let rise = ring[layout.hub(j)].lerp(ring[layout.shroud(j)], t);
+    let across = ring[layout.low(v)].lerp(ring[layout.high(v)], s);
+    let bottom = ring[layout.hub(0)].lerp(ring[layout.hub(layout.columns)], s);
+    let top = ring[layout.shroud(0)].lerp(ring[layout.shroud(layout.columns)], s);
+    rise + across - bottom.lerp(top, t)
+}

@@ -1,0 +1,108 @@
+//! Figures of an electrode: thickness, burn area, distance to the blisk, reference point.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::{ElectrodeError, ElectrodeFace};
+use geometry::exact::ExactMesh;
+use geometry::inside::guarded_distance;
+use geometry::mesh::{Mesh, normal_times_two_areas, unit_normal};
+use task::Cancel;
+
+/// How far thickness is looked for (mm).
+const REACH: f64 = 1e3;
+/// Places looked at between two looks at the cancel flag.
+const BATCH: usize = 256;
+
+/// Figures of an electrode.
+pub(super) struct Measures {
+    /// Thinnest metal between the walls (mm).
+    pub thickness: f64,
+    /// Area of the faces that burn (mm^2).
+    pub burn_area: f64,
+    /// Least distance to the blisk over vertices, edge midpoints and face centres (mm).
+    pub clearance: f64,
+    /// Where that is, in W (mm).
+    pub closest: DVec3,
+}
+
+pub(super) fn measure(
+    mesh: &Mesh,
+    faces: &[ElectrodeFace],
+    blisk: &ExactMesh,
+    cancel: &Cancel,
+) -> Result<Measures, ElectrodeError> {
+    let (clearance, closest) = least_clearance(mesh, blisk, cancel)?;
+    Ok(Measures {
+        thickness: least_thickness(mesh, faces, cancel)?,
+        burn_area: burn_area(mesh, faces),
+        clearance,
+        closest,
+    })
+}
+
+/// Area of the faces that burn (mm^2).
+pub(super) fn burn_area(mesh: &Mesh, faces: &[ElectrodeFace]) -> f64 {
+    let burning = mesh.iter_corners().zip(faces).filter(|(_, face)| face.burns());
+    burning.map(|(corners, _)| 0.5 * normal_times_two_areas(corners).length()).sum()
+}
+
+/// The middle of the burning faces along X, y = 0, the mean of their least and greatest radius as z (mm).
+pub(super) fn reference_point(mesh: &Mesh, faces: &[ElectrodeFace]) -> DVec3 {
+    let burning = mesh.iter_corners().zip(faces).filter(|(_, face)| face.burns()).flat_map(|(corners, _)| corners);
+    let places = burning.map(|p| DVec3::new(p.x, 0.0, p.y.hypot(p.z)));
+    geometry::mesh::Bounds::of(places).center()
+}
+
+/// The thinnest metal between the low and the high wall, or a wall and the division, from the centre of each wall face
+/// along its normal (mm).
+pub(super) fn least_thickness(mesh: &Mesh, faces: &[ElectrodeFace], cancel: &Cancel) -> Result<f64, ElectrodeError> {
+    let own = ExactMesh::new(mesh)?;
+    let through = |i: usize, opposite: &[ElectrodeFace]| {
+        let corners = mesh.corners(i);
+        let inward = -unit_normal(corners);
+        let center = corners.iter().sum::<DVec3>() / 3.0;
+        // Start just under the face, so that the face itself is not met.
+        let start = center + inward * 1e-6;
+        let depth = own.first_crossing(start, inward, REACH)?;
+        let met = own.nearest(start + inward * depth).triangle as usize;
+        faces.get(met).is_some_and(|face| opposite.contains(face)).then_some(depth + 1e-6)
+    };
+    let depths = in_batches(faces.len(), cancel, |i| match faces[i] {
+        ElectrodeFace::LowWall => through(i, &[ElectrodeFace::HighWall, ElectrodeFace::Division]),
+        ElectrodeFace::HighWall => through(i, &[ElectrodeFace::LowWall, ElectrodeFace::Division]),
+        _ => None,
+    })?;
+    Ok(depths.into_iter().flatten().fold(f64::INFINITY, f64::min))
+}
+
+fn least_clearance(mesh: &Mesh, blisk: &ExactMesh, cancel: &Cancel) -> Result<(f64, DVec3), ElectrodeError> {
+    let mut places = mesh.vertices.clone();
+    for [a, b, c] in mesh.iter_corners() {
+        places.push((a + b + c) / 3.0);
+    }
+    for &[a, b, c] in &mesh.triangles {
+        // Each edge belongs to two triangles: look at it from one of them.
+        let edges = [(a, b), (b, c), (c, a)].into_iter().filter(|(p, q)| p < q);
+        places.extend(edges.map(|(p, q)| (mesh.vertices[p as usize] + mesh.vertices[q as usize]) / 2.0));
+    }
+    let distances = in_batches(places.len(), cancel, |i| guarded_distance(blisk, places[i]))?;
+    let least = distances.into_iter().zip(places).reduce(|a, b| if b.0 < a.0 { b } else { a });
+    Ok(least.unwrap_or((f64::INFINITY, DVec3::ZERO)))
+}
+
+/// `f` of every index below `n`, in order, by all threads, with a look at `cancel` between batches.
+pub(super) fn in_batches<T: Send>(
+    n: usize,
+    cancel: &Cancel,
+    f: impl Fn(usize) -> T + Sync,
+) -> Result<Vec<T>, ElectrodeError> {
+    let batches: Vec<_> = (0..n.div_ceil(BATCH))
+        .into_par_iter()
+        .map(|batch| {
+            cancel.check()?;
+            Ok::<_, ElectrodeError>((batch * BATCH..((batch + 1) * BATCH).min(n)).map(&f).collect::<Vec<_>>())
+        })
+        .collect();
+    Ok(batches.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
+}

@@ -1,0 +1,97 @@
+//! An electrode that the user brings along.
+
+use glam::DVec3;
+
+use super::boundary::components;
+
+use super::measure::{burn_area, in_batches, least_thickness, reference_point};
+use super::{Electrode, ElectrodeError, ElectrodeFace, EntrySide};
+use crate::channel::Channel;
+use geometry::exact::ExactMesh;
+use geometry::inside::guarded_distance;
+use geometry::mesh::{Mesh, unit_normal};
+use task::Cancel;
+
+/// Takes a user's mesh, in its final pose in W, as the electrode of `channel`.
+///
+/// Faces are told apart by where they are and which way they look: those past the blades' span belong to the
+/// shank, the others to the wall, end wall or end that their normals point to. The closest distance to the blisk
+/// is exact; one below `spark_gap_mm` is accepted and said in `assumed`.
+///
+/// # Errors
+/// When the mesh is open, inside out, or touches or crosses the blisk.
+pub fn from_user_mesh(
+    mesh: Mesh,
+    channel: &Channel,
+    blisk: &ExactMesh,
+    spark_gap_mm: f64,
+    side: EntrySide,
+    cancel: &Cancel,
+) -> Result<Electrode, ElectrodeError> {
+    if !mesh.is_watertight() {
+        return Err(ElectrodeError::NotWatertight);
+    }
+    let volume_mm3 = mesh.volume();
+    if volume_mm3.is_nan() || volume_mm3 <= 0.0 {
+        return Err(ElectrodeError::InsideOut(volume_mm3));
+    }
+    let clearance_mm = clearance(&mesh, blisk, cancel)?;
+    let mut assumed = vec![
+        "The electrode is the user's own mesh, taken as it is: no gap or reduction was applied to it.".to_owned(),
+        format!("In its final pose it is {clearance_mm:.4} mm from the finished blisk."),
+    ];
+    if clearance_mm < spark_gap_mm {
+        assumed.push(format!("That is less than the spark gap of {spark_gap_mm:.4} mm: it would cut too deep."));
+    }
+    let faces: Vec<_> = mesh.iter_corners().map(|corners| kind(corners, channel, side)).collect();
+    Ok(Electrode {
+        enters_from: side,
+        reference_point: reference_point(&mesh, &faces),
+        part: 0,
+        parts: 1,
+        column: None,
+        least_thickness_mm: least_thickness(&mesh, &faces, cancel)?,
+        volume_mm3,
+        burn_area_mm2: burn_area(&mesh, &faces),
+        clearance_mm,
+        assumed,
+        faces,
+        mesh,
+    })
+}
+
+/// The exact distance between the two surfaces, if they are apart and neither is inside the other.
+fn clearance(mesh: &Mesh, blisk: &ExactMesh, cancel: &Cancel) -> Result<f64, ElectrodeError> {
+    let vertices = in_batches(mesh.vertices.len(), cancel, |i| guarded_distance(blisk, mesh.vertices[i]))?;
+    if vertices.iter().any(|d| d.is_nan() || *d <= 0.0) {
+        return Err(ElectrodeError::Interferes);
+    }
+    let own = ExactMesh::new(mesh)?;
+    let distance = blisk.distance_to(&own, &glam::DAffine3::IDENTITY);
+    if distance > 0.0 { Ok(distance) } else { Err(ElectrodeError::Interferes) }
+}
+
+fn kind(corners: [DVec3; 3], channel: &Channel, side: EntrySide) -> ElectrodeFace {
+    let center = corners.iter().sum::<DVec3>() / 3.0;
+    let [from, to] = channel.span_x();
+    let slack = 0.05 * (to - from);
+    let is_outside = match side {
+        EntrySide::MinusX => center.x < from - slack,
+        EntrySide::PlusX => center.x > to + slack,
+    };
+    if is_outside {
+        return ElectrodeFace::Shank;
+    }
+    let [along, radial, around] = components(center, unit_normal(corners));
+    // Walls run mostly along the axis, so that only nearly axial faces are ends.
+    if along.abs() > 0.95 {
+        let is_entry = along * side.sign() > 0.0;
+        return if is_entry { ElectrodeFace::EntryEnd } else { ElectrodeFace::FarEnd };
+    }
+    match (radial.abs() > around.abs(), radial > 0.0, around > 0.0) {
+        (true, true, _) => ElectrodeFace::ShroudSide,
+        (true, false, _) => ElectrodeFace::HubSide,
+        (false, _, true) => ElectrodeFace::HighWall,
+        (false, _, false) => ElectrodeFace::LowWall,
+    }
+}

@@ -1,0 +1,374 @@
+//! From unreduced sections to the closed rings of an electrode: turned walls, drawn-in shroud side, insets.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::boundary::{Boundary, Polar, Section, components};
+
+use super::{ElectrodeError, ElectrodeFace};
+use geometry::inside::guarded_distance;
+use task::Cancel;
+
+/// Metal that must be left between the walls (mm).
+const LEAST_METAL: f64 = 0.2;
+/// Width of a face on the hub and shroud sides (mm).
+const COLUMN: f64 = 0.75;
+/// Where a place falls short of the gap its vertices give way by this more (mm).
+const SURPLUS: f64 = 5e-5;
+/// Edges whose middle has more than this to spare have it everywhere (mm).
+const SPARE: f64 = 5e-3;
+/// Steps of the search for the place of an edge that is nearest to the blisk.
+const EDGE_STEPS: usize = 12;
+/// Places inside a face that are looked at.
+const IN_FACE: [[f64; 3]; 4] =
+    [[0.5, 0.25, 0.25], [0.25, 0.5, 0.25], [0.25, 0.25, 0.5], [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0]];
+/// Rounds of giving way at most.
+const MOST_ROUNDS: usize = 40;
+
+/// How many intervals a ring has on its four sides.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Layout {
+    /// On each wall.
+    pub rows: usize,
+    /// On the hub side and on the shroud side.
+    pub columns: usize,
+}
+
+/// A closed ring in a plane across X: the hub side from the low to the high wall, up the high wall, the shroud
+/// side back, down the low wall.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Ring {
+    /// The plane (mm).
+    pub x: f64,
+    /// Its points.
+    pub points: Vec<Polar>,
+}
+
+impl Layout {
+    /// Points of a ring.
+    pub(super) fn len(self) -> usize {
+        2 * (self.rows + self.columns)
+    }
+
+    /// Where the point in column `j` of the hub side stands.
+    pub(super) fn hub(self, j: usize) -> usize {
+        j
+    }
+
+    /// Where the point in row `v` of the high wall stands.
+    pub(super) fn high(self, v: usize) -> usize {
+        self.columns + v
+    }
+
+    /// Where the point in column `j`, counted from the low wall, of the shroud side stands.
+    pub(super) fn shroud(self, j: usize) -> usize {
+        2 * self.columns + self.rows - j
+    }
+
+    /// Where the point in row `v` of the low wall stands.
+    pub(super) fn low(self, v: usize) -> usize {
+        (self.len() - v) % self.len()
+    }
+
+    /// What the face between points `k` and `k + 1` of two burning rings is.
+    pub(super) fn face(self, k: usize) -> ElectrodeFace {
+        let (n, m) = (self.columns, self.rows);
+        match k {
+            k if k < n => ElectrodeFace::HubSide,
+            k if k < n + m => ElectrodeFace::HighWall,
+            k if k < 2 * n + m => ElectrodeFace::ShroudSide,
+            _ => ElectrodeFace::LowWall,
+        }
+    }
+}
+
+/// How much smaller than the channel's boundary a ring is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Reduction {
+    /// Angles by which the low and the high wall are turned inwards (rad).
+    pub turns: [f64; 2],
+    /// Further distance all round (mm).
+    pub inset: f64,
+}
+
+/// Makes rings of sections.
+pub(super) struct Finisher<'a> {
+    pub(super) boundary: &'a Boundary<'a>,
+    pub(super) layout: Layout,
+}
+
+impl<'a> Finisher<'a> {
+    pub(super) fn new(boundary: &'a Boundary<'a>, sections: &[Section]) -> Self {
+        let width = |s: &Section| {
+            let pairs = s.walls[0].iter().zip(&s.walls[1]);
+            pairs.map(|(low, high)| (high.theta - low.theta) * high.r).fold(0.0, f64::max)
+        };
+        let widest = sections.iter().map(width).fold(0.0, f64::max);
+        let rows = sections.first().map_or(1, |s| s.walls[0].len() - 1);
+        let columns = (widest / COLUMN).ceil().clamp(4.0, 60.0) as usize;
+        Self { boundary, layout: Layout { rows, columns } }
+    }
+
+    /// The rings of `sections`, in their order.
+    pub(super) fn rings(
+        &self,
+        sections: &[&Section],
+        reduction: Reduction,
+        cancel: &Cancel,
+    ) -> Result<Vec<Ring>, ElectrodeError> {
+        let rings: Vec<_> = sections
+            .par_iter()
+            .map(|section| {
+                cancel.check()?;
+                self.ring(section, reduction)
+            })
+            .collect();
+        let mut rings = rings.into_iter().collect::<Result<Vec<_>, _>>()?;
+        self.relax(&mut rings, cancel)?;
+        Ok(rings)
+    }
+
+    fn ring(&self, section: &Section, reduction: Reduction) -> Result<Ring, ElectrodeError> {
+        let Layout { rows, columns } = self.layout;
+        let x = section.x;
+        let walls = self.reduced_walls(section, reduction)?;
+        let mut points = vec![Polar { r: 0.0, theta: 0.0 }; self.layout.len()];
+        for v in 1..rows {
+            points[self.layout.low(v)] = walls[0][v];
+            points[self.layout.high(v)] = walls[1][v];
+        }
+        let across = |v: usize, j: usize| {
+            let (a, b, t) = (walls[0][v], walls[1][v], j as f64 / columns as f64);
+            Polar { r: a.r + t * (b.r - a.r), theta: a.theta + t * (b.theta - a.theta) }
+        };
+        for j in 0..=columns {
+            let is_corner = j == 0 || j == columns;
+            points[self.layout.hub(j)] = self.on_hub_side(x, across(0, j));
+            points[self.layout.shroud(j)] = self.on_shroud_side(x, across(rows, j), is_corner);
+        }
+        let mut ring = Ring { x, points };
+        if reduction.inset > 0.0 {
+            self.draw_in(&mut ring, reduction.inset)?;
+        }
+        Ok(ring)
+    }
+
+    /// Both walls turned inwards, if that leaves metal.
+    fn reduced_walls(&self, section: &Section, reduction: Reduction) -> Result<[Vec<Polar>; 2], ElectrodeError> {
+        let turned = |w: usize| -> Vec<Polar> {
+            let turn = |p: &Polar| reduction.turns[w] + reduction.inset / p.r;
+            let sign = if w == 0 { 1.0 } else { -1.0 };
+            section.walls[w].iter().map(|p| Polar { theta: p.theta + sign * turn(p), ..*p }).collect()
+        };
+        let walls = [turned(0), turned(1)];
+        for v in 0..walls[0].len() {
+            let r = walls[0][v].r;
+            let width = |walls: &[Vec<Polar>; 2]| (walls[1][v].theta - walls[0][v].theta) * r;
+            let (available, left) = (width(&section.walls), width(&walls));
+            if left.is_nan() || left < LEAST_METAL {
+                return Err(ElectrodeError::NoMetal { x: section.x, r, available, taken: available - left });
+            }
+        }
+        Ok(walls)
+    }
+
+    /// The point on the hub's gap at the angle of `guess`.
+    fn on_hub_side(&self, x: f64, guess: Polar) -> Polar {
+        let free = self.freed(x, guess, 1.0);
+        Polar { r: self.boundary.descend(x, free), ..guess }
+    }
+
+    /// The point on the drawn-in shroud's gap at the angle of `guess`; without a shroud, `guess`.
+    fn on_shroud_side(&self, x: f64, guess: Polar, is_corner: bool) -> Polar {
+        let free = self.freed(x, guess, -1.0);
+        if is_corner || !self.boundary.channel.shrouded {
+            return free;
+        }
+        let r = self.boundary.ascend(x, free) - self.boundary.radial_reduction;
+        // Where a leaning wall stops the way up, the line between the corners is right.
+        if r < guess.r - 0.05 { free } else { Polar { r, ..guess } }
+    }
+
+    /// `p` moved along the radius in the sense of `up` until it keeps the gap.
+    fn freed(&self, x: f64, mut p: Polar, up: f64) -> Polar {
+        for _ in 0..60 {
+            let clearance = self.boundary.clearance(x, p);
+            if clearance >= 0.0 {
+                break;
+            }
+            p.r += up * (SURPLUS - clearance);
+        }
+        p
+    }
+
+    /// Draws the hub and shroud sides of `ring` in by `inset`, and the rows between with them.
+    fn draw_in(&self, ring: &mut Ring, inset: f64) -> Result<(), ElectrodeError> {
+        let Layout { rows, columns } = self.layout;
+        for (low, high) in (0..=columns).map(|j| (self.layout.hub(j), self.layout.shroud(j))) {
+            let available = ring.points[high].r - ring.points[low].r;
+            if available - 2.0 * inset < LEAST_METAL {
+                return Err(ElectrodeError::NoHeight { x: ring.x, available, taken: 2.0 * inset });
+            }
+        }
+        for wall in [Layout::low, Layout::high] {
+            let index = |v| wall(self.layout, v);
+            let (from, to) = (ring.points[index(0)].r, ring.points[index(rows)].r);
+            for v in 1..rows {
+                let t = (ring.points[index(v)].r - from) / (to - from);
+                ring.points[index(v)].r += inset * (1.0 - 2.0 * t);
+            }
+        }
+        for j in 0..=columns {
+            ring.points[self.layout.hub(j)].r += inset;
+            ring.points[self.layout.shroud(j)].r -= inset;
+        }
+        Ok(())
+    }
+
+    /// How the ring points `around` a place give way when its normal has the given parts: the axis (0 the radius,
+    /// 1 theta), the sense, and the part of the normal along it. Walls give way into the metal along theta unless
+    /// the normal is nearly radial, hub and shroud sides along the radius unless it is nearly along theta.
+    fn way_in(&self, around: &[(usize, usize)], normal: [f64; 2]) -> (usize, f64, f64) {
+        let Layout { rows, columns } = self.layout;
+        let all = |on: &dyn Fn(usize) -> bool| around.iter().all(|&(_, k)| on(k));
+        let low = all(&|k| k == 0 || k >= 2 * columns + rows);
+        let high = all(&|k| (columns..=columns + rows).contains(&k));
+        let hub = all(&|k| k <= columns);
+        let shroud = all(&|k| (columns + rows..=2 * columns + rows).contains(&k));
+        let sense = |inwards: bool, outwards: bool, part: f64| match (inwards, outwards) {
+            (true, false) => 1.0,
+            (false, true) => -1.0,
+            _ => part.signum(),
+        };
+        let radial_from = match (low || high, hub || shroud) {
+            (true, false) => 0.8,
+            (false, true) => 0.2,
+            _ => std::f64::consts::FRAC_1_SQRT_2,
+        };
+        let [radial, along_theta] = normal;
+        if radial.abs() > radial_from {
+            (0, sense(hub, shroud, radial), radial.abs())
+        } else {
+            (1, sense(low, high, along_theta), along_theta.abs())
+        }
+    }
+
+    /// Moves vertices inwards until edges and faces between neighbouring rings keep the gap too.
+    ///
+    /// A chord between two points of the boundary cuts into the gap where the blisk is convex. Each place that
+    /// falls short pushes the vertices around it along theta or the radius.
+    fn relax(&self, rings: &mut [Ring], cancel: &Cancel) -> Result<(), ElectrodeError> {
+        let mut is_moved = vec![true; rings.len()];
+        for _ in 0..MOST_ROUNDS {
+            let pushes: Vec<_> = (0..rings.len())
+                .into_par_iter()
+                .map(|i| {
+                    cancel.check()?;
+                    let is_stale = is_moved[i] || is_moved.get(i + 1).is_some_and(|&moved| moved);
+                    Ok::<_, ElectrodeError>(if is_stale { self.pushes(rings, i) } else { Vec::new() })
+                })
+                .collect();
+            is_moved.fill(false);
+            let mut moves = vec![[0.0f64; 2]; rings.len() * self.layout.len()];
+            for push in pushes.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten() {
+                let most = &mut moves[push.ring * self.layout.len() + push.point][push.axis];
+                if push.by.abs() > most.abs() {
+                    *most = push.by;
+                }
+            }
+            for (i, &[dr, around]) in moves.iter().enumerate().filter(|(_, m)| **m != [0.0; 2]) {
+                let (ring, point) = (i / self.layout.len(), i % self.layout.len());
+                let p = &mut rings[ring].points[point];
+                *p = Polar { r: p.r + dr, theta: p.theta + around / p.r };
+                is_moved[ring] = true;
+            }
+            if !is_moved.contains(&true) {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// What the places on ring `i` and between it and the next push: vertices, the nearest place of each edge, and
+    /// some places inside each face.
+    fn pushes(&self, rings: &[Ring], i: usize) -> Vec<Push> {
+        let n = self.layout.len();
+        let mut pushes = Vec::new();
+        let at = |(ring, k): (usize, usize)| rings[ring].points[k].at(rings[ring].x);
+        let mut face = |corners: [(usize, usize); 3]| {
+            let [a, b, c] = corners.map(at);
+            for [u, v, w] in IN_FACE {
+                self.push(a * u + b * v + c * w, &corners, &mut pushes);
+            }
+        };
+        let next = |k: usize| (k + 1) % n;
+        if i + 1 < rings.len() {
+            for k in 0..n {
+                face([(i, k), (i, next(k)), (i + 1, next(k))]);
+                face([(i, k), (i + 1, next(k)), (i + 1, k)]);
+            }
+        }
+        let mut edge = |a: (usize, usize), b: (usize, usize)| {
+            if let Some(place) = self.nearest_on_edge(at(a), at(b)) {
+                self.push(place, &[a, b], &mut pushes);
+            }
+        };
+        for k in 0..n {
+            edge((i, k), (i, next(k)));
+            if i + 1 < rings.len() {
+                edge((i, k), (i + 1, k));
+                edge((i, k), (i + 1, next(k)));
+            }
+        }
+        (0..n).for_each(|k| self.push(at((i, k)), &[(i, k)], &mut pushes));
+        pushes
+    }
+
+    /// If `place` falls short of the gap, what it takes from the ring points around it.
+    fn push(&self, place: DVec3, around: &[(usize, usize)], pushes: &mut Vec<Push>) {
+        let distance = guarded_distance(self.boundary.blisk, place);
+        let short = self.boundary.gap - distance;
+        if short <= 0.0 {
+            return;
+        }
+        let nearest = self.boundary.blisk.nearest(place).point;
+        let away = (place - nearest).normalize_or_zero() * distance.signum();
+        let [_, radial, along_theta] = components(place, away);
+        let (axis, sense, part) = self.way_in(around, [radial, along_theta]);
+        let by = (short + SURPLUS) / part.max(0.2) * sense;
+        pushes.extend(around.iter().map(|&(ring, point)| Push { ring, point, axis, by }));
+    }
+
+    /// The place of the edge from `a` to `b` that is nearest to the blisk, unless the edge has room to spare. The
+    /// distance to a convex surface is convex along an edge, so that shrinking by the golden section finds it.
+    fn nearest_on_edge(&self, a: DVec3, b: DVec3) -> Option<DVec3> {
+        let distance = |t: f64| guarded_distance(self.boundary.blisk, a.lerp(b, t));
+        if distance(0.5) > self.boundary.gap + SPARE {
+            return None;
+        }
+        let ratio = 0.5 * (5f64.sqrt() - 1.0);
+        let (mut from, mut to) = (0.0, 1.0);
+        let (mut t, mut u) = (1.0 - ratio, ratio);
+        let (mut at_t, mut at_u) = (distance(t), distance(u));
+        for _ in 0..EDGE_STEPS {
+            if at_t < at_u {
+                (to, u, at_u) = (u, t, at_t);
+                t = to - ratio * (to - from);
+                at_t = distance(t);
+            } else {
+                (from, t, at_t) = (t, u, at_u);
+                u = from + ratio * (to - from);
+                at_u = distance(u);
+            }
+        }
+        Some(a.lerp(b, if at_t < at_u { t } else { u }))
+    }
+}
+
+/// A wanted displacement of one ring point: along the radius (axis 0) or theta (axis 1), in mm.
+struct Push {
+    ring: usize,
+    point: usize,
+    axis: usize,
+    by: f64,
+}

@@ -1,0 +1,298 @@
+use std::sync::LazyLock;
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::fixtures::exact_channel;
+use crate::parametric::{MeshResolution, ParametricBlisk};
+use geometry::frame::Cylindrical;
+
+struct Part {
+    channel: Channel,
+    blisk: ExactMesh,
+}
+
+fn part(blisk: &ParametricBlisk, resolution: &MeshResolution) -> Part {
+    let mesh = blisk.mesh(resolution).unwrap();
+    Part { channel: exact_channel(blisk), blisk: ExactMesh::new(&mesh).unwrap() }
+}
+
+/// A turbine blisk whose end walls are so finely faceted that they are round to less than a micrometre.
+static FINE: LazyLock<Part> = LazyLock::new(|| {
+    let blisk = ParametricBlisk { blades: 40, hub_radius_mm: 90.0, shroud_radius_mm: 104.0, ..straight(30.0, -40.0) };
+    part(&blisk, &MeshResolution { edge: 10, chord: 60, span: 8, pitch: 26, ring: 4 })
+});
+
+fn straight(beta_in_deg: f64, beta_out_deg: f64) -> ParametricBlisk {
+    ParametricBlisk { beta_in_deg, beta_out_deg, ..ParametricBlisk::default() }
+}
+
+fn unreduced() -> ElectrodeParams {
+    ElectrodeParams { circumferential_reduction_deg: [0.0; 2], radial_reduction_mm: 0.0, ..ElectrodeParams::default() }
+}
+
+fn make(part: &Part, params: &ElectrodeParams, side: EntrySide) -> Result<Vec<Electrode>, ElectrodeError> {
+    make_electrodes(&part.channel, &part.blisk, params, side, &Progress::silent(), &Cancel::default())
+}
+
+/// Vertices, edge midpoints and face centres of the faces that `wanted` picks.
+fn places(electrode: &Electrode, wanted: impl Fn(ElectrodeFace) -> bool) -> Vec<DVec3> {
+    let corners = electrode.mesh.iter_corners().zip(&electrode.faces).filter(|(_, face)| wanted(**face));
+    corners
+        .flat_map(|([a, b, c], _)| [a, b, c, (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0, (a + b + c) / 3.0])
+        .collect()
+}
+
+#[test]
+fn an_unreduced_electrode_lies_on_the_gap_everywhere() {
+    let gap = 0.1;
+    let electrode = &make(&FINE, &unreduced(), EntrySide::MinusX).unwrap()[0];
+    assert!(electrode.mesh.is_watertight());
+    let nearest = |p: &DVec3| FINE.blisk.signed_distance(*p);
+    for p in places(electrode, |_| true) {
+        assert!(nearest(&p) >= gap - 1e-4, "{p}: {}", nearest(&p));
+    }
+    // Between the edges the walls and end walls are at the gap, but for the chords of their facets.
+    let [from, to] = FINE.channel.span_x();
+    for wanted in [ElectrodeFace::LowWall, ElectrodeFace::HighWall, ElectrodeFace::HubSide, ElectrodeFace::ShroudSide] {
+        let places = places(electrode, |face| face == wanted);
+        let inner: Vec<_> = places.iter().filter(|p| p.x > from && p.x < to).map(nearest).collect();
+        let close = inner.iter().filter(|d| **d <= gap + 2e-3).count();
+        assert!(close as f64 >= 0.9 * inner.len() as f64, "{wanted:?}: {close} of {}", inner.len());
+        let worst = inner.iter().fold(0.0, |a: f64, b| a.max(*b));
+        assert!(worst < gap + 6e-3, "{wanted:?}: {worst}");
+    }
+}
+
+#[test]
+fn reductions_keep_the_hub_side_on_the_gap_and_turn_each_wall_by_its_own_angle() {
+    let reduced = ElectrodeParams { circumferential_reduction_deg: [0.8, 0.5], ..ElectrodeParams::default() };
+    let full = &make(&FINE, &unreduced(), EntrySide::PlusX).unwrap()[0];
+    let small = &make(&FINE, &reduced, EntrySide::PlusX).unwrap()[0];
+    let between = FINE.blisk.distance_to(&ExactMesh::new(&small.mesh).unwrap(), &glam::DAffine3::IDENTITY);
+    assert!((0.1 - 5e-4..=0.1 + 1e-3).contains(&between), "the whole surfaces are {between} mm apart");
+    let hub: Vec<_> = places(small, |f| f == ElectrodeFace::HubSide);
+    let on_gap = hub.iter().filter(|p| FINE.blisk.signed_distance(**p) <= 0.1 + 1e-3).count();
+    assert!(on_gap as f64 >= 0.99 * hub.len() as f64, "{on_gap} of {}", hub.len());
+    let full = ExactMesh::new(&full.mesh).unwrap();
+    for (wall, back) in [(ElectrodeFace::LowWall, -0.8f64), (ElectrodeFace::HighWall, 0.5)] {
+        // Past the tips of the edges the unreduced electrode gives way more to keep the gap.
+        for p in places(small, |f| f == wall).into_iter().filter(|p| p.x > 0.0 && p.x < 20.0) {
+            let at = Cylindrical::from_point(p);
+            let turned_back = Cylindrical { theta: at.theta + back.to_radians(), ..at }.point();
+            let off = full.signed_distance(turned_back).abs();
+            assert!(off < 8e-3, "{p} is {off} mm off the unreduced wall");
+        }
+    }
+}
+
+#[test]
+fn threads_change_nothing() {
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| make(&FINE, &unreduced(), EntrySide::PlusX).unwrap())
+    };
+    assert_eq!(on(1), on(5));
+}
+
+#[test]
+fn a_greater_reduction_gives_a_subset() {
+    let with = |low: f64, high: f64, radial: f64| {
+        let params = ElectrodeParams {
+            circumferential_reduction_deg: [low, high],
+            radial_reduction_mm: radial,
+            ..ElectrodeParams::default()
+        };
+        make(&FINE, &params, EntrySide::MinusX).unwrap().remove(0)
+    };
+    let large = ExactMesh::new(&with(0.2, 0.3, 0.1).mesh).unwrap();
+    let small = with(0.9, 0.6, 0.7);
+    for p in places(&small, |f| f != ElectrodeFace::Holder) {
+        let outside = large.signed_distance(p);
+        assert!(outside < 2e-3, "{p} is {outside} mm outside");
+    }
+}
+
+#[test]
+fn a_straight_channel_has_the_thickness_of_geometry() {
+    let blisk = ParametricBlisk { twist_deg: 0.0, ..straight(0.0, 0.0) };
+    let part = part(&blisk, &MeshResolution { pitch: 12, ..MeshResolution::default() });
+    let gap = 0.1;
+    for turn in [0.0f64, 0.6] {
+        let params = ElectrodeParams { circumferential_reduction_deg: [turn; 2], ..unreduced() };
+        let electrode = &make(&part, &params, EntrySide::MinusX).unwrap()[0];
+        let r = blisk.hub_radius_mm + gap;
+        // At mid-chord, at the hub: half the pitch less half the blade, the gap and the turn, on both sides.
+        let half = 0.5 * blisk.pitch() - (0.5 * blisk.max_thickness_mm + gap) / r - turn.to_radians();
+        let expected = 2.0 * r * half.sin();
+        let ratio = electrode.least_thickness_mm / expected;
+        assert!((ratio - 1.0).abs() < 0.01, "{} for {expected}", electrode.least_thickness_mm);
+    }
+}
+
+#[test]
+fn parts_share_the_overlap_and_cover_the_whole() {
+    let whole = &make(&FINE, &ElectrodeParams::default(), EntrySide::PlusX).unwrap()[0];
+    let params = ElectrodeParams { parts: 3, overlap_mm: 1.5, ..ElectrodeParams::default() };
+    let burned = |e: &Electrode| {
+        let xs = places(e, |f| f.burns()).into_iter().map(|p| p.x);
+        xs.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)])
+    };
+    let parts = make(&FINE, &params, EntrySide::PlusX).unwrap();
+    assert_eq!(parts.iter().map(|e| e.part).collect::<Vec<_>>(), [0, 1, 2]);
+    let ranges: Vec<_> = parts.iter().map(burned).collect();
+    assert_eq!([ranges[2][0], ranges[0][1]], burned(whole), "entering from +X the first part is the one at +X");
+    for pair in ranges.windows(2) {
+        // Each burns the gap of 0.1 mm beyond its end.
+        assert!((pair[1][1] - pair[0][0] - 1.3).abs() < 1e-9, "{ranges:?}");
+    }
+    let whole = ExactMesh::new(&whole.mesh).unwrap();
+    for part in &parts {
+        assert!(part.mesh.is_watertight() && part.mesh.volume() > 0.0);
+        // A deeper part's shank stays inside what the parts before it have burned.
+        for p in places(part, |f| f != ElectrodeFace::Holder) {
+            assert!(whole.signed_distance(p) < 8e-3, "part {}: {p}", part.part);
+        }
+    }
+}
+
+#[test]
+fn faces_look_where_their_names_say() {
+    for side in [EntrySide::MinusX, EntrySide::PlusX] {
+        let electrode = &make(&FINE, &ElectrodeParams::default(), side).unwrap()[0];
+        let mut area = [[0.0; 3]; 4];
+        let names =
+            [ElectrodeFace::LowWall, ElectrodeFace::HighWall, ElectrodeFace::HubSide, ElectrodeFace::ShroudSide];
+        for (corners, face) in electrode.mesh.iter_corners().zip(&electrode.faces) {
+            let normal = geometry::mesh::normal_times_two_areas(corners);
+            assert!(normal.length() > 0.0, "no degenerate faces");
+            let [along, radial, around] = boundary::components(corners[0], normal);
+            if let Some(i) = names.iter().position(|n| n == face) {
+                [0, 1, 2].into_iter().zip([along, radial, around]).for_each(|(k, part)| area[i][k] += part);
+            }
+            let out = side.sign();
+            match face {
+                ElectrodeFace::FarEnd => assert!(along * out < 0.0 && radial.abs() < 1e-6),
+                ElectrodeFace::EntryEnd => assert!(along * out > -1e-9, "{along}"),
+                _ => {}
+            }
+        }
+        assert!(area[0][2] < 0.0 && area[1][2] > 0.0 && area[2][1] < 0.0 && area[3][1] > 0.0, "{area:?}");
+        let o = electrode.reference_point;
+        assert!(o.y == 0.0 && (o.x - 10.0).abs() < 0.5 && o.z > 90.0 && o.z < 104.0, "{o}");
+        let burning: f64 = names.iter().map(|n| places(electrode, |f| f == *n).len() as f64).sum();
+        assert!(burning > 0.0 && electrode.burn_area_mm2 > 600.0 && electrode.clearance_mm >= 0.1 - 1e-3);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(8))]
+    #[test]
+    fn any_electrode_is_closed_and_keeps_the_gap(
+        angles in (20.0..40.0f64, -45.0..-20.0f64),
+        shape in (-6.0..6.0f64, -4.0..4.0f64, 0.0..0.1f64, -0.1..0.1f64, -0.1..0.1f64),
+        reduction in (0.0..1.0f64, 0.0..1.0f64, 0.0..0.8f64),
+        choice in (any::<bool>(), any::<bool>(), 1..3usize, 0.03..0.3f64),
+    ) {
+        let ((beta_in_deg, beta_out_deg), (twist_deg, lean_deg, taper, hub_slope, shroud_slope)) = (angles, shape);
+        let (plus, shrouded, parts, spark_gap_mm) = choice;
+        let blisk = ParametricBlisk {
+            blades: 40, hub_radius_mm: 100.0, shroud_radius_mm: 116.0,
+            beta_in_deg, beta_out_deg, twist_deg, lean_deg, taper, hub_slope, shroud_slope, shrouded,
+            ..ParametricBlisk::default()
+        };
+        let part = part(&blisk, &MeshResolution::default());
+        let params = ElectrodeParams {
+            circumferential_reduction_deg: [reduction.0, reduction.1],
+            radial_reduction_mm: reduction.2,
+            spark_gap_mm,
+            parts,
+            ..ElectrodeParams::default()
+        };
+        let side = if plus { EntrySide::PlusX } else { EntrySide::MinusX };
+        let electrodes = make(&part, &params, side).map_err(|e| TestCaseError::fail(e.to_string()))?;
+        prop_assert_eq!(electrodes.len(), parts);
+        for electrode in &electrodes {
+            prop_assert!(electrode.mesh.is_watertight() && electrode.volume_mm3 > 0.0);
+            for p in places(electrode, |_| true) {
+                let distance = part.blisk.signed_distance(p);
+                prop_assert!(distance >= spark_gap_mm - 5e-4, "{distance} at {p}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_leaves_no_metal_is_refused_with_the_place_and_the_room_there_is() {
+    let params = ElectrodeParams { circumferential_reduction_deg: [4.0, 4.0], ..ElectrodeParams::default() };
+    match make(&FINE, &params, EntrySide::MinusX) {
+        Err(ElectrodeError::NoMetal { r, available, taken, .. }) => {
+            assert!((taken - 8f64.to_radians() * r).abs() < 1e-6 && available < taken + 0.2, "{available} {taken}");
+        }
+        other => panic!("{other:?}"),
+    }
+    let params = ElectrodeParams { radial_reduction_mm: 14.0, ..ElectrodeParams::default() };
+    assert!(matches!(make(&FINE, &params, EntrySide::MinusX), Err(ElectrodeError::NoHeight { .. })));
+    let params = ElectrodeParams { parts: 10, overlap_mm: 8.0, ..ElectrodeParams::default() };
+    assert!(matches!(make(&FINE, &params, EntrySide::MinusX), Err(ElectrodeError::PartsTooShort { .. })));
+    let params = ElectrodeParams { spark_gap_mm: f64::NAN, ..ElectrodeParams::default() };
+    assert!(make(&FINE, &params, EntrySide::MinusX).unwrap_err().to_string().contains("spark_gap_mm"));
+    let cancel = Cancel::default();
+    cancel.cancel();
+    let params = ElectrodeParams::default();
+    let progress = Progress::silent();
+    let stopped = make_electrodes(&FINE.channel, &FINE.blisk, &params, EntrySide::MinusX, &progress, &cancel);
+    assert_eq!(stopped, Err(ElectrodeError::Cancelled(Cancelled)));
+}
+
+#[test]
+fn an_own_mesh_is_checked_before_it_is_taken() {
+    let own = |mesh: Mesh| from_user_mesh(mesh, &FINE.channel, &FINE.blisk, 0.1, EntrySide::MinusX, &Cancel::default());
+    let made = make(&FINE, &ElectrodeParams::default(), EntrySide::MinusX).unwrap().remove(0);
+    let taken = own(made.mesh.clone()).unwrap();
+    assert!((taken.clearance_mm - made.clearance_mm).abs() < 1e-3, "{}", taken.clearance_mm);
+    assert!((taken.least_thickness_mm / made.least_thickness_mm - 1.0).abs() < 0.02);
+    let open = Mesh { triangles: made.mesh.triangles[1..].to_vec(), ..made.mesh.clone() };
+    assert_eq!(own(open), Err(ElectrodeError::NotWatertight));
+    let mut turned = made.mesh.clone();
+    turned.triangles.iter_mut().for_each(|t| t.swap(0, 1));
+    assert!(matches!(own(turned), Err(ElectrodeError::InsideOut(_))));
+    assert_eq!(own(made.mesh.mapped(|p| p + DVec3::Z)), Err(ElectrodeError::Interferes));
+    // Wholly inside the disk's metal, where the surfaces do not touch.
+    let inside = Mesh::cuboid(DVec3::splat(2.0)).mapped(|p| p + DVec3::new(9.0, 0.0, 75.0));
+    assert_eq!(own(inside), Err(ElectrodeError::Interferes));
+}
+
+#[test]
+fn thickness_of_a_box_is_its_width() {
+    let mesh = Mesh::cuboid(DVec3::new(20.0, 3.0, 10.0));
+    let face = |corners: [DVec3; 3]| match geometry::mesh::unit_normal(corners).y {
+        y if y > 0.5 => ElectrodeFace::LowWall,
+        y if y < -0.5 => ElectrodeFace::HighWall,
+        _ => ElectrodeFace::HubSide,
+    };
+    let faces: Vec<_> = mesh.iter_corners().map(face).collect();
+    let thickness = measure::least_thickness(&mesh, &faces, &Cancel::default()).unwrap();
+    assert!((thickness - 3.0).abs() < 1e-9, "{thickness}");
+    assert_eq!(measure::burn_area(&mesh, &faces), mesh.area());
+}
+
+#[test]
+fn parameters_read_as_a_job_writes_them() {
+    let text = "spark_gap_mm = 0.2\ncircumferential_reduction_deg = [1.0, 0.5]\nenter = \"-x\"\nsize = \"auto\"\n";
+    let params: ElectrodeParams = toml::from_str(text).unwrap();
+    assert_eq!((params.enter, params.size, params.spark_gap_mm), (EnterSide::MinusX, Sizing::Auto, 0.2));
+    assert_eq!(params.radial_reduction_mm, 0.5);
+    assert_eq!(params.enter.candidates(), [EntrySide::MinusX]);
+    assert!(toml::from_str::<ElectrodeParams>("gap = 1.0").is_err(), "unknown keys are mistakes");
+    assert!(params.validate().is_ok());
+}
+
+#[test]
+fn turning_a_wall_by_h_adds_h_to_theta() {
+    let wall = &FINE.channel.low;
+    for (p, q) in wall.points.iter().zip(turned_wall(wall, 0.01)) {
+        let (before, after) = (Cylindrical::from_point(*p), Cylindrical::from_point(q));
+        assert!((after.theta - before.theta - 0.01).abs() < 1e-12 && (after.r - before.r).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,140 @@
+//! Figures of a channel: its narrowest place, how much it turns, and the faces of the blisk.
+
+use glam::DVec3;
+use nalgebra::{Matrix3, Vector3};
+use parry3d_f64::query::PointQuery;
+use parry3d_f64::shape::Triangle;
+use rayon::prelude::*;
+
+use super::super::channel::{BladeSide, ChannelWall, MeridianSample, Throat};
+use geometry::mesh::Mesh;
+
+/// A middle line that turns by less than this (rad) is straight.
+const STRAIGHT: f64 = 0.0175;
+
+/// The narrowest place between two walls of equal grids, to the accuracy with which the grids' triangles
+/// follow the walls.
+pub(super) fn throat(low: &ChannelWall, high: &ChannelWall) -> Throat {
+    let nearest_point = |u: usize, v: usize| {
+        let p = low.point(u, v);
+        let far = |&i: &usize| (high.points[i] - p).length_squared();
+        (0..high.points.len()).min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(0)
+    };
+    // From the closest pair of points of every row the two feet are let slide to rest.
+    let of_row = |v: usize| {
+        let pairs = (0..low.nu).map(|u| (u * low.nv + v, nearest_point(u, v)));
+        let gap = |&(i, j): &(usize, usize)| (low.points[i] - high.points[j]).length_squared();
+        let (i, j) = pairs.min_by(|a, b| gap(a).total_cmp(&gap(b))).unwrap_or((0, 0));
+        slide_to_rest(low, high, i, j)
+    };
+    let rows: Vec<Throat> = (0..low.nv).into_par_iter().map(of_row).collect();
+    let none = Throat { width_mm: f64::INFINITY, on_low_wall: DVec3::ZERO, on_high_wall: DVec3::ZERO };
+    rows.into_iter().fold(none, |best, t| if t.width_mm < best.width_mm { t } else { best })
+}
+
+/// Projects back and forth between the walls, starting at grid points `i` and `j`.
+fn slide_to_rest(low: &ChannelWall, high: &ChannelWall, mut i: usize, mut j: usize) -> Throat {
+    const MOST_ROUNDS: usize = 200;
+    let (mut p, mut q) = (low.points[i], high.points[j]);
+    for _ in 0..MOST_ROUNDS {
+        let before = (p - q).length();
+        (q, j) = foot(high, j, p);
+        (p, i) = foot(low, i, q);
+        if before - (p - q).length() < 1e-9 * before {
+            break;
+        }
+    }
+    Throat { width_mm: (p - q).length(), on_low_wall: p, on_high_wall: q }
+}
+
+/// The nearest point to `p` of the wall's triangles within two cells of grid point `near`, and the corner of
+/// the cell it lies in.
+fn foot(wall: &ChannelWall, near: usize, p: DVec3) -> (DVec3, usize) {
+    let (u, v) = (near / wall.nv, near % wall.nv);
+    let cells = |at: usize, n: usize| at.saturating_sub(2)..(at + 2).min(n - 1);
+    let mut best = (wall.points[near], near);
+    for cu in cells(u, wall.nu) {
+        for cv in cells(v, wall.nv) {
+            let [a, b, c, d] = [(cu, cv), (cu + 1, cv), (cu + 1, cv + 1), (cu, cv + 1)].map(|(u, v)| wall.point(u, v));
+            for triangle in [Triangle::new(a, b, c), Triangle::new(a, c, d)] {
+                let q = triangle.project_local_point(p, false).point;
+                if (q - p).length_squared() < (best.0 - p).length_squared() {
+                    best = (q, cu * wall.nv + cv);
+                }
+            }
+        }
+    }
+    best
+}
+
+/// The middle line at mid height, unrolled: x against mean radius times angle (mm).
+fn middle_line(low: &ChannelWall, high: &ChannelWall) -> Vec<[f64; 2]> {
+    let v = low.nv / 2;
+    let at = |u: usize| (low.cylindrical(u, v), high.cylindrical(u, v));
+    let radius = (0..low.nu).map(|u| at(u).0.r).sum::<f64>() / low.nu as f64;
+    let mut previous = 0.0;
+    let mut line = Vec::with_capacity(low.nu);
+    for u in 0..low.nu {
+        let (a, b) = at(u);
+        let width = (b.theta - a.theta).rem_euclid(std::f64::consts::TAU);
+        // A strongly staggered channel may wind past half a turn: keep to the turn of the point before.
+        let middle = previous + geometry::frame::wrap_angle(a.theta + 0.5 * width - previous);
+        previous = middle;
+        line.push([a.x, radius * middle]);
+    }
+    line
+}
+
+/// Slope angle of the line at the end where `share` is 0 (share: how far along x from that end): that of the
+/// parabola through what lies just behind the rounding of the blades' edge.
+fn end_angle(line: &[[f64; 2]], end: f64, length: f64) -> f64 {
+    let (mut normal, mut right) = (Matrix3::<f64>::zeros(), Vector3::<f64>::zeros());
+    for &[x, y] in line {
+        let t = (x - end) / length;
+        if (0.04..0.3).contains(&t.abs()) {
+            let row = Vector3::new(1.0, t, t * t);
+            normal += row * row.transpose();
+            right += row * y;
+        }
+    }
+    normal.try_inverse().map_or(0.0, |inverse| ((inverse * right)[1] / length).atan())
+}
+
+/// How much the channel's middle line turns (rad, positive) and which sides its low and high walls are.
+pub(super) fn turning(low: &ChannelWall, high: &ChannelWall) -> (f64, [BladeSide; 2]) {
+    let line = middle_line(low, high);
+    let (x0, x1) = (line[0][0], line[line.len() - 1][0]);
+    let turn = end_angle(&line, x1, x1 - x0) - end_angle(&line, x0, x1 - x0);
+    let sides = if turn.abs() < STRAIGHT {
+        [BladeSide::Flat, BladeSide::Flat]
+    } else if turn < 0.0 {
+        // The line bulges towards greater theta, away from the low wall's blade: that wall is convex.
+        [BladeSide::Suction, BladeSide::Pressure]
+    } else {
+        [BladeSide::Pressure, BladeSide::Suction]
+    };
+    (turn.abs(), sides)
+}
+
+/// Least and greatest x of the mesh (in W) at the radii of the channel, its end walls included.
+pub(super) fn faces_x(mesh: &Mesh, meridian: &[MeridianSample]) -> [f64; 2] {
+    let (least, most) =
+        meridian.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), s| (s.hub.min(l), s.shroud.max(m)));
+    let band = 0.01 * (most - least);
+    let (least, most) = (least - band, most + band);
+    let mut faces = [f64::INFINITY, f64::NEG_INFINITY];
+    for corners in mesh.iter_corners() {
+        for (p, q) in [(corners[0], corners[1]), (corners[1], corners[2]), (corners[2], corners[0])] {
+            let (rp, rq) = (p.y.hypot(p.z), q.y.hypot(q.z));
+            if rp.max(rq) < least || rp.min(rq) > most {
+                continue;
+            }
+            let at = |r: f64| if rp == rq { 0.0 } else { ((r.clamp(least, most) - rp) / (rq - rp)).clamp(0.0, 1.0) };
+            for t in [at(rp), at(rq)] {
+                let x = p.x + t * (q.x - p.x);
+                faces = [faces[0].min(x), faces[1].max(x)];
+            }
+        }
+    }
+    faces
+}

@@ -1,0 +1,243 @@
+//! Lines that may be the axis of a mesh, best first.
+//!
+//! Two independent sources: the principal axes of the solid (a solid with three or more equal sectors turns
+//! about one of them), and the line that the surface's normals meet best (Pottmann and Wallner, Computational
+//! Line Geometry, chapter 4: the normals of a surface of revolution all meet its axis). The second also holds
+//! for a part of a blisk and for one with balance cuts.
+
+use glam::{DMat3, DVec3};
+use nalgebra::{Matrix3, SymmetricEigen};
+use serde::Serialize;
+
+use geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
+
+/// A line in the coordinates of the mesh: the axis of a blisk.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Axis {
+    /// A point of the line (mm).
+    pub point: DVec3,
+    /// Its unit direction.
+    pub direction: DVec3,
+}
+
+impl Axis {
+    /// The line through `point` along `direction`, turned to the positive side of the mesh axis that it is
+    /// nearest to, its point the foot of the mesh's origin.
+    pub(super) fn new(point: DVec3, direction: DVec3) -> Self {
+        let d = direction.normalize_or(DVec3::X);
+        let size = d.abs().to_array();
+        // Within rounding of a tie the earlier mesh axis decides.
+        let major = (1..3).fold(0, |best, i| if size[i] > size[best] + 1e-9 { i } else { best });
+        let direction = if d[major] < 0.0 { -d } else { d };
+        Self { point: point - direction * direction.dot(point), direction }
+    }
+
+    /// The mesh axis that the line is nearest to: 0, 1 or 2.
+    pub(super) fn major(&self) -> usize {
+        let size = self.direction.abs().to_array();
+        (1..3).fold(0, |best, i| if size[i] > size[best] + 1e-9 { i } else { best })
+    }
+
+    /// Distance of `p` from the line (mm).
+    fn distance(&self, p: DVec3) -> f64 {
+        self.direction.cross(p - self.point).length()
+    }
+
+    /// The same line, moved onto directions and planes of the mesh's own axes where it misses them by no more
+    /// than the rounding of coordinates (f32 files keep seven digits) of a part of the given size (mm).
+    pub(super) fn snapped(mut self, size: f64) -> Self {
+        let unit = [DVec3::X, DVec3::Y, DVec3::Z][self.major()];
+        if (self.direction - unit).length() < 2e-7 {
+            self = Self::new(self.point, unit);
+        }
+        let near_zero = self.point.abs().cmplt(DVec3::splat(1e-7 * size));
+        self.point = DVec3::select(near_zero, DVec3::ZERO, self.point);
+        Self::new(self.point, self.direction)
+    }
+}
+
+/// A piece of surface: where it is, its unit normal and its area.
+struct Facet {
+    center: DVec3,
+    normal: DVec3,
+    area: f64,
+}
+
+fn facets(mesh: &Mesh) -> Vec<Facet> {
+    let facet = |t: [DVec3; 3]| {
+        let n = normal_times_two_areas(t);
+        Facet { center: (t[0] + t[1] + t[2]) / 3.0, normal: n.normalize_or_zero(), area: 0.5 * n.length() }
+    };
+    mesh.iter_corners().map(facet).filter(|f| f.area > 0.0).collect()
+}
+
+/// Lines that may be the axis of `mesh`, the likeliest first, none twice; with `direction`, only lines along it.
+pub(super) fn candidates(mesh: &Mesh, direction: Option<DVec3>) -> Vec<Axis> {
+    let facets = facets(mesh);
+    let size = mesh.bounds().size().length();
+    let (center, moments) = solid_moments(mesh);
+    let normals = Normals::new(&facets, center, size);
+    let axes: Vec<Axis> = match direction {
+        Some(direction) => vec![Axis::new(center, direction), normals.axis(Some(direction), true)],
+        None => {
+            let principal = eigen(moments).map(|(_, d)| d);
+            let starts = principal.iter().map(|&d| Some(d)).chain([None]);
+            let met = starts.map(|start| normals.axis(start, false));
+            principal.iter().map(|&d| Axis::new(center, d)).chain(met).collect()
+        }
+    };
+    let axes = axes.into_iter().filter(|a| a.point.is_finite() && a.direction.is_finite());
+    let mut ranked: Vec<(f64, Axis)> = axes.map(|a| (share_of_revolution(&facets, &a), a)).collect();
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut distinct: Vec<Axis> = Vec::new();
+    for (_, axis) in ranked {
+        let beside_center = axis.point + axis.direction * axis.direction.dot(center - axis.point);
+        let same =
+            |a: &Axis| a.direction.cross(axis.direction).length() < 1e-3 && a.distance(beside_center) < 1e-3 * size;
+        if !distinct.iter().any(same) {
+            distinct.push(axis);
+        }
+    }
+    distinct
+}
+
+/// Centroid and second moments about it (the covariance times the volume) of the solid.
+fn solid_moments(mesh: &Mesh) -> (DVec3, DMat3) {
+    let o = mesh.bounds().center();
+    let (mut volume, mut first) = (0.0, DVec3::ZERO);
+    let mut second = DMat3::ZERO;
+    for t in mesh.iter_corners() {
+        let [a, b, c] = t.map(|p| p - o);
+        let v = a.dot(b.cross(c)) / 6.0;
+        let sum = a + b + c;
+        volume += v;
+        first += v * sum / 4.0;
+        second += (outer(a) + outer(b) + outer(c) + outer(sum)) * (v / 20.0);
+    }
+    // An open mesh may enclose nothing: then its middle is as good a guess as any.
+    let center = first / volume;
+    if !center.is_finite() || !mesh.bounds().grown(1e-9).intersects(&Bounds::of([o + center])) {
+        return (o, second);
+    }
+    (o + center, second - outer(center) * volume)
+}
+
+fn outer(v: DVec3) -> DMat3 {
+    DMat3::from_cols(v * v.x, v * v.y, v * v.z)
+}
+
+/// Eigenvalues and unit eigenvectors of a symmetric matrix in order of rising eigenvalue.
+fn eigen(m: DMat3) -> [(f64, DVec3); 3] {
+    const MOST_STEPS: usize = 1000;
+    let matrix = Matrix3::from_column_slice(&m.to_cols_array());
+    let Some(eigen) = SymmetricEigen::try_new(matrix, f64::EPSILON, MOST_STEPS) else {
+        return [DVec3::X, DVec3::Y, DVec3::Z].map(|v| (v.dot(m * v), v));
+    };
+    let mut order = [0, 1, 2];
+    order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
+    order.map(|i| (eigen.eigenvalues[i], DVec3::from_slice(eigen.eigenvectors.column(i).as_slice())))
+}
+
+/// How far the normal of a facet misses the axis: its component around the axis.
+fn tangential(facet: &Facet, axis: &Axis) -> f64 {
+    let around = axis.direction.cross(facet.center - axis.point);
+    facet.normal.dot(around.normalize_or_zero()).abs()
+}
+
+/// Share of the area that is a surface of revolution about `axis`, to within a facet's width. Faces across the
+/// axis are so about any line parallel to it, hence do not count.
+fn share_of_revolution(facets: &[Facet], axis: &Axis) -> f64 {
+    let radial: f64 = facets.iter().filter(|f| tangential(f, axis) < 0.1).map(|f| f.area * beside(f, axis)).sum();
+    radial / facets.iter().map(|f| f.area).sum::<f64>()
+}
+
+/// How little a facet faces along the axis: the sine of the angle between them, squared.
+fn beside(facet: &Facet, axis: &Axis) -> f64 {
+    1.0 - facet.normal.dot(axis.direction).powi(2)
+}
+
+/// The lines of a surface's normals, in Pluecker coordinates about `center` in units of `size`.
+struct Normals<'a> {
+    facets: Vec<&'a Facet>,
+    center: DVec3,
+    size: f64,
+}
+
+impl<'a> Normals<'a> {
+    /// Facets that are enough to guess an axis from.
+    const ENOUGH: usize = 15_000;
+
+    fn new(facets: &'a [Facet], center: DVec3, size: f64) -> Self {
+        // An odd step, so as not to pick the same triangle of every quad.
+        let step = (facets.len() / Self::ENOUGH) | 1;
+        Self { facets: facets.iter().step_by(step).collect(), center, size }
+    }
+
+    /// The line that the normals meet best, by least squares reweighted so that walls, which are no surfaces of
+    /// revolution, lose their say. It sets out from the line along `direction` that suits best, or from the
+    /// best of all lines; with `keep` the direction stays.
+    fn axis(&self, direction: Option<DVec3>, keep: bool) -> Axis {
+        // How far a normal may miss the axis and still count, from anything down to the slant of a facet.
+        const NARROWING: [f64; 9] = [1e3, 0.5, 0.35, 0.25, 0.18, 0.12, 0.08, 0.05, 0.03];
+        let mut axis = None;
+        for tolerance in NARROWING {
+            axis = Some(self.step(axis.as_ref(), tolerance, direction));
+        }
+        if direction.is_some() && !keep {
+            for tolerance in &NARROWING[4..] {
+                axis = Some(self.step(axis.as_ref(), *tolerance, None));
+            }
+        }
+        axis.unwrap_or(Axis { point: self.center, direction: DVec3::X })
+    }
+
+    /// The least-squares line (d, m = c x d), each normal weighted by how nearly it meets `axis`.
+    fn step(&self, axis: Option<&Axis>, tolerance: f64, direction: Option<DVec3>) -> Axis {
+        let (mut a, mut b, mut d) = (DMat3::ZERO, DMat3::ZERO, DMat3::ZERO);
+        for f in &self.facets {
+            let miss = axis.map_or(0.0, |axis| tangential(f, axis));
+            let weight = f.area / (1.0 + (miss / tolerance).powi(2)).powi(2);
+            let (n, moment) = (f.normal, (f.center - self.center).cross(f.normal) / self.size);
+            a += weight * outer(n);
+            b += weight * DMat3::from_cols(n * moment.x, n * moment.y, n * moment.z);
+            d += weight * outer(moment);
+        }
+        let inverse = pseudo_inverse(a);
+        let direction = direction.unwrap_or_else(|| eigen(d - b.transpose() * inverse * b)[0].1);
+        let moment = -(inverse * (b * direction)) * self.size;
+        Axis::new(self.center + direction.cross(moment), direction)
+    }
+}
+
+/// The inverse of a symmetric matrix on the space where it is not zero.
+fn pseudo_inverse(m: DMat3) -> DMat3 {
+    let pairs = eigen(m);
+    let greatest = pairs.iter().fold(0.0, |g: f64, (value, _)| g.max(value.abs()));
+    let kept = pairs.into_iter().filter(|(value, _)| value.abs() > 1e-9 * greatest);
+    kept.fold(DMat3::ZERO, |sum, (value, vector)| sum + outer(vector) * (1.0 / value))
+}
+
+/// Angle about `axis` that the surface covers, of a full turn (rad), seen in 120 sectors and leaving out what
+/// lies near the axis, where a triangle covers much.
+pub(super) fn covered_angle(mesh: &Mesh, axis: &Axis) -> f64 {
+    const SECTORS: usize = 120;
+    let across = axis.direction.any_orthonormal_vector();
+    let up = axis.direction.cross(across);
+    let flat = |p: DVec3| glam::DVec2::new(across.dot(p - axis.point), up.dot(p - axis.point));
+    let reach = mesh.vertices.iter().map(|&p| flat(p).length()).fold(0.0, f64::max);
+    let mut seen = [false; SECTORS];
+    let sector = std::f64::consts::TAU / SECTORS as f64;
+    for corners in mesh.iter_corners() {
+        let points = corners.map(flat);
+        if points.iter().any(|p| p.length() < 0.3 * reach) {
+            continue;
+        }
+        let start = points[0].to_angle();
+        let turns = points.map(|p| points[0].angle_to(p));
+        let (least, most) = turns.iter().fold((0.0f64, 0.0f64), |(l, m), &t| (l.min(t), m.max(t)));
+        let first = ((start + least) / sector).floor() as i64;
+        let last = ((start + most) / sector).floor() as i64;
+        (first..=last).for_each(|i| seen[i.rem_euclid(SECTORS as i64) as usize] = true);
+    }
+    seen.iter().filter(|&&s| s).count() as f64 * sector
+}

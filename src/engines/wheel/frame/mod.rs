@@ -1,0 +1,200 @@
+//! The axis and the period of a blisk, from its mesh alone.
+//!
+//! Candidate axes come from [`axis`]; about each, circles are cut with the mesh ([`slices`]) and the part of the
+//! meridional plane is sought where every circle passes the same number of even gaps whose walls face each
+//! other ([`period`]). The axis is then moved until the walls repeat best: every blade against the mean blade.
+
+mod axis;
+mod period;
+pub(crate) mod slices;
+
+use glam::{DVec2, DVec3};
+
+pub use axis::Axis;
+pub use period::Repetition;
+
+use self::period::Region;
+use self::slices::Slices;
+use super::error::BliskError;
+use super::options::{AxisChoice, AxisLine, AxisName, BliskOptions};
+use geometry::frame::Frame;
+use geometry::mesh::Mesh;
+use task::{Cancel, Progress};
+
+/// The axis and period of a blisk.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BliskFrame {
+    /// The axis in the coordinates of the mesh.
+    pub axis: Axis,
+    /// X along the axis, origin at the foot of the mesh's origin, Z as near as possible to the mesh's reference
+    /// direction: its +Z, or its +X when the axis is nearest to Z.
+    pub frame: Frame,
+    /// The blade count and how exactly the blades repeat.
+    pub repetition: Repetition,
+    /// Position along X and radius of a circle through the middle of the bladed passage (mm).
+    pub middle: DVec2,
+    /// What was assumed on the way, in plain sentences.
+    pub assumed: Vec<String>,
+}
+
+/// Whether the mesh is inside out; [`BliskError::Mesh`] if nothing can be said of it at all.
+pub(super) fn is_inside_out(mesh: &Mesh) -> Result<bool, BliskError> {
+    if mesh.triangles.is_empty() {
+        return Err(BliskError::Mesh("it has no triangles".into()));
+    }
+    // A kilometre is no blisk, and figures beyond all measure would drown the rest in rounding.
+    if let Some(bad) = mesh.vertices.iter().position(|v| !v.is_finite() || v.abs().max_element() > 1e6) {
+        return Err(BliskError::Mesh(format!(
+            "vertex {bad} is no finite point within 1 km of the origin; check the file and its units"
+        )));
+    }
+    if let Some(bad) = mesh.triangles.iter().position(|t| t.iter().any(|&v| v as usize >= mesh.vertices.len())) {
+        return Err(BliskError::Mesh(format!("triangle {bad} names a vertex that does not exist")));
+    }
+    Ok(mesh.volume() < 0.0)
+}
+
+/// Finds the axis and the blade count of `mesh`, which must be oriented outwards.
+///
+/// # Errors
+/// Says what is missing: the part covers no full turn, nothing repeats around any likely axis, or what repeats
+/// is no channel between blades. The error is that of the likeliest axis.
+pub(super) fn find_frame(
+    mesh: &Mesh,
+    options: &BliskOptions,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<BliskFrame, BliskError> {
+    let mut first_error = None;
+    let candidates = candidate_axes(mesh, options);
+    for (i, axis) in candidates.iter().enumerate() {
+        progress.report("axis and blades", i as f64 / candidates.len() as f64, "");
+        match about_axis(mesh, *axis, options, cancel) {
+            Err(BliskError::Cancelled(c)) => return Err(c.into()),
+            Err(error) => first_error = first_error.or(Some(error)),
+            found => return found,
+        }
+    }
+    Err(first_error.unwrap_or_else(|| BliskError::Mesh("its surface has no area".into())))
+}
+
+fn candidate_axes(mesh: &Mesh, options: &BliskOptions) -> Vec<Axis> {
+    match options.axis {
+        AxisChoice::Line(AxisLine { direction, point }) => vec![Axis::new(point.into(), direction.into())],
+        AxisChoice::Named(AxisName::Auto) => axis::candidates(mesh, None),
+        AxisChoice::Named(AxisName::X) => axis::candidates(mesh, Some(DVec3::X)),
+        AxisChoice::Named(AxisName::Y) => axis::candidates(mesh, Some(DVec3::Y)),
+        AxisChoice::Named(AxisName::Z) => axis::candidates(mesh, Some(DVec3::Z)),
+    }
+}
+
+/// The frame along `axis` with its Z near the mesh's reference direction.
+fn frame_along(axis: &Axis) -> Frame {
+    let reference = if axis.major() == 2 { DVec3::X } else { DVec3::Z };
+    Frame::from_x_and_z_hint(axis.point, axis.direction, reference)
+}
+
+/// Looks for blades about one axis and moves the axis to where they repeat best.
+fn about_axis(mesh: &Mesh, axis: Axis, options: &BliskOptions, cancel: &Cancel) -> Result<BliskFrame, BliskError> {
+    let covered_deg = axis::covered_angle(mesh, &axis).to_degrees();
+    if covered_deg < 350.0 {
+        return Err(BliskError::Partial { covered_deg, axis });
+    }
+    let slices = Slices::new(mesh.in_frame(&frame_along(&axis)));
+    let region = bladed_region(&slices, mesh, axis, options, cancel)?;
+    let middle = region.middle(&slices);
+    let circles = region.circles(&slices, 160);
+    let count = region.count;
+    let size = mesh.bounds().size().length();
+    let (axis, slices) = match options.axis {
+        AxisChoice::Line(_) => (axis, slices),
+        AxisChoice::Named(name) => {
+            let axis = refined(mesh, axis, slices, &circles, count, name != AxisName::Auto, cancel)?.snapped(size);
+            (axis, Slices::new(mesh.in_frame(&frame_along(&axis))))
+        }
+    };
+    cancel.check()?;
+    let tolerance = 0.005 * std::f64::consts::TAU * middle.y / count as f64;
+    let repetition = period::repetition(&slices, &circles, count, tolerance);
+    if repetition.matched < 0.5 {
+        return Err(BliskError::NoChannels {
+            axis,
+            count,
+            reason: "most of their walls do not repeat from gap to gap",
+        });
+    }
+    let assumed = assumptions(&axis, &repetition, options);
+    Ok(BliskFrame { axis, frame: frame_along(&axis), repetition, middle, assumed })
+}
+
+/// The region whose gaps are channels between blades and have the most wall.
+fn bladed_region(
+    slices: &Slices,
+    mesh: &Mesh,
+    axis: Axis,
+    options: &BliskOptions,
+    cancel: &Cancel,
+) -> Result<Region, BliskError> {
+    let wanted = options.blades.given();
+    let mut first_objection = None;
+    for region in period::regions(slices, wanted, cancel)? {
+        // Whoever names the blade count has seen that there are blades.
+        match if wanted.is_some() { None } else { region.objection(slices) } {
+            None => return Ok(region),
+            Some(reason) => first_objection = first_objection.or(Some((region.count, reason))),
+        }
+    }
+    Err(match first_objection {
+        Some((count, reason)) => BliskError::NoChannels { axis, count, reason },
+        None => BliskError::NoBlades { axis, wanted, closed: mesh.is_watertight() },
+    })
+}
+
+/// The axis about which the walls along `circles` repeat best. `slices` are those about `axis`.
+fn refined(
+    mesh: &Mesh,
+    mut axis: Axis,
+    mut slices: Slices,
+    circles: &[DVec2],
+    count: usize,
+    keep_direction: bool,
+    cancel: &Cancel,
+) -> Result<Axis, BliskError> {
+    const MOST_STEPS: usize = 6;
+    let x_mid = circles.iter().map(|c| c.x).sum::<f64>() / circles.len().max(1) as f64;
+    let reach = circles.iter().map(|c| c.y).fold(0.0, f64::max);
+    for _ in 0..MOST_STEPS {
+        cancel.check()?;
+        let Some((point, direction)) = period::better_axis(&slices, circles, count, x_mid, keep_direction) else {
+            break;
+        };
+        let frame = frame_along(&axis);
+        axis = Axis::new(frame.to_parent(point), frame.direction_to_parent(direction));
+        if point.y.hypot(point.z) + reach * (direction - DVec3::X).length() < 1e-10 * reach {
+            break;
+        }
+        slices = Slices::new(mesh.in_frame(&frame_along(&axis)));
+    }
+    Ok(axis)
+}
+
+fn assumptions(axis: &Axis, repetition: &Repetition, options: &BliskOptions) -> Vec<String> {
+    let mut assumed = Vec::new();
+    match options.axis {
+        AxisChoice::Named(AxisName::Auto) => assumed.push(format!("The axis was found from the mesh: {axis}.")),
+        AxisChoice::Named(_) => assumed.push(format!("The place of the axis was found from the mesh: {axis}.")),
+        AxisChoice::Line(_) => {}
+    }
+    let Repetition { blades, tolerance_mm, matched, greatest_mm, .. } = *repetition;
+    if options.blades.given().is_none() {
+        assumed.push(format!("{blades} blades were counted around the axis."));
+    }
+    if matched < 1.0 {
+        assumed.push(format!(
+            "Only {:.1} % of the blade walls repeat within {tolerance_mm:.3} mm (greatest miss {greatest_mm:.3} mm): \
+             the other channels differ from the one planned for.",
+            100.0 * matched
+        ));
+    }
+    assumed
+}

@@ -1,0 +1,265 @@
+//! How often walls repeat about an axis, and how exactly; and where the axis lies so that they do.
+
+use std::f64::consts::TAU;
+
+use glam::{DVec2, DVec3};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::slices::{CELLS, Gap, Slices};
+use geometry::frame::{Cylindrical, wrap_angle};
+use task::{Cancel, Cancelled};
+
+/// How exactly the walls repeat around the axis.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Repetition {
+    /// How often they repeat: the number of blades.
+    pub blades: usize,
+    /// A wall repeats where it lies within this distance of the mean blade's wall (mm).
+    pub tolerance_mm: f64,
+    /// Share of the compared wall points that repeat, 0 to 1.
+    pub matched: f64,
+    /// Root mean square distance of the walls from those of the mean blade (mm).
+    pub rms_mm: f64,
+    /// Greatest such distance (mm).
+    pub greatest_mm: f64,
+    /// Number of wall points compared.
+    pub points: usize,
+}
+
+/// A connected part of the meridional plane in which every circle meets the same number of even gaps.
+pub(super) struct Region {
+    /// Number of gaps around.
+    pub count: usize,
+    /// Its cells.
+    cells: Vec<[usize; 2]>,
+}
+
+/// The regions of the meridional plane where walls repeat, the one with the greatest wall area first.
+pub(super) fn regions(slices: &Slices, wanted: Option<usize>, cancel: &Cancel) -> Result<Vec<Region>, Cancelled> {
+    let columns: Vec<Vec<usize>> = (0..CELLS[0])
+        .into_par_iter()
+        .map(|ix| {
+            cancel.check()?;
+            let count = |ir| {
+                let at = slices.cell_middle(ix, ir);
+                even_count(&slices.gaps(at.x, at.y)).filter(|&n| wanted.map_or(n >= 3, |w| n == w)).unwrap_or(0)
+            };
+            Ok((0..CELLS[1]).map(count).collect())
+        })
+        .collect::<Result<_, Cancelled>>()?;
+    let mut regions = connected(columns);
+    regions.retain(Region::is_more_than_a_line);
+    regions.sort_by_key(|r| std::cmp::Reverse(r.count * r.cells.len()));
+    Ok(regions)
+}
+
+/// The number of gaps, if they are evenly spaced.
+fn even_count(gaps: &[Gap]) -> Option<usize> {
+    let first = gaps.first()?.middle();
+    let pitch = TAU / gaps.len() as f64;
+    let misses = gaps.iter().enumerate().map(|(k, g)| g.middle() - first - k as f64 * pitch);
+    let (least, most) = misses.fold((0.0f64, 0.0f64), |(l, m), d| (l.min(d), m.max(d)));
+    (most - least < 0.25 * pitch).then_some(gaps.len())
+}
+
+/// Splits the grid of counts into connected parts of equal count other than 0.
+fn connected(mut counts: Vec<Vec<usize>>) -> Vec<Region> {
+    let mut regions = Vec::new();
+    for ix in 0..CELLS[0] {
+        for ir in 0..CELLS[1] {
+            let count = std::mem::take(&mut counts[ix][ir]);
+            if count == 0 {
+                continue;
+            }
+            let mut cells = vec![[ix, ir]];
+            let mut done = 0;
+            while let Some(&[cx, cr]) = cells.get(done) {
+                done += 1;
+                let around = [(cx.wrapping_sub(1), cr), (cx + 1, cr), (cx, cr.wrapping_sub(1)), (cx, cr + 1)];
+                for (nx, nr) in around {
+                    if let Some(cell) =
+                        counts.get_mut(nx).and_then(|column| column.get_mut(nr)).filter(|c| **c == count)
+                    {
+                        *cell = 0;
+                        cells.push([nx, nr]);
+                    }
+                }
+            }
+            cells.sort_unstable();
+            regions.push(Region { count, cells });
+        }
+    }
+    regions
+}
+
+impl Region {
+    fn holds(&self, cell: [usize; 2]) -> bool {
+        self.cells.binary_search(&cell).is_ok()
+    }
+
+    /// Whether it is wider than one cell both ways; circles that graze the facets of a coarse cylinder are not.
+    fn is_more_than_a_line(&self) -> bool {
+        self.cells.iter().any(|&[x, r]| [[x + 1, r], [x, r + 1], [x + 1, r + 1]].iter().all(|&c| self.holds(c)))
+    }
+
+    /// Cells whose neighbours all belong to the region, or all of them if there are none.
+    fn inner_cells(&self) -> Vec<[usize; 2]> {
+        let inner = |&&[x, r]: &&[usize; 2]| {
+            x > 0 && r > 0 && [[x - 1, r], [x + 1, r], [x, r - 1], [x, r + 1]].iter().all(|&c| self.holds(c))
+        };
+        let cells: Vec<_> = self.cells.iter().filter(inner).copied().collect();
+        if cells.is_empty() { self.cells.clone() } else { cells }
+    }
+
+    /// The (x, r) of at most `most` circles well inside, evenly picked.
+    pub fn circles(&self, slices: &Slices, most: usize) -> Vec<DVec2> {
+        let cells = self.inner_cells();
+        let step = cells.len().div_ceil(most).max(1);
+        cells.iter().step_by(step).map(|&[x, r]| slices.cell_middle(x, r)).collect()
+    }
+
+    /// The (x, r) of the circle well inside that is nearest to the middle of the region.
+    pub fn middle(&self, slices: &Slices) -> DVec2 {
+        let n = self.cells.len() as f64;
+        let mean = self.cells.iter().map(|&[x, r]| DVec2::new(x as f64, r as f64)).sum::<DVec2>() / n;
+        let far = |&[x, r]: &[usize; 2]| (DVec2::new(x as f64, r as f64) - mean).length_squared();
+        let cells = self.inner_cells();
+        let cell = cells.iter().min_by(|a, b| far(a).total_cmp(&far(b))).copied().unwrap_or([0, 0]);
+        slices.cell_middle(cell[0], cell[1])
+    }
+
+    /// Why the gaps of this region are no channels between blades, if they are not.
+    pub fn objection(&self, slices: &Slices) -> Option<&'static str> {
+        let facing: f64 = self.circles(slices, 60).iter().map(|c| facing(slices, c)).sum();
+        if facing <= 0.2 * self.circles(slices, 60).len() as f64 {
+            return Some("their two sides do not face each other, as the flats of a polygon do not");
+        }
+        let middle = self.middle(slices);
+        is_round_hole(slices, middle).then_some("they are round holes, wide in the middle and closed above and below")
+    }
+}
+
+/// How squarely the two sides of the gaps of a circle face each other: 1 for parallel walls, negative where
+/// both belong to one bulging surface.
+fn facing(slices: &Slices, circle: &DVec2) -> f64 {
+    let gaps = slices.gaps(circle.x, circle.y);
+    let of = |g: &Gap| {
+        let normal = |triangle, theta| cylindrical_components(slices.normal(triangle), theta);
+        -normal(g.low.triangle, g.low.theta).dot(normal(g.high.triangle, g.high.theta))
+    };
+    gaps.iter().take(8).map(of).sum::<f64>() / gaps.len().clamp(1, 8) as f64
+}
+
+/// Components of a direction along x, along the radius and around the axis at `theta`.
+fn cylindrical_components(d: DVec3, theta: f64) -> DVec3 {
+    let (s, c) = theta.sin_cos();
+    DVec3::new(d.x, -s * d.y + c * d.z, -c * d.y - s * d.z)
+}
+
+/// Whether the gap through the given (x, r) is closed above and below and much narrower there than between.
+fn is_round_hole(slices: &Slices, at: DVec2) -> bool {
+    let Some(gap) = slices.gaps(at.x, at.y).first().copied() else { return false };
+    let ray = slices.ray(at.x, gap.middle());
+    let (Some(inner), Some(outer)) = (ray.iter().rfind(|c| c.r < at.y), ray.iter().find(|c| c.r > at.y)) else {
+        return false;
+    };
+    let width = |share: f64| {
+        let r = inner.r + share * (outer.r - inner.r);
+        slices.gap_near(at.x, r, &gap).map_or(0.0, |g| g.width() * r)
+    };
+    width(0.1).max(width(0.9)) < 0.75 * width(0.5)
+}
+
+/// A wall point against the same point of the mean blade.
+struct Miss {
+    /// Distance along the wall's normal (mm).
+    distance: f64,
+    /// How the distance answers to moving the part along y and z (mm/mm) and turning it about y and z (mm/rad).
+    answers: [f64; 4],
+}
+
+/// Compares the walls around each of `circles` (x, r); turns are taken about the point of the axis at `x_mid`.
+fn misses(slices: &Slices, circles: &[DVec2], count: usize, x_mid: f64) -> Vec<Miss> {
+    let pitch = TAU / count as f64;
+    let of_circle = |circle: &DVec2| {
+        let gaps = slices.gaps(circle.x, circle.y);
+        let mut misses = Vec::new();
+        if gaps.len() != count {
+            return misses;
+        }
+        for side in [|g: &Gap| g.low, |g: &Gap| g.high] {
+            let walls: Vec<_> = gaps.iter().map(side).collect();
+            let start = walls[0].theta;
+            let off: Vec<f64> =
+                walls.iter().enumerate().map(|(k, w)| wrap_angle(w.theta - start - k as f64 * pitch)).collect();
+            let mean = median(&off);
+            for (wall, off) in walls.iter().zip(&off) {
+                let p = Cylindrical { x: circle.x - x_mid, r: circle.y, theta: wall.theta }.point();
+                let n = slices.normal(wall.triangle);
+                let around = cylindrical_components(n, wall.theta).z;
+                let moment = p.cross(n);
+                let answers = [n.y, n.z, moment.y, moment.z];
+                misses.push(Miss { distance: (off - mean) * circle.y * around, answers });
+            }
+        }
+        misses
+    };
+    circles.par_iter().map(of_circle).collect::<Vec<_>>().into_iter().flatten().collect()
+}
+
+/// The middle value; 0 of nothing.
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let n = sorted.len();
+    if n == 0 { 0.0 } else { 0.5 * (sorted[(n - 1) / 2] + sorted[n / 2]) }
+}
+
+/// How exactly the walls repeat about X of the given slices, to within `tolerance` (mm).
+pub(super) fn repetition(slices: &Slices, circles: &[DVec2], count: usize, tolerance: f64) -> Repetition {
+    let misses = misses(slices, circles, count, 0.0);
+    let points = misses.len();
+    let share = 1.0 / points.max(1) as f64;
+    Repetition {
+        blades: count,
+        tolerance_mm: tolerance,
+        matched: misses.iter().filter(|m| m.distance.abs() <= tolerance).count() as f64 * share,
+        rms_mm: (misses.iter().map(|m| m.distance.powi(2)).sum::<f64>() * share).sqrt(),
+        greatest_mm: misses.iter().map(|m| m.distance.abs()).fold(0.0, f64::max),
+        points,
+    }
+}
+
+/// Where the axis about which the walls repeat lies, seen from X of the given slices: the point at `x_mid`
+/// moved in y and z, and the y and z components of its direction. One Gauss-Newton step, in which walls that
+/// miss by much more than most have little say. With `keep_direction` only the point moves.
+pub(super) fn better_axis(
+    slices: &Slices,
+    circles: &[DVec2],
+    count: usize,
+    x_mid: f64,
+    keep_direction: bool,
+) -> Option<(DVec3, DVec3)> {
+    let misses = misses(slices, circles, count, x_mid);
+    let unknowns = if keep_direction { 2 } else { 4 };
+    let typical = 1.5 * median(&misses.iter().map(|m| m.distance.abs()).collect::<Vec<_>>());
+    let radius = circles.iter().map(|c| c.y).fold(0.0, f64::max);
+    let scale = [1.0, 1.0, 1.0 / radius, 1.0 / radius];
+    let mut normal = DMatrix::<f64>::zeros(unknowns, unknowns);
+    let mut right = DVector::<f64>::zeros(unknowns);
+    for miss in &misses {
+        let weight = (1.0 + (miss.distance / (3.0 * typical + f64::MIN_POSITIVE)).powi(2)).powi(-2);
+        for i in 0..unknowns {
+            right[i] += weight * miss.answers[i] * scale[i] * miss.distance;
+            for j in 0..unknowns {
+                normal[(i, j)] += weight * miss.answers[i] * scale[i] * miss.answers[j] * scale[j];
+            }
+        }
+    }
+    let solution = normal.cholesky()?.solve(&right);
+    let get = |i: usize| solution.get(i).map_or(0.0, |v| v * scale[i]);
+    // The part is turned by w = (0, wy, wz): its axis runs along X + w x X.
+    Some((DVec3::new(x_mid, get(0), get(1)), DVec3::new(1.0, get(3), -get(2)).normalize()))
+}

@@ -1,0 +1,471 @@
+//! Where circles about the axis, and rays along the radius, meet a mesh: exactly, not by sampling.
+//!
+//! Both live in a plane x = const, in which the mesh is a set of segments with the solid on their left (seen
+//! from +X). Which side of a circle or ray a segment's end lies on is decided once per mesh edge, so that a
+//! closed mesh is always entered as often as it is left, whatever the rounding.
+
+use std::f64::consts::TAU;
+
+use glam::{DVec2, DVec3};
+
+use geometry::mesh::{Mesh, unit_normal};
+
+/// Cells along the axis and along the radius of the grid that [`Slices::cell_middle`] counts in, and at most of
+/// the search grid.
+pub(crate) const CELLS: [usize; 2] = [64, 192];
+
+/// Sectors of the search grid for rays.
+const SECTORS: usize = 96;
+
+/// Most entries of the search grid; a mesh of many large triangles gets coarser cells instead.
+const MOST_ENTRIES: usize = 40_000_000;
+
+/// Solids and gaps narrower than this (rad) are rounding.
+const SLIVER: f64 = 1e-10;
+
+/// A mesh in W, sorted for circles about X and for radial rays.
+pub(crate) struct Slices {
+    mesh: Mesh,
+    /// Least x and radius 0.
+    origin: DVec2,
+    /// Extent in x and r.
+    size: DVec2,
+    /// Cells of the search grid along x and r.
+    grid: [usize; 2],
+    /// Triangles that may meet the circles of a cell.
+    cells: Buckets,
+    /// Triangles that may meet the radial rays of a column of cells and a sector.
+    wedges: Buckets,
+}
+
+/// Where a circle about the axis meets the mesh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Crossing {
+    /// Angle about the axis (rad).
+    pub theta: f64,
+    /// Whether the solid lies on the side of greater theta.
+    pub enters: bool,
+    /// The triangle that is met.
+    pub triangle: u32,
+}
+
+/// An arc of a circle that lies outside the solid, between two crossings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Gap {
+    /// Where the solid of smaller theta ends.
+    pub low: Crossing,
+    /// Where the solid of greater theta begins; its theta is greater than that of `low`.
+    pub high: Crossing,
+}
+
+impl Gap {
+    /// Angle between the two ends (rad).
+    pub fn width(&self) -> f64 {
+        self.high.theta - self.low.theta
+    }
+
+    /// Angle of the middle (rad).
+    pub fn middle(&self) -> f64 {
+        0.5 * (self.low.theta + self.high.theta)
+    }
+
+    /// The same gap counted `turns` whole turns further.
+    fn turned(mut self, turns: f64) -> Self {
+        self.low.theta += turns * TAU;
+        self.high.theta += turns * TAU;
+        self
+    }
+
+    /// How much of this gap's angle lies within `other`, negative when they are apart (rad).
+    fn overlap(&self, other: &Gap) -> f64 {
+        self.high.theta.min(other.high.theta) - self.low.theta.max(other.low.theta)
+    }
+}
+
+/// Where a ray along the radius meets the mesh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct RadialCrossing {
+    /// Distance from the axis (mm).
+    pub r: f64,
+    /// Whether the solid lies on the side of greater radius.
+    pub enters: bool,
+}
+
+impl Slices {
+    /// Sorts `mesh`, which is given in W and has at least one triangle.
+    pub fn new(mesh: Mesh) -> Self {
+        let bounds = mesh.bounds();
+        let r_max = mesh.vertices.iter().map(|p| p.y.hypot(p.z)).fold(0.0, f64::max);
+        // A little more than the part, so that the last cell also holds its far boundary.
+        let size = DVec2::new(bounds.size().x, r_max).max(DVec2::splat(1e-9)) * (1.0 + 1e-9);
+        let origin = DVec2::new(bounds.min.x, 0.0);
+        let mut grid = CELLS;
+        let mut spans = spans(&mesh, origin, size, grid);
+        while spans.iter().map(Span::entries).sum::<usize>() > MOST_ENTRIES && grid != [1, 1] {
+            grid = grid.map(|n| n.div_ceil(2));
+            spans = self::spans(&mesh, origin, size, grid);
+        }
+        let [nx, nr] = grid;
+        let cells = Buckets::new(nx * nr, &spans, |span, put| {
+            span.columns().for_each(|ix| span.rows().for_each(|ir| put(ix * nr + ir)));
+        });
+        let wedges = Buckets::new(nx * SECTORS, &spans, |span, put| {
+            span.columns().for_each(|ix| span.sectors().for_each(|s| put(ix * SECTORS + s)));
+        });
+        Self { mesh, origin, size, grid, cells, wedges }
+    }
+
+    /// The mesh in W.
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// Middle (x, r) of a cell of the grid of [`CELLS`].
+    pub fn cell_middle(&self, ix: usize, ir: usize) -> DVec2 {
+        self.origin + self.cell_size() * (DVec2::new(ix as f64, ir as f64) + 0.5)
+    }
+
+    /// Size of a cell of the grid of [`CELLS`] along x and r (mm).
+    pub fn cell_size(&self) -> DVec2 {
+        self.size / DVec2::new(CELLS[0] as f64, CELLS[1] as f64)
+    }
+
+    /// Unit outward normal of a triangle.
+    pub fn normal(&self, triangle: u32) -> DVec3 {
+        unit_normal(self.mesh.corners(triangle as usize))
+    }
+
+    /// Column and row of the search cell that holds (`x`, `r`).
+    fn cell_of(&self, x: f64, r: f64) -> Option<[usize; 2]> {
+        let [nx, nr] = self.grid.map(|n| n as f64);
+        let at = (DVec2::new(x, r) - self.origin) / self.size * DVec2::new(nx, nr);
+        let inside = at.x >= 0.0 && at.y >= 0.0 && at.x < nx && at.y < nr;
+        inside.then_some([at.x as usize, at.y as usize])
+    }
+
+    /// Every crossing of the circle of radius `r` about the axis at `x`, in order of theta in (-pi, pi].
+    pub fn circle(&self, x: f64, r: f64) -> Vec<Crossing> {
+        let Some([ix, ir]) = self.cell_of(x, r) else { return Vec::new() };
+        let mut crossings = Vec::new();
+        for &triangle in self.cells.get(ix * self.grid[1] + ir) {
+            let Some([p, q]) = self.segment(triangle, x) else { continue };
+            let mut push = |t: f64, enters| {
+                let at = p.lerp(q, t);
+                crossings.push(Crossing { theta: at.y.atan2(at.x), enters, triangle });
+            };
+            let (p_in, q_in) = (p.length_squared() < r * r, q.length_squared() < r * r);
+            let Some((first, last)) = chord(p, q, r, p_in != q_in) else { continue };
+            // The solid is on the segment's left: running outwards across the circle it lies ahead in theta.
+            match (p_in, q_in) {
+                (true, false) => push(last.clamp(0.0, 1.0), true),
+                (false, true) => push(first.clamp(0.0, 1.0), false),
+                (false, false) if first > 0.0 && last < 1.0 => {
+                    push(first, false);
+                    push(last, true);
+                }
+                _ => {}
+            }
+        }
+        crossings.sort_by(|a, b| a.theta.total_cmp(&b.theta).then(a.triangle.cmp(&b.triangle)));
+        crossings
+    }
+
+    /// The arcs of a circle that lie outside the solid, in order of their lower ends. None at all when the
+    /// circle meets nothing or the mesh is so broken there that it is not left as often as it is entered.
+    pub fn gaps(&self, x: f64, r: f64) -> Vec<Gap> {
+        let crossings = self.circle(x, r);
+        let balance: i32 = crossings.iter().map(|c| if c.enters { 1 } else { -1 }).sum();
+        if crossings.is_empty() || balance != 0 {
+            return Vec::new();
+        }
+        // Shells may overlap (blades pushed into a hub): count how deep the circle is, starting in the widest arc.
+        let n = crossings.len();
+        let next = |i: usize| (crossings[(i + 1) % n], if i + 1 == n { TAU } else { 0.0 });
+        let width = |i: usize| next(i).0.theta + next(i).1 - crossings[i].theta;
+        let widest = (0..n).max_by(|&a, &b| width(a).total_cmp(&width(b))).unwrap_or(0);
+        let mut depth = self.depth(x, r, crossings[widest].theta + 0.5 * width(widest));
+        let mut gaps: Vec<Gap> = Vec::new();
+        for i in (0..n).map(|k| (widest + k) % n) {
+            if i != widest {
+                depth += if crossings[i].enters { 1 } else { -1 };
+            }
+            if depth <= 0 && width(i) > SLIVER {
+                let (mut high, turn) = next(i);
+                high.theta += turn;
+                gaps.push(Gap { low: crossings[i], high });
+            }
+        }
+        gaps.sort_by(|a, b| a.low.theta.total_cmp(&b.low.theta));
+        gaps
+    }
+
+    /// The gap of the circle at (`x`, `r`) that shares most with `near`, counted by the turn that `near` is in.
+    pub fn gap_near(&self, x: f64, r: f64, near: &Gap) -> Option<Gap> {
+        let best = self.gaps(x, r).into_iter().map(|gap| {
+            let turns = ((near.middle() - gap.middle()) / TAU).round();
+            gap.turned(turns)
+        });
+        let best = best.max_by(|a, b| a.overlap(near).total_cmp(&b.overlap(near)))?;
+        (best.overlap(near) > 0.0).then_some(best)
+    }
+
+    /// Every crossing of the ray from the axis at `x` towards `theta`, in order of radius.
+    pub fn ray(&self, x: f64, theta: f64) -> Vec<RadialCrossing> {
+        let Some([ix, _]) = self.cell_of(x, 0.0) else { return Vec::new() };
+        let along = DVec2::from_angle(theta);
+        let mut crossings = Vec::new();
+        for &triangle in self.wedges.get(ix * SECTORS + sector(theta)) {
+            let Some([p, q]) = self.segment(triangle, x) else { continue };
+            let (side_p, side_q) = (along.perp_dot(p), along.perp_dot(q));
+            if (side_p >= 0.0) == (side_q >= 0.0) {
+                continue;
+            }
+            let r = along.dot(p.lerp(q, side_p / (side_p - side_q)));
+            if r > 0.0 {
+                // Running towards greater theta, a segment has the solid on its inner side.
+                crossings.push(RadialCrossing { r, enters: side_p >= 0.0 });
+            }
+        }
+        crossings.sort_by(|a, b| a.r.total_cmp(&b.r));
+        crossings
+    }
+
+    /// Distances from the axis of the corners that the section at `x` has within `half` of the angle `theta`.
+    pub fn corner_radii(&self, x: f64, theta: f64, half: f64) -> Vec<f64> {
+        let Some([ix, _]) = self.cell_of(x, 0.0) else { return Vec::new() };
+        let along = DVec2::from_angle(theta);
+        let last = sector_count(theta + half).min(sector_count(theta - half) + SECTORS as i64 - 1);
+        let sectors = (sector_count(theta - half)..=last).map(|s| s.rem_euclid(SECTORS as i64) as usize);
+        let triangles = sectors.flat_map(|s| self.wedges.get(ix * SECTORS + s));
+        let corners = triangles.filter_map(|&t| self.segment(t, x)).flatten();
+        corners.filter(|c| along.angle_to(*c).abs() <= half).map(DVec2::length).collect()
+    }
+
+    /// How many shells the point lies in.
+    fn depth(&self, x: f64, r: f64, theta: f64) -> i32 {
+        self.ray(x, theta).iter().filter(|c| c.r > r).map(|c| if c.enters { -1 } else { 1 }).sum()
+    }
+
+    /// The segment in which the plane at `x` meets a triangle, as points (z, -y), whose polar angle is theta;
+    /// seen from +X the solid is on its left.
+    fn segment(&self, triangle: u32, x: f64) -> Option<[DVec2; 2]> {
+        let ids = self.mesh.triangles[triangle as usize];
+        let above = ids.map(|v| self.mesh.vertices[v as usize].x >= x);
+        let lone = match above {
+            [a, b, c] if a == b && b == c => return None,
+            [a, b, c] if b == c && a != b => 0,
+            [a, b, c] if a == c && a != b => 1,
+            _ => 2,
+        };
+        let [a, b, c] = [ids[lone], ids[(lone + 1) % 3], ids[(lone + 2) % 3]];
+        let (p, q) = (self.edge_point(a, b, x), self.edge_point(a, c, x));
+        Some(if above[lone] { [p, q] } else { [q, p] })
+    }
+
+    /// Where an edge meets the plane at `x`: the same to the last bit for both triangles that share it.
+    fn edge_point(&self, a: u32, b: u32, x: f64) -> DVec2 {
+        let (p, q) = (self.mesh.vertices[a.min(b) as usize], self.mesh.vertices[a.max(b) as usize]);
+        let at = p.lerp(q, (x - p.x) / (q.x - p.x));
+        DVec2::new(at.z, -at.y)
+    }
+}
+
+/// Parameters at which the line from `p` to `q` enters and leaves the circle of radius `r` about the origin;
+/// always there when it is known to `cross` the circle between `p` and `q`.
+fn chord(p: DVec2, q: DVec2, r: f64, cross: bool) -> Option<(f64, f64)> {
+    let d = q - p;
+    let (a, b, c) = (d.length_squared(), p.dot(d), p.length_squared() - r * r);
+    let discriminant = b * b - a * c;
+    if discriminant < 0.0 && !cross {
+        return None;
+    }
+    let s = b + discriminant.max(0.0).sqrt().copysign(b);
+    if a == 0.0 || s == 0.0 {
+        return cross.then_some((0.5, 0.5));
+    }
+    let (t, u) = (-s / a, -c / s);
+    Some((t.min(u), t.max(u)))
+}
+
+/// The sector that holds an angle, counted on beyond a turn.
+fn sector_count(theta: f64) -> i64 {
+    (theta / (TAU / SECTORS as f64)).floor() as i64
+}
+
+/// The sector that holds an angle.
+fn sector(theta: f64) -> usize {
+    sector_count(theta).rem_euclid(SECTORS as i64) as usize
+}
+
+/// The cells that a triangle may touch: first and last column, row and sector.
+struct Span {
+    x: [usize; 2],
+    r: [usize; 2],
+    theta: [i64; 2],
+}
+
+fn spans(mesh: &Mesh, origin: DVec2, size: DVec2, grid: [usize; 2]) -> Vec<Span> {
+    mesh.iter_corners().map(|t| Span::new(t, origin, size, grid)).collect()
+}
+
+impl Span {
+    fn new(corners: [DVec3; 3], origin: DVec2, size: DVec2, grid: [usize; 2]) -> Self {
+        let flat = corners.map(|p| DVec2::new(p.z, -p.y));
+        // Computed as for a point that is looked up, so that both round alike.
+        let [nx, nr] = grid.map(|n| n as f64);
+        let x = corners.map(|p| (p.x - origin.x) / size.x * nx);
+        let r = flat.map(DVec2::length);
+        let nearest = least_radius(flat);
+        let index = |value: f64, axis: usize| (value.max(0.0) as usize).min(grid[axis] - 1);
+        let theta = if nearest == 0.0 {
+            [0, SECTORS as i64 - 1]
+        } else {
+            let turns = flat.map(|p| flat[0].angle_to(p));
+            let start = flat[0].to_angle();
+            [sector_count(start + least(turns) - 1e-9), sector_count(start + most(turns) + 1e-9)]
+        };
+        // A hair more than the triangle, so that rounding never loses it.
+        let rows = [nearest * (1.0 - 1e-12), most(r) * (1.0 + 1e-12)].map(|r| index(r / size.y * nr, 1));
+        Self { x: [index(least(x), 0), index(most(x), 0)], r: rows, theta }
+    }
+
+    fn entries(&self) -> usize {
+        let columns = self.x[1] - self.x[0] + 1;
+        columns * (self.r[1] - self.r[0] + 1 + (self.theta[1] - self.theta[0] + 1) as usize)
+    }
+
+    fn columns(&self) -> impl Iterator<Item = usize> {
+        self.x[0]..=self.x[1]
+    }
+
+    fn rows(&self) -> impl Iterator<Item = usize> {
+        self.r[0]..=self.r[1]
+    }
+
+    fn sectors(&self) -> impl Iterator<Item = usize> {
+        (self.theta[0]..=self.theta[1]).map(|s| s.rem_euclid(SECTORS as i64) as usize)
+    }
+}
+
+fn least(v: [f64; 3]) -> f64 {
+    v[0].min(v[1]).min(v[2])
+}
+
+fn most(v: [f64; 3]) -> f64 {
+    v[0].max(v[1]).max(v[2])
+}
+
+/// Least distance of a triangle in the plane from the origin.
+fn least_radius(corners: [DVec2; 3]) -> f64 {
+    let edges = [0, 1, 2].map(|i| (corners[i], corners[(i + 1) % 3]));
+    let sides = edges.map(|(p, q)| p.perp_dot(q));
+    if sides.iter().all(|&s| s >= 0.0) || sides.iter().all(|&s| s <= 0.0) {
+        return 0.0;
+    }
+    let to_edge = edges.map(|(p, q)| {
+        let d = q - p;
+        let t = if d == DVec2::ZERO { 0.0 } else { (-p.dot(d) / d.length_squared()).clamp(0.0, 1.0) };
+        p.lerp(q, t).length()
+    });
+    least(to_edge)
+}
+
+/// Triangle numbers by bucket, in rising order within each.
+struct Buckets {
+    starts: Vec<usize>,
+    items: Vec<u32>,
+}
+
+impl Buckets {
+    /// Puts item `i` into every bucket that `visit(&spans[i], put)` names.
+    fn new(count: usize, spans: &[Span], visit: impl Fn(&Span, &mut dyn FnMut(usize))) -> Self {
+        let mut starts = vec![0; count + 1];
+        spans.iter().for_each(|span| visit(span, &mut |bucket| starts[bucket + 1] += 1));
+        for i in 0..count {
+            starts[i + 1] += starts[i];
+        }
+        let mut ends = starts.clone();
+        let mut items = vec![0; starts[count]];
+        for (i, span) in spans.iter().enumerate() {
+            visit(span, &mut |bucket| {
+                items[ends[bucket]] = i as u32;
+                ends[bucket] += 1;
+            });
+        }
+        Self { starts, items }
+    }
+
+    fn get(&self, bucket: usize) -> &[u32] {
+        &self.items[self.starts[bucket]..self.starts[bucket + 1]]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+
+    #[test]
+    fn a_circle_leaves_a_square_bar_where_trigonometry_says() {
+        let bar = Slices::new(Mesh::cuboid(DVec3::new(4.0, 2.0, 2.0)).mapped(|p| p - DVec3::new(0.0, 1.0, 1.0)));
+        let gaps = bar.gaps(1.0, 1.25);
+        assert_eq!(gaps.len(), 4, "{gaps:?}");
+        let half = (1.0f64 / 1.25).acos();
+        for (gap, middle) in gaps.iter().zip([-0.5 * PI, 0.0, 0.5 * PI, PI]) {
+            assert!((gap.middle() - middle).abs() < 1e-12 && (gap.width() - 2.0 * half).abs() < 1e-12, "{gap:?}");
+        }
+        assert!(bar.gaps(1.0, 0.9).is_empty() && bar.gaps(1.0, 1.5).is_empty() && bar.gaps(5.0, 1.25).is_empty());
+        let [corner] = bar.ray(1.0, 0.25 * PI)[..] else { panic!("the ray leaves the bar once") };
+        assert!((corner.r - 2f64.sqrt()).abs() < 1e-12 && !corner.enters);
+    }
+
+    #[test]
+    fn overlapping_shells_count_as_one_solid() {
+        let mut mesh = Mesh::cuboid(DVec3::new(4.0, 2.0, 2.0)).mapped(|p| p - DVec3::new(0.0, 1.0, 1.0));
+        // A fin that starts inside the bar and sticks out along +Z.
+        let fin = Mesh::cuboid(DVec3::new(4.0, 0.2, 3.0)).mapped(|p| p - DVec3::new(0.0, 0.1, 0.0));
+        let offset = mesh.vertices.len() as u32;
+        mesh.vertices.extend(fin.vertices);
+        mesh.triangles.extend(fin.triangles.iter().map(|t| t.map(|v| v + offset)));
+        let slices = Slices::new(mesh);
+        assert!(slices.gaps(2.0, 0.5).is_empty(), "inside the bar the fin's sides bound no gap");
+        let gaps = slices.gaps(2.0, 2.0);
+        assert_eq!(gaps.len(), 1);
+        assert!((gaps[0].width() - (TAU - 2.0 * (0.1f64 / 2.0).asin())).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_coarser_search_grid_finds_the_same() {
+        // A fan of many triangles that each reach all over the part makes the search grid coarser.
+        let fan = |n: usize| {
+            let mut mesh = Mesh::cuboid(DVec3::new(4.0, 2.0, 2.0)).mapped(|p| p - DVec3::new(0.0, 1.0, 1.0));
+            let first = mesh.vertices.len() as u32;
+            mesh.vertices.extend([DVec3::new(0.0, 0.0, 3.0), DVec3::new(4.0, 0.0, 3.0), DVec3::new(2.0, 0.0, -3.0)]);
+            (0..n).for_each(|_| mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 1]]));
+            Slices::new(mesh)
+        };
+        let (fine, coarse) = (fan(1), fan(2500));
+        assert!(coarse.grid[0] < fine.grid[0]);
+        let gaps = |slices: &Slices| slices.gaps(1.0, 1.25).iter().map(Gap::width).collect::<Vec<_>>();
+        assert_eq!(gaps(&fine).len(), 5, "four beside the bar, one of them parted by the fan");
+        assert_eq!(gaps(&fine), gaps(&coarse));
+        assert_eq!(fine.cell_middle(3, 5), coarse.cell_middle(3, 5));
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn a_closed_mesh_is_left_as_often_as_it_is_entered(
+            x in 0.0..3.0f64, r in 0.0..3.0f64, turn in -3.0..3.0f64, shift in -1.0..1.0f64,
+        ) {
+            let turn = glam::DQuat::from_euler(glam::EulerRot::XYZ, turn, 2.0 * turn, -turn);
+            let slices = Slices::new(Mesh::cuboid(DVec3::new(2.0, 3.0, 1.0)).mapped(|p| turn * p + shift));
+            let crossings = slices.circle(x, r);
+            let entered = crossings.iter().filter(|c| c.enters).count();
+            proptest::prop_assert_eq!(2 * entered, crossings.len());
+            let ray = slices.ray(x, turn.x);
+            let outside = slices.ray(x, turn.x).iter().map(|c| if c.enters { 1 } else { -1 }).sum::<i32>();
+            proptest::prop_assert!(outside == 0 || outside == -1, "{:?}", ray);
+        }
+    }
+}

@@ -1,0 +1,276 @@
+//! What the channel finder makes of a mesh, as a table for a reader and as data for a report.
+
+use std::fmt;
+
+use glam::DVec3;
+use serde::Serialize;
+
+use super::centreline::{CentrelineError, CentrelineSummary};
+use super::channel::{BladeSide, Channel, MeridianSample, Throat};
+use super::error::BliskError;
+use super::find_channel::{channel_of, prepared};
+use super::frame::{Axis, Repetition, find_frame};
+use super::options::BliskOptions;
+use geometry::exact::ExactMesh;
+use geometry::frame::Frame;
+use geometry::mesh::Mesh;
+use geometry::nurbs::FitError;
+use task::{Cancel, Cancelled, Progress};
+
+/// Everything found in a mesh. What comes after the first thing not found is absent.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Inspection {
+    /// Number of triangles.
+    pub triangles: usize,
+    /// Extent along the mesh's own axes (mm).
+    pub size_mm: DVec3,
+    /// Whether the mesh is closed.
+    pub watertight: bool,
+    /// Enclosed volume (mm^3).
+    pub volume_mm3: f64,
+    /// The blisk's axis in the coordinates of the mesh.
+    pub axis: Option<Axis>,
+    /// The blade count and how exactly the blades repeat.
+    pub repetition: Option<Repetition>,
+    /// The chosen channel.
+    pub channel: Option<ChannelSummary>,
+    /// Its centreline, and its walls as NURBS.
+    pub centreline: Option<CentrelineSummary>,
+    /// What was assumed, in plain sentences.
+    pub assumed: Vec<String>,
+    /// What was not found, why, and what to do about it.
+    pub not_found: Vec<String>,
+}
+
+/// The figures of a channel, without its walls' points.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChannelSummary {
+    /// Which channel.
+    pub index: usize,
+    /// W in the coordinates of the mesh (mm).
+    pub frame: Frame,
+    /// Whether there is a shroud; if not, its radii are those of the blade tips.
+    pub shrouded: bool,
+    /// Hub and shroud radii at some positions along X.
+    pub meridian: Vec<MeridianSample>,
+    /// Grid points of a wall along the chord and from hub to shroud.
+    pub wall_grid: [usize; 2],
+    /// Which faces of their blades the low and the high wall are.
+    pub sides: [BladeSide; 2],
+    /// X between the blades' edges (mm).
+    pub span_x_mm: [f64; 2],
+    /// X of the blisk's two faces (mm).
+    pub faces_x_mm: [f64; 2],
+    /// The narrowest place between the walls.
+    pub throat: Throat,
+    /// How much the middle line turns (deg).
+    pub turning_deg: f64,
+}
+
+impl ChannelSummary {
+    /// The figures of `channel`, its meridian thinned to about a dozen samples.
+    pub fn new(channel: &Channel) -> Self {
+        const ROWS: usize = 12;
+        let last = channel.meridian.len().saturating_sub(1);
+        let rows = ROWS.min(last);
+        let meridian = (0..=rows).map(|i| channel.meridian[i * last / rows.max(1)]).collect();
+        Self {
+            index: channel.index,
+            frame: channel.frame,
+            shrouded: channel.shrouded,
+            meridian,
+            wall_grid: [channel.low.nu, channel.low.nv],
+            sides: [channel.low.side, channel.high.side],
+            span_x_mm: channel.span_x(),
+            faces_x_mm: channel.faces_x,
+            throat: channel.throat,
+            turning_deg: channel.turning.to_degrees(),
+        }
+    }
+}
+
+/// Finds what can be found in `mesh` (mm); what cannot is told in [`Inspection::not_found`].
+///
+/// # Errors
+/// Only when told to stop.
+pub fn inspect(
+    mesh: &Mesh,
+    options: &BliskOptions,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Inspection, Cancelled> {
+    let mut found = Inspection {
+        triangles: mesh.triangles.len(),
+        size_mm: if mesh.vertices.is_empty() { DVec3::ZERO } else { mesh.bounds().size() },
+        watertight: false,
+        volume_mm3: 0.0,
+        axis: None,
+        repetition: None,
+        channel: None,
+        centreline: None,
+        assumed: Vec::new(),
+        not_found: Vec::new(),
+    };
+    match fill(&mut found, mesh, options, progress, cancel) {
+        Err(BliskError::Cancelled(cancelled)) => return Err(cancelled),
+        Err(error) => {
+            found.axis = found.axis.or(error.axis());
+            found.not_found.push(error.to_string());
+        }
+        Ok(()) => {}
+    }
+    Ok(found)
+}
+
+fn fill(
+    found: &mut Inspection,
+    mesh: &Mesh,
+    options: &BliskOptions,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<(), BliskError> {
+    let (mesh, assumed) = prepared(mesh, options)?;
+    found.assumed = assumed;
+    found.watertight = mesh.is_watertight();
+    found.volume_mm3 = mesh.volume();
+    let blisk = find_frame(&mesh, options, progress, cancel)?;
+    found.axis = Some(blisk.axis);
+    found.repetition = Some(blisk.repetition);
+    found.assumed.extend(blisk.assumed.iter().cloned());
+    let channel = channel_of(&mesh, &blisk, options, found.assumed.clone(), progress, cancel)?;
+    found.channel = Some(ChannelSummary::new(&channel));
+    found.assumed = channel.assumed.clone();
+    progress.report("channel", 1.0, "centreline");
+    let exact = ExactMesh::new(&mesh.in_frame(&channel.frame)).map_err(|e| BliskError::Mesh(e.to_string()))?;
+    match CentrelineSummary::new(&channel, &exact, cancel) {
+        Ok(line) => found.centreline = Some(line),
+        Err(CentrelineError::Cancelled(cancelled)) => return Err(cancelled.into()),
+        // Only one of the strategies needs it.
+        Err(error) => found.assumed.push(format!("No centreline: {error}.")),
+    }
+    Ok(())
+}
+
+impl fmt::Display for Inspection {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut row = |name: &str, value: String| writeln!(f, "{name:<18}{value}");
+        let s = self.size_mm;
+        row("Mesh", format!("{} triangles, {:.3} x {:.3} x {:.3} mm", self.triangles, s.x, s.y, s.z))?;
+        row(
+            "",
+            format!("{}, volume {:.1} mm³", if self.watertight { "closed" } else { "not closed" }, self.volume_mm3),
+        )?;
+        if let Some(axis) = &self.axis {
+            row("Axis", axis.to_string())?;
+        }
+        if let Some(r) = &self.repetition {
+            row("Blades", r.blades.to_string())?;
+            row(
+                "",
+                format!(
+                    "{:.1} % of {} wall points repeat within {:.3} mm; RMS {:.6} mm, greatest {:.6} mm",
+                    100.0 * r.matched,
+                    r.points,
+                    r.tolerance_mm,
+                    r.rms_mm,
+                    r.greatest_mm
+                ),
+            )?;
+        }
+        if let Some(channel) = &self.channel {
+            write!(f, "{channel}")?;
+        }
+        if let Some(line) = &self.centreline {
+            write!(f, "{line}")?;
+        }
+        list(f, "Assumed", &self.assumed)?;
+        list(f, "Not found", &self.not_found)
+    }
+}
+
+fn list(f: &mut fmt::Formatter<'_>, name: &str, sentences: &[String]) -> fmt::Result {
+    for (i, sentence) in sentences.iter().enumerate() {
+        writeln!(f, "{:<18}{sentence}", if i == 0 { name } else { "" })?;
+    }
+    Ok(())
+}
+
+impl fmt::Display for ChannelSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut row = |name: &str, value: String| writeln!(f, "{name:<18}{value}");
+        let outer = if self.shrouded { "shroud" } else { "tips" };
+        let [x0, x1] = self.span_x_mm;
+        let [f0, f1] = self.faces_x_mm;
+        let [nu, nv] = self.wall_grid;
+        let [low, high] = self.sides;
+        row("Channel", format!("{}, {}", self.index, if self.shrouded { "shrouded" } else { "without shroud" }))?;
+        row("Blades from x", format!("{x0:.3} to {x1:.3} mm"))?;
+        row("Faces at x", format!("{f0:.3} and {f1:.3} mm"))?;
+        row("Walls", format!("{nu} x {nv} points; low {}, high {}", side_name(low), side_name(high)))?;
+        row("Turning", format!("{:.2}°", self.turning_deg))?;
+        row("Throat", format!("{:.3} mm", self.throat.width_mm))?;
+        row("Radii", format!("{:>10}{:>10}{outer:>10}   mm", "x", "hub"))?;
+        for s in &self.meridian {
+            row("", format!("{:>10.3}{:>10.3}{:>10.3}", s.x, s.hub, s.shroud))?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for CentrelineSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut row = |name: &str, value: String| writeln!(f, "{name:<18}{value}");
+        let [least, greatest] = self.diameters_mm;
+        let error = |e: &FitError| format!("greatest {:.6} mm, RMS {:.6} mm", e.greatest_mm, e.rms_mm);
+        let circles = format!("circles of {least:.3} to {greatest:.3} mm in {} sections", self.sections);
+        row("Centreline", format!("{:.3} mm long, {circles}", self.length_mm))?;
+        row("", format!("off the sections' middles: {}", error(&self.fit)))?;
+        for (name, wall) in ["low", "high"].iter().zip(&self.walls) {
+            row("NURBS walls", format!("{name}, {}: off its points {}", side_name(wall.side), error(&wall.points)))?;
+            row("", format!("off the mesh {}", error(&wall.mesh)))?;
+        }
+        Ok(())
+    }
+}
+
+fn side_name(side: BladeSide) -> &'static str {
+    match side {
+        BladeSide::Suction => "suction",
+        BladeSide::Pressure => "pressure",
+        BladeSide::Flat => "flat",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixtures::{TestBlisk, flange};
+
+    #[test]
+    fn a_blisk_is_told_in_figures_and_a_flange_in_words() {
+        let look = |mesh| inspect(&mesh, &BliskOptions::default(), &Progress::silent(), &Cancel::default()).unwrap();
+        let part = TestBlisk::default();
+        let found = look(part.mesh());
+        assert!(found.watertight && found.not_found.is_empty(), "{found}");
+        assert_eq!(found.repetition.unwrap().blades, part.blades);
+        let channel = found.channel.as_ref().unwrap();
+        assert!((channel.faces_x_mm[1] - channel.faces_x_mm[0] - 20.0).abs() < 1e-9);
+        let text = found.to_string();
+        for word in ["Blades            24", "Throat", "shroud", "Assumed", "suction", "pressure"] {
+            assert!(text.contains(word), "{word} in\n{text}");
+        }
+        assert!(serde_json::to_string(&found).unwrap().contains("\"turning_deg\""));
+
+        let refused = look(flange(20.0, 60.0, 8, 6.0));
+        assert!(refused.channel.is_none() && refused.axis.is_some());
+        assert!(refused.to_string().contains("round holes"), "{refused}");
+    }
+
+    #[test]
+    fn work_stops_when_told_to() {
+        let cancel = Cancel::default();
+        cancel.cancel();
+        let found = inspect(&TestBlisk::default().mesh(), &BliskOptions::default(), &Progress::silent(), &cancel);
+        assert_eq!(found, Err(Cancelled));
+    }
+}

@@ -1,0 +1,69 @@
+//! Tells which surface of the blisk a point lies on, and how far the walls of the channel are.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::channel::{Channel, ChannelWall, Surface};
+use geometry::exact::{ExactMesh, ExactMeshError};
+use geometry::frame::Cylindrical;
+use geometry::mesh::Mesh;
+
+/// Distances to the surfaces of one channel, each taken by itself.
+pub struct SurfaceFinder {
+    channel: Arc<Channel>,
+    low: ExactMesh,
+    high: ExactMesh,
+}
+
+impl SurfaceFinder {
+    /// How far from a surface a point may be and still count as lying on it (mm): above the chord error of the
+    /// wall grids, well below any spark gap's use.
+    const ON_SURFACE: f64 = 0.2;
+
+    /// Prepares the walls of `channel`.
+    pub fn new(channel: Arc<Channel>) -> Result<Self, ExactMeshError> {
+        let low = ExactMesh::new(&wall_mesh(&channel.low))?;
+        let high = ExactMesh::new(&wall_mesh(&channel.high))?;
+        Ok(Self { channel, low, high })
+    }
+
+    /// The surface that the point `p` of the blisk lies on.
+    pub fn surface_of(&self, p: DVec3) -> Surface {
+        let Cylindrical { x, r, .. } = Cylindrical::from_point(p);
+        let (hub, shroud) = self.channel.radii_at(x);
+        let [front, back] = self.channel.faces_x;
+        let on_ring = x > front - Self::ON_SURFACE && x < back + Self::ON_SURFACE;
+        let end_wall = |radius: f64| if on_ring { (r - radius).abs() } else { f64::INFINITY };
+        let closed = if self.channel.shrouded { end_wall(shroud) } else { f64::INFINITY };
+        let [low, high] = self.wall_distances(p);
+        [(low, Surface::LowWall), (high, Surface::HighWall), (end_wall(hub), Surface::Hub), (closed, Surface::Shroud)]
+            .into_iter()
+            .filter(|&(distance, _)| distance <= Self::ON_SURFACE)
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .map_or(Surface::Elsewhere, |(_, surface)| surface)
+    }
+
+    /// The point of the low wall nearest to `p`, in W.
+    pub fn nearest_on_low_wall(&self, p: DVec3) -> DVec3 {
+        self.low.nearest(p).point
+    }
+
+    /// Distances from `p` to the low and to the high wall (mm, never negative).
+    pub fn wall_distances(&self, p: DVec3) -> [f64; 2] {
+        [&self.low, &self.high].map(|wall| wall.nearest(p).signed_distance.abs())
+    }
+}
+
+/// The grid of a wall as triangles.
+fn wall_mesh(wall: &ChannelWall) -> Mesh {
+    let index = |u: usize, v: usize| (u * wall.nv + v) as u32;
+    let quads = (1..wall.nu).flat_map(|u| (1..wall.nv).map(move |v| (u, v)));
+    let triangles = quads
+        .flat_map(|(u, v)| {
+            let [a, b, c, d] = [index(u - 1, v - 1), index(u, v - 1), index(u, v), index(u - 1, v)];
+            [[a, b, c], [a, c, d]]
+        })
+        .collect();
+    Mesh { vertices: wall.points.clone(), triangles }
+}

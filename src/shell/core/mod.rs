@@ -1,0 +1,449 @@
+//! What every panel sees: the document, its steps, the cursor, and what is shown. Panels draw it and push
+//! [`Command`]s; nothing else changes it.
+
+mod shown;
+
+use std::sync::Arc;
+use std::time::{Duration, Instant, SystemTime};
+
+use super::commands::Command;
+use super::preferences::Preferences;
+use super::workspace::Workspace;
+use crate::workspaces::blisk::document::Document;
+use crate::workspaces::blisk::document::job_file::PlanJob;
+use crate::workspaces::blisk::document::stage::Stage;
+use crate::workspaces::blisk::job::plan::ElectrodeOutcome;
+pub use crate::workspaces::blisk::panels::cursor::Cursor;
+use crate::workspaces::blisk::panels::kept_runs::KeptRuns;
+use crate::workspaces::blisk::panels::machine_bodies::MachineBodies;
+use crate::workspaces::blisk::panels::machine_motion::MachineMotion;
+use crate::workspaces::blisk::panels::swept::Swept;
+use crate::workspaces::blisk::panels::tuning::Tuning;
+use crate::workspaces::blisk::pipeline::{Event, EventKind, Pipeline, StageState};
+use crate::workspaces::blisk::scene::track::Track;
+use crate::workspaces::blisk::scene::values::clearance_at_vertices;
+use crate::workspaces::blisk::scene::{Layer, Layers};
+use crate::workspaces::flank::panels::FlankDesk;
+use crate::workspaces::mold::panels::MoldDesk;
+use crate::workspaces::worker::{Ended, Message, Worker};
+use feed::pose::Pose;
+use feed::search::Strategy;
+use render::mesh::RenderMesh;
+use render::scene::SectionPlane;
+
+/// See the module's page.
+pub struct Core {
+    /// The parameters.
+    pub document: Document,
+    /// What has been made of them.
+    pub pipeline: Pipeline,
+    /// What the user prefers.
+    pub preferences: Preferences,
+    /// The step whose form is open.
+    pub step: Stage,
+    /// Where the electrode stands.
+    pub cursor: Cursor,
+    /// How things look.
+    pub layers: Layers,
+    /// What is selected in tree and view.
+    pub selected: Option<Layer>,
+    /// A cut through everything.
+    pub section: Option<SectionPlane>,
+    /// Whether the electrode is coloured by its clearance.
+    pub colours: bool,
+    /// Whether the stock left on the surfaces of the channel is shown as colours.
+    pub leftover: bool,
+    /// The colours of the electrode at some pose, and the thread that they are computed on: another than that of the
+    /// plan, which may take long.
+    colouring: Worker<(), (ColourKey, Arc<Vec<f32>>)>,
+    coloured: Option<(ColourKey, Arc<Vec<f32>>)>,
+    /// What they are being computed for.
+    colours_asked: Option<ColourKey>,
+    /// The room that the electrode passes through.
+    pub swept: Swept,
+    /// The quick look, and sizing.
+    pub tuning: Tuning,
+    /// The whole motion on the machine.
+    pub machine: MachineMotion,
+    bodies: MachineBodies,
+    /// What the window shows.
+    pub workspace: Workspace,
+    /// The workspace of molds.
+    pub mold: MoldDesk,
+    /// That of flanks.
+    pub flank: FlankDesk,
+    /// Plans that are kept to compare with.
+    pub kept: KeptRuns,
+    /// Withdrawn distances at which ghosts of the electrode are pinned (mm).
+    pub ghosts: Vec<f64>,
+    /// Whether clicks in the view measure.
+    pub measuring: bool,
+    /// Where the plots have the first pose and the final one on the screen (points), for the timeline above them.
+    pub span: Option<[f32; 2]>,
+    /// Everything that has been said.
+    pub log: Vec<LogLine>,
+    /// A word that passes, and since when it is there.
+    passing: Option<(String, Workspace, Instant)>,
+    /// The track of the electrode that is looked at; made again when its source changes.
+    track: Arc<Track>,
+    track_of: TrackSource,
+    commands: Vec<Command>,
+    gesture: u64,
+}
+
+/// How long a word that passes is to be seen.
+const PASSING: Duration = Duration::from_secs(8);
+
+/// What colours were computed for.
+#[derive(Clone)]
+struct ColourKey {
+    /// The electrode's shape.
+    shape: Arc<RenderMesh>,
+    pose: Pose,
+}
+
+impl ColourKey {
+    fn is_of(&self, shape: &Arc<RenderMesh>) -> bool {
+        Arc::ptr_eq(&self.shape, shape)
+    }
+}
+
+/// A line of the log.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LogLine {
+    /// When.
+    pub at: SystemTime,
+    /// What kind of news.
+    pub kind: EventKind,
+    /// Of which step.
+    pub stage: Option<Stage>,
+    /// In one sentence.
+    pub text: String,
+    /// How long it took, if that is known.
+    pub took: Option<Duration>,
+    /// Where it was said, or what it is of.
+    pub workspace: Workspace,
+    /// How often the flank had been changed by then: what is said of one is of no other.
+    pub revision: u64,
+}
+
+/// What a track was made from: the plan's address, or the number of a partial plan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+enum TrackSource {
+    #[default]
+    Nothing,
+    Plan(usize, usize),
+    Partial(u64),
+    Live(u64),
+}
+
+impl Core {
+    /// A window's state on `document`.
+    ///
+    /// # Errors
+    /// If the system gives no thread to work on.
+    pub fn new(
+        document: Document,
+        preferences: Preferences,
+        wake: impl Fn() + Send + Sync + Clone + 'static,
+    ) -> std::io::Result<Self> {
+        Ok(Self {
+            document,
+            pipeline: Pipeline::start(wake.clone())?,
+            colouring: Worker::start(wake.clone())?,
+            swept: Swept::start(wake.clone())?,
+            bodies: MachineBodies::start(wake.clone())?,
+            kept: KeptRuns::start(wake.clone())?,
+            tuning: Tuning::start(wake.clone())?,
+            mold: MoldDesk::start(wake.clone())?,
+            flank: FlankDesk::start(wake)?,
+            workspace: Workspace::default(),
+            machine: MachineMotion::default(),
+            coloured: None,
+            colours_asked: None,
+            preferences,
+            step: Stage::Part,
+            cursor: Cursor { electrode: 0, s: 0.0, playing: false, speed: 10.0 },
+            layers: Layers::default(),
+            selected: None,
+            section: None,
+            colours: false,
+            leftover: false,
+            ghosts: Vec::new(),
+            measuring: false,
+            span: None,
+            log: Vec::new(),
+            passing: None,
+            track: Arc::default(),
+            track_of: TrackSource::default(),
+            commands: Vec::new(),
+            gesture: 0,
+        })
+    }
+
+    /// Asks for `command` at the end of the frame.
+    pub fn push(&mut self, command: Command) {
+        self.commands.push(command);
+    }
+
+    /// The commands asked for since the last call.
+    pub fn take_commands(&mut self) -> Vec<Command> {
+        std::mem::take(&mut self.commands)
+    }
+
+    /// Takes in what the worker has said. Answers what has happened.
+    pub fn follow(&mut self) -> Vec<Event> {
+        // Nothing is made of a blisk that nobody has looked at.
+        if self.workspace != Workspace::Blisk && self.pipeline.state(Stage::Part) == StageState::Missing {
+            return Vec::new();
+        }
+        let events = self.pipeline.follow(&mut self.document);
+        for event in &events {
+            let text = format!("{}: {}", event.stage.name(), event.text);
+            let (kind, stage, took) = (event.kind, Some(event.stage), event.took);
+            self.note(Workspace::Blisk, LogLine { stage, took, ..self.line(kind, text) });
+        }
+        self.follow_tuning();
+        self.follow_track();
+        self.machine.follow(self.pipeline.plan(), self.cursor.electrode);
+        self.follow_moment();
+        self.follow_leftover();
+        self.follow_kept();
+        self.follow_bodies();
+        self.follow_colours();
+        self.follow_swept();
+        events
+    }
+
+    /// Adds a line to the log.
+    pub fn say(&mut self, kind: EventKind, text: impl Into<String>) {
+        self.note(self.workspace, self.line(kind, text.into()));
+    }
+
+    /// A line that is said now.
+    pub fn line(&self, kind: EventKind, text: String) -> LogLine {
+        let (at, workspace, revision) = (SystemTime::now(), self.workspace, self.flank.revision());
+        LogLine { at, kind, stage: None, text, took: None, workspace, revision }
+    }
+
+    /// Adds a line of `workspace` to the log.
+    pub fn note(&mut self, workspace: Workspace, line: LogLine) {
+        self.log.push(LogLine { workspace, ..line });
+    }
+
+    /// Says `text` for a moment, in place of what was said last: it is no news that the log should hold.
+    pub fn say_in_passing(&mut self, text: impl Into<String>) {
+        self.passing = Some((text.into(), self.workspace, Instant::now()));
+    }
+
+    /// What was said in passing, and how long it is still to be seen.
+    pub fn passing(&self) -> Option<(&str, Duration)> {
+        let (text, _, since) = self.passing.as_ref().filter(|(_, of, _)| *of == self.workspace)?;
+        let left = PASSING.checked_sub(since.elapsed()).filter(|left| !left.is_zero())?;
+        Some((text, left))
+    }
+
+    /// What was said last in the workspace that is shown, unless it is of a failure that is none any more; and whether it
+    /// is of other parameters than the present ones.
+    pub fn last_said(&self) -> Option<(&LogLine, bool)> {
+        let line = self.log.iter().rev().find(|line| line.workspace == self.workspace)?;
+        let failed = |stage| matches!(self.pipeline.state(stage), StageState::Failed(_));
+        let is_stale = self.workspace == Workspace::Flank && line.revision != self.flank.revision();
+        let is_mended = line.kind == EventKind::Failed && line.stage.is_some_and(|stage| !failed(stage));
+        let is_over = is_mended || (is_stale && line.kind != EventKind::Done);
+        (!is_over).then_some((line, is_stale))
+    }
+
+    /// Moves the cursor to where `s` is withdrawn, or as far as there are poses.
+    pub fn go_to(&mut self, s: f64) {
+        self.machine.go_to(None);
+        self.cursor.s = s.clamp(0.0, self.track.length());
+        self.cursor.playing = false;
+    }
+
+    /// Changes parameters. `dragging` tells that more changes of the same kind may follow at once.
+    pub fn edit(&mut self, label: &str, job: PlanJob, dragging: bool) {
+        self.document.edit(label, job, dragging.then_some(self.gesture));
+        if !dragging {
+            self.gesture += 1;
+        }
+    }
+
+    /// Ends what was one gesture: the button is released, the field is left.
+    pub fn end_gesture(&mut self) {
+        self.gesture += 1;
+    }
+
+    /// Whether a plan can be started.
+    pub fn can_plan(&self) -> bool {
+        // A plan makes its own electrodes, so that it need not wait for those that are shown.
+        self.pipeline.state(Stage::Channel) == StageState::Done
+            && !matches!(self.pipeline.state(Stage::Electrode), StageState::Missing | StageState::Failed(_))
+            && self.pipeline.state(Stage::Plan) != StageState::Running
+    }
+
+    /// Whether the present plan can be kept to compare with: its strategy is known while no parameter has changed.
+    pub fn can_keep(&self) -> bool {
+        self.pipeline.state(Stage::Plan) == StageState::Done
+            && self.pipeline.plan().is_some_and(|plan| self.kept.can_keep(plan, &self.document))
+    }
+
+    /// Keeps the present plan, which [`can_keep`](Self::can_keep) says can be.
+    pub fn keep(&mut self) {
+        let (Some(plan), Some(part)) = (self.pipeline.plan(), self.pipeline.part()) else { return };
+        if let Some(name) = self.kept.keep(plan, &mut self.document, &part.content()) {
+            self.say(EventKind::Done, format!("{name} is kept for comparison"));
+        }
+    }
+
+    /// Has the runs made that came with the document.
+    fn follow_kept(&mut self) {
+        let p = &self.pipeline;
+        let found = p.channel().filter(|_| p.state(Stage::Channel) == StageState::Done);
+        for why in self.kept.follow(&self.document, (p.part(), found)) {
+            self.say(EventKind::Cancelled, why);
+        }
+    }
+
+    /// What the plan found about the electrode that is looked at.
+    pub fn outcome(&self) -> Option<&ElectrodeOutcome> {
+        self.pipeline.plan().and_then(|p| p.electrodes.get(self.cursor.electrode))
+    }
+
+    /// How many electrodes there are to look at.
+    pub fn electrode_count(&self) -> usize {
+        let planned = self.pipeline.plan().map(|p| p.electrodes.len());
+        planned.or(self.pipeline.electrodes().map(|e| e.electrodes.len())).unwrap_or(0)
+    }
+
+    /// The poses of the electrode that is looked at.
+    pub fn track(&self) -> &Track {
+        &self.track
+    }
+
+    /// The same, to be kept.
+    pub fn shared_track(&self) -> Arc<Track> {
+        self.track.clone()
+    }
+
+    /// Keeps the quick look up with the parameters, as long as there is no plan of theirs. What it found stays while
+    /// that is made.
+    fn follow_tuning(&mut self) {
+        if self.pipeline.state(Stage::Plan) == StageState::Running && self.preferences.live {
+            return;
+        }
+        let wanted = self.preferences.live
+            && self.document.job().plan.strategy == Strategy::Global
+            && matches!(self.pipeline.state(Stage::Plan), StageState::Missing | StageState::Stale);
+        let inputs = wanted.then(|| self.pipeline.tuning_inputs()).flatten();
+        self.tuning.follow(inputs, self.cursor.electrode);
+    }
+
+    /// Begins to look for the thickest electrodes.
+    pub fn find_sizes(&mut self) {
+        if let Some(inputs) = self.pipeline.tuning_inputs() {
+            self.tuning.size(inputs);
+        }
+    }
+
+    fn follow_track(&mut self) {
+        self.cursor.electrode = self.cursor.electrode.min(self.electrode_count().saturating_sub(1));
+        let partial = self.pipeline.partial_plan().filter(|p| !p.nodes.is_empty());
+        let source = match (partial, self.tuning.way(), self.pipeline.plan()) {
+            (Some(partial), ..) => TrackSource::Partial(partial.number),
+            (None, Some((number, _)), _) => TrackSource::Live(number),
+            (None, None, Some(plan)) => TrackSource::Plan(Arc::as_ptr(plan) as usize, self.cursor.electrode),
+            (None, None, None) => TrackSource::Nothing,
+        };
+        if source == self.track_of {
+            return;
+        }
+        let track = match (source, partial, self.outcome()) {
+            (TrackSource::Partial(_), Some(partial), _) => Track::of_nodes(&partial.nodes),
+            (TrackSource::Plan(..), _, Some(outcome)) => Track::of_plan(&outcome.plan),
+            (TrackSource::Live(_), ..) => {
+                self.tuning.way().map(|(_, live)| Track::of_nodes(&live.way.nodes)).unwrap_or_default()
+            }
+            _ => Track::default(),
+        };
+        // While nodes are found the electrode goes along with the last of them.
+        if matches!(source, TrackSource::Partial(_)) || matches!(self.track_of, TrackSource::Partial(_)) {
+            self.cursor.s = track.length();
+        }
+        self.cursor.s = self.cursor.s.min(track.length());
+        (self.track, self.track_of) = (Arc::new(track), source);
+    }
+
+    /// Has the electrode's clearance computed at the pose of the cursor, if it is to be seen.
+    fn follow_colours(&mut self) {
+        for message in self.colouring.messages() {
+            if let Message::Finished(_, ended) = message {
+                self.colours_asked = None;
+                if let Ended::Done(found) = ended {
+                    self.coloured = Some(found);
+                }
+            }
+        }
+        if !self.colours {
+            (self.coloured, self.colours_asked) = (None, None);
+            return;
+        }
+        let Some((electrode, shape)) = self.shown_electrode() else { return };
+        let Some(found) = self.pipeline.channel() else { return };
+        let pose = self.shown_pose();
+        let is_known = self.coloured.as_ref().is_some_and(|(key, _)| key.is_of(shape) && key.pose == pose);
+        // What is under way for this electrode may end: while the cursor moves nothing would ever end otherwise.
+        if is_known || self.colours_asked.as_ref().is_some_and(|key| key.is_of(shape)) {
+            return;
+        }
+        let (electrode, exact) = (electrode.clone(), found.exact.clone());
+        let key = ColourKey { shape: shape.clone(), pose };
+        self.colours_asked = Some(key.clone());
+        self.colouring.submit(0, move |_, _, cancel| {
+            let values = clearance_at_vertices(&electrode, &exact, &pose, cancel).map_err(|e| e.to_string())?;
+            Ok((key, Arc::new(values)))
+        });
+    }
+
+    /// Has the room made that the electrode passes through, if it is to be seen and all its poses are known.
+    fn follow_swept(&mut self) {
+        let seen = self.layers.get(Layer::Sweep).visible && !self.is_tuning() && self.pipeline.partial_plan().is_none();
+        let track = self.track.clone();
+        let lacks = self.swept.lacks((seen && !track.is_empty()).then_some(&track));
+        if let Some(why) = self.swept.take_failure() {
+            self.say(EventKind::Failed, format!("the swept volume is shown as poses: {why}"));
+        }
+        if let (true, Some((electrode, _))) = (lacks, self.shown_electrode()) {
+            let electrode = electrode.clone();
+            self.swept.make(track, electrode);
+        }
+    }
+
+    /// Pins a ghost of the electrode where the cursor stands, or takes the one there away.
+    pub fn toggle_ghost(&mut self) {
+        let s = self.cursor.s;
+        let before = self.ghosts.len();
+        self.ghosts.retain(|g| (g - s).abs() > 1e-9);
+        if self.ghosts.len() == before {
+            self.ghosts.push(s);
+            self.layers.get_mut(Layer::Ghosts).visible = true;
+        }
+    }
+
+    /// Moves the playing cursor on by `elapsed`. Tells whether it still moves.
+    pub fn advance(&mut self, elapsed: Duration) -> bool {
+        if !self.cursor.playing {
+            return false;
+        }
+        if let Some(goes_on) = self.machine.advance(self.cursor.speed * elapsed.as_secs_f64()) {
+            self.cursor.playing = goes_on;
+            return goes_on;
+        }
+        self.cursor.s -= self.cursor.speed * elapsed.as_secs_f64();
+        if self.cursor.s <= 0.0 {
+            self.cursor.s = 0.0;
+            self.cursor.playing = false;
+        }
+        self.cursor.playing
+    }
+}

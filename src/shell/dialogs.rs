@@ -1,0 +1,380 @@
+//! Windows that ask or tell: unsaved work, recovery, moved meshes, preferences, export, log, about.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use egui::{Align2, Id, Modal, RichText, Ui};
+
+use super::core::Core;
+use super::files::Purpose;
+use super::preferences::{LengthUnit, Navigation, Preferences, ThemeChoice};
+use super::status::colour_of;
+use crate::shell::autosave::{CopyKind, Recovery};
+use crate::widgets::theme::palette;
+use crate::workspaces::blisk::document::project_file::{MovedMesh, ProjectFile};
+use crate::workspaces::blisk::panels::export_dialog;
+use crate::workspaces::blisk::panels::stepper::sentence;
+use crate::workspaces::flank::document::FlankSource;
+use crate::workspaces::flank::electrode_part::FlankElectrode;
+
+/// What the user is asked, one thing at a time.
+#[derive(Default)]
+pub enum Dialog {
+    /// Nothing.
+    #[default]
+    None,
+    /// Unsaved work is about to be lost by this.
+    Unsaved(Work, Intent),
+    /// Work that an earlier program left behind.
+    Recover(Vec<Recovery>),
+    /// Meshes of a project that are gone or have changed.
+    Moved(Box<ProjectFile>, Vec<MovedMesh>, PathBuf),
+    /// Preferences.
+    Preferences,
+    /// What is exported and where.
+    Export,
+    /// The same of a flank.
+    ExportFlank,
+    /// A path, typed because the system has no file dialogs or because the user would rather type.
+    Path(Purpose, String),
+    /// This file is there already.
+    Overwrite(Purpose, PathBuf),
+    /// About the program.
+    About,
+    /// Something went wrong: title and text.
+    Error(String, String),
+}
+
+/// What may be unsaved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Work {
+    /// The parameters of the blisk's plan.
+    Blisk,
+    /// Those of the mold.
+    Mold,
+    /// Those of the flank.
+    Flank,
+}
+
+impl Work {
+    /// All of it, in the order in which it is asked about.
+    pub const ALL: [Self; 3] = [Self::Blisk, Self::Mold, Self::Flank];
+
+    /// Whether there is work of this kind that no file holds.
+    pub fn is_unsaved(self, core: &Core) -> bool {
+        match self {
+            Self::Blisk => core.document.is_unsaved(),
+            Self::Mold => core.mold.is_unsaved(),
+            Self::Flank => core.flank.is_unsaved(),
+        }
+    }
+}
+
+/// What is done once unsaved work is out of the way.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Intent {
+    /// Ends the program.
+    Quit,
+    /// Opens this file.
+    Open(PathBuf),
+    /// Opens this mold, saved or a mesh.
+    OpenMold(PathBuf),
+    /// Opens this flank.
+    OpenFlank(PathBuf),
+    /// Mills this surface in place of the flank.
+    TakeSurface(Box<FlankSource>),
+    /// Mills the flanks of this electrode.
+    MillFlanks(Arc<FlankElectrode>),
+    /// Asks for a file to open.
+    AskOpen,
+    /// Starts from the demonstration blisk.
+    Demonstration,
+}
+
+impl Intent {
+    /// Whether it takes the place of `work`.
+    pub fn endangers(&self, work: Work) -> bool {
+        match self {
+            Self::Quit => true,
+            Self::OpenMold(_) => work == Work::Mold,
+            Self::OpenFlank(_) | Self::TakeSurface(_) | Self::MillFlanks(_) => work == Work::Flank,
+            Self::Open(_) | Self::AskOpen | Self::Demonstration => work == Work::Blisk,
+        }
+    }
+}
+
+/// What the user answered.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Answer {
+    /// Save, then do it.
+    SaveThen(Intent),
+    /// Do it, whatever is lost.
+    Discard(Intent),
+    /// Take over the work of this copy.
+    Recover(usize),
+    /// Remove the copies.
+    ForgetCopies,
+    /// Look for the mesh that was here.
+    Locate(PathBuf),
+    /// Open the project although meshes have changed.
+    OpenAnyway,
+    /// Choose the folder and export.
+    ExportTo,
+    /// Choose the folder and export the flank.
+    ExportFlankTo,
+    /// Choose an NC post of one's own, and go on with the export.
+    OwnPost,
+    /// Take this path.
+    Path(Purpose, PathBuf),
+    /// Overwrite the file.
+    Overwrite,
+    /// Close the dialog.
+    Close,
+}
+
+/// Draws what is asked. Answers what the user answered.
+pub fn show(ctx: &egui::Context, core: &mut Core, dialog: &mut Dialog, adapter: &str) -> Option<Answer> {
+    let title = match dialog {
+        Dialog::None => return None,
+        Dialog::Unsaved(..) => "Unsaved work",
+        Dialog::Recover(_) => "Recovered work",
+        Dialog::Moved(..) => "Meshes of this project",
+        Dialog::Preferences => "Preferences",
+        Dialog::Export | Dialog::ExportFlank => "Export",
+        Dialog::Path(purpose, _) => purpose.title(),
+        Dialog::Overwrite(..) => "Replace this file?",
+        Dialog::About => "About Sparkpath",
+        Dialog::Error(title, _) => title,
+    }
+    .to_owned();
+    let frame = egui::Frame::popup(&ctx.global_style()).inner_margin(16);
+    // Each dialog has a size of its own.
+    let response = Modal::new(Id::unique("dialog").with(&title)).frame(frame).show(ctx, |ui| {
+        // A small window, or one drawn large, shows as much as it can and scrolls.
+        let room = ctx.content_rect().size() - egui::vec2(64.0, 80.0);
+        ui.set_width(room.x.min(440.0));
+        ui.heading(title);
+        ui.add_space(6.0);
+        let height = room.y.max(120.0);
+        let scroll = egui::ScrollArea::vertical().max_height(height).min_scrolled_height(height);
+        scroll.show(ui, |ui| contents(ui, core, dialog, adapter)).inner
+    });
+    let closes = response.should_close();
+    let answer = response.inner;
+    if answer.is_none() && closes && !matches!(dialog, Dialog::Recover(_)) {
+        return Some(Answer::Close);
+    }
+    answer
+}
+
+fn contents(ui: &mut Ui, core: &mut Core, dialog: &mut Dialog, adapter: &str) -> Option<Answer> {
+    match dialog {
+        Dialog::None => None,
+        Dialog::Unsaved(work, intent) => unsaved(ui, core, *work, intent),
+        Dialog::Recover(copies) => recover(ui, copies),
+        Dialog::Moved(_, moved, _) => moved_meshes(ui, moved),
+        Dialog::Preferences => preferences(ui, &mut core.preferences),
+        Dialog::Export => export_dialog::show(ui, core),
+        Dialog::ExportFlank => crate::workspaces::flank::panels::export_dialog(ui, core),
+        Dialog::Path(purpose, text) => path(ui, purpose, text, core.preferences.types_paths),
+        Dialog::Overwrite(_, path) => {
+            ui.label(format!("{} is there already. What it holds would be lost.", path.display()));
+            buttons(ui, &[("Replace", Answer::Overwrite), ("Cancel", Answer::Close)])
+        }
+        Dialog::About => about(ui, adapter),
+        Dialog::Error(_, text) => {
+            ui.label(&*text);
+            let closed = ui.input(|i| i.key_pressed(egui::Key::Enter)).then_some(Answer::Close);
+            buttons(ui, &[("Close", Answer::Close)]).or(closed)
+        }
+    }
+}
+
+/// A row from right to left, no higher than a button.
+pub fn from_right(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
+    ui.horizontal(|ui| ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), add));
+}
+
+/// Buttons from right to left, the first the one that goes on.
+fn buttons(ui: &mut Ui, all: &[(&str, Answer)]) -> Option<Answer> {
+    ui.add_space(10.0);
+    let mut answer = None;
+    from_right(ui, |ui| {
+        for (name, means) in all {
+            if ui.button(*name).clicked() {
+                answer = Some(means.clone());
+            }
+        }
+    });
+    answer
+}
+
+fn unsaved(ui: &mut Ui, core: &Core, work: Work, intent: &Intent) -> Option<Answer> {
+    let name = match work {
+        Work::Blisk => core.document.name(),
+        Work::Mold => format!("The mold {}", core.mold.name()),
+        Work::Flank => format!("The flank {}", core.flank.name()),
+    };
+    ui.label(format!("{name} has changes that no file holds."));
+    buttons(
+        ui,
+        &[
+            ("Save", Answer::SaveThen(intent.clone())),
+            ("Don't save", Answer::Discard(intent.clone())),
+            ("Cancel", Answer::Close),
+        ],
+    )
+}
+
+fn recover(ui: &mut Ui, copies: &[Recovery]) -> Option<Answer> {
+    ui.label("The program ended without saving. This work was kept:");
+    let mut answer = None;
+    for (i, copy) in copies.iter().enumerate() {
+        ui.horizontal(|ui| {
+            let name = copy.file.as_ref().map_or("not saved yet".to_owned(), |f| f.display().to_string());
+            let age = copy.written().and_then(|t| t.elapsed().ok()).map(|d| d.as_secs() / 60);
+            let age = age.map(|m| format!("{m} min ago")).unwrap_or_default();
+            if ui.button("Recover").clicked() {
+                answer = Some(Answer::Recover(i));
+            }
+            ui.label(match copy.kind() {
+                CopyKind::Blisk => name,
+                CopyKind::Mold => format!("Mold, {name}"),
+                CopyKind::Flank => format!("Flank, {name}"),
+            });
+            ui.label(RichText::new(age).color(palette(ui).faint));
+        });
+    }
+    answer.or(buttons(ui, &[("Later", Answer::Close), ("Throw away", Answer::ForgetCopies)]))
+}
+
+fn moved_meshes(ui: &mut Ui, moved: &[MovedMesh]) -> Option<Answer> {
+    let mut answer = None;
+    for mesh in moved {
+        let what = if mesh.changed { "has changed since the project was saved" } else { "is not there any more" };
+        ui.label(format!("{} {what}.", mesh.path.display()));
+        if ui.button("Find it…").clicked() {
+            answer = Some(Answer::Locate(mesh.path.clone()));
+        }
+        ui.add_space(4.0);
+    }
+    let mut all = vec![("Cancel", Answer::Close)];
+    if moved.iter().all(|m| m.changed) {
+        all.insert(0, ("Use as it is now", Answer::OpenAnyway));
+    }
+    answer.or(buttons(ui, &all))
+}
+
+fn preferences(ui: &mut Ui, p: &mut Preferences) -> Option<Answer> {
+    egui::Grid::new("preferences").num_columns(2).spacing([18.0, 8.0]).show(ui, |ui| {
+        let faint = palette(ui).faint;
+        ui.label(RichText::new("Theme").color(faint));
+        ui.horizontal(|ui| {
+            for (value, name) in
+                [(ThemeChoice::Dark, "Dark"), (ThemeChoice::Light, "Light"), (ThemeChoice::System, "System")]
+            {
+                ui.selectable_value(&mut p.theme, value, name);
+            }
+        });
+        ui.end_row();
+        ui.label(RichText::new("Scale").color(faint));
+        ui.horizontal(|ui| {
+            for scale in Preferences::SCALES {
+                ui.selectable_value(&mut p.scale, scale, format!("{:.0} %", 100.0 * scale));
+            }
+        });
+        ui.end_row();
+        ui.label(RichText::new("Lengths shown in").color(faint));
+        ui.horizontal(|ui| {
+            ui.selectable_value(&mut p.length, LengthUnit::Millimetre, "mm");
+            ui.selectable_value(&mut p.length, LengthUnit::Inch, "inch");
+        });
+        ui.end_row();
+        ui.label(RichText::new("Navigation").color(faint));
+        ui.horizontal(|ui| {
+            ui.selectable_value(&mut p.navigation, Navigation::Cad, "CAD");
+            ui.selectable_value(&mut p.navigation, Navigation::Blender, "Blender");
+        });
+        ui.end_row();
+        ui.label("");
+        ui.label(RichText::new(p.navigation.describe()).small().color(faint));
+        ui.end_row();
+        ui.label(RichText::new("While tuning").color(faint));
+        let live = ui.checkbox(&mut p.live, "look for a way out at once");
+        live.on_hover_text(
+            "With the global strategy: a quick look at every change, a plan with its certificate at rest",
+        );
+        ui.end_row();
+        ui.label(RichText::new("Paths of files").color(faint));
+        ui.horizontal(|ui| {
+            for (value, name, hint) in [
+                (false, "choose", "In the dialogs of the system, where it has any"),
+                (true, "type", "In this window, whatever dialogs the system has"),
+            ] {
+                ui.selectable_value(&mut p.types_paths, value, name).on_hover_text(hint);
+            }
+        });
+        ui.end_row();
+        let label = ui.label(RichText::new("Threads").color(faint));
+        ui.horizontal(|ui| {
+            ui.add(egui::DragValue::new(&mut p.threads).range(0..=1024)).labelled_by(label.id);
+            ui.label(RichText::new("0: one a core; from the next start on").small().color(faint));
+        });
+        ui.end_row();
+    });
+    buttons(ui, &[("Close", Answer::Close)])
+}
+
+fn path(ui: &mut Ui, purpose: &Purpose, text: &mut String, is_preferred: bool) -> Option<Answer> {
+    let why = if is_preferred {
+        ""
+    } else {
+        "This system has no file dialogs (no portal that chooses files, and no zenity). "
+    };
+    let label = ui.label(format!("{why}Type or paste the path:"));
+    let mut edited = egui::TextEdit::singleline(text).desired_width(f32::INFINITY).show(ui);
+    let field = edited.response.response.clone().labelled_by(label.id);
+    if !field.has_focus() && !field.lost_focus() {
+        field.request_focus();
+        // What is proposed is replaced by what is typed.
+        let all =
+            egui::text::CCursorRange::two(egui::text::CCursor::new(0), egui::text::CCursor::new(text.chars().count()));
+        edited.state.cursor.set_char_range(Some(all));
+        edited.state.store(ui.ctx(), field.id);
+    }
+    let entered = field.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
+    let chosen = Answer::Path(purpose.clone(), PathBuf::from(text.trim()));
+    let answer = buttons(ui, &[("OK", chosen.clone()), ("Cancel", Answer::Close)]);
+    let answer = if entered { Some(chosen) } else { answer };
+    answer.filter(|a| !matches!(a, Answer::Path(_, path) if path.as_os_str().is_empty()))
+}
+
+fn about(ui: &mut Ui, adapter: &str) -> Option<Answer> {
+    ui.label(format!("Sparkpath {}", env!("CARGO_PKG_VERSION")));
+    ui.label("Plans, verifies and exports EDM electrode feed paths for shrouded blisks. MIT or Apache-2.0.");
+    ui.label(RichText::new(adapter).small().color(palette(ui).faint));
+    buttons(ui, &[("Close", Answer::Close)])
+}
+
+/// The log in a window of its own.
+pub fn log(ctx: &egui::Context, core: &Core, open: &mut bool) {
+    let window =
+        egui::Window::new("Log").open(open).default_size([560.0, 260.0]).anchor(Align2::LEFT_BOTTOM, [12.0, -40.0]);
+    window.show(ctx, |ui| {
+        egui::ScrollArea::vertical().stick_to_bottom(true).auto_shrink([false, false]).show(ui, |ui| {
+            for line in &core.log {
+                let ago = line.at.elapsed().map(|d| d.as_secs()).unwrap_or_default();
+                ui.horizontal_wrapped(|ui| {
+                    ui.label(RichText::new(format!("{ago:>4} s ago")).monospace().color(palette(ui).faint));
+                    ui.label(RichText::new(sentence(&line.text)).color(colour_of(ui, line.kind)));
+                    if let Some(took) = line.took {
+                        ui.label(RichText::new(format!("{:.1} s", took.as_secs_f64())).color(palette(ui).faint));
+                    }
+                });
+            }
+            if core.log.is_empty() {
+                ui.weak("Nothing has been said yet.");
+            }
+        });
+    });
+}

@@ -1,0 +1,116 @@
+//! The command palette: every command by a few letters of its name.
+
+use egui::{Align2, Key, RichText, Ui, vec2};
+
+use super::commands::Command;
+use super::core::Core;
+use crate::widgets::theme::palette;
+
+/// What is typed and chosen; open while it is some.
+#[derive(Debug, Default)]
+pub struct CommandPalette {
+    open: bool,
+    text: String,
+    chosen: usize,
+}
+
+impl CommandPalette {
+    /// Opens or closes it.
+    pub fn toggle(&mut self) {
+        *self = Self { open: !self.open, ..Self::default() };
+    }
+
+    /// Whether it is open, and keys are its own.
+    pub fn is_open(&self) -> bool {
+        self.open
+    }
+
+    /// Draws it if it is open.
+    pub fn show(&mut self, ctx: &egui::Context, core: &mut Core) {
+        if !self.open {
+            return;
+        }
+        let mut found: Vec<Command> = Command::all().into_iter().filter(|c| matches(&c.name(), &self.text)).collect();
+        // What can be done comes first, and of that what holds the letters as one word.
+        found.sort_by_key(|c| (!c.is_enabled(core), !holds(&c.name(), &self.text)));
+        self.chosen = self.chosen.min(found.len().saturating_sub(1));
+        let [up, down, enter, escape] = [Key::ArrowUp, Key::ArrowDown, Key::Enter, Key::Escape]
+            .map(|key| ctx.input_mut(|i| i.consume_key(egui::Modifiers::NONE, key)));
+        self.chosen = (self.chosen + usize::from(down)).min(found.len().saturating_sub(1));
+        self.chosen = self.chosen.saturating_sub(usize::from(up));
+        let mut run = if enter { found.get(self.chosen).copied() } else { None };
+        let window = egui::Window::new("Commands")
+            .title_bar(false)
+            .resizable(false)
+            .anchor(Align2::CENTER_TOP, vec2(0.0, 90.0))
+            .fixed_size(vec2(440.0, 340.0));
+        let shown = window.show(ctx, |ui| self.list(ui, core, &found).or(run.take()));
+        let run = shown.and_then(|s| s.inner.flatten());
+        if let Some(command) = run.filter(|c| c.is_enabled(core)) {
+            core.push(command);
+            self.open = false;
+        }
+        if escape {
+            self.open = false;
+        }
+    }
+
+    fn list(&mut self, ui: &mut Ui, core: &Core, found: &[Command]) -> Option<Command> {
+        let field = egui::TextEdit::singleline(&mut self.text).hint_text("Type a command").desired_width(f32::INFINITY);
+        let typed = ui.add(field);
+        typed.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Command"));
+        typed.request_focus();
+        if typed.changed() {
+            self.chosen = 0;
+        }
+        ui.add_space(4.0);
+        let mut run = None;
+        egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+            for (i, command) in found.iter().enumerate() {
+                let enabled = command.is_enabled(core);
+                ui.horizontal(|ui| {
+                    let response = ui.add_enabled(enabled, egui::Button::selectable(i == self.chosen, command.name()));
+                    if response.clicked() {
+                        run = Some(*command);
+                    }
+                    if i == self.chosen {
+                        response.scroll_to_me(None);
+                    }
+                    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                        if let Some(keys) = command.shortcut() {
+                            let text = ui.ctx().format_shortcut(&keys);
+                            ui.label(RichText::new(text).small().color(palette(ui).faint));
+                        }
+                    });
+                });
+            }
+            if found.is_empty() {
+                ui.label(RichText::new("No such command").color(palette(ui).faint));
+            }
+        });
+        run
+    }
+}
+
+/// Whether the letters of `typed` occur in `name` in this order, case and spaces apart.
+fn matches(name: &str, typed: &str) -> bool {
+    let mut letters = name.chars().flat_map(char::to_lowercase);
+    typed.chars().filter(|c| !c.is_whitespace()).flat_map(char::to_lowercase).all(|c| letters.any(|l| l == c))
+}
+
+/// Whether `name` holds what is `typed` as it stands, case apart.
+fn holds(name: &str, typed: &str) -> bool {
+    name.to_lowercase().contains(&typed.trim().to_lowercase())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{holds, matches};
+
+    #[test]
+    fn letters_in_order_are_enough() {
+        assert!(matches("Plan feed path", "pfp") && matches("Undo", "") && matches("Save as…", "save AS"));
+        assert!(!matches("Undo", "od"));
+        assert!(holds("Find what is left uncut", " find") && !holds("To the final pose", "find"));
+    }
+}

@@ -1,0 +1,140 @@
+//! The same electrodes planned by several strategies, to lay their paths side by side. [`write`] writes files.
+
+use std::path::Path;
+
+use super::plan::{PlanInputs, PlanJobError, PlanOutcome, run_feeds};
+use super::prepared_blisk::PreparedBlisk;
+use super::stages::{FoundChannel, Part};
+use crate::workspaces::blisk::document::job_file::{BliskSection, PlanJob};
+use crate::workspaces::blisk::document::kept_plan::{KeptPlan, KeptRun};
+use crate::workspaces::blisk::export::PlanFilesError;
+use crate::workspaces::blisk::report::InputFile;
+use crate::workspaces::blisk::report::comparison::{Comparison, Run, RunElectrode, SCHEMA};
+use feed::genetic::ReductionMode;
+use feed::strategy::Strategy;
+use files::whole_file::write_atomically;
+use task::{Cancel, Progress};
+
+/// Plans every electrode of the job by each of `strategies` and shows `finished` each run as it ends. Electrodes are those
+/// that the job gives: none is drawn in further by the genetic search. A strategy that cannot be followed on this job says
+/// why in its run.
+///
+/// # Errors
+/// When told to stop, and the first strategy's own if none can be followed.
+pub fn compare(
+    prepared: &PreparedBlisk,
+    inputs: &PlanInputs,
+    strategies: &[Strategy],
+    finished: &(dyn Fn(&Run) + Sync),
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Vec<Run>, PlanJobError> {
+    let mut runs = Vec::new();
+    let mut first_error = None;
+    for &strategy in strategies {
+        let inputs = PlanInputs { job: job_for(&inputs.job, strategy), ..inputs.clone() };
+        let run = match run_feeds(prepared, &inputs, &named(progress, strategy), cancel) {
+            Ok(outcome) => run_of(strategy, &outcome),
+            Err(PlanJobError::Cancelled(cancelled)) => return Err(cancelled.into()),
+            Err(error) => {
+                let failure = Some(error.to_string());
+                first_error.get_or_insert(error);
+                Run { strategy, failure, electrodes: Vec::new() }
+            }
+        };
+        finished(&run);
+        runs.push(run);
+    }
+    match first_error {
+        Some(error) if runs.iter().all(|run| run.failure.is_some()) => Err(error),
+        _ => Ok(runs),
+    }
+}
+
+/// The job that a run of `strategy` plans: the same but for the way it is searched.
+pub fn job_for(job: &PlanJob, strategy: Strategy) -> PlanJob {
+    let mut job = job.clone();
+    job.plan.strategy = strategy;
+    // Only one strategy searches the reduction, and would then compare another electrode.
+    job.genetic.h = ReductionMode::Given;
+    job
+}
+
+/// `progress` with the strategy's name before every message.
+fn named(progress: &Progress, strategy: Strategy) -> Progress {
+    let progress = progress.clone();
+    Progress::new(move |update| {
+        let message = format!("{}: {}", strategy.name(), update.message);
+        progress.report(update.stage, update.fraction, &message);
+    })
+}
+
+/// The figures of a plan that `strategy` made.
+pub fn run_of(strategy: Strategy, outcome: &PlanOutcome) -> Run {
+    let electrodes = outcome.electrodes.iter().enumerate();
+    let of = |(i, e): (usize, &super::plan::ElectrodeOutcome)| {
+        RunElectrode::of(i + 1, &e.plan, &e.electrode, &outcome.channel)
+    };
+    Run { strategy, failure: None, electrodes: electrodes.map(of).collect() }
+}
+
+/// The figures of a plan that was kept with the parameters `kept.job`: its nodes are joined and verified anew on the part
+/// and the channel of `now`.
+///
+/// # Errors
+/// If it is of other meshes or of another channel, is none that its parameters allow, or when told to stop.
+pub fn kept_run(
+    kept: &KeptRun,
+    now: &PlanJob,
+    part: &Part,
+    found: &FoundChannel,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<PlanOutcome, PlanJobError> {
+    let blisk = |job: &PlanJob| BliskSection { mesh: None, ..job.blisk.clone() };
+    if kept.plan.inputs != KeptPlan::inputs_of(&kept.job, &part.content()) || blisk(&kept.job) != blisk(now) {
+        return Err(PlanJobError::Job("it is of another part or channel than the present one".to_owned()));
+    }
+    let (blisk, own_electrode) = (part.mesh.clone(), part.own_electrode.clone());
+    let inputs = PlanInputs { blisk, own_electrode, job: kept.job.clone() };
+    super::plan::replay(&inputs, &found.channel, &found.blisk, &found.exact, &kept.plan, progress, cancel)
+}
+
+/// The comparison of `runs` of `job`, whose meshes were read from `files`.
+pub fn comparison(runs: Vec<Run>, job: &PlanJob, files: Vec<InputFile>) -> Comparison {
+    let mut parameters = serde_json::to_value(job_for(job, Strategy::default())).unwrap_or_default();
+    if let Some(plan) = parameters.get_mut("plan").and_then(|plan| plan.as_object_mut()) {
+        plan.remove("strategy");
+    }
+    Comparison {
+        schema: SCHEMA,
+        program_version: env!("CARGO_PKG_VERSION"),
+        inputs: files,
+        step_mm: job.plan.step_mm,
+        parameters,
+        runs,
+    }
+}
+
+/// Writes `comparison.json`, `comparison.csv` and `comparison.html` into `folder`: all of them under temporary names first,
+/// so that files of two comparisons hardly ever stand side by side. Answers their names.
+///
+/// # Errors
+/// [`PlanFilesError`] naming what cannot be written; when told to stop, before anything is.
+pub fn write(folder: &Path, comparison: &Comparison, cancel: &Cancel) -> Result<Vec<&'static str>, PlanFilesError> {
+    let (json, csv, html) = (comparison.json()?, comparison.csv(), comparison.html());
+    let files = [("comparison.json", json), ("comparison.csv", csv), ("comparison.html", html)];
+    let unusable = |source| PlanFilesError::Folder { path: folder.to_owned(), source };
+    cancel.check()?;
+    std::fs::create_dir_all(folder).map_err(unusable)?;
+    let staging = tempfile::Builder::new().prefix(".sparkpath-").tempdir_in(folder).map_err(unusable)?;
+    for (name, text) in &files {
+        write_atomically(&staging.path().join(name), text.as_bytes())?;
+    }
+    cancel.check()?;
+    for (name, _) in &files {
+        let file = folder.join(name);
+        std::fs::rename(staging.path().join(name), &file).map_err(|source| PlanFilesError::Replace { file, source })?;
+    }
+    Ok(files.map(|(name, _)| name).to_vec())
+}

@@ -1,0 +1,206 @@
+//! What comes after the feed: the copying motions, the whole motion on the machine, and what stock is left by all
+//! electrodes together.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::plan::{Clock, ElectrodeOutcome, PlanInputs, PlanJobError, PlanOutcome};
+use super::simulate::simulate;
+use crate::workspaces::blisk::document::job_file::PlanJob;
+use crate::workspaces::blisk::report::StageTime;
+use feed::copying::{Copying, CopyingExtent, CopyingSettings, copying_motion};
+use feed::leftover::{Burn, Leftover, LeftoverError, Site, leftover};
+use feed::path::FeedPath;
+use feed::pose::Pose;
+use feed::simulation::Simulation;
+use feed::verify::Verifier;
+use geometry::mesh::Mesh;
+use task::{Cancel, Cancelled, Progress};
+use wheel::channel::Channel;
+use wheel::electrode::Junctions;
+use wheel::surface_finder::SurfaceFinder;
+
+/// How the electrodes of a plan finish the channel once they are in.
+#[derive(Debug, Clone)]
+pub struct Finishing {
+    /// The copying motion of each electrode; empty if not every electrode has a certified path.
+    pub copying: Vec<Copying>,
+    /// The whole motion of each electrode on the machine; empty if the machine has no bodies and no other channels are
+    /// burnt.
+    pub simulations: Vec<Arc<Simulation>>,
+    /// What they leave of the channel, or why that cannot be told.
+    pub leftover: Result<Arc<Leftover>, String>,
+    /// Which stage was stopped, if one was: nothing can be approved then.
+    pub stopped: Option<&'static str>,
+    /// Times of the stages in order.
+    pub times: Vec<StageTime>,
+}
+
+impl Finishing {
+    /// The first motion on the machine in which something comes too close, or an axis cannot go where it would have to.
+    pub fn collision(&self) -> Option<&Simulation> {
+        self.simulations.iter().map(|s| &**s).find(|s| !s.holds())
+    }
+}
+
+/// Where electrodes are finished.
+pub(super) struct Around<'a> {
+    pub job: &'a PlanJob,
+    /// The finished blisk in W.
+    pub blisk: &'a Mesh,
+    pub channel: &'a Arc<Channel>,
+    finder: SurfaceFinder,
+    junctions: Junctions,
+}
+
+/// Works out how the electrodes of `outcome` finish the channel, unless that is known: their copying motions, the
+/// whole motion on the machine and, if every path is certified, what stock they leave. `blisk` is that of `inputs` in W.
+///
+/// # Errors
+/// If a copying motion cannot be judged, or when told to stop; the outcome is as it was then.
+pub fn finish<'a>(
+    outcome: &'a PlanOutcome,
+    inputs: &PlanInputs,
+    blisk: &Mesh,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<&'a Finishing, PlanJobError> {
+    match outcome.finishing() {
+        // What was stopped stays so: an outcome is finished once.
+        Some(known) => known.stopped.map_or(Ok(known), |_| Err(Cancelled.into())),
+        None => {
+            let finishing = finishing(outcome, inputs, blisk, progress, cancel)?;
+            let stopped = finishing.stopped.map(|_| Err(Cancelled.into()));
+            stopped.unwrap_or_else(|| Ok(outcome.finished_by(finishing)))
+        }
+    }
+}
+
+/// The same, but what is known is kept where it is told to stop after the copying motions: [`Finishing::stopped`].
+///
+/// # Errors
+/// As [`finish`], and when told to stop before.
+pub fn finish_as_far_as_possible<'a>(
+    outcome: &'a PlanOutcome,
+    inputs: &PlanInputs,
+    blisk: &Mesh,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<&'a Finishing, PlanJobError> {
+    match outcome.finishing() {
+        Some(known) => Ok(known),
+        None => Ok(outcome.finished_by(finishing(outcome, inputs, blisk, progress, cancel)?)),
+    }
+}
+
+fn finishing(
+    outcome: &PlanOutcome,
+    inputs: &PlanInputs,
+    blisk: &Mesh,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Finishing, PlanJobError> {
+    let channel = &outcome.channel;
+    let finder = SurfaceFinder::new(channel.clone())?;
+    let junctions = match inputs.own_electrode {
+        Some(_) => Junctions::default(),
+        None => Junctions::of(channel, &inputs.job.electrode)?,
+    };
+    Around { job: &inputs.job, blisk, channel, finder, junctions }.finishing(outcome, progress, cancel)
+}
+
+impl Around<'_> {
+    fn finishing(
+        &self,
+        outcome: &PlanOutcome,
+        progress: &Progress,
+        cancel: &Cancel,
+    ) -> Result<Finishing, PlanJobError> {
+        let mut finishing = Finishing {
+            copying: Vec::new(),
+            simulations: Vec::new(),
+            leftover: Err("what stock is left cannot be told before every electrode has a certified path".to_owned()),
+            stopped: None,
+            times: Vec::new(),
+        };
+        if !outcome.is_verified() {
+            return Ok(finishing);
+        }
+        let mut clock = Clock::default();
+        let electrodes = &outcome.electrodes;
+        let motion = |e| clock.time("copying motion", || copying(self, e, progress, cancel));
+        finishing.copying = electrodes.iter().map(motion).collect::<Result<Vec<_>, _>>()?;
+        let (motions, simulations) = (&finishing.copying, &mut finishing.simulations);
+        match clock.time("simulation", || simulate(self, electrodes, motions, simulations, progress, cancel)) {
+            Ok(()) => {}
+            Err(PlanJobError::Cancelled(_)) => finishing.stopped = Some("simulation of the whole motion"),
+            Err(other) => return Err(other),
+        }
+        finishing.leftover = match clock.time("leftover", || left_by(self, electrodes, motions, progress, cancel)) {
+            Ok(left) => Ok(Arc::new(left)),
+            Err(LeftoverError::Cancelled(_)) => {
+                finishing.stopped.get_or_insert("map of the stock left");
+                Err("what stock is left is not known: the work was stopped".to_owned())
+            }
+            // A plan is good without it.
+            Err(other) => Err(format!("what stock is left cannot be told: {other}")),
+        };
+        finishing.times = clock.0;
+        Ok(finishing)
+    }
+}
+
+fn copying(
+    around: &Around,
+    outcome: &ElectrodeOutcome,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Copying, PlanJobError> {
+    let (job, electrode) = (around.job, &outcome.electrode);
+    let wanted = CopyingExtent::of(electrode, &job.electrode, outcome.plan.h);
+    let machine = &job.machine.seen_from_w(electrode.enters_from);
+    let settings = CopyingSettings {
+        machine,
+        verify: &job.verify,
+        spark_gap: job.electrode.spark_gap_mm,
+        frame: around.channel.frame,
+    };
+    progress.report("copying motion", 0.0, "");
+    let verifier = Verifier::new(around.blisk, &electrode.mesh, electrode.reference_point, cancel)?;
+    let verifier = verifier.within(machine.limits());
+    let surface_of = |p: DVec3| around.finder.surface_of(p);
+    Ok(copying_motion(electrode, &verifier, wanted, &settings, &surface_of, progress, cancel)?)
+}
+
+fn left_by(
+    around: &Around,
+    electrodes: &[ElectrodeOutcome],
+    motions: &[Copying],
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Leftover, LeftoverError> {
+    let poses = |path: &FeedPath| -> Vec<Pose> { path.rows.iter().map(|row| row.pose).collect() };
+    let burns: Vec<Burn> = electrodes
+        .iter()
+        .zip(motions)
+        .map(|(e, copying)| Burn {
+            electrode: &e.electrode,
+            feed: e.plan.path.as_ref().map(|p| poses(&p.path)).unwrap_or_default(),
+            // What is not certified is not exported either, and burns nothing.
+            copying: copying.certified().map(|c| poses(&c.path)).unwrap_or_default(),
+        })
+        .collect();
+    let feeds = electrodes.iter().filter_map(|e| e.plan.path.as_ref().map(|p| p.certificate.certified()));
+    let copied = motions.iter().filter_map(Copying::certified);
+    let proven = feeds.chain(copied.map(|c| c.certificate.certified())).fold(f64::INFINITY, f64::min);
+    let site = Site {
+        blisk: around.blisk,
+        channel: around.channel,
+        finder: &around.finder,
+        spark_gap: around.job.electrode.spark_gap_mm,
+        junctions: around.junctions.clone(),
+        proven,
+    };
+    leftover(&site, &burns, progress, cancel)
+}

@@ -1,0 +1,115 @@
+//! A blisk made ready for planning: everything that does not change while electrodes and searches are tuned.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::plan::{Clock, PlanInputs, PlanJobError, electrode_of};
+use feed::plan::PlanningSpace;
+use feed::prepared::PreparedElectrode;
+use feed::probes::Turns;
+use geometry::exact::ExactMesh;
+use geometry::mesh::Mesh;
+use task::{Cancel, Progress};
+use wheel::channel::Channel;
+use wheel::electrode::{ElectrodeParams, EnterSide, EntrySide, Sizing, own_turns};
+
+/// See the module's text.
+pub struct PreparedBlisk {
+    /// For exact distances, in W.
+    pub(super) exact: Arc<ExactMesh>,
+    /// The channel with its distance field.
+    pub(super) space: PlanningSpace,
+    /// Size of a cell of the field (mm).
+    cell: f64,
+    /// Times of the stages.
+    pub(super) clock: Clock,
+    /// Electrodes without circumferential reductions that were prepared, the latest last.
+    fullest: Mutex<Vec<(Fullest, Arc<PreparedElectrode>)>>,
+}
+
+/// What tells one electrode without circumferential reductions from another.
+#[derive(Debug, Clone, PartialEq)]
+struct Fullest {
+    params: ElectrodeParams,
+    part: usize,
+    side: EntrySide,
+    margin: f64,
+    most: f64,
+}
+
+impl PreparedBlisk {
+    /// Prepared electrodes that are kept.
+    const KEPT: usize = 8;
+    /// Least angle by which walls of a prepared electrode can be drawn in (deg).
+    const DRAWN_IN_DEG: f64 = 12.0;
+
+    /// Builds the distance field about `channel`; `blisk` and `exact` are in W.
+    ///
+    /// # Errors
+    /// If the field gets too large, or when told to stop.
+    pub fn new(
+        blisk: Arc<Mesh>,
+        exact: Arc<ExactMesh>,
+        channel: Arc<Channel>,
+        cell: f64,
+        progress: &Progress,
+        cancel: &Cancel,
+    ) -> Result<Self, PlanJobError> {
+        let mut clock = Clock::default();
+        let build = || PlanningSpace::new(blisk, &exact, channel, cell, progress, cancel);
+        let space = clock.time("distance field", build)?;
+        Ok(Self { exact, space, cell, clock, fullest: Mutex::default() })
+    }
+
+    /// The blisk in W.
+    pub fn blisk(&self) -> &Mesh {
+        &self.space.blisk
+    }
+
+    /// Whether it was made with this cell size (mm).
+    pub fn has_cell(&self, cell: f64) -> bool {
+        self.cell == cell
+    }
+
+    /// Electrode number `part` along X for a side without circumferential reductions, and the angles by which its walls
+    /// have to be drawn in for those of the job. An electrode of one's own is what it is.
+    ///
+    /// # Errors
+    /// If it cannot be made, or when told to stop.
+    pub(super) fn fullest(
+        &self,
+        inputs: &PlanInputs,
+        (part, side): (usize, EntrySide),
+        progress: &Progress,
+        cancel: &Cancel,
+    ) -> Result<(Arc<PreparedElectrode>, Turns), PlanJobError> {
+        let mut full = inputs.clone();
+        let mut drawn_in = [0.0; 2];
+        if inputs.own_electrode.is_none() {
+            std::mem::swap(&mut full.job.electrode.circumferential_reduction_deg, &mut drawn_in);
+        }
+        let turns = |of: &PreparedElectrode| Turns(own_turns(of.electrode().column, drawn_in.map(f64::to_radians)));
+        let most = drawn_in.into_iter().fold(Self::DRAWN_IN_DEG, f64::max).to_radians();
+        let margin = inputs.job.plan.margin_mm;
+        // Neither where it may enter from nor how its size was found changes it.
+        let params = ElectrodeParams { enter: EnterSide::Auto, size: Sizing::Given, ..full.job.electrode.clone() };
+        let wanted = Fullest { params, part, side, margin, most };
+        let known = |kept: &[(Fullest, Arc<PreparedElectrode>)]| {
+            kept.iter().find(|(of, _)| *of == wanted).map(|(_, prepared)| prepared.clone())
+        };
+        if let Some(prepared) = known(&self.fullest.lock().unwrap_or_else(PoisonError::into_inner)) {
+            let turns = turns(&prepared);
+            return Ok((prepared, turns));
+        }
+        let electrode = electrode_of(&full, &self.space.channel, &self.exact, (part, side, 0.0), progress, cancel)?;
+        let clearance = inputs.job.electrode.spark_gap_mm + margin;
+        let prepared = PreparedElectrode::new(&self.space, electrode.into(), clearance, most, progress, cancel)?;
+        let prepared = Arc::new(prepared);
+        let mut kept = self.fullest.lock().unwrap_or_else(PoisonError::into_inner);
+        if kept.len() == Self::KEPT {
+            kept.remove(0);
+        }
+        kept.push((wanted, prepared.clone()));
+        let turns = turns(&prepared);
+        Ok((prepared, turns))
+    }
+}

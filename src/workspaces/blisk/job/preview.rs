@@ -1,0 +1,72 @@
+//! The quick look that follows while parameters are tuned.
+
+use std::sync::Arc;
+
+use super::plan::{PlanInputs, PlanJobError, electrode_of, settings_of, sides};
+use super::prepared_blisk::PreparedBlisk;
+use feed::global::CoarseWay;
+use feed::plan::{DrawnIn, coarse_way};
+use task::{Cancel, Progress};
+use wheel::channel::Channel;
+use wheel::electrode::{Electrode, EntrySide};
+
+/// What a quick look found for one electrode.
+#[derive(Debug, Clone)]
+pub struct LiveWay {
+    /// The side that it is withdrawn to.
+    pub side: EntrySide,
+    /// The way.
+    pub way: CoarseWay,
+    /// The electrode with the reductions of the job, if it is not made for the side that is tried first.
+    pub other: Option<Arc<Electrode>>,
+}
+
+impl LiveWay {
+    /// What it found, in one sentence.
+    pub fn sentence(&self, channel: &Channel) -> String {
+        let side = if self.side == EntrySide::MinusX { "-X" } else { "+X" };
+        match (&self.way.width, &self.way.jam) {
+            (Some(width), _) => format!("seems to come out towards {side}, {width:.3} mm wider than needed"),
+            (None, Some(jam)) => format!("towards {side}: {}", jam.sentence(channel)),
+            (None, None) => String::new(),
+        }
+    }
+}
+
+/// Looks for a way of the electrode number `part` along X with the parameters of the job: on the side that is tried first,
+/// and where that fails on the other; of two that fail the one that gets further.
+///
+/// # Errors
+/// If the electrode cannot be made, or when told to stop.
+pub fn live_way(
+    prepared: &PreparedBlisk,
+    inputs: &PlanInputs,
+    part: usize,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<LiveWay, PlanJobError> {
+    let job = &inputs.job;
+    job.validate().map_err(PlanJobError::Job)?;
+    let settings = settings_of(job, &|_, _| ());
+    let mut best: Option<LiveWay> = None;
+    let columns = if inputs.own_electrode.is_some() { 1 } else { job.electrode.columns };
+    let sides = sides(job.electrode.enter, part / columns, job.electrode.parts);
+    for &side in &sides {
+        let (full, turns) = prepared.fullest(inputs, (part, side), progress, cancel)?;
+        let drawn_in = DrawnIn { prepared: &full, turns, electrode: full.electrode() };
+        let way = coarse_way(&prepared.space, &drawn_in, &settings, progress, cancel)?;
+        let reach = |w: &CoarseWay| (w.width.is_some(), w.nodes.last().map_or(0.0, |n| n.s));
+        if best.as_ref().is_none_or(|b| reach(&b.way) < reach(&way)) {
+            best = Some(LiveWay { side, way, other: None });
+        }
+        if best.as_ref().is_some_and(|b| b.way.width.is_some()) {
+            break;
+        }
+    }
+    let mut best = best.ok_or_else(|| PlanJobError::Job("there is no side to withdraw the electrode to".to_owned()))?;
+    if sides.first() != Some(&best.side) {
+        let (channel, which) = (&prepared.space.channel, (part, best.side, 0.0));
+        best.other = Some(Arc::new(electrode_of(inputs, channel, &prepared.exact, which, progress, cancel)?));
+    }
+    Ok(best)
+}

@@ -1,0 +1,301 @@
+//! Automatic sizing: the thickest electrodes that come out, for one part and more, on either side.
+
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use super::plan::{PlanInputs, PlanJobError, PlanOutcome, run_feeds, settings_of};
+use super::prepared_blisk::PreparedBlisk;
+use feed::genetic::ReductionMode;
+use feed::plan_params::PlanError;
+use feed::prepared::PreparedElectrode;
+use feed::probes::Turns;
+use feed::search::Strategy;
+use feed::sizing::{Least, Sizer};
+use task::{Cancel, Progress};
+use wheel::channel::Surface;
+use wheel::electrode::{EnterSide, EntrySide, Sizing as SizeMode, own_turns};
+
+/// What is sized.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SizingRange {
+    /// Least number of parts.
+    pub from: usize,
+    /// Greatest number of parts.
+    pub to: usize,
+}
+
+/// One way to make the electrodes, certified.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SizeRow {
+    /// Number of parts.
+    pub parts: usize,
+    /// The side they enter from.
+    pub enter: EnterSide,
+    /// Circumferential reductions of the low and the high wall (deg).
+    pub reduction_deg: [f64; 2],
+    /// The thinnest metal of any of the parts between its walls (mm).
+    pub least_thickness_mm: f64,
+    /// Volume of all parts with shank and holder (mm^3).
+    pub volume_mm3: f64,
+    /// Certified clearance of the least of them (mm).
+    pub certified_mm: f64,
+    /// What keeps them from being thicker.
+    pub limit: Option<SizeLimit>,
+    /// What the certificate asked for beyond the reductions that the search needs (deg).
+    pub raised_deg: f64,
+}
+
+/// The electrode of a row that needs its reductions, and the narrowest place of its way out.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SizeLimit {
+    /// The electrode, counted from 1.
+    pub electrode: usize,
+    /// Electrodes of the row.
+    pub electrodes: usize,
+    /// The side that it enters from.
+    pub enters_from: EntrySide,
+    /// The node at that place, counted from the final pose.
+    pub node: usize,
+    /// Withdrawn distance there (mm).
+    pub s_mm: f64,
+    /// What it passes there.
+    pub surface: String,
+}
+
+impl SizeLimit {
+    /// In one clause.
+    pub fn clause(&self) -> String {
+        let Self { electrode, electrodes, enters_from, node, s_mm, surface } = self;
+        let who = match electrodes {
+            1 => "limited".to_owned(),
+            n => {
+                let side = if *enters_from == EntrySide::MinusX { "-x" } else { "+x" };
+                format!("limited by electrode {electrode} of {n}, which enters from {side},")
+            }
+        };
+        format!("{who} at node {node}, {s_mm:.1} mm withdrawn, by the {surface}")
+    }
+}
+
+/// Reductions are found to this angle (deg).
+pub const TOLERANCE_DEG: f64 = 0.03;
+/// Greatest reduction that is tried (deg).
+const MOST_DEG: f64 = 10.0;
+/// Where the search begins (deg).
+const FIRST_DEG: f64 = 1.0;
+/// Times that a little more reduction is taken where the certificate does not hold.
+const RAISES: usize = 4;
+
+/// Sizes the electrodes of the job for every number of parts in `range`, and shows `found` each row as it is certified.
+/// For one part both reductions are equal first, on each side of entry that the job allows, and then as unequal as
+/// brings most on the better side; for more parts, or columns, they are equal, the greatest that any of them needs.
+///
+/// # Errors
+/// As a plan has them; that no reduction opens a way is not an error, but a row less.
+pub fn size(
+    prepared: &PreparedBlisk,
+    inputs: &PlanInputs,
+    range: SizingRange,
+    found: &(dyn Fn(&SizeRow) + Sync),
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Vec<SizeRow>, PlanJobError> {
+    if inputs.own_electrode.is_some() {
+        return Err(PlanJobError::Job(
+            "an electrode mesh of your own has the size it has; remove it to size".to_owned(),
+        ));
+    }
+    let mut base = inputs.clone();
+    base.job.plan.strategy = Strategy::Global;
+    base.job.genetic.h = ReductionMode::Given;
+    base.job.electrode.size = SizeMode::Given;
+    base.job.electrode.circumferential_reduction_deg = [0.0; 2];
+    base.job.validate().map_err(PlanJobError::Job)?;
+    let sizing = Sizing { prepared, base, found, progress, cancel };
+    let mut rows = Vec::new();
+    for parts in range.from..=range.to {
+        let single = parts == 1 && sizing.base.job.electrode.columns == 1;
+        if single { sizing.one_part(&mut rows)? } else { sizing.many(parts, &mut rows)? }
+    }
+    Ok(rows)
+}
+
+struct Sizing<'a> {
+    prepared: &'a PreparedBlisk,
+    base: PlanInputs,
+    found: &'a (dyn Fn(&SizeRow) + Sync),
+    progress: &'a Progress,
+    cancel: &'a Cancel,
+}
+
+impl Sizing<'_> {
+    fn one_part(&self, rows: &mut Vec<SizeRow>) -> Result<(), PlanJobError> {
+        let mut best: Option<(EntrySide, Least)> = None;
+        for &side in self.base.job.electrode.enter.candidates() {
+            let full = self.full(1, 0, side)?;
+            let equal = |sizer: &Sizer| sizer.least(FIRST_DEG.to_radians(), &|h| Turns([h, h]));
+            let Some(least) = self.sized(&full, equal)? else { continue };
+            let Some(row) = self.certified(1, only(side), [least.angle; 2], 0)? else { continue };
+            let least = Least { angle: row.reduction_deg[0].to_radians(), ..least };
+            self.show(row, rows);
+            if best.as_ref().is_none_or(|(_, known)| least.angle < known.angle) {
+                best = Some((side, least));
+            }
+        }
+        if let Some((side, least)) = best {
+            let equal = rows.iter().filter(|r| r.enter == only(side)).map(|r| r.least_thickness_mm).fold(0.0, f64::max);
+            if let Some(row) = self.unequal(side, &least)?.filter(|row| row.least_thickness_mm >= equal) {
+                self.show(row, rows);
+            }
+        }
+        Ok(())
+    }
+
+    fn show(&self, row: SizeRow, rows: &mut Vec<SizeRow>) {
+        (self.found)(&row);
+        rows.push(row);
+    }
+
+    /// With one wall as far drawn in as both need, the other is drawn in as little as it can be; the better of the two
+    /// ways round.
+    fn unequal(&self, side: EntrySide, equal: &Least) -> Result<Option<SizeRow>, PlanJobError> {
+        let full = self.full(1, 0, side)?;
+        let angle = equal.angle;
+        let below = |turns: &dyn Fn(f64) -> [f64; 2]| {
+            let turns = |h: f64| Turns(turns(h));
+            self.sized(&full, |sizer| sizer.followed_down(equal.clone(), sizer.nothing_blocked(), &turns))
+        };
+        let low = below(&|h| [h, angle])?.angle;
+        let high = below(&|h| [angle, h])?.angle;
+        let turns = if high < low { [angle, high] } else { [low, angle] };
+        if turns == [angle; 2] {
+            // Neither can be less: that row is there.
+            return Ok(None);
+        }
+        self.certified(1, only(side), turns, 0)
+    }
+
+    fn many(&self, parts: usize, rows: &mut Vec<SizeRow>) -> Result<(), PlanJobError> {
+        let (enter, columns) = (self.base.job.electrode.enter, self.base.job.electrode.columns);
+        let (mut most, mut limiting) = (0.0f64, 0);
+        for number in 0..parts * columns {
+            let mut least: Option<Least> = None;
+            for side in super::plan::sides(enter, number / columns, parts) {
+                let full = self.full(parts, number, side)?;
+                // What another one needs already costs nothing more.
+                let first = most.max(0.5 * FIRST_DEG.to_radians());
+                let turns = |h: f64| Turns(own_turns(full.electrode().column, [h.max(most); 2]));
+                least = self.sized(&full, |sizer| sizer.least(first, &turns))?;
+                if least.is_some() {
+                    break;
+                }
+            }
+            let Some(least) = least else { return Ok(()) };
+            if least.angle > most {
+                (most, limiting) = (least.angle, number);
+            }
+        }
+        if let Some(row) = self.certified(parts, enter, [most; 2], limiting)? {
+            self.show(row, rows);
+        }
+        Ok(())
+    }
+
+    fn full(&self, parts: usize, number: usize, side: EntrySide) -> Result<Arc<PreparedElectrode>, PlanJobError> {
+        let mut inputs = self.base.clone();
+        inputs.job.electrode.parts = parts;
+        Ok(self.prepared.fullest(&inputs, (number, side), self.progress, self.cancel)?.0)
+    }
+
+    /// What `work` finds with the sizer of `full`.
+    fn sized<T>(
+        &self,
+        full: &PreparedElectrode,
+        work: impl FnOnce(&Sizer) -> Result<T, PlanError>,
+    ) -> Result<T, PlanJobError> {
+        let space = &self.prepared.space;
+        let settings = settings_of(&self.base.job, &|_, _| ());
+        Ok(work(&Sizer {
+            space,
+            electrode: full.electrode(),
+            model: &full.model(space),
+            settings: &settings,
+            tolerance: TOLERANCE_DEG.to_radians(),
+            most: MOST_DEG.to_radians(),
+            progress: self.progress,
+            cancel: self.cancel,
+        })?)
+    }
+
+    /// The row for reductions (rad), with a little more where the certificate asks for it; electrode number `limiting`
+    /// from 0 needs them.
+    fn certified(
+        &self,
+        parts: usize,
+        enter: EnterSide,
+        turns: [f64; 2],
+        limiting: usize,
+    ) -> Result<Option<SizeRow>, PlanJobError> {
+        let mut inputs = self.base.clone();
+        inputs.job.electrode.parts = parts;
+        inputs.job.electrode.enter = enter;
+        for raise in 0..=RAISES {
+            let more = raise as f64 * TOLERANCE_DEG;
+            // To a thousandth, upwards: what is shown is what was planned.
+            let reduction = turns.map(|t| ((t.to_degrees() + more) * 1e3).ceil() / 1e3);
+            inputs.job.electrode.circumferential_reduction_deg = reduction;
+            let outcome = run_feeds(self.prepared, &inputs, self.progress, self.cancel)?;
+            if let Some(row) = row_of(&outcome, parts, enter, reduction) {
+                return Ok(Some(SizeRow { limit: limit_of(&outcome, limiting), raised_deg: more, ..row }));
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// The row of a plan, if it is certified.
+fn row_of(outcome: &PlanOutcome, parts: usize, enter: EnterSide, reduction_deg: [f64; 2]) -> Option<SizeRow> {
+    if !outcome.is_verified() {
+        return None;
+    }
+    let electrodes = || outcome.electrodes.iter();
+    let certified = electrodes().filter_map(|e| e.plan.path.as_ref()).map(|p| p.certificate.certified());
+    Some(SizeRow {
+        parts,
+        enter,
+        reduction_deg,
+        least_thickness_mm: electrodes().map(|e| e.electrode.least_thickness_mm).fold(f64::INFINITY, f64::min),
+        volume_mm3: electrodes().map(|e| e.electrode.volume_mm3).sum(),
+        certified_mm: certified.fold(f64::INFINITY, f64::min),
+        limit: None,
+        raised_deg: 0.0,
+    })
+}
+
+/// Where electrode number `limiting` from 0 of a plan is closest to a wall on its way out: of walls it is drawn in, and so
+/// they keep it from being thicker. Without such a place that of its least clearance.
+fn limit_of(outcome: &PlanOutcome, limiting: usize) -> Option<SizeLimit> {
+    let electrode = outcome.electrodes.get(limiting)?;
+    let planned = electrode.plan.path.as_ref()?;
+    let (c, rows) = (&planned.certificate, &planned.path.rows);
+    let places = rows.iter().zip(c.row_surface()).zip(c.row_clearance());
+    let walls = places.filter(|((_, surface), _)| matches!(surface, Surface::LowWall | Surface::HighWall));
+    let nearest = walls.min_by(|p, q| p.1.total_cmp(q.1)).map(|((row, surface), _)| (row, *surface));
+    let (row, surface) = nearest.or_else(|| Some((rows.get(c.least().row.round() as usize)?, c.least().surface)))?;
+    Some(SizeLimit {
+        electrode: limiting + 1,
+        electrodes: outcome.electrodes.len(),
+        enters_from: electrode.electrode.enters_from,
+        node: row.node,
+        s_mm: row.s,
+        surface: outcome.channel.surface_name(surface).to_owned(),
+    })
+}
+
+fn only(side: EntrySide) -> EnterSide {
+    match side {
+        EntrySide::MinusX => EnterSide::MinusX,
+        EntrySide::PlusX => EnterSide::PlusX,
+    }
+}

@@ -1,0 +1,216 @@
+//! The steps before the plan, each a pure function of what it is given: the part, its channel, its electrodes.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::plan::sides;
+use crate::workspaces::blisk::document::job_file::PlanJob;
+use crate::workspaces::blisk::report::InputFile;
+use crate::workspaces::blisk::scene::shapes::{ChannelShapes, channel_shapes};
+use geometry::exact::ExactMesh;
+use geometry::mesh::Mesh;
+use import::{ImportOptions, ImportReport, Imported, Units, import_file};
+use render::mesh::RenderMesh;
+use task::{Cancel, Progress};
+use wheel::centreline::{Centreline, CentrelineError};
+use wheel::channel::Channel;
+use wheel::electrode::{Electrode, EntrySide, from_user_mesh, make_electrodes};
+use wheel::error::BliskError;
+use wheel::find_channel::find_channel;
+use wheel::parametric::{MeshResolution, ParametricBlisk};
+
+/// The meshes of a job as loaded.
+#[derive(Debug)]
+pub struct Part {
+    /// What to call it.
+    pub name: String,
+    /// The blisk (mm, in the axes of its file).
+    pub mesh: Arc<Mesh>,
+    /// The same for the screen.
+    pub shape: Arc<RenderMesh>,
+    /// What the import found; none for the built-in blisk.
+    pub report: Option<ImportReport>,
+    /// The user's own electrode in the blisk's coordinates (mm), if there is one.
+    pub own_electrode: Option<Arc<Mesh>>,
+    /// The files for the report, the blisk's first.
+    pub files: Vec<InputFile>,
+}
+
+impl Part {
+    /// What tells the content of its files from any other.
+    pub fn content(&self) -> String {
+        self.files.iter().map(|f| f.sha256.as_str()).collect::<Vec<_>>().join("+")
+    }
+}
+
+/// The channel of a part, and the part made ready for exact questions.
+pub struct FoundChannel {
+    /// The channel.
+    pub channel: Arc<Channel>,
+    /// The blisk in W.
+    pub blisk: Arc<Mesh>,
+    /// The same for exact distances.
+    pub exact: Arc<ExactMesh>,
+    /// What is shown of it.
+    pub shapes: ChannelShapes,
+    /// Its centreline, where there is one.
+    pub centreline: Option<Arc<Centreline>>,
+}
+
+/// The electrodes of a channel in their final pose, in the order of their parts.
+#[derive(Debug, Clone)]
+pub struct Electrodes {
+    /// The electrodes, in W.
+    pub electrodes: Vec<Electrode>,
+    /// The same for the screen.
+    pub shapes: Vec<Arc<RenderMesh>>,
+    /// Why the side that would have been taken first was not.
+    pub notes: Vec<String>,
+}
+
+/// Loads the blisk and, if the job has one, the user's own electrode. Reads files.
+///
+/// # Errors
+/// One line naming file, place and remedy.
+pub fn load(job: &PlanJob, progress: &Progress, cancel: &Cancel) -> Result<Part, String> {
+    let Some(path) = &job.blisk.mesh else { return demonstration() };
+    let blisk = import(path, job.blisk.units, progress, cancel)?;
+    let mut files = vec![input_file("blisk", path, &blisk)];
+    let own_electrode = match &job.electrode.mesh {
+        None => None,
+        Some(path) => {
+            let own = import(path, Units::Mm, progress, cancel)?;
+            files.push(input_file("electrode", path, &own));
+            Some(Arc::new(own.mesh))
+        }
+    };
+    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let shape = Arc::new(RenderMesh::new(&blisk.mesh));
+    cancel.check().map_err(|e| e.to_string())?;
+    Ok(Part { name, mesh: Arc::new(blisk.mesh), shape, report: Some(blisk.report), own_electrode, files })
+}
+
+fn demonstration() -> Result<Part, String> {
+    let mesh = ParametricBlisk::demonstration().mesh(&MeshResolution::default()).map_err(|e| e.to_string())?;
+    let file = InputFile {
+        role: "blisk".to_owned(),
+        path: "built-in demonstration blisk".to_owned(),
+        triangles: mesh.triangles.len(),
+        unit: "mm".to_owned(),
+        unit_reason: "made by this program".to_owned(),
+        ..Default::default()
+    };
+    let name = "Demonstration blisk".to_owned();
+    let shape = Arc::new(RenderMesh::new(&mesh));
+    Ok(Part { name, mesh: Arc::new(mesh), shape, report: None, own_electrode: None, files: vec![file] })
+}
+
+fn import(path: &Path, units: Units, progress: &Progress, cancel: &Cancel) -> Result<Imported, String> {
+    let options = ImportOptions { units, ..Default::default() };
+    import_file(path, &options, progress, cancel).map_err(|e| e.to_string())
+}
+
+/// What a report says of a mesh file.
+pub fn input_file(role: &str, path: &Path, imported: &Imported) -> InputFile {
+    let report = &imported.report;
+    InputFile {
+        role: role.to_owned(),
+        path: path.display().to_string(),
+        sha256: imported.sha256.clone(),
+        triangles: report.triangles_read,
+        unit: report.unit.name().to_owned(),
+        unit_reason: report.unit_reason.clone(),
+        repairs: report.warnings.clone(),
+    }
+}
+
+/// Points of the centreline as it is drawn.
+const LINE_POINTS: usize = 200;
+
+/// Finds the channel.
+///
+/// # Errors
+/// One line for the user: what could not be found and how to give it by hand.
+pub fn channel(part: &Part, job: &PlanJob, progress: &Progress, cancel: &Cancel) -> Result<FoundChannel, String> {
+    if let Some(report) = part.report.as_ref().filter(|r| !r.watertight) {
+        return Err(format!(
+            "the surface is not closed ({} holes, {} edges of more than two triangles), so it has no inside and nothing can \
+             be proven about it; close it in the program it came from",
+            report.hole_count, report.non_manifold_edges
+        ));
+    }
+    job.blisk.options.validate()?;
+    let text = |e: BliskError| e.to_string();
+    let channel = find_channel(&part.mesh, &job.blisk.options, progress, cancel).map_err(text)?;
+    let blisk = part.mesh.in_frame(&channel.frame);
+    let exact = ExactMesh::new(&blisk).map_err(|e| e.to_string())?;
+    let mut shapes = channel_shapes(&blisk, &channel);
+    let centreline = match Centreline::of_channel(&channel, cancel) {
+        Ok(line) => Some(line),
+        Err(CentrelineError::Cancelled(cancelled)) => return Err(cancelled.to_string()),
+        // Only one of the strategies needs it, and says so.
+        Err(_) => None,
+    };
+    shapes.centreline = centreline.as_ref().map_or(Vec::new(), |line| line.polyline(LINE_POINTS));
+    let centreline = centreline.map(Arc::new);
+    Ok(FoundChannel { channel: channel.into(), blisk: blisk.into(), exact: exact.into(), shapes, centreline })
+}
+
+/// Makes the electrodes in the order of their places along X, each for the side that a plan tries first, or for the
+/// first side on which all can be made.
+///
+/// # Errors
+/// One line for the user, of the side that is tried first.
+pub fn electrodes(
+    part: &Part,
+    found: &FoundChannel,
+    job: &PlanJob,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Electrodes, String> {
+    job.electrode.validate().map_err(|e| e.to_string())?;
+    let (mut notes, mut made) = (Vec::new(), Vec::new());
+    for &side in job.electrode.enter.candidates() {
+        match on_side(part, found, job, side, progress, cancel) {
+            Ok(electrodes) => made.push((side, electrodes)),
+            Err(error) => notes.push(error),
+        }
+        // A single part is tried on the first side, of more the further ones on the other.
+        if job.electrode.parts == 1 && !made.is_empty() {
+            break;
+        }
+    }
+    let Some((_, first)) = made.first() else { return Err(notes.into_iter().next().unwrap_or_default()) };
+    let columns = if part.own_electrode.is_some() { 1 } else { job.electrode.columns };
+    let preferred = |i: usize| {
+        let side = sides(job.electrode.enter, i / columns, job.electrode.parts)[0];
+        made.iter().find(|(made_for, _)| *made_for == side).map_or(first, |(_, electrodes)| electrodes)[i].clone()
+    };
+    let electrodes: Vec<Electrode> = (0..first.len()).map(preferred).collect();
+    let shapes = electrodes.iter().map(|e| Arc::new(RenderMesh::new(&e.mesh))).collect();
+    Ok(Electrodes { electrodes, shapes, notes })
+}
+
+fn on_side(
+    part: &Part,
+    found: &FoundChannel,
+    job: &PlanJob,
+    side: EntrySide,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Vec<Electrode>, String> {
+    let (channel, exact, params) = (&found.channel, &found.exact, &job.electrode);
+    let made = match &part.own_electrode {
+        Some(own) => {
+            let own = own.in_frame(&channel.frame);
+            from_user_mesh(own, channel, exact, params.spark_gap_mm, side, cancel).map(|e| vec![e])
+        }
+        None => make_electrodes(channel, exact, params, side, progress, cancel),
+    };
+    let mut made = made.map_err(|e| e.to_string())?;
+    if side == EntrySide::PlusX {
+        // They come in the order of burning, from the side of entry.
+        made.sort_by_key(|e| std::cmp::Reverse(e.part));
+    }
+    Ok(made)
+}

@@ -1,0 +1,9 @@
+//! Feed paths of electrodes into the channels of a blisk.
+
+pub mod document;
+pub mod export;
+pub mod job;
+pub mod panels;
+pub mod pipeline;
+pub mod report;
+pub mod scene;

@@ -1,0 +1,132 @@
+//! What is exported: files, the frame of the electrode meshes, the post, and pictures. Every choice is a parameter of the
+//! job like any other.
+
+use egui::{ComboBox, RichText, Ui};
+
+use super::forms::shown_choice;
+use crate::shell::core::Core;
+use crate::shell::dialogs::{Answer, from_right};
+use crate::widgets::theme::{palette, tick};
+use crate::workspaces::blisk::document::choice::{DrawnPictures, MeshFrame};
+use crate::workspaces::blisk::document::fields::{Field, Kind};
+use crate::workspaces::blisk::document::job_file::ExportSection;
+use crate::workspaces::blisk::document::stage::Stage;
+
+/// Room for the names of files (points).
+const NAMES: f32 = 150.0;
+
+/// Draws it. Choices go into the document at once.
+pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Answer> {
+    let mut export = core.document.job().export.clone();
+    let mut answer = files(ui, &mut export);
+    ui.add_space(8.0);
+    ui.label(RichText::new("Pictures").small().color(palette(ui).faint));
+    let drawn = export.files.report || export.files.pictures;
+    ui.add_enabled_ui(drawn, |ui| pictures(ui, &mut export.pictures));
+    ui.add_space(8.0);
+    let problem = export.validate().err();
+    let (colour, text) = match &problem {
+        Some(_) if !export.files.any() => (palette(ui).bad, "Nothing is chosen, so that nothing would be written."),
+        Some(problem) => (palette(ui).bad, problem.as_str()),
+        None => (palette(ui).warning, "Results of an earlier plan in the folder are replaced."),
+    };
+    ui.label(RichText::new(text).color(colour));
+    ui.label(RichText::new("K is the number of the electrode.").small().color(palette(ui).faint));
+    ui.add_space(10.0);
+    from_right(ui, |ui| {
+        if ui.add_enabled(problem.is_none(), egui::Button::new("Choose folder…")).clicked() {
+            answer = Some(Answer::ExportTo);
+        }
+        if ui.button("Cancel").clicked() {
+            answer = Some(Answer::Close);
+        }
+    });
+    let mut job = core.document.job().clone();
+    job.export = export;
+    core.edit("Export choices", job, false);
+    answer
+}
+
+fn files(ui: &mut Ui, export: &mut ExportSection) -> Option<Answer> {
+    let mut answer = None;
+    egui::Grid::new("files").num_columns(2).min_col_width(NAMES).spacing([12.0, 6.0]).show(ui, |ui| {
+        let files = &mut export.files;
+        tick(ui, &mut files.electrode, file("electrode_K.stl"));
+        ui.add_enabled_ui(files.electrode, |ui| frame(ui, &mut export.frame));
+        ui.end_row();
+        tick(ui, &mut files.path, file("path_K.csv"));
+        says(ui, "rows of the verified motion, in W");
+        ui.end_row();
+        tick(ui, &mut files.nc, file("path_K.nc"));
+        ui.add_enabled_ui(files.nc, |ui| {
+            if post(ui, &mut export.post) {
+                answer = Some(Answer::OwnPost);
+            }
+        });
+        ui.end_row();
+        tick(ui, &mut files.leftover, file("leftover.ply, copying_K.csv"));
+        says(ui, "stock left, copying motion");
+        ui.end_row();
+        tick(ui, &mut files.report, file("report.html, .json"));
+        says(ui, "verdict, figures, curves, pictures");
+        ui.end_row();
+        tick(ui, &mut files.pictures, file("*.png"));
+        says(ui, "the pictures as files of their own");
+        ui.end_row();
+    });
+    answer
+}
+
+fn file(name: &str) -> RichText {
+    RichText::new(name).monospace()
+}
+
+fn says(ui: &mut Ui, text: &str) {
+    ui.label(RichText::new(text).color(palette(ui).faint));
+}
+
+fn frame(ui: &mut Ui, frame: &mut MeshFrame) {
+    let combo = ComboBox::from_id_salt("frame").width(220.0).selected_text(frame.name());
+    let response = combo.show_ui(ui, |ui| {
+        for other in [MeshFrame::Mesh, MeshFrame::W] {
+            ui.selectable_value(frame, other, other.name());
+        }
+    });
+    named(&response.response, "Frame of the electrode meshes");
+}
+
+/// Answers whether a post of one's own is wanted.
+fn post(ui: &mut Ui, post: &mut String) -> bool {
+    let words = posts();
+    let mut own = false;
+    let combo = ComboBox::from_id_salt("post").width(220.0).truncate().selected_text(shown_choice(words, post));
+    let response = combo.show_ui(ui, |ui| {
+        for (word, shown) in words {
+            ui.selectable_value(post, (*word).to_owned(), *shown);
+        }
+        own = ui.selectable_label(false, "Own file…").clicked();
+    });
+    named(&response.response, "Post-processor of the NC programs");
+    own
+}
+
+fn named(response: &egui::Response, name: &'static str) {
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
+}
+
+/// The built-in posts with their names.
+fn posts() -> &'static [(&'static str, &'static str)] {
+    let kind = Field::of(Stage::Export).find(|f| f.pointer == "/export/post").map(|f| f.kind);
+    if let Some(Kind::ChoiceOrFile(words)) = kind { words } else { &[] }
+}
+
+fn pictures(ui: &mut Ui, drawn: &mut DrawnPictures) {
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 16.0;
+        tick(ui, &mut drawn.whole, "Whole blisk");
+        tick(ui, &mut drawn.final_pose, "Final pose");
+        tick(ui, &mut drawn.sweep, "On its way");
+        tick(ui, &mut drawn.closest, "Closest place");
+        tick(ui, &mut drawn.leftover, "Stock left");
+    });
+}

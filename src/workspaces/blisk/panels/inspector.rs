@@ -1,0 +1,169 @@
+//! The right panel: the pose at the cursor, the closest place, and what is selected or was clicked.
+
+use egui::{RichText, Ui};
+
+use super::stepper::fact;
+use super::viewport::{Probe, Viewport};
+use crate::shell::core::Core;
+use crate::shell::status::grouped;
+use crate::widgets::theme::palette;
+use crate::workspaces::blisk::scene::Layer;
+use feed::pose::Axis;
+use geometry::frame::Cylindrical;
+
+/// Draws it.
+pub fn show(ui: &mut Ui, core: &mut Core, viewport: &mut Viewport) {
+    egui::ScrollArea::vertical().id_salt("inspector").auto_shrink([false, false]).show(ui, |ui| {
+        super::scene_tree::show(ui, core);
+        selected(ui, core);
+        pose(ui, core);
+        contact(ui, core);
+        super::machine_motion::facts(ui, core);
+        probe(ui, core, viewport);
+    });
+}
+
+fn heading(ui: &mut Ui, text: &str) {
+    ui.add_space(6.0);
+    ui.separator();
+    ui.label(RichText::new(text).small().color(palette(ui).faint));
+}
+
+/// What is known of the body that is selected.
+fn selected(ui: &mut Ui, core: &Core) {
+    let Some(layer) = core.selected else { return };
+    let (length, size) = (core.preferences.length, |ui: &mut Ui, size: glam::DVec3, frame: &str| {
+        for (axis, extent) in [Axis::X, Axis::Y, Axis::Z].into_iter().zip(size.to_array()) {
+            fact(ui, &format!("Along {}{frame}", axis.letter()), core.preferences.length.show(extent, 3));
+        }
+    });
+    match layer {
+        Layer::Blisk => {
+            let Some(part) = core.pipeline.part() else { return };
+            heading(ui, layer.name());
+            fact(ui, "Triangles", grouped(part.mesh.triangles.len()));
+            size(ui, part.shape.bounds().size(), "");
+        }
+        Layer::Electrode => {
+            let Some((electrode, _)) = core.shown_electrode() else { return };
+            heading(ui, layer.name());
+            size(ui, electrode.mesh.bounds().size(), " of W");
+            fact(ui, "Volume", format!("{:.1} mm³", electrode.volume_mm3));
+            fact(ui, "Burn area", format!("{:.1} mm²", electrode.burn_area_mm2));
+            fact(ui, "Least thickness", length.show(electrode.least_thickness_mm, 3));
+            fact(ui, "Triangles", grouped(electrode.mesh.triangles.len()));
+        }
+        Layer::LowWall | Layer::HighWall => {
+            use wheel::channel::Surface;
+            let Some(found) = core.pipeline.channel() else { return };
+            let surface = if layer == Layer::LowWall { Surface::LowWall } else { Surface::HighWall };
+            heading(ui, layer.name());
+            fact(ui, "Is the", found.channel.surface_name(surface));
+        }
+        Layer::Centreline => {
+            let Some(line) = core.pipeline.channel().and_then(|found| found.centreline.as_ref()) else { return };
+            heading(ui, layer.name());
+            let [least, greatest] = line.diameters();
+            fact(ui, "Length", length.show(line.length(), 3));
+            fact(ui, "Least circle", length.show(least, 3));
+            fact(ui, "Greatest circle", length.show(greatest, 3));
+        }
+        _ => {}
+    }
+}
+
+fn pose(ui: &mut Ui, core: &Core) {
+    let moment = core.moment();
+    let station = core.feed_cursor().and_then(|s| core.track().at(s));
+    let Some(pose) = moment.map(|moment| moment.pose).or(station.map(|station| station.pose)) else { return };
+    let length = core.preferences.length;
+    heading(ui, "Pose of the electrode");
+    if core.plan_is_stale() {
+        ui.label(RichText::new("of a stale plan").small().color(palette(ui).warning));
+    }
+    if let Some(moment) = moment {
+        fact(ui, "Phase", moment.name());
+    }
+    if let Some(station) = station {
+        let what = station.node.map_or("between nodes".to_owned(), |n| format!("node {n} from the final pose"));
+        fact(ui, "Place", what);
+        fact(ui, "Withdrawn", length.show(station.s, 3));
+    }
+    // A table turns to other channels even where the feed does not need it.
+    let moves = core.document.job().machine.axes.axes();
+    let shown = |axis: &Axis| moves.contains(axis) || pose.get(*axis) != 0.0;
+    for axis in Axis::ALL.into_iter().filter(shown) {
+        let value = pose.get(axis);
+        let text = if axis.is_rotary() { format!("{:.4} deg", value.to_degrees()) } else { length.show(value, 4) };
+        fact(ui, &axis.letter().to_string(), text);
+    }
+    if let Some(station) = station {
+        let name = if core.track().is_path { "Clearance" } else { "Clearance (search)" };
+        fact(ui, name, length.show(station.clearance, 4));
+    }
+}
+
+fn contact(ui: &mut Ui, core: &mut Core) {
+    let (Some([_, on_blisk]), Some(s)) = (core.contact(), core.contact_s()) else { return };
+    let Some(outcome) = core.outcome() else { return };
+    let Some(plan) = core.pipeline.plan() else { return };
+    let jammed = outcome.plan.jam.as_ref().and_then(|jam| Some((jam.node, jam.contact()?)));
+    let (title, surface) = match (jammed, &outcome.plan.path) {
+        (Some((node, contact)), _) => (format!("Jams at node {node}"), contact.surface),
+        (None, Some(path)) => ("Closest place of the path".to_owned(), path.certificate.least().surface),
+        (None, None) => return,
+    };
+    let lack = jammed.map(|(_, contact)| contact.lack);
+    let against = plan.channel.surface_name(surface);
+    let length = core.preferences.length;
+    heading(ui, &title);
+    fact(ui, "Against", against);
+    fact(ui, "Withdrawn", length.show(s, 3));
+    if let Some(lack) = lack {
+        fact(ui, "Missing", length.show(lack, 4));
+    }
+    point(ui, core, on_blisk);
+    if ui.button("Go there").clicked() {
+        core.go_to(s);
+    }
+}
+
+/// A point of W in both its coordinates.
+fn point(ui: &mut Ui, core: &Core, p: glam::DVec3) {
+    let (length, c) = (core.preferences.length, Cylindrical::from_point(p));
+    for (axis, value) in [Axis::X, Axis::Y, Axis::Z].into_iter().zip(p.to_array()) {
+        fact(ui, &format!("{} in W", axis.letter()), length.show(value, 3));
+    }
+    fact(ui, "Radius", length.show(c.r, 3));
+    fact(ui, "Angle about X", format!("{:.3} deg", c.theta.to_degrees()));
+}
+
+fn probe(ui: &mut Ui, core: &mut Core, viewport: &mut Viewport) {
+    let to_w = |p: glam::DVec3| core.pipeline.channel().map_or(p, |f| f.channel.frame.from_parent(p));
+    let length = core.preferences.length;
+    match viewport.probe().cloned() {
+        None if core.measuring => {
+            heading(ui, "Measure");
+            ui.label("Click two points in the view.");
+        }
+        None => {}
+        Some(Probe::Point { layer, at, normal }) => {
+            heading(ui, "Picked");
+            fact(ui, "On", layer.map_or("part", crate::workspaces::blisk::scene::Layer::name));
+            point(ui, core, to_w(at));
+            let n = core.pipeline.channel().map_or(normal, |f| f.channel.frame.direction_from_parent(normal));
+            fact(ui, "Normal", format!("{:.3}  {:.3}  {:.3}", n.x, n.y, n.z));
+        }
+        Some(Probe::Distance { from, to }) => {
+            heading(ui, "Measured");
+            fact(ui, "Distance", length.show((to - from).length(), 4));
+            let d = to_w(to) - to_w(from);
+            for (axis, value) in [Axis::X, Axis::Y, Axis::Z].into_iter().zip(d.to_array()) {
+                fact(ui, &format!("{} in W", axis.letter()), length.show(value, 4));
+            }
+            if ui.button("Clear").clicked() {
+                viewport.clear_probe();
+            }
+        }
+    }
+}

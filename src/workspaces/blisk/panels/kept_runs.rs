@@ -1,0 +1,296 @@
+//! Plans that the user keeps beside the present one: their figures and the curves of their axes.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use egui::{Color32, RichText, Role, Ui, WidgetInfo};
+
+use crate::shell::core::Core;
+use crate::widgets::theme::palette;
+use crate::workspaces::blisk::job::compare::{kept_run, run_of};
+use crate::workspaces::blisk::job::plan::{PlanOutcome, kept};
+use crate::workspaces::blisk::job::stages::{FoundChannel, Part};
+use crate::workspaces::blisk::report::Smoothness;
+use crate::workspaces::blisk::report::comparison::{AxisCourse, Run, RunElectrode};
+use crate::workspaces::worker::{Message, Worker};
+use feed::pose::Axis;
+use feed::smoothness::axis_smoothness;
+use feed::strategy::Strategy;
+
+use crate::workspaces::blisk::document::Document;
+use crate::workspaces::blisk::document::kept_plan::{self, KeptPlan};
+
+/// The runs that are kept: what the document holds of them, made to be looked at.
+pub struct KeptRuns {
+    runs: Vec<KeptRun>,
+    /// Makes those that came with a file anew.
+    opener: Worker<Opened, ()>,
+    /// Numbers of those that were given to it.
+    asked: Vec<usize>,
+    /// Why those are not shown that could not be made, by their numbers.
+    refused: BTreeMap<usize, String>,
+    /// The channel that they were to be made for.
+    channel: Option<Arc<FoundChannel>>,
+}
+
+/// A run that came with a file, and its plan or why there is none.
+struct Opened {
+    of: kept_plan::KeptRun,
+    outcome: Result<Box<PlanOutcome>, String>,
+}
+
+/// A run that is kept.
+pub struct KeptRun {
+    /// Counted from 1.
+    number: usize,
+    /// Which of the theme's colours it has.
+    colour: usize,
+    run: Run,
+    /// Digests of its paths.
+    paths: Vec<String>,
+}
+
+impl KeptRun {
+    /// Its name: its number and strategy.
+    pub fn name(&self) -> String {
+        name(self.number, self.run.strategy)
+    }
+
+    /// Its colour among those of the theme.
+    pub fn colour(&self, ui: &Ui) -> Color32 {
+        palette(ui).runs[self.colour]
+    }
+
+    /// How `axis` of electrode number `electrode` from 0 moves.
+    pub fn course(&self, electrode: usize, axis: Axis) -> Option<&AxisCourse> {
+        self.run.electrodes.get(electrode)?.course(axis.letter())
+    }
+}
+
+fn name(number: usize, strategy: Strategy) -> String {
+    format!("{number} {}", strategy.name())
+}
+
+impl KeptRuns {
+    /// Most runs that are kept.
+    pub const MOST: usize = 6;
+
+    /// None yet; `wake` is called whenever one that came with a file is made.
+    ///
+    /// # Errors
+    /// If the system gives no thread.
+    pub fn start(wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
+        let opener = Worker::start(wake)?;
+        Ok(Self { runs: Vec::new(), opener, asked: Vec::new(), refused: BTreeMap::new(), channel: None })
+    }
+
+    /// Those that are kept and can be looked at, in the order of keeping.
+    pub fn all(&self) -> &[KeptRun] {
+        &self.runs
+    }
+
+    /// Those of `document` that cannot be looked at, and why: number, name, reason.
+    fn absent(&self, document: &Document) -> Vec<(usize, String, String)> {
+        let is_absent = |of: &&kept_plan::KeptRun| !self.runs.iter().any(|run| run.number == of.number);
+        let reason = |of: &kept_plan::KeptRun| match self.refused.get(&of.number) {
+            Some(why) => format!("not compared: {why}"),
+            None if self.asked.contains(&of.number) => "is being made anew".to_owned(),
+            None => "waits for part and channel".to_owned(),
+        };
+        let row = |of: &kept_plan::KeptRun| (of.number, name(of.number, of.job.plan.strategy), reason(of));
+        document.runs().iter().filter(is_absent).map(row).collect()
+    }
+
+    /// Whether one more can be kept, and `plan`, which must be certified, is not kept already.
+    pub fn can_keep(&self, plan: &PlanOutcome, document: &Document) -> bool {
+        plan.is_verified()
+            && document.runs().len() < Self::MOST
+            && !self.runs.iter().any(|run| run.paths.iter().map(String::as_str).eq(paths(plan)))
+    }
+
+    /// Keeps `plan`, which was made by the parameters of `document` of meshes with this content. Answers its name.
+    pub fn keep(&mut self, plan: &PlanOutcome, document: &mut Document, content: &str) -> Option<String> {
+        let job = document.job().clone();
+        let plan_kept = KeptPlan { inputs: KeptPlan::inputs_of(&job, content), electrodes: kept(plan)? };
+        let number = document.runs().iter().map(|run| run.number).max().unwrap_or(0) + 1;
+        let is_free = |colour: &usize| document.runs().iter().all(|run| run.colour != *colour);
+        let colour = (0..Self::MOST).find(is_free).unwrap_or(0);
+        let of = kept_plan::KeptRun { number, colour, job, plan: plan_kept };
+        document.keep_run(of.clone());
+        self.asked.push(number);
+        self.add(&of, plan, step_of(document));
+        self.runs.last().map(KeptRun::name)
+    }
+
+    fn add(&mut self, of: &kept_plan::KeptRun, plan: &PlanOutcome, step: f64) {
+        let mut run = run_of(of.job.plan.strategy, plan);
+        // Differences over other steps could not be compared.
+        for (kept, electrode) in run.electrodes.iter_mut().zip(&plan.electrodes) {
+            let Some(planned) = &electrode.plan.path else { continue };
+            let figures = Axis::ALL.map(|axis| axis_smoothness(&planned.curves, axis, step));
+            kept.smoothness = Smoothness::of(&figures);
+        }
+        // A file may name any colour.
+        let colour = of.colour % Self::MOST;
+        let paths = paths(plan).map(str::to_owned).collect();
+        self.runs.push(KeptRun { number: of.number, colour, run, paths });
+        self.runs.sort_by_key(|run| run.number);
+    }
+
+    /// Keeps up with `document`: makes the runs that came with its file, once part and channel are there. Answers why some
+    /// are not shown.
+    pub fn follow(
+        &mut self,
+        document: &Document,
+        (part, found): (Option<&Arc<Part>>, Option<&Arc<FoundChannel>>),
+    ) -> Vec<String> {
+        let mut problems = Vec::new();
+        for message in self.opener.messages() {
+            let Message::Partial(_, Opened { of, outcome }) = message else { continue };
+            match outcome {
+                _ if !document.runs().contains(&of) => {}
+                Ok(plan) => {
+                    self.refused.remove(&of.number);
+                    self.add(&of, &plan, step_of(document));
+                }
+                Err(why) => {
+                    let before = self.refused.insert(of.number, why.clone());
+                    if before.as_ref() != Some(&why) {
+                        problems.push(format!("the kept run {} is not shown: {why}", of.number));
+                    }
+                }
+            }
+        }
+        let (Some(part), Some(found)) = (part.cloned(), found.cloned()) else { return problems };
+        // What another channel was in the way of may be made of this one.
+        if !self.channel.as_ref().is_some_and(|channel| Arc::ptr_eq(channel, &found)) {
+            self.channel = Some(found.clone());
+            self.asked.retain(|number| !self.refused.contains_key(number));
+        }
+        let lacking = |run: &&kept_plan::KeptRun| !self.asked.contains(&run.number);
+        let wanted: Vec<kept_plan::KeptRun> = document.runs().iter().filter(lacking).cloned().collect();
+        if !wanted.is_empty() {
+            self.asked.extend(wanted.iter().map(|run| run.number));
+            let now = document.job().clone();
+            self.opener.submit(0, move |reporter, progress, cancel| {
+                for of in wanted {
+                    let made = kept_run(&of, &now, &part, &found, progress, cancel);
+                    cancel.check().map_err(|e| e.to_string())?;
+                    reporter.partial(Opened { of, outcome: made.map(Box::new).map_err(|e| e.to_string()) });
+                }
+                Ok(())
+            });
+        }
+        problems
+    }
+
+    /// Forgets them: another document is there.
+    pub fn forget(&mut self) {
+        self.opener.cancel_from(0);
+        let _ = self.opener.messages();
+        (self.runs, self.asked, self.refused, self.channel) = Default::default();
+    }
+
+    fn remove(&mut self, number: usize, document: &mut Document) {
+        self.runs.retain(|run| run.number != number);
+        self.asked.retain(|asked| *asked != number);
+        self.refused.remove(&number);
+        document.drop_run(number);
+    }
+}
+
+/// The step that differences of all runs are taken over, that of the first (mm).
+fn step_of(document: &Document) -> f64 {
+    document.runs().first().map_or(document.job().plan.step_mm, |run| run.job.plan.step_mm)
+}
+
+/// Digests of the paths of `plan`.
+fn paths(plan: &PlanOutcome) -> impl Iterator<Item = &str> {
+    plan.electrodes.iter().filter_map(|e| Some(e.plan.path.as_ref()?.certificate.path_digest()))
+}
+
+/// Draws the figures of the kept runs for the electrode that is looked at, with a button to remove each.
+pub fn show(ui: &mut Ui, core: &mut Core) {
+    let axes: Vec<Axis> = core.document.job().machine.axes.axes().iter().copied().filter(|a| *a != Axis::X).collect();
+    let (electrode, step) = (core.cursor.electrode, step_of(&core.document));
+    let mut removed = None;
+    let caption = format!(
+        "Second differences over steps of {step:.2} mm, root mean square and greatest: of slides in mm, of turns in deg"
+    );
+    egui::ScrollArea::both().id_salt("comparison").auto_shrink([false, false]).show(ui, |ui| {
+        ui.label(RichText::new(caption).small().color(palette(ui).faint));
+        egui::Grid::new("kept runs").spacing([9.0, 3.0]).striped(true).show(ui, |ui| {
+            heads(ui, &axes);
+            for run in core.kept.all() {
+                if named(ui, run) {
+                    removed = Some(run.number);
+                }
+                figures(ui, run.run.electrodes.get(electrode), &axes);
+                ui.end_row();
+            }
+        });
+        // They count towards the most that can be kept: one must be able to make room.
+        for (number, name, reason) in core.kept.absent(&core.document) {
+            ui.horizontal(|ui| {
+                ui.add_space(20.0);
+                ui.label(RichText::new(&name).color(palette(ui).faint));
+                if remove_button(ui, &name) {
+                    removed = Some(number);
+                }
+                ui.label(RichText::new(reason).small().color(palette(ui).warning));
+            });
+        }
+    });
+    if let Some(number) = removed {
+        core.kept.remove(number, &mut core.document);
+    }
+}
+
+fn heads(ui: &mut Ui, axes: &[Axis]) {
+    let of_axis = |axis: &Axis| ["RMS", "max"].map(|what| format!("{} {what}", axis.letter()));
+    let heads = ["run", "", "certified mm", "search s"].map(str::to_owned);
+    for head in heads.into_iter().chain(axes.iter().flat_map(of_axis)) {
+        ui.label(RichText::new(head).small().color(palette(ui).faint));
+    }
+    ui.end_row();
+}
+
+/// The cells that name a run and remove it. Tells whether it is to be removed.
+fn named(ui: &mut Ui, run: &KeptRun) -> bool {
+    let colour = run.colour(ui);
+    ui.horizontal(|ui| {
+        let (rect, _) = ui.allocate_exact_size(egui::vec2(12.0, 14.0), egui::Sense::hover());
+        ui.painter().hline(rect.x_range(), rect.center().y, egui::Stroke::new(2.0, colour));
+        ui.label(run.name());
+    });
+    remove_button(ui, &run.name())
+}
+
+/// A button that removes the run called `name`. Tells whether it is pressed.
+fn remove_button(ui: &mut Ui, name: &str) -> bool {
+    let response = ui.add(egui::Button::new("×").small()).on_hover_text("Remove it from the comparison");
+    let name = format!("Remove {name}");
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
+    response.clicked()
+}
+
+/// The cells with the figures of one run.
+fn figures(ui: &mut Ui, found: Option<&RunElectrode>, axes: &[Axis]) {
+    let number = |ui: &mut Ui, value: Option<f64>, decimals: usize| {
+        let text = value.map_or("\u{2013}".to_owned(), |v| format!("{v:.decimals$}"));
+        ui.label(RichText::new(text).monospace());
+    };
+    number(ui, found.filter(|e| e.certified).and_then(|e| e.certified_clearance_mm), 4);
+    // A plan that was opened was not searched.
+    number(ui, found.map(|e| e.search_seconds).filter(|seconds| *seconds > 0.0), 2);
+    // Three digits that count are enough to compare.
+    let difference = |ui: &mut Ui, value: Option<f64>| {
+        let decimals = value.map_or(3.0, |v| (2.0 - v.abs().max(1e-6).log10().floor()).clamp(2.0, 6.0));
+        number(ui, value, decimals as usize);
+    };
+    for axis in axes {
+        let smooth = found.and_then(|e| e.smoothness.iter().find(|a| a.axis == axis.letter()));
+        difference(ui, smooth.map(|a| a.rms_second_difference));
+        difference(ui, smooth.map(|a| a.max_second_difference));
+    }
+}

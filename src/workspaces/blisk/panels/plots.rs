@@ -1,0 +1,347 @@
+//! Plots over the withdrawn distance, all with the cursor of the 3-D view: axes, their derivatives, clearance, and how
+//! the search converged.
+
+use std::sync::Arc;
+
+use egui::{Color32, RichText, Ui, Vec2b};
+use egui_plot::{GridInput, GridMark, HLine, Line, LineStyle, Plot, PlotPoint, PlotPoints, VLine};
+
+use super::kept_runs::KeptRun;
+use crate::shell::core::Core;
+use crate::widgets::theme::palette;
+use crate::workspaces::blisk::scene::track::Track;
+use feed::pose::Axis;
+use feed::search::Convergence;
+
+/// Which plot is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tab {
+    /// Positions of all axes.
+    Positions,
+    /// Their first derivatives by the withdrawn distance.
+    Velocities,
+    /// Their second derivatives.
+    Accelerations,
+    /// Exact clearance at every row.
+    Clearance,
+    /// Objective over the generations.
+    Convergence,
+    /// The nodes as a table.
+    Table,
+    /// The figures of runs that are kept.
+    Comparison,
+}
+
+impl Tab {
+    /// Every tab in order.
+    pub const ALL: [Self; 7] = [
+        Self::Positions,
+        Self::Velocities,
+        Self::Accelerations,
+        Self::Clearance,
+        Self::Convergence,
+        Self::Table,
+        Self::Comparison,
+    ];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        ["Axes", "Speed", "Acceleration", "Clearance", "Convergence", "Nodes", "Comparison"][self as usize]
+    }
+}
+
+/// The curves of a track, sampled once.
+#[derive(Default)]
+pub struct Curves {
+    of: Option<Arc<Track>>,
+    /// For each derivative (none, first, second) and axis.
+    axes: [[Vec<PlotPoint>; 6]; 3],
+    clearance: Vec<PlotPoint>,
+}
+
+impl Curves {
+    /// Samples `core`'s track anew if it is another than before.
+    pub fn follow(&mut self, core: &Core) {
+        let track = core.shared_track();
+        if self.of.as_ref().is_some_and(|of| Arc::ptr_eq(of, &track)) {
+            return;
+        }
+        self.clearance = track.stations().iter().map(|p| PlotPoint::new(p.s, p.clearance)).collect();
+        let shown = |axis: Axis, v: f64| if axis.is_rotary() { v.to_degrees() } else { v };
+        let curves = core.outcome().filter(|_| track.is_path).and_then(|o| o.plan.path.as_ref()).map(|p| &p.curves);
+        self.axes = std::array::from_fn(|order| {
+            std::array::from_fn(|i| {
+                let axis = Axis::ALL[i];
+                match curves {
+                    Some(curves) => {
+                        let steps = 400;
+                        let at = |k: usize| track.length() * k as f64 / f64::from(steps as u32);
+                        let value = |s: f64| shown(axis, curves.axis(axis).at(s)[order]);
+                        (0..=steps).map(|k| PlotPoint::new(at(k), value(at(k)))).collect()
+                    }
+                    None if order == 0 => {
+                        track.stations().iter().map(|p| PlotPoint::new(p.s, shown(axis, p.pose.get(axis)))).collect()
+                    }
+                    None => Vec::new(),
+                }
+            })
+        });
+        self.of = Some(track);
+    }
+}
+
+/// Least width of the plots that have the table of nodes beside them (points).
+const BESIDE_TABLE: f32 = 600.0;
+
+/// Draws the table of nodes on the right where there is room for it and the plots, and tells whether there is.
+pub fn table_beside(ui: &mut Ui, core: &mut Core) -> bool {
+    let width = 170.0 + 70.0 * core.document.job().machine.axes.axes().len() as f32 + 70.0;
+    let is_beside = ui.available_width() > width + BESIDE_TABLE && !core.track().is_empty();
+    if is_beside {
+        let panel = egui::Panel::right("nodes").exact_size(width).resizable(false);
+        panel.show(ui, |ui| super::node_table::show(ui, core));
+    }
+    is_beside
+}
+
+/// Draws tabs and the chosen plot; `is_beside` tells that the table of nodes is shown already.
+pub fn show(ui: &mut Ui, core: &mut Core, tab: &mut Tab, curves: &mut Curves, is_beside: bool) {
+    curves.follow(core);
+    let is_there = |tab: Tab| match tab {
+        Tab::Table => !is_beside,
+        Tab::Comparison => !core.document.runs().is_empty(),
+        _ => true,
+    };
+    if !is_there(*tab) {
+        *tab = Tab::Positions;
+    }
+    ui.horizontal(|ui| {
+        for other in Tab::ALL.into_iter().filter(|tab| is_there(*tab)) {
+            ui.selectable_value(tab, other, other.name());
+        }
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.add(egui::Label::new(RichText::new(unit_note(*tab)).small().color(palette(ui).faint)).truncate());
+        });
+    });
+    match *tab {
+        Tab::Table => super::node_table::show(ui, core),
+        Tab::Comparison => super::kept_runs::show(ui, core),
+        Tab::Convergence => convergence(ui, core),
+        Tab::Clearance => clearance(ui, core, curves),
+        Tab::Positions => axes(ui, core, curves, 0),
+        Tab::Velocities => axes(ui, core, curves, 1),
+        Tab::Accelerations => axes(ui, core, curves, 2),
+    }
+}
+
+fn unit_note(tab: Tab) -> &'static str {
+    match tab {
+        Tab::Positions | Tab::Velocities | Tab::Accelerations | Tab::Clearance => "over mm withdrawn",
+        Tab::Convergence => "objective over generations",
+        Tab::Table | Tab::Comparison => "",
+    }
+}
+
+/// What the lines of a plot are, above it: over it they would hide each other.
+pub fn legend<'a>(ui: &mut Ui, entries: impl IntoIterator<Item = (Color32, &'a str)>) {
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing = egui::vec2(4.0, 0.0);
+        ui.add_space(4.0);
+        for (colour, name) in entries {
+            let (rect, _) = ui.allocate_exact_size(egui::vec2(12.0, 14.0), egui::Sense::hover());
+            ui.painter().hline(rect.x_range(), rect.center().y, egui::Stroke::new(2.0, colour));
+            ui.label(RichText::new(name).small());
+            ui.add_space(10.0);
+        }
+    });
+}
+
+/// A plot over the withdrawn distance; outside is on the left, as in the timeline.
+fn over_distance<'a>(
+    ui: &mut Ui,
+    core: &mut Core,
+    name: &'static str,
+    build: impl FnOnce(&mut egui_plot::PlotUi<'a>) + 'a,
+) {
+    let (colour, grid) = (palette(ui).accent, palette(ui).faint.gamma_multiply(0.35));
+    let cursor = core.feed_cursor();
+    let plot = Plot::new(name)
+        .invert_x(true)
+        .allow_drag(false)
+        .allow_scroll(false)
+        .allow_zoom(Vec2b::new(false, false))
+        .allow_boxed_zoom(false)
+        .show_background(false)
+        .grid_color(grid)
+        .set_margin_fraction(egui::vec2(0.012, 0.06))
+        .x_grid_spacer(|input| round_steps(input, 10.0))
+        .y_grid_spacer(|input| round_steps(input, 4.0))
+        .x_axis_formatter(|mark, _| round_text(mark))
+        .y_axis_formatter(|mark, _| round_text(mark))
+        .y_axis_min_width(44.0);
+    let response = plot.show(ui, move |plot| {
+        build(plot);
+        if let Some(cursor) = cursor {
+            plot.vline(VLine::new("", cursor).color(colour).width(1.5).allow_hover(false));
+        }
+        plot.pointer_coordinate()
+    });
+    response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Plot {name}")));
+    let place = |s: f64| response.transform.position_from_point_x(s);
+    core.span = Some([place(core.track().length()), place(0.0)]);
+    let pressed = response.response.dragged() || response.response.clicked();
+    if let (true, Some(point)) = (pressed || response.response.is_pointer_button_down_on(), response.inner) {
+        core.cursor.playing = false;
+        core.cursor.s = point.x.clamp(0.0, core.track().length());
+        core.machine.go_to(None);
+    }
+}
+
+/// The number of a line, with as many decimals as its step has.
+pub fn round_text(mark: GridMark) -> String {
+    let decimals = (-mark.step_size.log10()).ceil().clamp(0.0, 9.0) as usize;
+    // `+ 0.0` takes the sign from a zero.
+    format!("{:.decimals$}", (mark.value / mark.step_size).round() * mark.step_size + 0.0)
+}
+
+/// About `count` lines at round values, each with its number.
+pub fn round_steps(input: GridInput, count: f64) -> Vec<GridMark> {
+    let (low, high) = input.bounds;
+    let rough = (high - low) / count;
+    if !(rough > 0.0 && rough.is_finite()) {
+        return Vec::new();
+    }
+    let decade = 10f64.powf(rough.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].map(|s| s * decade).into_iter().find(|s| *s >= rough).unwrap_or(rough);
+    let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
+    (first..=last).map(|i| GridMark { value: i as f64 * step, step_size: step }).collect()
+}
+
+fn axes(ui: &mut Ui, core: &mut Core, curves: &Curves, order: usize) {
+    if nothing(ui, core) {
+        return;
+    }
+    let colours = palette(ui).axes;
+    let name = ["axes", "speed", "acceleration"][order];
+    // X runs far beyond the others and says nothing that the abscissa does not.
+    let moving = || core.document.job().machine.axes.axes().iter().filter(|axis| **axis != Axis::X);
+    let names: Vec<(Axis, String)> = moving().map(|axis| (*axis, axis_name(*axis, order))).collect();
+    let others = if order == 0 { kept_lines(ui, core, moving()) } else { Vec::new() };
+    let kept: Vec<(Color32, String)> = core.kept.all().iter().map(|run| (run.colour(ui), run.name())).collect();
+    let of_axes = names.iter().map(|(axis, name)| (colours[*axis as usize], name.as_str()));
+    let of_runs = kept.iter().filter(|_| order == 0).map(|(colour, name)| (*colour, name.as_str()));
+    legend(ui, of_axes.chain(of_runs));
+    over_distance(ui, core, name, |plot| {
+        others.into_iter().for_each(|line| plot.line(line));
+        for (axis, name) in names {
+            let points = &curves.axes[order][axis as usize];
+            plot.line(Line::new(name, PlotPoints::Borrowed(points)).color(colours[axis as usize]).width(1.6));
+        }
+    });
+}
+
+/// Letter and unit of an axis, or of its derivatives by the withdrawn distance.
+fn axis_name(axis: Axis, order: usize) -> String {
+    let unit = if axis.is_rotary() { "deg" } else { "mm" };
+    format!("{} {unit}{}", axis.letter(), ["", "/mm", "/mm²"][order])
+}
+
+/// The axes of kept runs as thin lines, below those of the track.
+fn kept_lines<'a>(ui: &Ui, core: &Core, axes: impl Iterator<Item = &'a Axis> + Clone) -> Vec<Line<'static>> {
+    let line = |run: &KeptRun, axis: &Axis| {
+        let course = run.course(core.cursor.electrode, *axis)?;
+        let name = format!("{}, {}", run.name(), axis_name(*axis, 0));
+        Some(Line::new(name, PlotPoints::from(course.curve.clone())).color(run.colour(ui)).width(1.0))
+    };
+    let of = |run: &'_ KeptRun| axes.clone().filter_map(|axis| line(run, axis)).collect::<Vec<_>>();
+    core.kept.all().iter().flat_map(of).collect()
+}
+
+fn clearance(ui: &mut Ui, core: &mut Core, curves: &Curves) {
+    if nothing(ui, core) {
+        return;
+    }
+    let ([gap, _], least) = (core.required(), core.least_wanted());
+    let (line, required) = (palette(ui).good, palette(ui).bad);
+    let wanted = format!("required {gap:.4} mm, dashed with tolerance");
+    legend(ui, [(line, "clearance mm"), (required, wanted.as_str())]);
+    // Far out everything is free: what is looked for lies near the gap.
+    let top = 6.0 * gap;
+    over_distance(ui, core, "clearance", |plot| {
+        plot.line(Line::new("clearance", PlotPoints::Borrowed(&curves.clearance)).color(line).width(1.6));
+        plot.hline(HLine::new("required", gap).color(required).width(1.0));
+        plot.hline(HLine::new("with tolerance", least).color(required).style(LineStyle::dashed_loose()).width(1.0));
+        plot.set_plot_bounds_y(0.0..=top);
+    });
+}
+
+fn convergence(ui: &mut Ui, core: &mut Core) {
+    let running = core.pipeline.partial_plan().map(|p| &p.convergence);
+    let Some(traces) = running.filter(|t| !t.is_empty()).or(core.outcome().map(|o| &o.plan.convergence)) else {
+        nothing(ui, core);
+        return;
+    };
+    let nearest = |t: &&Convergence| (t.s - core.cursor.s).abs();
+    let Some(trace) = traces.iter().min_by(|a, b| nearest(a).total_cmp(&nearest(b))) else {
+        says(ui, "A plan that was opened was not searched: plan again to see how it converges.");
+        return;
+    };
+    if trace.best.is_empty() {
+        says(ui, "This node was not searched: it mends the curve, or the axes run down to rest there.");
+        return;
+    }
+    let colours = palette(ui);
+    let points =
+        |values: &[f64]| -> PlotPoints<'static> { values.iter().enumerate().map(|(i, v)| [i as f64, *v]).collect() };
+    let lines: [(&str, &[f64], Color32); 2] =
+        [("best", &trace.best, colours.accent), ("mean", &trace.mean, colours.faint)];
+    let names = lines.map(|(name, _, colour)| (colour, format!("{name}, node at {:.2} mm", trace.s)));
+    legend(ui, names.iter().map(|(colour, name)| (*colour, name.as_str())));
+    let plot = Plot::new("convergence")
+        .allow_drag(false)
+        .allow_scroll(false)
+        .allow_zoom(Vec2b::new(false, false))
+        .allow_boxed_zoom(false)
+        .show_background(false)
+        .grid_color(colours.faint.gamma_multiply(0.35))
+        .x_grid_spacer(|input| round_steps(input, 10.0))
+        .y_grid_spacer(|input| round_steps(input, 4.0))
+        .y_axis_formatter(|mark, _| round_text(mark))
+        .y_axis_min_width(44.0);
+    let response = plot.show(ui, |plot| {
+        for (name, values, colour) in lines {
+            plot.line(Line::new(name, points(values)).color(colour).width(1.6));
+        }
+    });
+    response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Plot convergence"));
+}
+
+/// Says that there is nothing to plot, if so.
+fn nothing(ui: &mut Ui, core: &Core) -> bool {
+    let empty = core.track().is_empty();
+    if empty {
+        says(ui, "Plan a feed path to see its curves.");
+    }
+    empty
+}
+
+fn says(ui: &mut Ui, text: &str) {
+    ui.centered_and_justified(|ui| ui.add(egui::Label::new(RichText::new(text).color(palette(ui).faint)).wrap()));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_stand_at_round_values_and_say_them_in_full() {
+        let texts = |low: f64, high: f64, count| {
+            let input = GridInput { bounds: (low, high), base_step_size: 1.0 };
+            round_steps(input, count).into_iter().map(round_text).collect::<Vec<_>>()
+        };
+        assert_eq!(texts(-0.1, 4.4, 10.0), ["0.0", "0.5", "1.0", "1.5", "2.0", "2.5", "3.0", "3.5", "4.0"]);
+        assert_eq!(texts(0.0, 29.0, 10.0), ["0", "5", "10", "15", "20", "25"]);
+        assert_eq!(texts(-0.02, 0.021, 4.0), ["-0.02", "0.00", "0.02"]);
+        assert!(texts(1.0, 1.0, 4.0).is_empty() && texts(f64::NAN, 1.0, 4.0).is_empty());
+    }
+}

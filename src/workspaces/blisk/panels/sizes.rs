@@ -1,0 +1,199 @@
+//! The table and plot of sizes below the form of the electrode, and what the quick look found.
+
+use egui::{Rangef, RichText, Ui, Vec2b};
+use egui_plot::{AxisHints, GridInput, GridMark, Plot, PlotPoints, Points};
+
+use super::plots::{legend, round_steps, round_text};
+use super::stepper::notice;
+use crate::shell::core::Core;
+use crate::widgets::theme::palette;
+use crate::workspaces::blisk::document::job_file::PlanJob;
+use crate::workspaces::blisk::document::stage::Stage;
+use crate::workspaces::blisk::job::sizing::{SizeRow, TOLERANCE_DEG};
+use crate::workspaces::blisk::pipeline::StageState;
+
+/// Width of a form in which columns may stand wide apart (points).
+const ROOMY: f32 = 300.0;
+
+/// What a quick look says of the electrode as it is tuned.
+pub fn live(ui: &mut Ui, core: &Core) {
+    if let Some(why) = core.tuning.blind() {
+        notice(ui, palette(ui).warning, &format!("No look for a way out: {why}"));
+    } else if core.tuning.is_looking() {
+        notice(ui, palette(ui).faint, "Looking for a way out…");
+    } else if let Some((sentence, took)) = core.tuning.sentence() {
+        let out = core.tuning.way().is_some_and(|(_, way)| way.way.width.is_some());
+        let colour = if out { palette(ui).good } else { palette(ui).warning };
+        notice(ui, colour, &format!("At a glance: {sentence} ({:.2} s; not verified)", took.as_secs_f64()));
+    }
+}
+
+/// Sizing: its button, its table, its plot.
+pub fn show(ui: &mut Ui, core: &mut Core) {
+    ui.add_space(8.0);
+    ui.strong("Thickest electrodes that come out");
+    let sizing = core.tuning.sizing().map(str::to_owned);
+    ui.horizontal(|ui| {
+        if let Some(doing) = &sizing {
+            if ui.button("Stop sizing").clicked() {
+                core.tuning.stop_sizing();
+            }
+            ui.label(RichText::new(doing).small().color(palette(ui).faint));
+        } else {
+            let hint = "Finds the least reductions for 1, 2 and 3 parts on either side, each with a certificate";
+            let ready = core.pipeline.state(Stage::Channel) == StageState::Done;
+            if ui.add_enabled(ready, egui::Button::new("Find sizes")).on_hover_text(hint).clicked() {
+                core.find_sizes();
+            }
+        }
+    });
+    let (rows, failure) = core.tuning.sizes();
+    let (rows, failure) = (rows.to_vec(), failure.map(str::to_owned));
+    if let Some(why) = failure {
+        notice(ui, palette(ui).bad, &why);
+    }
+    if rows.is_empty() {
+        return;
+    }
+    let current = core.tuning.sizes_are_of(core.pipeline.of_size());
+    if !current {
+        notice(ui, palette(ui).warning, "These sizes are of other parameters; find them again to take one.");
+    }
+    if let Some(row) = table(ui, core, &rows, current) {
+        apply(core, &row);
+    }
+    plot(ui, &rows);
+}
+
+/// The rows; answers the one that is to be applied.
+fn table(ui: &mut Ui, core: &Core, rows: &[SizeRow], current: bool) -> Option<SizeRow> {
+    let mut chosen = None;
+    // The bar of a scrolled form, and the button of a narrow one, must have room.
+    let gap = if ui.available_width() < ROOMY { 5.0 } else { 10.0 };
+    egui::Grid::new("sizes").num_columns(6).min_col_width(0.0).spacing([gap, 3.0]).striped(true).show(ui, |ui| {
+        for (head, unit) in [("Parts", ""), ("From", ""), ("Low", "deg"), ("High", "deg"), ("Thick", "mm"), ("", "")] {
+            ui.label(RichText::new(format!("{head} {unit}").trim_end()).small().color(palette(ui).faint));
+        }
+        ui.end_row();
+        for (i, row) in rows.iter().enumerate() {
+            let [low, high] = row.reduction_deg;
+            let hint = hint(row);
+            let told = |response: egui::Response| drop(response.on_hover_text(&hint));
+            told(ui.label(RichText::new(row.parts.to_string()).monospace()));
+            told(ui.label(RichText::new(row.enter.name()).monospace()));
+            told(ui.label(RichText::new(format!("{low:.3}")).monospace()));
+            told(ui.label(RichText::new(format!("{high:.3}")).monospace()));
+            told(ui.label(RichText::new(format!("{:.3}", row.least_thickness_mm)).monospace()));
+            let applied = current && is_applied(core.document.job(), row);
+            let response =
+                ui.add_enabled(current && !applied, egui::Button::new(if applied { "Taken" } else { "Take" }).small());
+            let name = format!("Take size {}", i + 1);
+            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, current && !applied, &name));
+            if response.on_hover_text(&hint).on_disabled_hover_text(&hint).clicked() {
+                chosen = Some(row.clone());
+            }
+            ui.end_row();
+        }
+    });
+    chosen
+}
+
+/// What is known of a row beside its figures.
+fn hint(row: &SizeRow) -> String {
+    let limit = row.limit.as_ref().map(|limit| format!("; {}", limit.clause())).unwrap_or_default();
+    let raised = match row.raised_deg {
+        0.0 => String::new(),
+        more => format!(", with {more:.2} deg more for the certificate"),
+    };
+    format!("certified {:.4} mm{limit}; found to {TOLERANCE_DEG} deg{raised}", row.certified_mm)
+}
+
+fn is_applied(job: &PlanJob, row: &SizeRow) -> bool {
+    let e = &job.electrode;
+    let given = e.size == wheel::electrode::Sizing::Given;
+    given && e.parts == row.parts && e.enter == row.enter && e.circumferential_reduction_deg == row.reduction_deg
+}
+
+/// Puts a row's reductions, parts and side into the parameters, and the strategy that found them.
+fn apply(core: &mut Core, row: &SizeRow) {
+    let mut job = core.document.job().clone();
+    job.electrode.parts = row.parts;
+    job.electrode.enter = row.enter;
+    job.electrode.size = wheel::electrode::Sizing::Given;
+    job.electrode.circumferential_reduction_deg = row.reduction_deg;
+    job.plan.strategy = feed::search::Strategy::Global;
+    core.edit("Take a size", job, false);
+}
+
+/// Thickness over the greater reduction, a colour for each number of parts.
+fn plot(ui: &mut Ui, rows: &[SizeRow]) {
+    let c = palette(ui);
+    let colours = [c.accent, c.good, c.warning];
+    let mut parts: Vec<usize> = rows.iter().map(|r| r.parts).collect();
+    parts.dedup();
+    let series = parts.into_iter().enumerate().map(|(i, n)| {
+        let of = rows.iter().filter(|r| r.parts == n);
+        let at: Vec<[f64; 2]> =
+            of.map(|r| [r.reduction_deg.into_iter().fold(0.0, f64::max), r.least_thickness_mm]).collect();
+        (if n == 1 { "1 part".to_owned() } else { format!("{n} parts") }, colours[i % colours.len()], at)
+    });
+    let series: Vec<_> = series.collect();
+    let all: Vec<[f64; 2]> = series.iter().flat_map(|(_, _, at)| at.iter().copied()).collect();
+    let [x, y] = [0, 1].map(|k| around(all.iter().map(|p| p[k])));
+    ui.add_space(4.0);
+    // Over the plot it would hide points.
+    legend(ui, series.iter().map(|(name, colour, _)| (*colour, name.as_str())));
+    let axis = |axis: AxisHints<'static>, label: &str, room: Rangef| {
+        axis.label(label).formatter(|mark, _| round_text(mark)).label_spacing(room)
+    };
+    Plot::new("size plot")
+        .height(150.0)
+        .allow_drag(false)
+        .allow_scroll(false)
+        .allow_zoom(Vec2b::new(false, false))
+        .allow_boxed_zoom(false)
+        .show_background(false)
+        .grid_color(c.faint.gamma_multiply(0.35))
+        .x_grid_spacer(few_steps)
+        .y_grid_spacer(few_steps)
+        .custom_x_axes(vec![axis(AxisHints::new_x(), "reduction (deg)", Rangef::new(30.0, 40.0))])
+        .custom_y_axes(vec![axis(AxisHints::new_y(), "thickness (mm)", Rangef::new(14.0, 18.0)).min_thickness(36.0)])
+        .show(ui, |plot| {
+            plot.set_plot_bounds_x(x[0]..=x[1]);
+            plot.set_plot_bounds_y(y[0]..=y[1]);
+            for (name, colour, at) in series {
+                plot.points(Points::new(name, PlotPoints::from(at)).radius(4.0).color(colour));
+            }
+        });
+}
+
+/// From the least to the greatest of `values` with room about them, also where there is but one.
+fn around(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    let room = (0.12 * (high - low)).max(0.02 * high.abs()).max(1e-3);
+    [low - room, high + room]
+}
+
+/// Three to about seven lines at round values.
+fn few_steps(input: GridInput) -> Vec<GridMark> {
+    let marks = |count| round_steps(GridInput { bounds: input.bounds, base_step_size: input.base_step_size }, count);
+    [3.0, 5.0, 8.0].into_iter().map(marks).find(|marks| marks.len() >= 3).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_axis_has_three_numbers_at_least() {
+        for (low, high) in [(1.2, 1.35), (0.97, 2.03), (1.0, 1.0), (5.0, 5.004), (0.0, 10.0), (1.247, 1.302)] {
+            let bounds = around([low, high].into_iter());
+            let marks = few_steps(GridInput { bounds: (bounds[0], bounds[1]), base_step_size: 1.0 });
+            assert!((3..=8).contains(&marks.len()), "{low} to {high}: {}", marks.len());
+            assert!(marks.iter().all(|m| (bounds[0]..=bounds[1]).contains(&m.value)));
+            let mut texts: Vec<String> = marks.into_iter().map(round_text).collect();
+            texts.dedup();
+            assert!(texts.len() >= 3, "{texts:?}");
+        }
+    }
+}

@@ -1,0 +1,305 @@
+//! What is known of a step, below its form, with the button that goes on.
+
+use egui::{RichText, Ui};
+
+use super::stepper::{Standing, command_button, fact, notice, sentence};
+use crate::shell::commands::Command;
+use crate::shell::core::Core;
+use crate::shell::status::grouped;
+use crate::widgets::theme::palette;
+use crate::workspaces::blisk::document::stage::Stage;
+use crate::workspaces::blisk::job::plan::PlanOutcome;
+use crate::workspaces::blisk::job::simulate;
+use crate::workspaces::blisk::pipeline::StageState;
+use feed::leftover::Leftover;
+use wheel::channel::Channel;
+use wheel::electrode::EntrySide;
+
+/// Draws them.
+pub fn show(ui: &mut Ui, core: &mut Core, stage: Stage) {
+    match stage {
+        Stage::Part => part(ui, core),
+        Stage::Channel => channel(ui, core),
+        Stage::Electrode => electrode(ui, core),
+        Stage::Plan => plan(ui, core),
+        Stage::Verify => verify(ui, core),
+        Stage::Export => export(ui, core),
+    }
+}
+
+fn next(ui: &mut Ui, core: &mut Core, stage: Stage) {
+    ui.add_space(8.0);
+    let text = format!("Go on to {}", stage.name());
+    command_button(ui, core, Command::Step(stage), &text, true);
+}
+
+fn part(ui: &mut Ui, core: &mut Core) {
+    ui.horizontal(|ui| {
+        command_button(ui, core, Command::Open, "Open…", core.pipeline.part().is_none());
+        command_button(ui, core, Command::NewDemonstration, "Demonstration", false);
+    });
+    ui.add_space(4.0);
+    let Some(part) = core.pipeline.part().cloned() else { return };
+    let length = core.preferences.length;
+    fact(ui, "File", &part.name);
+    fact(ui, "Triangles", grouped(part.mesh.triangles.len()));
+    let size = part.shape.bounds().size();
+    for (axis, extent) in ["Size along X", "Size along Y", "Size along Z"].into_iter().zip(size.to_array()) {
+        fact(ui, axis, length.show(extent, 2));
+    }
+    if let Some(report) = &part.report {
+        fact(ui, "Unit", report.unit.name());
+        fact(ui, "Surface", if report.watertight { "watertight" } else { "open" });
+        ui.add(egui::Label::new(RichText::new(&report.unit_reason).small().color(palette(ui).faint)).wrap());
+        for warning in &report.warnings {
+            notice(ui, palette(ui).warning, warning);
+        }
+    }
+    if core.pipeline.state(Stage::Part) == StageState::Done {
+        next(ui, core, Stage::Channel);
+    }
+}
+
+fn channel(ui: &mut Ui, core: &mut Core) {
+    let Some(found) = core.pipeline.channel().cloned() else { return };
+    if matches!(core.pipeline.state(Stage::Channel), StageState::Failed(_)) {
+        return;
+    }
+    let (channel, length) = (&found.channel, core.preferences.length);
+    let [low, high] = channel.span_x();
+    let (hub, shroud) = channel.radii_at(0.5 * (low + high));
+    fact(ui, "Blades", channel.blades.to_string());
+    fact(ui, "Channel", format!("{} (0 to {})", channel.index, channel.blades - 1));
+    fact(ui, "Throat", length.show(channel.throat.width_mm, 3));
+    fact(ui, "Turning", format!("{:.1} deg", channel.turning.to_degrees()));
+    fact(ui, "Hub radius, middle", length.show(hub, 2));
+    fact(ui, if channel.shrouded { "Shroud radius, middle" } else { "Tip radius, middle" }, length.show(shroud, 2));
+    fact(ui, "Blades along X", length.show(high - low, 2));
+    for assumed in &channel.assumed {
+        notice(ui, palette(ui).faint, assumed);
+    }
+    if core.pipeline.state(Stage::Channel) == StageState::Done {
+        next(ui, core, Stage::Electrode);
+    }
+}
+
+fn electrode(ui: &mut Ui, core: &mut Core) {
+    super::sizes::live(ui, core);
+    let Some(made) = core.pipeline.electrodes().cloned() else { return };
+    // Figures of what was made before would pass for those of what could not be made.
+    if matches!(core.pipeline.state(Stage::Electrode), StageState::Failed(_)) {
+        return;
+    }
+    let length = core.preferences.length;
+    for (i, electrode) in made.electrodes.iter().enumerate() {
+        if made.electrodes.len() > 1 {
+            ui.strong(format!("Electrode {}", i + 1));
+        }
+        fact(ui, "Enters from", if electrode.enters_from == EntrySide::MinusX { "-X" } else { "+X" });
+        fact(ui, "Least thickness", length.show(electrode.least_thickness_mm, 3));
+        fact(ui, "Clearance in place", length.show(electrode.clearance_mm, 4));
+        fact(ui, "Volume", format!("{:.1} mm³", electrode.volume_mm3));
+        fact(ui, "Burn area", format!("{:.1} mm²", electrode.burn_area_mm2));
+        for assumed in &electrode.assumed {
+            notice(ui, palette(ui).faint, assumed);
+        }
+    }
+    if core.pipeline.state(Stage::Electrode) == StageState::Done {
+        ui.add_space(4.0);
+        command_button(ui, core, Command::MillFlanks, "Mill its flanks", false);
+        next(ui, core, Stage::Plan);
+    }
+    super::sizes::show(ui, core);
+}
+
+fn plan(ui: &mut Ui, core: &mut Core) {
+    let running = core.pipeline.state(Stage::Plan) == StageState::Running;
+    ui.horizontal(|ui| {
+        if running {
+            command_button(ui, core, Command::Cancel, "Cancel", false);
+        } else {
+            let text = if core.pipeline.plan().is_some() { "Plan again" } else { "Plan feed path" };
+            let is_next = core.pipeline.state(Stage::Plan) != StageState::Done;
+            command_button(ui, core, Command::Plan, text, is_next);
+        }
+    });
+    ui.add_space(4.0);
+    if running {
+        if let Some(partial) = core.pipeline.partial_plan() {
+            fact(ui, "Nodes so far", partial.nodes.len().to_string());
+            let withdrawn = partial.nodes.last().map_or(0.0, |n| n.s);
+            fact(ui, "Withdrawn", core.preferences.length.show(withdrawn, 2));
+        }
+        return;
+    }
+    super::sizes::live(ui, core);
+    let Some(plan) = core.pipeline.plan().cloned() else { return };
+    for (i, outcome) in plan.electrodes.iter().enumerate() {
+        let colour = match Standing::of(core, Stage::Plan) {
+            Standing::Done => palette(ui).good,
+            Standing::Working => palette(ui).accent,
+            Standing::Stale | Standing::Unchecked => palette(ui).warning,
+            // The feed may be good where the machine's motion about it is not.
+            _ if outcome.plan.is_verified() => palette(ui).warning,
+            _ => palette(ui).bad,
+        };
+        let name = if plan.electrodes.len() > 1 { format!("Electrode {}: ", i + 1) } else { String::new() };
+        // A plan that failed says so above the form.
+        if outcome.plan.path.is_some() {
+            notice(ui, colour, &(name + &outcome.plan.verdict(&plan.channel)));
+        }
+        fact(ui, "Nodes", outcome.plan.nodes.len().to_string());
+        if outcome.plan.rounds == 0 {
+            fact(ui, "Found", "before; verified anew");
+            continue;
+        }
+        fact(ui, "Searches", outcome.plan.rounds.to_string());
+        if outcome.plan.mends > 0 {
+            fact(ui, "Mended", format!("{} times", outcome.plan.mends));
+        }
+        fact(ui, "Points tested", outcome.plan.probes.to_string());
+        fact(ui, "Search", format!("{:.1} s", outcome.plan.search_seconds));
+        for (side, why) in &outcome.tried {
+            let side = if *side == EntrySide::MinusX { "-X" } else { "+X" };
+            ui.label(RichText::new(format!("From {side}: {why}")).small().color(palette(ui).faint));
+        }
+    }
+    if plan.is_verified() && core.pipeline.state(Stage::Plan) == StageState::Done {
+        ui.add_space(4.0);
+        command_button(ui, core, Command::Keep, "Keep for comparison", false);
+        next(ui, core, Stage::Verify);
+    }
+}
+
+fn verify(ui: &mut Ui, core: &mut Core) {
+    let Some(plan) = core.pipeline.plan().cloned() else {
+        ui.label("There is no path yet: plan one first.");
+        return;
+    };
+    let length = core.preferences.length;
+    for (index, outcome) in plan.electrodes.iter().enumerate() {
+        let Some(planned) = &outcome.plan.path else {
+            // What a single electrode fails at is said above the form already.
+            if plan.electrodes.len() > 1 {
+                notice(ui, palette(ui).bad, &outcome.plan.verdict(&plan.channel));
+            }
+            continue;
+        };
+        let c = &planned.certificate;
+        let (colour, text) = if core.plan_is_stale() {
+            (palette(ui).warning, "This certificate is of other parameters.".to_owned())
+        } else if c.holds() && plan.simulation(index).is_some_and(|simulation| !simulation.holds()) {
+            let text =
+                "Certified: the feed keeps the spark gap, within the tolerance; its motion on the machine does not.";
+            (palette(ui).warning, text.to_owned())
+        } else if c.holds() {
+            (palette(ui).good, "Certified: the whole motion keeps the spark gap, within the tolerance.".to_owned())
+        } else {
+            (palette(ui).bad, outcome.plan.verdict(&plan.channel))
+        };
+        notice(ui, colour, &text);
+        fact(ui, "Required", length.show(c.required(), 4));
+        fact(ui, "Certified (lower bound)", length.show(c.certified(), 4));
+        fact(ui, "Least met (upper bound)", length.show(c.least().distance, 4));
+        fact(ui, "  against", plan.channel.surface_name(c.least().surface));
+        fact(ui, "  withdrawn by", length.show(c.least().s, 3));
+        fact(ui, "Rows", planned.path.rows.len().to_string());
+        fact(ui, "Places too near", c.violations().len().to_string());
+        if ui.button("Go to the closest place").clicked() {
+            core.go_to(c.least().s);
+        }
+        if let Some(copying) = plan.copying(index) {
+            notice(ui, palette(ui).faint, &copying.sentence());
+        }
+    }
+    finishing(ui, core, &plan);
+    if core.pipeline.can_approve() {
+        next(ui, core, Stage::Export);
+    }
+}
+
+/// What is being worked on before a certified plan can be approved.
+fn awaited(core: &Core) -> &'static str {
+    match core.pipeline.running().filter(|running| running.stage == Stage::Verify).map(|running| &*running.doing) {
+        Some("simulation") => "the whole motion is being simulated on the machine",
+        Some("leftover") => "what stock is left is being worked out",
+        _ => "the copying motions are being worked out",
+    }
+}
+
+/// How the electrodes finish the channel, or how far that is known.
+fn finishing(ui: &mut Ui, core: &mut Core, plan: &PlanOutcome) {
+    match core.pipeline.finishing() {
+        StageState::Running => {
+            notice(ui, palette(ui).faint, &format!("{}\u{2026}", sentence(awaited(core))));
+        }
+        StageState::Failed(why) => {
+            let text = format!("It is not known what stock is left, and there are no copying motions: {why}.");
+            notice(ui, palette(ui).warning, &text);
+            if ui.button("Work out the stock left").clicked() {
+                core.pipeline.resume_finishing();
+            }
+        }
+        _ => {
+            if let Some(left) = plan.leftover() {
+                leftover(ui, core, left, &plan.channel);
+            }
+        }
+    }
+}
+
+/// What stock is left, surface by surface.
+fn leftover(ui: &mut Ui, core: &mut Core, left: &Leftover, channel: &Channel) {
+    let length = core.preferences.length;
+    ui.add_space(6.0);
+    ui.strong(if core.plan_is_stale() { "Stock left, with other parameters" } else { "Stock left" });
+    let stock = &left.stock;
+    fact(ui, "In the channel", format!("{:.2} of {:.0} mm³", stock.left_mm3, stock.channel_mm3));
+    for figures in &left.surfaces {
+        let name = channel.surface_name(figures.surface);
+        fact(ui, &format!("Thickest, {name}"), length.show(figures.left.depth_mm, 3));
+        if figures.overcut.at.is_some() {
+            fact(ui, &format!("Too deep, {name}"), length.show(figures.overcut.depth_mm, 3));
+        }
+    }
+    let text = if core.leftover { "Show the electrode" } else { "Show the stock left" };
+    command_button(ui, core, Command::Leftover, text, false);
+}
+
+fn export(ui: &mut Ui, core: &mut Core) {
+    let approved = core.pipeline.is_approved();
+    if !approved && core.pipeline.finishing() == StageState::Running {
+        let unless = if simulate::is_needed(core.document.job()) { ", unless something collides" } else { "" };
+        let text = format!(
+            "{}. The plan can be approved once its copying motions and the stock left are known{unless}.",
+            sentence(awaited(core))
+        );
+        notice(ui, palette(ui).faint, &text);
+    } else if !approved && !core.pipeline.can_approve() {
+        let collides = core.pipeline.plan().and_then(|plan| plan.finishing()).is_some_and(|f| f.collision().is_some());
+        let why = if collides {
+            "A plan on whose machine something collides cannot be approved; Verify shows where."
+        } else {
+            "Only a plan with a certificate that holds, for the present parameters, can be approved."
+        };
+        notice(ui, palette(ui).warning, why);
+    }
+    ui.horizontal(|ui| {
+        command_button(ui, core, Command::Approve, "Approve", !approved);
+        command_button(ui, core, Command::Export, "Export…", approved);
+        if approved {
+            command_button(ui, core, Command::Withdraw, "Withdraw", false);
+        }
+    });
+    if approved {
+        ui.add_space(4.0);
+        notice(ui, palette(ui).good, "Approved: this path. What changes the path withdraws it; feed and post do not.");
+    }
+    let Some(exported) = core.pipeline.exported().cloned() else { return };
+    ui.add_space(6.0);
+    ui.strong("Written");
+    ui.add(egui::Label::new(RichText::new(exported.folder.display().to_string()).small()).wrap());
+    for name in &exported.written {
+        ui.label(RichText::new(name).monospace());
+    }
+}

@@ -1,0 +1,420 @@
+//! The outcome of a plan in the words of the report.
+
+use crate::workspaces::blisk::document::job_file::PlanJob;
+use crate::workspaces::blisk::job::plan::{ElectrodeOutcome, PlanOutcome};
+use crate::workspaces::blisk::report::leftover::LeftoverReport;
+use crate::workspaces::blisk::report::simulation::SimulationReport;
+use crate::workspaces::blisk::report::{
+    BliskSummary, ClearancePlace, Convergence, DistancesReport, ElectrodeReport, Failure, InputFile, Motion,
+    NodeReport, ObjectiveReport, PoseReport, Report, SCHEMA, Smoothness, Symbol, Verdict, VerifiedDigests, Written,
+};
+use feed::certificate::TravelVerdict;
+use feed::four_distances::{DistanceGauge, FourDistances};
+use feed::genetic::coding::Coding;
+use feed::jam::JamCause;
+use feed::plan::{FeedPlan, PlannedPath};
+use feed::pose::{Axis, Pose};
+use feed::search::{Constraint, Strategy};
+use task::Cancel;
+use wheel::channel::Channel;
+use wheel::electrode::EntrySide;
+use wheel::surface_finder::SurfaceFinder;
+
+/// The report on `outcome`, without pictures. `inputs` tells which files it was made from.
+pub fn report(outcome: &PlanOutcome, job: &PlanJob, inputs: Vec<InputFile>) -> Report {
+    let electrodes = outcome.electrodes.iter().enumerate().map(|(i, e)| electrode(i + 1, e, outcome, job)).collect();
+    Report {
+        schema: SCHEMA,
+        program_version: env!("CARGO_PKG_VERSION").to_owned(),
+        verdict: verdict(outcome),
+        inputs,
+        blisk: BliskSummary::of(&outcome.channel),
+        parameters: parameters(job),
+        symbols: symbols(outcome, job),
+        electrodes,
+        leftover: outcome.leftover().map(|l| LeftoverReport::of(l, &outcome.channel)),
+        no_leftover: outcome.finishing().and_then(|f| f.leftover.as_ref().err()).cloned(),
+        written: Written::default(),
+        times: outcome.times.iter().chain(outcome.finishing().into_iter().flat_map(|f| &f.times)).cloned().collect(),
+        pictures: Vec::new(),
+        no_pictures: None,
+    }
+}
+
+fn verdict(outcome: &PlanOutcome) -> Verdict {
+    let sentences: Vec<String> = outcome
+        .electrodes
+        .iter()
+        .enumerate()
+        .map(|(i, e)| {
+            let tried = e.tried.iter().map(|(side, why)| format!(" Towards {} it {why}.", side_name(*side)));
+            let verdict = e.plan.verdict(&outcome.channel);
+            format!(
+                "Electrode {}{} towards {} {verdict}.{}",
+                i + 1,
+                if e.electrode.column.is_some() { format!(" ({})", e.electrode.share()) } else { String::new() },
+                side_name(e.electrode.enters_from),
+                tried.collect::<String>()
+            )
+        })
+        .collect();
+    let left = outcome.leftover().map(|l| l.sentence(&outcome.channel));
+    let simulated = outcome.finishing().into_iter().flat_map(|f| &f.simulations).map(|s| s.sentence());
+    let stopped = outcome.stopped().map(|stage| format!("The {stage} was stopped, so that there is no NC program."));
+    let sentence = sentences.into_iter().chain(simulated).chain(stopped).chain(left).collect::<Vec<_>>().join(" ");
+    let exit_code = match (outcome.stopped(), outcome.may_be_approved()) {
+        (Some(_), _) => 130,
+        (None, true) => 0,
+        (None, false) => 3,
+    };
+    Verdict { exit_code, sentence }
+}
+
+fn side_name(side: EntrySide) -> &'static str {
+    match side {
+        EntrySide::MinusX => "-x",
+        EntrySide::PlusX => "+x",
+    }
+}
+
+fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job: &PlanJob) -> ElectrodeReport {
+    let ElectrodeOutcome { electrode, plan, .. } = outcome;
+    let certificate = plan.path.as_ref().map(|p| &p.certificate);
+    let place = |c: &feed::certificate::Certificate| {
+        ClearancePlace::of(c.least(), whole.channel.surface_name(c.least().surface))
+    };
+    ElectrodeReport {
+        index,
+        share: electrode.share(),
+        enters_from: side_name(electrode.enters_from).to_owned(),
+        extractable: certificate.is_some_and(|c| c.ends_right() && c.certified() > 0.0),
+        verified: plan.is_verified(),
+        required_clearance_mm: job.electrode.spark_gap_mm,
+        tolerance_mm: job.verify.tolerance_mm,
+        certified_clearance_mm: certificate.map(|c| c.certified()),
+        least_clearance_mm: certificate.map(|c| c.least().distance),
+        least_clearance_at: certificate.map(place),
+        nodes: nodes(plan, &distances(outcome, whole, job)),
+        smoothness: plan.path.as_ref().map_or(Vec::new(), |p| Smoothness::of(&p.smoothness)),
+        volume_mm3: electrode.volume_mm3,
+        least_thickness_mm: Some(electrode.least_thickness_mm),
+        burn_area_mm2: Some(electrode.burn_area_mm2),
+        ga_convergence: convergence(plan),
+        feed_lowered: None,
+        copying: whole.copying(index - 1).map(Into::into),
+        simulation: whole.simulation(index - 1).map(|s| SimulationReport::of(s)),
+        sha256: certificate.map(VerifiedDigests::of),
+        failure: failure(plan, &whole.channel),
+        files: Vec::new(),
+        motion: plan
+            .path
+            .as_ref()
+            .map(|p| Motion { rows: p.path.rows.clone(), clearance: p.certificate.row_clearance().to_vec() }),
+    }
+}
+
+/// P1's four distances at every node, where its strategy was followed; empty otherwise.
+fn distances(outcome: &ElectrodeOutcome, whole: &PlanOutcome, job: &PlanJob) -> Vec<DistancesReport> {
+    if job.plan.strategy != Strategy::Centreline {
+        return Vec::new();
+    }
+    // A report is not stopped half way; its electrode was sampled before and its walls searched.
+    let never = Cancel::default();
+    let poses: Vec<Pose> = outcome.plan.nodes.iter().map(|n| n.pose).collect();
+    let measured = SurfaceFinder::new(whole.channel.clone()).ok().and_then(|finder| {
+        let gauge = DistanceGauge::new(&outcome.electrode, &whole.channel, &finder, &never).ok()?;
+        gauge.at_all(&poses, &never).ok()
+    });
+    let report = |d: FourDistances| {
+        let [low_wall, high_wall] = d.walls;
+        DistancesReport { low_wall, high_wall, hub: d.hub, shroud: d.shroud }
+    };
+    measured.unwrap_or_default().into_iter().map(report).collect()
+}
+
+fn nodes(plan: &FeedPlan, distances: &[DistancesReport]) -> Vec<NodeReport> {
+    let objective = |n: &feed::search::Node| ObjectiveReport {
+        smoothness: n.objective.smoothness,
+        centring: n.objective.centring,
+        total: n.objective.total,
+    };
+    plan.nodes
+        .iter()
+        .enumerate()
+        .map(|(node, n)| NodeReport {
+            node,
+            s_mm: n.s,
+            pose: PoseReport::from(&n.pose),
+            clearance_mm: n.clearance,
+            objective: Some(objective(n)),
+            distances_mm: distances.get(node).copied(),
+        })
+        .collect()
+}
+
+fn convergence(plan: &FeedPlan) -> Vec<Convergence> {
+    // The search of node i + 1 is trace i; nodes that were coasted to or put in have none.
+    let searched = plan.convergence.iter().enumerate().filter(|(_, c)| !c.best.is_empty());
+    searched.map(|(i, c)| Convergence { node: i + 1, best: c.best.clone(), mean: c.mean.clone() }).collect()
+}
+
+/// Why there is no verified path, and what would help.
+fn failure(plan: &FeedPlan, channel: &Channel) -> Option<Failure> {
+    if plan.is_verified() {
+        return None;
+    }
+    let verdict = plan.verdict(channel);
+    let name = |surface| channel.surface_name(surface).to_owned();
+    if let Some(jam) = &plan.jam {
+        let remedy = match jam.cause {
+            JamCause::Contact(_) => {
+                "More circumferential reduction on that wall, another division or the other side of entry may open the way."
+            }
+            JamCause::Travel { .. } => "Another machine, less exit_clearance_mm or the other side of entry would help.",
+            JamCause::NothingLeft { .. } => "A smaller h_max_deg, more parts or the other side of entry may help.",
+            JamCause::Unknown => "A smaller step_mm, more poses or a larger population may find one.",
+        };
+        return Some(Failure {
+            node: jam.node,
+            s_mm: jam.s,
+            wall: jam.contact().map(|c| name(c.surface)),
+            place: jam.contact().map(|c| c.on_blisk.to_array()),
+            sentence: format!("The electrode {verdict}. {remedy}"),
+        });
+    }
+    let PlannedPath { path, certificate: c, .. } = plan.path.as_ref()?;
+    let node = |row: usize| path.rows.get(row).map_or(0, |r| r.node);
+    let sentence = format!("The electrode {verdict}.");
+    // What makes it fail: the ends, the axes' travel, or else the clearance where it is least.
+    let elsewhere =
+        |row: usize, s_mm| Failure { node: node(row), s_mm, wall: None, place: None, sentence: sentence.clone() };
+    Some(match c.travel() {
+        _ if !c.keeps_clearance() => Failure {
+            node: node(c.least().row as usize),
+            s_mm: c.least().s,
+            wall: Some(name(c.least().surface)),
+            place: Some(c.least().on_blisk.to_array()),
+            sentence,
+        },
+        TravelVerdict::Beyond(beyond) => elsewhere(beyond.row, path.rows.get(beyond.row).map_or(0.0, |r| r.s)),
+        TravelVerdict::Within | TravelVerdict::NotJudged => elsewhere(0, path.rows.first().map_or(0.0, |r| r.s)),
+    })
+}
+
+/// The parameters of `job` but for those of strategies, and of a constraint, that had no part in its plan.
+fn parameters(job: &PlanJob) -> serde_json::Value {
+    let mut all = serde_json::to_value(job).unwrap_or_default();
+    let strategy = job.plan.strategy;
+    if let Some(sections) = all.as_object_mut().filter(|_| strategy != Strategy::Genetic) {
+        sections.remove("genetic");
+    }
+    let of_others = [
+        ("global", strategy != Strategy::Global),
+        ("centreline", strategy != Strategy::Centreline),
+        ("angle", job.plan.constraint != Constraint::Angle),
+    ];
+    if let Some(plan) = all.get_mut("plan").and_then(serde_json::Value::as_object_mut) {
+        of_others.iter().filter(|(_, other)| *other).for_each(|(section, _)| drop(plan.remove(*section)));
+    }
+    all
+}
+
+/// The papers' symbols, and the parameters of the strategy, with the values they had.
+fn symbols(outcome: &PlanOutcome, job: &PlanJob) -> Vec<Symbol> {
+    let symbol = |symbol: &str, meaning: &str, value: String, unit: &str| Symbol {
+        symbol: symbol.to_owned(),
+        meaning: meaning.to_owned(),
+        value,
+        unit: unit.to_owned(),
+    };
+    let Some(first) = outcome.electrodes.first() else { return Vec::new() };
+    let (params, weights) = (&job.electrode, job.plan.weights.normalised(&job.machine.axes.axes()[1..]));
+    let [low, high] = params.circumferential_reduction_deg;
+    let summary = BliskSummary::of(&outcome.channel);
+    let h = first.plan.h.to_degrees();
+    let mut list = vec![
+        symbol("R_h", "hub radius over the blades", range_text(summary.hub_radius_mm), "mm"),
+        symbol("R_c", "shroud (or tip) radius over the blades", range_text(summary.shroud_radius_mm), "mm"),
+        symbol("theta", "angle between neighbouring blades", text(360.0 / outcome.channel.blades as f64), "deg"),
+        symbol("delta", "spark gap", text(params.spark_gap_mm), "mm"),
+        symbol("h", "circumferential reduction, low and high wall", range_text([low + h, high + h]), "deg"),
+        symbol("x_1 - x_0", "distance of nodes", text(job.plan.step_mm), "mm"),
+    ];
+    for (name, meaning, value) in [
+        ("a1", "weight of Z in (4)", weights.a1),
+        ("b1", "weight of Y in (4)", weights.b1),
+        ("c1", "weight of C in (4)", weights.c1),
+        ("d1", "weight of A in (4), not in the paper", weights.d1),
+        ("e1", "weight of B in (4), not in the paper", weights.e1),
+        ("a2", "weight of equal distances in (5)", weights.a2),
+        ("b2", "weight of S_L in (5)", weights.b2),
+        ("c2", "weight of S_R in (5)", weights.c2),
+        ("a3", "weight of smoothness in (6)", weights.a3),
+        ("b3", "weight of centring in (6)", weights.b3),
+    ] {
+        list.push(symbol(name, meaning, text(value), "1"));
+    }
+    if job.plan.constraint == Constraint::Angle {
+        let angle = &job.plan.angle;
+        list.push(symbol("Delta1", "distance kept from hub and shroud by the angle test", text(angle.delta1_mm), "mm"));
+        list.push(symbol("Delta2", "angle kept by the angle test", text(angle.delta2_deg), "deg"));
+    }
+    for axis in [Axis::Z, Axis::Y, Axis::A, Axis::B, Axis::C] {
+        list.extend(range_symbols(axis, first.plan.ranges[axis as usize], job, &symbol));
+    }
+    list.extend(strategy_symbols(job, &symbol));
+    list
+}
+
+/// The parameters of the strategy that was followed.
+fn strategy_symbols(job: &PlanJob, symbol: &impl Fn(&str, &str, String, &str) -> Symbol) -> Vec<Symbol> {
+    let (genetic, global, centreline) = (&job.genetic, &job.plan.global, &job.plan.centreline);
+    let mut list = vec![symbol("strategy", "how the path is searched for", job.plan.strategy.name().to_owned(), "")];
+    list.extend(match job.plan.strategy {
+        Strategy::Genetic => vec![
+            symbol("p_c", "k1 = k3: probability of crossover", text(genetic.crossover), "1"),
+            symbol("p_m", "k2 = k4: probability of mutation of a gene", text(genetic.mutation), "1"),
+        ],
+        Strategy::Global => vec![
+            symbol("poses", "poses kept for each node", global.poses.to_string(), "1"),
+            symbol("room", "room up to which a wider way counts as better", text(global.room_mm), "mm"),
+            symbol("room kept", "share of the room that polishing keeps", text(global.room_kept), "1"),
+        ],
+        Strategy::Centreline => {
+            let increase = text(centreline.safety_increase_mm);
+            vec![symbol("increase", "of the gap where the plain one leads to no free motion", increase, "mm")]
+        }
+        Strategy::FreeTravel | Strategy::MaxMinDistance => Vec::new(),
+    });
+    list
+}
+
+/// The range of an axis by (7) and, of a genetic search, the bits it is coded with by (8).
+fn range_symbols(
+    axis: Axis,
+    range: f64,
+    job: &PlanJob,
+    symbol: &impl Fn(&str, &str, String, &str) -> Symbol,
+) -> Vec<Symbol> {
+    if range <= 0.0 {
+        return Vec::new();
+    }
+    let (half, unit, precision) = if axis.is_rotary() {
+        ((0.5 * range).to_degrees(), "deg", job.genetic.precision_deg)
+    } else {
+        (0.5 * range, "mm", job.genetic.precision_mm)
+    };
+    let letter = axis.letter();
+    let range = format!("+-{}", text(half));
+    let mut list = vec![symbol(&format!("Delta_{letter}"), "range of motion in one step (7)", range, unit)];
+    if job.plan.strategy == Strategy::Genetic {
+        let bits = Coding::new(-half, half, precision).bits;
+        list.push(symbol(&format!("N_{letter}"), "bits of the code (8)", bits.to_string(), "bit"));
+    }
+    list
+}
+
+fn text(value: f64) -> String {
+    let rounded = (value * 1e4).round() / 1e4;
+    format!("{rounded}")
+}
+
+fn range_text([a, b]: [f64; 2]) -> String {
+    if (a - b).abs() < 5e-5 { text(a) } else { format!("{} to {}", text(a), text(b)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use feed::certificate::{Certificate, Findings};
+    use feed::interpolation::AxisCurves;
+    use feed::machine::BeyondTravel;
+    use feed::objective::ObjectiveValue;
+    use feed::pose::Pose;
+    use feed::search::Node;
+    use feed::smoothness::AxisSmoothness;
+    use geometry::spline::EndCondition;
+    use nc::fixtures;
+    use wheel::fixtures::exact_channel;
+    use wheel::parametric::ParametricBlisk;
+
+    /// A plan whose path came out, with what the verifier found changed by `change`.
+    fn plan(change: impl Fn(&mut Findings)) -> FeedPlan {
+        let path = fixtures::path();
+        let mut findings = fixtures::certificate(&path).into_findings();
+        change(&mut findings);
+        let node = |s: f64| {
+            let pose = Pose { x: -s, ..Pose::FINAL };
+            Node { s, pose, h: 0.0, clearance: 0.1, objective: ObjectiveValue::default() }
+        };
+        let nodes = vec![node(0.0), node(60.0)];
+        let planned = PlannedPath {
+            curves: AxisCurves::through(&nodes, EndCondition::NotAKnot).unwrap(),
+            path,
+            certificate: Certificate::made_up(findings),
+            smoothness: [AxisSmoothness::of(&[0.0]); 6],
+        };
+        FeedPlan {
+            nodes,
+            convergence: Vec::new(),
+            jam: None,
+            path: Some(planned),
+            h: 0.0,
+            remade: None,
+            ranges: [0.0; 6],
+            probes: 0,
+            rounds: 1,
+            mends: 0,
+            field_seconds: 0.0,
+            search_seconds: 0.0,
+            verify_seconds: 0.0,
+        }
+    }
+
+    #[test]
+    fn whatever_keeps_a_path_from_being_verified_is_told() {
+        let channel = exact_channel(&ParametricBlisk::demonstration());
+        let told = |change: &dyn Fn(&mut Findings)| failure(&plan(change), &channel);
+        assert_eq!(told(&|_| {}), None);
+
+        let close = told(&|f| f.certified = 0.05).unwrap();
+        assert_eq!((close.s_mm, close.node), (12.0, 6), "where the clearance is least");
+        assert!(close.wall.is_some() && close.place == Some([3.0, -4.1, 120.02]));
+
+        let verdict = plan(|f| f.certified = 0.0985).verdict(&channel);
+        assert!(verdict.contains("0.0985 mm; 0.1000 mm less the tolerance of 0.0020 mm are required"), "{verdict}");
+
+        let ends = told(&|f| f.ends_right = false).unwrap();
+        assert!(ends.sentence.contains("begin wholly outside") && ends.s_mm == 60.0 && ends.place.is_none());
+
+        let beyond = BeyondTravel { axis: Axis::C, row: 20, value: 0.4, limit: 0.3 };
+        let travel = told(&|f| f.travel = TravelVerdict::Beyond(beyond)).unwrap();
+        assert!(travel.sentence.contains("axis C") && travel.s_mm == 50.0 && travel.wall.is_none());
+    }
+
+    #[test]
+    fn only_parameters_that_had_a_part_in_the_plan_are_listed() {
+        let mut job = PlanJob::demonstration();
+        let symbol = |symbol: &str, meaning: &str, value: String, unit: &str| {
+            let [symbol, meaning, unit] = [symbol, meaning, unit].map(str::to_owned);
+            Symbol { symbol, meaning, value, unit }
+        };
+        let of_one = [
+            (Strategy::Genetic, "/genetic", "p_m"),
+            (Strategy::Global, "/plan/global", "poses"),
+            (Strategy::Centreline, "/plan/centreline", "increase"),
+        ];
+        for (strategy, section, named) in of_one {
+            job.plan.strategy = strategy;
+            let listed = parameters(&job);
+            assert!(listed.pointer("/plan/angle").is_none() && listed.pointer("/plan/step_mm").is_some());
+            let symbols = strategy_symbols(&job, &symbol);
+            for (_, other, name) in of_one {
+                assert_eq!(listed.pointer(other).is_some(), other == section, "{strategy:?} {other}");
+                assert_eq!(symbols.iter().any(|s| s.symbol == name), name == named, "{strategy:?} {name}");
+            }
+        }
+        job.plan.constraint = Constraint::Angle;
+        assert!(parameters(&job).pointer("/plan/angle").is_some());
+    }
+}

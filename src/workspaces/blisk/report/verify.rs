@@ -1,0 +1,221 @@
+//! What a verification of a path file found, as `verify.json` for programs and `verify.html` for people.
+
+use serde::Serialize;
+
+use crate::workspaces::blisk::report::html::{STYLE, file_name};
+use crate::workspaces::blisk::report::tables;
+use crate::workspaces::blisk::report::{ClearancePlace, ReportError, VerifiedDigests};
+use feed::certificate::{Certificate, TravelVerdict};
+use feed::path::FeedPath;
+use files::svg_plot::{Plot, Series, escape};
+
+/// Version of the keys of `verify.json`.
+pub const SCHEMA: u32 = 1;
+
+/// A file that went into the verification.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct VerifiedFile {
+    /// What it is: blisk, electrode, path.
+    pub role: &'static str,
+    /// Where it was read from.
+    pub path: String,
+    /// SHA-256 of its bytes, hex.
+    pub sha256: String,
+}
+
+/// What is known of the travel of the axes; mm or degrees.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TravelReport {
+    /// Whether limits were given.
+    pub judged: bool,
+    /// The first row that is beyond them, if one is.
+    pub beyond: Option<BeyondTravelReport>,
+}
+
+/// A row beyond the travel of an axis.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct BeyondTravelReport {
+    pub axis: char,
+    pub row: usize,
+    pub value: f64,
+    pub limit: f64,
+    pub unit: &'static str,
+}
+
+impl From<TravelVerdict> for TravelReport {
+    fn from(verdict: TravelVerdict) -> Self {
+        let TravelVerdict::Beyond(b) = verdict else {
+            return Self { judged: verdict != TravelVerdict::NotJudged, beyond: None };
+        };
+        let (value, limit, unit) = b.in_file_units();
+        Self {
+            judged: true,
+            beyond: Some(BeyondTravelReport { axis: b.axis.letter(), row: b.row, value, limit, unit }),
+        }
+    }
+}
+
+/// The verdict on a path file.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct VerifyReport {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// Version of the program.
+    pub program_version: &'static str,
+    /// The files.
+    pub inputs: Vec<VerifiedFile>,
+    /// Whether the clearance is proven from outside to the final pose, and no axis is beyond travel that is known.
+    pub verified: bool,
+    /// Spark gap (mm).
+    pub required_clearance_mm: f64,
+    /// How far below it is accepted (mm).
+    pub tolerance_mm: f64,
+    /// Proven lower bound (mm).
+    pub certified_clearance_mm: f64,
+    /// Smallest clearance met (mm).
+    pub least_clearance_mm: f64,
+    /// Where.
+    pub least_clearance_at: ClearancePlace,
+    /// Whether the path leads from wholly outside the blisk to the final pose.
+    pub starts_outside_and_ends_at_zero: bool,
+    /// Travel of the axes.
+    pub travel: TravelReport,
+    /// What was verified: meshes in W, bit for bit.
+    pub sha256: VerifiedDigests,
+    /// Rows of the path.
+    pub rows: usize,
+    /// The verdict in a sentence.
+    pub sentence: String,
+    /// `[s, clearance]` at every row, for the plot (mm).
+    #[serde(skip)]
+    pub clearances: Vec<[f64; 2]>,
+}
+
+impl VerifyReport {
+    /// The report on `path`; `surface` is the name of the surface that the least clearance is to.
+    pub fn new(path: &FeedPath, certificate: &Certificate, surface: &str, inputs: Vec<VerifiedFile>) -> Self {
+        let c = certificate;
+        Self {
+            schema: SCHEMA,
+            program_version: env!("CARGO_PKG_VERSION"),
+            inputs,
+            verified: c.holds(),
+            required_clearance_mm: c.required(),
+            tolerance_mm: c.tolerance(),
+            certified_clearance_mm: c.certified(),
+            least_clearance_mm: c.least().distance,
+            least_clearance_at: ClearancePlace::of(c.least(), surface),
+            starts_outside_and_ends_at_zero: c.ends_right(),
+            travel: c.travel().into(),
+            sha256: VerifiedDigests::of(c),
+            rows: path.rows.len(),
+            sentence: sentence(c, surface),
+            clearances: path.rows.iter().zip(c.row_clearance()).map(|(row, &clearance)| [row.s, clearance]).collect(),
+        }
+    }
+
+    /// The report as JSON.
+    ///
+    /// # Errors
+    /// [`ReportError::Json`], which nothing in it could cause.
+    pub fn json(&self) -> Result<String, ReportError> {
+        Ok(serde_json::to_string_pretty(self)? + "\n")
+    }
+
+    /// The report as one self-contained page.
+    pub fn html(&self) -> String {
+        let part = self.inputs.iter().find(|i| i.role == "path").map_or("", |i| file_name(&i.path));
+        let (class, word) = if self.verified { ("ok", "Verified.") } else { ("no", "Not verified.") };
+        let mut out = format!(
+            "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\">\
+             <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
+             <meta name=\"color-scheme\" content=\"light dark\"><title>Verification: {part}</title>\
+             <style>{STYLE}</style></head><body><main><header><h1>Verification <span>{part}</span></h1></header>\
+             <section><p class=\"banner {class}\"><b>{word}</b> {}</p><div class=\"plot\">{}</div><div class=\"cols\">",
+            escape(&self.sentence),
+            self.plot().svg(),
+            part = escape(part),
+        );
+        tables::verification(&mut out, self);
+        out.push_str(&format!(
+            "</div></section><footer>Sparkpath {}, verification schema {}</footer></main></body></html>\n",
+            escape(self.program_version),
+            self.schema
+        ));
+        out
+    }
+
+    fn plot(&self) -> Plot {
+        let mut points = self.clearances.clone();
+        points.sort_by(|p, q| p[0].total_cmp(&q[0]));
+        Plot {
+            title: "Clearance to the finished blisk, mm".to_owned(),
+            x_label: "s, mm withdrawn".to_owned(),
+            log_y: true,
+            size: [1100.0, 260.0],
+            series: vec![Series { points, class: "c0", dots: false }],
+            levels: vec![(self.required_clearance_mm, "required gap".to_owned())],
+            ..Plot::default()
+        }
+    }
+}
+
+fn sentence(c: &Certificate, surface: &str) -> String {
+    let verdict = if c.holds() { "verified" } else { "NOT verified" };
+    let ends = if c.ends_right() { "" } else { "; the path does not lead from outside the blisk to the final pose" };
+    let travel = match c.travel() {
+        TravelVerdict::NotJudged => "; travel of the axes not judged: no machine is known".to_owned(),
+        TravelVerdict::Within => "; all axes within their travel".to_owned(),
+        TravelVerdict::Beyond(beyond) => format!("; {beyond}"),
+    };
+    format!(
+        "{verdict}: certified clearance {:.5} mm, least met {:.5} mm, required {:.5} mm less {:.5} mm; least against the \
+         {surface} at row {:.2}, {:.3} mm before the final pose{ends}{travel}",
+        c.certified(),
+        c.least().distance,
+        c.required(),
+        c.tolerance(),
+        c.least().row,
+        c.least().s
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use feed::machine::BeyondTravel;
+    use feed::pose::Axis;
+    use nc::fixtures;
+
+    fn report(travel: TravelVerdict) -> VerifyReport {
+        let path = fixtures::path();
+        let findings = feed::certificate::Findings { travel, ..fixtures::certificate(&path).into_findings() };
+        let file = VerifiedFile { role: "path", path: "a/<b>.csv".to_owned(), sha256: "0".to_owned() };
+        VerifyReport::new(&path, &Certificate::made_up(findings), "hub", vec![file])
+    }
+
+    #[test]
+    fn travel_that_was_not_judged_is_said_so_and_travel_beyond_is_named() {
+        let none = report(TravelVerdict::NotJudged);
+        assert!(none.verified && !none.travel.judged && none.sentence.contains("not judged"));
+        assert!(report(TravelVerdict::Within).verified && report(TravelVerdict::Within).travel.judged);
+        let beyond = BeyondTravel { axis: Axis::C, row: 4, value: 0.5, limit: 0.4 };
+        let beyond = report(TravelVerdict::Beyond(beyond));
+        assert!(!beyond.verified && beyond.html().contains("Not verified.") && beyond.sentence.contains("axis C"));
+        let json: serde_json::Value = serde_json::from_str(&beyond.json().unwrap()).unwrap();
+        let at = &json["travel"]["beyond"];
+        assert_eq!((&at["axis"], &at["row"], &at["unit"]), (&"C".into(), &4.into(), &"deg".into()));
+        assert!((at["value"].as_f64().unwrap() - 0.5f64.to_degrees()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_page_escapes_names_and_needs_nothing_from_outside() {
+        let html = report(TravelVerdict::Within).html();
+        assert!(html.contains("&lt;b&gt;.csv") && !html.contains("<b>.csv") && !html.contains("http"));
+        for tag in ["section", "table", "tr", "td", "svg", "div", "p", "main"] {
+            let opened = html.matches(&format!("<{tag}>")).count() + html.matches(&format!("<{tag} ")).count();
+            assert_eq!(opened, html.matches(&format!("</{tag}>")).count(), "{tag}");
+        }
+    }
+}

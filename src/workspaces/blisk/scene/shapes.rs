@@ -1,0 +1,104 @@
+//! Meshes for the screen, made once where the work is done and not where it is shown.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::caps::close_holes;
+use geometry::frame::Cylindrical;
+use geometry::mesh::Mesh;
+use render::mesh::RenderMesh;
+use wheel::channel::{Channel, ChannelWall};
+
+/// What is shown of a channel.
+#[derive(Debug, Clone)]
+pub struct ChannelShapes {
+    /// The wall on the side of smaller theta, in W.
+    pub low: Arc<RenderMesh>,
+    /// The wall on the side of greater theta, in W.
+    pub high: Arc<RenderMesh>,
+    /// The blisk with its shroud taken off, so that one sees into the channels, in W.
+    pub unshrouded: Arc<RenderMesh>,
+    /// Points along the channel's centreline, in W; none where it was not looked for or not found.
+    pub centreline: Vec<DVec3>,
+}
+
+/// The shapes of `channel` in `blisk`, which is in W, without its centreline.
+pub fn channel_shapes(blisk: &Mesh, channel: &Channel) -> ChannelShapes {
+    ChannelShapes {
+        low: Arc::new(RenderMesh::new(&wall_mesh(&channel.low, true))),
+        high: Arc::new(RenderMesh::new(&wall_mesh(&channel.high, false))),
+        unshrouded: Arc::new(RenderMesh::new(&unshrouded(blisk, channel))),
+        centreline: Vec::new(),
+    }
+}
+
+/// The grid of a wall as triangles, seen from within the channel.
+fn wall_mesh(wall: &ChannelWall, is_low: bool) -> Mesh {
+    let index = |u: usize, v: usize| (u * wall.nv + v) as u32;
+    let cells = (1..wall.nu).flat_map(|u| (1..wall.nv).map(move |v| (u, v)));
+    let quads = cells.map(|(u, v)| [index(u - 1, v - 1), index(u, v - 1), index(u, v), index(u - 1, v)]);
+    let triangles = quads.flat_map(|[a, b, c, d]| if is_low { [[a, c, b], [a, d, c]] } else { [[a, b, c], [a, c, d]] });
+    Mesh { triangles: triangles.collect(), vertices: wall.points.clone() }
+}
+
+/// The blisk without its shroud, its blades with flat tips.
+fn unshrouded(blisk: &Mesh, channel: &Channel) -> Mesh {
+    let at_shroud = |p: DVec3| {
+        let place = Cylindrical::from_point(p);
+        place.r > channel.radii_at(place.x).1 - 0.05
+    };
+    // Facets of the shroud's inside dip below its radius between their corners; faces of blades only end there.
+    let is_shroud = |[a, b, c]: [DVec3; 3]| at_shroud((a + b + c) / 3.0) || [a, b, c].into_iter().all(at_shroud);
+    let kept = |corners: [DVec3; 3]| !channel.shrouded || !is_shroud(corners);
+    let triangles: Vec<[u32; 3]> =
+        blisk.triangles.iter().zip(blisk.iter_corners()).filter(|(_, c)| kept(*c)).map(|(t, _)| *t).collect();
+    let mut bare = compacted(&Mesh { vertices: blisk.vertices.clone(), triangles });
+    if channel.shrouded {
+        close_holes(&mut bare);
+    }
+    bare
+}
+
+/// The mesh without the vertices that no triangle uses.
+fn compacted(mesh: &Mesh) -> Mesh {
+    let mut place = vec![u32::MAX; mesh.vertices.len()];
+    let mut vertices = Vec::new();
+    let mut keep = |v: u32| {
+        let known = &mut place[v as usize];
+        if *known == u32::MAX {
+            *known = vertices.len() as u32;
+            vertices.push(mesh.vertices[v as usize]);
+        }
+        *known
+    };
+    let triangles = mesh.triangles.iter().map(|t| t.map(&mut keep)).collect();
+    Mesh { vertices, triangles }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use task::{Cancel, Progress};
+    use wheel::find_channel::find_channel;
+    use wheel::options::BliskOptions;
+    use wheel::parametric::{MeshResolution, ParametricBlisk};
+
+    #[test]
+    fn without_its_shroud_a_blisk_keeps_its_disc_and_blades() {
+        let part = ParametricBlisk::demonstration();
+        let mesh = part.mesh(&MeshResolution::default()).unwrap();
+        let channel = find_channel(&mesh, &BliskOptions::default(), &Progress::silent(), &Cancel::default()).unwrap();
+        let bare = unshrouded(&mesh.in_frame(&channel.frame), &channel);
+        let radii: Vec<f64> = bare.vertices.iter().map(|p| p.y.hypot(p.z)).collect();
+        let (least, most) = radii.iter().fold((f64::INFINITY, 0.0), |(a, b), r| (f64::min(a, *r), f64::max(b, *r)));
+        assert!((least - part.bore_radius_mm).abs() < 1e-6, "{least}");
+        // The blades end at the shroud, which grows along X; the ring around it is 5 mm thick.
+        let tips = part.shroud_radius_mm + 0.5 * part.chord_mm * part.shroud_slope.abs();
+        assert!((part.shroud_radius_mm..tips + 0.01).contains(&most), "{most}");
+        assert!(bare.is_watertight(), "no blade is hollow");
+        // The hub between the blades, the bore and the two faces of the disc are a good part of what is left.
+        let disc = 2.0 * std::f64::consts::PI * (part.hub_radius_mm.powi(2) - part.bore_radius_mm.powi(2));
+        assert!(bare.area() > disc && bare.area() < mesh.area());
+    }
+}

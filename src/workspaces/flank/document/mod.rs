@@ -1,0 +1,461 @@
+//! What a user chooses for a flank to be milled.
+
+pub mod flank_file;
+pub mod kept_mesh;
+pub mod milling_machine_file;
+pub mod overrides;
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::workspaces::flank::document::kept_mesh::KeptMesh;
+use crate::workspaces::flank::document::overrides::FlankOverride;
+use flank::cutter::FlankCutter;
+use flank::fit_ruled::RuledFitParams;
+use flank::guide::GuideCurve;
+use flank::machine::linearise::LinearisationParams;
+use flank::machine::milling_machine::Workpiece;
+use flank::params::FlankParams;
+use flank::ruled_surface::Side;
+use import::Units;
+use nc::flank_program::{FlankNcSettings, milling_post};
+
+/// Version of the keys of the files.
+pub const VERSION: u32 = 1;
+
+/// A surface that comes with the program: those of the paper that the method is from (P4).
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum DemonstrationSurface {
+    /// Its surface A.
+    #[default]
+    A,
+    /// Its surface B.
+    B,
+}
+
+/// The two guides of a demonstration surface.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GuidePair {
+    /// The lower one.
+    pub lower: GuideCurve,
+    /// The upper one.
+    pub upper: GuideCurve,
+}
+
+impl DemonstrationSurface {
+    /// Its name in words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::A => "surface A",
+            Self::B => "surface B",
+        }
+    }
+
+    /// Its guides.
+    ///
+    /// # Errors
+    /// Only in a program that was built with a file that is none.
+    pub fn guides(self) -> Result<GuidePair, String> {
+        let text = match self {
+            Self::A => include_str!("../../../../assets/flank_a.toml"),
+            Self::B => include_str!("../../../../assets/flank_b.toml"),
+        };
+        toml::from_str(text).map_err(|e| e.message().to_owned())
+    }
+
+    /// The share of the initial sum of deviations that the paper's method leaves on it.
+    pub fn paper_ratio(self) -> f64 {
+        match self {
+            Self::A => 0.541,
+            Self::B => 0.526,
+        }
+    }
+}
+
+/// Where a guide curve comes from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GuideSource {
+    /// A CSV file with x, y, z (mm) of a point on each line; the curve is a cubic through them.
+    File(PathBuf),
+    /// The curve itself.
+    Curve(GuideCurve),
+}
+
+/// A face of a mesh.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MeshFlank {
+    /// The mesh: STL, OBJ, glTF or GLB; empty where it is kept.
+    #[serde(skip_serializing_if = "is_empty")]
+    pub file: PathBuf,
+    /// Its unit.
+    pub units: Units,
+    /// Which of the faces that could be milled, by area, from 1.
+    pub candidate: usize,
+    /// How the ruled surface is fitted.
+    pub fit: RuledFitParams,
+    /// Whether the rest of the mesh is looked at for gouges.
+    pub is_own_wall: bool,
+    /// The mesh itself (mm) where it is in no file, as an electrode that was just designed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kept: Option<KeptMesh>,
+}
+
+fn is_empty(path: &Path) -> bool {
+    path.as_os_str().is_empty()
+}
+
+impl Default for MeshFlank {
+    fn default() -> Self {
+        let (file, fit) = (PathBuf::new(), RuledFitParams::default());
+        Self { file, units: Units::Auto, candidate: 1, fit, is_own_wall: true, kept: None }
+    }
+}
+
+impl MeshFlank {
+    /// The mesh in `file`, its largest face.
+    pub fn of(file: &Path) -> Self {
+        Self { file: file.to_owned(), ..Self::default() }
+    }
+
+    /// What the mesh is called: the name of its file, or its own.
+    pub fn part(&self) -> String {
+        match &self.kept {
+            Some(kept) => kept.words(),
+            None => self.file.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned()),
+        }
+    }
+}
+
+/// Where the surface comes from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum FlankSource {
+    /// One that comes with the program.
+    Demonstration {
+        /// Which one.
+        surface: DemonstrationSurface,
+    },
+    /// Two guide curves.
+    Guides {
+        /// The one that the cutter's bottom follows.
+        lower: GuideSource,
+        /// The other one.
+        upper: GuideSource,
+    },
+    /// A face of a mesh.
+    Mesh(MeshFlank),
+}
+
+impl FlankSource {
+    /// Two guides from files, the lower one first.
+    pub fn guides(files: [PathBuf; 2]) -> Self {
+        let [lower, upper] = files.map(GuideSource::File);
+        Self::Guides { lower, upper }
+    }
+}
+
+impl Default for FlankSource {
+    fn default() -> Self {
+        Self::Demonstration { surface: DemonstrationSurface::A }
+    }
+}
+
+/// Other walls that must not be cut.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WallsFile {
+    /// The mesh.
+    pub file: PathBuf,
+    /// Its unit.
+    #[serde(default)]
+    pub units: Units,
+}
+
+/// Which of a plan's paths is milled.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PathChoice {
+    /// That of the offset.
+    Initial,
+    /// That of the best rank.
+    Chosen,
+    /// The refined one.
+    #[default]
+    Refined,
+}
+
+impl PathChoice {
+    /// All of them, in the order in which they are made.
+    pub const ALL: [Self; 3] = [Self::Initial, Self::Chosen, Self::Refined];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Initial => "initial",
+            Self::Chosen => "chosen",
+            Self::Refined => "refined",
+        }
+    }
+}
+
+/// How the cutter's rotation and its travel go together. The spindle turns clockwise, seen from above.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CutDirection {
+    /// The flutes move against the travel where they cut: the surface is to the right of the travel, and chips begin
+    /// thick. What flanks are finished with.
+    #[default]
+    Climb,
+    /// The surface is to the left of the travel, and chips begin thin.
+    Conventional,
+}
+
+impl CutDirection {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Climb, Self::Conventional];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Climb => "climb",
+            Self::Conventional => "conventional",
+        }
+    }
+}
+
+/// How the path is milled on a machine.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MillingSettings {
+    /// Name of a machine, a TOML file with one, or one of several in such a file as `FILE.toml#NAME`; empty for none.
+    pub machine: String,
+    /// Where the workpiece stands on the machine, if not where the machine's file says.
+    pub workpiece: Option<Workpiece>,
+    /// Length from the spindle nose to the tip (mm), if not that of the machine's file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gauge_length_mm: Option<f64>,
+    /// Which way along the surface it goes.
+    pub cut: CutDirection,
+    /// Name of the post.
+    pub post: String,
+    /// The furthest that tip and flutes' top may leave the path between programmed points (mm).
+    pub linearisation_mm: f64,
+    /// Passing the machine's pole within this angle is reported (deg).
+    pub singular_cone_deg: f64,
+    /// How far the cutter comes from the side, off the surface, at both ends of the path (mm).
+    pub aside_mm: f64,
+    /// How far it is then lifted along its axis (mm).
+    pub retract_mm: f64,
+    /// Speeds and words of the program.
+    pub program: FlankNcSettings,
+}
+
+impl Default for MillingSettings {
+    fn default() -> Self {
+        let LinearisationParams { linearisation_mm, singular_cone_deg, .. } = LinearisationParams::default();
+        Self {
+            machine: "trunnion-ac".to_owned(),
+            workpiece: None,
+            gauge_length_mm: None,
+            cut: CutDirection::default(),
+            post: "milling".to_owned(),
+            linearisation_mm,
+            singular_cone_deg,
+            aside_mm: 3.0,
+            retract_mm: 30.0,
+            program: FlankNcSettings::default(),
+        }
+    }
+}
+
+impl MillingSettings {
+    /// Takes another machine. Where the workpiece stands on the former one, and how long the tool is on it, says nothing of
+    /// this one: both are then as its file says. Answers in words what was forgotten, if anything.
+    pub fn take_machine(&mut self, machine: &str) -> Option<String> {
+        if self.machine == machine {
+            return None;
+        }
+        self.machine = machine.to_owned();
+        let clamped = self.workpiece.take().map(|_| "how the workpiece was clamped");
+        let tool = self.gauge_length_mm.take().map(|_| "the length of the tool (gauge_length_mm)");
+        let forgotten: Vec<&str> = clamped.into_iter().chain(tool).collect();
+        let what = forgotten.join(" and ");
+        (!forgotten.is_empty()).then(|| {
+            format!(
+                "the machine is another: {what} was of the former one, and is now as the machine's file says; see to it"
+            )
+        })
+    }
+
+    /// How closely the machine is to follow, with flutes of this length (mm).
+    pub fn linearisation(&self, flutes_mm: f64) -> LinearisationParams {
+        LinearisationParams {
+            linearisation_mm: self.linearisation_mm,
+            reach_mm: flutes_mm,
+            singular_cone_deg: self.singular_cone_deg,
+            interpolation: self.program.tip_control.interpolation(),
+        }
+    }
+
+    fn validate(&self, flutes_mm: f64) -> Result<(), String> {
+        if flutes_mm > LinearisationParams::LONGEST_REACH_MM {
+            return Err(format!(
+                "the flutes are {flutes_mm} mm long: a machine's moves are measured up to {} mm",
+                LinearisationParams::LONGEST_REACH_MM
+            ));
+        }
+        self.linearisation(flutes_mm).validate().map_err(|e| e.to_string())?;
+        self.program.validate().map_err(|e| e.to_string())?;
+        milling_post(&self.post).map_err(|e| e.to_string())?;
+        for (name, value) in [("aside_mm", self.aside_mm), ("retract_mm", self.retract_mm)] {
+            if !(0.0..=1000.0).contains(&value) {
+                return Err(format!("{name} is {value}: it must be from 0 to 1000 mm"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A flank, the cutter, and how it is milled.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FlankDocument {
+    /// [`VERSION`].
+    pub version: u32,
+    /// Where the surface comes from.
+    pub source: FlankSource,
+    /// On which side of it the cutter stands.
+    pub side: Side,
+    /// The cutter.
+    pub cutter: FlankCutter,
+    /// How the path is planned.
+    pub plan: FlankParams,
+    /// Which path is milled.
+    pub path: PathChoice,
+    /// Other walls that must not be cut.
+    pub walls: Option<WallsFile>,
+    /// How it is milled.
+    pub milling: MillingSettings,
+    /// How much the moving cutter may cut otherwise than the standing one at any place (mm).
+    pub envelope_tolerance_mm: f64,
+    /// How deep the path may cut into the surface, standing or moving (mm).
+    pub overcut_tolerance_mm: f64,
+    /// How much stock it may leave on the surface, standing or moving (mm).
+    pub undercut_tolerance_mm: f64,
+    /// Checks that do not keep anything from being exported.
+    pub overrides: Vec<FlankOverride>,
+}
+
+impl Default for FlankDocument {
+    fn default() -> Self {
+        Self {
+            version: VERSION,
+            source: FlankSource::default(),
+            side: Side::default(),
+            cutter: FlankCutter { name: "cone R1 5 deg".to_owned(), ..FlankCutter::cone(1.0, 5.0, 30.0) },
+            plan: FlankParams::default(),
+            path: PathChoice::default(),
+            walls: None,
+            milling: MillingSettings::default(),
+            envelope_tolerance_mm: 0.02,
+            overcut_tolerance_mm: 0.1,
+            undercut_tolerance_mm: 0.15,
+            overrides: Vec::new(),
+        }
+    }
+}
+
+impl FlankDocument {
+    /// What to call the flank.
+    pub fn name(&self) -> String {
+        let stem = |file: &Path| file.file_stem().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+        match &self.source {
+            FlankSource::Demonstration { surface } => surface.name().to_owned(),
+            FlankSource::Guides { lower: GuideSource::File(lower), upper: GuideSource::File(upper) } => {
+                format!("{} to {}", stem(lower), stem(upper))
+            }
+            FlankSource::Guides { .. } => "guide curves".to_owned(),
+            FlankSource::Mesh(MeshFlank { kept: Some(kept), candidate, .. }) => {
+                format!("{} flank {candidate}", kept.name)
+            }
+            FlankSource::Mesh(mesh) => format!("{} flank {}", stem(&mesh.file), mesh.candidate),
+        }
+    }
+
+    /// Whether it can be worked with.
+    ///
+    /// # Errors
+    /// One line saying what is wrong and what it may be.
+    pub fn validate(&self) -> Result<(), String> {
+        if self.version != VERSION {
+            return Err(format!("version is {}: this program reads version {VERSION}", self.version));
+        }
+        self.cutter.validate().map_err(|e| e.to_string())?;
+        self.plan.validate().map_err(|e| format!("plan: {e}"))?;
+        self.milling.validate(self.cutter.length_mm).map_err(|e| format!("milling: {e}"))?;
+        for (name, tolerance) in [
+            ("envelope_tolerance_mm", self.envelope_tolerance_mm),
+            ("overcut_tolerance_mm", self.overcut_tolerance_mm),
+            ("undercut_tolerance_mm", self.undercut_tolerance_mm),
+        ] {
+            if !(1e-6..=1.0).contains(&tolerance) {
+                return Err(format!("{name} is {tolerance}: it must be from 0.000001 to 1 mm"));
+            }
+        }
+        self.overrides.iter().try_for_each(FlankOverride::validate)?;
+        if let FlankSource::Mesh(mesh) = &self.source {
+            mesh.fit.validate().map_err(|e| e.to_string())?;
+            if mesh.candidate == 0 {
+                return Err("source: candidate is 0: they are counted from 1".to_owned());
+            }
+        }
+        Ok(())
+    }
+
+    /// The same for another surface: without its side, its walls, how it was clamped, and decisions on what checks found.
+    pub fn of_another(&self, source: FlankSource) -> Self {
+        let milling = MillingSettings { workpiece: None, ..self.milling.clone() };
+        let (side, walls, overrides) = (Side::Automatic, None, Vec::new());
+        Self { source, side, walls, milling, overrides, ..self.clone() }
+    }
+
+    /// What makes it another than `before`, as a step that can be undone is called.
+    pub fn change_since(&self, before: &Self) -> String {
+        if let Some(new) = self.overrides.iter().find(|one| !before.overrides.contains(one)) {
+            return format!("Override of {}", new.check);
+        }
+        let (cutter, old) = (&self.cutter, &before.cutter);
+        let (plan, old_plan) = (&self.plan, &before.plan);
+        let what = [
+            (self.overrides != before.overrides, "Override taken back"),
+            (self.source != before.source, "Surface"),
+            (self.side != before.side, "Side"),
+            (cutter.radius_mm != old.radius_mm, "Radius of the cutter"),
+            (cutter.taper_deg != old.taper_deg, "Taper of the cutter"),
+            (cutter.length_mm != old.length_mm, "Length of the flutes"),
+            (cutter.holder != old.holder, "Holder"),
+            (cutter.name != old.name, "Name of the cutter"),
+            (cutter != old, "Cutter"),
+            (plan.offset != old_plan.offset, "Offset"),
+            (plan.objective != old_plan.objective, "Objective"),
+            (plan.grid != old_plan.grid, "Grid"),
+            (plan != old_plan, "Plan"),
+            (self.path != before.path, "Path"),
+            (self.walls != before.walls, "Neighbouring walls"),
+            (self.milling.machine != before.milling.machine, "Machine"),
+            (self.milling.workpiece != before.milling.workpiece, "Clamping"),
+            (self.milling.post != before.milling.post, "Post"),
+            (self.milling.program.tip_control != before.milling.program.tip_control, "Tip control"),
+            (self.milling != before.milling, "Milling"),
+            (self.envelope_tolerance_mm != before.envelope_tolerance_mm, "Envelope tolerance"),
+            (self.overcut_tolerance_mm != before.overcut_tolerance_mm, "Overcut tolerance"),
+            (self.undercut_tolerance_mm != before.undercut_tolerance_mm, "Undercut tolerance"),
+        ];
+        what.iter().find(|(differs, _)| *differs).map_or("", |(_, name)| name).to_owned()
+    }
+}

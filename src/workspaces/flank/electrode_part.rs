@@ -1,0 +1,142 @@
+//! An electrode that was just made, as the part whose flanks are milled.
+
+use glam::DVec3;
+
+use crate::workspaces::blisk::document::choice::MeshFrame;
+use crate::workspaces::flank::document::kept_mesh::KeptMesh;
+use crate::workspaces::flank::document::{FlankDocument, FlankSource, MeshFlank};
+use crate::workspaces::flank::job::inputs::{FlankLoadError, load_machine};
+use files::user_folder::user_folder;
+use flank::fit_ruled::RuledFitParams;
+use flank::machine::milling_machine::Workpiece;
+use flank::params::FlankParams;
+use geometry::frame::Frame;
+use geometry::mesh::Mesh;
+use mold::electrode::design::Electrode as MoldElectrode;
+use wheel::electrode::Electrode as BliskElectrode;
+
+/// Which way is up on electrodes of molds, whose files have their tips along -Z.
+pub const UP_OF_MOLDS: DVec3 = DVec3::NEG_Z;
+
+/// An electrode, and how it stands while its flanks are milled.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlankElectrode {
+    /// What it is called.
+    pub name: String,
+    /// What it burns: the name of a mold or a blisk.
+    pub of: String,
+    /// It, in the axes of its file (mm).
+    pub mesh: Mesh,
+    /// Which way the cutter's axis points on it.
+    pub up: DVec3,
+    /// Whether it is clamped upside down: its base on the table, its tips to the spindle.
+    pub is_upside_down: bool,
+}
+
+impl FlankElectrode {
+    /// One of a `mold`: as in its file, tips down.
+    pub fn of_mold(electrode: &MoldElectrode, mold: &str) -> Self {
+        Self {
+            name: electrode.name.clone(),
+            of: mold.to_owned(),
+            mesh: electrode.mesh.clone(),
+            up: UP_OF_MOLDS,
+            is_upside_down: true,
+        }
+    }
+
+    /// Number `number` (from 1) of a blisk whose W is `frame`, in the axes in which it is exported. Up is outwards.
+    pub fn of_blisk(
+        electrode: &BliskElectrode,
+        (number, blisk): (usize, &str),
+        (frame, exported): (&Frame, MeshFrame),
+    ) -> Self {
+        let (mesh, up) = match exported {
+            MeshFrame::Mesh => (electrode.mesh.in_parent_of(frame), frame.z),
+            MeshFrame::W => (electrode.mesh.clone(), DVec3::Z),
+        };
+        Self { name: format!("electrode {number}"), of: blisk.to_owned(), mesh, up, is_upside_down: false }
+    }
+
+    /// The flank of it that is milled first, with the cutter, the plan and the machine of `before`.
+    ///
+    /// # Errors
+    /// [`FlankLoadError`] if the machine cannot be read, or the mesh is none.
+    pub fn document(&self, before: &FlankDocument) -> Result<FlankDocument, FlankLoadError> {
+        let kept = KeptMesh::new(&self.name, &self.of, &self.mesh).map_err(FlankLoadError)?;
+        let fit = self.fit();
+        let mut document =
+            before.of_another(FlankSource::Mesh(MeshFlank { fit, kept: Some(kept), ..MeshFlank::default() }));
+        if self.is_upside_down {
+            keep_off_base(&mut document);
+            turn_over(&mut document)?;
+        }
+        Ok(document)
+    }
+
+    /// How ruled surfaces are fitted to its faces: the blank of one of a mold is under its tips.
+    pub fn fit(&self) -> RuledFitParams {
+        RuledFitParams { up: self.up, stands_on_base: self.is_upside_down, ..RuledFitParams::default() }
+    }
+}
+
+/// Has the cutter's bottom end at the lower guide unless it was told where to: under an electrode's tips its base goes on,
+/// and what reaches below gouges it.
+pub fn keep_off_base(document: &mut FlankDocument) {
+    if document.plan.below_mm == FlankParams::default().below_mm {
+        document.plan.below_mm = 0.0;
+    }
+}
+
+/// Clamps the workpiece upside down on its machine, if there is one.
+///
+/// # Errors
+/// [`FlankLoadError`] if the machine cannot be read.
+pub fn turn_over(document: &mut FlankDocument) -> Result<(), FlankLoadError> {
+    if let Some(machine) = load_machine(document, user_folder().as_deref())? {
+        let place = machine.workpiece;
+        document.milling.workpiece = Some(Workpiece { z_axis: DVec3::ZERO - place.z_axis, ..place });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use flank::fit_ruled::flank_candidates;
+    use task::Cancel;
+
+    /// A box (mm) from `low` to `high`, outwards.
+    fn cuboid(low: DVec3, high: DVec3) -> Mesh {
+        let vertices =
+            (0..8).map(|i| DVec3::select(glam::BVec3::new(i & 1 > 0, i & 2 > 0, i & 4 > 0), high, low)).collect();
+        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        Mesh { vertices, triangles: quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect() }
+    }
+
+    #[test]
+    fn of_an_electrode_of_a_mold_a_tips_flank_comes_first_and_the_cutter_ends_at_its_base() {
+        // Tips along -Z: a blank of 40 x 30 x 20 mm with a tip of 8 x 5 x 12 mm under it.
+        let mut mesh = cuboid(DVec3::ZERO, DVec3::new(40.0, 30.0, 20.0));
+        let tip = cuboid(DVec3::new(10.0, 10.0, -12.0), DVec3::new(18.0, 15.0, 0.0));
+        mesh.triangles.extend(tip.triangles.iter().map(|t| t.map(|v| v + 8)));
+        mesh.vertices.extend(tip.vertices);
+        let electrode =
+            FlankElectrode { name: "E1".into(), of: "mold".into(), mesh, up: UP_OF_MOLDS, is_upside_down: true };
+        let found = flank_candidates(&electrode.mesh, &electrode.fit(), &Cancel::default()).unwrap();
+        assert!((found[0].area_mm2 - 96.0).abs() < 1e-6 && found[0].is_millable(), "{}", found[0].summary());
+        let lies = |c: &flank::fit_ruled::Candidate| c.outwards.z.abs() > 0.99;
+        let first = found.iter().position(lies).unwrap();
+        assert!(first == 8 && found[first..].iter().all(lies) && found[4].area_mm2 > 500.0);
+        // Without a base the largest that stands is first.
+        let plain = RuledFitParams { stands_on_base: false, ..electrode.fit() };
+        let plain = flank_candidates(&electrode.mesh, &plain, &Cancel::default()).unwrap();
+        assert!((plain[0].area_mm2 - 800.0).abs() < 1e-6, "{}", plain[0].summary());
+
+        let mut before = FlankDocument::default();
+        before.milling.machine = String::new();
+        assert_eq!(electrode.document(&before).unwrap().plan.below_mm, 0.0);
+        before.plan.below_mm = 0.3;
+        assert_eq!(electrode.document(&before).unwrap().plan.below_mm, 0.3);
+    }
+}

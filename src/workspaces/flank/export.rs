@@ -1,0 +1,295 @@
+//! The files of a flank: cutter locations, the NC program, the path as a table, and the report. This module writes
+//! files.
+
+use std::fmt::Write as _;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+
+use crate::workspaces::blisk::export::prepare;
+use crate::workspaces::flank::document::FlankDocument;
+use crate::workspaces::flank::job::{FlankResult, Milled};
+use crate::workspaces::flank::report::build::report;
+use crate::workspaces::flank::report::maps::deviation_maps;
+use files::export_folder::ExportFolder;
+use flank::cutter::FlankCutter;
+use flank::path::FlankPath;
+use flank::plan::WITHIN_ROUNDING;
+use nc::cutter_locations::{ClJob, cl_text};
+use nc::flank_program::{FlankNc, FlankNcJob, milling_post};
+use task::{Cancel, Progress};
+
+/// The file of cutter locations.
+pub const CL_FILE: &str = "flank.cl";
+/// The file of the path as a table.
+pub const CSV_FILE: &str = "path.csv";
+/// What the NC program is called, without its ending.
+pub const PROGRAM: &str = "flank";
+
+/// The report for programs.
+pub const JSON_FILE: &str = "flank.json";
+/// The report for people.
+pub const REPORT_FILE: &str = "report.html";
+/// How much of a file is looked at to see whether it is an NC program of ours (bytes).
+const HEAD_BYTES: u64 = 4096;
+
+/// Which files are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ExportChoice {
+    /// Cutter locations.
+    pub cl: bool,
+    /// The program of the machine.
+    pub nc: bool,
+    /// The path with its deviations as a table.
+    pub csv: bool,
+    /// The report, for people and for programs.
+    pub report: bool,
+}
+
+impl ExportChoice {
+    /// All of them.
+    pub const ALL: Self = Self { cl: true, nc: true, csv: true, report: true };
+
+    /// Whether there is anything to write.
+    pub fn any(self) -> bool {
+        self.cl || self.nc || self.csv || self.report
+    }
+}
+
+/// What was written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct WrittenFlank {
+    /// The folder.
+    pub folder: PathBuf,
+    /// Names of the files.
+    pub files: Vec<String>,
+    /// Why there is nothing to mill among them; none if there is.
+    pub blocked: Option<String>,
+    /// Names of the checks that fail: those that block it, or else those that are let pass.
+    pub failing: Vec<&'static str>,
+    /// Files of an earlier path that would have passed for those of this one, and what they are called now.
+    pub set_aside: Vec<[String; 2]>,
+}
+
+impl WrittenFlank {
+    /// What was written, and what was not and why.
+    pub fn sentence(&self) -> String {
+        let mut text = format!("{} written to {}", self.files.join(", "), self.folder.display());
+        if let Some(why) = &self.blocked {
+            let failing = if self.failing.is_empty() { why.clone() } else { self.failing.join(", ") };
+            text += &format!("; nothing to mill was written, as checks fail: {failing}");
+        } else if !self.failing.is_empty() {
+            text += &format!("; by decision, although checks fail: {}", self.failing.join(", "));
+        }
+        for [was, is] in &self.set_aside {
+            text += &format!("; {was} of an earlier path is now called {is}");
+        }
+        text
+    }
+}
+
+/// Makes sure that files can be written into `folder`, before anything is computed.
+///
+/// # Errors
+/// One line naming the folder.
+pub fn check_folder(folder: &Path) -> Result<(), String> {
+    prepare(folder).map_err(|e| e.to_string())
+}
+
+/// Writes the report, and what can be milled unless a check fails, as far as they are chosen, into `folder`, which is made
+/// if it is not there: all of it or nothing. What is there of an earlier path and is not written anew is renamed, so that
+/// it cannot be taken for what belongs to this one.
+///
+/// # Errors
+/// One line naming the file or what is wrong; cancelled.
+pub fn export(
+    folder: &Path,
+    (result, document): (&FlankResult, &FlankDocument),
+    choice: ExportChoice,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<WrittenFlank, String> {
+    progress.report("files", 0.0, "");
+    let blocked = result.why_blocked();
+    // All texts are made before any is written.
+    let mut texts = Vec::new();
+    if choice.csv && blocked.is_none() {
+        texts.push((CSV_FILE.to_owned(), path_csv(result.path())));
+    }
+    if choice.cl && blocked.is_none() {
+        texts.push((CL_FILE.to_owned(), cl(result)?));
+    }
+    // Of a path that is blocked the report says why, whatever else was asked for.
+    if choice.report || blocked.is_some() {
+        let report = report(result, document);
+        let maps = deviation_maps(&result.plan, cancel).map_err(|e| e.to_string())?;
+        let json = report.json().map_err(|e| format!("the report on a flank as JSON: {e}"))?;
+        texts.push((JSON_FILE.to_owned(), json));
+        texts.push((REPORT_FILE.to_owned(), report.html(&maps)));
+    }
+    // The program comes last, so that it never lies beside results that it does not belong to.
+    if let Some(milled) = result.milled().filter(|_| choice.nc && blocked.is_none()) {
+        let nc = nc(result, milled)?;
+        texts.push((format!("{PROGRAM}.{}", nc.extension), nc.text));
+    }
+    let mut out = ExportFolder::open(folder).map_err(|e| e.to_string())?;
+    for (name, text) in &texts {
+        cancel.check().map_err(|e| e.to_string())?;
+        out.write(name, text.as_bytes()).map_err(|e| e.to_string())?;
+    }
+    let files: Vec<String> = texts.into_iter().map(|(name, _)| name).collect();
+    let mut set_aside = Vec::new();
+    for name in earlier(folder).into_iter().filter(|name| !files.contains(name)) {
+        set_aside.extend(out.set_aside(&name).map(|is| [name, is]));
+    }
+    cancel.check().map_err(|e| e.to_string())?;
+    out.publish().map_err(|e| e.to_string())?;
+    progress.report("files", 1.0, "");
+    let failing = result.checks.iter().filter(|c| !c.holds && (blocked.is_none() || !c.is_overridden));
+    let failing = failing.map(|c| c.kind.name()).collect();
+    Ok(WrittenFlank { folder: folder.to_owned(), files, blocked, failing, set_aside })
+}
+
+/// Names of files in `folder` that are those of a flank's path, whatever post they were made with.
+fn earlier(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> = [CSV_FILE, CL_FILE].map(str::to_owned).to_vec();
+    // Any export has a report of this name; only one beside our figures is ours.
+    if folder.join(JSON_FILE).exists() {
+        names.extend([JSON_FILE, REPORT_FILE].map(str::to_owned));
+    }
+    // A folder that cannot be read has none that could be renamed.
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut programs: Vec<String> = entries.filter_map(|e| e.file_name().into_string().ok()).collect();
+    let is_program = |name: &str| {
+        let ending = name.strip_prefix(PROGRAM).and_then(|rest| rest.strip_prefix('.'));
+        ending.is_some_and(|ending| !ending.contains('.')) && is_program(&folder.join(name))
+    };
+    programs.retain(|name| !names.contains(name) && is_program(name));
+    programs.sort();
+    names.extend(programs);
+    names.retain(|name| folder.join(name).is_file());
+    names
+}
+
+/// Whether a file begins as the NC programs of flanks do.
+fn is_program(file: &Path) -> bool {
+    let mut head = Vec::new();
+    let is_read = file.is_file()
+        && std::fs::File::open(file).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head)).is_ok();
+    let text = String::from_utf8_lossy(&head).to_ascii_lowercase();
+    is_read && text.contains("sparkpath") && text.contains(&format!("flank path {PROGRAM}"))
+}
+
+/// A cutter in a few words.
+pub fn cutter_words(cutter: &FlankCutter) -> String {
+    let shape = if cutter.taper_deg == 0.0 {
+        format!("cylinder R{} mm", cutter.radius_mm)
+    } else {
+        format!("cone, bottom R{} mm, {} deg from axis to flute", cutter.radius_mm, cutter.taper_deg)
+    };
+    let name = if cutter.name.is_empty() { String::new() } else { format!("{}: ", cutter.name) };
+    format!("{name}{shape}, flutes {} mm", cutter.length_mm)
+}
+
+/// What a program's reader should know of the path.
+fn notes(result: &FlankResult) -> Vec<String> {
+    let standing = &result.path().deviation;
+    let ([nu, nv], [overcut, undercut]) = (standing.counted_grid(), result.moving_most());
+    let ratio = match result.plan.share(standing.sum) {
+        Some(share) => format!(", {share:.3} of the initial path's"),
+        None => format!(", {WITHIN_ROUNDING}"),
+    };
+    vec![
+        format!("Flank {}, {} path", result.name, result.path.name()),
+        format!("{} milling with the spindle clockwise (M03)", capital(result.milling.cut.name())),
+        format!("Sum of absolute deviations {:.4} mm over {nu} x {nv} places of the surface{ratio}", standing.sum),
+        format!("Moving cutter: overcut up to {overcut:.4} mm, undercut up to {undercut:.4} mm"),
+    ]
+}
+
+fn capital(word: &str) -> String {
+    let mut letters = word.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// What is to be heeded: checks that fail and were overridden come first.
+fn heeded(result: &FlankResult) -> Vec<String> {
+    let overridden = result.checks.iter().filter(|c| !c.holds);
+    let overridden = overridden.map(|c| format!("check {} fails, overridden: {}", c.kind.name(), c.text));
+    overridden.chain(result.warnings.iter().cloned()).collect()
+}
+
+/// Cutter locations of the path that is milled, as APT text.
+///
+/// # Errors
+/// One line.
+pub fn cl(result: &FlankResult) -> Result<String, String> {
+    let (cutter, milling) = (&result.plan.cutter, &result.milling);
+    let path = result.tool_path().map_err(|e| e.to_string())?;
+    let (notes, warnings) = (notes(result), heeded(result));
+    let job = ClJob {
+        part: &result.name,
+        diameter_mm: 2.0 * cutter.radius_mm,
+        taper_deg: cutter.taper_deg,
+        flute_mm: cutter.length_mm,
+        spindle_rpm: milling.program.spindle_rpm,
+        feed_mm_per_min: milling.program.feed_mm_per_min,
+        lead_mm_per_min: milling.program.lead_mm_per_min,
+        tolerance_mm: milling.linearisation_mm,
+        notes: &notes,
+        warnings: &warnings,
+    };
+    cl_text(&path, &job).map_err(|e| e.to_string())
+}
+
+/// The NC program of the path that is milled.
+///
+/// # Errors
+/// One line.
+pub fn nc(result: &FlankResult, milled: &Milled) -> Result<FlankNc, String> {
+    let path = result.tool_path().map_err(|e| e.to_string())?;
+    let post = milling_post(&result.milling.post).map_err(|e| e.to_string())?;
+    let (notes, warnings) = (notes(result), heeded(result));
+    let job = FlankNcJob {
+        program: PROGRAM,
+        cutter: &cutter_words(&result.plan.cutter),
+        machine: &milled.machine,
+        path: &path,
+        line: &milled.line,
+        params: &milled.params,
+        contact: Some(milled.contact),
+        notes: &notes,
+        warnings: &warnings,
+    };
+    FlankNc::new(&job, &post, &result.milling.program).map_err(|e| e.to_string())
+}
+
+/// The locations of a path with the deviations of the places of the grid that are nearest to each.
+pub fn path_csv(path: &FlankPath) -> String {
+    let count = path.poses.len();
+    let mut near: Vec<Vec<f64>> = vec![Vec::new(); count];
+    for (foot, deviation) in path.feet.at.iter().zip(path.deviation.counted()) {
+        let place = (foot.x * (count.max(2) - 1) as f64).round().clamp(0.0, (count.max(1) - 1) as f64) as usize;
+        if let Some(near) = near.get_mut(place) {
+            near.push(*deviation);
+        }
+    }
+    let mut text = String::from(
+        "t,tip_x_mm,tip_y_mm,tip_z_mm,axis_x,axis_y,axis_z,places,mean_absolute_mm,most_overcut_mm,most_undercut_mm\n",
+    );
+    // Writing to a string cannot fail.
+    for (pose, near) in path.poses.iter().zip(&near) {
+        let (tip, axis) = (pose.tip, pose.axis);
+        let _ = write!(text, "{:.9},{:.6},{:.6},{:.6},", pose.t, tip.x, tip.y, tip.z);
+        let _ = write!(text, "{:.9},{:.9},{:.9},{}", axis.x, axis.y, axis.z, near.len());
+        if near.is_empty() {
+            // Past the ends of the surface.
+            text.push_str(",,,\n");
+            continue;
+        }
+        let mean = near.iter().map(|d| d.abs()).sum::<f64>() / near.len() as f64;
+        let over = near.iter().fold(0.0f64, |most, d| most.max(-d));
+        let under = near.iter().fold(0.0f64, |most, d| most.max(*d));
+        let _ = writeln!(text, ",{mean:.6},{over:.6},{under:.6}");
+    }
+    text
+}

@@ -1,0 +1,219 @@
+//! Reads what a [`FlankDocument`] names, for [`crate::workspaces::flank::job`]. This module reads files.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::workspaces::flank::document::kept_mesh::KeptMesh;
+use crate::workspaces::flank::document::milling_machine_file::milling_machine;
+use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, MeshFlank, WallsFile};
+use crate::workspaces::flank::job::{FlankInput, LoadedSurface};
+use flank::fit_ruled::flank_candidates;
+use flank::guide::GuideCurve;
+use flank::machine::milling_machine::MillingMachine;
+use flank::ruled_surface::Side;
+use geometry::mesh::Mesh;
+use import::{ImportOptions, Undeclared, Unit, Units, import_bytes, import_file};
+use nc::flank_program::{FlankNc, milling_post};
+use task::{Cancel, Progress};
+
+/// The largest file of points (bytes).
+const LARGEST_FILE: u64 = 16 << 20;
+
+/// What was read from a file, and what that leaves in doubt.
+#[derive(Debug, Clone)]
+pub struct FromFile<T> {
+    /// It.
+    pub value: T,
+    /// What the reader must know of it, in words.
+    pub doubts: Vec<String>,
+}
+
+impl<T> FromFile<T> {
+    /// What there is no doubt of.
+    pub fn certain(value: T) -> Self {
+        Self { value, doubts: Vec::new() }
+    }
+}
+
+/// Why a flank's files are of no use: one line with the file and what to do, or cancelled.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct FlankLoadError(pub String);
+
+/// All that `document` names, read. `user_folder` is where a user's own machines are.
+///
+/// # Errors
+/// [`FlankLoadError`].
+pub fn load(
+    document: &FlankDocument,
+    user_folder: Option<&Path>,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<FlankInput, FlankLoadError> {
+    document.validate().map_err(FlankLoadError)?;
+    // What is quick to find wrong comes first.
+    let machine = load_machine(document, user_folder)?;
+    let in_unit = walls_unit(document);
+    let walls = document.walls.as_ref().map(|walls| load_walls(walls, in_unit, progress, cancel)).transpose()?;
+    let surface = load_surface(&document.source, progress, cancel)?;
+    Ok(input(document, surface, walls, machine))
+}
+
+/// The job's input from a document and what was read for it.
+pub fn input(
+    document: &FlankDocument,
+    surface: FromFile<LoadedSurface>,
+    walls: Option<FromFile<Arc<Mesh>>>,
+    machine: Option<MillingMachine>,
+) -> FlankInput {
+    let (walls, of_walls) = walls.map_or((None, Vec::new()), |walls| (Some(walls.value), walls.doubts));
+    // The paper's surfaces are milled from the side that their figures are of.
+    let is_demonstration = matches!(document.source, FlankSource::Demonstration { .. });
+    let side = if is_demonstration && document.side == Side::Automatic { Side::Positive } else { document.side };
+    FlankInput {
+        name: document.name(),
+        surface: surface.value,
+        doubts: [surface.doubts, of_walls].concat(),
+        side,
+        cutter: document.cutter.clone(),
+        params: document.plan.clone(),
+        path: document.path,
+        walls,
+        machine,
+        milling: document.milling.clone(),
+        envelope_tolerance_mm: document.envelope_tolerance_mm,
+        overcut_tolerance_mm: document.overcut_tolerance_mm,
+        undercut_tolerance_mm: document.undercut_tolerance_mm,
+        overrides: document.overrides.clone(),
+        is_quick_look: false,
+    }
+}
+
+/// The machine that `document` names; none if it names none.
+///
+/// # Errors
+/// [`FlankLoadError`].
+pub fn load_machine(
+    document: &FlankDocument,
+    user_folder: Option<&Path>,
+) -> Result<Option<MillingMachine>, FlankLoadError> {
+    let name = document.milling.machine.as_str();
+    if name.is_empty() {
+        return Ok(None);
+    }
+    let milling = &document.milling;
+    let mut machine = milling_machine(name, user_folder).map_err(|e| FlankLoadError(e.to_string()))?;
+    machine.workpiece = milling.workpiece.clone().unwrap_or(machine.workpiece);
+    machine.gauge_length_mm = milling.gauge_length_mm.unwrap_or(machine.gauge_length_mm);
+    let kinematics = machine.kinematics().map_err(|e| FlankLoadError(e.to_string()))?;
+    // What the post cannot say is found before anything is computed.
+    let post = milling_post(&milling.post).map_err(|e| FlankLoadError(e.to_string()))?;
+    FlankNc::check_words(&kinematics, &post, &milling.program).map_err(|e| FlankLoadError(e.to_string()))?;
+    Ok(Some(machine))
+}
+
+/// The unit of walls whose file says none: the one given for the part, else mm, as guides are in. It is never guessed: in
+/// another unit than the surface's they would be far off, and nothing would seem to be gouged.
+pub fn walls_unit(document: &FlankDocument) -> Unit {
+    match &document.source {
+        FlankSource::Mesh(mesh) if mesh.kept.is_none() => mesh.units.given().unwrap_or(Unit::Mm),
+        _ => Unit::Mm,
+    }
+}
+
+/// The walls that must not be cut; in `unit` where neither their file nor the user says one.
+///
+/// # Errors
+/// [`FlankLoadError`].
+pub fn load_walls(
+    walls: &WallsFile,
+    unit: Unit,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<FromFile<Arc<Mesh>>, FlankLoadError> {
+    import(&walls.file, (walls.units, Undeclared::Take(unit)), progress, cancel)
+}
+
+/// What the surface is made of. Of a mesh every face that could be milled is fitted: this is the long part. A mesh without a
+/// unit that by its size is not in mm is refused.
+///
+/// # Errors
+/// [`FlankLoadError`].
+pub fn load_surface(
+    source: &FlankSource,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<FromFile<LoadedSurface>, FlankLoadError> {
+    match source {
+        FlankSource::Demonstration { surface } => {
+            let guides = surface.guides().map_err(|e| FlankLoadError(format!("{}: {e}", surface.name())))?;
+            Ok(FromFile::certain(LoadedSurface::Guides { lower: guides.lower, upper: guides.upper }))
+        }
+        FlankSource::Guides { lower, upper } => {
+            let (lower, upper) = (load_guide(lower)?, load_guide(upper)?);
+            Ok(FromFile::certain(LoadedSurface::Guides { lower, upper }))
+        }
+        FlankSource::Mesh(flank) => load_mesh(flank, progress, cancel),
+    }
+}
+
+/// A guide curve.
+///
+/// # Errors
+/// [`FlankLoadError`].
+pub fn load_guide(guide: &GuideSource) -> Result<GuideCurve, FlankLoadError> {
+    let file = match guide {
+        GuideSource::Curve(curve) => return Ok(curve.clone()),
+        GuideSource::File(file) => file,
+    };
+    let wrong = |text: String| FlankLoadError(format!("{}: {text}", file.display()));
+    let unreadable = |e: std::io::Error| wrong(format!("cannot be read ({e}); check the path"));
+    let size = std::fs::metadata(file).map_err(unreadable)?.len();
+    if size > LARGEST_FILE {
+        return Err(wrong(format!("it has {size} bytes; a guide curve has at most {LARGEST_FILE}")));
+    }
+    let text = std::fs::read_to_string(file).map_err(unreadable)?;
+    GuideCurve::from_csv(&text).map_err(|e| wrong(e.to_string()))
+}
+
+fn load_mesh(
+    flank: &MeshFlank,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<FromFile<LoadedSurface>, FlankLoadError> {
+    let (FromFile { value: mesh, doubts }, name) = match &flank.kept {
+        Some(kept) => (FromFile::certain(import_kept(kept, progress, cancel)?), kept.words()),
+        None => {
+            let unit = (flank.units, Undeclared::RefuseOthers);
+            (import(&flank.file, unit, progress, cancel)?, flank.file.display().to_string())
+        }
+    };
+    progress.report("faces that could be milled", 0.0, "");
+    let candidates = flank_candidates(&mesh, &flank.fit, cancel);
+    let candidates = candidates.map_err(|e| FlankLoadError(format!("{name}: {e}")))?;
+    progress.report("faces that could be milled", 1.0, "");
+    let MeshFlank { candidate: number, is_own_wall, .. } = *flank;
+    let surface = LoadedSurface::Face { mesh, candidates: Arc::new(candidates), number, is_own_wall };
+    Ok(FromFile { value: surface, doubts })
+}
+
+fn import(
+    file: &Path,
+    (units, undeclared): (Units, Undeclared),
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<FromFile<Arc<Mesh>>, FlankLoadError> {
+    let options = ImportOptions { units, undeclared, ..ImportOptions::default() };
+    let imported = import_file(file, &options, progress, cancel).map_err(|e| FlankLoadError(e.to_string()))?;
+    let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy();
+    let doubts = imported.report.unit_doubt().map(|doubt| format!("{name}: {doubt}")).into_iter().collect();
+    Ok(FromFile { value: Arc::new(imported.mesh), doubts })
+}
+
+/// A mesh that a document holds, with the care that is taken of any file: it may have been read from one.
+fn import_kept(kept: &KeptMesh, progress: &Progress, cancel: &Cancel) -> Result<Arc<Mesh>, FlankLoadError> {
+    let options = ImportOptions { units: Units::Mm, ..ImportOptions::default() };
+    let name = format!("{}.obj", kept.name);
+    let imported = import_bytes(&name, kept.obj.as_bytes(), &options, progress, cancel);
+    Ok(Arc::new(imported.map_err(|e| FlankLoadError(e.to_string()))?.mesh))
+}

@@ -1,0 +1,10 @@
+//! Ruled flanks milled with the side of a cutter.
+
+pub mod document;
+pub mod electrode_part;
+pub mod export;
+pub mod job;
+pub mod panels;
+pub mod report;
+pub mod scene;
+pub mod work;

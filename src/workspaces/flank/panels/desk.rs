@@ -1,0 +1,437 @@
+//! The state of the workspace: the flank, what was made of it, and how that is looked at.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use glam::DVec3;
+
+use super::plots::Tab;
+use crate::shell::record::{Hands, Record};
+use crate::workspaces::blisk::pipeline::{EventKind, StageState};
+use crate::workspaces::flank::document::milling_machine_file::{load_milling_machines, milling_machine};
+use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, PathChoice};
+use crate::workspaces::flank::job::path_of;
+use crate::workspaces::flank::work::{ExportChoice, FlankWork, Planned, Sketch};
+use crate::workspaces::kept::WorkEvent;
+use files::user_folder::user_folder;
+use flank::machine::milling_machine::Workpiece;
+use flank::path::FlankPath;
+use flank::ruled_surface::Side;
+
+/// How long nothing may change before what was seen at a glance is planned in full.
+const REST: Duration = Duration::from_millis(300);
+/// How long the whole path takes while it is played (s).
+const WAY: f64 = 8.0;
+
+/// Where the view is to go.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Fly {
+    /// Onto the surface from the cutter's side.
+    Onto,
+    /// Square to it.
+    Square,
+    /// To a place (mm).
+    Place(DVec3),
+}
+
+/// What is known of the present flank.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Standing {
+    /// Nothing.
+    Nothing,
+    /// A quick look.
+    Sketch,
+    /// The plan of other parameters.
+    Stale,
+    /// Its plan.
+    Planned,
+}
+
+/// See the module's page.
+pub struct FlankDesk {
+    /// Whether the panel on the left is there, or folded away.
+    pub shows_panel: bool,
+    /// Whether that of results is there, where it has one of its own.
+    pub shows_list: bool,
+    /// Whether the panel on the left shows what came out, where that has no panel of its own.
+    pub shows_figures: bool,
+    /// Whether plots are shown where the window is too low for them and the view.
+    pub shows_plots: bool,
+    /// The flank.
+    pub params: FlankDocument,
+    /// Its file and the steps that can be undone.
+    pub record: Record<FlankDocument>,
+    /// What has been made of it.
+    pub work: FlankWork,
+    /// Whether the plan follows a change by itself, once there was one.
+    pub follows: bool,
+    /// The path that is shown.
+    pub path: PathChoice,
+    /// Whether all three are, side by side.
+    pub is_side_by_side: bool,
+    /// Whether deviations are those of the moving cutter.
+    pub is_moving: bool,
+    /// Whether the cutter is shown, at one path and at paths side by side, whose maps it covers.
+    shows_cutters: [bool; 2],
+    /// Whether the surface that its axis sweeps is.
+    pub shows_axis: bool,
+    /// Whether rulings are drawn.
+    pub shows_rulings: bool,
+    /// Where on the path the cutter stands, 0 to 1.
+    pub t: f64,
+    /// Whether it goes along.
+    pub is_playing: bool,
+    /// The plot that is shown.
+    pub tab: Tab,
+    /// The rank that was clicked in the plot of ranks.
+    pub rank: Option<usize>,
+    /// Whether limits are drawn where they are in the plots of the machine.
+    pub shows_limits: bool,
+    /// The place that is pointed at (mm).
+    pub place: Option<DVec3>,
+    /// Where the view is to go.
+    pub fly: Option<Fly>,
+    /// The files that are written.
+    pub choice: ExportChoice,
+    /// Names and titles of the machines that there are.
+    pub machines: Vec<[String; 2]>,
+    /// Files that had changed since they were read when an export was last asked for.
+    pub changed_files: Vec<PathBuf>,
+    /// The lower guide of two, until the upper one is named.
+    pub first_guide: Option<PathBuf>,
+    /// How often the flank was changed.
+    revision: u64,
+    /// The machine that was looked up last, and where workpieces stand on it, if there is one of this name.
+    clamped: (String, Option<Workpiece>),
+    /// When something was last changed of which the plan is not known.
+    edited: Option<Instant>,
+    shown: Option<Arc<Planned>>,
+    /// The surface that the view has flown onto.
+    looked_at: Option<FlankSource>,
+    standing: Standing,
+}
+
+impl FlankDesk {
+    /// The workspace with a surface that comes with the program.
+    ///
+    /// # Errors
+    /// If the system gives no thread to work on.
+    pub fn start(wake: impl Fn() + Send + Sync + Clone + 'static) -> std::io::Result<Self> {
+        let params = FlankDocument::default();
+        Ok(Self {
+            shows_panel: true,
+            shows_list: true,
+            shows_figures: false,
+            shows_plots: false,
+            record: Record::of(&params),
+            params,
+            work: FlankWork::start(wake)?,
+            follows: true,
+            path: PathChoice::Refined,
+            is_side_by_side: false,
+            is_moving: false,
+            shows_cutters: [true, false],
+            shows_axis: false,
+            shows_rulings: true,
+            t: 0.5,
+            is_playing: false,
+            tab: Tab::Ranks,
+            rank: None,
+            shows_limits: false,
+            place: None,
+            fly: None,
+            choice: ExportChoice::ALL,
+            // Those of a broken file would be none: the one that the flank names is there in any case.
+            machines: load_milling_machines(user_folder().as_deref())
+                .unwrap_or_default()
+                .into_iter()
+                .map(|m| [m.name, m.title])
+                .collect(),
+            changed_files: Vec::new(),
+            first_guide: None,
+            revision: 0,
+            clamped: (String::new(), None),
+            edited: None,
+            shown: None,
+            looked_at: None,
+            standing: Standing::Nothing,
+        })
+    }
+
+    /// Takes all of `params`, which are those of `file` if there is one.
+    pub fn replace(&mut self, params: FlankDocument, file: Option<&Path>) {
+        if self.params.source == params.source {
+            self.work.reload();
+        } else {
+            // What is opened is looked at by itself first.
+            self.is_side_by_side = false;
+        }
+        self.record.replace(&params, file);
+        (self.path, self.rank, self.place) = (params.path, None, None);
+        (self.params, self.edited) = (params, None);
+        self.revision += 1;
+        self.work.forget_sketch();
+    }
+
+    /// Takes unsaved work that an earlier program left behind, which was to be saved as `file`.
+    pub fn recover(&mut self, params: FlankDocument, file: Option<&Path>) {
+        self.replace(params, file);
+        self.record.kept = None;
+    }
+
+    /// Whether the flank has been changed since it was opened or saved.
+    pub fn is_unsaved(&self) -> bool {
+        self.record.is_unsaved(&self.params)
+    }
+
+    /// What to call the flank.
+    pub fn name(&self) -> String {
+        self.record.name().unwrap_or_else(|| self.params.name())
+    }
+
+    /// Its file, or else one that it is made from.
+    pub fn file(&self) -> Option<&Path> {
+        let source = match &self.params.source {
+            FlankSource::Demonstration { .. } => None,
+            FlankSource::Guides { lower: GuideSource::File(file), .. } => Some(file.as_path()),
+            FlankSource::Guides { .. } => None,
+            FlankSource::Mesh(mesh) => Some(mesh.file.as_path()).filter(|_| mesh.kept.is_none()),
+        };
+        self.record.file.as_deref().or(source)
+    }
+
+    /// Takes other parameters. While they go on changing they are looked at quickly.
+    pub fn edit(&mut self, mut params: FlankDocument) {
+        params.cutter.forget_stale_name(&self.params.cutter);
+        if params == self.params {
+            return;
+        }
+        self.record.note(&params.change_since(&self.params), &self.params);
+        self.change_to(params);
+    }
+
+    fn change_to(&mut self, params: FlankDocument) {
+        // What is exported in spite of a check changes no path.
+        let is_asked_anew = FlankDocument { overrides: self.params.overrides.clone(), ..params.clone() } != self.params;
+        if params.path != self.params.path {
+            self.path = params.path;
+        }
+        self.params = params;
+        if is_asked_anew {
+            (self.edited, self.place) = (Some(Instant::now()), None);
+            self.revision += 1;
+        }
+    }
+
+    /// Takes the last step back, or does the one again that was taken back last (`again`).
+    pub fn undo(&mut self, again: bool) {
+        if let Some(params) = self.record.undo(&self.params, again) {
+            self.change_to(params);
+        }
+    }
+
+    /// How often the flank was changed, or took another's place.
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Where workpieces stand on the machine as its file says; none without a machine, or with one that cannot be read.
+    pub fn workpiece_of_machine(&self) -> Option<&Workpiece> {
+        self.clamped.1.as_ref().filter(|_| self.clamped.0 == self.params.milling.machine)
+    }
+
+    /// How the plan of the present parameters stands.
+    pub fn state(&self) -> StageState {
+        self.work.state(&self.params)
+    }
+
+    /// Whether a plan can be asked for.
+    pub fn can_plan(&self) -> bool {
+        self.params.validate().is_ok() && self.state() != StageState::Running
+    }
+
+    /// Whether what is shown is the plan of the present parameters.
+    pub fn is_planned(&self) -> bool {
+        self.standing == Standing::Planned
+    }
+
+    /// What is known of the present flank.
+    pub fn standing(&self) -> Standing {
+        self.standing
+    }
+
+    /// Begins to plan.
+    ///
+    /// # Errors
+    /// One line why it cannot be planned.
+    pub fn plan(&mut self) -> Result<(), String> {
+        self.edited = None;
+        self.work.plan(&self.params)
+    }
+
+    /// Takes in what has been made, once a frame; nothing is made of a flank that nobody has looked at (`is_seen`).
+    /// Answers what has happened, and after how long there is something to be done again.
+    pub fn follow(&mut self, hands: Hands, is_seen: bool) -> (Vec<WorkEvent>, Option<Duration>) {
+        self.record.follow(hands);
+        let machine = &self.params.milling.machine;
+        if is_seen && self.clamped.0 != *machine {
+            let found = milling_machine(machine, user_folder().as_deref()).ok();
+            self.clamped = (machine.clone(), found.map(|machine| machine.workpiece));
+        }
+        if !is_seen && !self.work.is_busy() {
+            return (Vec::new(), None);
+        }
+        let mut events = self.work.follow(&self.params);
+        let state = self.state();
+        let is_valid = self.params.validate().is_ok();
+        // While it is planned for the first time the surface is shown at once.
+        let is_first = state == StageState::Running && matches!(self.surface_from(), (None, None));
+        if is_valid && (is_first || !matches!(state, StageState::Done | StageState::Running)) {
+            self.work.sketch(&self.params);
+        }
+        self.follow_answer();
+        if state == StageState::Done {
+            self.edited = None;
+        }
+        let Some(edited) = self.edited.filter(|_| self.follows && is_valid && state == StageState::Stale) else {
+            return (events, None);
+        };
+        if hands == Hands::Holding {
+            return (events, None);
+        }
+        let wait = REST.saturating_sub(edited.elapsed());
+        if !wait.is_zero() {
+            return (events, Some(wait));
+        }
+        if let Err(text) = self.plan() {
+            events.push(WorkEvent { kind: EventKind::Failed, text: format!("Flank: {text}"), took: None });
+        }
+        (events, None)
+    }
+
+    /// Shows what is known of the present flank.
+    fn follow_answer(&mut self) {
+        let is_planned = self.work.is_planned_of(&self.params);
+        let sketched = self.sketched().and_then(|sketch| sketch.planned.as_ref().ok()).cloned();
+        let (shown, standing) = match (self.work.planned().cloned(), sketched) {
+            (Some(planned), _) if is_planned => (Some(planned), Standing::Planned),
+            (_, Some(sketch)) => (Some(sketch), Standing::Sketch),
+            // What cannot be planned has no deviations, and another surface has others.
+            _ if self.why_not().is_some() => (None, Standing::Nothing),
+            (Some(planned), _) if self.work.is_planned_of_surface(&self.params) => (Some(planned), Standing::Stale),
+            _ => (None, Standing::Nothing),
+        };
+        let is_seen = shown.is_some() || self.open_side().is_some();
+        let is_first = is_seen && self.looked_at.as_ref() != Some(&self.params.source);
+        if shown.as_ref().map(Arc::as_ptr) != self.shown.as_ref().map(Arc::as_ptr) {
+            self.rank = None;
+        }
+        (self.shown, self.standing) = (shown, standing);
+        if is_first {
+            self.looked_at = Some(self.params.source.clone());
+        }
+        if is_first && self.fly.is_none() {
+            self.fly = Some(if self.is_side_by_side { Fly::Square } else { Fly::Onto });
+        }
+    }
+
+    /// The plan or the quick look that the present surface is known from, whatever cutter they are of.
+    pub fn surface_from(&self) -> (Option<&Arc<Planned>>, Option<&Arc<Sketch>>) {
+        let is_same = self.work.is_planned_of_surface(&self.params);
+        let planned = self.shown.as_ref().or(self.work.planned().filter(|_| is_same));
+        let sketch = self.work.sketched(&self.params, true).filter(|_| planned.is_none());
+        (planned, sketch)
+    }
+
+    /// What was seen at a glance of the present parameters, or while they are dragged of the last ones.
+    pub fn sketched(&self) -> Option<&Arc<Sketch>> {
+        self.work.sketched(&self.params, self.record.hands() == Hands::Holding)
+    }
+
+    /// Why there is no path with the present parameters, if that is known.
+    pub fn why_not(&self) -> Option<String> {
+        if let Err(why) = self.params.validate() {
+            return Some(why);
+        }
+        for state in [self.work.source_state(&self.params), self.work.walls_state(&self.params), self.state()] {
+            if let StageState::Failed(why) = state {
+                return Some(why);
+            }
+        }
+        self.work.sketched(&self.params, false).and_then(|sketch| sketch.planned.as_ref().err().cloned())
+    }
+
+    /// Where the cutter's side is to be chosen before there can be a path: see [`Sketch::open_side`].
+    pub fn open_side(&self) -> Option<[DVec3; 2]> {
+        self.work.sketched(&self.params, false)?.open_side
+    }
+
+    /// Has the cutter stand on this side of the surface.
+    pub fn choose_side(&mut self, side: Side) {
+        self.edit(FlankDocument { side, ..self.params.clone() });
+    }
+
+    /// What is shown: the plan of the present parameters, a quick look, or the plan of others; see [`Self::standing`].
+    pub fn planned(&self) -> Option<&Arc<Planned>> {
+        self.shown.as_ref()
+    }
+
+    /// The path that is shown.
+    pub fn shown_path(&self) -> Option<&FlankPath> {
+        Some(path_of(&self.shown.as_ref()?.result.plan, self.path))
+    }
+
+    /// The paths that the view shows.
+    pub fn shown_paths(&self) -> Vec<PathChoice> {
+        if self.is_side_by_side { PathChoice::ALL.to_vec() } else { vec![self.path] }
+    }
+
+    /// Whether the cutter is shown.
+    pub fn shows_cutter(&self) -> bool {
+        self.shows_cutters[usize::from(self.is_side_by_side)]
+    }
+
+    /// Shows it, or hides it.
+    pub fn toggle_cutter(&mut self) {
+        let shows = &mut self.shows_cutters[usize::from(self.is_side_by_side)];
+        *shows = !*shows;
+    }
+
+    /// Goes to `t` and stays there.
+    pub fn go_to(&mut self, t: f64) {
+        (self.t, self.is_playing) = (t.clamp(0.0, 1.0), false);
+    }
+
+    /// One location further, or back.
+    pub fn step(&mut self, forward: bool) {
+        let places = self.shown_path().map_or(1, |path| path.poses.len().max(2) - 1) as f64;
+        let at = self.t * places;
+        let next = if forward { (at + 1e-6).floor() + 1.0 } else { (at - 1e-6).ceil() - 1.0 };
+        self.go_to(next / places);
+    }
+
+    /// Begins to go along, or stops.
+    pub fn play(&mut self) {
+        self.is_playing = !self.is_playing;
+        if self.is_playing && self.t >= 1.0 {
+            self.t = 0.0;
+        }
+    }
+
+    /// Goes on by so many seconds, if it is played.
+    pub fn advance(&mut self, seconds: f64) {
+        if self.is_playing {
+            self.t = (self.t + seconds / WAY).min(1.0);
+            self.is_playing = self.t < 1.0;
+        }
+    }
+
+    /// Points at a place, with the cutter at `t` if that is known, and flies there.
+    pub fn point_at(&mut self, place: DVec3, t: Option<f64>) {
+        (self.place, self.fly) = (Some(place), Some(Fly::Place(place)));
+        // The checks are of the path that is milled.
+        (self.path, self.is_side_by_side) = (self.params.path, false);
+        t.into_iter().for_each(|t| self.go_to(t));
+    }
+}

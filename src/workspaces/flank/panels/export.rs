@@ -1,0 +1,89 @@
+//! What is exported of a flank, and what stands in its way.
+
+use egui::{RichText, Ui};
+
+use super::results;
+use crate::shell::commands::Command;
+use crate::shell::core::Core;
+use crate::shell::dialogs::{Answer, from_right};
+use crate::widgets::theme::{palette, tick};
+use crate::workspaces::blisk::panels::forms::file_name;
+use nc::flank_program::milling_post;
+
+/// Draws it.
+pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Answer> {
+    let mut answer = None;
+    let planned = core.flank.work.to_export(&core.flank.params);
+    let post = milling_post(&core.flank.params.milling.post);
+    let ending = post.map_or_else(|_| "nc".to_owned(), |post| post.extension);
+    let has_machine = planned.as_ref().is_ok_and(|result| result.milled().is_some());
+    egui::Grid::new("flank files").num_columns(2).min_col_width(150.0).spacing([12.0, 6.0]).show(ui, |ui| {
+        let choice = &mut core.flank.choice;
+        let says = |ui: &mut Ui, text: &str| drop(ui.label(RichText::new(text).color(palette(ui).faint)));
+        tick(ui, &mut choice.cl, RichText::new("flank.cl").monospace());
+        says(ui, "cutter locations, APT");
+        ui.end_row();
+        ui.add_enabled_ui(has_machine, |ui| {
+            tick(ui, &mut choice.nc, RichText::new(format!("flank.{ending}")).monospace())
+        });
+        says(ui, if has_machine { "program for the machine" } else { "no machine has a path" });
+        ui.end_row();
+        tick(ui, &mut choice.csv, RichText::new("path.csv").monospace());
+        says(ui, "locations with their deviations");
+        ui.end_row();
+        tick(ui, &mut choice.report, RichText::new("report.html, .json").monospace());
+        says(ui, "figures, maps, curves, checks");
+        ui.end_row();
+    });
+    ui.add_space(8.0);
+    changed(ui, core);
+    let blocked = planned.as_ref().ok().and_then(|result| result.why_blocked());
+    let text = match (&planned, &blocked) {
+        (Err(why), _) => RichText::new(format!("Blocked: {why}")).color(palette(ui).bad),
+        (_, Some(why)) => {
+            let text = format!("Blocked: {why}. Only the report is written, which says so; nothing to mill is.");
+            RichText::new(text).color(palette(ui).bad)
+        }
+        _ if !core.flank.choice.any() => {
+            RichText::new("Nothing is chosen, so that nothing would be written.").color(palette(ui).bad)
+        }
+        _ => {
+            let text = "Files of an earlier path in the folder are replaced, or get .old behind their names.";
+            RichText::new(text).color(palette(ui).warning)
+        }
+    };
+    ui.add(egui::Label::new(text).wrap());
+    if let Ok(result) = &planned {
+        for check in result.checks.iter().filter(|check| !check.holds) {
+            results::let_pass(ui, core, check, check.is_overridden);
+        }
+    }
+    ui.add_space(10.0);
+    from_right(ui, |ui| {
+        let is_possible = planned.is_ok() && core.flank.choice.any();
+        let name = if blocked.is_some() { "Report to folder…" } else { "Choose folder…" };
+        if ui.add_enabled(is_possible, egui::Button::new(name)).clicked() {
+            answer = Some(Answer::ExportFlankTo);
+        }
+        if ui.button("Cancel").clicked() {
+            answer = Some(Answer::Close);
+        }
+    });
+    answer
+}
+
+/// What is said of files that have changed since they were read.
+fn changed(ui: &mut Ui, core: &mut Core) {
+    if core.flank.changed_files.is_empty() {
+        return;
+    }
+    let names: Vec<String> = core.flank.changed_files.iter().map(|file| file_name(&file.to_string_lossy())).collect();
+    let text =
+        format!("Changed or gone since read: {}. What is exported was planned for what was read.", names.join(", "));
+    ui.add(egui::Label::new(RichText::new(text).color(palette(ui).warning)).wrap());
+    if ui.button("Load again").on_hover_text("Reads all files anew; then plan again").clicked() {
+        core.push(Command::Reload);
+        core.flank.changed_files.clear();
+    }
+    ui.add_space(4.0);
+}

@@ -1,0 +1,72 @@
+//! The workspace of flanks: a ruled surface, the cutter that mills it with its side, the path in three steps, and what
+//! was checked of it. Like the rest of the window it computes nothing.
+
+mod clamping;
+mod desk;
+mod export;
+mod fields;
+mod form;
+mod guides;
+mod plots;
+mod results;
+mod source;
+mod timeline;
+mod view;
+
+pub use desk::{FlankDesk, Fly};
+pub use export::show as export_dialog;
+pub use guides::{is_points_file, pair as pair_of_guides};
+pub use view::FlankView;
+
+use egui::{Panel, Ui};
+
+use crate::shell::core::Core;
+use crate::shell::files::Purpose;
+use crate::widgets::folds;
+
+/// Height of the panel of timeline and plots (points).
+const PLOTS: f32 = 236.0;
+/// The same where there is room for the timeline only.
+const TIMELINE: f32 = 74.0;
+
+/// Draws the workspace. Answers what a path is wanted for.
+pub fn show(ui: &mut Ui, core: &mut Core, view: &mut FlankView) -> Option<Purpose> {
+    let room = ui.available_size();
+    // In a small window the view comes first: panels get narrower, and the results have none of their own.
+    let (wide, tall) = (room.x > 900.0, room.y > 480.0);
+    let asked = if core.flank.shows_panel {
+        let (least, width) = if wide { (300.0, 0.26 * room.x) } else { (290.0, 0.5 * room.x) };
+        let width = width.clamp(least, 380.0);
+        let panel = Panel::left("flank").default_size(width).size_range(least..=(0.45 * room.x).clamp(width, 480.0));
+        panel.show(ui, |ui| form::show(ui, core, !wide)).inner
+    } else {
+        None
+    };
+    if wide && core.flank.shows_list {
+        let width = (0.32 * room.x - 100.0).clamp(262.0, 340.0);
+        let panel = Panel::right("flank results").default_size(width);
+        let panel = panel.size_range(240.0..=(0.4 * room.x).clamp(width, 460.0));
+        panel.show(ui, |ui| results::show(ui, core));
+    }
+    // A low window has room for the plots or for the view.
+    let low = PLOTS.min(0.6 * room.y).max(TIMELINE);
+    let (name, height, heights) = match (tall, core.flank.shows_plots) {
+        (true, _) => ("flank plots", PLOTS, 150.0..=460.0),
+        (false, true) => ("flank low plots", low, low..=low),
+        (false, false) => ("flank timeline", TIMELINE, TIMELINE..=TIMELINE),
+    };
+    Panel::bottom(name).default_size(height).size_range(heights).resizable(tall).show(ui, |ui| {
+        timeline::show(ui, core, !tall);
+        if tall || core.flank.shows_plots {
+            plots::show(ui, core);
+        }
+        // The panel keeps its height whatever it shows.
+        ui.take_available_space();
+    });
+    egui::CentralPanel::no_frame().show(ui, |ui| {
+        let rect = ui.available_rect_before_wrap();
+        view.show(ui, core);
+        folds::show(ui, rect, core, core.flank.shows_panel, wide.then_some(core.flank.shows_list));
+    });
+    asked
+}

@@ -1,0 +1,222 @@
+//! The right panel: the figures of the three paths, what was checked, and what the reader must know.
+
+use egui::{Grid, Label, RichText, Role, Sense, Ui, WidgetInfo, vec2};
+
+use super::desk::Standing;
+use crate::shell::core::Core;
+use crate::widgets::theme::{palette, tick};
+use crate::workspaces::blisk::panels::stepper::{fact, notice, sentence};
+use crate::workspaces::flank::document::PathChoice;
+use crate::workspaces::flank::job::{FlankCheck, path_of};
+use crate::workspaces::flank::work::Planned;
+use flank::deviation::Deviation;
+use flank::plan::WITHIN_ROUNDING;
+
+/// Width of the column of a path (points).
+const COLUMN: f32 = 56.0;
+
+/// Draws it.
+pub fn show(ui: &mut Ui, core: &mut Core) {
+    ui.add_space(4.0);
+    egui::ScrollArea::vertical().id_salt("flank results").auto_shrink([false, false]).show(ui, |ui| body(ui, core));
+}
+
+/// The same without a frame of its own.
+pub fn body(ui: &mut Ui, core: &mut Core) {
+    let Some(planned) = core.flank.planned().cloned() else {
+        let text = "The figures of the path will stand here once it is planned.";
+        ui.add(Label::new(RichText::new(text).color(palette(ui).faint)).wrap());
+        return;
+    };
+    heading(ui, core);
+    ui.scope(|ui| {
+        if core.flank.standing() == Standing::Stale {
+            ui.multiply_opacity(0.55);
+        }
+        figures(ui, core, &planned);
+        ui.add_space(6.0);
+        if core.flank.standing() == Standing::Sketch {
+            let text = "Checks follow with the plan.";
+            ui.add(Label::new(RichText::new(text).small().color(palette(ui).faint)).wrap());
+            return;
+        }
+        ui.strong("Checks");
+        ui.label(RichText::new(format!("of the {} path", planned.result.path.name())).small().color(palette(ui).faint));
+        checks(ui, core, &planned);
+        warnings(ui, &planned);
+    });
+}
+
+fn heading(ui: &mut Ui, core: &Core) {
+    let colours = palette(ui);
+    let (text, colour) = match core.flank.standing() {
+        Standing::Sketch => ("quick look", colours.accent),
+        Standing::Stale => ("of other parameters", colours.warning),
+        _ => return drop(ui.strong("Deviations")),
+    };
+    ui.horizontal(|ui| {
+        ui.strong("Deviations");
+        ui.label(RichText::new(text).small().color(colour));
+    });
+}
+
+/// A figure of deviations: its name, what it means, and it.
+type Figure = (&'static str, &'static str, fn(&Deviation) -> f64);
+
+const FIGURES: [Figure; 5] = [
+    ("sum", "Sum of the absolute deviations over the grid (mm)", |d| d.sum),
+    ("mean", "Mean of the absolute deviations (mm)", |d| d.mean),
+    ("rms", "Root of the mean of the squares (mm)", |d| d.rms),
+    ("overcut", "Greatest depth below the surface (mm)", |d| (-d.most_overcut).max(0.0)),
+    ("undercut", "Greatest stock left on the surface (mm)", |d| d.most_undercut.max(0.0)),
+];
+
+/// Sums and extremes of the three paths, of the standing cutter and of the moving one.
+fn figures(ui: &mut Ui, core: &mut Core, planned: &Planned) {
+    let plan = &planned.result.plan;
+    let [nu, nv] = plan.initial.deviation.counted_grid();
+    let text = format!("mm, over {nu} × {nv} places of the surface");
+    ui.label(RichText::new(text).small().color(palette(ui).faint));
+    let paths = PathChoice::ALL.map(|choice| path_of(plan, choice));
+    Grid::new("flank figures").num_columns(4).striped(true).spacing([8.0, 2.0]).min_col_width(40.0).show(ui, |ui| {
+        ui.label("");
+        for choice in PathChoice::ALL {
+            head(ui, core, choice);
+        }
+        ui.end_row();
+        for moving in [false, true] {
+            let what = if moving { "moving cutter" } else { "standing cutter" };
+            ui.label(RichText::new(what).small().color(palette(ui).faint));
+            ui.end_row();
+            for (name, hint, of) in FIGURES {
+                ui.label(name).on_hover_text(hint);
+                for path in paths {
+                    let value = of(if moving { &path.envelope.deviation } else { &path.deviation });
+                    number(ui, value);
+                }
+                ui.end_row();
+            }
+            ui.label("ratio").on_hover_text("Of the sum to that of the same cutter on the initial path");
+            for path in paths {
+                let share = if moving { plan.moving_share(path) } else { plan.share(path.deviation.sum) };
+                cell(ui, share.map_or_else(|| "\u{2013}".to_owned(), |share| format!("{share:.3}")));
+            }
+            ui.end_row();
+        }
+    });
+    let text = "Ratios are to the initial path's sum: of the standing cutter to its own, of the moving one to its own.";
+    ui.add(Label::new(RichText::new(text).small().color(palette(ui).faint)).wrap());
+    if !plan.has_deviation() {
+        let text = format!("The initial path {WITHIN_ROUNDING}: ratios mean nothing.");
+        ui.add(Label::new(RichText::new(text).small().color(palette(ui).faint)).wrap());
+    }
+    fact(ui, "Best rank", format!("{} of {}", plan.ranks.best, plan.ranks.sums.len()));
+    if let Some(machine) = &planned.machine {
+        fact(ui, "Time on the machine", format!("{:.2} min", machine.minutes));
+    }
+}
+
+/// A number with as many decimals as it is worth.
+fn number(ui: &mut Ui, value: f64) {
+    let decimals = if value.abs() >= 100.0 {
+        1
+    } else if value.abs() >= 1.0 {
+        3
+    } else {
+        5
+    };
+    cell(ui, format!("{value:.decimals$}"));
+}
+
+/// A number in its column, below the others.
+fn cell(ui: &mut Ui, text: String) {
+    let layout = egui::Layout::right_to_left(egui::Align::Center);
+    ui.allocate_ui_with_layout(vec2(COLUMN, 18.0), layout, |ui| {
+        ui.set_min_width(COLUMN);
+        ui.label(RichText::new(text).monospace());
+    });
+}
+
+/// The head of a path's column, which shows it.
+fn head(ui: &mut Ui, core: &mut Core, choice: PathChoice) {
+    let is_on = core.flank.path == choice;
+    let hint = match choice {
+        PathChoice::Initial => "The path of the offset",
+        PathChoice::Chosen => "That of the best rank",
+        PathChoice::Refined => "The refined one",
+    };
+    let button = egui::Button::selectable(is_on, RichText::new(choice.name()).small());
+    let response = ui.add_sized(vec2(COLUMN, 20.0), button).on_hover_text(hint);
+    response.widget_info(|| WidgetInfo::selected(Role::Tab, true, is_on, format!("Path {}", choice.name())));
+    if response.clicked() {
+        core.flank.path = choice;
+    }
+}
+
+/// What was checked, in words; what fails can be shown, and overridden by its name.
+fn checks(ui: &mut Ui, core: &mut Core, planned: &Planned) {
+    for check in &planned.result.checks {
+        let mut check = check.clone();
+        check.decide(&core.flank.params.overrides);
+        let (check, is_overridden) = (&check, check.is_overridden);
+        let colours = palette(ui);
+        let (sign, colour) = match (check.holds, is_overridden) {
+            (true, _) => ("\u{2714}", colours.good),
+            (false, true) => ("\u{2716}", colours.warning),
+            (false, false) => ("\u{2716}", colours.bad),
+        };
+        ui.horizontal_top(|ui| {
+            ui.label(RichText::new(sign).color(colour));
+            let is_shown = !check.holds || check.t.is_some();
+            if let Some(place) = check.place.filter(|_| is_shown) {
+                let hint = format!("Show where: {}", check.kind.name());
+                let response = ui.small_button("Show").on_hover_text(&hint);
+                response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &hint));
+                if response.clicked() {
+                    core.flank.point_at(place, check.t);
+                }
+            }
+            let text = RichText::new(format!("{}: {}", check.kind.name(), check.text)).small();
+            let text = text.color(if check.holds { colours.faint } else { colour });
+            ui.add(Label::new(text).wrap());
+        });
+        if !check.holds {
+            let_pass(ui, core, check, is_overridden);
+        }
+    }
+}
+
+/// Lets what fails be exported all the same.
+pub fn let_pass(ui: &mut Ui, core: &mut Core, check: &FlankCheck, is_overridden: bool) {
+    let mut passes = is_overridden;
+    if tick(ui, &mut passes, format!("Export although {} fails", check.kind.name())).changed() {
+        let mut params = core.flank.params.clone();
+        // What was decided for other figures is over with a new decision.
+        params.overrides.retain(|other| other.check != check.kind.name());
+        if passes {
+            params.overrides.push(check.let_pass());
+        }
+        core.flank.edit(params);
+    } else if let Some(why) = &check.lapsed {
+        let text = format!("Override of {}: {why}.", check.kind.name());
+        ui.add(Label::new(RichText::new(text).small().color(palette(ui).warning)).wrap());
+    }
+}
+
+fn warnings(ui: &mut Ui, planned: &Planned) {
+    let warnings = &planned.result.warnings;
+    if warnings.is_empty() {
+        return;
+    }
+    ui.add_space(6.0);
+    ui.strong("To be known");
+    for warning in warnings {
+        let text = RichText::new(sentence(warning)).small();
+        let response = ui.add(Label::new(text).wrap().sense(Sense::hover()));
+        response.on_hover_text("Nothing is blocked by this");
+        ui.add_space(2.0);
+    }
+    if let Some(fit) = planned.result.fit.as_ref().filter(|fit| !fit.is_ruled) {
+        notice(ui, palette(ui).warning, &format!("The face is not ruled within {} mm", fit.tolerance_mm));
+    }
+}

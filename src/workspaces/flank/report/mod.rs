@@ -1,0 +1,349 @@
+//! The report on a flank path, as `flank.json` for programs and `report.html` for people.
+
+pub mod build;
+pub mod html;
+pub mod maps;
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use flank::cutter::FlankCutter;
+use flank::deviation::Deviation;
+use geometry::nurbs::FitError;
+
+/// Version of the keys of `flank.json`.
+pub const SCHEMA: u32 = 2;
+
+/// All that a report says of a flank path. Lengths in mm, places in the axes of the surface.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FlankReport {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// Version of the program.
+    pub program_version: &'static str,
+    /// What the flank is called.
+    pub name: String,
+    /// The answer in a sentence.
+    pub sentence: String,
+    /// Whether every check holds.
+    pub holds: bool,
+    /// Why no path was exported; none if it was, or may be.
+    pub blocked: Option<String>,
+    /// The surface.
+    pub surface: SurfaceEntry,
+    /// The cutter.
+    pub cutter: FlankCutter,
+    /// Places along u and v of the surface at which deviations are taken.
+    pub grid: [usize; 2],
+    /// The first locations.
+    pub locations: LocationsEntry,
+    /// Greatest overcut and undercut (mm) of the path that is milled as the cutter moves, on `grid` or on that of the checks,
+    /// whichever is worse.
+    pub moving_most_mm: [f64; 2],
+    /// The initial path, that of the best rank, the refined one.
+    pub paths: Vec<PathEntry>,
+    /// What the paper's method left, on its own grids.
+    pub paper: PaperEntry,
+    /// Sums over ranks.
+    pub ranks: RanksEntry,
+    /// What was checked of the path that is milled.
+    pub checks: Vec<CheckEntry>,
+    /// Its clearances.
+    pub clearances: Vec<ClearanceEntry>,
+    /// Its positions on the machine; none without a machine.
+    pub machine: Option<MachineEntry>,
+    /// What the reader must know.
+    pub warnings: Vec<String>,
+    /// Every parameter, defaults included.
+    pub parameters: serde_json::Value,
+}
+
+/// A surface.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SurfaceEntry {
+    /// Where it comes from, in words.
+    pub source: String,
+    /// On which side the cutter stands as u runs: +1 where R_u x R_v points to, -1 on the other.
+    pub side: i8,
+    /// Whether u, along the cutter's travel, runs against the guides as they were given.
+    pub is_reversed: bool,
+    /// Least and greatest length of its rulings (mm).
+    pub ruling_mm: [f64; 2],
+    /// Lengths of the lower and the upper guide (mm).
+    pub guide_mm: [f64; 2],
+    /// How it was fitted to a face; none for guides.
+    pub fit: Option<FitEntry>,
+}
+
+/// The fit of a surface to a face.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FitEntry {
+    /// Whether the face is ruled within the tolerance.
+    pub is_ruled: bool,
+    /// The tolerance (mm).
+    pub tolerance_mm: f64,
+    /// Distances of the face from the surface.
+    pub error: FitError,
+    /// Of the corners of triangles alone.
+    pub error_corners: FitError,
+    /// Where the greatest is (mm).
+    pub worst: [f64; 3],
+    /// How far the triangles may be off a smooth surface (mm).
+    pub chord_mm: f64,
+    /// In words.
+    pub words: Vec<String>,
+}
+
+/// The first locations of the cutter.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LocationsEntry {
+    /// How many.
+    pub count: usize,
+    /// Those that touch the surface as they were asked to.
+    pub touching: usize,
+    /// Those put where they come nearest to it.
+    pub nearest: usize,
+    /// u of the first and of the last contact on the lower guide.
+    pub u0_range: [f64; 2],
+    /// Control points of each of the two curves through them.
+    pub control_points: usize,
+    /// Those that were asked for: around a ring there may be more.
+    pub control_points_asked: usize,
+    /// How far these curves are from them at most (mm).
+    pub fit_mm: f64,
+}
+
+/// A path.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PathEntry {
+    /// initial, chosen or refined.
+    pub name: &'static str,
+    /// Whether it is the one that is milled.
+    pub is_milled: bool,
+    /// Its sum as a share of the initial path's; none if that is nothing but rounding.
+    pub ratio: Option<f64>,
+    /// The same of the moving cutter: its sum as a share of its own on the initial path.
+    pub moving_ratio: Option<f64>,
+    /// Figures of the standing cutter.
+    pub standing: Figures,
+    /// Figures of the moving cutter: its true envelope.
+    pub moving: Figures,
+    /// Greatest difference between both at one place (mm).
+    pub greatest_difference_mm: f64,
+    /// Places that the moving cutter does not touch.
+    pub without: usize,
+    /// Whether it covers the surface.
+    pub covers: bool,
+    /// Least and greatest t that stand over the surface.
+    pub t_range: [f64; 2],
+    /// Least and greatest height above the cutter's bottom that touches (mm).
+    pub height_range_mm: [f64; 2],
+    /// How far below the curve of `control_lower` the bottom's centre is, along the axis (mm).
+    pub below_mm: f64,
+    /// Whether the curves of the axis are closed, around a closed surface.
+    pub is_closed: bool,
+    /// Control points of the curve of the axis at the lower guide (mm), of a uniform cubic B-spline over t: clamped, or
+    /// periodic if it is closed, where the points 0, 1, 2 come again after the last.
+    pub control_lower: Vec<[f64; 3]>,
+    /// The same of the upper end of the axis.
+    pub control_upper: Vec<[f64; 3]>,
+}
+
+/// Figures of deviations (mm) over the grid.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct Figures {
+    pub sum_mm: f64,
+    pub mean_absolute_mm: f64,
+    pub rms_mm: f64,
+    /// As a positive number.
+    pub most_overcut_mm: f64,
+    pub most_undercut_mm: f64,
+    pub sum_overcut_mm: f64,
+    pub sum_undercut_mm: f64,
+}
+
+impl Figures {
+    /// Those of some deviations.
+    pub fn of(deviation: &Deviation) -> Self {
+        Self {
+            sum_mm: deviation.sum,
+            mean_absolute_mm: deviation.mean,
+            rms_mm: deviation.rms,
+            most_overcut_mm: (-deviation.most_overcut).max(0.0),
+            most_undercut_mm: deviation.most_undercut.max(0.0),
+            sum_overcut_mm: deviation.sum_overcut,
+            sum_undercut_mm: deviation.sum_undercut,
+        }
+    }
+}
+
+/// The ratios of the paper that the method is from.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PaperEntry {
+    /// On its surface A.
+    pub ratio_a: f64,
+    /// On its surface B.
+    pub ratio_b: f64,
+    /// The one to compare with, if this is one of its surfaces with its cone.
+    pub comparable: Option<f64>,
+}
+
+/// Sums over ranks.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RanksEntry {
+    /// Singular values, falling.
+    pub singular_values: Vec<f64>,
+    /// The sum for each rank from 1 (mm); none where no deviation can be measured.
+    pub sums_mm: Vec<Option<f64>>,
+    /// The rank with the least sum; 0 if the initial path is better than all.
+    pub best: usize,
+}
+
+/// A check.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CheckEntry {
+    /// By which it can be overridden.
+    pub name: &'static str,
+    /// Whether it holds.
+    pub holds: bool,
+    /// Whether it fails and does not matter by decision.
+    pub is_overridden: bool,
+    /// What was found.
+    pub text: String,
+    /// Where (mm).
+    pub place: Option<[f64; 3]>,
+    /// At which t of the path.
+    pub t: Option<f64>,
+    /// How bad it is where it fails, by name of the figure.
+    pub figures: BTreeMap<String, f64>,
+    /// What an override for it was decided for, in words.
+    pub given_for: Option<String>,
+    /// Why that override no longer holds.
+    pub lapsed: Option<String>,
+}
+
+/// Where a part of the tool is nearest to a wall.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ClearanceEntry {
+    /// The part.
+    pub part: String,
+    /// Distance (mm); negative by the depth of a gouge.
+    pub distance_mm: f64,
+    /// The place of the wall (mm).
+    pub place: [f64; 3],
+    /// t of the path.
+    pub t: f64,
+}
+
+/// The path on a machine.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MachineEntry {
+    /// Its name, and what it is.
+    pub name: String,
+    /// Why it cannot follow; none if it can.
+    pub trouble: Option<String>,
+    /// Number of positions.
+    pub positions: usize,
+    /// Allowed between them (mm).
+    pub linearisation_mm: f64,
+    /// Bound of what there is (mm).
+    pub deviation_mm: f64,
+    /// Time (min).
+    pub minutes: f64,
+    /// Moves that are slower than asked for; none if all have the feed that was asked for.
+    pub slowed: Option<SlowedEntry>,
+    /// Where the pole is passed.
+    pub singular: Vec<String>,
+    /// Its axes over time.
+    pub axes: Vec<AxisEntry>,
+}
+
+/// Moves that are slower than asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SlowedEntry {
+    /// How many, for whichever reason.
+    pub moves: usize,
+    /// The least share of the feed that is left.
+    pub least_share: f64,
+    /// Those where an axis would be too fast.
+    pub for_axes: Option<AxisSlowedEntry>,
+    /// Those that would be shorter than the time that the control gives any block.
+    pub short: Option<ShortEntry>,
+}
+
+/// Moves where an axis would be too fast.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct AxisSlowedEntry {
+    /// How many.
+    pub moves: usize,
+    /// The least share of the feed that the axes leave.
+    pub least_share: f64,
+    /// The axis that leaves it.
+    pub axis: char,
+}
+
+/// Moves that take the control's shortest time.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ShortEntry {
+    /// How many.
+    pub moves: usize,
+    /// The least share of their speed that is left.
+    pub least_share: f64,
+}
+
+/// An axis of a machine.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AxisEntry {
+    /// Its letter.
+    pub letter: char,
+    /// mm or deg.
+    pub unit: &'static str,
+    /// Its limits.
+    pub limits: [f64; 2],
+    /// Seconds from the first position, and value.
+    pub values: Vec<[f64; 2]>,
+}
+
+/// A picture of the report.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlankPicture {
+    /// Its title.
+    pub title: String,
+    /// What it shows.
+    pub caption: String,
+    /// PNG bytes.
+    pub png: Vec<u8>,
+}
+
+/// The deviation maps of the paths, with one scale.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct DeviationMaps {
+    /// The maps; u to the right, v upwards.
+    pub maps: Vec<FlankPicture>,
+    /// The bar of colours, least on the left.
+    pub bar_png: Vec<u8>,
+    /// The deviation (mm) at the right end of the bar; the left end is the same, negative.
+    pub end_mm: f64,
+}
+
+impl FlankReport {
+    /// The path that is milled.
+    pub fn milled(&self) -> Option<&PathEntry> {
+        self.paths.iter().find(|p| p.is_milled)
+    }
+
+    /// The report as JSON; a number that is not finite becomes null.
+    ///
+    /// # Errors
+    /// None that is known; the writer's own.
+    pub fn json(&self) -> Result<String, serde_json::Error> {
+        Ok(serde_json::to_string_pretty(self)? + "\n")
+    }
+
+    /// The report as one self-contained page.
+    pub fn html(&self, maps: &DeviationMaps) -> String {
+        html::page(self, maps)
+    }
+}

@@ -1,0 +1,206 @@
+//! The steps of the work on a flank, each a function of what it is given.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::curves::{MachineCurves, Profile};
+use super::stamps::Stamp;
+use crate::workspaces::flank::document::{FlankDocument, FlankSource, PathChoice, WallsFile};
+use crate::workspaces::flank::job::inputs;
+use crate::workspaces::flank::job::inputs::{FromFile, input, load_machine, load_surface};
+use crate::workspaces::flank::job::{FlankInput, FlankJobError, FlankResult, LoadedSurface, flank, surface};
+use crate::workspaces::flank::scene::{FlankShapes, FlankSurface};
+use files::user_folder::user_folder;
+use flank::FlankError;
+use flank::params::FlankParams;
+use flank::ruled_surface::Side;
+use geometry::mesh::Mesh;
+use import::Unit;
+use render::mesh::RenderMesh;
+use task::{Cancel, Progress};
+
+/// Places of the grid of a quick look, and its most rounds of refinement.
+const SKETCH_GRID: [usize; 2] = [34, 18];
+const SKETCH_ROUNDS: usize = 8;
+
+/// What a surface is made of, as loaded.
+#[derive(Debug)]
+pub struct LoadedFlank {
+    /// It.
+    pub surface: LoadedSurface,
+    /// The part that it is a face of, for the screen.
+    pub part: Option<Arc<RenderMesh>>,
+    /// Its files as they were read.
+    pub(super) stamps: Vec<Stamp>,
+    /// What its file leaves in doubt, in words.
+    pub doubts: Vec<String>,
+}
+
+/// What is said of a file, with what it leaves in doubt.
+fn with_doubts(text: String, doubts: &[String]) -> String {
+    std::iter::once(text).chain(doubts.iter().cloned()).collect::<Vec<_>>().join("; ")
+}
+
+impl LoadedFlank {
+    pub(super) fn sentence(&self) -> String {
+        let text = match &self.surface {
+            LoadedSurface::Guides { .. } => "two guide curves".to_owned(),
+            LoadedSurface::Face { candidates, .. } => {
+                let ruled = candidates.iter().filter(|c| c.is_ruled()).count();
+                format!("{} faces could be milled, {ruled} of them are ruled within the tolerance", candidates.len())
+            }
+        };
+        with_doubts(text, &self.doubts)
+    }
+}
+
+/// Walls, as loaded.
+#[derive(Debug)]
+pub struct LoadedWalls {
+    /// They.
+    pub mesh: Arc<Mesh>,
+    /// The same for the screen.
+    pub shape: Arc<RenderMesh>,
+    /// Their file as it was read.
+    pub(super) stamp: Stamp,
+    /// What their file leaves in doubt, in words.
+    pub doubts: Vec<String>,
+}
+
+impl LoadedWalls {
+    pub(super) fn sentence(&self) -> String {
+        with_doubts(format!("{} triangles", self.mesh.triangles.len()), &self.doubts)
+    }
+}
+
+/// A planned flank with all that is shown of it.
+#[derive(Debug)]
+pub struct Planned {
+    /// It.
+    pub result: FlankResult,
+    /// For the screen.
+    pub shapes: FlankShapes,
+    /// For each path how far it is off along the guides.
+    pub profiles: [Profile; 3],
+    /// The axes of the machine, if there is a path of it.
+    pub machine: Option<MachineCurves>,
+}
+
+impl Planned {
+    fn of(result: FlankResult) -> Self {
+        let shapes = FlankShapes::of(&result.surface, &result.plan);
+        let plan = &result.plan;
+        let profiles = [&plan.initial, &plan.chosen, &plan.refined].map(|path| Profile::of(&path.deviation));
+        Self { machine: MachineCurves::of(&result), shapes, profiles, result }
+    }
+
+    /// What came out, in a sentence.
+    pub fn sentence(&self) -> String {
+        let plan = &self.result.plan;
+        let sums = PathChoice::ALL.map(|path| crate::workspaces::flank::job::path_of(plan, path).deviation.sum);
+        let blocked = self.result.checks.iter().filter(|c| !c.holds).count();
+        let checks = match blocked {
+            0 => "every check holds".to_owned(),
+            1 => "1 check fails".to_owned(),
+            n => format!("{n} checks fail"),
+        };
+        format!(
+            "sum of deviations {:.3} mm at first, {:.3} mm with rank {}, {:.3} mm refined ({}); {checks}",
+            sums[0],
+            sums[1],
+            plan.ranks.best,
+            sums[2],
+            plan.ratio_words(sums[2])
+        )
+    }
+}
+
+/// What was seen at a glance.
+#[derive(Debug)]
+pub struct Sketch {
+    /// The surface, if there is one.
+    pub surface: Option<FlankSurface>,
+    /// A plan on a coarse grid, or why there is none.
+    pub planned: Result<Arc<Planned>, String>,
+    /// Where the side of the cutter is still to be chosen: a place of the surface, and the unit vector to its positive
+    /// side there.
+    pub open_side: Option<[DVec3; 2]>,
+}
+
+/// Reads what a surface is made of.
+///
+/// # Errors
+/// One line naming file, place and remedy.
+pub(super) fn load(source: &FlankSource, progress: &Progress, cancel: &Cancel) -> Result<LoadedFlank, String> {
+    // What is written while it is read counts as changed.
+    let stamps = Stamp::of_source(source);
+    let FromFile { value: surface, doubts } = load_surface(source, progress, cancel).map_err(|e| e.to_string())?;
+    let part = match &surface {
+        LoadedSurface::Guides { .. } => None,
+        LoadedSurface::Face { mesh, .. } => Some(Arc::new(RenderMesh::new(mesh))),
+    };
+    Ok(LoadedFlank { surface, part, doubts, stamps })
+}
+
+/// Reads walls.
+///
+/// # Errors
+/// As [`load`].
+pub(super) fn load_walls(
+    walls: &WallsFile,
+    unit: Unit,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<LoadedWalls, String> {
+    let stamp = Stamp::of(&walls.file);
+    let found = inputs::load_walls(walls, unit, progress, cancel).map_err(|e| e.to_string())?;
+    let FromFile { value: mesh, doubts } = found;
+    let shape = Arc::new(RenderMesh::new(&mesh));
+    Ok(LoadedWalls { mesh, shape, doubts, stamp })
+}
+
+/// Plans.
+///
+/// # Errors
+/// One line for the user.
+pub(super) fn plan(
+    document: &FlankDocument,
+    surface: FromFile<LoadedSurface>,
+    walls: Option<FromFile<Arc<Mesh>>>,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Planned, String> {
+    let machine = load_machine(document, user_folder().as_deref()).map_err(|e| e.to_string())?;
+    let result = flank(&input(document, surface, walls, machine), progress, cancel).map_err(|e| e.to_string())?;
+    cancel.check().map_err(|e| e.to_string())?;
+    Ok(Planned::of(result))
+}
+
+/// Looks quickly: on a coarse grid, with few rounds, without walls and machine.
+pub(super) fn sketch(document: &FlankDocument, loaded: LoadedSurface, cancel: &Cancel) -> Sketch {
+    let least =
+        FlankParams { grid: SKETCH_GRID, rounds: document.plan.rounds.min(SKETCH_ROUNDS), ..document.plan.clone() };
+    let [nu, nv] = document.plan.grid;
+    let grid = [SKETCH_GRID[0].min(nu), SKETCH_GRID[1].min(nv)];
+    let asked = FlankDocument { plan: FlankParams { grid, ..least }, ..document.clone() };
+    let mut coarse: FlankInput = input(&asked, FromFile::certain(loaded), None, None);
+    coarse.is_quick_look = true;
+    if let LoadedSurface::Face { is_own_wall, .. } = &mut coarse.surface {
+        *is_own_wall = false;
+    }
+    let made = surface(&coarse);
+    let open_side = match &made {
+        Err(FlankJobError::Flank(FlankError::SideOpen { point, normal })) => Some([*point, *normal]),
+        _ => None,
+    };
+    // The surface itself does not depend on its side.
+    let of_a_side = open_side.and_then(|_| surface(&FlankInput { side: Side::Positive, ..coarse.clone() }).ok());
+    let shown = made.as_ref().ok().or(of_a_side.as_ref()).map(|(surface, _)| FlankSurface::bare(surface));
+    let planned = made.map_err(|e| e.to_string()).and_then(|_| {
+        flank(&coarse, &Progress::silent(), cancel)
+            .map(|result| Arc::new(Planned::of(result)))
+            .map_err(|e| e.to_string())
+    });
+    Sketch { surface: shown, planned, open_side }
+}

@@ -1,0 +1,159 @@
+//! What a user chooses for a mold.
+
+pub mod cutter_file;
+pub mod electrode_file;
+pub mod holder_files;
+pub mod mold_file;
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::workspaces::mold::document::cutter_file::standard_cutters;
+use import::Units;
+use mold::cutter::CutterLibrary;
+use mold::electrode::params::{Edit, ElectrodeParams};
+use mold::opening::Opening;
+
+/// A mold and the question about it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MoldParams {
+    /// Its mesh; none as long as nothing is loaded.
+    pub mesh: Option<PathBuf>,
+    /// Unit of the mesh.
+    pub units: Units,
+    /// The direction in which its opening looks, in the axes of the mesh.
+    pub opening: Opening,
+    /// Thickness of the residue, across the mold's surface, up to which it counts as cut (mm).
+    pub tolerance_mm: f64,
+    /// The cutters.
+    pub library: CutterLibrary,
+    /// What is asked of electrodes for what they leave. Without holders these are those of the user's library.
+    pub electrodes: ElectrodeParams,
+}
+
+impl Default for MoldParams {
+    fn default() -> Self {
+        Self {
+            mesh: None,
+            units: Units::Auto,
+            opening: Opening::default(),
+            tolerance_mm: 0.02,
+            // A program that was built with a file that is none has no cutters to begin with.
+            library: standard_cutters().unwrap_or_default(),
+            electrodes: ElectrodeParams::default(),
+        }
+    }
+}
+
+impl MoldParams {
+    /// What to call the mold.
+    pub fn name(&self) -> String {
+        let name = self.mesh.as_deref().and_then(Path::file_stem);
+        name.map_or("No mold".to_owned(), |n| n.to_string_lossy().into_owned())
+    }
+
+    /// Whether they can be worked with.
+    ///
+    /// # Errors
+    /// One line saying what is wrong and what it may be.
+    pub fn validate(&self) -> Result<(), String> {
+        self.library.validate().map_err(|e| e.to_string())?;
+        let tolerance = self.tolerance_mm;
+        let is_possible = (1e-4..=10.0).contains(&tolerance);
+        if !is_possible {
+            return Err(format!("tolerance_mm is {tolerance}: it must be from 0.0001 to 10 mm"));
+        }
+        self.electrodes.validate().map_err(|e| format!("electrodes: {e}"))
+    }
+
+    /// What makes these parameters others than those of `before`, as a step that can be undone is called.
+    pub fn change_since(&self, before: &Self) -> String {
+        if self.library != before.library {
+            return change_of_cutters(&self.library, &before.library);
+        }
+        if self.electrodes != before.electrodes {
+            return change_of_electrodes(&self.electrodes, &before.electrodes);
+        }
+        let what = [
+            (self.mesh != before.mesh, "Mesh"),
+            (self.units != before.units, "Unit"),
+            (self.opening != before.opening, "Opening"),
+            (self.tolerance_mm != before.tolerance_mm, "Tolerance"),
+        ];
+        what.iter().find(|(differs, _)| *differs).map_or("", |(_, name)| name).to_owned()
+    }
+}
+
+/// The same of cutters.
+fn change_of_cutters(now: &CutterLibrary, before: &CutterLibrary) -> String {
+    let (now, before) = (&now.cutter, &before.cutter);
+    if now.len() == before.len() + 1 {
+        return "New cutter".to_owned();
+    }
+    if now.len() + 1 == before.len() {
+        return "Removal of a cutter".to_owned();
+    }
+    let mut differing = now.iter().zip(before).enumerate().filter(|(_, (now, before))| now != before);
+    let (Some((i, (now, before))), None) = (differing.next(), differing.next()) else { return "Cutters".to_owned() };
+    let what = [
+        (now.name != before.name, "Name"),
+        (now.diameter_mm != before.diameter_mm, "Diameter"),
+        (now.kind() != before.kind(), "Kind"),
+        (now.corner_mm != before.corner_mm, "Corner"),
+        (now.reach_mm != before.reach_mm, "Reach"),
+    ];
+    let name = what.iter().find(|(differs, _)| *differs).map_or("Holder", |(_, name)| name);
+    format!("{name} of cutter {}", i + 1)
+}
+
+/// The same of electrodes.
+fn change_of_electrodes(now: &ElectrodeParams, before: &ElectrodeParams) -> String {
+    if now.edits.len() < before.edits.len() {
+        return "Removal of a change".to_owned();
+    }
+    if now.edits != before.edits {
+        let name = match now.edits.last() {
+            Some(Edit::Merge { .. }) => "Merged parts",
+            Some(Edit::Split { .. }) => "Split part",
+            Some(Edit::Burn { .. }) => "Burn direction",
+            _ => "Method of a region",
+        };
+        return name.to_owned();
+    }
+    if let Some(new) = now.overrides.iter().find(|o| !before.overrides.contains(o)) {
+        return format!("Override of {}", new.electrode);
+    }
+    if now.overrides != before.overrides {
+        return "Override taken back".to_owned();
+    }
+    match now.stages.len().cmp(&before.stages.len()) {
+        std::cmp::Ordering::Greater => return "New stage".to_owned(),
+        std::cmp::Ordering::Less => return "Removal of a stage".to_owned(),
+        std::cmp::Ordering::Equal => {}
+    }
+    let what = [
+        (now.stages != before.stages, "Stage"),
+        (now.margin_mm != before.margin_mm, "Margin"),
+        (now.overlap_mm != before.overlap_mm, "Overlap of parts"),
+        (now.least_size_mm != before.least_size_mm, "Least size"),
+        (now.tolerance_mm != before.tolerance_mm, "Leftover of burns"),
+        (now.extension_mm != before.extension_mm, "Extension"),
+        (now.base_height_mm != before.base_height_mm, "Base height"),
+        (now.base_margin_mm != before.base_margin_mm, "Base margin"),
+        (now.datum_corner_mm != before.datum_corner_mm, "Corner of the base"),
+        (now.share != before.share, "Sharing"),
+        (now.together_mm != before.together_mm, "Tips together"),
+        (now.family != before.family, "Stages on one base"),
+        (now.family_spacing_mm != before.family_spacing_mm, "Room between stages"),
+        (now.lift_mm != before.lift_mm, "Lift"),
+        (now.shape != before.shape, "Shape in files"),
+        (now.material != before.material, "Material"),
+        (now.holders != before.holders, "Holders"),
+        (now.blanks != before.blanks, "Blanks"),
+        (now.cutters != before.cutters, "Cutters for electrodes"),
+        (now.removal != before.removal, "Burning times"),
+    ];
+    what.iter().find(|(differs, _)| *differs).map_or("Electrodes", |(_, name)| name).to_owned()
+}

@@ -1,0 +1,97 @@
+//! All files of electrodes in one folder, or none.
+
+use crate::workspaces::mold::report::ElectrodesReport;
+use files::export_folder::ExportFolder;
+use mold::electrode::design::ElectrodeSet;
+use nc::burn_template::BurnSheet;
+use nc::electrode_files::{ElectrodeExportError, ElectrodeFormat, WrittenElectrodes, write_electrode_files};
+
+/// Writes and publishes the electrodes that may be exported in all `formats`, `burn_table.csv` and `.json`, the burn sheet,
+/// and the report with its pictures. A sheet that cannot be made of this table takes nothing else with it: why is told
+/// in what was written.
+///
+/// # Errors
+/// [`ElectrodeExportError`]; then nothing was written.
+pub fn export_electrodes(
+    mut folder: ExportFolder,
+    (set, report): (&ElectrodeSet, &ElectrodesReport),
+    sheet: &BurnSheet,
+    pictures: &[(String, Vec<u8>)],
+    formats: &[ElectrodeFormat],
+) -> Result<WrittenElectrodes, ElectrodeExportError> {
+    let mut written = write_electrode_files(&mut folder, set, formats)?;
+    folder.write("burn_table.csv", report.table.csv().as_bytes())?;
+    folder.write("burn_table.json", report.table.json()?.as_bytes())?;
+    match sheet.of(&report.table) {
+        Ok(text) => drop(folder.write("burn_sheet.txt", text.as_bytes())?),
+        Err(error) => written.no_sheet = Some(error.to_string()),
+    }
+    folder.write("electrodes.json", report.json()?.as_bytes())?;
+    folder.write("report.html", report.html(pictures).as_bytes())?;
+    folder.publish()?;
+    Ok(written)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use geometry::mesh::Mesh;
+    use mold::opening::Opening;
+    use nc::electrode_fixtures::set;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<String> =
+            std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn all_files_come_together_beside_those_that_are_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("a/b");
+        let set = set();
+        let report = ElectrodesReport::of(&set, "shell", Opening::PlusZ);
+        let opened = ExportFolder::open(&out).unwrap();
+        std::fs::write(out.join("mine.txt"), "mine").unwrap();
+        std::fs::write(out.join("burn_table.csv"), "old").unwrap();
+        export_electrodes(opened, (&set, &report), &BurnSheet::standard(), &[], &[ElectrodeFormat::Stl]).unwrap();
+        let expected = [
+            "E01_rough_g0.2_circular0.1_Cu-soft_x2.stl",
+            "E02_finish_g0.05_Cu-soft_x1.stl",
+            "burn_sheet.txt",
+            "burn_table.csv",
+            "burn_table.json",
+            "electrodes.json",
+            "mine.txt",
+            "report.html",
+        ];
+        assert_eq!(names(&out), expected);
+        assert_eq!(std::fs::read_to_string(out.join("mine.txt")).unwrap(), "mine");
+        assert_eq!(std::fs::read_to_string(out.join("burn_table.csv")).unwrap(), report.table.csv());
+    }
+
+    #[test]
+    fn an_export_that_fails_half_way_leaves_the_folder_as_it_was() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("a/b");
+        let mut broken = set();
+        broken.electrodes[1].mesh = Mesh::default();
+        let report = ElectrodesReport::of(&broken, "shell", Opening::PlusZ);
+        let tried = |set: &ElectrodeSet| {
+            let opened = ExportFolder::open(&out).unwrap();
+            export_electrodes(opened, (set, &report), &BurnSheet::standard(), &[], &[ElectrodeFormat::Glb])
+        };
+        assert!(tried(&broken).unwrap_err().to_string().contains("E02-finish as glb"));
+        assert!(!folder.path().join("a").exists(), "folders made for nothing go again");
+        // A file that cannot be replaced is found before any other is.
+        std::fs::create_dir_all(out.join("report.html")).unwrap();
+        std::fs::write(out.join("burn_table.csv"), "old").unwrap();
+        let error = tried(&set()).unwrap_err().to_string();
+        assert!(error.contains("report.html") && error.contains("directory"), "{error}");
+        assert_eq!(names(&out), ["burn_table.csv", "report.html"]);
+        assert_eq!(std::fs::read_to_string(out.join("burn_table.csv")).unwrap(), "old");
+    }
+}

@@ -1,0 +1,6 @@
+//! Jobs of the workspace: pure functions of their inputs.
+
+pub mod compare;
+pub mod electrodes;
+pub mod preview;
+pub mod uncut;

@@ -1,0 +1,321 @@
+//! What the cutters of a library leave of a mold.
+//!
+//! Flat cutters are followed exactly, layer by layer. Where a library has rounded cutters too, what all of them leave is
+//! told by the field of heights. What flat cutters leave is always found both ways, and how far the two agree is told.
+
+mod layer_figures;
+mod step;
+#[cfg(test)]
+mod tests;
+
+use glam::DVec3;
+use serde::Serialize;
+
+use geometry::mesh::Mesh;
+pub use layer_figures::LayerFound;
+use layer_figures::{of_layers, of_surface};
+use mold::ball_agreement::{BallAgreement, ball_agreement};
+use mold::cutter::{Cutter, CutterError, CutterKind, CutterLibrary};
+use mold::height_field;
+use mold::height_field::{Closing, Covered, FieldRegion, HeightField, HeightFieldError};
+use mold::layers::{LayerSettings, LayerSettingsError};
+use mold::opening::Opening;
+use mold::piece::UncutPiece;
+use mold::region::{LayerRegion, regions};
+use mold::stack::{UncutStack, uncut_stack};
+use mold::surface::{SurfacePiece, segments_at, uncut_surface};
+use mold::uncut_region::{Regions, UncutRegion};
+use mold::warning::MoldWarning;
+use step::usual_step;
+use task::{Cancel, Cancelled, Progress};
+
+/// Step of the field of heights beyond which it is too coarse, as a share of a smallest radius.
+const COARSEST: f64 = 0.1;
+/// Cells that a region is thick from which on the field of heights cannot miss it.
+const THIN: f64 = 3.0;
+
+/// What is asked.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct UncutParams {
+    /// The cutters.
+    pub library: CutterLibrary,
+    /// From where they come.
+    pub opening: Opening,
+    /// Thickness of the residue, across the mold's surface, up to which it counts as cut (mm).
+    pub tolerance_mm: f64,
+    /// Step of the field of heights (mm); none for as fine as it has to be and can be.
+    pub grid_step_mm: Option<f64>,
+    /// How finely the mold is cut into layers.
+    pub layers: LayerSettings,
+}
+
+impl UncutParams {
+    /// The usual parameters for a library.
+    pub fn of(library: CutterLibrary) -> Self {
+        let (opening, layers) = (Opening::default(), LayerSettings::default());
+        Self { library, opening, tolerance_mm: 0.02, grid_step_mm: None, layers }
+    }
+
+    /// Whether they can be asked.
+    ///
+    /// # Errors
+    /// [`UncutError::Cutters`], [`UncutError::Layers`], [`UncutError::Tolerance`], [`UncutError::CoarseStep`],
+    /// [`UncutError::Field`].
+    pub fn validate(&self) -> Result<(), UncutError> {
+        self.library.validate()?;
+        self.layers.validate()?;
+        if !(1e-4..=10.0).contains(&self.tolerance_mm) {
+            return Err(UncutError::Tolerance(self.tolerance_mm));
+        }
+        if let Some(step) = self.grid_step_mm.filter(|step| !(step.is_finite() && *step > 0.0)) {
+            return Err(UncutError::Field(HeightFieldError::BadStep(step)));
+        }
+        let radius = self.library.needed().iter().map(|c| c.radius()).fold(f64::INFINITY, f64::min);
+        match self.grid_step_mm.filter(|step| *step > 0.5 * radius) {
+            Some(step) => Err(UncutError::CoarseStep { step, radius }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Why a mold has no answer.
+#[derive(Debug, thiserror::Error)]
+pub enum UncutError {
+    /// The library is not one.
+    #[error("cutters: {0}")]
+    Cutters(#[from] CutterError),
+    /// The settings are not possible.
+    #[error("layers: {0}")]
+    Layers(#[from] LayerSettingsError),
+    /// The tolerance is not possible.
+    #[error("tolerance_mm is {0}: it must be finite and from 0.0001 to 10 mm")]
+    Tolerance(f64),
+    /// A step of the field of heights that shows nothing.
+    #[error("the field of heights: a step of {step} mm is too coarse for a cutter of radius {radius} mm; give at most {} mm", 0.5 * radius)]
+    CoarseStep {
+        /// The step (mm).
+        step: f64,
+        /// The smallest radius (mm).
+        radius: f64,
+    },
+    /// The field of heights cannot be had.
+    #[error("field of heights: {0}")]
+    Field(HeightFieldError),
+    /// It was told to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl From<HeightFieldError> for UncutError {
+    fn from(error: HeightFieldError) -> Self {
+        match error {
+            HeightFieldError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            HeightFieldError::Cutter(cutter) => Self::Cutters(cutter),
+            other => Self::Field(other),
+        }
+    }
+}
+
+/// How many regions, and their volume (mm^3), by one way of finding them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct Found {
+    pub regions: usize,
+    pub volume_mm3: f64,
+}
+
+/// The same by a coarser field of heights.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coarser {
+    /// Its step (mm).
+    pub step: f64,
+    /// What it finds.
+    pub found: Found,
+}
+
+/// What is left of a mold. Everything stands upright: the opening looks along +Z.
+#[derive(Debug, Clone)]
+pub struct Uncut {
+    /// What was asked.
+    pub params: UncutParams,
+    /// What the flat cutters leave, layer by layer, with the invert faces.
+    pub stack: UncutStack,
+    /// What all cutters leave in the same layers.
+    pub layers: Vec<LayerFound>,
+    /// The regions that all cutters leave, the largest first.
+    pub regions: Vec<UncutRegion>,
+    /// The parts of the surface that bound them.
+    pub surface: Vec<SurfacePiece>,
+    /// Step of the field of heights (mm).
+    pub grid_step: f64,
+    /// What a field twice as coarse finds; none where layers are the answer, and where that is too coarse to find it.
+    pub coarser: Option<Coarser>,
+    /// What flat cutters leave by layers and by the field of heights; none without flat cutters.
+    pub agreement: Option<[Found; 2]>,
+    /// How far the field of heights and the exact search agree on what balls leave; none where they count nowhere, and
+    /// where faces look down.
+    pub ball_agreement: Option<BallAgreement>,
+}
+
+impl Uncut {
+    /// Whether only flat cutters count, so that the layers are the answer.
+    pub fn is_of_flats(&self) -> bool {
+        self.params.library.needed().iter().all(|c| c.kind() == CutterKind::Flat)
+    }
+
+    /// Regions and volume of what the whole library leaves.
+    pub fn found(&self) -> Found {
+        found(self.regions.iter().map(|r| r.volume))
+    }
+
+    /// The segments of the layer nearest to a height that no cutter touches, as runs of points (mm): exact where only flat
+    /// cutters count, else at that very height as fine as the surface is split.
+    pub fn segments(&self, z: f64) -> Vec<Vec<DVec3>> {
+        if !self.is_of_flats() {
+            return segments_at(&self.surface, z).into_iter().map(|(_, ends)| ends.to_vec()).collect();
+        }
+        let layers = &self.stack.layers;
+        let off = |k: &usize| (layers[*k].z - z).abs();
+        let nearest = (0..layers.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
+        let of_layer = |k: usize| {
+            let runs = self.pieces(k).flat_map(|piece| &piece.segments);
+            runs.map(|run| run.iter().map(|p| p.extend(layers[k].z)).collect()).collect()
+        };
+        nearest.map_or_else(Vec::new, of_layer)
+    }
+
+    /// The pieces of a layer, by its place in the stack, that belong to regions; none where regions are those of the field
+    /// of heights.
+    pub fn pieces(&self, layer: usize) -> impl Iterator<Item = &UncutPiece> {
+        let own = self.regions.iter().flat_map(|r| &r.pieces).filter(move |[k, _]| *k == layer);
+        own.map(move |[_, i]| &self.stack.layers[layer].pieces[*i])
+    }
+
+    /// Whether mesh and grid are such that the answer holds for all of the mold.
+    pub fn is_whole(&self) -> bool {
+        let breaks = |w: &MoldWarning| {
+            use MoldWarning::{Crossing, Empty, NotClosed, Open};
+            let is_answered_by_grid = || !self.is_of_flats();
+            matches!(w, Empty | NotClosed { .. } | Open { .. } | Crossing { .. })
+                || matches!(w, MoldWarning::CoarseGrid { .. }) && is_answered_by_grid()
+        };
+        !self.stack.warnings.iter().any(breaks)
+    }
+}
+
+fn found(volumes: impl ExactSizeIterator<Item = f64>) -> Found {
+    Found { regions: volumes.len(), volume_mm3: volumes.fold(0.0, |sum, v| sum + v) }
+}
+
+/// What the cutters of `params` leave of `mesh`.
+///
+/// # Errors
+/// [`UncutError`].
+pub fn uncut(mesh: &Mesh, params: &UncutParams, progress: &Progress, cancel: &Cancel) -> Result<Uncut, UncutError> {
+    params.validate()?;
+    if mesh.triangles.is_empty() {
+        return Err(UncutError::Field(HeightFieldError::NoMaterial));
+    }
+    let upright = params.opening.upright_mesh(mesh);
+    let needed = params.library.needed();
+    let flats: Vec<&Cutter> = needed.iter().copied().filter(|c| c.kind() == CutterKind::Flat).collect();
+    let grid_step = params.grid_step_mm.unwrap_or_else(|| usual_step(&upright, &needed, params.tolerance_mm));
+    progress.report("field of heights", 0.0, "");
+    let field = HeightField::raster(&upright, grid_step, cancel)?;
+    let mut stack = uncut_stack(&upright, &flats, None, &params.layers, progress, cancel)?;
+    doubt(&mut stack, mesh, &needed, grid_step);
+    let flat_regions = regions(&stack.layers, params.tolerance_mm);
+    progress.report("field of heights", 0.2, "");
+    let (closing, of_field) = on_field(&field, &params.library, params.tolerance_mm, cancel)?;
+    progress.report("field of heights", 0.5, "");
+    let is_of_flats = flats.len() == needed.len();
+    let agreement = if flats.is_empty() {
+        None
+    } else {
+        let only_flats = || CutterLibrary { cutter: flats.iter().copied().cloned().collect() };
+        let other =
+            if is_of_flats { None } else { Some(on_field(&field, &only_flats(), params.tolerance_mm, cancel)?.1) };
+        let with_flats = other.as_ref().unwrap_or(&of_field);
+        let volumes = [flat_regions.iter().map(|r| r.volume).collect(), with_flats.iter().map(|r| r.volume).collect()];
+        Some(volumes.map(|v: Vec<f64>| found(v.into_iter())))
+    };
+    progress.report("field of heights", 0.9, "");
+    let coarser = if is_of_flats { None } else { coarser(&upright, params, grid_step, cancel)? };
+    // The exact search would let a ball go sideways under what looks down, where its shaft cannot follow.
+    let has_undercuts = !stack.invert.triangles.is_empty() && stack.invert.area > 0.0;
+    let ball_agreement = if has_undercuts {
+        None
+    } else {
+        ball_agreement(&upright, &params.library, (&field, &closing), &of_field, cancel)?
+    };
+    progress.report("surface", 0.0, "");
+    let surface = uncut_surface(&upright, &Covered::new(&field, &closing, &of_field), cancel)?;
+    if surface.is_coarse {
+        stack.warnings.push(MoldWarning::CoarseSurface { fineness: surface.fineness });
+    }
+    let all = if is_of_flats {
+        Regions::of_layers(&stack.layers, &flat_regions, (&field, &closing), &of_field)
+    } else {
+        stack.warnings.extend(too_thin(&flat_regions, &of_field, grid_step));
+        Regions::of_field(&of_field)
+    };
+    let (regions, surface) = all.with_surface(surface.pieces);
+    let layers = if is_of_flats {
+        of_layers(&stack, &regions)
+    } else {
+        of_surface(&stack, (&field, &closing), &of_field, &surface)
+    };
+    progress.report("surface", 1.0, "");
+    Ok(Uncut { params: params.clone(), stack, layers, regions, surface, grid_step, coarser, agreement, ball_agreement })
+}
+
+/// Says where mesh and grid are not such that the answer holds.
+fn doubt(stack: &mut UncutStack, mesh: &Mesh, needed: &[&Cutter], grid_step: f64) {
+    // Where a whole wall is missing every section closes all the same.
+    let edges = open_edges(mesh);
+    if edges > 0 {
+        stack.warnings.insert(0, MoldWarning::NotClosed { edges });
+    }
+    let radius = needed.iter().map(|c| c.radius()).fold(f64::INFINITY, f64::min);
+    if grid_step > 1.001 * COARSEST * radius {
+        stack.warnings.push(MoldWarning::CoarseGrid { step: grid_step, radius });
+    }
+}
+
+/// What a library leaves of the heights, and its regions.
+pub(super) fn on_field(
+    field: &HeightField,
+    library: &CutterLibrary,
+    tolerance: f64,
+    cancel: &Cancel,
+) -> Result<(Closing, Vec<FieldRegion>), UncutError> {
+    let closing = height_field::closing(field, library, cancel)?;
+    let regions = height_field::regions(field, &closing, tolerance, cancel)?;
+    Ok((closing, regions))
+}
+
+/// What is found by heights twice as far apart as `step` (mm); none where that is too coarse for the smallest cutter. The
+/// error falls at least in proportion to the step, so that what this differs by is about as far as `step` is off.
+fn coarser(mesh: &Mesh, params: &UncutParams, step: f64, cancel: &Cancel) -> Result<Option<Coarser>, UncutError> {
+    let coarse = UncutParams { grid_step_mm: Some(2.0 * step), ..params.clone() };
+    if coarse.validate().is_err() {
+        return Ok(None);
+    }
+    let field = HeightField::raster(mesh, 2.0 * step, cancel)?;
+    let (_, regions) = on_field(&field, &params.library, params.tolerance_mm, cancel)?;
+    Ok(Some(Coarser { step: 2.0 * step, found: found(regions.iter().map(|r| r.volume)) }))
+}
+
+/// Thin regions that flat cutters leave where the grid finds nothing: it cannot tell whether rounded cutters take them.
+fn too_thin(flat: &[LayerRegion], of_field: &[FieldRegion], step: f64) -> Option<MoldWarning> {
+    let is_found = |r: &LayerRegion| of_field.iter().any(|f| f.bounds.grown(step).intersects(&r.bounds));
+    let thin = flat.iter().filter(|r| r.residue() < THIN * step && !is_found(r));
+    let (regions, thickness) = thin.fold((0, 0.0f64), |(count, most), r| (count + 1, most.max(r.residue())));
+    (regions > 0).then_some(MoldWarning::ThinRegions { regions, thickness })
+}
+
+/// Edges that have no face on one side, or more on one than on the other.
+pub(super) fn open_edges(mesh: &Mesh) -> usize {
+    let directed = mesh.directed_edges();
+    directed.iter().filter(|((a, b), count)| directed.get(&(*b, *a)).copied().unwrap_or(0) < **count).count()
+}

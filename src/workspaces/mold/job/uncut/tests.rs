@@ -1,0 +1,203 @@
+use std::f64::consts::{FRAC_PI_4, PI};
+
+use glam::{DVec2, DVec3};
+
+use super::*;
+use crate::workspaces::mold::report::uncut::UncutReport;
+use crate::workspaces::mold::report::uncut_ply::surface_as_ply;
+use geometry::mesh::unit_normal;
+use mold::fixtures::{dish, pocket, polygon, rectangle};
+
+fn answer(mesh: &Mesh, cutters: Vec<Cutter>) -> Result<Uncut, UncutError> {
+    let params = UncutParams::of(CutterLibrary { cutter: cutters });
+    uncut(mesh, &params, &Progress::silent(), &Cancel::default())
+}
+
+#[test]
+fn nothing_is_left_of_a_plain_block() {
+    let mesh = Mesh::cuboid(DVec3::new(10.0, 8.0, 3.0));
+    let left = answer(&mesh, vec![Cutter::flat(1.0), Cutter::ball(1.0)]).unwrap();
+    assert_eq!(left.found(), Found::default());
+    assert!(left.is_whole() && !left.is_of_flats());
+    assert_eq!(left.agreement, Some([Found::default(); 2]));
+}
+
+#[test]
+fn a_pocket_keeps_its_corners_with_the_walls_and_the_floor_beside_them() {
+    let sides = rectangle(12.0, 9.0);
+    let mesh = pocket(&rectangle(20.0, 20.0), &sides, &sides, [10.0, 8.0]);
+    let corner = 1.0 - FRAC_PI_4;
+    let by_flat = answer(&mesh, vec![Cutter::flat(1.0)]).unwrap();
+    assert!(by_flat.is_of_flats());
+    let by_both = answer(&mesh, vec![Cutter::flat(1.0), Cutter::ball(2.0)]).unwrap();
+    for (left, share) in [(&by_flat, 1e-3), (&by_both, 0.03)] {
+        assert_eq!(left.regions.len(), 4);
+        for region in &left.regions {
+            assert!((region.volume - 8.0 * corner).abs() < share * 8.0 * corner, "{region:?}");
+            assert!((region.plan_area - corner).abs() < 0.05 * corner, "{region:?}");
+            assert!((region.depth - 8.0).abs() < 0.01, "{region:?}");
+            // Two walls, and the floor by one triangle or both.
+            assert!((3..=6).contains(&region.faces.len()), "{region:?}");
+            assert!((1.5 * 8.0..=2.0 * 8.0 + 2.0 * corner).contains(&region.surface_area), "{region:?}");
+            assert!(region.nearest_cutter.is_some_and(|k| k < left.params.library.cutter.len()));
+        }
+        let layer = left.layers.iter().find(|l| (5.0..7.0).contains(&l.z)).unwrap();
+        assert!((layer.area - 4.0 * corner).abs() < share.max(0.01) * 4.0 * corner, "{layer:?}");
+        assert!((5.0..=8.001).contains(&layer.segment_length), "{layer:?}");
+        let drawn: f64 =
+            left.segments(layer.z).iter().flat_map(|run| run.windows(2)).map(|w| w[0].distance(w[1])).sum();
+        assert!((drawn - layer.segment_length).abs() < 1e-9);
+    }
+    let middle = by_flat.layers.iter().find(|l| (5.0..7.0).contains(&l.z)).unwrap();
+    assert!((middle.segment_length - 8.0).abs() < 1e-6, "two radii at each corner: {middle:?}");
+}
+
+#[test]
+fn corners_too_thin_for_the_grid_are_left_all_the_same() {
+    // Twelve corners of 150 degrees: R (1 / cos 15 degrees - 1) = 0.035 mm deep.
+    let round = polygon(12, 8.0);
+    let mesh = pocket(&polygon(12, 12.0), &round, &round, [10.0, 6.0]);
+    for step in [None, Some(0.5)] {
+        let params =
+            UncutParams { grid_step_mm: step, ..UncutParams::of(CutterLibrary { cutter: vec![Cutter::flat(1.0)] }) };
+        let left = uncut(&mesh, &params, &Progress::silent(), &Cancel::default()).unwrap();
+        assert_eq!(left.regions.len(), 12, "{step:?}");
+        let (half, deep) = (15f64.to_radians(), 1.0 / 15f64.to_radians().cos() - 1.0);
+        for region in &left.regions {
+            // Where the grid sees a corner it looks up along the walls.
+            assert!(region.thickness > 0.999 * deep, "{region:?}");
+            assert!((region.volume - 6.0 * (half.tan() - half)).abs() < 1e-4, "{region:?}");
+            assert!(region.plan_area > 0.0, "{region:?}");
+        }
+        let is_coarse = left.stack.warnings.iter().any(|w| matches!(w, MoldWarning::CoarseGrid { .. }));
+        assert_eq!(is_coarse, step.is_some());
+    }
+    let both = answer(&mesh, vec![Cutter::flat(1.0), Cutter::ball(2.0)]).unwrap();
+    let thin = both.stack.warnings.iter().any(|w| matches!(w, MoldWarning::ThinRegions { regions: 12, .. }));
+    assert!(thin || both.regions.len() == 12, "{:?}", both.stack.warnings);
+}
+
+#[test]
+fn what_balls_leave_is_found_twice() {
+    let sides = rectangle(12.0, 9.0);
+    let mesh = pocket(&rectangle(20.0, 20.0), &sides, &sides, [10.0, 4.0]);
+    let left = answer(&mesh, vec![Cutter::ball(1.0)]).unwrap();
+    let agreement = left.ball_agreement.unwrap();
+    assert!(agreement.places > 300, "{agreement:?}");
+    // Over the fillet along the walls; a cell at the wall's foot may take the wall for half a cell off.
+    assert!(agreement.median_mm < 0.2 * left.grid_step, "{agreement:?}");
+    assert!(agreement.ninetieth_mm < 2.0 * left.grid_step, "{agreement:?}");
+}
+
+#[test]
+fn what_cannot_be_asked_is_answered_in_words() {
+    let mesh = Mesh::cuboid(DVec3::new(10.0, 8.0, 3.0));
+    let refused = |mesh: &Mesh, cutters| answer(mesh, cutters).unwrap_err().to_string();
+    assert!(refused(&mesh, Vec::new()).contains("no cutter"));
+    let coarse =
+        UncutParams { grid_step_mm: Some(0.6), ..UncutParams::of(CutterLibrary { cutter: vec![Cutter::flat(1.0)] }) };
+    assert!(coarse.validate().unwrap_err().to_string().contains("give at most 0.5 mm"));
+    assert!(refused(&mesh, vec![Cutter::flat(-1.0)]).contains("diameter_mm is -2 mm"));
+    assert!(refused(&Mesh::default(), vec![Cutter::flat(1.0)]).contains("nothing to cut"));
+}
+
+/// The mold turned in plan by 20 degrees.
+fn askew(mesh: &Mesh) -> Mesh {
+    mesh.mapped(|p| DVec2::from_angle(20f64.to_radians()).rotate(p.truncate()).extend(p.z))
+}
+
+fn surface_area(left: &Uncut) -> f64 {
+    left.surface.iter().map(SurfacePiece::area).sum()
+}
+
+#[test]
+fn a_slot_askew_to_the_grid_is_left_whole_by_what_is_wider() {
+    let slot = rectangle(10.0, 1.9);
+    let mesh = askew(&pocket(&rectangle(14.0, 6.0), &slot, &slot, [9.0, 6.0]));
+    let (floor, around) = (10.0 * 1.9, 2.0 * (10.0 + 1.9));
+    for (cutters, within) in
+        [(vec![Cutter::flat(1.0)], 1e-6), (vec![Cutter::flat(1.0), Cutter::bull_nose(1.5, 0.5)], 0.01)]
+    {
+        let left = answer(&mesh, cutters).unwrap();
+        assert_eq!(left.regions.len(), 1);
+        assert!((left.found().volume_mm3 / (6.0 * floor) - 1.0).abs() < within, "{:?}", left.found());
+        assert!((left.regions[0].plan_area / floor - 1.0).abs() < within, "{:?}", left.regions[0].plan_area);
+        // Floor and walls, each of which ends within two cells of where it should.
+        let (area, exact) = (surface_area(&left), floor + 6.0 * around);
+        assert!((area - exact).abs() < 2.0 * left.grid_step * 2.0 * around, "{area} {exact}");
+        assert!((left.regions[0].surface_area - area).abs() < 1e-9 * area);
+    }
+}
+
+#[test]
+fn a_ball_leaves_the_same_askew_to_the_grid() {
+    let sides = rectangle(8.0, 4.0);
+    let mesh = askew(&pocket(&rectangle(11.0, 7.0), &sides, &sides, [6.0, 4.0]));
+    let left = answer(&mesh, vec![Cutter::ball(1.0)]).unwrap();
+    // Fillets along the straight edges of the floor, columns in the corners above them, and what an eighth of the ball
+    // leaves of a cube in each corner between.
+    let exact = (1.0 - FRAC_PI_4) * (2.0 * (6.0 + 2.0) + 4.0 * 3.0) + 4.0 * (1.0 - PI / 6.0);
+    let Found { regions, volume_mm3 } = left.found();
+    assert!(regions == 1 && (volume_mm3 / exact - 1.0).abs() < 0.03, "{volume_mm3} {exact}");
+    // What is said of the error is about as large as the error is.
+    let grid = UncutReport::of(&left).grid.unwrap();
+    assert!(grid.coarser.regions == 1 && grid.coarser_step_mm == 2.0 * left.grid_step);
+    let (off, said) = ((volume_mm3 - exact).abs(), grid.off_mm3);
+    assert!(off < 3.0 * said && said < 0.05 * exact, "{off} {said}");
+    assert!(UncutReport::of(&left).text().contains("the volume may be off by about"));
+    assert!(answer(&mesh, vec![Cutter::flat(1.0)]).unwrap().coarser.is_none());
+}
+
+#[test]
+fn what_an_overhang_covers_is_neither_left_nor_cut() {
+    // Under its mouth the pocket is wider: a ceiling looks down on the part of the floor that it covers.
+    let (mouth, wide) = (rectangle(6.0, 4.0), rectangle(8.0, 6.0));
+    let levels = [(mouth.clone(), 10.0), (mouth, 8.0), (wide.clone(), 8.0), (wide, 4.0)];
+    let mesh = dish(&rectangle(12.0, 10.0), &levels, 4.0);
+    let corner = 1.0 - FRAC_PI_4;
+    for (cutters, within) in [(vec![Cutter::flat(1.0)], 1e-4), (vec![Cutter::flat(1.0), Cutter::ball(1.5)], 0.03)] {
+        let left = answer(&mesh, cutters).unwrap();
+        assert!((left.stack.invert.area - (8.0 * 6.0 - 6.0 * 4.0)).abs() < 1e-9, "{}", left.stack.invert.area);
+        // From the rim of the mouth down to the floor, as though the mouth's walls went all the way.
+        assert_eq!(left.regions.len(), 4);
+        for region in &left.regions {
+            assert!((region.volume / (6.0 * corner) - 1.0).abs() < within, "{}", region.volume);
+            assert!((region.plan_area / corner - 1.0).abs() < 0.05, "{}", region.plan_area);
+        }
+        // The surface under it: the floor within the mouth, and the mouth's own walls. The wide walls are in the shadow.
+        let upness = |p: &SurfacePiece| unit_normal(mesh.corners(p.face as usize)).z;
+        for piece in &left.surface {
+            let out = piece.corners.map(|p| (p.x.abs() - 3.0).max(p.y.abs() - 2.0)).into_iter().fold(-3.0, f64::max);
+            assert!(out < 3.0 * left.grid_step && upness(piece) > -1e-9, "{piece:?}");
+        }
+        let floor: f64 = left.surface.iter().filter(|p| upness(p) > 0.5).map(SurfacePiece::area).sum();
+        assert!((floor / (4.0 * corner) - 1.0).abs() < 0.1, "{floor}");
+        // Beside a wall the cutter's circle comes within the tolerance before it touches.
+        let walls = surface_area(&left) - floor;
+        assert!((0.75..=1.0).contains(&(walls / (4.0 * 2.0 * 2.0))), "{walls}");
+    }
+}
+
+#[test]
+fn any_number_of_threads_answers_with_the_same_bytes() {
+    let sides = rectangle(8.0, 6.0);
+    let tapered = rectangle(7.0, 5.0);
+    let mesh = askew(&pocket(&rectangle(11.0, 9.0), &sides, &tapered, [6.0, 4.0]));
+    for cutters in [vec![Cutter::flat(1.0)], vec![Cutter::flat(1.0), Cutter::ball(1.0), Cutter::bull_nose(1.5, 0.5)]] {
+        let on = |threads: usize| {
+            let params =
+                UncutParams { grid_step_mm: Some(0.05), ..UncutParams::of(CutterLibrary { cutter: cutters.clone() }) };
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| uncut(&mesh, &params, &Progress::silent(), &Cancel::default()).unwrap())
+        };
+        let (alone, together) = (on(1), on(3));
+        assert!(!alone.regions.is_empty() && !alone.surface.is_empty());
+        assert!(alone.stack == together.stack && alone.layers == together.layers);
+        assert!(alone.regions == together.regions && alone.surface == together.surface);
+        let bytes = |left: &Uncut| {
+            let json = serde_json::to_string(&UncutReport::of(left)).unwrap();
+            (json, surface_as_ply(&left.surface, left.params.opening), format!("{:?}", left.regions))
+        };
+        assert!(bytes(&alone) == bytes(&together));
+    }
+}

@@ -1,0 +1,74 @@
+//! What other cutters would leave.
+
+use egui::{Grid, RichText, Ui};
+
+use super::cutters;
+use crate::shell::commands::Command;
+use crate::shell::core::Core;
+use crate::shell::files::Purpose;
+use crate::widgets::theme::palette;
+use crate::workspaces::blisk::panels::stepper::{command_button, notice};
+use crate::workspaces::blisk::pipeline::StageState;
+use crate::workspaces::mold::job::compare::Comparison;
+use mold::cutter::Cutter;
+
+/// Draws it. Answers what a path is wanted for.
+pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
+    let mut asked = None;
+    ui.horizontal_wrapped(|ui| {
+        if ui.button("Take the present ones").on_hover_text("As cutters to compare with").clicked() {
+            core.mold.other = core.mold.params.library.clone();
+        }
+        if ui.button("Load…").on_hover_text("Another library of cutters (TOML)").clicked() {
+            asked = Some(Purpose::OtherCutters);
+        }
+        // The question that is asked most.
+        if ui.button("Add a ball of 1 mm").clicked() {
+            core.mold.other.cutter.push(Cutter::ball(0.5));
+        }
+    });
+    let mold = &mut core.mold;
+    cutters::table(ui, &mut mold.other, &mut mold.other_cutter, "other cutter");
+    ui.horizontal(|ui| {
+        cutters::buttons(ui, &mut core.mold.other, &mut core.mold.other_cutter);
+        ui.separator();
+        command_button(ui, core, Command::CompareCutters, "Compare", false);
+    });
+    let (mold, colours) = (&core.mold, palette(ui));
+    if let StageState::Failed(why) = mold.work.comparison_state(&mold.params, &mold.other) {
+        notice(ui, colours.bad, &why);
+    }
+    if let Some(other) = mold.work.other().cloned() {
+        let sentence = other.1.sentence();
+        if mold.work.is_other_of(&mold.params, &mold.other) {
+            notice(ui, colours.accent, &sentence);
+        } else {
+            notice(ui, colours.warning, &format!("Of other parameters: {sentence}"));
+        }
+        figures(ui, &other.1);
+    }
+    asked
+}
+
+/// Regions and volumes of both libraries side by side.
+fn figures(ui: &mut Ui, comparison: &Comparison) {
+    let faint = palette(ui).faint;
+    let ([now, other], [volume, other_volume]) = (comparison.regions, comparison.volumes);
+    Grid::new("comparison of cutters").num_columns(4).spacing([18.0, 3.0]).striped(true).show(ui, |ui| {
+        for head in ["", "present", "other", "taken away"] {
+            ui.label(RichText::new(head).small().color(faint));
+        }
+        ui.end_row();
+        let number = |ui: &mut Ui, text: String| drop(ui.label(RichText::new(text).monospace()));
+        ui.label("Regions");
+        number(ui, now.to_string());
+        number(ui, other.to_string());
+        number(ui, comparison.vanishing().to_string());
+        ui.end_row();
+        ui.label("Volume mm³");
+        number(ui, format!("{volume:.3}"));
+        number(ui, format!("{other_volume:.3}"));
+        number(ui, format!("{:.3}", volume - other_volume));
+        ui.end_row();
+    });
+}

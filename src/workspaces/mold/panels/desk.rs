@@ -1,0 +1,461 @@
+//! The state of the workspace: the question, the answer, and how it is looked at.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::electrode::ElectrodeDesk;
+use super::list::Column;
+use crate::shell::record::{Hands, Record};
+use crate::workspaces::blisk::pipeline::StageState;
+use crate::workspaces::kept::WorkEvent;
+use crate::workspaces::mold::document::MoldParams;
+use crate::workspaces::mold::document::electrode_file::load_electrodes;
+use crate::workspaces::mold::document::holder_files::load_holders;
+use crate::workspaces::mold::job::uncut::LayerFound;
+use crate::workspaces::mold::scene::RegionColours;
+use crate::workspaces::mold::work::{FoundUncut, Glance, MoldWork};
+use geometry::mesh::Bounds;
+use mold::cutter::CutterLibrary;
+use mold::electrode::params::Holder;
+use mold::uncut_region::UncutRegion;
+
+/// How long nothing may change before what was seen at a glance is found exactly.
+const REST: Duration = Duration::from_millis(300);
+/// The same before electrodes are made again: whoever changes one thing of them often changes another.
+const REST_OF_DESIGN: Duration = Duration::from_millis(1200);
+
+/// See the module's page.
+pub struct MoldDesk {
+    /// Whether the panel on the left is there, or folded away.
+    pub shows_panel: bool,
+    /// Whether the list of regions or electrodes is there, where it has a panel of its own.
+    pub shows_list: bool,
+    /// Whether a small window shows the list in the place of the panel on the left.
+    pub shows_list_instead: bool,
+    /// Whether the window is a small one.
+    pub is_small: bool,
+    /// The mold and what is asked about it.
+    pub params: MoldParams,
+    /// What has been made of it.
+    pub work: MoldWork,
+    /// The row of the table of cutters that is selected.
+    pub cutter: usize,
+    /// The region that is selected.
+    pub selected: Option<usize>,
+    /// The region that the list was scrolled to.
+    pub scrolled_to: Option<usize>,
+    /// Whether no other region is shown.
+    pub isolated: bool,
+    /// What the regions' colours say.
+    pub colours: RegionColours,
+    /// Whether the mold gives way to what is left on it.
+    pub is_faint: bool,
+    /// Whether the faces that look away from the cutters are shown in a colour of their own.
+    pub shows_invert: bool,
+    /// The layer that is looked at.
+    pub layer: Option<usize>,
+    /// What the list is sorted by, and whether the greatest comes first.
+    pub sort: (Column, bool),
+    /// Regions of less volume are not shown (mm^3).
+    pub least_volume: f64,
+    /// The cutters that are compared with.
+    pub other: CutterLibrary,
+    /// The row of their table that is selected.
+    pub other_cutter: usize,
+    /// Whether only regions are shown of which the other cutters would leave nothing.
+    pub only_vanishing: bool,
+    /// Whether the exact answer follows a change by itself, once there was one, and the electrodes, once they were made.
+    pub follows: bool,
+    /// The region that the view is to fly to.
+    pub fly_to: Option<usize>,
+    /// Its file and the steps that can be undone.
+    pub record: Record<MoldParams>,
+    /// When something was last changed of which the answer is not known.
+    edited: Option<Instant>,
+    /// When something was last changed that electrodes depend on, until they are made again.
+    changed: Option<Instant>,
+    /// Electrodes for what is left.
+    pub electrodes: ElectrodeDesk,
+    /// The answer that the present selection belongs to.
+    shown: Option<Arc<FoundUncut>>,
+}
+
+/// The parameters with these holders, if they name none.
+fn with_holders(mut params: MoldParams, holders: &[Holder]) -> MoldParams {
+    if params.electrodes.holders.is_empty() {
+        params.electrodes.holders = holders.to_vec();
+    }
+    params
+}
+
+impl MoldDesk {
+    /// An empty workspace.
+    ///
+    /// # Errors
+    /// If the system gives no thread to work on.
+    pub fn start(wake: impl Fn() + Send + Sync + Clone + 'static) -> std::io::Result<Self> {
+        let electrodes = ElectrodeDesk::default();
+        let params = with_holders(MoldParams::default(), &electrodes.holders);
+        Ok(Self {
+            shows_panel: true,
+            shows_list: true,
+            shows_list_instead: false,
+            is_small: false,
+            other: params.library.clone(),
+            record: Record::of(&params),
+            params,
+            work: MoldWork::start(wake)?,
+            cutter: 0,
+            selected: None,
+            scrolled_to: None,
+            isolated: false,
+            colours: RegionColours::default(),
+            is_faint: false,
+            shows_invert: true,
+            layer: None,
+            sort: (Column::Volume, true),
+            least_volume: 0.0,
+            other_cutter: 0,
+            only_vanishing: false,
+            follows: true,
+            fly_to: None,
+            edited: None,
+            changed: None,
+            electrodes,
+            shown: None,
+        })
+    }
+
+    /// Shows the panel on the left, or folds it away. A small window has room for it or for the list.
+    pub fn fold_panel(&mut self) {
+        if self.is_small && self.shows_list_instead {
+            (self.shows_panel, self.shows_list_instead) = (true, false);
+        } else {
+            self.shows_panel = !self.shows_panel;
+        }
+    }
+
+    /// Takes what is asked of electrodes, and the holders, from the files in the user's folder. What is wrong with them is
+    /// answered, a line each, and then holds as without them.
+    pub fn take_user_files(&mut self, folder: &Path) -> Vec<String> {
+        let mut wrong = Vec::new();
+        match load_holders(Some(folder)) {
+            Ok(holders) => self.electrodes.holders = holders,
+            Err(error) => wrong.push(error.to_string()),
+        }
+        match load_electrodes(Some(folder)) {
+            // These are where a mold begins, and no change of the user's.
+            Ok(electrodes) => {
+                self.params.electrodes = electrodes;
+                self.record.kept = Some(self.params.clone());
+            }
+            // What both say is said once.
+            Err(error) => wrong.extend(Some(error.to_string()).filter(|text| !wrong.contains(text))),
+        }
+        wrong
+    }
+
+    /// Takes `mesh` for the mold. The cutters stay.
+    pub fn open(&mut self, mesh: &Path) {
+        let mesh = Some(mesh.to_owned());
+        let was_empty = self.params.mesh.is_none();
+        let kept = self.record.kept.clone().map(|kept| MoldParams { mesh: mesh.clone(), ..kept });
+        let history = self.record.history.clone();
+        self.replace(MoldParams { mesh, ..self.params.clone() }, None);
+        // Cutters that were chosen before there was a mold are still in no file.
+        if was_empty {
+            (self.record.kept, self.record.history) = (kept, history);
+        }
+    }
+
+    /// Takes unsaved work that an earlier program left behind, which was to be saved as `file`.
+    pub fn recover(&mut self, params: MoldParams, file: Option<&Path>) {
+        self.replace(params, file);
+        self.record.kept = None;
+    }
+
+    /// Takes all of `params`, which are those of `file` if there is one.
+    pub fn replace(&mut self, params: MoldParams, file: Option<&Path>) {
+        if self.params.mesh == params.mesh {
+            self.work.reload();
+        }
+        let params = with_holders(params, &self.electrodes.holders);
+        self.record.replace(&params, file);
+        (self.params, self.edited, self.changed) = (params, None, None);
+        self.electrodes.is_awaited = false;
+        self.work.forget_glance();
+    }
+
+    /// Notes that `file` holds the present parameters.
+    pub fn saved_as(&mut self, file: &Path) {
+        self.record.saved_as(file, &self.params);
+    }
+
+    /// Whether the mold has been changed since it was opened or saved.
+    pub fn is_unsaved(&self) -> bool {
+        self.record.is_unsaved(&self.params)
+    }
+
+    /// What to call the mold: after its file, or else its mesh.
+    pub fn name(&self) -> String {
+        self.record.name().unwrap_or_else(|| self.params.name())
+    }
+
+    /// Takes other parameters. While they go on changing they are looked at quickly.
+    pub fn edit(&mut self, params: MoldParams) {
+        if params == self.params {
+            return;
+        }
+        self.record.note(&params.change_since(&self.params), &self.params);
+        self.change_to(params);
+    }
+
+    fn change_to(&mut self, params: MoldParams) {
+        // What is left does not depend on electrodes.
+        let is_asked_anew = MoldParams { electrodes: self.params.electrodes.clone(), ..params.clone() } != self.params;
+        self.params = params;
+        self.changed = Some(Instant::now());
+        if is_asked_anew {
+            self.edited = self.changed;
+        }
+    }
+
+    /// Takes the last step back, or does the one again that was taken back last (`again`). The mold stays.
+    pub fn undo(&mut self, again: bool) {
+        if let Some(params) = self.record.undo(&self.params, again) {
+            self.change_to(MoldParams { mesh: self.params.mesh.clone(), ..params });
+        }
+    }
+
+    /// What can be undone, or done again.
+    pub fn undo_label(&self, again: bool) -> Option<&str> {
+        self.record.undo_label(again)
+    }
+
+    /// How the answer for the present parameters stands.
+    pub fn state(&self) -> StageState {
+        self.work.state(&self.params)
+    }
+
+    /// Begins to look for what is left.
+    ///
+    /// # Errors
+    /// One line why it cannot be looked for.
+    pub fn find(&mut self) -> Result<(), String> {
+        self.edited = None;
+        self.work.find(&self.params)
+    }
+
+    /// Begins to make electrodes for what is left, which is looked for first if it is not known.
+    ///
+    /// # Errors
+    /// One line why none can be made.
+    pub fn design(&mut self) -> Result<(), String> {
+        (self.edited, self.changed) = (None, None);
+        self.electrodes.is_awaited = true;
+        self.work.design(&self.params)
+    }
+
+    /// Stops what runs: none of it begins again by itself.
+    pub fn cancel(&mut self) {
+        self.electrodes.is_awaited = false;
+        self.work.cancel();
+    }
+
+    /// How the electrodes for the present parameters stand.
+    pub fn design_state(&self) -> StageState {
+        self.work.design_state(&self.params)
+    }
+
+    /// Whether the electrodes that are shown are those of the present parameters.
+    pub fn is_designed(&self) -> bool {
+        self.work.is_designed_of(&self.params)
+    }
+
+    /// Takes in what has been made, once a frame. Answers what has happened, and after how long there is something to be
+    /// done again.
+    pub fn follow(&mut self, hands: Hands) -> (Vec<WorkEvent>, Option<Duration>) {
+        self.record.follow(hands);
+        let mut events = self.work.follow(&self.params);
+        self.follow_answer();
+        self.electrodes.follow(self.work.designed());
+        let waits = [self.find_again(hands), self.design_again(hands)];
+        let mut wait: Option<Duration> = None;
+        for next in waits {
+            match next {
+                Ok(next) => wait = [wait, next].into_iter().flatten().min(),
+                Err(text) => events.push(WorkEvent {
+                    kind: crate::workspaces::blisk::pipeline::EventKind::Failed,
+                    text,
+                    took: None,
+                }),
+            }
+        }
+        (events, wait)
+    }
+
+    /// Looks at a change at a glance, and exactly once nothing changes any more. Answers after how long to come back.
+    fn find_again(&mut self, hands: Hands) -> Result<Option<Duration>, String> {
+        let state = self.state();
+        if state == StageState::Done {
+            self.edited = None;
+            self.work.forget_glance();
+        }
+        let Some(edited) = self.edited else { return Ok(None) };
+        self.work.glance(&self.params);
+        let can_follow = self.follows && state == StageState::Stale && self.params.library.validate().is_ok();
+        if !can_follow || hands == Hands::Holding {
+            return Ok(None);
+        }
+        let wait = REST.saturating_sub(edited.elapsed());
+        if wait.is_zero() { self.find().map(|()| None) } else { Ok(Some(wait)) }
+    }
+
+    /// Makes electrodes again that are of other parameters, all stages of them, once nothing changes any more and it is
+    /// known what is left. Answers after how long to come back.
+    fn design_again(&mut self, hands: Hands) -> Result<Option<Duration>, String> {
+        let Some(changed) = self.changed else { return Ok(None) };
+        let state = self.design_state();
+        if state == StageState::Done {
+            self.changed = None;
+        }
+        let is_again = match state {
+            StageState::Stale => self.state() == StageState::Done,
+            // They were asked for, and the change came before there were any.
+            StageState::Missing => self.electrodes.is_awaited,
+            _ => false,
+        };
+        // A line that is being drawn would be lost.
+        let is_free = hands != Hands::Holding && self.electrodes.split.is_none();
+        if !(self.follows && is_again && is_free && self.params.validate().is_ok()) {
+            return Ok(None);
+        }
+        let wait = REST_OF_DESIGN.saturating_sub(changed.elapsed());
+        if !wait.is_zero() {
+            return Ok(Some(wait));
+        }
+        self.changed = None;
+        self.work.design(&self.params).map(|()| None)
+    }
+
+    /// What belongs to another answer is selected no more.
+    fn follow_answer(&mut self) {
+        let now = self.work.found();
+        if now.map(Arc::as_ptr) == self.shown.as_ref().map(Arc::as_ptr) {
+            return;
+        }
+        // A layer of the same mold is looked for again at about the same height.
+        let height = self.layer().map(|(layer, _)| layer.z);
+        self.shown = now.cloned();
+        (self.selected, self.isolated, self.fly_to) = (None, false, None);
+        self.layer = height.and_then(|z| {
+            let layers = &self.shown.as_ref()?.uncut.layers;
+            let off = |i: &usize| (layers[*i].z - z).abs();
+            (0..layers.len()).min_by(|a, b| off(a).total_cmp(&off(b)))
+        });
+    }
+
+    /// The answer that is shown: of the present parameters or of earlier ones.
+    pub fn found(&self) -> Option<&Arc<FoundUncut>> {
+        self.shown.as_ref()
+    }
+
+    /// Of what else the answer that is shown is, if it is not of the present question.
+    pub fn found_of_others(&self) -> Option<&'static str> {
+        let found = self.shown.as_ref().filter(|_| !self.work.is_found_of(&self.params))?;
+        let is_of_cutters = found.uncut.params.library != self.params.library;
+        Some(if is_of_cutters { "Of other cutters" } else { "Of other parameters" })
+    }
+
+    /// What was seen at a glance of the present parameters, or while they are dragged of the last ones.
+    pub fn glanced(&self) -> Option<&Arc<Glance>> {
+        self.work.glanced(&self.params, self.record.hands() == Hands::Holding)
+    }
+
+    /// The regions that are left.
+    pub fn regions(&self) -> &[UncutRegion] {
+        self.shown.as_ref().map_or(&[], |found| &found.uncut.regions)
+    }
+
+    /// The box around a region in the axes of the mesh (mm).
+    pub fn bounds(&self, region: usize) -> Option<Bounds> {
+        let uncut = &self.shown.as_ref()?.uncut;
+        let Bounds { min, max } = uncut.regions.get(region)?.bounds;
+        Some(Bounds::of([min, max].map(|p| uncut.params.opening.in_mesh(p))))
+    }
+
+    /// The layer that is looked at, and its number.
+    pub fn layer(&self) -> Option<(&LayerFound, usize)> {
+        let number = self.layer?;
+        Some((self.shown.as_ref()?.uncut.layers.get(number)?, number))
+    }
+
+    /// Begins or ends to look at layers, with the one where most is left.
+    pub fn toggle_layers(&mut self) {
+        let layers = self.shown.as_ref().map_or(&[][..], |found| &found.uncut.layers);
+        // Of equals the highest: less of the mold is cut away.
+        let fullest = (0..layers.len()).max_by(|&a, &b| layers[a].area.total_cmp(&layers[b].area));
+        self.layer = if self.layer.is_some() { None } else { fullest };
+    }
+
+    /// The numbers of the regions in the list, in its order.
+    pub fn listed(&self) -> Vec<usize> {
+        let regions = self.regions();
+        let other = self.work.other().filter(|_| self.only_vanishing);
+        let is_listed =
+            |i: &usize| regions[*i].volume >= self.least_volume && other.is_none_or(|other| other.1.vanishes(*i));
+        let mut listed: Vec<usize> = (0..regions.len()).filter(is_listed).collect();
+        let (column, falls) = self.sort;
+        listed.sort_by(|&a, &b| {
+            let by_column = column.key(&regions[a], a).total_cmp(&column.key(&regions[b], b));
+            if falls { by_column.reverse() } else { by_column }
+        });
+        listed
+    }
+
+    /// For each region whether the view shows it.
+    pub fn is_visible(&self) -> Vec<bool> {
+        let mut visible = vec![false; self.regions().len()];
+        self.listed().into_iter().for_each(|i| visible[i] = true);
+        if let (true, Some(selected)) = (self.isolated, self.selected) {
+            visible.iter_mut().enumerate().for_each(|(i, visible)| *visible = i == selected);
+        }
+        visible
+    }
+
+    /// The cutter that comes nearest to a region, as it is called.
+    pub fn nearest(&self, region: &UncutRegion) -> String {
+        let library = self.shown.as_ref().map(|found| &found.uncut.params.library);
+        let cutter = region.nearest_cutter.and_then(|i| library?.cutter.get(i));
+        cutter.map_or("\u{2013}".to_owned(), |c| c.label())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_users_lists_are_where_a_mold_begins_and_what_is_wrong_with_them_is_said() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut desk = MoldDesk::start(|| {}).unwrap();
+        let standard = load_holders(None).unwrap();
+        assert!(desk.params.electrodes.holders == standard && desk.electrodes.holders == standard);
+        std::fs::create_dir(folder.path().join("holders")).unwrap();
+        let supplier = folder.path().join("holders/Acme.toml");
+        std::fs::write(&supplier, "[[holder]]\nname = \"20\"\nsize_mm = [20.0, 20.0]\nheight_mm = 12.0\n").unwrap();
+        std::fs::write(folder.path().join("electrodes.toml"), "margin_mm = 0.7").unwrap();
+        assert!(desk.take_user_files(folder.path()).is_empty() && !desk.is_unsaved());
+        let asked = desk.params.electrodes.clone();
+        assert_eq!((asked.margin_mm, asked.holders[0].name.as_str(), asked.holders.len()), (0.7, "Acme: 20", 1));
+        assert_eq!(desk.electrodes.holders, asked.holders);
+        // A mold that names no holder has the user's.
+        desk.replace(MoldParams::default(), None);
+        assert_eq!(desk.params.electrodes.holders, asked.holders);
+        std::fs::write(&supplier, "holder = 1").unwrap();
+        let wrong = desk.take_user_files(folder.path());
+        assert!(wrong.len() == 1 && wrong[0].contains("Acme.toml"), "{wrong:?}");
+        assert_eq!(desk.electrodes.holders, asked.holders, "what was there stays");
+    }
+}

@@ -1,0 +1,366 @@
+//! How electrodes are looked at.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::workspaces::mold::document::holder_files::load_holders;
+use crate::workspaces::mold::scene::MoldLook;
+use crate::workspaces::mold::scene::electrodes::{BurnCut, BurnOf, BurnPhase, BurnWay, ElectrodeScene};
+use crate::workspaces::mold::work::Designed;
+use geometry::mesh::Bounds;
+use mold::electrode::design::{Burn, Electrode, RegionPlan};
+use mold::electrode::params::{Edit, ElectrodeParams, Holder};
+use nc::burn_template::BurnSheet;
+use nc::electrode_files::ElectrodeFormat;
+use render::camera::Camera;
+use render::scene::SectionPlane;
+
+/// Steps that the way of an electrode is gone through in.
+const STEPS: f64 = 12.0;
+/// How long all of it takes (s).
+const WAY: f64 = 6.0;
+/// Half the side of the box around a place that the view flies to, in parts of the mold's diagonal.
+const AROUND: f64 = 0.06;
+
+/// Where the view is to go.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Fly {
+    /// So that this box fills it (in the axes of the mesh).
+    Into(Bounds),
+    /// So that everything is seen.
+    All,
+    /// Onto a cut.
+    Onto(Camera),
+    /// Back to before that.
+    Back,
+    /// To where the mold is seen from above.
+    Above,
+}
+
+/// A place that is pointed at.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pointed {
+    /// Where, in the upright mold (mm).
+    pub at: DVec3,
+    /// What is there, with its figures.
+    pub text: String,
+}
+
+/// What of the desk a picture depends on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Look {
+    selected: Option<BurnOf>,
+    is_alone: bool,
+    exploded: f64,
+    raised: f64,
+    look: MoldLook,
+    cut: Option<BurnCut>,
+    place: Option<DVec3>,
+    stage: usize,
+    /// The first end of a line that a part is to be split along; none yet if only the line is wanted.
+    split: Option<Option<DVec3>>,
+}
+
+/// See the module's page.
+pub struct ElectrodeDesk {
+    /// Whether electrodes are looked at, or else regions.
+    pub is_shown: bool,
+    /// The burn that is selected.
+    pub selected: Option<BurnOf>,
+    /// The electrode that the list was scrolled to.
+    pub scrolled_to: Option<usize>,
+    /// Whether no other is shown.
+    pub is_alone: bool,
+    /// How far they are lifted out and apart, 0 to 1.
+    pub exploded: f64,
+    /// How the mold is shown.
+    pub look: MoldLook,
+    /// Where on its way the selected one is, 0 to 1; none while it stands where it has burned.
+    pub time: Option<f64>,
+    /// Whether it goes along.
+    pub is_playing: bool,
+    /// The cut through the selected burn.
+    pub cut: Option<BurnCut>,
+    /// The place that is pointed at.
+    pub place: Option<Pointed>,
+    /// The stage that is shown.
+    pub stage: usize,
+    /// Parts that are to be merged: each a region's number and the part's.
+    pub parts: Vec<(usize, usize)>,
+    /// See [`Look`].
+    pub split: Option<Option<DVec3>>,
+    /// The region that was to be split, if the line is drawn for one.
+    pub split_region: Option<usize>,
+    /// Whether files of each format are written.
+    pub formats: [bool; 3],
+    /// How the burn sheet is written.
+    pub sheet: BurnSheet,
+    /// Where the view is to go.
+    pub fly: Option<Fly>,
+    /// Whether electrodes were asked for, to be looked at once they are made.
+    pub is_awaited: bool,
+    /// Holders that there are.
+    pub holders: Vec<Holder>,
+    /// The row of the table of cutters for electrodes that is selected.
+    pub cutter: usize,
+    shown: Option<Arc<Designed>>,
+}
+
+impl Default for ElectrodeDesk {
+    fn default() -> Self {
+        Self {
+            is_shown: false,
+            selected: None,
+            scrolled_to: None,
+            is_alone: false,
+            exploded: 0.0,
+            look: MoldLook::Faint,
+            time: None,
+            is_playing: false,
+            cut: None,
+            place: None,
+            stage: 0,
+            parts: Vec::new(),
+            split: None,
+            split_region: None,
+            formats: [true, false, false],
+            sheet: BurnSheet::standard(),
+            fly: None,
+            is_awaited: false,
+            // Those of a broken file would be none: what the parameters name is there in any case.
+            holders: load_holders(None).unwrap_or_default(),
+            cutter: 0,
+            shown: None,
+        }
+    }
+}
+
+impl ElectrodeDesk {
+    /// Takes in what was made. What was selected stays selected if there still is an electrode of that name.
+    pub fn follow(&mut self, now: Option<&Arc<Designed>>) {
+        if now.map(Arc::as_ptr) == self.shown.as_ref().map(Arc::as_ptr) {
+            return;
+        }
+        let name = self.chosen().map(|(electrode, _)| electrode.name.clone());
+        let is_first = self.shown.is_none();
+        self.shown = now.cloned();
+        // Those that were made again by themselves are not forced upon who looks at something else.
+        let is_awaited = std::mem::take(&mut self.is_awaited);
+        self.is_shown = now.is_some() && (is_first || is_awaited || self.is_shown);
+        self.place = None;
+        self.parts.clear();
+        self.give_up_split();
+        let electrodes = self.shown.as_ref().map_or(&[][..], |made| &made.set.electrodes);
+        let same = name.and_then(|name| electrodes.iter().position(|e| e.name == name));
+        let last = electrodes.iter().map(|e| e.stage).max().unwrap_or(0);
+        self.stage = same.map_or(last, |e| electrodes[e].stage);
+        self.selected = same.map(|electrode| BurnOf { electrode, burn: 0 });
+        if same.is_none() {
+            self.deselect();
+        }
+    }
+
+    /// What is shown of electrodes.
+    pub fn designed(&self) -> Option<&Arc<Designed>> {
+        self.shown.as_ref()
+    }
+
+    /// The same while electrodes are looked at, which they are not while a line is drawn on the mold.
+    pub fn seen(&self) -> Option<&Arc<Designed>> {
+        self.shown.as_ref().filter(|_| self.is_shown)
+    }
+
+    /// The electrode that is selected, and its burn.
+    pub fn chosen(&self) -> Option<(&Electrode, &Burn)> {
+        self.selected?.find(&self.shown.as_ref()?.set)
+    }
+
+    /// Selects a burn. What was seen of another is over.
+    pub fn select(&mut self, at: BurnOf) {
+        if self.selected != Some(at) {
+            (self.time, self.is_playing, self.place) = (None, false, None);
+        }
+        self.selected = Some(at);
+        if let Some(stage) = self.chosen().map(|(electrode, _)| electrode.stage) {
+            self.stage = stage;
+        }
+        if let Some(cut) = self.cut {
+            self.look_onto(cut);
+        }
+    }
+
+    /// Selects none.
+    pub fn deselect(&mut self) {
+        if self.cut.take().is_some() {
+            self.fly = Some(Fly::Back);
+        }
+        (self.selected, self.is_alone, self.time, self.is_playing, self.place) = (None, false, None, false, None);
+    }
+
+    /// The way of the selected burn.
+    pub fn way(&self) -> Option<BurnWay> {
+        let lift = self.shown.as_ref()?.set.params.lift_mm;
+        self.chosen().map(|(_, burn)| BurnWay::of(burn, lift))
+    }
+
+    /// What the selected electrode does, and how far above its last place it is (mm).
+    pub fn moment(&self) -> Option<(BurnPhase, f64)> {
+        Some(self.way()?.at(self.time?))
+    }
+
+    /// One step along the way, or back.
+    pub fn step(&mut self, forward: bool) {
+        // Where it has burned is two thirds of the way.
+        let at = self.time.unwrap_or(2.0 / 3.0) * STEPS;
+        let next = if forward { (at + 1e-6).floor() + 1.0 } else { (at - 1e-6).ceil() - 1.0 };
+        (self.time, self.is_playing) = (Some((next / STEPS).clamp(0.0, 1.0)), false);
+    }
+
+    /// Begins to go along the way, or stops.
+    pub fn play(&mut self) {
+        self.is_playing = !self.is_playing;
+        if self.is_playing && self.time.is_none_or(|t| t >= 1.0) {
+            self.time = Some(0.0);
+        }
+    }
+
+    /// Goes on by so many seconds.
+    pub fn advance(&mut self, seconds: f64) {
+        let time = self.time.unwrap_or(0.0) + seconds / WAY;
+        self.time = Some(time.min(1.0));
+        self.is_playing &= time < 1.0;
+    }
+
+    /// Cuts through the selected burn, or ends to.
+    pub fn toggle_cut(&mut self) {
+        if self.cut.take().is_some() {
+            self.fly = Some(Fly::Back);
+        } else {
+            self.look_onto(BurnCut { along_y: false, beside: 0.0 });
+        }
+    }
+
+    /// Cuts like this, and looks at it.
+    pub fn look_onto(&mut self, cut: BurnCut) {
+        let (Some(made), Some(at)) = (&self.shown, self.selected) else { return };
+        self.fly = cut.camera(at, &made.set, &made.shapes, made.opening).map(Fly::Onto);
+        self.cut = Some(cut);
+    }
+
+    /// The plane of the cut, in the axes of the mesh.
+    pub fn plane(&self) -> Option<SectionPlane> {
+        let (made, at, cut) = (self.seen()?, self.selected?, self.cut?);
+        cut.plane(at, &made.set, &made.shapes, made.opening)
+    }
+
+    /// Points at a place of the upright `mold`, says what is there, and flies to it.
+    pub fn point_at(&mut self, place: DVec3, text: String, mold: &Bounds) {
+        let Some(made) = &self.shown else { return };
+        let at = made.opening.in_mesh(place);
+        self.fly = Some(Fly::Into(Bounds { min: at, max: at }.grown(AROUND * mold.size().length())));
+        self.place = Some(Pointed { at: place, text });
+        // What burns there stands there, and is not cut.
+        (self.exploded, self.time, self.is_playing, self.cut) = (0.0, None, false, None);
+    }
+
+    /// The same of a place of an electrode, whose burn there is shown alone: others would hide it.
+    pub fn point_at_burn(&mut self, electrode: usize, (place, text): (DVec3, String), mold: &Bounds) {
+        let Some(made) = self.shown.clone() else { return };
+        let burn = made.set.electrodes.get(electrode).map_or(0, |e| burn_at(e, &made.set.regions, place));
+        self.select(BurnOf { electrode, burn });
+        self.is_alone = true;
+        self.point_at(place, text, mold);
+    }
+
+    /// Flies to the selected burn.
+    pub fn fly_to_selected(&mut self, mold: Bounds) {
+        let bounds = self.scene(mold).zip(self.selected).and_then(|(scene, at)| scene.bounds(at));
+        self.fly = bounds.map(|b| Fly::Into(b.grown(0.15 * b.size().length())));
+    }
+
+    /// What is shown of them beside a mold with this box.
+    pub fn scene(&self, mold: Bounds) -> Option<ElectrodeScene<'_>> {
+        let made = self.seen().filter(|_| self.split.is_none())?;
+        Some(ElectrodeScene {
+            set: &made.set,
+            shapes: &made.shapes,
+            opening: made.opening,
+            mold,
+            stage: self.stage,
+            selected: self.selected,
+            is_alone: self.selected.is_some() && (self.is_alone || self.time.is_some() || self.cut.is_some()),
+            exploded: self.exploded,
+            raised: self.moment().map_or(0.0, |(_, height)| height),
+            place: self.place.as_ref().map(|place| place.at),
+        })
+    }
+
+    /// What of this a picture depends on.
+    pub(in crate::workspaces::mold::panels) fn picture(&self) -> Look {
+        Look {
+            selected: self.selected,
+            is_alone: self.is_alone,
+            exploded: self.exploded,
+            raised: self.moment().map_or(-1.0, |(_, height)| height),
+            look: self.look,
+            cut: self.cut,
+            place: self.place.as_ref().map(|place| place.at),
+            stage: self.stage,
+            split: self.split,
+        }
+    }
+
+    /// Begins to draw a line that a part of this region is split along.
+    pub fn begin_split(&mut self, region: usize) {
+        self.deselect();
+        (self.split, self.split_region, self.fly) = (Some(None), Some(region), Some(Fly::Above));
+    }
+
+    /// Ends to draw a line.
+    pub fn give_up_split(&mut self) {
+        (self.split, self.split_region) = (None, None);
+    }
+
+    /// Takes a click on the mold for an end of the line that a part is split along. Answers the change once both are
+    /// known.
+    pub fn click(&mut self, place: DVec3) -> Option<Edit> {
+        match self.split? {
+            None => {
+                self.split = Some(Some(place));
+                None
+            }
+            Some(first) => {
+                self.give_up_split();
+                (first != place).then_some(Edit::Split { line: [first, place] })
+            }
+        }
+    }
+
+    /// The formats that are written.
+    pub fn formats(&self) -> Vec<ElectrodeFormat> {
+        ElectrodeFormat::ALL.into_iter().zip(self.formats).filter(|(_, is_on)| *is_on).map(|(f, _)| f).collect()
+    }
+
+    /// Whether an electrode is exported although a check fails, or need not be.
+    pub fn is_let_pass(&self, electrode: usize, params: &ElectrodeParams) -> bool {
+        let Some(made) = self.shown.as_ref().filter(|made| electrode < made.set.electrodes.len()) else { return false };
+        !made.set.is_blocked_with(electrode, &params.overrides)
+    }
+}
+
+/// The burn of an electrode that a place belongs to: of those for a region of which most is left there, or else of all, the
+/// one whose axis is nearest.
+fn burn_at(electrode: &Electrode, regions: &[RegionPlan], place: DVec3) -> usize {
+    let is_left_there = |burn: &Burn| {
+        let mut own = burn.parts.iter().filter_map(|part| regions.get(part.region));
+        own.any(|plan| plan.left.place == place)
+    };
+    let off = |burn: &Burn| (place - burn.position).reject_from_normalized(electrode.direction).length();
+    let key = |burn: &Burn| (!is_left_there(burn), off(burn));
+    let nearest = electrode.burns.iter().enumerate().min_by(|(_, a), (_, b)| {
+        let (a, b) = (key(a), key(b));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+    });
+    nearest.map_or(0, |(i, _)| i)
+}

@@ -1,0 +1,222 @@
+//! How regions are divided into parts, and what the user changes about that.
+
+use egui::{ComboBox, RichText, Ui};
+use glam::{DVec2, DVec3};
+
+use super::checks;
+use super::fields::{Figure, figure};
+use crate::shell::core::Core;
+use crate::widgets::theme::palette;
+use crate::workspaces::mold::report::Division;
+use crate::workspaces::mold::work::Designed;
+use mold::electrode::check::LeftOfRegion;
+use mold::electrode::params::{Edit, Method};
+
+/// Draws it for these regions of an electrode, counted from 1.
+pub fn show(ui: &mut Ui, core: &mut Core, made: &Designed, (electrode, regions): (usize, &[usize])) {
+    for region in regions {
+        region_of(ui, core, made, (electrode, region - 1));
+    }
+    merge(ui, core, made, regions);
+}
+
+fn region_of(ui: &mut Ui, core: &mut Core, made: &Designed, (electrode, r): (usize, usize)) {
+    let (Some(plan), Some(entry)) = (made.set.regions.get(r), made.report.regions.get(r)) else { return };
+    ui.add_space(4.0);
+    ui.horizontal_wrapped(|ui| {
+        ui.label(RichText::new(format!("Region {}", r + 1)).strong());
+        if let Some(place) = made.places.get(r).copied().flatten() {
+            method(ui, core, (r, place), plan.method);
+            let is_current = made.set.params.edits == core.mold.params.electrodes.edits;
+            direction(ui, core, (r, place), if is_current { plan.direction } else { DVec3::NEG_Z });
+        }
+        if ui
+            .small_button("Split\u{2026}")
+            .on_hover_text("Along a line: two clicks on the mold, seen from above")
+            .clicked()
+        {
+            core.mold.electrodes.begin_split(r);
+        }
+    });
+    left(ui, core, &plan.left, (electrode, r));
+    if let Some(division) = &entry.division {
+        let (places, mut leaf) = (made.leaves(r), 0);
+        node(ui, core, division, (r, 0), &mut leaf, &places);
+    }
+}
+
+/// What burns leave of a region, and where that is most.
+fn left(ui: &mut Ui, core: &mut Core, left: &LeftOfRegion, (electrode, r): (usize, usize)) {
+    ui.horizontal(|ui| {
+        let is_somewhere = left.thickness > 0.0;
+        let name = format!("Show where most is left of region {}", r + 1);
+        let button = ui.add_enabled_ui(is_somewhere, |ui| checks::show_button(ui, &name)).inner;
+        if button.clicked()
+            && let Some(mold) = core.mold.work.mold()
+        {
+            let bounds = mold.shape.bounds();
+            let text = format!("region {}: {}", r + 1, in_words(left));
+            core.mold.electrodes.point_at_burn(electrode, (left.place, text), &bounds);
+        }
+        let text = format!("{:.4} mm left at most, {:.4} mm³", left.thickness, left.volume);
+        ui.label(RichText::new(text).small().color(palette(ui).faint));
+    });
+}
+
+/// What is left where most is.
+fn in_words(left: &LeftOfRegion) -> String {
+    let LeftOfRegion { thickness, excess, .. } = *left;
+    if excess >= thickness {
+        format!("{thickness:.4} mm left")
+    } else if excess > 0.0 {
+        format!("{excess:.4} mm left beyond what corners keep")
+    } else {
+        format!("{thickness:.4} mm left, in a corner that the spark rounds")
+    }
+}
+
+/// From where a region is burned: along `now`, unless a change says otherwise. Another direction than straight down is one.
+fn direction(ui: &mut Ui, core: &mut Core, (r, place): (usize, DVec3), now: DVec3) {
+    let own = |edit: &Edit| matches!(edit, Edit::Burn { place: of, .. } if *of == place);
+    let mut params = core.mold.params.clone();
+    let edits = &mut params.electrodes.edits;
+    let asked = edits.iter().rev().find_map(|e| match e {
+        Edit::Burn { direction, .. } if own(e) => direction.try_normalize(),
+        _ => None,
+    });
+    let [mut tilt, mut towards] = angles_deg(asked.unwrap_or(now));
+    let hint = "Tilt of the burn from straight down; 90\u{b0} is from the side";
+    let of = Figure { range: 0.0..=90.0, speed: 0.5, width: 46.0, suffix: "\u{b0}", decimals: 2, hint };
+    let mut changed = figure(ui, &mut tilt, &format!("Tilt of the burn of region {}", r + 1), &of).changed();
+    if tilt > 0.0 {
+        let hint = "Where the tilted burn goes in plan, from +X towards +Y of the upright mold";
+        let of = Figure { range: -180.0..=180.0, speed: 1.0, hint, ..of };
+        changed |= figure(ui, &mut towards, &format!("Heading of the burn of region {}", r + 1), &of).changed();
+    }
+    if changed {
+        edits.retain(|edit| !own(edit));
+        if tilt > 0.0 {
+            edits.push(Edit::Burn { place, direction: along(tilt, towards) });
+        }
+        core.mold.edit(params);
+    }
+}
+
+/// Tilt of a direction from straight down, and where it goes in plan, from +X towards +Y (degrees).
+fn angles_deg(direction: DVec3) -> [f64; 2] {
+    let flat = direction.truncate();
+    let tilt = flat.length().atan2(-direction.z).to_degrees();
+    // What rounding makes of straight down has no direction in plan.
+    if tilt < 1e-6 { [0.0, 0.0] } else { [tilt, flat.to_angle().to_degrees()].map(|deg| (deg * 1e6).round() / 1e6) }
+}
+
+/// The direction with this tilt and heading (degrees).
+fn along(tilt: f64, towards: f64) -> DVec3 {
+    let (tilt, flat) = (tilt.to_radians(), DVec2::from_angle(towards.to_radians()));
+    (tilt.sin() * flat).extend(-tilt.cos())
+}
+
+/// How the tips of a region are made; another choice is a change.
+fn method(ui: &mut Ui, core: &mut Core, (r, place): (usize, DVec3), now: Method) {
+    let own = |edit: &Edit| matches!(edit, Edit::Make { place: of, .. } if *of == place);
+    let mut params = core.mold.params.clone();
+    let edits = &mut params.electrodes.edits;
+    let asked = edits
+        .iter()
+        .rev()
+        .find_map(|e| if let Edit::Make { method, .. } = e { own(e).then_some(*method) } else { None });
+    let before = asked.unwrap_or(now);
+    let name = |method| if method == Method::Extruding { "extruded" } else { "cut" };
+    let mut chosen = before;
+    let combo = ComboBox::from_id_salt(("method", r)).selected_text(name(before)).width(78.0);
+    combo.show_ui(ui, |ui| {
+        ui.selectable_value(&mut chosen, Method::Extruding, "extruded")
+            .on_hover_text("The region's own outline led up: for regions of whole faces");
+        ui.selectable_value(&mut chosen, Method::Cutting, "cut")
+            .on_hover_text("A box around the region, trimmed by the faces");
+    });
+    if chosen != before {
+        edits.retain(|edit| !own(edit));
+        edits.push(Edit::Make { place, method: chosen });
+        core.mold.edit(params);
+    }
+}
+
+/// A part and what it is divided into; a part that is not divided can be chosen to be merged.
+fn node(
+    ui: &mut Ui,
+    core: &mut Core,
+    division: &Division,
+    (r, depth): (usize, usize),
+    leaf: &mut usize,
+    places: &[Option<DVec3>],
+) {
+    ui.horizontal(|ui| {
+        ui.add_space(12.0 * depth as f32);
+        if !division.parts.is_empty() {
+            ui.add(egui::Label::new(RichText::new(&division.text).small().color(palette(ui).faint)).wrap());
+            return;
+        }
+        let part = (r, *leaf);
+        let is_there = places.get(*leaf).is_some_and(Option::is_some) && places.len() > 1;
+        let parts = &mut core.mold.electrodes.parts;
+        let is_on = parts.contains(&part);
+        let button = egui::Button::selectable(is_on, RichText::new(&division.text).small());
+        let why_not = if places.len() > 1 {
+            "Parts of a region that is burned straight down can be merged"
+        } else {
+            "There is no other part to merge it with"
+        };
+        let button = ui.add_enabled(is_there, button).on_disabled_hover_text(why_not);
+        if button.on_hover_text("Select two parts to merge them").clicked() {
+            if is_on {
+                parts.retain(|other| *other != part);
+            } else {
+                // Parts of one region only, and two of them.
+                parts.retain(|other| other.0 == r);
+                parts.truncate(1);
+                parts.push(part);
+            }
+        }
+        *leaf += 1;
+    });
+    for part in &division.parts {
+        node(ui, core, part, (r, depth + 1), leaf, places);
+    }
+}
+
+fn merge(ui: &mut Ui, core: &mut Core, made: &Designed, regions: &[usize]) {
+    let [one, other] = core.mold.electrodes.parts[..] else { return };
+    // Parts of what is not seen here are not merged by mistake.
+    if !regions.contains(&(one.0 + 1)) {
+        return;
+    }
+    let place = |(r, part): (usize, usize)| made.leaves(r).get(part).copied().flatten();
+    let (Some(a), Some(b)) = (place(one), place(other)) else { return };
+    if ui.button("Merge the two parts").clicked() {
+        let mut params = core.mold.params.clone();
+        params.electrodes.edits.push(Edit::Merge { places: [a, b] });
+        core.mold.electrodes.parts.clear();
+        core.mold.edit(params);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_direction_is_told_by_its_angles() {
+        assert_eq!(angles_deg(DVec3::NEG_Z), [0.0, 0.0]);
+        assert!(along(0.0, 77.0).distance(DVec3::NEG_Z) < 1e-15);
+        for (direction, angles) in [
+            (DVec3::X, [90.0, 0.0]),
+            (DVec3::NEG_Y, [90.0, -90.0]),
+            (DVec3::new(-0.6, 0.0, -0.8), [36.869_898, 180.0]),
+            (DVec3::new(0.5, 0.5, -0.5f64.sqrt()), [45.0, 45.0]),
+        ] {
+            assert_eq!(angles_deg(direction), angles, "{direction}");
+            assert!(along(angles[0], angles[1]).distance(direction) < 1e-8, "{direction}");
+        }
+    }
+}

@@ -1,0 +1,313 @@
+//! What is asked of electrodes, what they came to, and their export.
+
+use std::path::Path;
+
+use egui::{CollapsingHeader, RichText, TextEdit, Ui};
+
+use super::super::cutters;
+use super::fields::{Figure, figure, measure, sizes};
+use super::stages;
+use crate::shell::commands::Command;
+use crate::shell::core::Core;
+use crate::shell::files::Purpose;
+use crate::widgets::panel_parts::named;
+use crate::widgets::theme::{palette, tick};
+use crate::workspaces::blisk::panels::stepper::{command_button, fact, notice, sentence};
+use crate::workspaces::blisk::pipeline::StageState;
+use mold::cutter::CutterLibrary;
+use mold::electrode::params::{ElectrodeParams, Holder, Removal, Shape};
+use nc::burn_template::BurnSheet;
+use nc::electrode_files::ElectrodeFormat;
+
+/// Draws it. Answers what a path is wanted for.
+pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
+    let mut params = core.mold.params.clone();
+    let asked = &mut params.electrodes;
+    stages::show(ui, asked);
+    tips(ui, asked);
+    sharing(ui, asked);
+    bases(ui, asked);
+    files(ui, asked);
+    folded(ui, "Blanks and holders", |ui| {
+        blanks(ui, asked);
+        holders(ui, asked, &core.mold.electrodes.holders);
+    });
+    folded(ui, "Cutters for electrodes", |ui| {
+        own_cutters(ui, asked, &params.library, &mut core.mold.electrodes.cutter);
+    });
+    folded(ui, "Burning times", |ui| removal(ui, &mut asked.removal));
+    if let Err(problem) = asked.validate() {
+        let text = RichText::new(sentence(&problem.to_string())).small().color(palette(ui).bad);
+        ui.add(egui::Label::new(text).wrap());
+    }
+    // Which meet nothing is known of what was made with them.
+    let made = core.mold.electrodes.designed().filter(|made| made.set.params.edits == asked.edits);
+    edits(ui, asked, &made.map_or_else(Vec::new, |made| made.set.unmet_edits()));
+    core.mold.edit(params);
+    answer(ui, core)
+}
+
+/// The name of fields that belong together.
+fn heading(ui: &mut Ui, name: &str) {
+    ui.add_space(4.0);
+    ui.label(RichText::new(name).small().color(palette(ui).faint));
+}
+
+/// Fields that few need to touch.
+fn folded(ui: &mut Ui, name: &str, body: impl FnOnce(&mut Ui)) {
+    CollapsingHeader::new(name).id_salt(("electrodes", name)).show_unindented(ui, body);
+}
+
+fn tips(ui: &mut Ui, asked: &mut ElectrodeParams) {
+    heading(ui, "Tips");
+    for (name, value, range, hint) in [
+        (
+            "Margin",
+            &mut asked.margin_mm,
+            0.01..=20.0,
+            "How far tips reach beyond what is left, where the mold leaves room",
+        ),
+        ("Extension", &mut asked.extension_mm, 0.1..=1000.0, "From the mold's top to the base"),
+        (
+            "Overlap",
+            &mut asked.overlap_mm,
+            0.0..=20.0,
+            "How far parts of a divided region reach over one another, so that nothing is left between them",
+        ),
+        (
+            "Least size",
+            &mut asked.least_size_mm,
+            0.0..=1000.0,
+            "Least width of a part: narrower ones are not divided off",
+        ),
+        (
+            "Leftover",
+            &mut asked.tolerance_mm,
+            1e-4..=1.0,
+            "What may be left, across the surface, beyond what the gap's radius leaves in edges",
+        ),
+    ] {
+        measure(ui, name, value, (range, "mm", hint));
+    }
+}
+
+/// What electrodes have in common.
+fn sharing(ui: &mut Ui, asked: &mut ElectrodeParams) {
+    let room =
+        |least: f64, hint| Figure { range: least..=1000.0, speed: 0.05, width: 50.0, suffix: "", decimals: 4, hint };
+    named(ui, "Places", |ui, _| {
+        tick(ui, &mut asked.share, "share").on_hover_text("One electrode for congruent places");
+        let mut is_together = asked.together_mm > 0.0;
+        let hint = "Tips that lie near one another stand on one base, up to this width (mm)";
+        tick(ui, &mut is_together, "together up to").on_hover_text(hint);
+        if is_together != (asked.together_mm > 0.0) {
+            asked.together_mm = if is_together { ElectrodeParams::default().together_mm } else { 0.0 };
+        }
+        ui.add_enabled_ui(is_together, |ui| figure(ui, &mut asked.together_mm, "Together up to", &room(0.0, hint)));
+    });
+    named(ui, "Stages", |ui, _| {
+        let several = asked.stages.len() > 1;
+        ui.add_enabled_ui(several, |ui| {
+            tick(ui, &mut asked.family, "on one base, apart by").on_hover_text(
+                "A family: electrodes of all stages for the same places on one base, with this room between their tips",
+            );
+        });
+        let hint = "Room between the tips of a family at least (mm)";
+        ui.add_enabled_ui(several && asked.family, |ui| {
+            figure(ui, &mut asked.family_spacing_mm, "Room between stages", &room(0.1, hint));
+        });
+    });
+}
+
+fn bases(ui: &mut Ui, asked: &mut ElectrodeParams) {
+    heading(ui, "Base");
+    let largest_corner = asked.base_margin_mm.max(0.0);
+    for (name, value, range, hint) in [
+        (
+            "Base height",
+            &mut asked.base_height_mm,
+            0.5..=1000.0,
+            "Least height of the base: the blank is rounded up from it",
+        ),
+        ("Base margin", &mut asked.base_margin_mm, 0.1..=1000.0, "How far the base reaches beyond the tips"),
+        (
+            "Corner",
+            &mut asked.datum_corner_mm,
+            0.0..=largest_corner,
+            "Cut off at +X +Y along each side to show how the electrode stands; 0 for none",
+        ),
+        ("Lift", &mut asked.lift_mm, 0.0..=10000.0, "How far an electrode is lifted straight out after the burn"),
+    ] {
+        measure(ui, name, value, (range, "mm", hint));
+    }
+}
+
+fn files(ui: &mut Ui, asked: &mut ElectrodeParams) {
+    heading(ui, "Files");
+    named(ui, "Files hold", |ui, _| {
+        for (shape, name, hint) in [
+            (Shape::Undersized, "undersized", "The electrode as it is made: smaller by gap and orbit"),
+            (Shape::Net, "net", "The shape of the cavity; the gap is an attribute"),
+        ] {
+            ui.selectable_value(&mut asked.shape, shape, name).on_hover_text(hint);
+        }
+    });
+    named(ui, "Material", |ui, label| {
+        ui.add(TextEdit::singleline(&mut asked.material).desired_width(120.0)).labelled_by(label);
+    });
+    ui.add_space(4.0);
+}
+
+fn blanks(ui: &mut Ui, asked: &mut ElectrodeParams) {
+    let blanks = &mut asked.blanks;
+    sizes(ui, "Sides", &mut blanks.sides_mm, "Sides that rectangular blanks come in");
+    let hint = "Diameters that round blanks come in; one is taken where it is less than the rectangular blank";
+    sizes(ui, "Diameters", &mut blanks.diameters_mm, hint);
+    let hint = "What lengths, and sides beyond the largest, are rounded up to";
+    measure(ui, "Increment", &mut blanks.increment_mm, (0.1..=100.0, "mm", hint));
+}
+
+/// The cutters that mill electrodes: those of the mold, or others.
+fn own_cutters(ui: &mut Ui, asked: &mut ElectrodeParams, of_mold: &CutterLibrary, selected: &mut usize) {
+    let mut are_of_mold = asked.cutters.is_none();
+    let hint = "What mills the mold mills its electrodes too";
+    if tick(ui, &mut are_of_mold, "those of the mold").on_hover_text(hint).changed() {
+        asked.cutters = (!are_of_mold).then(|| of_mold.clone());
+    }
+    if let Some(library) = &mut asked.cutters {
+        cutters::table(ui, library, selected, "electrode cutter");
+        ui.horizontal_wrapped(|ui| cutters::buttons(ui, library, selected));
+    }
+}
+
+fn removal(ui: &mut Ui, removal: &mut Removal) {
+    for (name, value, range, unit, hint) in [
+        (
+            "Rate",
+            &mut removal.per_area_mm_min,
+            1e-4..=1000.0,
+            "mm/min",
+            "Volume per minute and area of a tip seen along the burn, at the finish below",
+        ),
+        ("At most", &mut removal.most_mm3_min, 1e-3..=1e5, "mm³/min", "For all tips of an electrode together"),
+        ("At a finish", &mut removal.at_vdi, 0.1..=60.0, "VDI", "What both hold for"),
+        (
+            "Tenfold by",
+            &mut removal.tenfold_vdi,
+            0.1..=60.0,
+            "VDI",
+            "How much rougher a finish burns ten times as fast",
+        ),
+        ("Setting", &mut removal.setting_min, 0.0..=1000.0, "min", "For each burn: positioning, rinsing, measuring"),
+    ] {
+        measure(ui, name, value, (range, unit, hint));
+    }
+}
+
+/// Holders by name; those chosen are tried in the order of the list. One always stays chosen.
+fn holders(ui: &mut Ui, asked: &mut ElectrodeParams, known: &[Holder]) {
+    let own = asked.holders.iter().filter(|h| known.iter().all(|k| k.name != h.name));
+    let all: Vec<Holder> = known.iter().chain(own).cloned().collect();
+    heading(ui, "Holders, of which the first that is large enough is taken");
+    ui.horizontal_wrapped(|ui| {
+        for holder in &all {
+            let is_on = asked.holders.iter().any(|h| h.name == holder.name);
+            let [x, y] = holder.size_mm;
+            let response = ui.selectable_label(is_on, &holder.name);
+            let hint = format!("Blanks up to {x} × {y} mm, {} mm high", holder.height_mm);
+            if response.on_hover_text(hint).clicked() {
+                let is_chosen = |h: &Holder| (h.name == holder.name) != asked.holders.iter().any(|o| o.name == h.name);
+                let chosen: Vec<Holder> = all.iter().filter(|h| is_chosen(h)).cloned().collect();
+                // None at all would stand for every one.
+                if !chosen.is_empty() {
+                    asked.holders = chosen;
+                }
+                break;
+            }
+        }
+    });
+}
+
+/// The changes that the user made to the division, each of which can be taken away; those at the places `unmet` do nothing.
+fn edits(ui: &mut Ui, asked: &mut ElectrodeParams, unmet: &[usize]) {
+    if asked.edits.is_empty() {
+        return;
+    }
+    ui.label(RichText::new("Changes").color(palette(ui).faint));
+    let mut removed = None;
+    for (i, edit) in asked.edits.iter().enumerate() {
+        ui.horizontal(|ui| {
+            if ui.small_button("\u{00d7}").on_hover_text("Take this change back").clicked() {
+                removed = Some(i);
+            }
+            if unmet.contains(&i) {
+                let text = RichText::new(format!("meets no region: {edit}")).color(palette(ui).warning);
+                ui.add(egui::Label::new(text).truncate()).on_hover_text("It meets no region, or changes nothing in it");
+            } else {
+                ui.add(egui::Label::new(edit.to_string()).truncate());
+            }
+        });
+    }
+    if let Some(i) = removed {
+        asked.edits.remove(i);
+    }
+}
+
+/// What they came to, and how it is written.
+fn answer(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
+    let state = core.mold.design_state();
+    if let StageState::Failed(why) = &state {
+        notice(ui, palette(ui).bad, why);
+    }
+    let Some(made) = core.mold.electrodes.designed().cloned() else {
+        let text = "Design makes electrodes for what the cutters leave; it is found first if it has to be.";
+        ui.add(egui::Label::new(RichText::new(text).small().color(palette(ui).faint)).wrap());
+        return None;
+    };
+    let said = made.sentence(&core.mold.params.electrodes.overrides);
+    let colours = palette(ui);
+    if core.mold.is_designed() {
+        let is_warned = made.report.table.electrodes.iter().any(|e| !e.warnings.is_empty());
+        let is_good = made.report.holds && !is_warned && made.report.unmet_edits.is_empty();
+        notice(ui, if is_good { colours.good } else { colours.warning }, &said);
+    } else {
+        notice(ui, colours.warning, &format!("Of other parameters: {said}"));
+    }
+    fact(ui, "All burns", format!("{:.0} min", made.set.minutes()));
+    let asked = burn_sheet(ui, core);
+    ui.horizontal(|ui| {
+        for (format, is_on) in ElectrodeFormat::ALL.into_iter().zip(&mut core.mold.electrodes.formats) {
+            tick(ui, is_on, format.extension().to_uppercase());
+        }
+        command_button(ui, core, Command::Export, "Export\u{2026}", false);
+    });
+    let blocked = |e: &usize| !core.mold.electrodes.is_let_pass(*e, &core.mold.params.electrodes);
+    let names: Vec<&str> =
+        (0..made.set.electrodes.len()).filter(blocked).map(|e| made.set.electrodes[e].name.as_str()).collect();
+    if !names.is_empty() {
+        let text = format!("Not exported, for a check fails: {}", names.join(", "));
+        ui.add(egui::Label::new(RichText::new(text).small().color(colours.bad)).wrap());
+    }
+    asked
+}
+
+/// The template of the burn sheet.
+fn burn_sheet(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
+    let sheet = &mut core.mold.electrodes.sheet;
+    let mut asked = None;
+    ui.horizontal(|ui| {
+        ui.label("Burn sheet");
+        let hint = "A text file in the language of Jinja that sees the keys of burn_table.json";
+        if ui.small_button("Template\u{2026}").on_hover_text(hint).clicked() {
+            asked = Some(Purpose::BurnSheet);
+        }
+        let is_standard = sheet.name() == BurnSheet::standard().name();
+        if !is_standard && ui.small_button("Built-in").on_hover_text("Back to that of the program").clicked() {
+            *sheet = BurnSheet::standard();
+        }
+        // Last, as it takes what is left of the row.
+        let name = Path::new(sheet.name()).file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+        ui.add(egui::Label::new(RichText::new(name).color(palette(ui).faint)).truncate()).on_hover_text(sheet.name());
+    });
+    asked
+}

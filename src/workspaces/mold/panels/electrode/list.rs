@@ -1,0 +1,267 @@
+//! The list of electrodes, and what is known of the selected one.
+
+use egui::{Align, Layout, RichText, Role, Sense, Ui, WidgetInfo, vec2};
+use egui_extras::{Column as Width, TableBuilder};
+
+use super::{checks, division};
+use crate::shell::commands::Command;
+use crate::shell::core::Core;
+use crate::widgets::theme::palette;
+use crate::workspaces::blisk::panels::stepper::{command_button, fact, notice};
+use crate::workspaces::mold::scene::electrodes::{BurnOf, electrode_colour};
+use crate::workspaces::mold::work::Designed;
+use mold::electrode::overrides::Override;
+use nc::burn_table::{BurnEntry, CheckState, ElectrodeEntry};
+
+/// The columns with their widths (points); the name takes what the others leave. Regions and blank need room.
+const COLUMNS: [(&str, f32); 6] =
+    [("name", 0.0), ("burns", 30.0), ("regions", 42.0), ("blank", 60.0), ("min", 28.0), ("checks", 64.0)];
+/// Width of the bar that scrolls, with room beside it (points).
+const BAR: f32 = 6.0;
+/// Below this width (points) there are the most needed ones only.
+const NARROW: f32 = 330.0;
+/// Which they are.
+const NEEDED: [usize; 4] = [0, 1, 4, 5];
+
+/// Draws it.
+pub fn show(ui: &mut Ui, core: &mut Core) {
+    let Some(made) = core.mold.electrodes.designed().cloned() else { return };
+    let is_stale = !core.mold.is_designed();
+    ui.horizontal(|ui| {
+        ui.strong("Electrodes");
+        ui.label(RichText::new(made.set.electrodes.len().to_string()).color(palette(ui).faint));
+        if is_stale {
+            let text = RichText::new("stale").color(palette(ui).warning);
+            ui.label(text).on_hover_text("Of other parameters, not of the present ones");
+        }
+        stages(ui, core, &made);
+    });
+    let rows = made.set.electrodes.len() as f32;
+    let room = vec2(ui.available_width(), (24.0 + 26.0 * rows).min(0.4 * ui.available_height()).max(96.0));
+    ui.scope(|ui| {
+        if is_stale {
+            ui.multiply_opacity(0.7);
+        }
+        ui.allocate_ui(room, |ui| {
+            ui.set_max_height(room.y);
+            table(ui, core, &made);
+        });
+        ui.separator();
+        // Another electrode begins with its name, however far the last one was read.
+        let of = core.mold.electrodes.selected.map(|at| at.electrode);
+        let scroll = egui::ScrollArea::vertical().id_salt(("electrode", of)).auto_shrink([false, false]);
+        scroll.show(ui, |ui| {
+            // Nothing ends below the bar.
+            ui.set_max_width(ui.available_width() - BAR);
+            without(ui, core, &made);
+            match core.mold.electrodes.selected {
+                Some(at) => details(ui, core, &made, at),
+                None => {
+                    drop(ui.label(RichText::new("Select an electrode here or in the view.").color(palette(ui).faint)))
+                }
+            }
+        });
+    });
+}
+
+/// The stage whose electrodes the view shows, where there are several.
+fn stages(ui: &mut Ui, core: &mut Core, made: &Designed) {
+    if made.set.params.stages.len() < 2 {
+        return;
+    }
+    for (i, stage) in made.set.params.stages.iter().enumerate() {
+        let is_on = core.mold.electrodes.stage == i;
+        if ui.selectable_label(is_on, &stage.name).on_hover_text("Show the electrodes of this stage").clicked() {
+            core.mold.electrodes.stage = i;
+            if core.mold.electrodes.chosen().is_some_and(|(e, _)| e.stage != i) {
+                core.mold.electrodes.deselect();
+            }
+        }
+    }
+}
+
+fn table(ui: &mut Ui, core: &mut Core, made: &Designed) {
+    ui.spacing_mut().item_spacing.x = 4.0;
+    let is_narrow = ui.available_width() < NARROW;
+    let columns: Vec<usize> = if is_narrow { NEEDED.to_vec() } else { (0..COLUMNS.len()).collect() };
+    let mut builder = TableBuilder::new(ui)
+        .id_salt(("electrodes", columns.len()))
+        .striped(true)
+        .sense(Sense::click())
+        .cell_layout(Layout::left_to_right(Align::Center))
+        .min_scrolled_height(0.0)
+        .auto_shrink([false, false]);
+    for column in &columns {
+        let width = COLUMNS[*column].1;
+        builder = builder.column(if width > 0.0 { Width::exact(width) } else { Width::remainder().clip(true) });
+    }
+    let overrides = &core.mold.params.electrodes.overrides;
+    let desk = &mut core.mold.electrodes;
+    let selected = desk.selected.map(|at| at.electrode);
+    if std::mem::replace(&mut desk.scrolled_to, selected) != selected
+        && let Some(row) = selected
+    {
+        builder = builder.scroll_to_row(row, None);
+    }
+    let mut clicked = None;
+    let headed = builder.header(18.0, |mut header| {
+        for column in &columns {
+            header.col(|ui| {
+                let text = RichText::new(COLUMNS[*column].0).small().color(palette(ui).faint);
+                ui.add(egui::Label::new(text).selectable(false));
+            });
+        }
+    });
+    headed.body(|body| {
+        body.rows(20.0, made.report.table.electrodes.len(), |mut row| {
+            let i = row.index();
+            let entry = &made.report.table.electrodes[i];
+            let is_selected = selected == Some(i);
+            row.set_selected(is_selected);
+            columns.iter().for_each(|column| drop(row.col(|ui| cell(ui, (made, overrides), (i, entry), *column))));
+            let response = row.response();
+            response.widget_info(|| {
+                WidgetInfo::selected(Role::Row, true, is_selected, format!("Electrode {}", entry.name))
+            });
+            if response.clicked() || response.double_clicked() {
+                clicked = Some((i, response.double_clicked()));
+            }
+        });
+    });
+    if let Some((electrode, twice)) = clicked {
+        if selected == Some(electrode) && !twice {
+            core.mold.electrodes.deselect();
+        } else {
+            core.mold.electrodes.select(BurnOf { electrode, burn: 0 });
+        }
+        if twice {
+            core.push(Command::FlyToRegion);
+        }
+    }
+}
+
+/// The regions that an electrode burns, rising.
+fn regions(entry: &ElectrodeEntry) -> Vec<usize> {
+    let mut regions: Vec<usize> = entry.burns.iter().flat_map(|b| b.regions.iter().copied()).collect();
+    regions.sort_unstable();
+    regions.dedup();
+    regions
+}
+
+fn cell(ui: &mut Ui, (made, overrides): (&Designed, &[Override]), (i, entry): (usize, &ElectrodeEntry), column: usize) {
+    let text = |ui: &mut Ui, text: String| drop(ui.add(egui::Label::new(text).selectable(false).truncate()));
+    match column {
+        0 => {
+            let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
+            let c = electrode_colour(&made.set, i);
+            ui.painter().rect_filled(rect, 2.0, egui::Color32::from_rgb(c.r, c.g, c.b));
+            if !entry.warnings.is_empty() {
+                let sign = egui::Label::new(RichText::new("!").strong().color(palette(ui).warning)).selectable(false);
+                ui.add(sign).on_hover_text(entry.warnings.join("\n"));
+            }
+            text(ui, entry.name.clone());
+        }
+        1 => text(ui, entry.burns.len().to_string()),
+        2 => text(ui, joined(&regions(entry))),
+        3 => {
+            text(ui, entry.blank.text("×"));
+        }
+        4 => text(ui, format!("{:.0}", entry.minutes)),
+        _ => {
+            ui.spacing_mut().item_spacing.x = 0.0;
+            for check in &entry.checks {
+                let is_decided = made.set.is_overridden(i, check.kind, overrides);
+                let (sign, colour) = match check.state {
+                    CheckState::Failed if is_decided => ("\u{2716}", palette(ui).warning),
+                    CheckState::Failed => ("\u{2716}", palette(ui).bad),
+                    CheckState::NotMade => ("\u{2013}", palette(ui).faint),
+                    _ => ("\u{2714}", palette(ui).good),
+                };
+                let label = egui::Label::new(RichText::new(sign).small().color(colour)).selectable(false);
+                ui.add(label).on_hover_text(format!("{}: {}", check.kind.name(), check.text));
+            }
+        }
+    }
+}
+
+fn joined(numbers: &[usize]) -> String {
+    numbers.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")
+}
+
+/// Regions that have no electrode for all of them, and why.
+fn without(ui: &mut Ui, core: &mut Core, made: &Designed) {
+    for region in made.set.without_electrode() {
+        let why = made.set.regions[region].trouble.clone().unwrap_or_default();
+        ui.horizontal(|ui| {
+            let place = made.places.get(region).copied().flatten();
+            let text = format!("Region {} has no electrode: {why}", region + 1);
+            let name = format!("Show region {}", region + 1);
+            let button = ui.add_enabled_ui(place.is_some(), |ui| checks::show_button(ui, &name)).inner;
+            if button.clicked()
+                && let (Some(place), Some(mold)) = (place, core.mold.work.mold())
+            {
+                let bounds = mold.shape.bounds();
+                core.mold.electrodes.deselect();
+                core.mold.electrodes.point_at(place, text.clone(), &bounds);
+            }
+            ui.add(egui::Label::new(RichText::new(text).color(palette(ui).bad)).wrap());
+        });
+    }
+}
+
+/// What is known of the selected electrode.
+fn details(ui: &mut Ui, core: &mut Core, made: &Designed, at: BurnOf) {
+    let Some(entry) = made.report.table.electrodes.get(at.electrode) else { return };
+    ui.horizontal(|ui| {
+        ui.strong(&entry.name);
+        command_button(ui, core, Command::FlyToRegion, "Fly to", false);
+        let text = if core.mold.electrodes.is_alone { "Show all" } else { "Isolate" };
+        command_button(ui, core, Command::Isolate, text, false);
+        let text = if core.mold.electrodes.cut.is_some() { "No cut" } else { "Cut" };
+        command_button(ui, core, Command::Section, text, false);
+        command_button(ui, core, Command::MillFlanks, "Mill its flanks", false);
+    });
+    for warning in &entry.warnings {
+        notice(ui, palette(ui).warning, warning);
+    }
+    checks::show(ui, core, made, at.electrode);
+    if let Some(burn) = entry.burns.get(at.burn) {
+        burns(ui, core, (at, entry.burns.len()), burn);
+    }
+    fact(ui, "Blank", format!("{} mm", entry.blank.text(" × ")));
+    fact(ui, "Holder", entry.holder.as_ref().map_or("none is large enough".to_owned(), |h| h.name.clone()));
+    if let Some(family) = &entry.family {
+        let [x, y] = family.offset_mm;
+        fact(ui, "One body with", format!("{}; tips at {x}, {y} mm", family.others.join(", ")));
+    }
+    let orbit = if entry.orbit.radius_mm > 0.0 {
+        format!(", {} {} mm", entry.orbit.pattern, entry.orbit.radius_mm)
+    } else {
+        String::new()
+    };
+    fact(ui, "Gap", format!("{} mm{orbit}", entry.gap_mm));
+    fact(ui, "Time", format!("{:.1} min", entry.minutes));
+    division::show(ui, core, made, (at.electrode, &regions(entry)));
+}
+
+/// The burn that is looked at.
+fn burns(ui: &mut Ui, core: &mut Core, (at, count): (BurnOf, usize), burn: &BurnEntry) {
+    ui.horizontal(|ui| {
+        let mut chosen = at.burn;
+        if ui.add_enabled(chosen > 0, egui::Button::new("\u{23f4}")).on_hover_text("The burn before").clicked() {
+            chosen -= 1;
+        }
+        ui.label(format!("Burn {} of {count}", at.burn + 1));
+        if ui.add_enabled(chosen + 1 < count, egui::Button::new("\u{23f5}")).on_hover_text("The next burn").clicked() {
+            chosen += 1;
+        }
+        if chosen != at.burn {
+            core.mold.electrodes.select(BurnOf { burn: chosen, ..at });
+        }
+        ui.label(RichText::new(burn.parts.join(" ")).color(palette(ui).faint));
+    });
+    fact(ui, "X, Y", format!("{:.3}, {:.3} mm", burn.x_mm, burn.y_mm));
+    fact(ui, "Z", format!("{:.3} mm", burn.z_mm));
+    fact(ui, "Turned", format!("{:.2}°", burn.c_deg));
+    fact(ui, "Depth", format!("{:.3} mm", burn.depth_mm));
+}

@@ -1,0 +1,132 @@
+//! The strips over the view: how far electrodes are lifted out, the way of the selected one, and the cut through it.
+
+use egui::{Rect, RichText, Role, Slider, Ui, WidgetInfo, vec2};
+
+use super::desk::Fly;
+use crate::shell::commands::Command;
+use crate::shell::core::Core;
+use crate::widgets::panel_parts::row;
+use crate::widgets::theme::palette;
+use crate::workspaces::mold::scene::MoldLook;
+use crate::workspaces::mold::scene::electrodes::{BurnCut, BurnPhase};
+
+/// Width of a strip (points) below which its words are fewer.
+const NARROW: f32 = 440.0;
+
+/// Draws them, if electrodes are looked at.
+pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core) {
+    if core.mold.electrodes.split.is_some() {
+        return splitting(ui, rect, core);
+    }
+    if core.mold.electrodes.seen().is_none() {
+        return;
+    }
+    if core.mold.electrodes.is_playing {
+        let seconds = f64::from(ui.input(|i| i.stable_dt.clamp(0.0, 0.1)));
+        core.mold.electrodes.advance(seconds);
+        ui.ctx().request_repaint();
+    }
+    row(ui, rect, 0, |ui| looks(ui, core));
+    if core.mold.electrodes.chosen().is_some() {
+        row(ui, rect, 1, |ui| way(ui, core));
+    }
+    if core.mold.electrodes.cut.is_some() {
+        row(ui, rect, 2, |ui| cut(ui, core));
+    }
+}
+
+fn looks(ui: &mut Ui, core: &mut Core) {
+    let desk = &mut core.mold.electrodes;
+    ui.label(RichText::new("Mold").color(palette(ui).faint));
+    for look in MoldLook::ALL {
+        ui.selectable_value(&mut desk.look, look, look.name());
+    }
+    let label = ui.label(RichText::new("Lifted out").color(palette(ui).faint));
+    ui.spacing_mut().slider_width = (ui.available_width() - 20.0).clamp(40.0, 240.0);
+    let slider = ui.add(Slider::new(&mut desk.exploded, 0.0..=1.0).show_value(false)).labelled_by(label.id);
+    if slider.changed() {
+        desk.fly = Some(Fly::All);
+    }
+}
+
+fn way(ui: &mut Ui, core: &mut Core) {
+    // Where there is no room for all phases the present one is named alone: the figure must not be cut off.
+    let is_narrow = ui.available_width() < NARROW;
+    if is_narrow {
+        ui.spacing_mut().item_spacing.x = 4.0;
+    }
+    let sign = if core.mold.electrodes.is_playing { "⏸" } else { "▶" };
+    let buttons = [
+        (Command::FirstNode, "⏮", "To the start"),
+        (Command::PreviousNode, "⏴", "Step back"),
+        (Command::Play, sign, "Play"),
+        (Command::NextNode, "⏵", "Step on"),
+        (Command::LastNode, "⏭", "Where it has burned"),
+    ];
+    for (command, sign, name) in buttons {
+        let response = ui.add_sized(vec2(26.0, 22.0), egui::Button::new(sign)).on_hover_text(command.hint(ui.ctx()));
+        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
+        if response.clicked() {
+            core.push(command);
+        }
+    }
+    let desk = &mut core.mold.electrodes;
+    let words = if is_narrow { 130.0 } else { 190.0 };
+    ui.spacing_mut().slider_width = (ui.available_width() - words).clamp(50.0, 240.0);
+    let mut time = desk.time.unwrap_or(2.0 / 3.0);
+    let slider = ui.add(Slider::new(&mut time, 0.0..=1.0).show_value(false));
+    ui.ctx().accesskit_node_builder(slider.id, |node| node.set_label("Way of the electrode"));
+    if slider.changed() {
+        (desk.time, desk.is_playing) = (Some(time), false);
+    }
+    let (phase, height) = desk.moment().unwrap_or((BurnPhase::Burn, 0.0));
+    for one in BurnPhase::ALL.into_iter().filter(|one| !is_narrow || *one == phase) {
+        let colour = if one == phase { palette(ui).accent } else { palette(ui).faint };
+        ui.label(RichText::new(one.name()).small().color(colour));
+    }
+    ui.label(RichText::new(format!("{height:.2} mm")).small().monospace()).on_hover_text("Above where it has burned");
+}
+
+fn cut(ui: &mut Ui, core: &mut Core) {
+    let bounds = core.mold.work.mold().map(|mold| mold.shape.bounds());
+    let desk = &mut core.mold.electrodes;
+    let Some(now) = desk.cut else { return };
+    ui.label(RichText::new("Cut along").color(palette(ui).faint));
+    for (name, along_y) in [("X", false), ("Y", true)] {
+        if ui.selectable_label(now.along_y == along_y, name).clicked() {
+            desk.look_onto(BurnCut { along_y, beside: 0.0 });
+        }
+    }
+    let label = ui.label(RichText::new("beside").color(palette(ui).faint));
+    let reach = bounds.map_or(10.0, |b| 0.25 * b.size().length());
+    let mut beside = now.beside;
+    ui.spacing_mut().slider_width = (ui.available_width() - 250.0).clamp(50.0, 200.0);
+    let slider = Slider::new(&mut beside, -reach..=reach).suffix(" mm").max_decimals(2);
+    if ui.add(slider).labelled_by(label.id).changed() {
+        desk.cut = Some(BurnCut { beside, ..now });
+    }
+    let gap = desk.designed().zip(desk.chosen()).and_then(|(made, (e, _))| made.set.params.stages.get(e.stage));
+    if let Some(stage) = gap {
+        ui.label(RichText::new(format!("gap {} mm", stage.gap_mm)).color(palette(ui).accent));
+    }
+    if ui.button("Close").clicked() {
+        core.push(Command::Section);
+    }
+}
+
+/// What is to be clicked for a line.
+fn splitting(ui: &mut Ui, rect: Rect, core: &mut Core) {
+    let first = core.mold.electrodes.split.flatten();
+    row(ui, rect, 0, |ui| {
+        let text = match first {
+            None => "click on the mold where the line begins".to_owned(),
+            Some(p) => format!("from {:.2}, {:.2}: click where the line ends", p.x, p.y),
+        };
+        let what = core.mold.electrodes.split_region.map_or("Split".to_owned(), |r| format!("Split region {}", r + 1));
+        let text = format!("{what}: {text}");
+        ui.label(text);
+        if ui.button("Don't split").on_hover_text(Command::Cancel.hint(ui.ctx())).clicked() {
+            core.mold.electrodes.give_up_split();
+        }
+    });
+}

@@ -1,0 +1,229 @@
+//! The list of regions: sorted, filtered, selected.
+
+use egui::{Align, Align2, DragValue, Layout, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, vec2};
+use egui_extras::{Column as Width, TableBuilder};
+
+use super::desk::MoldDesk;
+use crate::shell::commands::Command;
+use crate::shell::core::Core;
+use crate::widgets::theme::{palette, tick};
+use crate::workspaces::blisk::panels::stepper::{command_button, fact};
+use crate::workspaces::mold::scene::region_colour;
+use mold::uncut_region::UncutRegion;
+
+/// A column of the list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum Column {
+    Index,
+    Volume,
+    Area,
+    Height,
+    Nearest,
+}
+
+impl Column {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Index, Self::Volume, Self::Area, Self::Height, Self::Nearest];
+    /// Those that there is always room for.
+    const NEEDED: [Self; 3] = [Self::Index, Self::Volume, Self::Height];
+
+    fn name(self) -> &'static str {
+        ["#", "volume mm³", "area mm²", "height", "nearest"][self as usize]
+    }
+
+    /// How wide it is (points); none for what the others leave.
+    fn width(self) -> Option<f32> {
+        [Some(40.0), None, Some(66.0), Some(52.0), Some(58.0)][self as usize]
+    }
+
+    /// What a region, which is number `i`, is sorted by.
+    pub fn key(self, region: &UncutRegion, i: usize) -> f64 {
+        match self {
+            Self::Index => i as f64,
+            Self::Volume => region.volume,
+            Self::Area => region.plan_area,
+            Self::Height => region.depth,
+            Self::Nearest => region.nearest_cutter.map_or(-1.0, |c| c as f64),
+        }
+    }
+}
+
+/// Below this width (points) there are the most needed columns only.
+const NARROW: f32 = 326.0;
+
+/// Draws it.
+pub fn show(ui: &mut Ui, core: &mut Core) {
+    ui.add_space(4.0);
+    let is_narrow = ui.available_width() < NARROW;
+    let listed = core.mold.listed();
+    let all = core.mold.regions().len();
+    ui.horizontal(|ui| {
+        ui.strong("Regions");
+        let count = if listed.len() == all { all.to_string() } else { format!("{} of {all}", listed.len()) };
+        ui.label(RichText::new(count).color(palette(ui).faint));
+        stale(ui, core);
+        let words = if is_narrow { "\u{2265}" } else { "not below" };
+        let label = ui.label(RichText::new(words).color(palette(ui).faint)).on_hover_text("The least volume shown");
+        let least = DragValue::new(&mut core.mold.least_volume).range(0.0..=1e9).speed(0.01).max_decimals(3);
+        ui.add_sized(vec2(58.0, 22.0), least).labelled_by(label.id);
+        ui.label(RichText::new("mm³").color(palette(ui).faint));
+    });
+    if core.mold.work.other().is_some() {
+        tick(ui, &mut core.mold.only_vanishing, "Only what the other cutters would take away");
+    }
+    // What is known of the selected region stands below, whatever room the list takes.
+    let below = if core.mold.selected.is_some() { 264.0 } else { 0.0 };
+    let room = vec2(ui.available_width(), (ui.available_height() - below).max(80.0));
+    ui.allocate_ui(room, |ui| {
+        ui.set_max_height(room.y);
+        dim(ui, core);
+        table(ui, &mut core.mold, &listed);
+    });
+    if let Some(selected) = core.mold.selected {
+        ui.separator();
+        ui.scope(|ui| {
+            dim(ui, core);
+            details(ui, core, selected);
+        });
+    }
+}
+
+/// Says in a word that what is shown is not of the present question.
+pub(super) fn stale(ui: &mut Ui, core: &Core) {
+    if let Some(others) = core.mold.found_of_others() {
+        let text = RichText::new("stale").color(palette(ui).warning);
+        ui.label(text).on_hover_text(format!("{others}, not of the present ones"));
+    }
+}
+
+/// Lets what follows stand back if it is not of the present question.
+pub(super) fn dim(ui: &mut Ui, core: &Core) {
+    if core.mold.found_of_others().is_some() {
+        ui.multiply_opacity(0.7);
+    }
+}
+
+fn table(ui: &mut Ui, mold: &mut MoldDesk, listed: &[usize]) {
+    let columns: &[Column] = if ui.available_width() < NARROW { &Column::NEEDED } else { &Column::ALL };
+    let gap = ui.spacing().item_spacing.x;
+    let taken: f32 = columns.iter().map(|column| column.width().unwrap_or(0.0) + gap).sum();
+    let rest = (ui.available_width() - taken + gap).max(64.0);
+    let widths: Vec<f32> = columns.iter().map(|column| column.width().unwrap_or(rest)).collect();
+    heads(ui, mold, columns, &widths);
+    let mut table = TableBuilder::new(ui)
+        .id_salt(("regions", columns.len()))
+        .striped(true)
+        .sense(Sense::click())
+        .cell_layout(Layout::right_to_left(Align::Center))
+        .min_scrolled_height(0.0)
+        .auto_shrink([false, false]);
+    for width in &widths {
+        table = table.column(Width::exact(*width));
+    }
+    // One that was clicked in the view may be far down the list.
+    let place = mold.selected.and_then(|selected| listed.iter().position(|i| *i == selected));
+    if std::mem::replace(&mut mold.scrolled_to, mold.selected) != mold.selected
+        && let Some(row) = place
+    {
+        table = table.scroll_to_row(row, None);
+    }
+    let mut clicked = None;
+    table.body(|body| {
+        body.rows(19.0, listed.len(), |mut row| {
+            let i = listed[row.index()];
+            let is_selected = mold.selected == Some(i);
+            row.set_selected(is_selected);
+            columns.iter().for_each(|column| drop(row.col(|ui| cell(ui, mold, *column, i))));
+            let response = row.response();
+            let name = format!("Region {}", i + 1);
+            response.widget_info(|| WidgetInfo::selected(Role::Row, true, is_selected, &name));
+            if response.clicked() || response.double_clicked() {
+                clicked = Some((i, response.double_clicked()));
+            }
+        });
+    });
+    if let Some((i, twice)) = clicked {
+        // The second click of two is no second thought.
+        mold.selected = (twice || mold.selected != Some(i)).then_some(i);
+        mold.fly_to = twice.then_some(i);
+    }
+}
+
+/// The heads of the columns. The table's own would catch the clicks on each other.
+fn heads(ui: &mut Ui, mold: &mut MoldDesk, columns: &[Column], widths: &[f32]) {
+    ui.horizontal(|ui| {
+        for (column, width) in columns.iter().zip(widths) {
+            head(ui, mold, *column, *width);
+        }
+    });
+}
+
+/// The head of a column, which sorts by it; once more the other way round. All of it can be pressed.
+fn head(ui: &mut Ui, mold: &mut MoldDesk, column: Column, width: f32) {
+    let (by, falls) = mold.sort;
+    let sign = match (by == column, falls) {
+        (false, _) => "",
+        (true, true) => "\u{23f7}",
+        (true, false) => "\u{23f6}",
+    };
+    let (rect, response) = ui.allocate_exact_size(vec2(width, 20.0), Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Sort by {}", column.name())));
+    let is_lit = by == column || response.hovered();
+    let colour = if is_lit { ui.visuals().strong_text_color() } else { palette(ui).faint };
+    let (text, font) = (format!("{}{sign}", column.name()), TextStyle::Small.resolve(ui.style()));
+    ui.painter().text(rect.right_center(), Align2::RIGHT_CENTER, text, font, colour);
+    if response.on_hover_cursor(egui::CursorIcon::PointingHand).clicked() {
+        // Of sizes one looks for the greatest first.
+        let falls_first = matches!(column, Column::Volume | Column::Area | Column::Height);
+        mold.sort = (column, if by == column { !falls } else { falls_first });
+    }
+}
+
+fn cell(ui: &mut Ui, mold: &MoldDesk, column: Column, i: usize) {
+    let region = &mold.regions()[i];
+    let number = |ui: &mut Ui, value: f64, decimals: usize| {
+        ui.label(RichText::new(format!("{value:.decimals$}")).monospace());
+    };
+    match column {
+        Column::Index => {
+            number(ui, (i + 1) as f64, 0);
+            let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
+            let c = region_colour(i);
+            ui.painter().rect_filled(rect, 2.0, egui::Color32::from_rgb(c.r, c.g, c.b));
+        }
+        Column::Volume => number(ui, region.volume, 3),
+        Column::Area => number(ui, region.plan_area, 3),
+        Column::Height => number(ui, region.depth, 2),
+        Column::Nearest => {
+            ui.add(egui::Label::new(RichText::new(mold.nearest(region)).small()).truncate());
+        }
+    }
+}
+
+/// What is known of the selected region.
+fn details(ui: &mut Ui, core: &mut Core, selected: usize) {
+    let Some(region) = core.mold.regions().get(selected).cloned() else { return };
+    let length = core.preferences.length;
+    ui.horizontal(|ui| {
+        ui.strong(format!("Region {}", selected + 1));
+        command_button(ui, core, Command::FlyToRegion, "Fly to", false);
+        let text = if core.mold.isolated { "Show all" } else { "Isolate" };
+        command_button(ui, core, Command::Isolate, text, false);
+    });
+    fact(ui, "Volume", format!("{:.4} mm³", region.volume));
+    fact(ui, "Plan area", format!("{:.4} mm²", region.plan_area));
+    fact(ui, "Surface", format!("{:.4} mm²", region.surface_area));
+    fact(ui, "Greatest height", length.show(region.depth, 3));
+    fact(ui, "Across the surface", length.show(region.thickness, 3));
+    let Some(bounds) = core.mold.bounds(selected) else { return };
+    for (axis, name) in ["X", "Y", "Z"].into_iter().enumerate() {
+        let [low, high] = [bounds.min, bounds.max].map(|p| p.to_array()[axis]);
+        fact(ui, name, format!("{low:.2} to {high:.2} mm"));
+    }
+    let remains = core.mold.work.other().and_then(|other| other.1.remains.get(selected).copied());
+    match remains {
+        Some(volume) => fact(ui, "With the other cutters", format!("{volume:.4} mm³")),
+        None => fact(ui, "Nearest cutter", core.mold.nearest(&region)),
+    }
+}

@@ -1,0 +1,221 @@
+//! The left panel: the mold, its cutters, what they leave, and what others would leave.
+
+use egui::{ComboBox, DragValue, ProgressBar, RichText, Ui, vec2};
+
+use super::{compare, cutters, electrode, list};
+use crate::shell::commands::Command;
+use crate::shell::core::Core;
+use crate::shell::files::Purpose;
+use crate::shell::status::grouped;
+use crate::widgets::panel_parts::{named, section};
+use crate::widgets::theme::{palette, tick};
+use crate::workspaces::blisk::panels::stepper::{command_button, fact, notice};
+use crate::workspaces::blisk::pipeline::{EventKind, StageState};
+use crate::workspaces::mold::document::cutter_file::standard_cutters;
+use crate::workspaces::mold::work::FoundUncut;
+use import::Units;
+use mold::opening::Opening;
+
+/// Height of the list of regions where it has no panel of its own (points).
+const LIST: f32 = 420.0;
+/// Width of the bar that scrolls, with room beside it (points).
+const BAR: f32 = 6.0;
+
+/// Draws it, `with_list` also the list of regions. Answers what a path is wanted for.
+pub fn show(ui: &mut Ui, core: &mut Core, with_list: bool) -> Option<Purpose> {
+    let mut asked = None;
+    egui::ScrollArea::vertical().id_salt("mold form").auto_shrink([false, false]).show(ui, |ui| {
+        ui.add_space(2.0);
+        // Nothing ends below the bar.
+        ui.set_max_width(ui.available_width() - BAR);
+        section(ui, "Mold", true, |ui| asked = mold(ui, core));
+        section(ui, "Cutters", true, |ui| asked = library(ui, core).or(asked.take()));
+        section(ui, "Uncut", true, |ui| uncut(ui, core));
+        section(ui, "Electrodes", false, |ui| asked = electrode::form(ui, core).or(asked.take()));
+        if with_list {
+            section(ui, "List", true, |ui| {
+                ui.allocate_ui(vec2(ui.available_width(), LIST), |ui| super::lists(ui, core));
+            });
+        }
+        section(ui, "Compare cutters", false, |ui| asked = compare::show(ui, core).or(asked.take()));
+    });
+    asked
+}
+
+fn mold(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
+    let mut asked = None;
+    let state = core.mold.work.mold_state(&core.mold.params);
+    ui.horizontal(|ui| {
+        if ui.button("Open mold…").on_hover_text(Command::Open.hint(ui.ctx())).clicked() {
+            asked = Some(Purpose::Mold);
+        }
+        match &state {
+            StageState::Missing => drop(ui.label(RichText::new("or drop a mesh here").color(palette(ui).faint))),
+            _ => drop(ui.add(egui::Label::new(RichText::new(core.mold.params.name()).strong()).truncate())),
+        }
+    });
+    if let StageState::Failed(why) = &state {
+        notice(ui, palette(ui).bad, why);
+    }
+    let mut params = core.mold.params.clone();
+    named(ui, "Unit", |ui, label| {
+        let name = |units: Units| match units {
+            Units::Auto => "as the file says, or guessed",
+            Units::Mm => "mm",
+            Units::Cm => "cm",
+            Units::M => "m",
+            Units::Inch => "inch",
+            Units::Um => "µm",
+        };
+        let combo = ComboBox::from_id_salt("mold unit").selected_text(name(params.units)).width(190.0);
+        let shown = combo.show_ui(ui, |ui| {
+            for units in [Units::Auto, Units::Mm, Units::Cm, Units::M, Units::Um, Units::Inch] {
+                ui.selectable_value(&mut params.units, units, name(units));
+            }
+        });
+        shown.response.labelled_by(label);
+    });
+    named(ui, "Opens to", |ui, _| {
+        for opening in Opening::ALL {
+            let response = ui.selectable_label(params.opening == opening, opening.name());
+            if response.on_hover_text("Cutters come from there").clicked() {
+                params.opening = opening;
+            }
+        }
+    });
+    named(ui, "Tolerance", |ui, label| {
+        let field = DragValue::new(&mut params.tolerance_mm).range(1e-4..=10.0).speed(0.001).max_decimals(4);
+        let field = ui.add_sized(vec2(74.0, 22.0), field).labelled_by(label);
+        field.on_hover_text("Thickness of what is left, across the mold's surface, up to which it counts as cut");
+        ui.label(RichText::new("mm").color(palette(ui).faint));
+    });
+    core.mold.edit(params);
+    facts(ui, core);
+    asked
+}
+
+fn facts(ui: &mut Ui, core: &Core) {
+    let Some(mold) = core.mold.work.mold() else { return };
+    let length = core.preferences.length;
+    let size = mold.shape.bounds().size();
+    fact(ui, "Size", format!("{:.2} × {:.2} × {}", size.x, size.y, length.show(size.z, 2)));
+    fact(ui, "Volume", format!("{:.1} mm³", mold.volume));
+    fact(ui, "Triangles", grouped(mold.mesh.triangles.len()));
+    let surface = if mold.report.watertight { "watertight" } else { "open" };
+    fact(ui, "Surface", format!("{surface}, read in {}", mold.report.unit.name()));
+    if !mold.report.unit_certain {
+        let text = RichText::new(&mold.report.unit_reason).small().color(palette(ui).faint);
+        ui.add(egui::Label::new(text).wrap());
+    }
+    for warning in &mold.report.warnings {
+        notice(ui, palette(ui).warning, warning);
+    }
+}
+
+fn library(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
+    let mut asked = None;
+    let mut params = core.mold.params.clone();
+    cutters::table(ui, &mut params.library, &mut core.mold.cutter, "cutter");
+    ui.horizontal_wrapped(|ui| {
+        cutters::buttons(ui, &mut params.library, &mut core.mold.cutter);
+        ui.separator();
+        if ui.button("Load…").on_hover_text("A library of cutters (TOML)").clicked() {
+            asked = Some(Purpose::Cutters);
+        }
+        let can_save = params.library.validate().is_ok();
+        if ui.add_enabled(can_save, egui::Button::new("Save…")).on_hover_text("As a TOML file").clicked() {
+            asked = Some(Purpose::SaveCutters);
+        }
+        if ui.button("Standard").on_hover_text("The library that the program brings along").clicked() {
+            match standard_cutters() {
+                Ok(library) => params.library = library,
+                Err(error) => core.say(EventKind::Failed, error.to_string()),
+            }
+        }
+    });
+    core.mold.edit(params);
+    asked
+}
+
+fn uncut(ui: &mut Ui, core: &mut Core) {
+    let state = core.mold.state();
+    ui.horizontal(|ui| {
+        command_button(ui, core, Command::FindUncut, "Find", state != StageState::Done);
+        let is_next = state == StageState::Done && !core.mold.is_designed();
+        command_button(ui, core, Command::DesignElectrodes, "Design", is_next);
+        let hint = "What was found is found again, and electrodes that were made are made again, all stages";
+        tick(ui, &mut core.mold.follows, "again after a change").on_hover_text(hint);
+    });
+    if let Some(doing) = core.mold.work.doing().cloned() {
+        ui.horizontal(|ui| {
+            let bar = ui.add(ProgressBar::new(doing.fraction as f32).desired_width(150.0).desired_height(8.0));
+            let percent = format!("{} {:.0} %", doing.stage, 100.0 * doing.fraction);
+            bar.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &percent));
+            if ui.small_button("Cancel").on_hover_text(Command::Cancel.hint(ui.ctx())).clicked() {
+                core.push(Command::Cancel);
+            }
+            // Last, as it takes what is left of the row: a panel grows with what does not fit, and stays so.
+            ui.add(egui::Label::new(RichText::new(&doing.stage).color(palette(ui).faint)).truncate());
+        });
+    }
+    if let StageState::Failed(why) = &state {
+        notice(ui, palette(ui).bad, why);
+    }
+    if let Some(found) = core.mold.found().cloned() {
+        answer(ui, core, &found);
+    }
+}
+
+/// What was found, in words and figures.
+fn answer(ui: &mut Ui, core: &mut Core, found: &FoundUncut) {
+    let report = &found.report;
+    let colours = palette(ui);
+    let colour = match (report.is_whole, report.regions.is_empty()) {
+        (false, _) => colours.warning,
+        (true, true) => colours.good,
+        (true, false) => colours.accent,
+    };
+    match core.mold.found_of_others() {
+        Some(others) => notice(ui, colours.warning, &format!("{others}: {}", found.sentence())),
+        None => notice(ui, colour, &found.sentence()),
+    }
+    ui.scope(|ui| {
+        list::dim(ui, core);
+        figures(ui, found);
+    });
+    if report.invert.faces > 0 {
+        tick(
+            ui,
+            &mut core.mold.shows_invert,
+            format!("{} faces ({:.1} mm²) look away from the cutters", report.invert.faces, report.invert.area_mm2),
+        )
+        .on_hover_text("For another set-up or a slide. Shown in a colour of their own.");
+    }
+}
+
+/// What is to be said about an answer, and how far two ways of finding it agree.
+fn figures(ui: &mut Ui, found: &FoundUncut) {
+    let (report, colours) = (&found.report, palette(ui));
+    for warning in &report.warnings {
+        notice(ui, colours.warning, warning);
+    }
+    if let Some(agreement) = &report.agreement {
+        let [layers, field] = [&agreement.layers, &agreement.field];
+        let hint = "Flat cutters are followed exactly, layer by layer, and found again by heights over a grid";
+        ui.label(RichText::new("What flat cutters leave, found twice").small().color(colours.faint))
+            .on_hover_text(hint);
+        let figures = |found: &crate::workspaces::mold::job::uncut::Found| {
+            let plural = if found.regions == 1 { "" } else { "s" };
+            format!("{} region{plural}, {:.3} mm³", found.regions, found.volume_mm3)
+        };
+        fact(ui, "By layers", figures(layers));
+        fact(ui, &format!("By heights {} mm apart", (1e4 * agreement.field_step_mm).round() / 1e4), figures(field));
+    }
+    if let Some(agreement) = &report.ball_agreement {
+        let hint = "The field of heights against an exact search of where a ball can roll";
+        let text = format!("What balls leave, found twice at {} places", agreement.places);
+        ui.label(RichText::new(text).small().color(colours.faint)).on_hover_text(hint);
+        fact(ui, "Half of them within", format!("{:.4} mm", agreement.median_mm));
+        fact(ui, "Nine of ten within", format!("{:.4} mm", agreement.ninetieth_mm));
+    }
+}

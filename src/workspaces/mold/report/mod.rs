@@ -1,0 +1,292 @@
+//! The report on a mold's electrodes, as `electrodes.json` for programs and `report.html` for people.
+
+pub mod html;
+pub mod uncut;
+pub mod uncut_ply;
+
+use serde::Serialize;
+
+use mold::electrode::design::{Electrode, ElectrodeSet, PartNode, RegionPlan};
+use mold::electrode::overrides::{IdleOverride, Override};
+use mold::opening::Opening;
+use nc::burn_table::{BurnTable, ElectrodeState, method_name};
+use nc::electrode_files::why_blocked;
+
+/// Version of the keys of `electrodes.json`.
+pub const SCHEMA: u32 = 2;
+
+/// All that a report says of electrodes. Places are in the axes of the upright mold; regions and parts count from 1.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ElectrodesReport {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// The answer in a sentence.
+    pub sentence: String,
+    /// Whether every region has its electrodes and every check holds.
+    pub holds: bool,
+    /// The burn table.
+    pub table: BurnTable,
+    /// Electrodes that are not exported, and why.
+    pub blocked: Vec<BlockedEntry>,
+    /// Names of electrodes that are exported although a check fails.
+    pub overridden: Vec<String>,
+    /// Overrides that override nothing.
+    pub idle_overrides: Vec<IdleEntry>,
+    /// The user's changes that met no region, or changed nothing.
+    pub unmet_edits: Vec<String>,
+    /// What volumes and minutes of stages are counted by.
+    pub model: &'static str,
+    /// Every region.
+    pub regions: Vec<RegionEntry>,
+    /// Every parameter, defaults included.
+    pub parameters: serde_json::Value,
+}
+
+/// An electrode that is not exported.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BlockedEntry {
+    /// The electrode.
+    pub electrode: String,
+    /// Which checks fail, and what to do.
+    pub why: String,
+}
+
+/// An override that overrides nothing.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct IdleEntry {
+    /// As it is given: `NAME` or `NAME:check`.
+    pub name: String,
+    /// Why.
+    pub why: &'static str,
+}
+
+/// What is counted where there are several stages.
+const MODEL: &str = "A stage leaves a layer for the next one on the whole surface of a region: as thick as the next \
+    one's electrode is larger (the difference of their undersizes), and no less than its stock. It takes what the stages \
+    before it left, down to that layer; the last one takes all the rest, so that the stages together take what the cutters \
+    left. Minutes are those volumes at the removal rate of the stage's finish, and the setting of each burn. Tips on one base \
+    go down together: their burn takes as long as the slowest of them by itself, each at the rate that its own area seen along \
+    the burn allows, and no less than all of them together at the generator's greatest rate.";
+
+/// A region and how it is burned.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RegionEntry {
+    /// Counted from 1.
+    pub index: usize,
+    /// How its tips are made.
+    pub method: &'static str,
+    /// Unit vector along which its electrodes go.
+    pub direction: [f64; 3],
+    /// Parts that it is divided into.
+    pub parts: usize,
+    /// Its division; none where there is no footprint.
+    pub division: Option<Division>,
+    /// Divisions by earlier stages that have parts which it does not.
+    pub earlier_divisions: Vec<EarlierDivision>,
+    /// Electrodes that burn it or parts of it.
+    pub electrodes: Vec<String>,
+    /// Greatest thickness that all burns leave, across the surface (mm).
+    pub left_thickness_mm: f64,
+    /// Where (mm).
+    pub left_at_mm: [f64; 3],
+    /// Volume that they leave (mm^3).
+    pub left_volume_mm3: f64,
+    /// Why it has no electrode, or lacks one for a part.
+    pub trouble: Option<String>,
+    /// What stages leave to those after them, in words.
+    pub left_out: Vec<String>,
+}
+
+/// How an earlier stage divides a region.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EarlierDivision {
+    /// The stage, by name.
+    pub stage: String,
+    /// Its division.
+    pub division: Division,
+}
+
+/// A part of a region and what it is divided into.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Division {
+    /// What it is, in a few words.
+    pub text: String,
+    /// Edges in it that no cutter makes.
+    pub h_edges: usize,
+    /// What it is divided into.
+    pub parts: Vec<Division>,
+}
+
+impl ElectrodesReport {
+    /// The report on electrodes of a mold that is called `mold`.
+    pub fn of(set: &ElectrodeSet, mold: &str, opening: Opening) -> Self {
+        let table = BurnTable::of(set, mold, opening);
+        let blocked =
+            |e: usize| why_blocked(set, e).map(|why| BlockedEntry { electrode: set.electrodes[e].name.clone(), why });
+        let is = |state: ElectrodeState| table.electrodes.iter().filter(move |e| e.state == state);
+        let overridden: Vec<String> = is(ElectrodeState::Overridden).map(|e| e.name.clone()).collect();
+        let idle = |(o, why): (&Override, IdleOverride)| IdleEntry { name: o.to_string(), why: why.text() };
+        Self {
+            schema: SCHEMA,
+            sentence: sentence(set, &table, &set.params.overrides),
+            holds: set.holds(),
+            blocked: (0..set.electrodes.len()).filter_map(blocked).collect(),
+            idle_overrides: set.idle_overrides().into_iter().map(idle).collect(),
+            unmet_edits: set.unmet_edits().into_iter().map(|e| set.params.edits[e].to_string()).collect(),
+            model: MODEL,
+            regions: set.regions.iter().enumerate().map(|(r, plan)| region(set, r, plan)).collect(),
+            parameters: serde_json::to_value(&set.params).unwrap_or_default(),
+            overridden,
+            table,
+        }
+    }
+
+    /// The answer in a sentence if these are the user's overrides of the `set` that the report is on.
+    pub fn sentence_with(&self, set: &ElectrodeSet, overrides: &[Override]) -> String {
+        sentence(set, &self.table, overrides)
+    }
+
+    /// The report as JSON; a number that is not finite becomes null.
+    ///
+    /// # Errors
+    /// None that is known; the writer's own.
+    pub fn json(&self) -> Result<String, serde_json::Error> {
+        Ok(serde_json::to_string_pretty(self)? + "\n")
+    }
+
+    /// The report as one self-contained page with pictures, each a caption and PNG bytes.
+    pub fn html(&self, pictures: &[(String, Vec<u8>)]) -> String {
+        html::page(self, pictures)
+    }
+}
+
+fn counted(n: usize, one: &str) -> String {
+    if n == 1 { format!("1 {one}") } else { format!("{n} {one}s") }
+}
+
+fn sentence(set: &ElectrodeSet, table: &BurnTable, overrides: &[Override]) -> String {
+    let regions = set.regions.len();
+    if regions == 0 {
+        return "The cutters leave no region: no electrode is needed.".to_owned();
+    }
+    let mut text = format!(
+        "{} with {} for {}: {}.",
+        counted(table.electrodes.len(), "electrode"),
+        counted(table.burns, "burn"),
+        counted(regions, "region"),
+        counted(table.minutes.max(0.0).round() as usize, "minute")
+    );
+    let list = |names: Vec<&str>| names.join(", ");
+    let named = |state: ElectrodeState| -> Vec<&str> {
+        let all = table.electrodes.iter().enumerate();
+        all.filter(|(e, _)| ElectrodeState::of(set, *e, overrides) == state).map(|(_, e)| e.name.as_str()).collect()
+    };
+    let blocked = named(ElectrodeState::Blocked);
+    if !blocked.is_empty() {
+        text += &format!(" Blocked, as a check fails: {}.", list(blocked));
+    }
+    let overridden = named(ElectrodeState::Overridden);
+    if !overridden.is_empty() {
+        text += &format!(" Used by decision although a check fails: {}.", list(overridden));
+    }
+    let warned: Vec<&str> = table.electrodes.iter().filter(|e| e.holder.is_none()).map(|e| e.name.as_str()).collect();
+    if !warned.is_empty() {
+        text += &format!(" No holder is large enough: {}.", list(warned));
+    }
+    let without: Vec<String> = set.without_electrode().iter().map(|r| (r + 1).to_string()).collect();
+    if !without.is_empty() {
+        let what = if without.len() == 1 { "Region" } else { "Regions" };
+        text += &format!(" {what} not burned, or not wholly: {}.", without.join(", "));
+    }
+    let warnings = table.electrodes.iter().map(|e| e.warnings.len()).sum();
+    if warnings > 0 {
+        text += &format!(" {} of electrodes.", counted(warnings, "warning"));
+    }
+    let unmet = set.unmet_edits().len();
+    if unmet > 0 {
+        text += &format!(
+            " {} no region, or nothing in it.",
+            counted(unmet, "change") + if unmet == 1 { " meets" } else { " meet" }
+        );
+    }
+    if set.holds() {
+        text += " Every check holds.";
+    }
+    text
+}
+
+fn region(set: &ElectrodeSet, r: usize, plan: &RegionPlan) -> RegionEntry {
+    let burns = |e: &&Electrode| e.burns.iter().flat_map(|b| &b.parts).any(|part| part.region == r);
+    RegionEntry {
+        index: r + 1,
+        method: method_name(plan.method),
+        direction: plan.direction.to_array().map(|v| v + 0.0),
+        parts: plan.tree.as_ref().map_or(0, leaves),
+        division: plan.tree.as_ref().map(|tree| division(tree, r)),
+        earlier_divisions: earlier_divisions(set, r, plan),
+        electrodes: set.electrodes.iter().filter(burns).map(|e| e.name.clone()).collect(),
+        left_thickness_mm: plan.left.thickness,
+        left_at_mm: plan.left.place.to_array().map(|v| rounded(v, 1e6)),
+        left_volume_mm3: plan.left.volume,
+        trouble: plan.trouble.clone(),
+        left_out: plan.left_out.iter().map(|left| left.text.clone()).collect(),
+    }
+}
+
+/// What names parts that the last stage's division does not have.
+fn earlier_divisions(set: &ElectrodeSet, r: usize, plan: &RegionPlan) -> Vec<EarlierDivision> {
+    fn has(node: &PartNode, part: usize) -> bool {
+        node.part == Some(part) || node.parts.iter().any(|node| has(node, part))
+    }
+    fn is_new(node: &PartNode, last: &PartNode) -> bool {
+        node.part.is_some_and(|part| !has(last, part)) || node.parts.iter().any(|node| is_new(node, last))
+    }
+    let told = plan.earlier.iter().rev().filter(|(_, tree)| plan.tree.as_ref().is_some_and(|last| is_new(tree, last)));
+    let of = |(stage, tree): &(usize, PartNode)| EarlierDivision {
+        stage: set.params.stages[*stage].name.clone(),
+        division: division(tree, r),
+    };
+    told.map(of).collect()
+}
+
+/// To one part in `scale`, and no zero with a sign.
+fn rounded(value: f64, scale: f64) -> f64 {
+    (value * scale).round() / scale + 0.0
+}
+
+fn leaves(node: &PartNode) -> usize {
+    if node.parts.is_empty() { usize::from(node.part.is_some()) } else { node.parts.iter().map(leaves).sum() }
+}
+
+/// Why a cut leads to fewer parts than it has sides.
+fn beyond(node: &PartNode) -> &'static str {
+    match (node.lacks_thin, node.parts.len()) {
+        (true, _) => ": what is thinner than the least size beyond it is left to later stages",
+        (false, 1) => ": beyond it nothing is to be burned",
+        _ => "",
+    }
+}
+
+fn division(node: &PartNode, r: usize) -> Division {
+    let edges = match node.h_edges {
+        0 => String::new(),
+        n => format!(", {}", counted(n, "H-edge")),
+    };
+    let text = match (&node.cut, node.part) {
+        (Some(cut), _) => {
+            let (through, outward) = (cut.through, cut.outward);
+            let overlap = if cut.overlaps { ", parts overlap" } else { "" };
+            // A line across its normal, the same whichever way the normal points.
+            let along = rounded(outward.perp().to_angle().to_degrees(), 10.0).rem_euclid(180.0);
+            let [x, y] = through.to_array().map(|v| rounded(v, 1e3));
+            let beyond = beyond(node);
+            format!("cut through {x:.3}, {y:.3} along {along:.1}\u{b0}{overlap}{edges}{beyond}")
+        }
+        (None, Some(part)) => format!("part R{}.{}{edges}", r + 1, part + 1),
+        (None, None) => format!("not burned{edges}"),
+    };
+    Division { text, h_edges: node.h_edges, parts: node.parts.iter().map(|part| division(part, r)).collect() }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,230 @@
+//! What cutters leave of a mold, as figures of a report and as text.
+
+use std::fmt::Write;
+
+use serde::Serialize;
+
+use crate::workspaces::mold::job::uncut::{Coarser, Found, LayerFound, Uncut};
+use mold::ball_agreement::BallAgreement;
+use mold::uncut_region::UncutRegion;
+
+/// What `uncut.json` holds. Places are in the axes of the mesh.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct UncutReport {
+    /// What was found, in a sentence.
+    pub sentence: String,
+    /// Whether the mesh is such that the answer holds for all of it.
+    pub is_whole: bool,
+    /// The cutters, as they are called.
+    pub cutters: Vec<String>,
+    /// The direction in which the opening looks.
+    pub opening: &'static str,
+    /// Thickness of the residue up to which it counts as cut (mm).
+    pub tolerance_mm: f64,
+    /// Whether the regions are those of the layers (exact, only flat cutters count) or of the field of heights.
+    pub by_layers: bool,
+    /// What is not as it should be, in words.
+    pub warnings: Vec<String>,
+    /// Faces that look away from the cutters.
+    pub invert: InvertReport,
+    /// All regions, the largest volume first.
+    pub regions: Vec<RegionReport>,
+    /// How far the volume may be off; none where it is that of the layers, and where it is not known.
+    pub grid: Option<GridReport>,
+    /// What flat cutters leave by layers and by the field of heights; none without flat cutters.
+    pub agreement: Option<AgreementReport>,
+    /// How far the field of heights and the exact search agree on what balls leave; none where they count nowhere.
+    pub ball_agreement: Option<BallAgreement>,
+    /// What the cutters leave in each layer, from the bottom.
+    pub layers: Vec<LayerReport>,
+}
+
+/// Faces that no cutter from this side reaches.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct InvertReport {
+    pub faces: usize,
+    pub area_mm2: f64,
+}
+
+/// A connected piece of what is left.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RegionReport {
+    /// Counted from 1.
+    pub index: usize,
+    /// Volume (mm^3).
+    pub volume_mm3: f64,
+    /// Area seen from the cutter (mm^2).
+    pub plan_area_mm2: f64,
+    /// Area of the mold's surface that bounds it, walls and floors (mm^2).
+    pub surface_area_mm2: f64,
+    /// Greatest height (mm).
+    pub height_mm: f64,
+    /// Greatest thickness across the mold's surface (mm).
+    pub thickness_mm: f64,
+    /// Corners of the box around it (mm).
+    pub bounds_mm: [[f64; 3]; 2],
+    /// The faces of the mesh that bound it, wholly or in part, counted from 0.
+    pub faces: Vec<u32>,
+    /// The cutter that comes nearest.
+    pub nearest_cutter: Option<String>,
+}
+
+/// The same by a field of heights twice as coarse.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct GridReport {
+    /// Step of the field that answers (mm).
+    pub step_mm: f64,
+    /// Step of the coarser one (mm).
+    pub coarser_step_mm: f64,
+    /// What that finds.
+    pub coarser: Found,
+    /// By how much the volumes differ (mm^3): the answer's is off by about as much.
+    pub off_mm3: f64,
+}
+
+/// The same found twice.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct AgreementReport {
+    pub layers: Found,
+    pub field: Found,
+    /// Step of the field (mm).
+    pub field_step_mm: f64,
+}
+
+/// What the cutters leave in a layer.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct LayerReport {
+    pub z_mm: f64,
+    pub area_mm2: f64,
+    /// Length of the outline that no cutter touches (mm).
+    pub segment_length_mm: f64,
+}
+
+impl UncutReport {
+    /// The report of `uncut`.
+    pub fn of(uncut: &Uncut) -> Self {
+        let library = &uncut.params.library;
+        let agreement =
+            uncut.agreement.map(|[layers, field]| AgreementReport { layers, field, field_step_mm: uncut.grid_step });
+        let layer = |l: &LayerFound| LayerReport { z_mm: l.z, area_mm2: l.area, segment_length_mm: l.segment_length };
+        let grid = |coarser: Coarser| GridReport {
+            step_mm: uncut.grid_step,
+            coarser_step_mm: coarser.step,
+            coarser: coarser.found,
+            off_mm3: (coarser.found.volume_mm3 - uncut.found().volume_mm3).abs(),
+        };
+        Self {
+            sentence: sentence(uncut),
+            is_whole: uncut.is_whole(),
+            cutters: library.cutter.iter().map(|c| c.label()).collect(),
+            opening: uncut.params.opening.name(),
+            tolerance_mm: uncut.params.tolerance_mm,
+            by_layers: uncut.is_of_flats(),
+            warnings: uncut.stack.warnings.iter().map(ToString::to_string).collect(),
+            invert: InvertReport { faces: uncut.stack.invert.triangles.len(), area_mm2: uncut.stack.invert.area },
+            regions: regions(uncut),
+            grid: uncut.coarser.map(grid),
+            agreement,
+            ball_agreement: uncut.ball_agreement,
+            layers: uncut.layers.iter().map(layer).collect(),
+        }
+    }
+
+    /// The report in lines for a terminal.
+    pub fn text(&self) -> String {
+        let mut text = format!("{}\n", self.sentence);
+        for warning in &self.warnings {
+            let _ = writeln!(text, "warning: {warning}");
+        }
+        if self.invert.faces > 0 {
+            let InvertReport { faces, area_mm2 } = self.invert;
+            let _ = writeln!(
+                text,
+                "{faces} faces ({area_mm2:.2} mm2) look away from the cutters: for another set-up or a slide."
+            );
+        }
+        if let Some(AgreementReport { layers, field, field_step_mm }) = &self.agreement {
+            let _ = writeln!(
+                text,
+                "Flat cutters by layers: {} regions, {:.3} mm3; by heights {field_step_mm:.4} mm apart: {} regions, {:.3} mm3.",
+                layers.regions, layers.volume_mm3, field.regions, field.volume_mm3
+            );
+        }
+        if let Some(GridReport { step_mm, coarser_step_mm, coarser, off_mm3 }) = &self.grid {
+            let volume = self.regions.iter().fold(0.0, |sum, r| sum + r.volume_mm3);
+            let share = if volume > 0.0 { format!(" ({:.1} %)", 100.0 * off_mm3 / volume) } else { String::new() };
+            let _ = writeln!(
+                text,
+                "All cutters by heights {step_mm:.4} mm apart; {coarser_step_mm:.4} mm apart: {} regions, {:.3} mm3. So the volume may be off by about {off_mm3:.3} mm3{share}.",
+                coarser.regions, coarser.volume_mm3
+            );
+        }
+        if let Some(BallAgreement { places, median_mm, ninetieth_mm }) = self.ball_agreement {
+            let _ = writeln!(
+                text,
+                "Ball cutters by heights and by exact search, at {places} places: half within {median_mm:.4} mm, nine of ten within {ninetieth_mm:.4} mm."
+            );
+        }
+        if !self.regions.is_empty() {
+            let _ = writeln!(
+                text,
+                "{:>4} {:>12} {:>12} {:>12} {:>10} {:>12} {:>6}   {:<40} nearest",
+                "", "volume mm3", "plan mm2", "surface mm2", "height mm", "thickness mm", "faces", "at"
+            );
+        }
+        for r in &self.regions {
+            let [low, high] = r.bounds_mm;
+            let at: Vec<String> = (0..3).map(|k| format!("{:.2}..{:.2}", low[k], high[k])).collect();
+            let nearest = r.nearest_cutter.as_deref().unwrap_or("-");
+            let (index, volume, plan, surface) = (r.index, r.volume_mm3, r.plan_area_mm2, r.surface_area_mm2);
+            let (height, thickness, faces) = (r.height_mm, r.thickness_mm, r.faces.len());
+            let _ = writeln!(
+                text,
+                "{index:>4} {volume:>12.4} {plan:>12.4} {surface:>12.3} {height:>10.3} {thickness:>12.3} {faces:>6}   {:<40} {nearest}",
+                at.join(" ")
+            );
+        }
+        text
+    }
+}
+
+/// Regions up to so many tolerances thick are at the tolerance.
+const AT_TOLERANCE: f64 = 1.5;
+
+fn sentence(uncut: &Uncut) -> String {
+    let Found { regions, volume_mm3 } = uncut.found();
+    let doubt = if uncut.is_whole() { "" } else { "; see the warnings: more may be left than is said" };
+    let limit = AT_TOLERANCE * uncut.params.tolerance_mm;
+    let thin = match uncut.regions.iter().filter(|r| r.thickness <= limit).count() {
+        0 => String::new(),
+        thin => format!(", {thin} of them no thicker than {limit:.3} mm, about the tolerance"),
+    };
+    match regions {
+        0 => format!("The cutters reach everything{doubt}."),
+        1 => format!("The cutters leave 1 region of {volume_mm3:.3} mm3{thin}{doubt}."),
+        _ => format!("The cutters leave {regions} regions of {volume_mm3:.3} mm3 together{thin}{doubt}."),
+    }
+}
+
+fn regions(uncut: &Uncut) -> Vec<RegionReport> {
+    let cutters = &uncut.params.library.cutter;
+    let report = |(i, r): (usize, &UncutRegion)| {
+        // To a nanometre, so that no zero has a sign.
+        let ends = [r.bounds.min, r.bounds.max].map(|p| (uncut.params.opening.in_mesh(p) * 1e6).round() / 1e6 + 0.0);
+        RegionReport {
+            index: i + 1,
+            volume_mm3: r.volume,
+            plan_area_mm2: r.plan_area,
+            surface_area_mm2: r.surface_area,
+            height_mm: r.depth,
+            thickness_mm: r.thickness,
+            bounds_mm: [ends[0].min(ends[1]).to_array(), ends[0].max(ends[1]).to_array()],
+            faces: r.faces.clone(),
+            nearest_cutter: r.nearest_cutter.and_then(|k| cutters.get(k)).map(|c| c.label()),
+        }
+    };
+    uncut.regions.iter().enumerate().map(report).collect()
+}

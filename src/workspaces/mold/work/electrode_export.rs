@@ -1,0 +1,111 @@
+//! The files of electrodes: their shapes, the burn table, a sheet for people and a report with pictures.
+
+use std::path::{Path, PathBuf};
+
+use super::{Designed, LoadedMold};
+use crate::workspaces::blisk::scene::pictures::PICTURE_SIZE;
+use crate::workspaces::mold::export::export_electrodes;
+use crate::workspaces::mold::report::ElectrodesReport;
+use crate::workspaces::mold::scene::pictures::electrode_pictures;
+use files::export_folder::ExportFolder;
+use mold::electrode::design::ElectrodeSet;
+use mold::electrode::overrides::IdleOverride;
+use nc::burn_template::BurnSheet;
+use nc::electrode_files::{ElectrodeFormat, LeftOut};
+use render::offscreen::{Offscreen, RenderError};
+use task::{Cancel, Progress};
+
+/// What was written.
+#[derive(Debug)]
+pub struct Exported {
+    folder: PathBuf,
+    files: usize,
+    left_out: Vec<LeftOut>,
+    /// How many electrode files of earlier exports are still there.
+    stale: usize,
+    /// Overrides for what electrodes of their names no longer burn, in words.
+    lapsed: Vec<String>,
+    /// Why there is no burn sheet.
+    no_sheet: Option<String>,
+    /// Why there are no pictures.
+    no_pictures: Option<String>,
+}
+
+impl Exported {
+    /// What was written, and what was not and why.
+    pub fn sentence(&self) -> String {
+        let plural = if self.files == 1 { "" } else { "s" };
+        let mut text = format!("{} file{plural} and the burn table written to {}", self.files, self.folder.display());
+        for left in &self.left_out {
+            text += &format!("; {} left out ({})", left.electrode, left.why);
+        }
+        match self.stale {
+            0 => {}
+            1 => text += "; an electrode file of an earlier export is still there",
+            stale => text += &format!("; {stale} electrode files of earlier exports are still there"),
+        }
+        for lapsed in &self.lapsed {
+            text += &format!("; {lapsed}");
+        }
+        if let Some(why) = &self.no_sheet {
+            text += &format!("; no burn sheet: {why}");
+        }
+        if let Some(why) = &self.no_pictures {
+            text += &format!("; no pictures: {why}");
+        }
+        text
+    }
+}
+
+/// Writes all of it into `folder`, which is made if it is not there. Electrodes that are blocked have no file.
+///
+/// # Errors
+/// One line naming the file.
+pub(super) fn export(
+    folder: &Path,
+    (set, designed): (&ElectrodeSet, &Designed),
+    (mold, name): (&LoadedMold, &str),
+    (formats, sheet): (&[ElectrodeFormat], &BurnSheet),
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Exported, String> {
+    let opened = ExportFolder::open(folder).map_err(|e| e.to_string())?;
+    let (pictures, no_pictures) = match draw(set, designed, mold, progress, cancel) {
+        Ok(pictures) => (pictures, None),
+        Err(RenderError::Cancelled(cancelled)) => return Err(cancelled.to_string()),
+        Err(error) => (Vec::new(), Some(error.to_string())),
+    };
+    let report = ElectrodesReport::of(set, name, designed.opening);
+    cancel.check().map_err(|e| e.to_string())?;
+    let written = export_electrodes(opened, (set, &report), sheet, &pictures, formats).map_err(|e| e.to_string())?;
+    let lapsed = set.idle_overrides().into_iter().filter(|(_, why)| *why == IdleOverride::OtherParts);
+    let lapsed = lapsed.map(|(o, why)| format!("override of {o}: {}", why.text())).collect();
+    Ok(Exported {
+        lapsed,
+        folder: folder.to_owned(),
+        files: written.files.len(),
+        stale: written.stale.len(),
+        left_out: written.left_out,
+        no_sheet: written.no_sheet,
+        no_pictures,
+    })
+}
+
+fn draw(
+    set: &ElectrodeSet,
+    designed: &Designed,
+    mold: &LoadedMold,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Vec<(String, Vec<u8>)>, RenderError> {
+    let mut offscreen = Offscreen::new()?;
+    let pictures = electrode_pictures(set, &designed.shapes, &mold.shape, designed.opening);
+    let count = pictures.len() as f64;
+    let mut drawn = Vec::new();
+    for (i, picture) in pictures.into_iter().enumerate() {
+        cancel.check()?;
+        progress.report("pictures", i as f64 / count, &picture.caption);
+        drawn.push((picture.caption, offscreen.png(&picture.scene, &picture.camera, PICTURE_SIZE, cancel)?));
+    }
+    Ok(drawn)
+}

@@ -1,0 +1,108 @@
+//! The steps of the work on a mold, each a pure function of what it is given.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::workspaces::mold::job::compare::{Comparison, compare as compare_answers};
+use crate::workspaces::mold::job::uncut::{Uncut, UncutError, UncutParams, uncut};
+use crate::workspaces::mold::report::uncut::UncutReport;
+use crate::workspaces::mold::scene::{RegionShape, faces_shape, region_shapes};
+use geometry::mesh::Mesh;
+use import::{ImportOptions, ImportReport, Units, import_file};
+use render::mesh::RenderMesh;
+use task::{Cancel, Progress};
+
+/// A mold as loaded.
+#[derive(Debug)]
+pub struct LoadedMold {
+    /// What to call it.
+    pub name: String,
+    /// It (mm, in the axes of its file).
+    pub mesh: Arc<Mesh>,
+    /// The same for the screen.
+    pub shape: Arc<RenderMesh>,
+    /// What the import found.
+    pub report: ImportReport,
+    /// Volume (mm^3).
+    pub volume: f64,
+    /// What tells it from any other: digest of the file and the unit that it was read in.
+    pub sha256: String,
+}
+
+impl LoadedMold {
+    pub(super) fn sentence(&self) -> String {
+        format!("{}: {} triangles", self.name, self.mesh.triangles.len())
+    }
+}
+
+/// What the cutters leave of a mold, with all that is shown of it.
+#[derive(Debug)]
+pub struct FoundUncut {
+    /// The answer.
+    pub uncut: Uncut,
+    /// The same in figures and words.
+    pub report: UncutReport,
+    /// The regions for the screen.
+    pub shapes: Vec<RegionShape>,
+    /// The faces that look away from the cutters, for the screen.
+    pub invert: Option<Arc<RenderMesh>>,
+    /// The greatest height of what is left (mm).
+    pub deepest: f64,
+}
+
+impl FoundUncut {
+    /// What was found, in a sentence.
+    pub fn sentence(&self) -> String {
+        self.report.sentence.replace("mm3", "mm³")
+    }
+}
+
+/// Reads a mold from its file.
+///
+/// # Errors
+/// One line naming file, place and remedy.
+pub(super) fn load(path: &Path, units: Units, progress: &Progress, cancel: &Cancel) -> Result<LoadedMold, String> {
+    let options = ImportOptions { units, ..Default::default() };
+    let imported = import_file(path, &options, progress, cancel).map_err(|e| e.to_string())?;
+    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let shape = Arc::new(RenderMesh::new(&imported.mesh));
+    cancel.check().map_err(|e| e.to_string())?;
+    let sha256 = format!("{} {}", imported.sha256, imported.report.unit.name());
+    let volume = imported.mesh.volume();
+    Ok(LoadedMold { name, mesh: Arc::new(imported.mesh), shape, report: imported.report, volume, sha256 })
+}
+
+/// Finds what the cutters leave.
+///
+/// # Errors
+/// One line for the user.
+pub(super) fn find(
+    mold: &LoadedMold,
+    params: &UncutParams,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<FoundUncut, String> {
+    let text = |e: UncutError| e.to_string();
+    let found = uncut(&mold.mesh, params, progress, cancel).map_err(text)?;
+    let shapes = region_shapes(&mold.mesh, &found.surface, found.regions.len(), params.opening);
+    let invert = faces_shape(&mold.mesh, &found.stack.invert.triangles);
+    let deepest = found.regions.iter().fold(0.0, |most: f64, r| most.max(r.depth));
+    cancel.check().map_err(|e| e.to_string())?;
+    Ok(FoundUncut { report: UncutReport::of(&found), uncut: found, shapes, invert, deepest })
+}
+
+/// Finds what other cutters leave, and how that compares with what was found.
+///
+/// # Errors
+/// One line for the user.
+pub(super) fn compare(
+    mold: &LoadedMold,
+    found: &FoundUncut,
+    params: &UncutParams,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<(FoundUncut, Comparison), String> {
+    let other = find(mold, params, progress, cancel)?;
+    let comparison = compare_answers(&mold.mesh, &found.uncut, &other.uncut, progress, cancel);
+    Ok((other, comparison.map_err(|e| e.to_string())?))
+}
