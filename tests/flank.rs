@@ -4,6 +4,9 @@ use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 use serde_json::Value;
+use sparkpath::export::approved_flank::{ApprovedFlank, NotApprovedFlank};
+use sparkpath::export::flank_cl::cl_text;
+use sparkpath::export::flank_nc::FlankNc;
 use sparkpath::flank::cutter::{FlankCutter, HolderPart};
 use sparkpath::flank::guide::GuideCurve;
 use sparkpath::flank::machine::milling_machine::MillingMachine;
@@ -11,7 +14,7 @@ use sparkpath::flank::params::{FlankParams, Objective, OffsetMethod};
 use sparkpath::flank::ruled_surface::{RuledSurface, Side};
 use sparkpath::geometry::mesh::Mesh;
 use sparkpath::jobs::flank::{CheckKind, FlankInput, FlankResult, flank};
-use sparkpath::jobs::flank_export::{CL_FILE, CSV_FILE, ExportChoice, WrittenFlank, cl, export};
+use sparkpath::jobs::flank_export::{CL_FILE, CSV_FILE, ExportChoice, WrittenFlank, export};
 use sparkpath::jobs::flank_files::{load, load_surface};
 use sparkpath::jobs::flank_report::report;
 use sparkpath::mesh_io::{Units, write_stl};
@@ -137,6 +140,37 @@ fn the_files_hold_the_path_that_was_checked() {
     assert_eq!(nc.lines().filter(|l| l.contains("G01")).count(), milled.line.points.len());
 }
 
+/// A result whose failing checks are all overridden, each by its name for what it found.
+fn let_pass(result: &FlankResult) -> FlankResult {
+    let mut passed = result.clone();
+    let decisions: Vec<FlankOverride> = result.checks.iter().filter(|c| !c.holds).map(|c| c.let_pass()).collect();
+    passed.decide(&decisions);
+    passed
+}
+
+#[test]
+fn a_flank_is_approved_by_checks_that_hold_or_were_overridden_and_never_by_a_quick_look() {
+    let mut document = quick();
+    document.cutter.length_mm = 8.0;
+    let short = run(&loaded(&document));
+    let refused = ApprovedFlank::new(&short).err().unwrap();
+    assert_eq!(refused, NotApprovedFlank::Checks(short.why_blocked().unwrap()));
+    let passed = let_pass(&short);
+    let approved = ApprovedFlank::new(&passed).unwrap();
+    let cutter = check(&short, CheckKind::Cutter);
+    assert_eq!(approved.warnings()[0], format!("check cutter fails, overridden: {}", cutter.text));
+    // Another override than that for the check, or one for less than it finds, approves nothing.
+    for (wrong, less) in [("gouge", None), ("cutter", Some(1e-3))] {
+        let mut result = short.clone();
+        result.decide(&[FlankOverride { most: less, ..FlankOverride::whatever(wrong) }]);
+        assert!(ApprovedFlank::new(&result).is_err(), "{wrong}");
+    }
+    let quick = FlankInput { is_quick_look: true, ..loaded(&quick()) };
+    let mut looked = run(&quick);
+    looked.decide(&CheckKind::ALL.map(|kind| FlankOverride::whatever(kind.name())));
+    assert_eq!(ApprovedFlank::new(&looked).err(), Some(NotApprovedFlank::QuickLook));
+}
+
 #[test]
 fn what_is_said_of_the_moving_cutter_is_the_worse_of_the_plans_grid_and_of_the_checks() {
     let document = quick();
@@ -146,7 +180,7 @@ fn what_is_said_of_the_moving_cutter_is_the_worse_of_the_plans_grid_and_of_the_c
     let worst = [-planned.most_overcut.min(checked.most_overcut), planned.most_undercut.max(checked.most_undercut)];
     assert_eq!(result.moving_most(), worst);
     let [overcut, undercut] = worst;
-    let remarks = cl(&result).unwrap();
+    let remarks = cl_text(&ApprovedFlank::new(&result).unwrap()).unwrap();
     let remarks: Vec<&str> = remarks.lines().filter_map(|line| line.strip_prefix("$$ ")).collect();
     let said = format!("Moving cutter: overcut up to {overcut:.4} mm, undercut up to {undercut:.4} mm");
     assert!(remarks.join(" ").contains(&said), "{remarks:?}");
@@ -614,9 +648,11 @@ fn walls_without_a_unit_are_in_that_of_the_surface_and_every_reader_is_told() {
     let result = run(&input);
     let said = "walls.obj: The unit is a guess: millimetres";
     assert!(result.all_warnings().iter().any(|w| w.contains(said)), "{:?}", result.all_warnings());
-    let cl = sparkpath::jobs::flank_export::cl(&result).unwrap();
+    let passed = let_pass(&result);
+    let approved = ApprovedFlank::new(&passed).unwrap();
+    let cl = cl_text(&approved).unwrap();
     assert!(cl.contains("WARNING: walls.obj: The unit is a guess"), "{cl}");
-    let nc = sparkpath::jobs::flank_export::nc(&result, result.milled().unwrap()).unwrap().text;
+    let nc = FlankNc::new(&approved, "flank").unwrap().text;
     assert!(nc.to_lowercase().contains("walls.obj: the unit is a guess"), "{nc}");
     let report = report(&result, &document);
     assert!(report.json().unwrap().contains(said) && report.warnings.iter().any(|w| w.contains(said)));

@@ -5,6 +5,7 @@
 //! decimals of the files ([`crate::feed::quantise`]) before it is verified.
 
 pub mod approved;
+pub mod approved_flank;
 mod burn_csv;
 mod burn_example;
 pub mod burn_table;

@@ -105,7 +105,8 @@ fn what_straight_moves_cut_between_the_records_is_checked() {
         assert!(!deviation.holds && deviation.text.contains("straight moves leave the path"), "{}", deviation.text);
         assert!(deviation.text.contains("--tolerance"), "{}", deviation.text);
         let is_outside = distance > 50.0;
-        let cut = cut_by_records(&cl(&coarse).unwrap(), (50.0, 3.0, is_outside));
+        let records = cl_text(&ApprovedFlank::new(&let_pass(&coarse)).unwrap()).unwrap();
+        let cut = cut_by_records(&records, (50.0, 3.0, is_outside));
         assert!(cut <= deviation.figures["overcut_mm"] + 1e-6, "{cut} {:?}", deviation.figures);
         assert!(!is_outside || cut > 0.2, "{cut}");
     }

@@ -7,10 +7,10 @@ use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::{By, Queryable as _};
 use glam::DVec3;
 use sparkpath::app::{FlankDesk, Opening, Workspace};
-use sparkpath::export::flank_nc::TipControl;
+use sparkpath::export::approved_flank::ApprovedFlank;
+use sparkpath::export::flank_nc::{FlankNc, TipControl};
 use sparkpath::flank::ruled_surface::Side;
 use sparkpath::jobs::flank::LoadedSurface;
-use sparkpath::jobs::flank_export::nc;
 use sparkpath::jobs::pipeline::StageState;
 use sparkpath::project::Stage;
 use sparkpath::project::flank_file::{read_flank, write_flank};
@@ -298,7 +298,7 @@ fn a_workpiece_is_clamped_otherwise_and_the_program_follows_the_tip() {
     let result = &desk.flank().planned().unwrap().result;
     let milled = result.milled().unwrap();
     assert_eq!(milled.machine.machine().workpiece.zero_mm.z, 45.0);
-    let program = nc(result, milled).unwrap().text;
+    let program = FlankNc::new(&ApprovedFlank::new(result).unwrap(), "flank").unwrap().text;
     assert!(program.contains("G43.4 H7"), "{program}");
     desk.picture("flank_clamped_dark");
     // Without it the workpiece stands as the file says again.

@@ -325,8 +325,7 @@ impl FlankWork {
         let planned = planned.ok_or("the plan is not of the present parameters: plan again")?;
         let mut result = planned.result.clone();
         result.decide(&document.overrides);
-        result.plan.cutter.name.clone_from(&document.cutter.name);
-        Ok(result)
+        Ok(result.with_cutter_name(&document.cutter.name))
     }
 
     /// The files that were read for `document` and have changed since: its plan is not of what they hold now.
