@@ -16,7 +16,7 @@ use crate::feed::certificate::Certificate;
 use crate::feed::machine::TravelLimits;
 use crate::feed::path::FeedPath;
 use crate::feed::pose::Axis;
-use crate::feed::verify::{Verifier, VerifyOptions};
+use crate::feed::verify::{Verifier, VerifyError, VerifyOptions};
 use crate::geometry::mesh::Mesh;
 use crate::mesh_io::Units;
 
@@ -68,14 +68,13 @@ fn options(arguments: &VerifyArguments) -> anyhow::Result<VerifyOptions> {
         "--gap {}: must be a length in mm greater than 0 and at most 100",
         arguments.gap
     );
-    anyhow::ensure!(
-        (0.0..0.5 * arguments.gap).contains(&arguments.tolerance),
-        "--tolerance {}: must be 0 or more and less than half the gap of {} mm",
-        arguments.tolerance,
-        arguments.gap
-    );
     let options = VerifyOptions { tolerance_mm: arguments.tolerance, ..Default::default() };
-    options.validate()?;
+    options.validate(arguments.gap).map_err(|error| match error {
+        VerifyError::Tolerance { tolerance_mm, spark_gap_mm } => anyhow::anyhow!(
+            "--tolerance {tolerance_mm}: must be 0 or more and less than half the gap of {spark_gap_mm} mm"
+        ),
+        other => other.into(),
+    })?;
     Ok(options)
 }
 

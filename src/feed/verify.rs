@@ -84,6 +84,16 @@ pub enum VerifyError {
     /// A row has an undefined or absurd value.
     #[error("row {0} of the path has a value that is no number or beyond 10 m or 1000 rad: correct that row")]
     RowOutOfRange(usize),
+    /// A tolerance that leaves too little of the spark gap.
+    #[error(
+        "tolerance_mm is {tolerance_mm}: it must be 0 or more, and less than half of the path's spark gap of {spark_gap_mm} mm"
+    )]
+    Tolerance {
+        /// How far below the spark gap the clearance may fall (mm).
+        tolerance_mm: f64,
+        /// The spark gap (mm).
+        spark_gap_mm: f64,
+    },
     /// A parameter or the reference point is out of its range.
     #[error("{name} is {value}: it must be {must_be}")]
     Parameter {
@@ -100,14 +110,21 @@ pub enum VerifyError {
 }
 
 impl VerifyOptions {
-    /// Checks every parameter's range.
-    pub fn validate(&self) -> Result<(), VerifyError> {
-        let check = |name, value: f64, good, must_be| {
-            if good { Ok(()) } else { Err(VerifyError::Parameter { name, value, must_be }) }
-        };
-        let (t, r) = (self.tolerance_mm, self.resolution_mm);
-        check("tolerance_mm", t, (0.0..=10.0).contains(&t), "from 0 to 10 mm")?;
-        check("resolution_mm", r, (1e-6..=1.0).contains(&r), "from 0.000001 to 1 mm")
+    /// Checks every parameter's range for paths of this spark gap (mm). No certificate is made of others: a clearance of
+    /// half the gap or less would pass for one of the gap.
+    ///
+    /// # Errors
+    /// [`VerifyError`] that names the parameter.
+    pub fn validate(&self, spark_gap_mm: f64) -> Result<(), VerifyError> {
+        let (tolerance_mm, value) = (self.tolerance_mm, self.resolution_mm);
+        if !(tolerance_mm == 0.0 || (0.0..0.5 * spark_gap_mm).contains(&tolerance_mm)) {
+            return Err(VerifyError::Tolerance { tolerance_mm, spark_gap_mm });
+        }
+        if !(1e-6..=1.0).contains(&value) {
+            let must_be = "from 0.000001 to 1 mm";
+            return Err(VerifyError::Parameter { name: "resolution_mm", value, must_be });
+        }
+        Ok(())
     }
 }
 
@@ -232,9 +249,9 @@ impl Verifier {
         progress: &Progress,
         cancel: &Cancel,
     ) -> Result<Certificate, VerifyError> {
-        options.validate()?;
         let run = Run { body: self, path, surface_of, options, progress, cancel };
         run.check_path()?;
+        options.validate(path.spark_gap)?;
         run.certificate()
     }
 

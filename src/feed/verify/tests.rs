@@ -242,6 +242,25 @@ fn crossing_surfaces_and_an_electrode_inside_metal_have_no_clearance() {
 }
 
 #[test]
+fn no_certificate_is_made_with_a_tolerance_of_half_the_gap_or_more() {
+    let block = cuboid(DVec3::splat(10.0));
+    let tool = cuboid(DVec3::ONE).mapped(|p| p + DVec3::Z * 10.06);
+    let path = |gap: f64| path(DVec3::ZERO, gap, &[Pose { x: 30.0, ..Pose::FINAL }, Pose::FINAL]);
+    let certified = |gap: f64, tolerance_mm: f64| {
+        let options = VerifyOptions { tolerance_mm, ..VerifyOptions::default() };
+        verify(&block, &tool, &path(gap), &|_| Surface::Hub, &options, &Progress::silent(), &Cancel::default())
+    };
+    // 0.06 mm are kept, of which nobody shall say that they are 0.1 or 1 mm.
+    assert!(!certified(0.1, 0.0).unwrap().holds() && certified(0.1, 0.0499).unwrap().holds());
+    for (gap, tolerance_mm) in [(0.1, 0.05), (0.1, 0.06), (1.0, 0.95), (0.1, -1e-9), (0.1, f64::NAN), (0.0, 1e-9)] {
+        let error = certified(gap, tolerance_mm).unwrap_err();
+        let VerifyError::Tolerance { tolerance_mm: t, spark_gap_mm } = &error else { panic!("{error}") };
+        assert!(t.to_bits() == tolerance_mm.to_bits() && *spark_gap_mm == gap, "{error}");
+    }
+    assert!(certified(0.0, 0.0).unwrap().holds(), "a gap of nothing has no tolerance");
+}
+
+#[test]
 fn both_ends_of_the_path_have_to_be_right() {
     let block = cuboid(DVec3::new(10.0, 40.0, 5.0)).mapped(|p| p - DVec3::new(0.0, 20.0, 0.0));
     let tool = cuboid(DVec3::ONE).mapped(|p| p + DVec3::new(4.0, 0.0, 6.0));
@@ -270,8 +289,12 @@ fn stopping_early_tells_a_violation_and_claims_nothing() {
             && early.pair_intervals() < full.pair_intervals()
     );
     assert!(full.violations().windows(2).all(|pair| pair[0].distance <= pair[1].distance));
-    let fine = super::super::path::FeedPath { spark_gap: 0.0, ..path };
-    assert_eq!(certify_with(&hub, &pad, &fine, &stop).certified(), certify(&hub, &pad, &fine).certified());
+    let fine = FeedPath { spark_gap: 0.0, ..path };
+    let [stop, full] = [true, false].map(|stop_at_violation| {
+        let options = VerifyOptions { tolerance_mm: 0.0, stop_at_violation, ..VerifyOptions::default() };
+        certify_with(&hub, &pad, &fine, &options).certified()
+    });
+    assert_eq!(stop, full);
 }
 
 #[test]
