@@ -15,7 +15,6 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::certificate::{Certificate, Contact, Findings, TravelVerdict};
 use super::machine::TravelLimits;
 use super::outside::Outside;
 use super::path::FeedPath;
@@ -24,11 +23,13 @@ use crate::blisk::channel::Surface;
 use crate::geometry::bvh::Bvh;
 use crate::geometry::mesh::Mesh;
 use crate::geometry::triangle_distance::ClosestPoints;
+use certificate::{Certificate, Contact, Findings, TravelVerdict};
 use interval::{Answer, Question};
 use motion::Motion;
 use nearest::Nearest;
 use task::{Cancel, Cancelled, Progress};
 
+pub mod certificate;
 mod inside;
 mod interval;
 mod motion;
@@ -334,6 +335,7 @@ impl Run<'_> {
         let mut contacts: Vec<_> = at_rows.iter().chain(&between.found).copied().collect();
         contacts.sort_by(|p, q| p.distance.total_cmp(&q.distance).then(p.row.total_cmp(&q.row)));
         let [blisk_digest, electrode_digest] = self.body.digests.clone();
+        let enters_from = self.body.outside.side_of(&self.path.rows[0].pose);
         Ok(Certificate::of(Findings {
             path_digest: self.path.digest(),
             blisk_digest,
@@ -345,8 +347,8 @@ impl Run<'_> {
             violations: apart(contacts.iter().filter(|c| c.distance < self.limit())),
             row_clearance: at_rows.iter().map(|c| c.distance).collect(),
             row_surface: at_rows.iter().map(|c| c.surface).collect(),
-            ends_right: self.body.outside.is_outside(&self.path.rows[0].pose)
-                && self.path.rows.last().is_some_and(|row| row.pose == Pose::FINAL),
+            enters_from,
+            ends_right: enters_from.is_some() && self.path.rows.last().is_some_and(|row| row.pose == Pose::FINAL),
             travel: self.travel(),
             pair_intervals: between.pairs,
         }))

@@ -81,24 +81,24 @@ pub struct Visit {
 
 /// What a simulation found out about a whole motion.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct Findings {
-    pub(crate) path_digest: String,
-    pub(crate) copying_digest: Option<String>,
-    pub(crate) blisk_digest: String,
-    pub(crate) electrode_digest: String,
-    pub(crate) model_digest: String,
-    pub(crate) with_bodies: bool,
-    pub(crate) body_clearance_mm: f64,
-    pub(crate) enters_from: EntrySide,
-    pub(crate) approach: Vec<Pose>,
-    pub(crate) visits: Vec<Visit>,
-    pub(crate) out_of_reach: Vec<usize>,
-    pub(crate) pairs: Vec<PairReport>,
-    pub(crate) travel: Option<OutOfTravel>,
-    pub(crate) minutes: f64,
-    pub(crate) period_error: Option<f64>,
+pub(super) struct Findings {
+    pub(super) path_digest: String,
+    pub(super) copying_digest: Option<String>,
+    pub(super) blisk_digest: String,
+    pub(super) electrode_digest: String,
+    pub(super) model_digest: String,
+    pub(super) with_bodies: bool,
+    pub(super) body_clearance_mm: f64,
+    pub(super) enters_from: EntrySide,
+    pub(super) approach: Vec<Pose>,
+    pub(super) visits: Vec<Visit>,
+    pub(super) out_of_reach: Vec<usize>,
+    pub(super) pairs: Vec<PairReport>,
+    pub(super) travel: Option<OutOfTravel>,
+    pub(super) minutes: f64,
+    pub(super) period_error: Option<f64>,
     #[serde(skip)]
-    pub(crate) bodies: Vec<Body>,
+    pub(super) bodies: Vec<Body>,
 }
 
 /// What was proven about the whole motion of one electrode on its machine. Nobody else than
@@ -118,12 +118,6 @@ pub struct Simulation {
 impl Simulation {
     /// The simulation that found this: for [`simulate`](super::simulate) alone.
     pub(super) fn of(findings: Findings) -> Self {
-        Self { findings }
-    }
-
-    /// A simulation of made-up findings.
-    #[cfg(test)]
-    pub(crate) fn made_up(findings: Findings) -> Self {
         Self { findings }
     }
 

@@ -32,7 +32,7 @@ use crate::blisk::electrode::Electrode;
 use crate::geometry::mesh::Mesh;
 pub use approach::Approach;
 use bodies::Bodies;
-pub(crate) use findings::Findings;
+use findings::Findings;
 pub use findings::{OutOfTravel, PairReport, Place, Simulation, Visit};
 use run::Run;
 use task::{Cancel, Cancelled, Progress};

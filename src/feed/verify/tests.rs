@@ -4,6 +4,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use proptest::prelude::*;
 
 use super::*;
+use crate::blisk::electrode::EntrySide;
 use crate::feed::machine::BeyondTravel;
 use crate::feed::path::PathRow;
 use crate::feed::pose::Axis;
@@ -226,9 +227,11 @@ fn crossing_surfaces_and_an_electrode_inside_metal_have_no_clearance() {
         let into = certify(&block, &placed, &path(DVec3::ZERO, 0.1, &[away, Pose::FINAL]));
         assert_eq!((into.certified(), into.least().distance, into.ends_right()), (0.0, 0.0, true));
         assert!(!into.holds());
+        let without_gap = FeedPath { spark_gap: 0.0, ..path(DVec3::ZERO, 0.1, &[away, Pose::FINAL]) };
+        let strict = VerifyOptions { tolerance_mm: 0.0, ..VerifyOptions::default() };
         assert!(
-            !Certificate::made_up(Findings { required: 0.0, ..into.into_findings() }).holds(),
-            "no tolerance makes a crossing good"
+            !certify_with(&block, &placed, &without_gap, &strict).holds(),
+            "a crossing is not good where no gap is asked for"
         );
         let still = certify(&block, &placed, &path(DVec3::ZERO, 0.1, &[Pose::FINAL, Pose::FINAL]));
         assert_eq!((still.certified(), still.least().distance, still.least().row), (0.0, 0.0, 0.0));
@@ -258,6 +261,20 @@ fn no_certificate_is_made_with_a_tolerance_of_half_the_gap_or_more() {
         assert!(t.to_bits() == tolerance_mm.to_bits() && *spark_gap_mm == gap, "{error}");
     }
     assert!(certified(0.0, 0.0).unwrap().holds(), "a gap of nothing has no tolerance");
+}
+
+#[test]
+fn the_side_of_entry_is_that_on_which_the_motion_begins() {
+    let block = cuboid(DVec3::new(10.0, 40.0, 5.0)).mapped(|p| p - DVec3::new(0.0, 20.0, 0.0));
+    let tool = cuboid(DVec3::ONE).mapped(|p| p + DVec3::new(4.0, 0.0, 6.0));
+    let side = |x: f64, then: f64| {
+        let poses = [Pose { x, ..Pose::FINAL }, Pose { x: then, ..Pose::FINAL }, Pose::FINAL];
+        certify(&block, &tool, &path(DVec3::ZERO, 0.1, &poses)).enters_from()
+    };
+    assert_eq!((side(6.1, 0.0), side(-5.1, 0.0)), (Some(EntrySide::PlusX), Some(EntrySide::MinusX)));
+    // Beyond the other side later on is not where it comes from, and within is nowhere.
+    assert_eq!((side(6.1, -5.1), side(-5.1, 6.1)), (Some(EntrySide::PlusX), Some(EntrySide::MinusX)));
+    assert_eq!((side(5.9, 6.1), side(0.0, -5.1)), (None, None));
 }
 
 #[test]
