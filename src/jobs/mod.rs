@@ -22,6 +22,7 @@ pub mod plan_files;
 pub mod plan_pictures;
 pub mod plan_report;
 pub mod prepared_blisk;
+pub mod released;
 pub mod simulate;
 pub mod sizing;
 pub mod stages;
