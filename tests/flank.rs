@@ -10,14 +10,17 @@ use flank::ruled_surface::{RuledSurface, Side};
 use geometry::mesh::Mesh;
 use glam::DVec3;
 use import::{Units, write_stl};
+use nc::approved_flank::{ApprovedFlank, NotApprovedFlank};
+use nc::cutter_locations::cl_text;
+use nc::flank_job::overrides::FlankOverride;
+use nc::flank_job::{CheckKind, FlankInput, FlankResult, flank};
+use nc::flank_program::FlankNc;
 use serde_json::Value;
-use sparkpath::workspaces::flank::document::overrides::FlankOverride;
 use sparkpath::workspaces::flank::document::{
     CutDirection, DemonstrationSurface, FlankDocument, FlankSource, MeshFlank, PathChoice, WallsFile,
 };
-use sparkpath::workspaces::flank::export::{CL_FILE, CSV_FILE, ExportChoice, WrittenFlank, cl, export};
-use sparkpath::workspaces::flank::job::inputs::{load, load_surface};
-use sparkpath::workspaces::flank::job::{CheckKind, FlankInput, FlankResult, flank};
+use sparkpath::workspaces::flank::export::{CL_FILE, CSV_FILE, ExportChoice, WrittenFlank, export};
+use sparkpath::workspaces::flank::inputs::{load, load_surface};
 use sparkpath::workspaces::flank::report::build::report;
 use task::{Cancel, Progress};
 use tempfile::TempDir;
@@ -70,7 +73,7 @@ fn read(folder: &TempDir, file: &str) -> String {
     std::fs::read_to_string(folder.path().join("out").join(file)).unwrap()
 }
 
-fn check(result: &FlankResult, kind: CheckKind) -> &sparkpath::workspaces::flank::job::FlankCheck {
+fn check(result: &FlankResult, kind: CheckKind) -> &nc::flank_job::FlankCheck {
     result.checks.iter().find(|c| c.kind == kind).unwrap()
 }
 
@@ -137,6 +140,37 @@ fn the_files_hold_the_path_that_was_checked() {
     assert_eq!(nc.lines().filter(|l| l.contains("G01")).count(), milled.line.points.len());
 }
 
+/// A result whose failing checks are all overridden, each by its name for what it found.
+fn let_pass(result: &FlankResult) -> FlankResult {
+    let mut passed = result.clone();
+    let decisions: Vec<FlankOverride> = result.checks.iter().filter(|c| !c.holds).map(|c| c.let_pass()).collect();
+    passed.decide(&decisions);
+    passed
+}
+
+#[test]
+fn a_flank_is_approved_by_checks_that_hold_or_were_overridden_and_never_by_a_quick_look() {
+    let mut document = quick();
+    document.cutter.length_mm = 8.0;
+    let short = run(&loaded(&document));
+    let refused = ApprovedFlank::new(&short).err().unwrap();
+    assert_eq!(refused, NotApprovedFlank::Checks(short.why_blocked().unwrap()));
+    let passed = let_pass(&short);
+    let approved = ApprovedFlank::new(&passed).unwrap();
+    let cutter = check(&short, CheckKind::Cutter);
+    assert_eq!(approved.warnings()[0], format!("check cutter fails, overridden: {}", cutter.text));
+    // Another override than that for the check, or one for less than it finds, approves nothing.
+    for (wrong, less) in [("gouge", None), ("cutter", Some(1e-3))] {
+        let mut result = short.clone();
+        result.decide(&[FlankOverride { most: less, ..FlankOverride::whatever(wrong) }]);
+        assert!(ApprovedFlank::new(&result).is_err(), "{wrong}");
+    }
+    let quick = FlankInput { is_quick_look: true, ..loaded(&quick()) };
+    let mut looked = run(&quick);
+    looked.decide(&CheckKind::ALL.map(|kind| FlankOverride::whatever(kind.name())));
+    assert_eq!(ApprovedFlank::new(&looked).err(), Some(NotApprovedFlank::QuickLook));
+}
+
 #[test]
 fn what_is_said_of_the_moving_cutter_is_the_worse_of_the_plans_grid_and_of_the_checks() {
     let document = quick();
@@ -146,7 +180,7 @@ fn what_is_said_of_the_moving_cutter_is_the_worse_of_the_plans_grid_and_of_the_c
     let worst = [-planned.most_overcut.min(checked.most_overcut), planned.most_undercut.max(checked.most_undercut)];
     assert_eq!(result.moving_most(), worst);
     let [overcut, undercut] = worst;
-    let remarks = cl(&result).unwrap();
+    let remarks = cl_text(&ApprovedFlank::new(&result).unwrap()).unwrap();
     let remarks: Vec<&str> = remarks.lines().filter_map(|line| line.strip_prefix("$$ ")).collect();
     let said = format!("Moving cutter: overcut up to {overcut:.4} mm, undercut up to {undercut:.4} mm");
     assert!(remarks.join(" ").contains(&said), "{remarks:?}");
@@ -206,7 +240,7 @@ fn leads_that_cut_the_surface_itself_fail_without_any_wall() {
         let angles = (0..=60).map(|i| (f64::from(i) * 190.0 / 60.0).to_radians());
         GuideCurve::Points { points: angles.map(|a| DVec3::new(4.0 * a.cos(), 4.0 * a.sin(), z)).collect(), degree: 3 }
     };
-    input.surface = sparkpath::workspaces::flank::job::LoadedSurface::Guides { lower: arc(0.0), upper: arc(10.0) };
+    input.surface = nc::flank_job::LoadedSurface::Guides { lower: arc(0.0), upper: arc(10.0) };
     input.side = Side::Negative;
     input.cutter = FlankCutter::cylinder(3.0, 20.0);
     input.machine = None;
@@ -437,7 +471,7 @@ fn a_flank_of_a_mesh_is_milled_as_the_surface_that_it_was_made_from() {
     let source = MeshFlank { file, units: Units::Mm, ..MeshFlank::default() };
     let document = FlankDocument { source: FlankSource::Mesh(source), ..quick() };
     let mut input = loaded(&document);
-    let sparkpath::workspaces::flank::job::LoadedSurface::Face { candidates, number, .. } = &mut input.surface else {
+    let nc::flank_job::LoadedSurface::Face { candidates, number, .. } = &mut input.surface else {
         panic!("a face of a mesh")
     };
     // The front and the back are equal in area: the front is the one that looks forwards.
@@ -462,7 +496,7 @@ fn a_flank_of_a_mesh_is_milled_as_the_surface_that_it_was_made_from() {
     let most = most + off_mm + result.stray_mm;
     assert!(deviation.text.contains(&format!("overcut up to {most:.4} mm")), "{}", deviation.text);
     // One that there is not.
-    let sparkpath::workspaces::flank::job::LoadedSurface::Face { number, .. } = &mut input.surface else { return };
+    let nc::flank_job::LoadedSurface::Face { number, .. } = &mut input.surface else { return };
     *number = 1000;
     let said = flank(&input, &Progress::silent(), &Cancel::default()).unwrap_err().to_string();
     assert!(said.contains("no flank 1000"), "{said}");
@@ -505,7 +539,7 @@ fn a_flank_all_around_is_milled_in_one_go_and_back_to_its_start() {
     document.cutter = FlankCutter::cylinder(3.0, 20.0);
     let mut input = loaded(&document);
     input.machine = None;
-    let sparkpath::workspaces::flank::job::LoadedSurface::Face { candidates, number, .. } = &mut input.surface else {
+    let nc::flank_job::LoadedSurface::Face { candidates, number, .. } = &mut input.surface else {
         panic!("a face of a mesh")
     };
     let frustum = candidates.iter().position(|c| c.kind == flank::fit_ruled::CandidateKind::Cone);
@@ -544,7 +578,7 @@ fn a_flank_that_cannot_be_is_answered_in_words_and_work_that_is_not_wanted_stops
     cancel.cancel();
     assert!(flank(&input, &Progress::silent(), &cancel).unwrap_err().is_cancelled());
     let line = |from: [f64; 3], to: [f64; 3]| GuideCurve::Bezier { points: vec![from.into(), to.into()] };
-    input.surface = sparkpath::workspaces::flank::job::LoadedSurface::Guides {
+    input.surface = nc::flank_job::LoadedSurface::Guides {
         lower: line([0.0, 0.0, 0.0], [10.0, 0.0, 0.0]),
         upper: line([5.0, -5.0, 0.0], [5.0, 5.0, 0.0]),
     };
@@ -572,8 +606,8 @@ fn a_part_without_a_unit_is_not_milled_in_inches_by_a_guess() {
         let source = FlankSource::Mesh(MeshFlank { file: file.clone(), units, ..MeshFlank::default() });
         load_surface(&source, &Progress::silent(), &Cancel::default())
     };
-    let length = |surface: &sparkpath::workspaces::flank::job::LoadedSurface| match surface {
-        sparkpath::workspaces::flank::job::LoadedSurface::Face { mesh, .. } => mesh.bounds().size().x,
+    let length = |surface: &nc::flank_job::LoadedSurface| match surface {
+        nc::flank_job::LoadedSurface::Face { mesh, .. } => mesh.bounds().size().x,
         other => panic!("{other:?}"),
     };
     // 12 inches would be an ordinary part, 12 mm is an electrode.
@@ -613,9 +647,11 @@ fn walls_without_a_unit_are_in_that_of_the_surface_and_every_reader_is_told() {
     let result = run(&input);
     let said = "walls.obj: The unit is a guess: millimetres";
     assert!(result.all_warnings().iter().any(|w| w.contains(said)), "{:?}", result.all_warnings());
-    let cl = sparkpath::workspaces::flank::export::cl(&result).unwrap();
+    let passed = let_pass(&result);
+    let approved = ApprovedFlank::new(&passed).unwrap();
+    let cl = cl_text(&approved).unwrap();
     assert!(cl.contains("WARNING: walls.obj: The unit is a guess"), "{cl}");
-    let nc = sparkpath::workspaces::flank::export::nc(&result, result.milled().unwrap()).unwrap().text;
+    let nc = FlankNc::new(&approved, "flank").unwrap().text;
     assert!(nc.to_lowercase().contains("walls.obj: the unit is a guess"), "{nc}");
     let report = report(&result, &document);
     assert!(report.json().unwrap().contains(said) && report.warnings.iter().any(|w| w.contains(said)));

@@ -3,8 +3,6 @@
 //! Pictures are drawn by Mesa's software renderer (Debian: mesa-vulkan-drivers); `UPDATE_SNAPSHOTS=1` makes those in
 //! `tests/snapshots` anew, which must then be looked at.
 
-#[path = "window/approving.rs"]
-mod approving;
 mod common;
 #[path = "window/desk.rs"]
 mod desk;
@@ -26,5 +24,7 @@ mod looks;
 mod machine;
 #[path = "window/mold.rs"]
 mod mold;
+#[path = "window/releasing.rs"]
+mod releasing;
 #[path = "window/saving.rs"]
 mod saving;

@@ -7,12 +7,12 @@ use super::{Answer, Session};
 use crate::workspaces::flank::document::FlankDocument;
 use crate::workspaces::flank::document::flank_file::write_flank;
 use crate::workspaces::flank::export::{ExportChoice, check_folder, export};
-use crate::workspaces::flank::job::inputs::{input, load_machine, load_surface, load_walls, walls_unit};
-use crate::workspaces::flank::job::{FlankResult, LoadedSurface, flank as plan};
+use crate::workspaces::flank::inputs::{input, load_machine, load_surface, load_walls, walls_unit};
 use crate::workspaces::flank::report::FlankReport;
 use crate::workspaces::flank::report::build::{report, sentence};
 use files::user_folder::user_folder;
 use flank::fit_ruled::{Candidate, CandidateFit};
+use nc::flank_job::{FlankResult, LoadedSurface, flank as plan};
 
 /// Plans the flank, checks the path, writes what may be milled. The answer is no where a check fails, overridden or not.
 pub(super) fn flank(arguments: &FlankArguments, session: &Session) -> anyhow::Result<Answer> {

@@ -11,14 +11,14 @@ use super::flank_values::{
 };
 use super::{Session, flank_electrode, unit};
 use crate::workspaces::flank::document::flank_file::{ENDING, is_flank_file, read_flank};
-use crate::workspaces::flank::document::overrides::FlankOverride;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, MeshFlank, WallsFile};
 use crate::workspaces::flank::electrode_part::{keep_off_base, turn_over};
-use crate::workspaces::flank::job::inputs::load_machine;
+use crate::workspaces::flank::inputs::load_machine;
 use files::user_folder::user_folder;
 use flank::cutter::HolderPart;
 use flank::params::Objective;
 use import::Units;
+use nc::flank_job::overrides::FlankOverride;
 
 #[derive(Debug, Args)]
 pub(super) struct FlankArguments {

@@ -3,12 +3,12 @@
 use clap::ValueEnum;
 use glam::DVec3;
 
-use crate::workspaces::flank::document::overrides::FlankOverride;
 use crate::workspaces::flank::document::{CutDirection, DemonstrationSurface, PathChoice};
-use crate::workspaces::flank::job::CheckKind;
 use flank::cutter::HolderPart;
 use flank::params::OffsetMethod;
 use flank::ruled_surface::Side;
+use nc::flank_job::CheckKind;
+use nc::flank_job::overrides::FlankOverride;
 use nc::flank_program::TipControl;
 
 /// See [`CutDirection`].

@@ -10,7 +10,7 @@ use feed::certificate::Certificate;
 use feed::machine::TravelLimits;
 use feed::path::FeedPath;
 use feed::pose::Axis;
-use feed::verify::{Verifier, VerifyOptions};
+use feed::verify::{Verifier, VerifyError, VerifyOptions};
 use files::whole_file::write_atomically;
 use geometry::mesh::Mesh;
 use import::Units;
@@ -68,14 +68,13 @@ fn options(arguments: &VerifyArguments) -> anyhow::Result<VerifyOptions> {
         "--gap {}: must be a length in mm greater than 0 and at most 100",
         arguments.gap
     );
-    anyhow::ensure!(
-        (0.0..0.5 * arguments.gap).contains(&arguments.tolerance),
-        "--tolerance {}: must be 0 or more and less than half the gap of {} mm",
-        arguments.tolerance,
-        arguments.gap
-    );
     let options = VerifyOptions { tolerance_mm: arguments.tolerance, ..Default::default() };
-    options.validate()?;
+    options.validate(arguments.gap).map_err(|error| match error {
+        VerifyError::Tolerance { tolerance_mm, spark_gap_mm } => anyhow::anyhow!(
+            "--tolerance {tolerance_mm}: must be 0 or more and less than half the gap of {spark_gap_mm} mm"
+        ),
+        other => other.into(),
+    })?;
     Ok(options)
 }
 

@@ -47,7 +47,7 @@ const FILE: Groups = &[
     &[Command::Quit],
 ];
 const BLISK: Groups =
-    &[&[Command::Plan, Command::Cancel, Command::Keep, Command::Approve, Command::Withdraw], &[Command::MillFlanks]];
+    &[&[Command::Plan, Command::Cancel, Command::Keep, Command::Release, Command::Withdraw], &[Command::MillFlanks]];
 const MOLD: Groups = &[
     &[Command::FindUncut, Command::DesignElectrodes, Command::CompareCutters, Command::Cancel],
     &[Command::Electrodes, Command::Layers, Command::DepthColours, Command::FaintMold],

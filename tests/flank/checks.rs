@@ -1,7 +1,7 @@
 //! What checks find, where it is, and how far decisions on it go.
 
 use super::*;
-use sparkpath::workspaces::flank::job::LoadedSurface;
+use nc::flank_job::LoadedSurface;
 
 /// Guides of 10 mm height over an arc of `radius` (mm) from 0 to `to_deg`.
 fn upright_arc(radius: f64, to_deg: f64) -> LoadedSurface {
@@ -105,7 +105,8 @@ fn what_straight_moves_cut_between_the_records_is_checked() {
         assert!(!deviation.holds && deviation.text.contains("straight moves leave the path"), "{}", deviation.text);
         assert!(deviation.text.contains("--tolerance"), "{}", deviation.text);
         let is_outside = distance > 50.0;
-        let cut = cut_by_records(&cl(&coarse).unwrap(), (50.0, 3.0, is_outside));
+        let records = cl_text(&ApprovedFlank::new(&let_pass(&coarse)).unwrap()).unwrap();
+        let cut = cut_by_records(&records, (50.0, 3.0, is_outside));
         assert!(cut <= deviation.figures["overcut_mm"] + 1e-6, "{cut} {:?}", deviation.figures);
         assert!(!is_outside || cut > 0.2, "{cut}");
     }

@@ -16,18 +16,18 @@ use task::{Cancel, Progress};
 use crate::common::easy_blisk;
 use crate::desk::{Desk, Home, quick};
 
-/// A window with an approved plan that was not finished, for a channel that stands askew to the axes of the mesh.
-pub fn approved(home: &Home) -> Desk {
-    approved_after(home, &|desk| desk.window.state_mut().core_mut().pipeline.cancel())
+/// A window with a released plan that was not finished, for a channel that stands askew to the axes of the mesh.
+pub fn released(home: &Home) -> Desk {
+    released_after(home, &|desk| desk.window.state_mut().core_mut().pipeline.cancel())
 }
 
 /// The same with all that follows the plan.
-fn approved_whole(home: &Home) -> Desk {
-    approved_after(home, &|_| ())
+fn released_whole(home: &Home) -> Desk {
+    released_after(home, &|_| ())
 }
 
-/// A window with an approved plan for a channel that stands askew to the axes of the mesh.
-fn approved_after(home: &Home, planned: &dyn Fn(&mut Desk)) -> Desk {
+/// A window with a released plan for a channel that stands askew to the axes of the mesh.
+fn released_after(home: &Home, planned: &dyn Fn(&mut Desk)) -> Desk {
     let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
     desk.until_idle();
     let core = desk.window.state_mut().core_mut();
@@ -42,7 +42,7 @@ fn approved_after(home: &Home, planned: &dyn Fn(&mut Desk)) -> Desk {
     planned(&mut desk);
     desk.until_idle();
     desk.open_step(Stage::Export);
-    desk.press("Approve");
+    desk.press("Release for export");
     desk
 }
 
@@ -71,7 +71,7 @@ fn triangles(file: &Path) -> Vec<[glam::DVec3; 3]> {
 #[test]
 fn what_is_written_is_what_was_ticked() {
     let home = Home::new();
-    let mut desk = approved_whole(&home);
+    let mut desk = released_whole(&home);
     let folder = home.path("out");
     let everything = names(&[
         "electrode_1.stl",
@@ -99,7 +99,10 @@ fn what_is_written_is_what_was_ticked() {
         desk.press_role(Role::CheckBox, file);
     }
     desk.press_role(Role::Button, "Cancel");
-    assert!(desk.app().core().pipeline.is_approved(), "what is written has nothing to do with what was approved");
+    assert!(
+        desk.app().core().pipeline.released().is_some(),
+        "what is written has nothing to do with what was released"
+    );
     let left = names(&["electrode_1.stl", "report.html", "report.json"]);
     assert_eq!(export(&mut desk, &folder), left, "what an earlier export wrote is not left beside");
     let html = std::fs::read_to_string(folder.join("report.html")).unwrap();
@@ -116,7 +119,7 @@ fn what_is_written_is_what_was_ticked() {
 #[test]
 fn an_electrode_in_w_is_that_of_the_mesh_seen_from_w() {
     let home = Home::new();
-    let mut desk = approved(&home);
+    let mut desk = released(&home);
     let [in_mesh, in_w] = [home.path("mesh"), home.path("w")];
     export(&mut desk, &in_mesh);
     let core = desk.window.state_mut().core_mut();
@@ -143,7 +146,7 @@ fn an_electrode_in_w_is_that_of_the_mesh_seen_from_w() {
 #[test]
 fn a_post_of_ones_own_is_taken_by_its_file() {
     let home = Home::new();
-    let mut desk = approved(&home);
+    let mut desk = released(&home);
     let post = home.path("mine.toml");
     std::fs::write(&post, BUILT_IN[0].1.replace("extension = \"nc\"", "extension = \"ngc\"")).unwrap();
     desk.window.state_mut().take_post(&post);

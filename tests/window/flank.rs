@@ -7,15 +7,15 @@ use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::{By, Queryable as _};
 use flank::ruled_surface::Side;
 use glam::DVec3;
-use nc::flank_program::TipControl;
+use nc::approved_flank::ApprovedFlank;
+use nc::flank_job::LoadedSurface;
+use nc::flank_program::{FlankNc, TipControl};
 use sparkpath::shell::run::Opening;
 use sparkpath::shell::workspace::Workspace;
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use sparkpath::workspaces::blisk::pipeline::StageState;
 use sparkpath::workspaces::flank::document::flank_file::{read_flank, write_flank};
 use sparkpath::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, PathChoice};
-use sparkpath::workspaces::flank::export::nc;
-use sparkpath::workspaces::flank::job::LoadedSurface;
 use sparkpath::workspaces::flank::panels::FlankDesk;
 
 use crate::common::easy_blisk;
@@ -300,7 +300,7 @@ fn a_workpiece_is_clamped_otherwise_and_the_program_follows_the_tip() {
     let result = &desk.flank().planned().unwrap().result;
     let milled = result.milled().unwrap();
     assert_eq!(milled.machine.machine().workpiece.zero_mm.z, 45.0);
-    let program = nc(result, milled).unwrap().text;
+    let program = FlankNc::new(&ApprovedFlank::new(result).unwrap(), "flank").unwrap().text;
     assert!(program.contains("G43.4 H7"), "{program}");
     desk.picture("flank_clamped_dark");
     // Without it the workpiece stands as the file says again.

@@ -25,9 +25,9 @@ fn from_a_mesh_to_an_nc_program() {
     a_drag_is_one_step(&mut desk);
     plan_cancel_and_plan_again(&mut desk);
     everything_follows_the_cursor(&mut desk);
-    verify_and_approve(&mut desk);
+    verify_and_release(&mut desk);
     export(&mut desk, &home);
-    an_edit_withdraws_the_approval(&mut desk);
+    an_edit_withdraws_the_release(&mut desk);
 }
 
 fn volume(desk: &Desk) -> f64 {
@@ -131,7 +131,7 @@ fn everything_follows_the_cursor(desk: &mut Desk) {
     assert_together(desk);
 }
 
-fn verify_and_approve(desk: &mut Desk) {
+fn verify_and_release(desk: &mut Desk) {
     desk.open_step(Stage::Verify);
     desk.assert_shows("Certified: the whole motion keeps the spark gap, within the tolerance.");
     let least = {
@@ -160,12 +160,12 @@ fn verify_and_approve(desk: &mut Desk) {
     let folder = tempfile::tempdir().unwrap();
     desk.window.state_mut().export(&folder.path().join("early"));
     desk.until_idle();
-    desk.assert_shows("approve the plan first");
+    desk.assert_shows("release the plan first");
     desk.press("Close");
     assert!(!folder.path().join("early").exists());
-    desk.press("Approve");
-    assert!(desk.app().core().pipeline.is_approved());
-    desk.assert_shows("Approved: this path. What changes the path withdraws it; feed and post do not.");
+    desk.press("Release for export");
+    assert!(desk.app().core().pipeline.released().is_some());
+    desk.assert_shows("Released: this path. What changes the path withdraws it; feed and post do not.");
 }
 
 fn export(desk: &mut Desk, home: &Home) {
@@ -183,10 +183,10 @@ fn export(desk: &mut Desk, home: &Home) {
     assert!(program.starts_with("%\n"), "{program}");
     assert!(program.lines().nth(1).is_some_and(|line| line.starts_with("(Sparkpath")), "{program}");
     let digest = desk.app().core().outcome().unwrap().plan.path.as_ref().unwrap().path.digest();
-    assert!(program.contains(&digest[..16]), "the program names the path that was approved");
+    assert!(program.contains(&digest[..16]), "the program names the path that was released");
 }
 
-fn an_edit_withdraws_the_approval(desk: &mut Desk) {
+fn an_edit_withdraws_the_release(desk: &mut Desk) {
     desk.open_step(Stage::Verify);
     desk.press("Show the stock left");
     desk.open_step(Stage::Electrode);
@@ -194,14 +194,14 @@ fn an_edit_withdraws_the_approval(desk: &mut Desk) {
     desk.until_idle();
     let core = desk.app().core();
     assert!(!core.leftover && core.layers.get(Layer::Electrode).visible, "of this electrode there is no map");
-    assert!(!core.pipeline.is_approved());
+    assert!(core.pipeline.released().is_none());
     assert!(desk.step_says(Stage::Plan, "stale") && desk.step_says(Stage::Export, "stale"));
-    assert!(desk.log().iter().any(|line| line.contains("approval withdrawn: an input changed")));
+    assert!(desk.log().iter().any(|line| line.contains("release withdrawn: an input changed")));
     desk.assert_shows("Stale: comes out");
     desk.key_with(Modifiers::COMMAND, Key::Z);
     desk.until_idle();
     assert!(desk.step_says(Stage::Plan, "done"), "the plan is of these parameters again");
-    assert!(!desk.app().core().pipeline.is_approved(), "but an approval does not come back by itself");
+    assert!(desk.app().core().pipeline.released().is_none(), "but a release does not come back by itself");
 }
 
 #[test]

@@ -90,7 +90,7 @@ fn a_plan_until_it_is_stale() {
     desk.picture("nodes_dark");
     desk.press("Clearance");
     desk.open_step(Stage::Export);
-    desk.press("Approve");
+    desk.press("Release for export");
     desk.press("Export…");
     desk.pictures("export");
     desk.press_role(Role::Button, "Cancel");
@@ -146,7 +146,7 @@ fn a_window_of_1280_by_720_at_200_percent() {
     desk.settle();
     desk.picture("small_verify_light");
     desk.open_step(Stage::Export);
-    desk.press("Approve");
+    desk.press("Release for export");
     desk.press("Export…");
     desk.picture("small_export_light");
     desk.press_role(Role::Button, "Cancel");
@@ -179,7 +179,7 @@ fn an_electrode_that_cannot_come_out_jams_at_a_node() {
     (job.genetic.population, job.genetic.generations) = (8, 3);
     plan(&mut desk, job);
     desk.assert_shows("jams at node");
-    assert!(desk.step_says(Stage::Plan, "failed") && !desk.app().core().pipeline.can_approve());
+    assert!(desk.step_says(Stage::Plan, "failed") && !desk.app().core().pipeline.can_release());
     let jam = desk.app().core().outcome().unwrap().plan.jam.unwrap();
     desk.assert_shows(&format!("Jams at node {}", jam.node));
     desk.press("Channel");

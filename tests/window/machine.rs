@@ -70,7 +70,7 @@ fn a_machine_is_seen_from_its_choice_to_its_collision() {
     until_checked(&mut desk);
     // Nobody has touched the strip of the whole motion.
     let core = desk.app().core();
-    assert!(core.moment().is_none() && core.outcome().unwrap().plan.is_verified() && !core.pipeline.can_approve());
+    assert!(core.moment().is_none() && core.outcome().unwrap().plan.is_verified() && !core.pipeline.can_release());
     assert_eq!(bodies(&desk).len(), chosen.len());
     assert!(bodies(&desk).iter().any(|body| body.colour != chosen[0].colour), "what is in the way is marked");
     assert!(desk.step_says(Stage::Plan, "not safe") && desk.step_says(Stage::Verify, "failed"));

@@ -43,9 +43,14 @@ impl Outside {
         }
     }
 
+    /// The side on which the whole electrode at `pose` is beyond the metal; none while some of it is not.
+    pub fn side_of(&self, pose: &Pose) -> Option<EntrySide> {
+        [EntrySide::MinusX, EntrySide::PlusX].into_iter().find(|&side| self.way_out(pose, side) > 0.0)
+    }
+
     /// Whether the whole electrode at `pose` is beyond the metal on one side or the other.
     pub fn is_outside(&self, pose: &Pose) -> bool {
-        [EntrySide::MinusX, EntrySide::PlusX].into_iter().any(|side| self.way_out(pose, side) > 0.0)
+        self.side_of(pose).is_some()
     }
 }
 

@@ -47,6 +47,17 @@ impl FlankCutter {
         Self { name: String::new(), radius_mm, taper_deg: 0.0, length_mm, holder: Vec::new() }
     }
 
+    /// Name, shape and length of the flutes in a few words.
+    pub fn words(&self) -> String {
+        let shape = if self.taper_deg == 0.0 {
+            format!("cylinder R{} mm", self.radius_mm)
+        } else {
+            format!("cone, bottom R{} mm, {} deg from axis to flute", self.radius_mm, self.taper_deg)
+        };
+        let name = if self.name.is_empty() { String::new() } else { format!("{}: ", self.name) };
+        format!("{name}{shape}, flutes {} mm", self.length_mm)
+    }
+
     /// A cone without a holder.
     pub fn cone(radius_mm: f64, taper_deg: f64, length_mm: f64) -> Self {
         Self { taper_deg, ..Self::cylinder(radius_mm, length_mm) }

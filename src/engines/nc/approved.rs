@@ -10,12 +10,38 @@ use feed::pose::Pose;
 use feed::quantise::first_unquantised_row;
 use feed::simulation::Simulation;
 use geometry::mesh::{Bounds, Mesh};
+use wheel::electrode::EntrySide;
 
-/// A path that may be exported as NC. It can only be made by [`Approved::new`].
+/// A path that may be exported as NC. It can only be made by [`Approved::new`], and nobody can change it.
+///
+/// ```compile_fail,E0616
+/// use wheel::electrode::EntrySide;
+/// fn flipped(mut approved: nc::approved::Approved) {
+///     approved.enters_from = EntrySide::PlusX;
+/// }
+/// ```
+///
+/// Nor does a program let its caller say how the machine is turned:
+///
+/// ```compile_fail,E0560
+/// use nc::program::NcJob;
+/// fn flipped<'a>(machine: &'a feed::machine::MachineParams) -> NcJob<'a> {
+///     NcJob { program: "path_1", electrode_file: "electrode_1.stl", machine, is_turned: true }
+/// }
+/// ```
+///
+/// ```compile_fail,E0308
+/// use nc::program::{NcJob, NcProgram, NcSettings};
+/// use nc::post::Post;
+/// fn unapproved(path: &feed::path::FeedPath, post: &Post, job: &NcJob) {
+///     let _ = NcProgram::new(path, post, &NcSettings::default(), job);
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Approved {
     path: FeedPath,
     certificate: Certificate,
+    enters_from: EntrySide,
     electrode: Bounds,
     copying: Option<CopyingMotion>,
     simulation: Option<Simulation>,
@@ -80,6 +106,7 @@ impl Approved {
         if c.required().is_nan() || c.required() < path.spark_gap {
             return Err(NotApproved::OtherGap { required: c.required(), spark_gap: path.spark_gap });
         }
+        let enters_from = c.enters_from().ok_or(NotApproved::WrongEnds)?;
         if !c.ends_right() || path.rows.len() < 2 || path.rows.last().map(|r| r.pose) != Some(Pose::FINAL) {
             return Err(NotApproved::WrongEnds);
         }
@@ -97,7 +124,7 @@ impl Approved {
             return Err(NotApproved::NotQuantised { row });
         }
         let electrode = electrode.bounds();
-        Ok(Self { path, certificate, electrode, copying: None, simulation: None })
+        Ok(Self { path, certificate, enters_from, electrode, copying: None, simulation: None })
     }
 
     /// The same with the copying motion that is to follow the feed, and without a simulation: one with this motion is to
@@ -156,6 +183,7 @@ impl Approved {
             ("blisk", s.blisk_digest() == c.blisk_digest()),
             ("electrode", s.electrode_digest() == c.electrode_digest()),
             ("machine", s.model_digest() == model.digest()),
+            ("side of entry", s.enters_from() == self.enters_from),
         ];
         if let Some((what, _)) = same.into_iter().find(|(_, is_same)| !is_same) {
             return Err(NotApproved::OtherSimulated(what));
@@ -186,6 +214,11 @@ impl Approved {
         &self.path
     }
 
+    /// The side of the blisk, in W, that the electrode enters from, as the verifier found it: what the machine is turned by.
+    pub fn enters_from(&self) -> EntrySide {
+        self.enters_from
+    }
+
     /// The certificate it was approved on.
     pub fn certificate(&self) -> &Certificate {
         &self.certificate
@@ -196,26 +229,35 @@ impl Approved {
 mod tests {
     use super::*;
     use crate::fixtures;
-    use feed::certificate::Findings;
+    use crate::fixtures::Scene;
+    use feed::machine::TravelLimits;
     use feed::pose::Axis;
+    use feed::verify::VerifyOptions;
 
-    fn refused(change: impl Fn(&mut FeedPath, &mut Findings)) -> NotApproved {
+    /// Why `path` is not approved on the strength of `certificate`, for the meshes of the scene.
+    fn refused(scene: &Scene, path: &FeedPath, certificate: Certificate) -> NotApproved {
+        Approved::new(path.clone(), certificate, &scene.blisk, &scene.electrode).unwrap_err()
+    }
+
+    fn changed(change: impl Fn(&mut FeedPath)) -> FeedPath {
         let mut path = fixtures::path();
-        let mut findings = fixtures::certificate(&path).into_findings();
-        change(&mut path, &mut findings);
-        let (blisk, electrode) = (fixtures::blisk_mesh(), fixtures::electrode_mesh());
-        Approved::new(path, Certificate::made_up(findings), &blisk, &electrode).unwrap_err()
+        change(&mut path);
+        path
     }
 
     #[test]
     fn a_certificate_that_holds_approves_its_own_path_only() {
         let path = fixtures::path();
         assert_eq!(fixtures::approved().path(), &path);
+        let refused = |change: &dyn Fn(&mut FeedPath)| {
+            refused(&Scene::new(EntrySide::MinusX), &changed(change), fixtures::certificate(&path))
+        };
         let one_bit = |x: f64| f64::from_bits(x.to_bits() + 1);
-        assert_eq!(refused(|p, _| p.rows[3].pose.y = one_bit(p.rows[3].pose.y)), NotApproved::OtherPath);
-        assert_eq!(refused(|p, _| p.reference_point.z += 1e-9), NotApproved::OtherPath);
-        assert_eq!(refused(|p, _| p.rows.truncate(5)), NotApproved::OtherPath);
-        assert_eq!(refused(|p, _| p.rows.swap(5, 6)), NotApproved::OtherPath);
+        assert_eq!(refused(&|p| p.rows[3].pose.y = one_bit(p.rows[3].pose.y)), NotApproved::OtherPath);
+        assert_eq!(refused(&|p| p.reference_point.z += 1e-9), NotApproved::OtherPath);
+        assert_eq!(refused(&|p| p.rows.truncate(5)), NotApproved::OtherPath);
+        assert_eq!(refused(&|p| p.rows.swap(5, 6)), NotApproved::OtherPath);
+        assert_eq!(refused(&|p| p.spark_gap = 0.05), NotApproved::OtherPath, "its gap is part of a path");
     }
 
     #[test]
@@ -238,24 +280,42 @@ mod tests {
 
     #[test]
     fn a_certificate_that_does_not_hold_approves_nothing() {
-        assert!(matches!(refused(|_, c| c.certified = 0.0979), NotApproved::TooClose { .. }));
-        assert!(matches!(refused(|_, c| c.certified = f64::NAN), NotApproved::TooClose { .. }));
-        assert!(matches!(refused(|_, c| c.tolerance = f64::NAN), NotApproved::TooClose { .. }));
-        let touching = |_: &mut FeedPath, c: &mut Findings| (c.certified, c.tolerance) = (0.0, 1.0);
-        assert!(matches!(refused(touching), NotApproved::TooClose { .. }));
-        assert_eq!(refused(|_, c| c.ends_right = false), NotApproved::WrongEnds);
-        assert_eq!(refused(|_, c| c.travel = TravelVerdict::NotJudged), NotApproved::TravelNotJudged);
-        let beyond = BeyondTravel { axis: Axis::C, row: 3, value: 0.4, limit: 0.3 };
-        assert_eq!(refused(|_, c| c.travel = TravelVerdict::Beyond(beyond)), NotApproved::BeyondTravel(beyond));
-        assert!(matches!(refused(|_, c| c.required = 0.05), NotApproved::OtherGap { .. }));
+        let (scene, path) = (Scene::new(EntrySide::MinusX), fixtures::path());
+        // The wall 6 micrometres nearer, where 5 are allowed, and through the electrode.
+        for (nearer, certified) in [(0.006, 0.0972), (5.0, 0.0)] {
+            let close = scene.with_wall_nearer_by(nearer);
+            let error = refused(&close, &path, close.certificate(&path));
+            let NotApproved::TooClose { certified: found, required, tolerance, .. } = error else { panic!("{error}") };
+            assert!((found - certified).abs() < 0.0006 && (required, tolerance) == (0.1, 0.002), "{found}");
+        }
+        // A tolerance that would make it good is none that a certificate is made with.
+        let generous = VerifyOptions { tolerance_mm: 0.05, ..VerifyOptions::default() };
+        assert!(scene.verified(&path, &generous, Some(TravelLimits::UNLIMITED)).is_err());
+
+        let inside = changed(|p| drop(p.rows.drain(..60)));
+        assert_eq!(refused(&scene, &inside, scene.certificate(&inside)), NotApproved::WrongEnds);
+        let short = changed(|p| p.rows.truncate(120));
+        assert_eq!(refused(&scene, &short, scene.certificate(&short)), NotApproved::WrongEnds);
+
+        let judged = |travel| scene.verified(&path, &VerifyOptions::default(), travel).unwrap();
+        assert_eq!(refused(&scene, &path, judged(None)), NotApproved::TravelNotJudged);
+        let beyond = judged(Some(TravelLimits::UNLIMITED.with(Axis::C, [-1.0, 0.3])));
+        let TravelVerdict::Beyond(first) = beyond.travel() else { panic!("{beyond:?}") };
+        assert_eq!((first.axis, first.limit), (Axis::C, 0.3));
+        assert_eq!(refused(&scene, &path, beyond), NotApproved::BeyondTravel(first));
     }
 
     #[test]
     fn a_path_must_be_rounded_before_it_is_verified() {
-        let change = |p: &mut FeedPath, c: &mut Findings| {
-            p.rows[9].pose.a += 1e-10;
-            c.path_digest = p.digest();
-        };
-        assert_eq!(refused(change), NotApproved::NotQuantised { row: 9 });
+        let scene = Scene::new(EntrySide::MinusX);
+        let path = changed(|p| p.rows[9].pose.a += 1e-10);
+        assert_eq!(refused(&scene, &path, scene.certificate(&path)), NotApproved::NotQuantised { row: 9 });
+    }
+
+    #[test]
+    fn the_side_of_entry_is_the_one_that_was_verified() {
+        for side in [EntrySide::MinusX, EntrySide::PlusX] {
+            assert_eq!(Scene::new(side).approved().enters_from(), side);
+        }
     }
 }

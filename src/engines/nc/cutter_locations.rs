@@ -2,43 +2,64 @@
 
 use std::fmt::Write;
 
+use super::approved_flank::ApprovedFlank;
 use flank::machine::kinematics::ToolPose;
 use flank::machine::tool_path::{Section, ToolPath, ToolPathError};
 
 /// The longest remark line.
 const LONGEST_LINE: usize = 100;
 
-/// What a cutter location file is for.
-#[derive(Debug, Clone, Copy)]
-pub struct ClJob<'a> {
-    /// Name of the part.
-    pub part: &'a str,
-    /// Diameter of the cutter's bottom (mm).
-    pub diameter_mm: f64,
-    /// Angle between the cutter's flank and its axis (degrees); 0 for a cylinder.
-    pub taper_deg: f64,
-    /// Length of the flutes (mm).
-    pub flute_mm: f64,
-    /// Spindle speed, clockwise (1/min).
-    pub spindle_rpm: f64,
-    /// Feed of the tip along the cut and on the moves onto it and off it (mm/min).
-    pub feed_mm_per_min: f64,
-    /// Feed of the other moves of approach and retraction (mm/min).
-    pub lead_mm_per_min: f64,
-    /// The furthest that straight moves of tip and direction may leave the path (mm), up to the flutes' top.
-    pub tolerance_mm: f64,
-    /// Remarks.
-    pub notes: &'a [String],
-    /// What is to be heeded.
-    pub warnings: &'a [String],
-}
-
-/// The APT text of `path`: `GOTO/x,y,z,i,j,k` with the middle of the cutter's bottom and the unit vector to the spindle,
-/// both in the workpiece's frame.
+/// The APT text of the path that is milled: `GOTO/x,y,z,i,j,k` with the middle of the cutter's bottom and the unit vector
+/// to the spindle, both in the workpiece's frame.
 ///
 /// # Errors
 /// [`ToolPathError`] where the path has no tool.
-pub fn cl_text(path: &ToolPath, job: &ClJob) -> Result<String, ToolPathError> {
+pub fn cl_text(approved: &ApprovedFlank) -> Result<String, ToolPathError> {
+    let result = approved.result();
+    let (cutter, milling) = (&result.plan.cutter, &result.milling);
+    let (notes, warnings) = (approved.notes(), approved.warnings());
+    let job = ClJob {
+        part: &result.name,
+        diameter_mm: 2.0 * cutter.radius_mm,
+        taper_deg: cutter.taper_deg,
+        flute_mm: cutter.length_mm,
+        spindle_rpm: milling.program.spindle_rpm,
+        feed_mm_per_min: milling.program.feed_mm_per_min,
+        lead_mm_per_min: milling.program.lead_mm_per_min,
+        tolerance_mm: milling.linearisation_mm,
+        notes: &notes,
+        warnings: &warnings,
+    };
+    text_of(approved.path(), &job)
+}
+
+/// What a cutter location file is for.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ClJob<'a> {
+    /// Name of the part.
+    pub(super) part: &'a str,
+    /// Diameter of the cutter's bottom (mm).
+    pub(super) diameter_mm: f64,
+    /// Angle between the cutter's flank and its axis (degrees); 0 for a cylinder.
+    pub(super) taper_deg: f64,
+    /// Length of the flutes (mm).
+    pub(super) flute_mm: f64,
+    /// Spindle speed, clockwise (1/min).
+    pub(super) spindle_rpm: f64,
+    /// Feed of the tip along the cut and on the moves onto it and off it (mm/min).
+    pub(super) feed_mm_per_min: f64,
+    /// Feed of the other moves of approach and retraction (mm/min).
+    pub(super) lead_mm_per_min: f64,
+    /// The furthest that straight moves of tip and direction may leave the path (mm), up to the flutes' top.
+    pub(super) tolerance_mm: f64,
+    /// Remarks.
+    pub(super) notes: &'a [String],
+    /// What is to be heeded.
+    pub(super) warnings: &'a [String],
+}
+
+/// The APT text of any path, approved or not: for [`cl_text`] and its tests.
+pub(super) fn text_of(path: &ToolPath, job: &ClJob) -> Result<String, ToolPathError> {
     let moves = path.straightened(job.tolerance_mm, job.flute_mm)?.moves;
     let mut lines = vec![format!("PARTNO/{}", plain(job.part))];
     let mut remark = |text: &str| lines.extend(wrapped(text));

@@ -1,74 +1,40 @@
-//! A made-up path, certificate and report for the tests of this floor.
+//! A box that is fed past a wall, with its certificate, copying motion and simulation, all of them really verified, and a
+//! made-up report: for the tests of this floor.
+
+use std::sync::OnceLock;
 
 use glam::DVec3;
+use task::{Cancel, Progress};
 
 use super::approved::Approved;
-use feed::certificate::{Certificate, Contact, Findings, TravelVerdict};
+use feed::certificate::Certificate;
 use feed::copying::{CopyingExtent, CopyingMotion, Turn};
+use feed::machine::{MachineParams, TravelLimits};
 use feed::machine_model::MachineModel;
 use feed::path::{FeedPath, PathRow};
 use feed::pose::Pose;
 use feed::quantise::quantise_path;
-use feed::quantise::quantise_rad;
-use feed::simulation;
-use feed::simulation::{PairReport, Phase, Place, Visit};
+use feed::simulation::{Scenario, Simulation, SimulationOptions, simulate};
+use feed::verify::{Verifier, VerifyError, VerifyOptions};
 use geometry::frame::Frame;
 use geometry::mesh::{Bounds, Mesh};
 use wheel::channel::Surface;
-use wheel::electrode::EntrySide;
+use wheel::electrode::{Electrode, ElectrodeFace, EntrySide};
 
-/// A five-axis path of 121 rows over 60 mm, rounded, in a turned and shifted frame.
+/// A five-axis path of 121 rows over 60 mm, rounded, in a turned and shifted frame. It enters from -X.
 pub fn path() -> FeedPath {
-    let rows = (0..=120).rev().map(|i| {
-        let s = i as f64 * 0.5;
-        let t = s / 60.0;
-        let pose = Pose {
-            x: -s,
-            y: 6.0 * t * t * (1.0 - 0.4 * t),
-            z: 1.3 * (2.2 * t).sin() * t,
-            a: (0.11 * s).sin() * 0.004 - 0.21 * t * t,
-            b: 0.0,
-            c: 0.38 * t * t - 0.05 * t,
-        };
-        PathRow { node: i / 4, s, pose }
-    });
-    quantise_path(&FeedPath {
-        frame: Frame::from_x_and_z_hint(DVec3::new(0.1, -2.0, 33.3), DVec3::new(0.3, 0.9, -0.2), DVec3::Z),
-        reference_point: DVec3::new(1.25, 0.0, 117.0 / 7.0),
-        spark_gap: 0.1,
-        rows: rows.collect(),
-    })
+    Scene::new(EntrySide::MinusX).path
 }
 
-/// A certificate for `path` that holds: least clearance 0.1032 mm a fifth of the way out.
+/// The certificate of `path` in the scene from -X: of [`path`] it holds, and its least clearance of 0.1032 mm is 3 mm before
+/// the final pose.
 pub fn certificate(path: &FeedPath) -> Certificate {
-    let clearance =
-        |s: f64| 0.1032 + 0.004 * (s - 12.0).powi(2) / (1.0 + 0.02 * s) + 0.01 * (1.0 - (0.9 * (s - 12.0)).cos());
-    let row = path.rows.len() - 25;
-    let least = Contact {
-        distance: 0.1032,
-        row: row as f64,
-        s: path.rows[row].s,
-        pose: path.rows[row].pose,
-        on_electrode: DVec3::new(3.0, -4.0, 120.0),
-        on_blisk: DVec3::new(3.0, -4.1, 120.02),
-        surface: Surface::HighWall,
-    };
-    Certificate::made_up(Findings {
-        violations: Vec::new(),
-        path_digest: path.digest(),
-        blisk_digest: blisk_mesh().digest(),
-        electrode_digest: electrode_mesh().digest(),
-        required: 0.1,
-        tolerance: 0.002,
-        certified: 0.1015,
-        least,
-        row_clearance: path.rows.iter().map(|r| clearance(r.s)).collect(),
-        row_surface: vec![Surface::HighWall; path.rows.len()],
-        ends_right: true,
-        travel: TravelVerdict::Within,
-        pair_intervals: 123_456,
-    })
+    static OF_PATH: OnceLock<Certificate> = OnceLock::new();
+    let scene = Scene::new(EntrySide::MinusX);
+    if *path == scene.path {
+        return OF_PATH.get_or_init(|| scene.certificate(&scene.path)).clone();
+    }
+    scene.certificate(path)
 }
 
 /// The box around the electrode of [`path`], in W.
@@ -76,15 +42,14 @@ pub fn electrode_bounds() -> Bounds {
     Bounds { min: DVec3::new(-18.0, -9.0, 88.0), max: DVec3::new(20.0, 11.0, 131.0) }
 }
 
-/// A blisk that nothing but its digest is taken of.
+/// The wall that the electrode is fed past.
 pub fn blisk_mesh() -> Mesh {
-    Mesh::cuboid(DVec3::new(30.0, 250.0, 250.0))
+    Scene::new(EntrySide::MinusX).blisk
 }
 
 /// An electrode that fills [`electrode_bounds`].
 pub fn electrode_mesh() -> Mesh {
-    let Bounds { min, max } = electrode_bounds();
-    Mesh::cuboid(max - min).mapped(|p| p + min)
+    Scene::new(EntrySide::MinusX).electrode
 }
 
 /// [`path`] approved on its [`certificate`].
@@ -94,61 +59,170 @@ pub fn approved() -> Approved {
     Approved::new(path, certificate, &blisk_mesh(), &electrode_mesh()).unwrap()
 }
 
-/// A copying motion at the end of [`path`], certified, with what the verifier found changed by `change`.
-pub fn copying(change: impl Fn(&mut Findings)) -> CopyingMotion {
-    let row = |a: f64, z: f64| PathRow { node: 0, s: 0.0, pose: Pose { a, z, ..Pose::FINAL } };
-    let turn = 1.2f64;
-    let rows = vec![row(0.0, 0.0), row(-turn.to_radians(), 0.0), row(0.0, 0.0), row(0.0, 0.5), row(0.0, 0.0)];
-    let path = quantise_path(&FeedPath { rows, ..self::path() });
-    let mut findings = certificate(&self::path()).into_findings();
-    findings.path_digest = path.digest();
-    findings.row_clearance.truncate(path.rows.len());
-    findings.row_surface.truncate(path.rows.len());
-    findings.ends_right = false;
-    change(&mut findings);
-    let wanted = CopyingExtent { low: turn.to_radians(), high: 0.0, outwards: 0.5 };
-    let turns = vec![Turn { z: 0.0, a: -turn.to_radians() }];
-    CopyingMotion { path, certificate: Certificate::made_up(findings), wanted, reached: wanted, turns }
+/// A wall, a box and the path of the box past it; from +X all of it is turned by half a turn about Z.
+#[derive(Clone)]
+pub struct Scene {
+    /// The side that the electrode enters from.
+    pub side: EntrySide,
+    /// The wall, in W.
+    pub blisk: Mesh,
+    /// The box in its final pose, in W.
+    pub electrode: Mesh,
+    /// The path of the box.
+    pub path: FeedPath,
 }
 
-/// What was found of the whole motion of [`path`] in two channels, 6 degrees apart: down 20 mm, 10 mm in, and the feed.
-pub fn simulation() -> simulation::Findings {
-    let (path, electrode) = (path(), electrode_mesh());
-    let first = path.rows[0].pose;
-    let clear = Pose { x: first.x - 10.0, z: first.z + 20.0, ..first };
-    let least = Place {
-        distance: 2.0,
-        phase: Phase::Approach,
-        channel: 3,
-        row: 1.0,
-        pose: first,
-        on_moving: DVec3::ZERO,
-        on_fixed: DVec3::X,
-    };
-    simulation::Findings {
-        path_digest: path.digest(),
-        copying_digest: None,
-        blisk_digest: blisk_mesh().digest(),
-        electrode_digest: electrode.digest(),
-        model_digest: MachineModel::default().digest(),
-        with_bodies: true,
-        body_clearance_mm: 1.0,
-        enters_from: EntrySide::PlusX,
-        approach: vec![clear, Pose { z: first.z, ..clear }, first],
-        visits: vec![Visit { channel: 3, turn: 0.0 }, Visit { channel: 4, turn: quantise_rad(6f64.to_radians()) }],
-        out_of_reach: vec![],
-        pairs: vec![PairReport {
-            moving: "electrode".to_owned(),
-            fixed: "blisk".to_owned(),
-            during: Some("moves outside"),
-            required: 1.0,
-            certified: 1.99,
-            least,
-            contact: None,
-        }],
-        travel: None,
-        minutes: 1.0,
-        period_error: Some(0.0),
-        bodies: vec![],
+/// Number of channels.
+pub const CHANNELS: usize = 12;
+/// The channel of the path.
+pub const OWN_CHANNEL: usize = 3;
+/// Angle from one channel to the next (deg).
+pub const PITCH_DEG: f64 = 30.0;
+
+/// Where the wall's face is (mm): the box comes to 0.1032 mm from it, 3 mm before the final pose.
+const WALL_Y: f64 = -9.2186;
+
+fn row(pose: Pose) -> PathRow {
+    PathRow { node: 0, s: 0.0, pose }
+}
+
+impl Scene {
+    /// The scene entered from `side`.
+    pub fn new(side: EntrySide) -> Self {
+        let rows = (0..=120).rev().map(|i| {
+            let s = i as f64 * 0.5;
+            let t = s / 60.0;
+            let pose = Pose {
+                x: -s,
+                y: 6.0 * t * t * (1.0 - 0.4 * t),
+                z: 1.3 * (2.2 * t).sin() * t,
+                a: (0.11 * s).sin() * 0.004 - 0.21 * t * t,
+                b: 0.0,
+                c: 0.38 * t * t - 0.05 * t,
+            };
+            PathRow { node: i / 4, s, pose }
+        });
+        let path = FeedPath {
+            frame: Frame::from_x_and_z_hint(DVec3::new(0.1, -2.0, 33.3), DVec3::new(0.3, 0.9, -0.2), DVec3::Z),
+            reference_point: DVec3::new(1.25, 0.0, 117.0 / 7.0),
+            spark_gap: 0.1,
+            rows: rows.collect(),
+        };
+        let Bounds { min, max } = electrode_bounds();
+        let wall = Mesh::cuboid(DVec3::new(60.0, 5.0, 60.0)).mapped(|p| p + DVec3::new(-30.0, WALL_Y - 5.0, 80.0));
+        let electrode = Mesh::cuboid(max - min).mapped(|p| p + min);
+        let from_minus = Self { side: EntrySide::MinusX, blisk: wall, electrode, path: quantise_path(&path) };
+        if side == EntrySide::MinusX { from_minus } else { from_minus.turned() }
     }
+
+    /// The same turned by half a turn about Z.
+    fn turned(self) -> Self {
+        let turned = |p: DVec3| DVec3::new(-p.x, -p.y, p.z);
+        let pose = |p: Pose| Pose { x: -p.x, y: -p.y, a: -p.a, b: -p.b, ..p };
+        let rows = self.path.rows.iter().map(|row| PathRow { pose: pose(row.pose), ..*row }).collect();
+        let path = FeedPath { reference_point: turned(self.path.reference_point), rows, ..self.path };
+        let [blisk, electrode] = [self.blisk, self.electrode].map(|mesh| mesh.mapped(turned));
+        // Zeros are without a sign in files.
+        Self { side: EntrySide::PlusX, blisk, electrode, path: quantise_path(&path) }
+    }
+
+    /// The same with the wall nearer to the electrode by `by` (mm).
+    pub fn with_wall_nearer_by(&self, by: f64) -> Self {
+        let by = if self.side == EntrySide::MinusX { by } else { -by };
+        Self { blisk: self.blisk.mapped(|p| p + by * DVec3::Y), ..self.clone() }
+    }
+
+    /// What the verifier says of `path` in this scene.
+    pub fn verified(
+        &self,
+        path: &FeedPath,
+        options: &VerifyOptions,
+        travel: Option<TravelLimits>,
+    ) -> Result<Certificate, VerifyError> {
+        let verifier = Verifier::new(&self.blisk, &self.electrode, path.reference_point, &Cancel::default())?;
+        let verifier = match travel {
+            Some(travel) => verifier.within(travel),
+            None => verifier,
+        };
+        verifier.verify(path, &|_| Surface::HighWall, options, &Progress::silent(), &Cancel::default())
+    }
+
+    /// The usual certificate of `path` on a machine without ends of travel.
+    pub fn certificate(&self, path: &FeedPath) -> Certificate {
+        self.verified(path, &VerifyOptions::default(), Some(TravelLimits::UNLIMITED)).unwrap()
+    }
+
+    /// The approved path.
+    pub fn approved(&self) -> Approved {
+        let certificate = self.certificate(&self.path);
+        Approved::new(self.path.clone(), certificate, &self.blisk, &self.electrode).unwrap()
+    }
+
+    /// The rows of a copying motion that turns A by `turn_deg` away from the wall and back, and goes 0.5 mm outwards.
+    pub fn copying_path(&self, turn_deg: f64) -> FeedPath {
+        let away = if self.side == EntrySide::MinusX { -turn_deg } else { turn_deg };
+        let at = |a_deg: f64, z: f64| row(Pose { a: a_deg.to_radians(), z, ..Pose::FINAL });
+        let rows = vec![at(0.0, 0.0), at(away, 0.0), at(0.0, 0.0), at(0.0, 0.5), at(0.0, 0.0)];
+        quantise_path(&FeedPath { rows, ..self.path.clone() })
+    }
+
+    /// A copying motion at the end of the path, certified.
+    pub fn copying(&self) -> CopyingMotion {
+        let path = self.copying_path(1.2);
+        let certificate = self.certificate(&path);
+        copying_of(path, certificate)
+    }
+
+    /// The whole motion in `channels` on `machine`, with its `bodies`.
+    pub fn simulation(
+        &self,
+        copying: Option<&CopyingMotion>,
+        (machine, bodies): (&MachineParams, &MachineModel),
+        channels: &[usize],
+    ) -> Simulation {
+        let electrode = Electrode {
+            faces: vec![ElectrodeFace::Shank; self.electrode.triangles.len()],
+            mesh: self.electrode.clone(),
+            enters_from: self.side,
+            reference_point: self.path.reference_point,
+            part: 0,
+            parts: 1,
+            column: None,
+            least_thickness_mm: 20.0,
+            volume_mm3: self.electrode.volume(),
+            burn_area_mm2: 1.0,
+            clearance_mm: 0.1,
+            assumed: Vec::new(),
+        };
+        let scenario = Scenario {
+            blisk: &self.blisk,
+            channels: CHANNELS,
+            own_channel: OWN_CHANNEL,
+            electrode: &electrode,
+            feed: (&self.path, &self.certificate(&self.path)),
+            copying: copying.map(|copying| (&copying.path, &copying.certificate)),
+            machine: &machine.seen_from_w(self.side),
+            model: bodies,
+        };
+        let options = SimulationOptions::of(channels.to_vec());
+        simulate(&scenario, &options, &Progress::silent(), &Cancel::default()).unwrap()
+    }
+}
+
+/// A copying motion of this path and certificate, whether it goes with them or not.
+pub fn copying_of(path: FeedPath, certificate: Certificate) -> CopyingMotion {
+    let turn = 1.2f64.to_radians();
+    let wanted = CopyingExtent { low: turn, high: 0.0, outwards: 0.5 };
+    CopyingMotion { path, certificate, wanted, reached: wanted, turns: vec![Turn { z: 0.0, a: -turn }] }
+}
+
+/// A machine with bodies, in that it has a name; which ones is told to the simulation.
+pub fn machine_with_bodies() -> MachineParams {
+    MachineParams { name: "xyzac".to_owned(), ..MachineParams::default() }
+}
+
+/// The whole motion of [`path`] in its channel and the next one on a machine with bodies.
+pub fn simulation() -> Simulation {
+    let machine = (&machine_with_bodies(), &MachineModel::default());
+    Scene::new(EntrySide::MinusX).simulation(None, machine, &[OWN_CHANNEL, OWN_CHANNEL + 1])
 }

@@ -1,6 +1,7 @@
 //! What leaves the program for a machine: approval of paths, NC programs through posts, burn tables, electrode files.
 
 pub mod approved;
+pub mod approved_flank;
 pub mod block_feed;
 pub mod burn_csv;
 pub mod burn_example;
@@ -12,6 +13,7 @@ pub mod electrode_files;
 pub mod electrode_fixtures;
 #[cfg(any(test, feature = "fixtures"))]
 pub mod fixtures;
+pub mod flank_job;
 pub mod flank_program;
 pub mod lines;
 pub mod path_csv;

@@ -3,7 +3,7 @@
 use super::approved::Approved;
 use super::post::Post;
 use crate::block_feed::{BlockFeed, Pace};
-use crate::program::{Feeds, NcError, NcJob, Writer, check_axes, first_position, in_channel};
+use crate::program::{Feeds, NcError, TurnedJob, Writer, check_axes, first_position, in_channel};
 use feed::path::PathRow;
 use feed::pose::{Axis, Pose};
 use feed::quantise::{deg_text, floor_mm_text};
@@ -51,8 +51,8 @@ fn rows(poses: &[Pose]) -> Vec<PathRow> {
 
 /// Makes sure that a machine with bodies was simulated with them, with the clearance that is asked for and on the side
 /// that the electrode enters from, and that its axes go wherever the motion does.
-pub(super) fn check(approved: &Approved, post: &Post, job: &NcJob) -> Result<(), NcError> {
-    let machine = job.machine;
+pub(super) fn check(approved: &Approved, post: &Post, job: &TurnedJob) -> Result<(), NcError> {
+    let machine = &job.machine;
     let Some(simulation) = approved.simulation() else {
         return if machine.has_bodies() { Err(NcError::NotSimulated) } else { Ok(()) };
     };

@@ -39,7 +39,7 @@ impl SparkpathApp {
             | Command::Workspace(_) => self.run_on_window(command, ctx),
             Command::Plan
             | Command::Cancel
-            | Command::Approve
+            | Command::Release
             | Command::Withdraw
             | Command::Step(_)
             | Command::Keep
@@ -148,7 +148,7 @@ impl SparkpathApp {
             }
             Command::Cancel if is_of_mold => self.core.mold.cancel(),
             Command::Cancel => self.core.pipeline.cancel(),
-            Command::Approve => self.approve(),
+            Command::Release => self.release(),
             Command::Withdraw => self.core.pipeline.withdraw(),
             Command::Step(stage) => self.core.step = stage,
             Command::Keep => self.core.keep(),
@@ -208,10 +208,10 @@ impl SparkpathApp {
         }
     }
 
-    pub(super) fn approve(&mut self) {
-        match self.core.pipeline.approve() {
-            Ok(()) => self.core.say(EventKind::Done, "the plan is approved"),
-            Err(why) => self.dialog = Dialog::Error("Not approved".to_owned(), why),
+    pub(super) fn release(&mut self) {
+        match self.core.pipeline.release() {
+            Ok(()) => self.core.say(EventKind::Done, "the plan is released for export"),
+            Err(why) => self.dialog = Dialog::Error("Not released".to_owned(), why),
         }
     }
 

@@ -58,10 +58,10 @@ impl SparkpathApp {
         }
     }
 
-    /// Writes the files of the approved plan into `folder`, as the export dialog does; says why not if it cannot.
+    /// Writes the files of the released plan into `folder`, as the export dialog does; says why not if it cannot.
     pub fn export(&mut self, folder: &Path) {
-        let write: ExportWork = Box::new(|folder, plan, inputs, files, progress, cancel| {
-            let exported = export::export(folder, plan, inputs, files, progress, cancel);
+        let write: ExportWork = Box::new(|folder, released, inputs, files, progress, cancel| {
+            let exported = export::export(folder, released.plan(), inputs, files, progress, cancel);
             exported.map(|(_, written)| written).map_err(|e| e.to_string())
         });
         if let Err(why) = self.core.pipeline.start_export(folder, write) {

@@ -254,13 +254,8 @@ fn electrode_files(
         approved = approved.with_simulation(simulation, of_today).map_err(not_approved)?;
     }
     let electrode_file = electrode_in_program(k, &context.job.export);
-    let side = outcome.electrode.enters_from;
-    let nc_job = NcJob {
-        program: &format!("path_{k}"),
-        electrode_file: &electrode_file,
-        machine: &context.job.machine.seen_from_w(side),
-        is_turned: context.job.machine.is_turned(side),
-    };
+    let nc_job =
+        NcJob { program: &format!("path_{k}"), electrode_file: &electrode_file, machine: &context.job.machine };
     let program = NcProgram::new(&approved, context.post, &context.job.export.nc, &nc_job)?;
     Ok((files, Some(program)))
 }

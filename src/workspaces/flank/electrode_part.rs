@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::workspaces::blisk::document::choice::MeshFrame;
 use crate::workspaces::flank::document::kept_mesh::KeptMesh;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, MeshFlank};
-use crate::workspaces::flank::job::inputs::{FlankLoadError, load_machine};
+use crate::workspaces::flank::inputs::{FlankLoadError, load_machine};
 use files::user_folder::user_folder;
 use flank::fit_ruled::RuledFitParams;
 use flank::machine::milling_machine::Workpiece;

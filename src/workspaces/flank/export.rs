@@ -7,15 +7,14 @@ use std::path::{Path, PathBuf};
 
 use crate::workspaces::blisk::export::prepare;
 use crate::workspaces::flank::document::FlankDocument;
-use crate::workspaces::flank::job::{FlankResult, Milled};
 use crate::workspaces::flank::report::build::report;
 use crate::workspaces::flank::report::maps::deviation_maps;
 use files::export_folder::ExportFolder;
-use flank::cutter::FlankCutter;
 use flank::path::FlankPath;
-use flank::plan::WITHIN_ROUNDING;
-use nc::cutter_locations::{ClJob, cl_text};
-use nc::flank_program::{FlankNc, FlankNcJob, milling_post};
+use nc::approved_flank::ApprovedFlank;
+use nc::cutter_locations::cl_text;
+use nc::flank_job::FlankResult;
+use nc::flank_program::FlankNc;
 use task::{Cancel, Progress};
 
 /// The file of cutter locations.
@@ -109,14 +108,15 @@ pub fn export(
     cancel: &Cancel,
 ) -> Result<WrittenFlank, String> {
     progress.report("files", 0.0, "");
-    let blocked = result.why_blocked();
+    let approved = ApprovedFlank::new(result);
+    let blocked = approved.as_ref().err().map(ToString::to_string);
     // All texts are made before any is written.
     let mut texts = Vec::new();
     if choice.csv && blocked.is_none() {
         texts.push((CSV_FILE.to_owned(), path_csv(result.path())));
     }
-    if choice.cl && blocked.is_none() {
-        texts.push((CL_FILE.to_owned(), cl(result)?));
+    if let Some(approved) = approved.as_ref().ok().filter(|_| choice.cl) {
+        texts.push((CL_FILE.to_owned(), cl_text(approved).map_err(|e| e.to_string())?));
     }
     // Of a path that is blocked the report says why, whatever else was asked for.
     if choice.report || blocked.is_some() {
@@ -127,8 +127,8 @@ pub fn export(
         texts.push((REPORT_FILE.to_owned(), report.html(&maps)));
     }
     // The program comes last, so that it never lies beside results that it does not belong to.
-    if let Some(milled) = result.milled().filter(|_| choice.nc && blocked.is_none()) {
-        let nc = nc(result, milled)?;
+    if let Some(approved) = approved.ok().filter(|_| choice.nc && result.milled().is_some()) {
+        let nc = FlankNc::new(&approved, PROGRAM).map_err(|e| e.to_string())?;
         texts.push((format!("{PROGRAM}.{}", nc.extension), nc.text));
     }
     let mut out = ExportFolder::open(folder).map_err(|e| e.to_string())?;
@@ -177,90 +177,6 @@ fn is_program(file: &Path) -> bool {
         && std::fs::File::open(file).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head)).is_ok();
     let text = String::from_utf8_lossy(&head).to_ascii_lowercase();
     is_read && text.contains("sparkpath") && text.contains(&format!("flank path {PROGRAM}"))
-}
-
-/// A cutter in a few words.
-pub fn cutter_words(cutter: &FlankCutter) -> String {
-    let shape = if cutter.taper_deg == 0.0 {
-        format!("cylinder R{} mm", cutter.radius_mm)
-    } else {
-        format!("cone, bottom R{} mm, {} deg from axis to flute", cutter.radius_mm, cutter.taper_deg)
-    };
-    let name = if cutter.name.is_empty() { String::new() } else { format!("{}: ", cutter.name) };
-    format!("{name}{shape}, flutes {} mm", cutter.length_mm)
-}
-
-/// What a program's reader should know of the path.
-fn notes(result: &FlankResult) -> Vec<String> {
-    let standing = &result.path().deviation;
-    let ([nu, nv], [overcut, undercut]) = (standing.counted_grid(), result.moving_most());
-    let ratio = match result.plan.share(standing.sum) {
-        Some(share) => format!(", {share:.3} of the initial path's"),
-        None => format!(", {WITHIN_ROUNDING}"),
-    };
-    vec![
-        format!("Flank {}, {} path", result.name, result.path.name()),
-        format!("{} milling with the spindle clockwise (M03)", capital(result.milling.cut.name())),
-        format!("Sum of absolute deviations {:.4} mm over {nu} x {nv} places of the surface{ratio}", standing.sum),
-        format!("Moving cutter: overcut up to {overcut:.4} mm, undercut up to {undercut:.4} mm"),
-    ]
-}
-
-fn capital(word: &str) -> String {
-    let mut letters = word.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
-}
-
-/// What is to be heeded: checks that fail and were overridden come first.
-fn heeded(result: &FlankResult) -> Vec<String> {
-    let overridden = result.checks.iter().filter(|c| !c.holds);
-    let overridden = overridden.map(|c| format!("check {} fails, overridden: {}", c.kind.name(), c.text));
-    overridden.chain(result.warnings.iter().cloned()).collect()
-}
-
-/// Cutter locations of the path that is milled, as APT text.
-///
-/// # Errors
-/// One line.
-pub fn cl(result: &FlankResult) -> Result<String, String> {
-    let (cutter, milling) = (&result.plan.cutter, &result.milling);
-    let path = result.tool_path().map_err(|e| e.to_string())?;
-    let (notes, warnings) = (notes(result), heeded(result));
-    let job = ClJob {
-        part: &result.name,
-        diameter_mm: 2.0 * cutter.radius_mm,
-        taper_deg: cutter.taper_deg,
-        flute_mm: cutter.length_mm,
-        spindle_rpm: milling.program.spindle_rpm,
-        feed_mm_per_min: milling.program.feed_mm_per_min,
-        lead_mm_per_min: milling.program.lead_mm_per_min,
-        tolerance_mm: milling.linearisation_mm,
-        notes: &notes,
-        warnings: &warnings,
-    };
-    cl_text(&path, &job).map_err(|e| e.to_string())
-}
-
-/// The NC program of the path that is milled.
-///
-/// # Errors
-/// One line.
-pub fn nc(result: &FlankResult, milled: &Milled) -> Result<FlankNc, String> {
-    let path = result.tool_path().map_err(|e| e.to_string())?;
-    let post = milling_post(&result.milling.post).map_err(|e| e.to_string())?;
-    let (notes, warnings) = (notes(result), heeded(result));
-    let job = FlankNcJob {
-        program: PROGRAM,
-        cutter: &cutter_words(&result.plan.cutter),
-        machine: &milled.machine,
-        path: &path,
-        line: &milled.line,
-        params: &milled.params,
-        contact: Some(milled.contact),
-        notes: &notes,
-        warnings: &warnings,
-    };
-    FlankNc::new(&job, &post, &result.milling.program).map_err(|e| e.to_string())
 }
 
 /// The locations of a path with the deviations of the places of the grid that are nearest to each.

@@ -3,7 +3,7 @@
 pub mod document;
 pub mod electrode_part;
 pub mod export;
-pub mod job;
+pub mod inputs;
 pub mod panels;
 pub mod report;
 pub mod scene;

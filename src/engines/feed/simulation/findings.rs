@@ -81,25 +81,24 @@ pub struct Visit {
 
 /// What a simulation found out about a whole motion.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-#[allow(missing_docs)]
-pub struct Findings {
-    pub path_digest: String,
-    pub copying_digest: Option<String>,
-    pub blisk_digest: String,
-    pub electrode_digest: String,
-    pub model_digest: String,
-    pub with_bodies: bool,
-    pub body_clearance_mm: f64,
-    pub enters_from: EntrySide,
-    pub approach: Vec<Pose>,
-    pub visits: Vec<Visit>,
-    pub out_of_reach: Vec<usize>,
-    pub pairs: Vec<PairReport>,
-    pub travel: Option<OutOfTravel>,
-    pub minutes: f64,
-    pub period_error: Option<f64>,
+pub(super) struct Findings {
+    pub(super) path_digest: String,
+    pub(super) copying_digest: Option<String>,
+    pub(super) blisk_digest: String,
+    pub(super) electrode_digest: String,
+    pub(super) model_digest: String,
+    pub(super) with_bodies: bool,
+    pub(super) body_clearance_mm: f64,
+    pub(super) enters_from: EntrySide,
+    pub(super) approach: Vec<Pose>,
+    pub(super) visits: Vec<Visit>,
+    pub(super) out_of_reach: Vec<usize>,
+    pub(super) pairs: Vec<PairReport>,
+    pub(super) travel: Option<OutOfTravel>,
+    pub(super) minutes: f64,
+    pub(super) period_error: Option<f64>,
     #[serde(skip)]
-    pub bodies: Vec<Body>,
+    pub(super) bodies: Vec<Body>,
 }
 
 /// What was proven about the whole motion of one electrode on its machine. Nobody else than
@@ -119,12 +118,6 @@ pub struct Simulation {
 impl Simulation {
     /// The simulation that found this: for [`simulate`](super::simulate) alone.
     pub(super) fn of(findings: Findings) -> Self {
-        Self { findings }
-    }
-
-    /// A simulation of made-up findings.
-    #[cfg(any(test, feature = "fixtures"))]
-    pub fn made_up(findings: Findings) -> Self {
         Self { findings }
     }
 

@@ -30,10 +30,7 @@ use super::machine_model::MachineModel;
 use super::path::FeedPath;
 pub use approach::Approach;
 use bodies::Bodies;
-#[cfg(any(test, feature = "fixtures"))]
-pub use findings::Findings;
-#[cfg(not(any(test, feature = "fixtures")))]
-pub(crate) use findings::Findings;
+use findings::Findings;
 pub use findings::{OutOfTravel, PairReport, Place, Simulation, Visit};
 use geometry::mesh::Mesh;
 use run::Run;

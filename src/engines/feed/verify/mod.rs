@@ -15,11 +15,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::certificate::{Certificate, Contact, Findings, TravelVerdict};
 use super::machine::TravelLimits;
 use super::outside::Outside;
 use super::path::FeedPath;
 use super::pose::Pose;
+use certificate::{Certificate, Contact, Findings, TravelVerdict};
 use geometry::bvh::Bvh;
 use geometry::mesh::Mesh;
 use geometry::triangle_distance::ClosestPoints;
@@ -29,6 +29,7 @@ use nearest::Nearest;
 use task::{Cancel, Cancelled, Progress};
 use wheel::channel::Surface;
 
+pub mod certificate;
 mod inside;
 mod interval;
 mod motion;
@@ -84,6 +85,16 @@ pub enum VerifyError {
     /// A row has an undefined or absurd value.
     #[error("row {0} of the path has a value that is no number or beyond 10 m or 1000 rad: correct that row")]
     RowOutOfRange(usize),
+    /// A tolerance that leaves too little of the spark gap.
+    #[error(
+        "tolerance_mm is {tolerance_mm}: it must be 0 or more, and less than half of the path's spark gap of {spark_gap_mm} mm"
+    )]
+    Tolerance {
+        /// How far below the spark gap the clearance may fall (mm).
+        tolerance_mm: f64,
+        /// The spark gap (mm).
+        spark_gap_mm: f64,
+    },
     /// A parameter or the reference point is out of its range.
     #[error("{name} is {value}: it must be {must_be}")]
     Parameter {
@@ -100,14 +111,21 @@ pub enum VerifyError {
 }
 
 impl VerifyOptions {
-    /// Checks every parameter's range.
-    pub fn validate(&self) -> Result<(), VerifyError> {
-        let check = |name, value: f64, good, must_be| {
-            if good { Ok(()) } else { Err(VerifyError::Parameter { name, value, must_be }) }
-        };
-        let (t, r) = (self.tolerance_mm, self.resolution_mm);
-        check("tolerance_mm", t, (0.0..=10.0).contains(&t), "from 0 to 10 mm")?;
-        check("resolution_mm", r, (1e-6..=1.0).contains(&r), "from 0.000001 to 1 mm")
+    /// Checks every parameter's range for paths of this spark gap (mm). No certificate is made of others: a clearance of
+    /// half the gap or less would pass for one of the gap.
+    ///
+    /// # Errors
+    /// [`VerifyError`] that names the parameter.
+    pub fn validate(&self, spark_gap_mm: f64) -> Result<(), VerifyError> {
+        let (tolerance_mm, value) = (self.tolerance_mm, self.resolution_mm);
+        if !(tolerance_mm == 0.0 || (0.0..0.5 * spark_gap_mm).contains(&tolerance_mm)) {
+            return Err(VerifyError::Tolerance { tolerance_mm, spark_gap_mm });
+        }
+        if !(1e-6..=1.0).contains(&value) {
+            let must_be = "from 0.000001 to 1 mm";
+            return Err(VerifyError::Parameter { name: "resolution_mm", value, must_be });
+        }
+        Ok(())
     }
 }
 
@@ -232,9 +250,9 @@ impl Verifier {
         progress: &Progress,
         cancel: &Cancel,
     ) -> Result<Certificate, VerifyError> {
-        options.validate()?;
         let run = Run { body: self, path, surface_of, options, progress, cancel };
         run.check_path()?;
+        options.validate(path.spark_gap)?;
         run.certificate()
     }
 
@@ -317,6 +335,7 @@ impl Run<'_> {
         let mut contacts: Vec<_> = at_rows.iter().chain(&between.found).copied().collect();
         contacts.sort_by(|p, q| p.distance.total_cmp(&q.distance).then(p.row.total_cmp(&q.row)));
         let [blisk_digest, electrode_digest] = self.body.digests.clone();
+        let enters_from = self.body.outside.side_of(&self.path.rows[0].pose);
         Ok(Certificate::of(Findings {
             path_digest: self.path.digest(),
             blisk_digest,
@@ -328,8 +347,8 @@ impl Run<'_> {
             violations: apart(contacts.iter().filter(|c| c.distance < self.limit())),
             row_clearance: at_rows.iter().map(|c| c.distance).collect(),
             row_surface: at_rows.iter().map(|c| c.surface).collect(),
-            ends_right: self.body.outside.is_outside(&self.path.rows[0].pose)
-                && self.path.rows.last().is_some_and(|row| row.pose == Pose::FINAL),
+            enters_from,
+            ends_right: enters_from.is_some() && self.path.rows.last().is_some_and(|row| row.pose == Pose::FINAL),
             travel: self.travel(),
             pair_intervals: between.pairs,
         }))

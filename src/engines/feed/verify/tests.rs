@@ -9,6 +9,7 @@ use crate::path::PathRow;
 use crate::pose::Axis;
 use geometry::exact::ExactMesh;
 use geometry::frame::{Cylindrical, Frame};
+use wheel::electrode::EntrySide;
 
 pub(super) fn any_point(size: f64) -> impl Strategy<Value = DVec3> {
     let c = move || -size..size;
@@ -225,9 +226,11 @@ fn crossing_surfaces_and_an_electrode_inside_metal_have_no_clearance() {
         let into = certify(&block, &placed, &path(DVec3::ZERO, 0.1, &[away, Pose::FINAL]));
         assert_eq!((into.certified(), into.least().distance, into.ends_right()), (0.0, 0.0, true));
         assert!(!into.holds());
+        let without_gap = FeedPath { spark_gap: 0.0, ..path(DVec3::ZERO, 0.1, &[away, Pose::FINAL]) };
+        let strict = VerifyOptions { tolerance_mm: 0.0, ..VerifyOptions::default() };
         assert!(
-            !Certificate::made_up(Findings { required: 0.0, ..into.into_findings() }).holds(),
-            "no tolerance makes a crossing good"
+            !certify_with(&block, &placed, &without_gap, &strict).holds(),
+            "a crossing is not good where no gap is asked for"
         );
         let still = certify(&block, &placed, &path(DVec3::ZERO, 0.1, &[Pose::FINAL, Pose::FINAL]));
         assert_eq!((still.certified(), still.least().distance, still.least().row), (0.0, 0.0, 0.0));
@@ -238,6 +241,39 @@ fn crossing_surfaces_and_an_electrode_inside_metal_have_no_clearance() {
     let around = block.mapped(|p| p - 4.0);
     let swallowed = certify(&tool, &around, &path(DVec3::ZERO, 0.1, &[Pose::FINAL]));
     assert_eq!(swallowed.certified(), 0.0);
+}
+
+#[test]
+fn no_certificate_is_made_with_a_tolerance_of_half_the_gap_or_more() {
+    let block = Mesh::cuboid(DVec3::splat(10.0));
+    let tool = Mesh::cuboid(DVec3::ONE).mapped(|p| p + DVec3::Z * 10.06);
+    let path = |gap: f64| path(DVec3::ZERO, gap, &[Pose { x: 30.0, ..Pose::FINAL }, Pose::FINAL]);
+    let certified = |gap: f64, tolerance_mm: f64| {
+        let options = VerifyOptions { tolerance_mm, ..VerifyOptions::default() };
+        verify(&block, &tool, &path(gap), &|_| Surface::Hub, &options, &Progress::silent(), &Cancel::default())
+    };
+    // 0.06 mm are kept, of which nobody shall say that they are 0.1 or 1 mm.
+    assert!(!certified(0.1, 0.0).unwrap().holds() && certified(0.1, 0.0499).unwrap().holds());
+    for (gap, tolerance_mm) in [(0.1, 0.05), (0.1, 0.06), (1.0, 0.95), (0.1, -1e-9), (0.1, f64::NAN), (0.0, 1e-9)] {
+        let error = certified(gap, tolerance_mm).unwrap_err();
+        let VerifyError::Tolerance { tolerance_mm: t, spark_gap_mm } = &error else { panic!("{error}") };
+        assert!(t.to_bits() == tolerance_mm.to_bits() && *spark_gap_mm == gap, "{error}");
+    }
+    assert!(certified(0.0, 0.0).unwrap().holds(), "a gap of nothing has no tolerance");
+}
+
+#[test]
+fn the_side_of_entry_is_that_on_which_the_motion_begins() {
+    let block = Mesh::cuboid(DVec3::new(10.0, 40.0, 5.0)).mapped(|p| p - DVec3::new(0.0, 20.0, 0.0));
+    let tool = Mesh::cuboid(DVec3::ONE).mapped(|p| p + DVec3::new(4.0, 0.0, 6.0));
+    let side = |x: f64, then: f64| {
+        let poses = [Pose { x, ..Pose::FINAL }, Pose { x: then, ..Pose::FINAL }, Pose::FINAL];
+        certify(&block, &tool, &path(DVec3::ZERO, 0.1, &poses)).enters_from()
+    };
+    assert_eq!((side(6.1, 0.0), side(-5.1, 0.0)), (Some(EntrySide::PlusX), Some(EntrySide::MinusX)));
+    // Beyond the other side later on is not where it comes from, and within is nowhere.
+    assert_eq!((side(6.1, -5.1), side(-5.1, 6.1)), (Some(EntrySide::PlusX), Some(EntrySide::MinusX)));
+    assert_eq!((side(5.9, 6.1), side(0.0, -5.1)), (None, None));
 }
 
 #[test]
@@ -269,8 +305,12 @@ fn stopping_early_tells_a_violation_and_claims_nothing() {
             && early.pair_intervals() < full.pair_intervals()
     );
     assert!(full.violations().windows(2).all(|pair| pair[0].distance <= pair[1].distance));
-    let fine = super::super::path::FeedPath { spark_gap: 0.0, ..path };
-    assert_eq!(certify_with(&hub, &pad, &fine, &stop).certified(), certify(&hub, &pad, &fine).certified());
+    let fine = FeedPath { spark_gap: 0.0, ..path };
+    let [stop, full] = [true, false].map(|stop_at_violation| {
+        let options = VerifyOptions { tolerance_mm: 0.0, stop_at_violation, ..VerifyOptions::default() };
+        certify_with(&hub, &pad, &fine, &options).certified()
+    });
+    assert_eq!(stop, full);
 }
 
 #[test]

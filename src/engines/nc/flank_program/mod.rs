@@ -6,6 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::approved_flank::ApprovedFlank;
 use super::post::{self, FeedMode, Post, PostError};
 use crate::block_feed::{LEAST_BLOCK_MINUTES, slow_down, whole_seconds};
 use crate::lines::Lines;
@@ -142,25 +143,25 @@ pub fn milling_posts() -> Vec<&'static str> {
 }
 
 /// What a program is for.
-pub struct FlankNcJob<'a> {
+struct FlankNcJob<'a> {
     /// Name of the program.
-    pub program: &'a str,
+    program: &'a str,
     /// The cutter in words.
-    pub cutter: &'a str,
+    cutter: &'a str,
     /// The machine.
-    pub machine: &'a Kinematics,
+    machine: &'a Kinematics,
     /// The path.
-    pub path: &'a ToolPath<'a>,
+    path: &'a ToolPath<'a>,
     /// The machine's positions along it.
-    pub line: &'a MachinePath,
+    line: &'a MachinePath,
     /// What they were made with.
-    pub params: &'a LinearisationParams,
+    params: &'a LinearisationParams,
     /// Where the flutes touch, for the feed; none where it is that of the tool's axis.
-    pub contact: Option<Contact>,
+    contact: Option<Contact>,
     /// What else the operator should know: surface, tolerances, the deviation of the path.
-    pub notes: &'a [String],
+    notes: &'a [String],
     /// What is to be heeded.
-    pub warnings: &'a [String],
+    warnings: &'a [String],
 }
 
 /// An NC program.
@@ -180,6 +181,20 @@ pub struct FlankNc {
     pub stretched: Option<(usize, f64)>,
 }
 
+/// Why no program of a flank could be made.
+#[derive(Debug, thiserror::Error)]
+pub enum FlankNcError {
+    /// No machine was given, or none can follow the path.
+    #[error("no machine has this path: choose a machine that can follow it")]
+    NoMachine,
+    /// The post.
+    #[error(transparent)]
+    Post(#[from] PostError),
+    /// The words of the program.
+    #[error(transparent)]
+    Nc(#[from] NcError),
+}
+
 impl FlankNc {
     /// Whether `post` has every word that programs for `machine` need.
     ///
@@ -189,11 +204,36 @@ impl FlankNc {
         Words::new(machine, post, settings).map(|_| ())
     }
 
-    /// Writes the program of `job` in the words of `post`.
+    /// Writes the program called `name` of the path that is milled, on the machine and in the words of the post that it was
+    /// checked with.
+    ///
+    /// # Errors
+    /// [`FlankNcError`] when no machine has the path, the post cannot be read or lacks an axis or a word, or a line gets
+    /// longer than the control takes.
+    pub fn new(approved: &ApprovedFlank, name: &str) -> Result<Self, FlankNcError> {
+        let result = approved.result();
+        let milled = result.milled().ok_or(FlankNcError::NoMachine)?;
+        let post = milling_post(&result.milling.post)?;
+        let (notes, warnings) = (approved.notes(), approved.warnings());
+        let job = FlankNcJob {
+            program: name,
+            cutter: &result.plan.cutter.words(),
+            machine: &milled.machine,
+            path: approved.path(),
+            line: &milled.line,
+            params: &milled.params,
+            contact: Some(milled.contact),
+            notes: &notes,
+            warnings: &warnings,
+        };
+        Ok(Self::of(&job, &post, &result.milling.program)?)
+    }
+
+    /// Writes the program of any path, approved or not: for [`FlankNc::new`] and its tests.
     ///
     /// # Errors
     /// [`NcError`] when the post lacks an axis or the word for what is asked, a setting is out of range, or a line gets longer than the control takes.
-    pub fn new(job: &FlankNcJob, post: &Post, settings: &FlankNcSettings) -> Result<Self, NcError> {
+    fn of(job: &FlankNcJob, post: &Post, settings: &FlankNcSettings) -> Result<Self, NcError> {
         settings.validate()?;
         if settings.tip_control.interpolation() != job.params.interpolation {
             let range = "the one whose moves were measured: make the positions with the same interpolation";

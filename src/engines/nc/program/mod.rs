@@ -94,10 +94,26 @@ pub struct NcJob<'a> {
     pub program: &'a str,
     /// File of the electrode that it moves.
     pub electrode_file: &'a str,
-    /// The machine, its travels in the directions of W.
+    /// The machine, its travels in its own directions.
     pub machine: &'a MachineParams,
+}
+
+/// A job as the side of entry of an approved path has it.
+pub(super) struct TurnedJob<'a> {
+    program: &'a str,
+    electrode_file: &'a str,
+    /// The machine, its travels in the directions of W.
+    pub(super) machine: MachineParams,
     /// Whether the directions of the machine are turned by half a turn about Z against W.
-    pub is_turned: bool,
+    pub(super) is_turned: bool,
+}
+
+impl<'a> TurnedJob<'a> {
+    fn new(job: &NcJob<'a>, approved: &Approved) -> Self {
+        let NcJob { program, electrode_file, machine } = *job;
+        let side = approved.enters_from();
+        Self { program, electrode_file, machine: machine.seen_from_w(side), is_turned: machine.is_turned(side) }
+    }
 }
 
 /// An NC program.
@@ -116,10 +132,11 @@ impl NcProgram {
     /// out of range, or a line gets longer than the control takes.
     pub fn new(approved: &Approved, post: &Post, settings: &NcSettings, job: &NcJob) -> Result<Self, NcError> {
         settings.validate()?;
-        check_axes(&approved.path().rows, post, job.machine)?;
-        check_axes(copying_rows(approved), post, job.machine)?;
+        let job = &TurnedJob::new(job, approved);
+        check_axes(&approved.path().rows, post, &job.machine)?;
+        check_axes(copying_rows(approved), post, &job.machine)?;
         tour::check(approved, post, job)?;
-        let feeds = Feeds::new(approved, post, settings, job.machine)?;
+        let feeds = Feeds::new(approved, post, settings, &job.machine)?;
         let in_channel = feeds.inwards.iter().chain(&feeds.copying).chain(&feeds.outwards);
         let slowed = Slowed::of(in_channel.chain(feeds.tour.all()));
         let mut w = Writer::new(post, job, settings);
@@ -196,7 +213,7 @@ fn copying_rows(approved: &Approved) -> &[PathRow] {
 
 /// What the machine's speeds made of the feed.
 fn speed_comments(w: &mut Writer, slowed: Option<Slowed>) {
-    let MachineParams { speed_mm_min, speed_deg_min, .. } = w.job.machine;
+    let MachineParams { speed_mm_min, speed_deg_min, .. } = &w.job.machine;
     w.comment(&format!("Greatest speeds of the machine: X Y Z {speed_mm_min} mm/min, A B C {speed_deg_min} deg/min"));
     match slowed {
         None => w.comment("No axis would exceed them: the feed is as asked for throughout."),
@@ -348,7 +365,7 @@ pub(super) fn in_channel(w: &mut Writer, approved: &Approved, feeds: &Feeds) {
 
 pub(super) struct Writer<'a> {
     post: &'a Post,
-    job: &'a NcJob<'a>,
+    job: &'a TurnedJob<'a>,
     settings: &'a NcSettings,
     lines: Lines<'a>,
     /// What is added to A: the turn to the channel (rad).
@@ -356,7 +373,7 @@ pub(super) struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    fn new(post: &'a Post, job: &'a NcJob<'a>, settings: &'a NcSettings) -> Self {
+    fn new(post: &'a Post, job: &'a TurnedJob<'a>, settings: &'a NcSettings) -> Self {
         Self { post, job, settings, lines: Lines::new(post, job.program, settings.burn_dwell_s), turn: 0.0 }
     }
 

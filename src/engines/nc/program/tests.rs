@@ -1,14 +1,17 @@
 use super::*;
 use crate::approved::NotApproved;
 use crate::fixtures;
+use crate::fixtures::{OWN_CHANNEL, PITCH_DEG, Scene};
 use crate::path_csv::write_path_csv;
-use feed::certificate::{Findings, TravelVerdict};
-use feed::copying::CopyingMotion;
-use feed::machine::AxisSet;
-use feed::machine_model::MachineModel;
+use feed::certificate::Certificate;
+use feed::machine::{AxisSet, TravelLimits};
+use feed::machine_model::{Body, Carrier, MachineModel};
 use feed::path::FeedPath;
 use feed::quantise::quantise_rad;
-use feed::simulation::{Findings as Simulated, Simulation, Visit};
+use feed::simulation::{Simulation, Visit};
+use feed::verify::VerifyOptions;
+use geometry::mesh::Mesh;
+use glam::DVec3;
 use wheel::electrode::EntrySide;
 
 fn machine() -> &'static MachineParams {
@@ -17,7 +20,11 @@ fn machine() -> &'static MachineParams {
 }
 
 fn job() -> NcJob<'static> {
-    NcJob { program: "path_1", electrode_file: "electrode_1.stl", machine: machine(), is_turned: false }
+    NcJob { program: "path_1", electrode_file: "electrode_1.stl", machine: machine() }
+}
+
+fn scene() -> Scene {
+    Scene::new(EntrySide::MinusX)
 }
 
 fn program(post: &Post) -> String {
@@ -65,7 +72,7 @@ fn every_coordinate_is_the_number_of_the_path_file_there_and_back() {
 fn a_certified_copying_motion_stands_between_the_burn_and_the_retraction() {
     let post = Post::load("iso", None).unwrap();
     let without = program(&post);
-    let motion = fixtures::copying(|_| ());
+    let motion = scene().copying();
     let approved = fixtures::approved().with_copying(&motion).unwrap();
     let program = NcProgram::new(&approved, &post, &NcSettings::default(), &job()).unwrap();
     let with = program.text();
@@ -83,16 +90,35 @@ fn a_certified_copying_motion_stands_between_the_burn_and_the_retraction() {
 
 #[test]
 fn no_copying_motion_is_taken_that_is_not_proven_for_this_electrode() {
-    let refused = |motion: &CopyingMotion| fixtures::approved().with_copying(motion).unwrap_err();
-    let changed = |change: fn(&mut Findings)| refused(&fixtures::copying(change));
-    assert!(matches!(changed(|f| f.certified = 0.05), NotApproved::TooClose { .. }));
-    assert_eq!(changed(|f| f.electrode_digest = "0".repeat(64)), NotApproved::OtherElectrode);
-    assert_eq!(changed(|f| f.blisk_digest = "0".repeat(64)), NotApproved::OtherBlisk);
-    assert_eq!(changed(|f| f.path_digest = "0".repeat(64)), NotApproved::OtherPath);
-    assert_eq!(changed(|f| f.travel = TravelVerdict::NotJudged), NotApproved::TravelNotJudged);
-    let mut open = fixtures::copying(|_| ());
-    open.path.rows.pop();
-    assert_eq!(refused(&open), NotApproved::OtherPath, "another motion than the certificate's");
+    let (scene, path) = (scene(), scene().copying_path(1.2));
+    let refused = |path: &FeedPath, certificate: Certificate| {
+        fixtures::approved().with_copying(&fixtures::copying_of(path.clone(), certificate)).unwrap_err()
+    };
+    // Towards the wall instead of away from it.
+    let wrong_way = scene.copying_path(-1.2);
+    assert!(matches!(refused(&wrong_way, scene.certificate(&wrong_way)), NotApproved::TooClose { .. }));
+    let mut other = scene.clone();
+    other.electrode.vertices[0].x -= 1e-9;
+    assert_eq!(refused(&path, other.certificate(&path)), NotApproved::OtherElectrode);
+    assert_eq!(refused(&path, scene.with_wall_nearer_by(-1.0).certificate(&path)), NotApproved::OtherBlisk);
+    assert_eq!(refused(&path, scene.certificate(&scene.copying_path(1.1))), NotApproved::OtherPath);
+    let small = FeedPath { spark_gap: 0.05, ..path.clone() };
+    assert_eq!(refused(&small, scene.certificate(&small)), NotApproved::OtherGap { required: 0.05, spark_gap: 0.1 });
+    let judged = |travel| scene.verified(&path, &VerifyOptions::default(), travel).unwrap();
+    assert_eq!(refused(&path, judged(None)), NotApproved::TravelNotJudged);
+    let short = judged(Some(TravelLimits::UNLIMITED.with(Axis::Z, [0.0, 0.4])));
+    assert!(matches!(refused(&path, short), NotApproved::BeyondTravel(beyond) if beyond.axis == Axis::Z));
+    let mut open = path.clone();
+    open.rows.pop();
+    assert_eq!(
+        refused(&open, scene.certificate(&path)),
+        NotApproved::OtherPath,
+        "another motion than the certificate's"
+    );
+    assert_eq!(refused(&open, scene.certificate(&open)), NotApproved::WrongEnds);
+    let mut unrounded = path.clone();
+    unrounded.rows[1].pose.a += 1e-10;
+    assert_eq!(refused(&unrounded, scene.certificate(&unrounded)), NotApproved::NotQuantised { row: 1 });
 }
 
 #[test]
@@ -210,7 +236,11 @@ fn the_header_carries_the_certificate() {
     let c = a.certificate();
     let text = program(&post);
     let digests = [c.path_digest(), c.blisk_digest(), c.electrode_digest()].map(|d| &d[..16]);
-    let figures = ["0.10150 mm or more", "0.10320 mm", "121 rows", "electrode_1.stl", "0.10000 mm"];
+    let least = c.least();
+    assert!(c.certified() <= least.distance && (least.distance - 0.1032).abs() < 1e-4 && (least.s - 3.0).abs() < 0.5);
+    let certified = format!("over the whole motion: {} mm or more", floor_mm_text(c.certified()));
+    let least = format!("found: {} mm, {} mm before", floor_mm_text(least.distance), mm_text(least.s, MM_DECIMALS));
+    let figures = [certified.as_str(), &least, "121 rows", "electrode_1.stl", "0.10000 mm"];
     for part in figures.into_iter().chain(digests) {
         assert!(text.contains(part), "{part}\n{text}");
     }
@@ -276,16 +306,19 @@ fn block_numbers_start_again_rather_than_grow_too_long() {
     assert!(numbers.len() > 240 && numbers.iter().all(|n| (5..=100).contains(n)));
 }
 
-/// The approved path with its made-up simulation, with what was found changed by `change`.
-fn simulated(change: impl Fn(&mut Simulated)) -> Result<Approved, NotApproved> {
-    let mut findings = fixtures::simulation();
-    change(&mut findings);
-    fixtures::approved().with_simulation(&Simulation::made_up(findings), &MachineModel::default())
+/// Channels that are burnt: that of the path and the next one.
+const BURNT: [usize; 2] = [OWN_CHANNEL, OWN_CHANNEL + 1];
+
+/// The approved path with its simulation on a machine with bodies.
+fn simulated() -> Approved {
+    fixtures::approved().with_simulation(&fixtures::simulation(), &MachineModel::default()).unwrap()
 }
 
 #[test]
 fn every_simulated_channel_is_burnt_with_a_turned_by_its_pitch() {
-    let approved = simulated(|_| ()).unwrap();
+    // Without bodies, so that the machine is not turned.
+    let simulation = scene().simulation(None, (machine(), &MachineModel::default()), &BURNT);
+    let approved = fixtures::approved().with_simulation(&simulation, &MachineModel::default()).unwrap();
     for (name, _) in crate::post::BUILT_IN {
         let post = Post::load(name, None).unwrap();
         let program = NcProgram::new(&approved, &post, &NcSettings::default(), &job()).unwrap();
@@ -299,9 +332,9 @@ fn every_simulated_channel_is_burnt_with_a_turned_by_its_pitch() {
             for axis in ["X", "Y", "Z", "C"] {
                 assert_eq!(value(first, axis), value(second, axis), "{name}");
             }
-            assert!((number(second, "A") - number(first, "A") - 6.0).abs() < 1e-9, "{name}");
+            assert!((number(second, "A") - number(first, "A") - PITCH_DEG).abs() < 1e-9, "{name}");
         }
-        let clear = fixtures::simulation().approach[0];
+        let clear = simulation.approach()[0];
         for at in [0, in_channel - 1, in_channel] {
             assert!(
                 (number(&blocks[at], "X") - clear.x).abs() < 1e-9 && (number(&blocks[at], "Z") - clear.z).abs() < 1e-9
@@ -345,27 +378,32 @@ fn poses_of_tour(approach: &[Pose], feed: &FeedPath, copying: &FeedPath, visits:
 
 #[test]
 fn a_program_replayed_is_the_motion_that_was_simulated() {
-    let copying = fixtures::copying(|_| ());
     let turn = |deg: f64| quantise_rad(deg.to_radians());
     // The plan's channel is neither the first nor the only one, and A goes both ways from it.
-    let visits = [(2, -6.0), (3, 0.0), (4, 6.0)].map(|(channel, deg)| Visit { channel, turn: turn(deg) });
-    let machine = MachineParams { name: "xyzac".to_owned(), ..Default::default() };
-    let feed = fixtures::path();
-    for (name, _) in crate::post::BUILT_IN {
-        for (is_turned, is_reversed) in [(false, false), (true, false), (true, true)] {
-            let mut findings = fixtures::simulation();
-            findings.copying_digest = Some(copying.path.digest());
-            findings.visits = visits.to_vec();
-            findings.enters_from = if is_turned { EntrySide::MinusX } else { EntrySide::PlusX };
-            let simulation = Simulation::made_up(findings);
-            let approved = fixtures::approved().with_copying(&copying).unwrap();
-            let approved = approved.with_simulation(&simulation, &MachineModel::default()).unwrap();
-            let expected = poses_of_tour(simulation.approach(), &feed, &copying.path, &visits);
+    let visits = [-1i32, 0, 1].map(|by| Visit {
+        channel: OWN_CHANNEL.wrapping_add_signed(by as isize),
+        turn: turn(f64::from(by) * PITCH_DEG),
+    });
+    let machine = fixtures::machine_with_bodies();
+    let (bodies, channels) = (MachineModel::default(), visits.map(|v| v.channel));
+    for (side, is_reversed) in [(EntrySide::PlusX, false), (EntrySide::MinusX, false), (EntrySide::MinusX, true)] {
+        let scene = Scene::new(side);
+        let copying = scene.copying();
+        let simulation = scene.simulation(Some(&copying), (&machine, &bodies), &channels);
+        assert!(simulation.holds(), "{}", simulation.sentence());
+        // The order in which A goes through them is the machine's own.
+        let mut expected_visits = visits;
+        expected_visits.sort_by_key(|v| simulation.visits().iter().position(|w| w.channel == v.channel));
+        assert_eq!(simulation.visits(), expected_visits);
+        let approved = scene.approved().with_copying(&copying).unwrap();
+        let approved = approved.with_simulation(&simulation, &bodies).unwrap();
+        let expected = poses_of_tour(simulation.approach(), &scene.path, &copying.path, &expected_visits);
+        for (name, _) in crate::post::BUILT_IN {
             let mut post = Post::load(name, None).unwrap();
             post.axes.iter_mut().filter(|a| a.axis == Axis::A).for_each(|a| a.reversed = is_reversed);
-            let job = NcJob { is_turned, machine: &machine, ..job() };
+            let job = NcJob { machine: &machine, ..job() };
             let program = NcProgram::new(&approved, &post, &NcSettings::default(), &job).unwrap();
-            let poses = replayed(&post, program.text(), is_turned);
+            let poses = replayed(&post, program.text(), side == EntrySide::MinusX);
             assert_eq!(poses.len(), expected.len(), "{name}");
             for (i, (pose, expected)) in poses.iter().zip(&expected).enumerate() {
                 let off = pose.to_array().into_iter().zip(expected.to_array()).map(|(p, q)| (p - q).abs());
@@ -377,34 +415,60 @@ fn a_program_replayed_is_the_motion_that_was_simulated() {
 
 #[test]
 fn a_machine_with_bodies_wants_a_simulation_that_holds_of_this_very_motion() {
-    let machine = MachineParams { name: "xyzac".to_owned(), ..Default::default() };
+    let machine = fixtures::machine_with_bodies();
     let (post, job) = (Post::load("iso", None).unwrap(), NcJob { machine: &machine, ..job() });
     let program = |approved: &Approved| NcProgram::new(approved, &post, &NcSettings::default(), &job).map(|_| ());
     assert_eq!(program(&fixtures::approved()), Err(NcError::NotSimulated));
-    let approved = simulated(|_| ()).unwrap();
+    let approved = simulated();
     assert_eq!(program(&approved), Ok(()));
-    let made = |change: fn(&mut Simulated)| program(&simulated(change).unwrap());
-    assert_eq!(made(|s| s.with_bodies = false), Err(NcError::NotSimulated));
-    let of_another = |result| matches!(result, Err(NcError::OtherMachineSimulated { .. }));
-    assert!(of_another(made(|s| s.body_clearance_mm = 0.99)));
-    assert!(of_another(made(|s| s.body_clearance_mm = f64::NAN)));
-    assert!(of_another(made(|s| s.enters_from = EntrySide::MinusX)));
-    assert_eq!(made(|s| s.body_clearance_mm = 1.01), Ok(()));
-    let refused = |change: fn(&mut Simulated)| simulated(change).unwrap_err();
-    let another = NotApproved::OtherSimulated;
-    assert_eq!(refused(|s| s.path_digest = "0".repeat(64)), another("path"));
-    assert_eq!(refused(|s| s.copying_digest = Some("0".repeat(64))), another("copying motion"));
-    assert_eq!(refused(|s| s.blisk_digest = "0".repeat(64)), another("blisk"));
-    assert_eq!(refused(|s| s.electrode_digest = "0".repeat(64)), another("electrode"));
-    assert_eq!(refused(|s| s.model_digest = "0".repeat(64)), another("machine"));
-    assert!(matches!(refused(|s| s.out_of_reach = vec![7]), NotApproved::Collides(text) if text.contains("channel 7")));
-    assert!(
-        matches!(refused(|s| s.pairs.clear()), NotApproved::Collides(text) if text.contains("Nothing was simulated"))
-    );
-    assert!(matches!(refused(|s| s.visits.clear()), NotApproved::Collides(_)));
-    assert!(matches!(refused(|s| s.pairs[0].certified = 0.0), NotApproved::Collides(_)));
+
+    let (scene, nothing) = (scene(), MachineModel::default());
+    let on = |machine: &MachineParams| scene.simulation(None, (machine, &nothing), &BURNT);
+    let given = |simulation: &Simulation| fixtures::approved().with_simulation(simulation, &nothing);
+    let clear_by = |mm: f64| on(&MachineParams { body_clearance_mm: mm, ..machine.clone() });
+    assert_eq!(program(&given(&on(&MachineParams::default())).unwrap()), Err(NcError::NotSimulated));
+    let nearer = program(&given(&clear_by(0.99)).unwrap());
+    assert!(matches!(nearer, Err(NcError::OtherMachineSimulated { .. })), "{nearer:?}");
+    assert_eq!(program(&given(&clear_by(1.01)).unwrap()), Ok(()));
+    assert!(matches!(given(&clear_by(f64::NAN)), Err(NotApproved::Collides(_))));
+    let without_name = NcJob { machine: &MachineParams::default(), ..job.clone() };
+    let turned = NcProgram::new(&approved, &post, &NcSettings::default(), &without_name);
+    assert!(matches!(turned, Err(NcError::OtherMachineSimulated { .. })), "{turned:?}");
+
+    let another = |simulation: &Simulation, what: &'static str| {
+        assert_eq!(given(simulation).unwrap_err(), NotApproved::OtherSimulated(what));
+    };
+    let of = |scene: &Scene| scene.simulation(None, (&machine, &nothing), &BURNT);
+    let mut other = scene.clone();
+    other.path.rows[60].pose.y += 1e-5;
+    another(&of(&other), "path");
+    another(&scene.simulation(Some(&scene.copying()), (&machine, &nothing), &BURNT), "copying motion");
+    another(&of(&scene.with_wall_nearer_by(-1e-9)), "blisk");
+    let mut other = scene.clone();
+    other.electrode.vertices[0].z += 1e-9;
+    another(&of(&other), "electrode");
+    // Above everything, so that nothing is met.
+    let far = Mesh::cuboid(DVec3::ONE).mapped(|p| p + DVec3::new(0.0, 0.0, 2000.0));
+    let bodies = MachineModel { bodies: vec![Body { name: "lamp".to_owned(), carrier: Carrier::Bed, mesh: far }] };
+    another(&scene.simulation(None, (&machine, &bodies), &BURNT), "machine");
+    another(&of(&Scene { side: EntrySide::PlusX, ..scene.clone() }), "side of entry");
+
+    let collides = |simulation: &Simulation, bodies: &MachineModel| {
+        let error = fixtures::approved().with_simulation(simulation, bodies).unwrap_err();
+        let NotApproved::Collides(text) = error else { panic!("{error}") };
+        text
+    };
+    assert!(collides(&scene.simulation(None, (&machine, &nothing), &[]), &nothing).contains("Nothing was simulated"));
+    let limited = MachineParams { travel_a_deg: [-25.0, 25.0], ..machine.clone() };
+    assert!(collides(&on(&limited), &nothing).contains("channel 4"));
+    // A post where the electrode ends up.
+    let post_there = Mesh::cuboid(DVec3::splat(400.0)).mapped(|p| p - DVec3::splat(200.0));
+    let bodies =
+        MachineModel { bodies: vec![Body { name: "post".to_owned(), carrier: Carrier::Bed, mesh: post_there }] };
+    assert!(collides(&scene.simulation(None, (&machine, &bodies), &BURNT), &bodies).contains("post"));
+
     // A machine whose A does not go as far as the second channel.
-    let short = MachineParams { travel_a_deg: [-3.0, 5.0], ..machine.clone() };
+    let short = MachineParams { travel_a_deg: [-20.0, 20.0], ..machine.clone() };
     let job = NcJob { machine: &short, ..job };
     let error = NcProgram::new(&approved, &post, &NcSettings::default(), &job).unwrap_err();
     assert!(matches!(error, NcError::BeyondTravel(beyond) if beyond.axis == Axis::A), "{error}");
@@ -413,48 +477,45 @@ fn a_machine_with_bodies_wants_a_simulation_that_holds_of_this_very_motion() {
 /// A simulation knows the copying motion that it was made with, whichever of the two is given first.
 #[test]
 fn a_copying_motion_given_after_the_simulation_wants_another() {
-    let copying = fixtures::copying(|_| ());
-    let feed_only = simulated(|_| ()).unwrap();
+    let copying = scene().copying();
+    let feed_only = simulated();
     assert!(feed_only.simulation().is_some());
     let with_copying = feed_only.with_copying(&copying).unwrap();
     assert_eq!(with_copying.simulation(), None);
-    let machine = MachineParams { name: "xyzac".to_owned(), ..Default::default() };
+    let (machine, nothing) = (fixtures::machine_with_bodies(), MachineModel::default());
     let (post, job) = (Post::load("iso", None).unwrap(), NcJob { machine: &machine, ..job() });
     let program = NcProgram::new(&with_copying, &post, &NcSettings::default(), &job);
     assert_eq!(program, Err(NcError::NotSimulated));
-    let mut findings = fixtures::simulation();
-    let of_feed = Simulation::made_up(findings.clone());
-    let error = with_copying.clone().with_simulation(&of_feed, &MachineModel::default()).unwrap_err();
+    let error = with_copying.clone().with_simulation(&fixtures::simulation(), &nothing).unwrap_err();
     assert_eq!(error, NotApproved::OtherSimulated("copying motion"));
-    findings.copying_digest = Some(copying.path.digest());
-    let of_both = Simulation::made_up(findings);
-    assert!(with_copying.with_simulation(&of_both, &MachineModel::default()).unwrap().simulation().is_some());
+    let of_both = scene().simulation(Some(&copying), (&machine, &nothing), &BURNT);
+    assert!(with_copying.with_simulation(&of_both, &nothing).unwrap().simulation().is_some());
 }
 
-/// An electrode from -X on a machine with bodies: the machine is turned by half a turn about Z against W.
+/// An electrode from -X on a machine with bodies finds the machine turned by half a turn about Z against W. When part,
+/// electrode and path are turned by as much, the machine itself does the very same.
 #[test]
 fn a_turned_machine_has_x_y_a_and_b_the_other_way_round_and_is_told() {
-    let text = |is_turned: bool| {
-        let (post, settings) = (Post::load("iso", None).unwrap(), NcSettings::default());
-        NcProgram::new(&fixtures::approved(), &post, &settings, &NcJob { is_turned, ..job() })
-            .unwrap()
-            .text()
-            .to_owned()
+    let (machine, nothing) = (fixtures::machine_with_bodies(), MachineModel::default());
+    let post = Post::load("iso", None).unwrap();
+    let text = |side: EntrySide, machine: &MachineParams| {
+        let scene = Scene::new(side);
+        let simulation = scene.simulation(None, (machine, &nothing), &[OWN_CHANNEL]);
+        let approved = scene.approved().with_simulation(&simulation, &nothing).unwrap();
+        let job = NcJob { machine, ..job() };
+        NcProgram::new(&approved, &post, &NcSettings::default(), &job).unwrap().text().to_owned()
     };
-    let words = |text: &str, letter: char| -> Vec<f64> {
-        let moves = text.lines().filter(|line| line.contains("G01"));
-        moves
-            .flat_map(|l| {
-                l.split_whitespace().filter_map(|w| w.strip_prefix(letter)?.parse().ok()).collect::<Vec<f64>>()
-            })
-            .collect()
+    let words = |text: &str, letter: &str| -> Vec<f64> {
+        moving_blocks(&post, text).iter().map(|block| value(block, letter).unwrap().parse().unwrap()).collect()
     };
-    let (straight, turned) = (text(false), text(true));
-    for (letter, sign) in [('X', -1.0), ('Y', -1.0), ('Z', 1.0), ('A', -1.0), ('C', 1.0)] {
-        let expected: Vec<f64> = words(&straight, letter).into_iter().map(|v| sign * v).collect();
-        assert!(!expected.is_empty() && expected.iter().any(|v| *v != 0.0), "{letter}");
-        assert_eq!(words(&turned, letter), expected, "{letter}");
+    let [minus, plus] = [EntrySide::MinusX, EntrySide::PlusX].map(|side| text(side, &machine));
+    let in_w = text(EntrySide::MinusX, &MachineParams::default());
+    for (letter, sign) in [("X", -1.0), ("Y", -1.0), ("Z", 1.0), ("A", -1.0), ("C", 1.0)] {
+        let turned = words(&minus, letter);
+        assert!(turned.iter().any(|v| *v != 0.0), "{letter}");
+        assert_eq!(turned, words(&plus, letter), "{letter}");
+        assert_eq!(turned, words(&in_w, letter).into_iter().map(|v| sign * v).collect::<Vec<_>>(), "{letter}");
     }
     let told = "TURNED BY HALF A TURN";
-    assert!(turned.contains(told) && !straight.contains(told));
+    assert!(minus.contains(told) && !plus.contains(told) && !in_w.contains(told));
 }

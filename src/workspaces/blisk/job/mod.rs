@@ -7,6 +7,7 @@ pub mod plan;
 pub mod plan_pictures;
 pub mod prepared_blisk;
 pub mod preview;
+pub mod released;
 pub mod simulate;
 pub mod sizing;
 pub mod stages;

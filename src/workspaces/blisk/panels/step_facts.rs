@@ -213,12 +213,12 @@ fn verify(ui: &mut Ui, core: &mut Core) {
         }
     }
     finishing(ui, core, &plan);
-    if core.pipeline.can_approve() {
+    if core.pipeline.can_release() {
         next(ui, core, Stage::Export);
     }
 }
 
-/// What is being worked on before a certified plan can be approved.
+/// What is being worked on before a certified plan can be released.
 fn awaited(core: &Core) -> &'static str {
     match core.pipeline.running().filter(|running| running.stage == Stage::Verify).map(|running| &*running.doing) {
         Some("simulation") => "the whole motion is being simulated on the machine",
@@ -267,33 +267,33 @@ fn leftover(ui: &mut Ui, core: &mut Core, left: &Leftover, channel: &Channel) {
 }
 
 fn export(ui: &mut Ui, core: &mut Core) {
-    let approved = core.pipeline.is_approved();
-    if !approved && core.pipeline.finishing() == StageState::Running {
+    let released = core.pipeline.released().is_some();
+    if !released && core.pipeline.finishing() == StageState::Running {
         let unless = if simulate::is_needed(core.document.job()) { ", unless something collides" } else { "" };
         let text = format!(
-            "{}. The plan can be approved once its copying motions and the stock left are known{unless}.",
+            "{}. The plan can be released once its copying motions and the stock left are known{unless}.",
             sentence(awaited(core))
         );
         notice(ui, palette(ui).faint, &text);
-    } else if !approved && !core.pipeline.can_approve() {
+    } else if !released && !core.pipeline.can_release() {
         let collides = core.pipeline.plan().and_then(|plan| plan.finishing()).is_some_and(|f| f.collision().is_some());
         let why = if collides {
-            "A plan on whose machine something collides cannot be approved; Verify shows where."
+            "A plan on whose machine something collides cannot be released; Verify shows where."
         } else {
-            "Only a plan with a certificate that holds, for the present parameters, can be approved."
+            "Only a plan with a certificate that holds, for the present parameters, can be released."
         };
         notice(ui, palette(ui).warning, why);
     }
     ui.horizontal(|ui| {
-        command_button(ui, core, Command::Approve, "Approve", !approved);
-        command_button(ui, core, Command::Export, "Export…", approved);
-        if approved {
+        command_button(ui, core, Command::Release, "Release for export", !released);
+        command_button(ui, core, Command::Export, "Export…", released);
+        if released {
             command_button(ui, core, Command::Withdraw, "Withdraw", false);
         }
     });
-    if approved {
+    if released {
         ui.add_space(4.0);
-        notice(ui, palette(ui).good, "Approved: this path. What changes the path withdraws it; feed and post do not.");
+        notice(ui, palette(ui).good, "Released: this path. What changes the path withdraws it; feed and post do not.");
     }
     let Some(exported) = core.pipeline.exported().cloned() else { return };
     ui.add_space(6.0);

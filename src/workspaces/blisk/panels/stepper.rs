@@ -94,7 +94,7 @@ fn introduction(ui: &mut Ui, stage: Stage) {
         Stage::Electrode => "Tune gap and reductions by eye: the electrode follows.",
         Stage::Plan => "Search the feed path, from the final pose outwards, node by node.",
         Stage::Verify => "The whole motion is proven to keep the spark gap, or the place where it does not is shown.",
-        Stage::Export => "Approve the certified path and write it for the machine.",
+        Stage::Export => "Release the certified path for export and write it for the machine.",
     };
     ui.label(RichText::new(text).color(palette(ui).faint));
     ui.add_space(2.0);

@@ -86,8 +86,8 @@ impl Pipeline {
                 said
             }
             Stage::Verify => {
-                // What was approved had no copying motion.
-                self.approved = None;
+                // What was released had no copying motion.
+                self.released = None;
                 self.finish.end(task, ended, Found::finish, finish_sentence)
             }
             Stage::Export => self.export.end(task, ended, Found::export, export_sentence),

@@ -25,9 +25,9 @@ impl Pipeline {
             }
         }
         let now = self.refresh(document.job());
-        if self.approved.is_some() && !self.is_approved() {
+        if self.released.is_some() && self.released().is_none() {
             self.withdraw();
-            let text = "approval withdrawn: an input changed".to_owned();
+            let text = "release withdrawn: an input changed".to_owned();
             events.push(Event { stage: Stage::Export, kind: EventKind::Cancelled, text, took: None });
         }
         // A plan for other parameters is of no use to anybody.

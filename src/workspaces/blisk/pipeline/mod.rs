@@ -30,6 +30,7 @@ use crate::workspaces::blisk::document::kept_plan::KeptPlan;
 use crate::workspaces::blisk::document::stage::{Fingerprint, Stage};
 use crate::workspaces::blisk::job::finish::Finishing;
 use crate::workspaces::blisk::job::plan::{PlanInputs, PlanJobError, PlanOutcome};
+use crate::workspaces::blisk::job::released::{NotReleased, Released};
 use crate::workspaces::blisk::job::simulate;
 use crate::workspaces::blisk::job::stages::{Electrodes, FoundChannel, Part};
 use crate::workspaces::blisk::report::InputFile;
@@ -96,10 +97,9 @@ pub struct Exported {
     pub written: Vec<String>,
 }
 
-/// Writes a plan of these inputs, which were read from these files, into a folder; answers the names of the files.
+/// Writes a released plan of these inputs, which were read from these files, into a folder; answers the names of the files.
 pub type ExportWork = Box<
-    dyn FnOnce(&Path, &PlanOutcome, &PlanInputs, Vec<InputFile>, &Progress, &Cancel) -> Result<Vec<String>, String>
-        + Send,
+    dyn FnOnce(&Path, &Released, &PlanInputs, Vec<InputFile>, &Progress, &Cancel) -> Result<Vec<String>, String> + Send,
 >;
 
 /// A line for the log.
@@ -174,8 +174,7 @@ pub struct Pipeline {
     finish: Slot<Finished>,
     export: Slot<Exported>,
     prepared: Prepared,
-    /// The very plan that was approved, not its inputs: another search of the same may end elsewhere.
-    approved: Option<Arc<PlanOutcome>>,
+    released: Option<Released>,
     /// The kept plan that was taken up already.
     replayed: Option<String>,
     /// The inputs of the kept plan that was found to be of other parameters.
@@ -205,7 +204,7 @@ impl Pipeline {
             finish: Slot::default(),
             export: Slot::default(),
             prepared: Prepared::default(),
-            approved: None,
+            released: None,
             replayed: None,
             passed_over: None,
             newly_planned: None,
@@ -229,7 +228,7 @@ impl Pipeline {
         let (part, channel) = (part.clone(), channel.clone());
         job.validate()?;
         self.partial = PartialPlan::default();
-        self.approved = None;
+        self.released = None;
         let prepared = self.prepared.clone();
         let work = move |reporter: &Reporter<PartialPlan, Found>, p: &Progress, c: &Cancel| {
             let inputs = PlanInputs { blisk: part.mesh.clone(), own_electrode: part.own_electrode.clone(), job };
@@ -270,7 +269,7 @@ impl Pipeline {
         self.worker.cancel_from(0);
         (self.part, self.channel, self.electrode) = Default::default();
         (self.plan, self.finish, self.export) = Default::default();
-        (self.approved, self.replayed, self.newly_planned) = Default::default();
+        (self.released, self.replayed, self.newly_planned) = Default::default();
         (self.running, self.now, self.passed_over) = (None, None, None);
         self.partial = PartialPlan::default();
     }
@@ -376,8 +375,8 @@ impl Pipeline {
         (self.plan.running.is_none() && plan.may_be_approved()).then_some(plan)
     }
 
-    /// Whether the plan can be approved: all that is exported with it is known.
-    pub fn can_approve(&self) -> bool {
+    /// Whether the plan can be released: all that is exported with it is known.
+    pub fn can_release(&self) -> bool {
         let is_settled = match self.finishing() {
             StageState::Done => true,
             StageState::Failed(_) => self.now.as_ref().is_some_and(|(job, _)| !simulate::is_needed(job)),
@@ -403,38 +402,36 @@ impl Pipeline {
         self.finish.failure = None;
     }
 
-    /// Approves the plan. It can be exported from then on, until an input changes or it is planned anew.
+    /// Releases the plan, as the user wishes. It can be exported from then on, until an input changes or it is planned anew.
     ///
     /// # Errors
     /// One line if there is no certified plan for the present parameters, or another one is being made.
-    pub fn approve(&mut self) -> Result<(), String> {
-        let plan = self.certified().ok_or("only a plan with a certificate that holds can be approved")?;
-        if !self.can_approve() {
+    pub fn release(&mut self) -> Result<(), String> {
+        let released = self.certified().ok_or(NotReleased).and_then(Released::by_user).map_err(|e| e.to_string())?;
+        if !self.can_release() {
             return Err("the copying motions of this plan, or its motion on the machine, are not worked out".to_owned());
         }
-        self.approved = Some(plan.clone());
+        self.released = Some(released);
         Ok(())
     }
 
-    /// Takes the approval back, and stops an export that has not yet replaced any file.
+    /// Takes the release back, and stops an export that has not yet replaced any file.
     pub fn withdraw(&mut self) {
-        self.approved = None;
+        self.released = None;
         self.worker.cancel_from(Stage::Export as u32);
     }
 
-    /// Whether the present plan is approved.
-    pub fn is_approved(&self) -> bool {
-        self.approved.as_ref().zip(self.certified()).is_some_and(|(approved, plan)| Arc::ptr_eq(approved, plan))
+    /// The present plan, if the user released it.
+    pub fn released(&self) -> Option<&Released> {
+        self.released.as_ref().filter(|released| self.certified().is_some_and(|plan| released.is_of(plan)))
     }
 
-    /// Writes the approved plan into `folder`.
+    /// Writes the released plan into `folder`.
     ///
     /// # Errors
-    /// One line if it is not approved.
+    /// One line if it is not released.
     pub fn start_export(&mut self, folder: &Path, write: ExportWork) -> Result<(), String> {
-        if !self.is_approved() {
-            return Err("approve the plan first".to_owned());
-        }
+        let released = self.released().cloned().ok_or("release the plan first")?;
         let planned = self.plan.value.as_ref().map(|(_, planned)| planned.clone());
         let (Some((job, now)), Some(part), Some(planned)) = (self.now.clone(), self.part(), planned) else {
             return Err("there is no plan to export".to_owned());
@@ -443,8 +440,7 @@ impl Pipeline {
         let work = move |_: &Reporter<PartialPlan, Found>, p: &Progress, c: &Cancel| {
             // What is only about writing may have changed since the plan was made.
             let inputs = PlanInputs { job, ..planned.inputs.clone() };
-            write(&folder, &planned.outcome, &inputs, files, p, c)
-                .map(|written| Found::Export(Exported { folder, written }))
+            write(&folder, &released, &inputs, files, p, c).map(|written| Found::Export(Exported { folder, written }))
         };
         let id = self.worker.submit(Stage::Export as u32, work);
         self.export.failure = None;

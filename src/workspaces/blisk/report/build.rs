@@ -326,23 +326,23 @@ fn range_text([a, b]: [f64; 2]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use feed::certificate::{Certificate, Findings};
+    use feed::certificate::Certificate;
     use feed::interpolation::AxisCurves;
-    use feed::machine::BeyondTravel;
+    use feed::machine::TravelLimits;
     use feed::objective::ObjectiveValue;
+    use feed::path::FeedPath;
     use feed::pose::Pose;
     use feed::search::Node;
     use feed::smoothness::AxisSmoothness;
+    use feed::verify::VerifyOptions;
     use geometry::spline::EndCondition;
     use nc::fixtures;
+    use wheel::electrode::EntrySide;
     use wheel::fixtures::exact_channel;
     use wheel::parametric::ParametricBlisk;
 
-    /// A plan whose path came out, with what the verifier found changed by `change`.
-    fn plan(change: impl Fn(&mut Findings)) -> FeedPlan {
-        let path = fixtures::path();
-        let mut findings = fixtures::certificate(&path).into_findings();
-        change(&mut findings);
+    /// A plan whose path came out, with this certificate.
+    fn plan(path: FeedPath, certificate: Certificate) -> FeedPlan {
         let node = |s: f64| {
             let pose = Pose { x: -s, ..Pose::FINAL };
             Node { s, pose, h: 0.0, clearance: 0.1, objective: ObjectiveValue::default() }
@@ -351,7 +351,7 @@ mod tests {
         let planned = PlannedPath {
             curves: AxisCurves::through(&nodes, EndCondition::NotAKnot).unwrap(),
             path,
-            certificate: Certificate::made_up(findings),
+            certificate,
             smoothness: [AxisSmoothness::of(&[0.0]); 6],
         };
         FeedPlan {
@@ -374,22 +374,33 @@ mod tests {
     #[test]
     fn whatever_keeps_a_path_from_being_verified_is_told() {
         let channel = exact_channel(&ParametricBlisk::demonstration());
-        let told = |change: &dyn Fn(&mut Findings)| failure(&plan(change), &channel);
-        assert_eq!(told(&|_| {}), None);
+        let scene = fixtures::Scene::new(EntrySide::MinusX);
+        let told = |path: &FeedPath, c: &Certificate| failure(&plan(path.clone(), c.clone()), &channel);
+        let good = scene.certificate(&scene.path);
+        assert_eq!(told(&scene.path, &good), None);
+        let verdict = plan(scene.path.clone(), good.clone()).verdict(&channel);
+        let certified = format!("{:.4} mm; 0.1000 mm less the tolerance of 0.0020 mm are required", good.certified());
+        assert!(verdict.contains(&certified), "{verdict}");
 
-        let close = told(&|f| f.certified = 0.05).unwrap();
-        assert_eq!((close.s_mm, close.node), (12.0, 6), "where the clearance is least");
-        assert!(close.wall.is_some() && close.place == Some([3.0, -4.1, 120.02]));
+        let narrow = scene.with_wall_nearer_by(0.02).certificate(&scene.path);
+        let close = told(&scene.path, &narrow).unwrap();
+        let least = narrow.least();
+        assert!((least.s - 3.0).abs() < 0.5, "where the clearance is least: {least:?}");
+        assert_eq!((close.s_mm, close.place), (least.s, Some(least.on_blisk.to_array())));
+        assert!(close.wall.is_some() && close.node == scene.path.rows[least.row as usize].node);
 
-        let verdict = plan(|f| f.certified = 0.0985).verdict(&channel);
-        assert!(verdict.contains("0.0985 mm; 0.1000 mm less the tolerance of 0.0020 mm are required"), "{verdict}");
+        let mut inside = scene.path.clone();
+        inside.rows.drain(..60);
+        let ends = told(&inside, &scene.certificate(&inside)).unwrap();
+        assert!(ends.sentence.contains("begin wholly outside") && ends.s_mm == 30.0 && ends.place.is_none());
 
-        let ends = told(&|f| f.ends_right = false).unwrap();
-        assert!(ends.sentence.contains("begin wholly outside") && ends.s_mm == 60.0 && ends.place.is_none());
-
-        let beyond = BeyondTravel { axis: Axis::C, row: 20, value: 0.4, limit: 0.3 };
-        let travel = told(&|f| f.travel = TravelVerdict::Beyond(beyond)).unwrap();
-        assert!(travel.sentence.contains("axis C") && travel.s_mm == 50.0 && travel.wall.is_none());
+        // C turns a little the other way first, seen from the final pose.
+        let limits = TravelLimits::UNLIMITED.with(Axis::C, [-0.001, 1.0]);
+        let beyond = scene.verified(&scene.path, &VerifyOptions::default(), Some(limits)).unwrap();
+        let TravelVerdict::Beyond(found) = beyond.travel() else { panic!("{beyond:?}") };
+        let travel = told(&scene.path, &beyond).unwrap();
+        assert!(travel.sentence.contains("axis C") && travel.wall.is_none());
+        assert!(found.row > 0 && travel.s_mm == scene.path.rows[found.row].s, "{found:?}");
     }
 
     #[test]

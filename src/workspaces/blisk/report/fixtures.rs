@@ -4,7 +4,7 @@ use feed::path::FeedPath;
 use feed::pose::Axis;
 use feed::smoothness::AxisSmoothness;
 use geometry::frame::Frame;
-use nc::fixtures::{certificate, path};
+pub(super) use nc::fixtures::{certificate, path};
 
 use super::*;
 use crate::workspaces::blisk::document::choice::MeshFrame;

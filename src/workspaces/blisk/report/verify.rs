@@ -184,34 +184,43 @@ fn sentence(c: &Certificate, surface: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use feed::machine::BeyondTravel;
+    use feed::machine::TravelLimits;
     use feed::pose::Axis;
+    use feed::verify::VerifyOptions;
     use nc::fixtures;
+    use wheel::electrode::EntrySide;
 
-    fn report(travel: TravelVerdict) -> VerifyReport {
-        let path = fixtures::path();
-        let findings = feed::certificate::Findings { travel, ..fixtures::certificate(&path).into_findings() };
+    fn verified(travel: Option<TravelLimits>) -> Certificate {
+        let scene = fixtures::Scene::new(EntrySide::MinusX);
+        scene.verified(&scene.path, &VerifyOptions::default(), travel).unwrap()
+    }
+
+    fn report(certificate: &Certificate) -> VerifyReport {
         let file = VerifiedFile { role: "path", path: "a/<b>.csv".to_owned(), sha256: "0".to_owned() };
-        VerifyReport::new(&path, &Certificate::made_up(findings), "hub", vec![file])
+        VerifyReport::new(&fixtures::path(), certificate, "hub", vec![file])
     }
 
     #[test]
     fn travel_that_was_not_judged_is_said_so_and_travel_beyond_is_named() {
-        let none = report(TravelVerdict::NotJudged);
+        let none = report(&verified(None));
         assert!(none.verified && !none.travel.judged && none.sentence.contains("not judged"));
-        assert!(report(TravelVerdict::Within).verified && report(TravelVerdict::Within).travel.judged);
-        let beyond = BeyondTravel { axis: Axis::C, row: 4, value: 0.5, limit: 0.4 };
-        let beyond = report(TravelVerdict::Beyond(beyond));
+        let within = report(&verified(Some(TravelLimits::UNLIMITED)));
+        assert!(within.verified && within.travel.judged);
+        // C turns a little the other way first, seen from the final pose.
+        let certificate = verified(Some(TravelLimits::UNLIMITED.with(Axis::C, [-0.001, 1.0])));
+        let TravelVerdict::Beyond(found) = certificate.travel() else { panic!("{certificate:?}") };
+        assert!(found.row > 0 && found.value < -0.001, "{found:?}");
+        let beyond = report(&certificate);
         assert!(!beyond.verified && beyond.html().contains("Not verified.") && beyond.sentence.contains("axis C"));
         let json: serde_json::Value = serde_json::from_str(&beyond.json().unwrap()).unwrap();
         let at = &json["travel"]["beyond"];
-        assert_eq!((&at["axis"], &at["row"], &at["unit"]), (&"C".into(), &4.into(), &"deg".into()));
-        assert!((at["value"].as_f64().unwrap() - 0.5f64.to_degrees()).abs() < 1e-12);
+        assert_eq!((&at["axis"], &at["row"], &at["unit"]), (&"C".into(), &found.row.into(), &"deg".into()));
+        assert!((at["value"].as_f64().unwrap() - found.value.to_degrees()).abs() < 1e-12);
     }
 
     #[test]
     fn the_page_escapes_names_and_needs_nothing_from_outside() {
-        let html = report(TravelVerdict::Within).html();
+        let html = report(&fixtures::certificate(&fixtures::path())).html();
         assert!(html.contains("&lt;b&gt;.csv") && !html.contains("<b>.csv") && !html.contains("http"));
         for tag in ["section", "table", "tr", "td", "svg", "div", "p", "main"] {
             let opened = html.matches(&format!("<{tag}>")).count() + html.matches(&format!("<{tag} ")).count();

@@ -205,20 +205,24 @@ mod tests {
 
     #[test]
     fn the_whole_motion_is_stepped_through_without_a_jump() {
-        let (feed, turn) = (fixtures::path(), 6f64.to_radians());
-        let motion = WholeMotion::new(&Simulation::made_up(fixtures::simulation()), &feed, None);
+        let (feed, turn) = (fixtures::path(), fixtures::PITCH_DEG.to_radians());
+        let simulation = fixtures::simulation();
+        let [up, out, first] = simulation.approach() else { panic!("{:?}", simulation.approach()) };
+        let motion = WholeMotion::new(&simulation, &feed, None);
         let phases: Vec<_> = motion.phases().collect();
         assert_eq!(phases.len(), 7);
         assert!(phases.windows(2).all(|pair| pair[0].2[1] == pair[1].2[0]));
-        assert_eq!(phases[0].2, [0.0, 30.0], "20 mm down and 10 mm in");
+        let (down, inwards) = (up.z - out.z, (out.x - first.x).abs());
+        assert!(down > 10.0 && (inwards - 10.0).abs() < 1e-9, "{down} {inwards}");
+        assert!(phases[0].2[0] == 0.0 && (phases[0].2[1] - down - inwards).abs() < 1e-9, "{:?}", phases[0]);
         let index = phases[3];
         assert!(
-            index.0 == Phase::Index && (index.2[1] - index.2[0] - 6.0).abs() < 1e-9,
+            index.0 == Phase::Index && (index.2[1] - index.2[0] - fixtures::PITCH_DEG).abs() < 1e-9,
             "degrees, where it only turns"
         );
         let Moment { pose, phase, channel, s } = motion.at(2.5).unwrap();
         assert_eq!((phase, channel, s), (Phase::Approach, 3, None), "not on the feed yet");
-        assert!((pose.z - (feed.rows[0].pose.z + 17.5)).abs() < 1e-9);
+        assert!((pose.z - (up.z - 2.5)).abs() < 1e-9);
         // The end of the second feed is the final pose of the next channel.
         let Moment { pose, phase, channel, s } = motion.at(phases[5].2[1]).unwrap();
         assert_eq!((phase, channel, s), (Phase::Feed, 4, Some(0.0)));

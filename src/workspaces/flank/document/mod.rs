@@ -3,23 +3,20 @@
 pub mod flank_file;
 pub mod kept_mesh;
 pub mod milling_machine_file;
-pub mod overrides;
 
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
 use crate::workspaces::flank::document::kept_mesh::KeptMesh;
-use crate::workspaces::flank::document::overrides::FlankOverride;
 use flank::cutter::FlankCutter;
 use flank::fit_ruled::RuledFitParams;
 use flank::guide::GuideCurve;
-use flank::machine::linearise::LinearisationParams;
-use flank::machine::milling_machine::Workpiece;
 use flank::params::FlankParams;
 use flank::ruled_surface::Side;
 use import::Units;
-use nc::flank_program::{FlankNcSettings, milling_post};
+use nc::flank_job::overrides::FlankOverride;
+pub use nc::flank_job::settings::{CutDirection, MillingSettings, PathChoice};
 
 /// Version of the keys of the files.
 pub const VERSION: u32 = 1;
@@ -174,151 +171,6 @@ pub struct WallsFile {
     /// Its unit.
     #[serde(default)]
     pub units: Units,
-}
-
-/// Which of a plan's paths is milled.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum PathChoice {
-    /// That of the offset.
-    Initial,
-    /// That of the best rank.
-    Chosen,
-    /// The refined one.
-    #[default]
-    Refined,
-}
-
-impl PathChoice {
-    /// All of them, in the order in which they are made.
-    pub const ALL: [Self; 3] = [Self::Initial, Self::Chosen, Self::Refined];
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Initial => "initial",
-            Self::Chosen => "chosen",
-            Self::Refined => "refined",
-        }
-    }
-}
-
-/// How the cutter's rotation and its travel go together. The spindle turns clockwise, seen from above.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum CutDirection {
-    /// The flutes move against the travel where they cut: the surface is to the right of the travel, and chips begin
-    /// thick. What flanks are finished with.
-    #[default]
-    Climb,
-    /// The surface is to the left of the travel, and chips begin thin.
-    Conventional,
-}
-
-impl CutDirection {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Climb, Self::Conventional];
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Climb => "climb",
-            Self::Conventional => "conventional",
-        }
-    }
-}
-
-/// How the path is milled on a machine.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct MillingSettings {
-    /// Name of a machine, a TOML file with one, or one of several in such a file as `FILE.toml#NAME`; empty for none.
-    pub machine: String,
-    /// Where the workpiece stands on the machine, if not where the machine's file says.
-    pub workpiece: Option<Workpiece>,
-    /// Length from the spindle nose to the tip (mm), if not that of the machine's file.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub gauge_length_mm: Option<f64>,
-    /// Which way along the surface it goes.
-    pub cut: CutDirection,
-    /// Name of the post.
-    pub post: String,
-    /// The furthest that tip and flutes' top may leave the path between programmed points (mm).
-    pub linearisation_mm: f64,
-    /// Passing the machine's pole within this angle is reported (deg).
-    pub singular_cone_deg: f64,
-    /// How far the cutter comes from the side, off the surface, at both ends of the path (mm).
-    pub aside_mm: f64,
-    /// How far it is then lifted along its axis (mm).
-    pub retract_mm: f64,
-    /// Speeds and words of the program.
-    pub program: FlankNcSettings,
-}
-
-impl Default for MillingSettings {
-    fn default() -> Self {
-        let LinearisationParams { linearisation_mm, singular_cone_deg, .. } = LinearisationParams::default();
-        Self {
-            machine: "trunnion-ac".to_owned(),
-            workpiece: None,
-            gauge_length_mm: None,
-            cut: CutDirection::default(),
-            post: "milling".to_owned(),
-            linearisation_mm,
-            singular_cone_deg,
-            aside_mm: 3.0,
-            retract_mm: 30.0,
-            program: FlankNcSettings::default(),
-        }
-    }
-}
-
-impl MillingSettings {
-    /// Takes another machine. Where the workpiece stands on the former one, and how long the tool is on it, says nothing of
-    /// this one: both are then as its file says. Answers in words what was forgotten, if anything.
-    pub fn take_machine(&mut self, machine: &str) -> Option<String> {
-        if self.machine == machine {
-            return None;
-        }
-        self.machine = machine.to_owned();
-        let clamped = self.workpiece.take().map(|_| "how the workpiece was clamped");
-        let tool = self.gauge_length_mm.take().map(|_| "the length of the tool (gauge_length_mm)");
-        let forgotten: Vec<&str> = clamped.into_iter().chain(tool).collect();
-        let what = forgotten.join(" and ");
-        (!forgotten.is_empty()).then(|| {
-            format!(
-                "the machine is another: {what} was of the former one, and is now as the machine's file says; see to it"
-            )
-        })
-    }
-
-    /// How closely the machine is to follow, with flutes of this length (mm).
-    pub fn linearisation(&self, flutes_mm: f64) -> LinearisationParams {
-        LinearisationParams {
-            linearisation_mm: self.linearisation_mm,
-            reach_mm: flutes_mm,
-            singular_cone_deg: self.singular_cone_deg,
-            interpolation: self.program.tip_control.interpolation(),
-        }
-    }
-
-    fn validate(&self, flutes_mm: f64) -> Result<(), String> {
-        if flutes_mm > LinearisationParams::LONGEST_REACH_MM {
-            return Err(format!(
-                "the flutes are {flutes_mm} mm long: a machine's moves are measured up to {} mm",
-                LinearisationParams::LONGEST_REACH_MM
-            ));
-        }
-        self.linearisation(flutes_mm).validate().map_err(|e| e.to_string())?;
-        self.program.validate().map_err(|e| e.to_string())?;
-        milling_post(&self.post).map_err(|e| e.to_string())?;
-        for (name, value) in [("aside_mm", self.aside_mm), ("retract_mm", self.retract_mm)] {
-            if !(0.0..=1000.0).contains(&value) {
-                return Err(format!("{name} is {value}: it must be from 0 to 1000 mm"));
-            }
-        }
-        Ok(())
-    }
 }
 
 /// A flank, the cutter, and how it is milled.

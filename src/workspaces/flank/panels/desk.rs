@@ -11,13 +11,13 @@ use crate::shell::record::{Hands, Record};
 use crate::workspaces::blisk::pipeline::{EventKind, StageState};
 use crate::workspaces::flank::document::milling_machine_file::{load_milling_machines, milling_machine};
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, PathChoice};
-use crate::workspaces::flank::job::path_of;
 use crate::workspaces::flank::work::{ExportChoice, FlankWork, Planned, Sketch};
 use crate::workspaces::kept::WorkEvent;
 use files::user_folder::user_folder;
 use flank::machine::milling_machine::Workpiece;
 use flank::path::FlankPath;
 use flank::ruled_surface::Side;
+use nc::flank_job::path_of;
 
 /// How long nothing may change before what was seen at a glance is planned in full.
 const REST: Duration = Duration::from_millis(300);

@@ -9,10 +9,10 @@ use crate::widgets::theme::{palette, tick};
 use crate::workspaces::blisk::panels::forms::file_name;
 use crate::workspaces::blisk::panels::plots::{legend, round_steps, round_text};
 use crate::workspaces::flank::document::PathChoice;
-use crate::workspaces::flank::job::path_of;
 use crate::workspaces::flank::scene::contact_line;
 use crate::workspaces::flank::work::{AxisCurve, MachineCurves, Planned};
 use flank::plan::FlankPlan;
+use nc::flank_job::path_of;
 
 /// Which plot is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

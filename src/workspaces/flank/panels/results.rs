@@ -7,10 +7,10 @@ use crate::shell::core::Core;
 use crate::widgets::theme::{palette, tick};
 use crate::workspaces::blisk::panels::stepper::{fact, notice, sentence};
 use crate::workspaces::flank::document::PathChoice;
-use crate::workspaces::flank::job::{FlankCheck, path_of};
 use crate::workspaces::flank::work::Planned;
 use flank::deviation::Deviation;
 use flank::plan::WITHIN_ROUNDING;
+use nc::flank_job::{FlankCheck, path_of};
 
 /// Width of the column of a path (points).
 const COLUMN: f32 = 56.0;

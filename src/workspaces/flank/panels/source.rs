@@ -12,9 +12,9 @@ use crate::widgets::theme::{palette, tick};
 use crate::workspaces::blisk::panels::forms::file_name;
 use crate::workspaces::blisk::panels::stepper::fact;
 use crate::workspaces::flank::document::{DemonstrationSurface, FlankDocument, FlankSource, GuideSource, MeshFlank};
-use crate::workspaces::flank::job::LoadedSurface;
 use flank::fit_ruled::{Candidate, CandidateFit};
 use import::Units;
+use nc::flank_job::LoadedSurface;
 
 /// Height of the list of faces (points).
 const LIST: f32 = 150.0;

@@ -1,10 +1,8 @@
 //! The report on a planned flank.
 
-use crate::workspaces::flank::document::overrides::FlankOverride;
 use crate::workspaces::flank::document::{
     DemonstrationSurface, FlankDocument, FlankSource, GuideSource, MeshFlank, PathChoice,
 };
-use crate::workspaces::flank::job::{FlankResult, Milled, path_of};
 use crate::workspaces::flank::report::{
     AxisEntry, AxisSlowedEntry, CheckEntry, ClearanceEntry, Figures, FitEntry, FlankReport, LocationsEntry,
     MachineEntry, PaperEntry, PathEntry, RanksEntry, SCHEMA, ShortEntry, SlowedEntry, SurfaceEntry,
@@ -15,6 +13,8 @@ use flank::machine::joint_feed::Slowed;
 use flank::offset::Touch;
 use flank::ruled_surface::{RuledSurface, Side};
 use geometry::nurbs::NurbsCurve;
+use nc::flank_job::overrides::FlankOverride;
+use nc::flank_job::{FlankResult, Milled, path_of};
 
 /// Places at which lengths are measured.
 const LOOKS: usize = 512;
@@ -185,7 +185,7 @@ fn source(source: &FlankSource) -> String {
 }
 
 fn checks(result: &FlankResult, overrides: &[FlankOverride]) -> Vec<CheckEntry> {
-    let entry = |check: &crate::workspaces::flank::job::FlankCheck| CheckEntry {
+    let entry = |check: &nc::flank_job::FlankCheck| CheckEntry {
         name: check.kind.name(),
         holds: check.holds,
         is_overridden: check.is_overridden,

@@ -1,8 +1,8 @@
 //! Curves over a flank's path for plots: made where the work is done and not where they are shown.
 
-use crate::workspaces::flank::job::FlankResult;
 use flank::deviation::Deviation;
 use flank::machine::tool_path::Section;
+use nc::flank_job::FlankResult;
 
 /// How far a path is off along the guides: for each u the least, the greatest and the mean absolute deviation over v.
 #[derive(Debug, Clone, PartialEq, Default)]

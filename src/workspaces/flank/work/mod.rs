@@ -16,13 +16,13 @@ use crate::workspaces::blisk::pipeline::{EventKind, StageState};
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, MeshFlank, WallsFile};
 use crate::workspaces::flank::export;
 pub use crate::workspaces::flank::export::{ExportChoice, WrittenFlank};
-use crate::workspaces::flank::job::inputs::{FromFile, walls_unit};
-use crate::workspaces::flank::job::{FlankResult, LoadedSurface};
+use crate::workspaces::flank::inputs::{FromFile, walls_unit};
 use crate::workspaces::glances::Glances;
 use crate::workspaces::kept::{Doing, Kept, WorkEvent, note};
 use crate::workspaces::worker::{Ended, Worker};
 pub use curves::{AxisCurve, MachineCurves, Profile};
 use import::Unit;
+use nc::flank_job::{FlankResult, LoadedSurface};
 pub use steps::{LoadedFlank, LoadedWalls, Planned, Sketch};
 
 /// What a surface is read from: the source, and how often it was asked for.
@@ -325,8 +325,7 @@ impl FlankWork {
         let planned = planned.ok_or("the plan is not of the present parameters: plan again")?;
         let mut result = planned.result.clone();
         result.decide(&document.overrides);
-        result.plan.cutter.name.clone_from(&document.cutter.name);
-        Ok(result)
+        Ok(result.with_cutter_name(&document.cutter.name))
     }
 
     /// The files that were read for `document` and have changed since: its plan is not of what they hold now.

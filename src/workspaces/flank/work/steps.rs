@@ -7,9 +7,8 @@ use glam::DVec3;
 use super::curves::{MachineCurves, Profile};
 use super::stamps::Stamp;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, PathChoice, WallsFile};
-use crate::workspaces::flank::job::inputs;
-use crate::workspaces::flank::job::inputs::{FromFile, input, load_machine, load_surface};
-use crate::workspaces::flank::job::{FlankInput, FlankJobError, FlankResult, LoadedSurface, flank, surface};
+use crate::workspaces::flank::inputs;
+use crate::workspaces::flank::inputs::{FromFile, input, load_machine, load_surface};
 use crate::workspaces::flank::scene::{FlankShapes, FlankSurface};
 use files::user_folder::user_folder;
 use flank::FlankError;
@@ -17,6 +16,7 @@ use flank::params::FlankParams;
 use flank::ruled_surface::Side;
 use geometry::mesh::Mesh;
 use import::Unit;
+use nc::flank_job::{FlankInput, FlankJobError, FlankResult, LoadedSurface, flank, surface};
 use render::mesh::RenderMesh;
 use task::{Cancel, Progress};
 
@@ -98,7 +98,7 @@ impl Planned {
     /// What came out, in a sentence.
     pub fn sentence(&self) -> String {
         let plan = &self.result.plan;
-        let sums = PathChoice::ALL.map(|path| crate::workspaces::flank::job::path_of(plan, path).deviation.sum);
+        let sums = PathChoice::ALL.map(|path| nc::flank_job::path_of(plan, path).deviation.sum);
         let blocked = self.result.checks.iter().filter(|c| !c.holds).count();
         let checks = match blocked {
             0 => "every check holds".to_owned(),

@@ -3,10 +3,11 @@
 mod claims;
 
 use super::*;
-use crate::certificate::{Contact, Findings, TravelVerdict};
+use crate::machine::TravelLimits;
 use crate::machine_model::{Body, Carrier};
 use crate::path::PathRow;
 use crate::pose::Pose;
+use crate::verify::{Verifier, VerifyOptions};
 use geometry::exact::ExactMesh;
 use geometry::frame::Frame;
 use geometry::mesh::Bounds;
@@ -75,32 +76,16 @@ fn parts(bodies: Vec<Body>, turned: f64) -> Parts {
     let row = |s: f64, c: f64| PathRow { node: 0, s, pose: Pose { x: s, c, ..Pose::FINAL } };
     let rows = vec![row(30.0, turned), row(0.0, 0.0)];
     let feed = FeedPath { frame: Frame::IDENTITY, reference_point: O, spark_gap: 0.1, rows };
-    let least = Contact {
-        distance: 9.0,
-        row: 1.0,
-        s: 0.0,
-        pose: Pose::FINAL,
-        on_electrode: O,
-        on_blisk: O,
-        surface: Surface::Elsewhere,
-    };
-    let certificate = Certificate::made_up(Findings {
-        path_digest: String::new(),
-        blisk_digest: String::new(),
-        electrode_digest: String::new(),
-        required: 0.1,
-        tolerance: 0.002,
-        certified: 8.9,
-        least,
-        violations: Vec::new(),
-        row_clearance: vec![9.0, 9.0],
-        row_surface: vec![Surface::Elsewhere; 2],
-        ends_right: true,
-        travel: TravelVerdict::Within,
-        pair_intervals: 0,
-    });
+    let blisk = drum();
+    let certificate = certified(&blisk, &electrode.mesh, &feed);
     let machine = MachineParams::default();
-    Parts { blisk: drum(), electrode, feed, certificate, machine, model: MachineModel { bodies } }.certified()
+    Parts { blisk, electrode, feed, certificate, machine, model: MachineModel { bodies } }
+}
+
+fn certified(blisk: &Mesh, electrode: &Mesh, feed: &FeedPath) -> Certificate {
+    let verifier = Verifier::new(blisk, electrode, O, &Cancel::default()).unwrap().within(TravelLimits::UNLIMITED);
+    let (options, surface) = (VerifyOptions::default(), |_: DVec3| Surface::Elsewhere);
+    verifier.verify(feed, &surface, &options, &Progress::silent(), &Cancel::default()).unwrap()
 }
 
 /// To within a millionth of a millimetre, near or far.
@@ -149,13 +134,13 @@ impl Parts {
         }
     }
 
-    /// The points of a tool and of what A turns are as far apart as is said; those of certificates are made up.
+    /// The points of a tool and of what A turns are as far apart as is said.
     fn check_points(&self, pair: &PairReport, place: &Place) {
         let carrier = |name: &str| self.model.bodies.iter().find(|b| b.name == name).map(|b| b.carrier);
         let (moving, fixed) = (carrier(&pair.moving), carrier(&pair.fixed));
         let is_tool = pair.moving == "electrode" || moving.is_some_and(Carrier::slides);
         let is_turned = pair.fixed == "blisk" || fixed == Some(Carrier::Table);
-        if !is_tool || !is_turned || pair.during == Some(Phase::Feed.name()) {
+        if !is_tool || !is_turned {
             return;
         }
         // C and B do not turn the head.
@@ -166,24 +151,15 @@ impl Parts {
 
     /// With a certificate of these very parts.
     fn certified(mut self) -> Self {
-        let mut findings = self.certificate.into_findings();
-        findings.path_digest = self.feed.digest();
-        findings.blisk_digest = self.blisk.digest();
-        findings.electrode_digest = self.electrode.mesh.digest();
-        self.certificate = Certificate::made_up(findings);
+        self.certificate = certified(&self.blisk, &self.electrode.mesh, &self.feed);
         self
     }
 
-    /// The same feed through other poses, certified as the first one is.
+    /// The same with a feed through other poses; one that has none keeps the certificate of the former.
     fn with_poses(mut self, poses: Vec<Pose>) -> Self {
         let row = |pose: Pose| PathRow { node: 0, s: pose.x.abs(), pose };
         self.feed.rows = poses.into_iter().map(row).collect();
-        let mut findings = self.certificate.into_findings();
-        let rows = self.feed.rows.len();
-        findings.least.row = rows.saturating_sub(1) as f64;
-        (findings.row_clearance, findings.row_surface) = (vec![9.0; rows], vec![Surface::Elsewhere; rows]);
-        self.certificate = Certificate::made_up(findings);
-        self.certified()
+        if self.feed.rows.is_empty() { self } else { self.certified() }
     }
 }
 

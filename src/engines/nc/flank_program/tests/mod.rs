@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::*;
-use crate::cutter_locations::{ClJob, cl_text};
+use crate::cutter_locations::{ClJob, text_of};
 use flank::machine::kinematics::ToolPose;
 use flank::machine::linearise::linearise;
 use flank::machine::milling_machine::MillingMachine;
@@ -61,7 +61,7 @@ fn made(k: &Kinematics, post: &Post, tip_control: TipControl) -> Made {
         warnings: &warnings,
     };
     let settings = FlankNcSettings { tip_control, ..FlankNcSettings::default() };
-    Made { nc: FlankNc::new(&job, post, &settings).unwrap(), line, params }
+    Made { nc: FlankNc::of(&job, post, &settings).unwrap(), line, params }
 }
 
 /// A block as a control reads it: letters with their numbers.
@@ -220,7 +220,7 @@ fn short_blocks_take_the_time_that_is_said() {
     };
     let settings = FlankNcSettings { feed_mm_per_min: 20_000.0, lead_mm_per_min: 20_000.0, ..Default::default() };
     let post = milling_post("milling").unwrap();
-    let nc = FlankNc::new(&job, &post, &settings).unwrap();
+    let nc = FlankNc::of(&job, &post, &settings).unwrap();
     let times: Vec<f64> = moves(&nc.text, "XYZAC").iter().skip(1).map(|m| 1.0 / m.1).collect();
     let total: f64 = times.iter().sum();
     assert!(total >= nc.minutes && total < nc.minutes * 1.001, "{total} {}", nc.minutes);
@@ -238,7 +238,7 @@ fn short_blocks_take_the_time_that_is_said() {
     // F as the speed along X Y Z needs no such time.
     let mut per_minute = post;
     (per_minute.feed.mode, per_minute.feed.word) = (FeedMode::PerMinute, "G94".to_owned());
-    let nc = FlankNc::new(&job, &per_minute, &settings).unwrap();
+    let nc = FlankNc::of(&job, &per_minute, &settings).unwrap();
     assert!(nc.stretched.is_none() && nc.minutes < total && !nc.text.contains("SHORT MOVES"));
 }
 
@@ -276,10 +276,10 @@ fn the_program_says_what_it_is_for() {
         notes: &[],
         warnings: &[],
     };
-    let error = FlankNc::new(&job, &post, &FlankNcSettings::default()).unwrap_err();
+    let error = FlankNc::of(&job, &post, &FlankNcSettings::default()).unwrap_err();
     assert_eq!(error, NcError::AxisNotInPost { axis: 'C' });
     let settings = FlankNcSettings { feed_mm_per_min: f64::NAN, ..FlankNcSettings::default() };
-    assert!(FlankNc::new(&job, &milling_post("milling").unwrap(), &settings).is_err());
+    assert!(FlankNc::of(&job, &milling_post("milling").unwrap(), &settings).is_err());
 }
 
 #[test]
@@ -298,7 +298,7 @@ fn a_cutter_location_file_read_back_is_the_path() {
         notes: &notes,
         warnings: &[],
     };
-    let text = cl_text(&path, &job).unwrap();
+    let text = text_of(&path, &job).unwrap();
     let numbers = |l: &str| l.split(',').map(|v| v.parse::<f64>().unwrap()).collect::<Vec<f64>>();
     let read: Vec<Vec<f64>> = text.lines().filter_map(|l| l.strip_prefix("GOTO/")).map(numbers).collect();
     let samples: Vec<DVec3> =
@@ -391,7 +391,7 @@ fn a_real_flank_that_leans_to_both_sides_of_the_pole_is_followed_on_every_machin
             notes: &[],
             warnings: &[],
         };
-        let nc = FlankNc::new(&job, &milling_post("milling").unwrap(), &FlankNcSettings::default()).unwrap();
+        let nc = FlankNc::of(&job, &milling_post("milling").unwrap(), &FlankNcSettings::default()).unwrap();
         // 40 mm at 500 mm/min, more where an axis is too slow.
         assert!((0.08..0.5).contains(&nc.minutes), "{}", nc.minutes);
     }

@@ -68,7 +68,7 @@ fn a_post_without_words_for_the_tip_is_refused_one() {
             warnings: &[],
         };
         let settings = FlankNcSettings { tip_control, ..FlankNcSettings::default() };
-        let error = FlankNc::new(&job, &post, &settings).unwrap_err();
+        let error = FlankNc::of(&job, &post, &settings).unwrap_err();
         assert_eq!(error, NcError::NoTipControl { wanted });
         assert!(error.to_string().contains("[tip_control]"), "{error}");
     }
@@ -108,7 +108,7 @@ fn a_control_that_follows_the_tip_gets_tip_and_turn() {
         warnings: &[],
     };
     let settings = FlankNcSettings { tip_control: TipControl::Angles, ..FlankNcSettings::default() };
-    assert!(FlankNc::new(&job, &post, &settings).unwrap_err().to_string().contains("tip_control"));
+    assert!(FlankNc::of(&job, &post, &settings).unwrap_err().to_string().contains("tip_control"));
 }
 
 #[test]

@@ -148,7 +148,6 @@ impl PlanJob {
         self.machine.validate().map_err(|e| text(&e))?;
         self.plan.validate().map_err(|e| text(&e))?;
         self.genetic.validate().map_err(|e| text(&e))?;
-        self.verify.validate().map_err(|e| format!("[verify] {e}"))?;
         self.export.validate()?;
         if self.electrode.mesh.is_some() && self.genetic.h == ReductionMode::Variable {
             return Err(
@@ -171,13 +170,7 @@ impl PlanJob {
                         \"distance\", or another strategy"
                 .to_owned());
         }
-        if self.verify.tolerance_mm >= 0.5 * self.electrode.spark_gap_mm {
-            return Err(format!(
-                "[verify] tolerance_mm = {}: must be less than half of spark_gap_mm = {}",
-                self.verify.tolerance_mm, self.electrode.spark_gap_mm
-            ));
-        }
-        Ok(())
+        self.verify.validate(self.electrode.spark_gap_mm).map_err(|e| format!("[verify] {e}"))
     }
 
     fn can_be_sized(&self) -> Result<(), String> {

@@ -1,10 +1,10 @@
 use super::*;
 use crate::workspaces::flank::document::kept_mesh::KeptMesh;
-use crate::workspaces::flank::document::overrides::FlankOverride;
 use crate::workspaces::flank::document::{DemonstrationSurface, MeshFlank, WallsFile};
 use flank::guide::GuideCurve;
 use flank::params::Objective;
 use geometry::mesh::Mesh;
+use nc::flank_job::overrides::FlankOverride;
 
 #[test]
 fn a_flank_is_read_as_it_was_written_and_finds_its_files_beside_it() {

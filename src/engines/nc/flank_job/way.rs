@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use super::Milled;
-use crate::workspaces::flank::document::{CutDirection, MillingSettings};
+use crate::flank_job::settings::{CutDirection, MillingSettings};
+use crate::flank_program::milling_post;
 use flank::cutter::FlankCutter;
 use flank::machine::joint_feed::{Contact, Slowed, paces};
 use flank::machine::kinematics::ToolPose;
@@ -12,7 +13,6 @@ use flank::machine::milling_machine::MillingMachine;
 use flank::machine::tool_path::{ToolPath, ToolPathError};
 use flank::path::FlankPath;
 use flank::ruled_surface::RuledSurface;
-use nc::flank_program::milling_post;
 use task::Cancel;
 
 /// How much longer than the machine's tool flutes and holder may be drawn (mm).

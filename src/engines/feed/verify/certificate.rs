@@ -3,9 +3,10 @@
 use glam::DVec3;
 use serde::Serialize;
 
-use super::machine::BeyondTravel;
-use super::pose::Pose;
+use crate::machine::BeyondTravel;
+use crate::pose::Pose;
 use wheel::channel::Surface;
+use wheel::electrode::EntrySide;
 
 /// Where two surfaces come closest during a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -40,24 +41,37 @@ pub enum TravelVerdict {
 
 /// What the verifier found out about the whole continuous motion of a path.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-#[allow(missing_docs)]
-pub struct Findings {
-    pub path_digest: String,
-    pub blisk_digest: String,
-    pub electrode_digest: String,
-    pub required: f64,
-    pub tolerance: f64,
-    pub certified: f64,
-    pub least: Contact,
-    pub violations: Vec<Contact>,
-    pub row_clearance: Vec<f64>,
-    pub row_surface: Vec<Surface>,
-    pub ends_right: bool,
-    pub travel: TravelVerdict,
-    pub pair_intervals: u64,
+pub(super) struct Findings {
+    pub(super) path_digest: String,
+    pub(super) blisk_digest: String,
+    pub(super) electrode_digest: String,
+    pub(super) required: f64,
+    pub(super) tolerance: f64,
+    pub(super) certified: f64,
+    pub(super) least: Contact,
+    pub(super) violations: Vec<Contact>,
+    pub(super) row_clearance: Vec<f64>,
+    pub(super) row_surface: Vec<Surface>,
+    pub(super) enters_from: Option<EntrySide>,
+    pub(super) ends_right: bool,
+    pub(super) travel: TravelVerdict,
+    pub(super) pair_intervals: u64,
 }
 
-/// What the verifier proved about the whole continuous motion of a path. Nobody else can make or change one.
+/// What the verifier proved about the whole continuous motion of a path. Nobody else can make or change one: its one
+/// constructor is visible in the verifier's own module only.
+///
+/// ```compile_fail,E0451
+/// fn made_up() -> feed::certificate::Certificate {
+///     feed::certificate::Certificate { findings: todo!() }
+/// }
+/// ```
+///
+/// ```compile_fail,E0624
+/// fn made_up() -> feed::certificate::Certificate {
+///     feed::certificate::Certificate::of(todo!())
+/// }
+/// ```
 ///
 /// ```compile_fail,E0616
 /// fn flatter(mut certificate: feed::certificate::Certificate) {
@@ -76,19 +90,7 @@ impl Certificate {
         Self { findings }
     }
 
-    /// A certificate of made-up findings.
-    #[cfg(any(test, feature = "fixtures"))]
-    pub fn made_up(findings: Findings) -> Self {
-        Self { findings }
-    }
-
-    /// What it was made from, to be changed.
-    #[cfg(any(test, feature = "fixtures"))]
-    pub fn into_findings(self) -> Findings {
-        self.findings
-    }
-
-    /// [`FeedPath::digest`](super::path::FeedPath::digest) of the path that was verified.
+    /// [`FeedPath::digest`](crate::path::FeedPath::digest) of the path that was verified.
     pub fn path_digest(&self) -> &str {
         &self.findings.path_digest
     }
@@ -151,6 +153,12 @@ impl Certificate {
         self.findings.ends_right
     }
 
+    /// The side of the blisk, in W, that the electrode enters from: the one that all of it is beyond at the first row. None
+    /// where the motion does not begin outside.
+    pub fn enters_from(&self) -> Option<EntrySide> {
+        self.findings.enters_from
+    }
+
     /// Whether the axes stay within their travel, if a machine was given.
     pub fn travel(&self) -> TravelVerdict {
         self.findings.travel
@@ -172,5 +180,57 @@ impl Certificate {
     /// axis goes beyond its travel where that is known.
     pub fn holds(&self) -> bool {
         self.ends_right() && self.keeps_clearance() && !matches!(self.travel(), TravelVerdict::Beyond(_))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    /// What no verification comes to, but a fault in one might.
+    #[test]
+    fn what_is_no_number_or_proves_nothing_keeps_no_clearance() {
+        let least = Contact {
+            distance: 0.1,
+            row: 0.0,
+            s: 0.0,
+            pose: Pose::FINAL,
+            on_electrode: DVec3::ZERO,
+            on_blisk: DVec3::ZERO,
+            surface: Surface::Elsewhere,
+        };
+        let keeps = |certified: f64, required: f64, tolerance: f64| {
+            let findings = Findings {
+                path_digest: String::new(),
+                blisk_digest: String::new(),
+                electrode_digest: String::new(),
+                required,
+                tolerance,
+                certified,
+                least,
+                violations: Vec::new(),
+                row_clearance: vec![0.1],
+                row_surface: vec![Surface::Elsewhere],
+                enters_from: None,
+                ends_right: true,
+                travel: TravelVerdict::Within,
+                pair_intervals: 0,
+            };
+            let certificate = Certificate::of(findings);
+            assert_eq!(certificate.keeps_clearance(), certificate.holds());
+            certificate.keeps_clearance()
+        };
+        assert!(keeps(0.0981, 0.1, 0.002) && keeps(0.1, 0.1, 0.0));
+        for [certified, required, tolerance] in [
+            [0.0979, 0.1, 0.002],
+            [f64::NAN, 0.1, 0.002],
+            [0.1, f64::NAN, 0.002],
+            [0.1, 0.1, f64::NAN],
+            [0.0, 0.1, 1.0],
+            [0.0, 0.0, 0.0],
+        ] {
+            assert!(!keeps(certified, required, tolerance), "{certified} {required} {tolerance}");
+        }
     }
 }

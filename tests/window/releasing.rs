@@ -1,4 +1,4 @@
-//! What is approved is one plan that was seen, and only that is written.
+//! What is released is one plan that was seen, and only that is written.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -10,63 +10,63 @@ use wheel::parametric::ParametricBlisk;
 
 use crate::common::easy_blisk;
 use crate::desk::Home;
-use crate::exporting::approved;
+use crate::exporting::released;
 
 #[test]
-fn a_plan_that_is_being_made_again_cannot_be_approved_and_its_successor_is_not() {
+fn a_plan_that_is_being_made_again_cannot_be_released_and_its_successor_is_not() {
     let home = Home::new();
-    let mut desk = approved(&home);
+    let mut desk = released(&home);
     let before = desk.app().core().pipeline.plan().unwrap().clone();
     let pipeline = &mut desk.window.state_mut().core_mut().pipeline;
     pipeline.start_plan().unwrap();
-    assert!(!pipeline.can_approve() && pipeline.approve().is_err(), "nobody has seen what will come out");
+    assert!(!pipeline.can_release() && pipeline.release().is_err(), "nobody has seen what will come out");
     desk.until_idle();
     let pipeline = &desk.app().core().pipeline;
-    assert!(!Arc::ptr_eq(&before, pipeline.plan().unwrap()) && pipeline.can_approve() && !pipeline.is_approved());
-    // A plan that was given up leaves the one that was seen, which may be approved.
+    assert!(!Arc::ptr_eq(&before, pipeline.plan().unwrap()) && pipeline.can_release() && pipeline.released().is_none());
+    // A plan that was given up leaves the one that was seen, which may be released.
     desk.key(Key::F5);
     desk.window.state_mut().core_mut().pipeline.cancel();
     desk.until_idle();
-    desk.window.state_mut().core_mut().pipeline.approve().unwrap();
-    assert!(desk.app().core().pipeline.is_approved());
+    desk.window.state_mut().core_mut().pipeline.release().unwrap();
+    assert!(desk.app().core().pipeline.released().is_some());
 }
 
 #[test]
-fn nothing_is_approved_before_its_copying_motions_are_known_or_given_up() {
+fn nothing_is_released_before_its_copying_motions_are_known_or_given_up() {
     let home = Home::new();
-    let mut desk = approved(&home);
+    let mut desk = released(&home);
     // Another plan of the same parameters is finished anew.
     desk.window.state_mut().core_mut().pipeline.start_plan().unwrap();
     desk.until("the plan is done", |d| d.state(Stage::Plan) == StageState::Done);
     let pipeline = &mut desk.window.state_mut().core_mut().pipeline;
     let plan = pipeline.plan().unwrap().clone();
     assert!(plan.finishing().is_none(), "the verdict does not wait for the stock that is left");
-    assert!(pipeline.leftover_shape().is_none() && !pipeline.can_approve() && pipeline.approve().is_err());
+    assert!(pipeline.leftover_shape().is_none() && !pipeline.can_release() && pipeline.release().is_err());
     pipeline.cancel();
     desk.until_idle();
     desk.open_step(Stage::Verify);
     desk.assert_shows("It is not known what stock is left, and there are no copying motions: stopped.");
-    desk.window.state_mut().core_mut().pipeline.approve().unwrap();
-    // What becomes known later was not approved.
+    desk.window.state_mut().core_mut().pipeline.release().unwrap();
+    // What becomes known later was not released.
     desk.press("Work out the stock left");
     desk.until_idle();
     let pipeline = &desk.app().core().pipeline;
-    assert!(Arc::ptr_eq(&plan, pipeline.plan().unwrap()) && pipeline.can_approve() && !pipeline.is_approved());
+    assert!(Arc::ptr_eq(&plan, pipeline.plan().unwrap()) && pipeline.can_release() && pipeline.released().is_none());
     assert!(plan.leftover().is_some() && pipeline.leftover_shape().is_some());
     assert!(desk.log().iter().any(|line| line.contains("remain in the channel")), "{:#?}", desk.log());
 }
 
 #[test]
-fn an_export_stops_when_its_approval_is_taken_back() {
+fn an_export_stops_when_its_release_is_taken_back() {
     let home = Home::new();
-    let mut desk = approved(&home);
+    let mut desk = released(&home);
     let until_told = || -> ExportWork {
         Box::new(|_, _, _, _, _, cancel| {
             for _ in 0..3000 {
                 cancel.check().map_err(|e| e.to_string())?;
                 std::thread::sleep(Duration::from_millis(10));
             }
-            Ok(vec!["written without approval".to_owned()])
+            Ok(vec!["written without a release".to_owned()])
         })
     };
     let pipeline = &mut desk.window.state_mut().core_mut().pipeline;
@@ -75,20 +75,20 @@ fn an_export_stops_when_its_approval_is_taken_back() {
     desk.until_idle();
     assert_eq!(desk.state(Stage::Export), StageState::Missing, "{:#?}", desk.log());
     let core = desk.window.state_mut().core_mut();
-    core.pipeline.approve().unwrap();
+    core.pipeline.release().unwrap();
     core.pipeline.start_export(&home.path("out"), until_told()).unwrap();
     let mut job = core.document.job().clone();
     job.plan.margin_mm += 0.01;
     core.edit("Margin", job, false);
     desk.until_idle();
     assert_eq!(desk.state(Stage::Export), StageState::Missing, "{:#?}", desk.log());
-    assert!(desk.log().iter().any(|line| line.contains("approval withdrawn")));
+    assert!(desk.log().iter().any(|line| line.contains("release withdrawn")));
 }
 
 #[test]
 fn a_plan_is_kept_for_the_mesh_that_it_was_made_from() {
     let home = Home::new();
-    let mut desk = approved(&home);
+    let mut desk = released(&home);
     let kept = desk.app().core().document.plan().unwrap().clone();
     home.part(&ParametricBlisk { width_mm: 20.5, ..easy_blisk() });
     desk.window.state_mut().core_mut().pipeline.reload();

@@ -1,4 +1,4 @@
-//! Reads what a [`FlankDocument`] names, for [`crate::workspaces::flank::job`]. This module reads files.
+//! Reads what a [`FlankDocument`] names, for [`nc::flank_job`]. This module reads files.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -6,13 +6,13 @@ use std::sync::Arc;
 use crate::workspaces::flank::document::kept_mesh::KeptMesh;
 use crate::workspaces::flank::document::milling_machine_file::milling_machine;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, MeshFlank, WallsFile};
-use crate::workspaces::flank::job::{FlankInput, LoadedSurface};
 use flank::fit_ruled::flank_candidates;
 use flank::guide::GuideCurve;
 use flank::machine::milling_machine::MillingMachine;
 use flank::ruled_surface::Side;
 use geometry::mesh::Mesh;
 use import::{ImportOptions, Undeclared, Unit, Units, import_bytes, import_file};
+use nc::flank_job::{FlankInput, LoadedSurface};
 use nc::flank_program::{FlankNc, milling_post};
 use task::{Cancel, Progress};
 

@@ -4,7 +4,8 @@ use glam::DVec3;
 
 use super::clearances::{gouge, leads, own_surface};
 use super::{FlankInput, FlankResult, LoadedSurface, PathChoice, places};
-use crate::workspaces::flank::document::overrides::{Figures, FlankOverride};
+use crate::block_feed::LEAST_BLOCK_MINUTES;
+use crate::flank_job::overrides::{Figures, FlankOverride};
 use flank::FlankError;
 use flank::deviation::Deviation;
 use flank::guide::pairing_warning;
@@ -13,7 +14,6 @@ use flank::inside_wall::open_edges_about;
 use flank::machine::joint_feed::Slowed;
 use flank::params::Objective;
 use flank::refine::beyond_bounds;
-use nc::block_feed::LEAST_BLOCK_MINUTES;
 
 /// How far below the flutes the surface may go (mm): the bottom's own rounding.
 pub(super) const BELOW_MM: f64 = 1e-3;

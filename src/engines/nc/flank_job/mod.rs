@@ -1,14 +1,16 @@
 //! A flank milled with the side of a cutter: the surface, the path in three steps, the checks of the one that is milled,
-//! and its positions on a machine. Pure: what is in files is read by [`crate::workspaces::flank::job::inputs`].
+//! and its positions on a machine. Pure: it reads no files.
 
-pub mod inputs;
+pub mod overrides;
+pub mod settings;
 
+use std::ops::Deref;
 use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::workspaces::flank::document::overrides::FlankOverride;
-use crate::workspaces::flank::document::{CutDirection, MillingSettings, PathChoice};
+use crate::flank_job::overrides::FlankOverride;
+use crate::flank_job::settings::{CutDirection, MillingSettings, PathChoice};
 use flank::FlankError;
 use flank::check_grid::{CheckGrid, CheckedPath};
 use flank::cutter::FlankCutter;
@@ -169,9 +171,9 @@ pub struct Milled {
     pub slowed: Option<Slowed>,
 }
 
-/// A planned flank.
+/// What was computed and checked of a flank.
 #[derive(Debug, Clone)]
-pub struct FlankResult {
+pub struct FlankFacts {
     /// What to call it.
     pub name: String,
     /// The surface, on the side that was chosen.
@@ -218,6 +220,35 @@ pub struct FlankResult {
     pub warnings: Vec<String>,
     /// Overrides that override nothing, and why, in words.
     pub idle_overrides: Vec<String>,
+    /// Whether the checks were taken on the plan's own grid, to be quick: nothing is approved by them.
+    pub is_quick_look: bool,
+}
+
+/// A planned flank with its checks. Only [`flank`] makes one, and its facts can be read but not changed, so that no check
+/// can be taken away and no path be exchanged for another one.
+///
+/// ```compile_fail,E0596
+/// fn unchecked(mut result: nc::flank_job::FlankResult) {
+///     result.checks.clear();
+/// }
+/// ```
+///
+/// ```compile_fail,E0451
+/// fn made_up(facts: nc::flank_job::FlankFacts) -> crate::flank_job::FlankResult {
+///     nc::flank_job::FlankResult { facts }
+/// }
+/// ```
+#[derive(Debug, Clone)]
+pub struct FlankResult {
+    facts: FlankFacts,
+}
+
+impl Deref for FlankResult {
+    type Target = FlankFacts;
+
+    fn deref(&self) -> &FlankFacts {
+        &self.facts
+    }
 }
 
 impl FlankResult {
@@ -236,8 +267,14 @@ impl FlankResult {
 
     /// Decides anew which failing checks are let pass.
     pub fn decide(&mut self, overrides: &[FlankOverride]) {
-        self.checks.iter_mut().for_each(|check| check.decide(overrides));
-        self.idle_overrides = checks::idle(&self.checks, overrides);
+        self.facts.checks.iter_mut().for_each(|check| check.decide(overrides));
+        self.facts.idle_overrides = checks::idle(&self.checks, overrides);
+    }
+
+    /// The same flank with another name for its cutter, which is nothing but a word in files.
+    pub fn with_cutter_name(mut self, name: &str) -> Self {
+        name.clone_into(&mut self.facts.plan.cutter.name);
+        self
     }
 
     /// The same decisions with what each was made for: those for whatever a check finds are for what it found here.
@@ -339,7 +376,7 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
     cancel.check()?;
     let stray_mm = stray(path, &input.milling, [&approach, &retract], (&input.cutter, milled.as_ref()));
     progress.report("positions of the machine", 1.0, "");
-    let mut result = FlankResult {
+    let facts = FlankFacts {
         name: input.name.clone(),
         surface,
         fit,
@@ -362,10 +399,12 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
         checks: Vec::new(),
         warnings: Vec::new(),
         idle_overrides: Vec::new(),
+        is_quick_look: input.is_quick_look,
     };
-    result.checks = checks::of(&result);
+    let mut result = FlankResult { facts };
+    result.facts.checks = checks::of(&result);
     result.decide(&input.overrides);
-    result.warnings = [input.doubts.clone(), checks::warnings(&result, input)].concat();
+    result.facts.warnings = [input.doubts.clone(), checks::warnings(&result, input)].concat();
     Ok(result)
 }
 

@@ -1,0 +1,53 @@
+//! What the user released for export. A path is approved by proof (see [`nc::approved`]); a plan is released by
+//! the user, who has seen it.
+
+use std::sync::Arc;
+
+use super::plan::PlanOutcome;
+
+/// A plan that may be approved and that the user released for export. It can only be made by [`Released::by_user`].
+///
+/// ```compile_fail,E0451
+/// use sparkpath::jobs::{plan::PlanOutcome, released::Released};
+/// fn unseen(plan: std::sync::Arc<PlanOutcome>) -> Released {
+///     Released { plan }
+/// }
+/// ```
+///
+/// Nor does the user's word take the place of a proof:
+///
+/// ```compile_fail,E0308
+/// use nc::program::{NcJob, NcProgram, NcSettings};
+/// fn program(released: &sparkpath::workspaces::blisk::job::released::Released, post: &nc::post::Post, job: &NcJob) {
+///     let _ = NcProgram::new(released, post, &NcSettings::default(), job);
+/// }
+/// ```
+#[derive(Debug, Clone)]
+pub struct Released {
+    plan: Arc<PlanOutcome>,
+}
+
+/// A plan that nobody can release: some path of it has no certificate that holds, or collides on the machine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("only a plan with a certificate that holds can be released")]
+pub struct NotReleased;
+
+impl Released {
+    /// The user releases `plan`: this very one, since another search of the same inputs may end elsewhere.
+    ///
+    /// # Errors
+    /// [`NotReleased`] if the plan may not be approved.
+    pub fn by_user(plan: &Arc<PlanOutcome>) -> Result<Self, NotReleased> {
+        plan.may_be_approved().then(|| Self { plan: plan.clone() }).ok_or(NotReleased)
+    }
+
+    /// The plan.
+    pub fn plan(&self) -> &Arc<PlanOutcome> {
+        &self.plan
+    }
+
+    /// Whether it was this very plan that was released.
+    pub fn is_of(&self, plan: &Arc<PlanOutcome>) -> bool {
+        Arc::ptr_eq(&self.plan, plan)
+    }
+}
