@@ -128,11 +128,11 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
     }
     let is_whole = uncut.is_whole();
     if !is_whole {
-        lines.push("what the cutters leave is not known for all of the mold: see `sparkpath uncut`".to_owned());
+        lines.push("the rest material is not known for all of the mold: see `sparkpath uncut`".to_owned());
     }
     if !uncut.stack.invert.triangles.is_empty() {
         lines.push(format!(
-            "{} faces ({:.2} mm2) look away from the cutters and get no electrode here: give another --opening, or a slide",
+            "{} undercut faces ({:.2} mm2) are not reachable and get no electrode: give another --opening, or plan a slide",
             uncut.stack.invert.triangles.len(),
             uncut.stack.invert.area
         ));
@@ -201,7 +201,7 @@ fn lines(set: &ElectrodeSet, report: &ElectrodesReport) -> Vec<String> {
         lines.extend(entry.family.as_ref().map(|family| {
             let [x, y] = family.offset_mm;
             format!(
-                "    one body with {}: its tips are {x}, {y} mm from the middle of the base",
+                "    same body as {}: its heads are {x}, {y} mm from the middle of the base",
                 family.others.join(", ")
             )
         }));
@@ -220,9 +220,9 @@ fn lines(set: &ElectrodeSet, report: &ElectrodesReport) -> Vec<String> {
     lines.extend(corners(set));
     let idle = set.idle_overrides();
     lines.extend(idle.into_iter().map(|(o, why)| format!("override {o}: {}", why.text())));
-    lines.extend(
-        report.unmet_edits.iter().map(|edit| format!("the change \"{edit}\" meets no region, or changes nothing")),
-    );
+    lines.extend(report.unmet_edits.iter().map(|edit| {
+        format!("the change \"{edit}\" has no effect: its place is in no region, or nothing changes there")
+    }));
     lines
 }
 
@@ -233,8 +233,7 @@ fn corners(set: &ElectrodeSet) -> Option<String> {
     let most = kept.max_by(|a, b| a.thickness.total_cmp(&b.thickness)).filter(|left| left.thickness > tolerance)?;
     let p = most.place;
     Some(format!(
-        "sharp corners keep up to {:.4} mm, which the spark rounds: more than the tolerance of {tolerance} mm, as near \
-         ({:.3}, {:.3}, {:.3}); a smaller gap leaves less",
+        "residual stock in sharp corners is up to {:.4} mm, allowed rest {tolerance} mm, as near ({:.3}, {:.3}, {:.3}); a smaller spark gap leaves less",
         most.thickness, p.x, p.y, p.z
     ))
 }
@@ -247,7 +246,7 @@ fn not_written(written: &WrittenElectrodes) -> Vec<String> {
         lines.extend(older);
     }
     let stale = written.stale.iter();
-    lines.extend(stale.map(|f| format!("{} is of an earlier export: the burn table does not have it", f.display())));
+    lines.extend(stale.map(|f| format!("{} is from an earlier export and not in the burn table", f.display())));
     lines.extend(written.no_sheet.as_ref().map(|why| format!("burn_sheet.txt was not written: {why}")));
     lines
 }

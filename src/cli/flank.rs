@@ -66,9 +66,9 @@ fn list(surface: &LoadedSurface, session: &Session) -> anyhow::Result<Answer> {
     } else {
         let lines = candidates.iter().enumerate().map(|(i, c)| {
             let looks = if c.outwards.length() < 0.5 {
-                "looks all around".to_owned()
+                "normals all around".to_owned()
             } else {
-                format!("looks along ({:.3}, {:.3}, {:.3})", c.outwards.x + 0.0, c.outwards.y + 0.0, c.outwards.z + 0.0)
+                format!("normal ({:.3}, {:.3}, {:.3})", c.outwards.x + 0.0, c.outwards.y + 0.0, c.outwards.z + 0.0)
             };
             format!("{}: {}; {looks}", i + 1, c.summary())
         });
@@ -102,8 +102,7 @@ fn lines(result: &FlankResult) -> Vec<String> {
     for (name, path) in result.plan.paths() {
         let (d, moving) = (&path.deviation, &path.envelope.deviation);
         lines.push(format!(
-            "{name}: sum {:.3} mm ({}), mean {:.2} um, rms {:.2} um, overcut {:.1} um, undercut {:.1} um; moving cutter: \
-             sum {:.3} mm, overcut {:.1} um, undercut {:.1} um",
+            "{name}: total absolute deviation {:.3} mm ({}), mean {:.2} um, rms {:.2} um, overcut {:.1} um, undercut {:.1} um; swept envelope: total {:.3} mm, overcut {:.1} um, undercut {:.1} um",
             d.sum,
             result.plan.ratio_words(d.sum),
             1e3 * d.mean,
@@ -124,7 +123,7 @@ fn lines(result: &FlankResult) -> Vec<String> {
         let state = match (check.holds, check.is_overridden) {
             (true, _) => "holds",
             (false, true) => "fails, overridden",
-            (false, false) if check.lapsed.is_some() => "FAILS, its override has lapsed",
+            (false, false) if check.lapsed.is_some() => "FAILS, its override no longer holds",
             (false, false) => "FAILS",
         };
         let place = check.place.filter(|_| !check.holds);

@@ -327,7 +327,7 @@ impl PlanArguments {
         let has_bounds = overcut_mm.is_some() || undercut_mm.is_some();
         match self.objective {
             Some(ObjectiveName::Bounded) if !has_bounds && !matches!(plan.objective, Objective::Bounded { .. }) => {
-                anyhow::bail!("the bounded objective has no bound; give --max-overcut or --max-undercut")
+                anyhow::bail!("--objective bounded needs a bound: give --max-overcut or --max-undercut")
             }
             Some(ObjectiveName::Sum | ObjectiveName::Rms) if has_bounds => {
                 anyhow::bail!("--max-overcut and --max-undercut are for --objective bounded")

@@ -180,7 +180,7 @@ pub(super) fn check_override(text: &str) -> Result<FlankOverride, String> {
 
 /// Places along u and v, as in `100x50`.
 pub(super) fn grid(text: &str) -> Result<[usize; 2], String> {
-    let wrong = || "expected the places along u and v, as in 100x50".to_owned();
+    let wrong = || "expected the samples along u and v, as in 100x50".to_owned();
     let (u, v) = text.split_once('x').ok_or_else(wrong)?;
     let number = |text: &str| text.trim().parse::<usize>().map_err(|_| wrong());
     Ok([number(u)?, number(v)?])

@@ -112,7 +112,9 @@ fn auto(prepared: &PreparedBlisk, inputs: &PlanInputs, session: &Session) -> any
                     row.enter.name()
                 );
             }
-            None => say!("size       no reduction lets the electrode out; planned with {low:.3} and {high:.3} deg"),
+            None => say!(
+                "size       not feasible: no reduction gives an extraction path; planned with {low:.3} and {high:.3} deg"
+            ),
         }
     }
     Ok(sized)
@@ -140,7 +142,7 @@ fn print_summary(report: &Report, outcome: &PlanOutcome, written: &[String], out
             o.electrode.burn_area_mm2
         );
         let [nodes, searches, mends, points] = [e.nodes.len(), o.plan.rounds, o.plan.mends, o.plan.probes];
-        say!("           {nodes} nodes, {searches} searches, mended {mends} times, {points} points tested");
+        say!("           {nodes} nodes, {searches} searches, {mends} path repairs, {points} points tested");
     }
     for symbol in &report.symbols {
         say!("           {:10} {:>22} {:4} {}", symbol.symbol, symbol.value, symbol.unit, symbol.meaning);

@@ -26,7 +26,7 @@ pub(super) fn size(job_file: &Path, parts: usize, session: &Session) -> anyhow::
     if session.json {
         say!("{}", serde_json::to_string_pretty(&rows)?);
     } else if rows.is_empty() {
-        say!("No reduction that was tried lets an electrode out.");
+        say!("Not feasible: no electrode has an extraction path at the reductions tried.");
     }
     Ok(if rows.is_empty() { Answer::No } else { Answer::Yes })
 }

@@ -178,7 +178,7 @@ fn contents(ui: &mut Ui, core: &mut Core, dialog: &mut Dialog, adapter: &str) ->
         Dialog::ExportFlank => crate::workspaces::flank::panels::export_dialog(ui, core),
         Dialog::Path(purpose, text) => path(ui, purpose, text, core.preferences.types_paths),
         Dialog::Overwrite(_, path) => {
-            ui.label(format!("{} is there already. What it holds would be lost.", path.display()));
+            ui.label(format!("{} exists already and would be replaced.", path.display()));
             buttons(ui, &[("Replace", Answer::Overwrite), ("Cancel", Answer::Close)])
         }
         Dialog::About => about(ui, adapter),
@@ -215,7 +215,7 @@ fn unsaved(ui: &mut Ui, core: &Core, work: Work, intent: &Intent) -> Option<Answ
         Work::Mold => format!("The mold {}", core.mold.name()),
         Work::Flank => format!("The flank {}", core.flank.name()),
     };
-    ui.label(format!("{name} has changes that no file holds."));
+    ui.label(format!("{name} has unsaved changes."));
     buttons(
         ui,
         &[
@@ -227,7 +227,7 @@ fn unsaved(ui: &mut Ui, core: &Core, work: Work, intent: &Intent) -> Option<Answ
 }
 
 fn recover(ui: &mut Ui, copies: &[Recovery]) -> Option<Answer> {
-    ui.label("The program ended without saving. This work was kept:");
+    ui.label("The program ended without saving. Recovered work:");
     let mut answer = None;
     for (i, copy) in copies.iter().enumerate() {
         ui.horizontal(|ui| {
@@ -245,13 +245,13 @@ fn recover(ui: &mut Ui, copies: &[Recovery]) -> Option<Answer> {
             ui.label(RichText::new(age).color(palette(ui).faint));
         });
     }
-    answer.or(buttons(ui, &[("Later", Answer::Close), ("Throw away", Answer::ForgetCopies)]))
+    answer.or(buttons(ui, &[("Later", Answer::Close), ("Discard", Answer::ForgetCopies)]))
 }
 
 fn moved_meshes(ui: &mut Ui, moved: &[MovedMesh]) -> Option<Answer> {
     let mut answer = None;
     for mesh in moved {
-        let what = if mesh.changed { "has changed since the project was saved" } else { "is not there any more" };
+        let what = if mesh.changed { "has changed since the project was saved" } else { "no longer exists" };
         ui.label(format!("{} {what}.", mesh.path.display()));
         if ui.button("Find it…").clicked() {
             answer = Some(Answer::Locate(mesh.path.clone()));
@@ -299,17 +299,15 @@ fn preferences(ui: &mut Ui, p: &mut Preferences) -> Option<Answer> {
         ui.label("");
         ui.label(RichText::new(p.navigation.describe()).small().color(faint));
         ui.end_row();
-        ui.label(RichText::new("While tuning").color(faint));
-        let live = ui.checkbox(&mut p.live, "look for a way out at once");
-        live.on_hover_text(
-            "With the global strategy: a quick look at every change, a plan with its certificate at rest",
-        );
+        ui.label(RichText::new("While a slider moves").color(faint));
+        let live = ui.checkbox(&mut p.live, "preview the extraction path");
+        live.on_hover_text("Global strategy: a preview at every change, a certified plan when the slider rests");
         ui.end_row();
-        ui.label(RichText::new("Paths of files").color(faint));
+        ui.label(RichText::new("File dialogs").color(faint));
         ui.horizontal(|ui| {
             for (value, name, hint) in [
-                (false, "choose", "In the dialogs of the system, where it has any"),
-                (true, "type", "In this window, whatever dialogs the system has"),
+                (false, "choose", "Dialogs of the system, where available"),
+                (true, "type", "Type paths in this window"),
             ] {
                 ui.selectable_value(&mut p.types_paths, value, name).on_hover_text(hint);
             }
@@ -318,7 +316,7 @@ fn preferences(ui: &mut Ui, p: &mut Preferences) -> Option<Answer> {
         let label = ui.label(RichText::new("Threads").color(faint));
         ui.horizontal(|ui| {
             ui.add(egui::DragValue::new(&mut p.threads).range(0..=1024)).labelled_by(label.id);
-            ui.label(RichText::new("0: one a core; from the next start on").small().color(faint));
+            ui.label(RichText::new("0: one for each core; takes effect at the next start").small().color(faint));
         });
         ui.end_row();
     });
@@ -351,7 +349,7 @@ fn path(ui: &mut Ui, purpose: &Purpose, text: &mut String, is_preferred: bool) -
 
 fn about(ui: &mut Ui, adapter: &str) -> Option<Answer> {
     ui.label(format!("Sparkpath {}", env!("CARGO_PKG_VERSION")));
-    ui.label("Plans, verifies and exports EDM electrode feed paths for shrouded blisks. MIT or Apache-2.0.");
+    ui.label("Feed paths for EDM electrodes, electrodes for molds, five-axis flank milling. MIT or Apache-2.0.");
     ui.label(RichText::new(adapter).small().color(palette(ui).faint));
     buttons(ui, &[("Close", Answer::Close)])
 }
@@ -373,7 +371,7 @@ pub fn log(ctx: &egui::Context, core: &Core, open: &mut bool) {
                 });
             }
             if core.log.is_empty() {
-                ui.weak("Nothing has been said yet.");
+                ui.weak("No messages yet.");
             }
         });
     });

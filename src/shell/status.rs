@@ -84,7 +84,7 @@ fn message(ui: &mut Ui, core: &mut Core) {
     let label =
         egui::Label::new(RichText::new(sentence(&line.text)).color(colour)).truncate().sense(egui::Sense::click());
     let clicked = ui.allocate_ui(vec2(room, 18.0), |ui| ui.add(label)).inner;
-    let hint = if is_stale { "Of other parameters; a click opens the log" } else { "Open the log" };
+    let hint = if is_stale { "Out of date; click to open the log" } else { "Click to open the log" };
     if clicked.on_hover_text(hint).clicked() {
         core.push(Command::Log);
     }

@@ -116,7 +116,7 @@ impl Copying {
     /// What became of it, in a sentence.
     pub fn sentence(&self) -> String {
         match self {
-            Self::NotNeeded => "Nothing is left for a copying motion: there are no reductions.".to_owned(),
+            Self::NotNeeded => "No copying motion: there are no reductions.".to_owned(),
             Self::NoTable => "There is no copying motion: the machine has no axis A to turn the blisk.".to_owned(),
             Self::Made(motion) => motion.sentence(),
         }

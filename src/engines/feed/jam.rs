@@ -83,7 +83,7 @@ impl Jam {
     }
 
     fn where_and_why(&self, channel: &Channel) -> String {
-        let place = format!("jams at node {} ({:.2} mm withdrawn)", self.node, self.s);
+        let place = format!("jams at node {} (retract distance {:.2} mm)", self.node, self.s);
         match self.cause {
             JamCause::Contact(JamContact { on_blisk: at, surface, lack, .. }) => {
                 let Cylindrical { x, r, .. } = Cylindrical::from_point(at);
@@ -108,7 +108,7 @@ impl Jam {
                 )
             }
             JamCause::NothingLeft { h } => format!(
-                "{place}: the way out takes h = {:.3} deg of additional reduction, which leaves nothing of the electrode",
+                "{place}: the extraction path needs h = {:.3} deg of additional reduction, which leaves no electrode",
                 h.to_degrees()
             ),
             JamCause::Unknown => format!("{place}: no free pose was found"),
@@ -126,8 +126,8 @@ fn opening_sentence(opening: &Opening, channel: &Channel) -> String {
     let ways = [both, wall(Surface::LowWall, opening.low), wall(Surface::HighWall, opening.high)];
     let ways: Vec<String> = ways.into_iter().flatten().collect();
     if ways.is_empty() {
-        "; no reduction that was tried opens a way".to_owned()
+        "; not feasible at any reduction tried".to_owned()
     } else {
-        format!("; more reduction opens a way: {}", ways.join(", or "))
+        format!("; feasible with more reduction: {}", ways.join(", or "))
     }
 }

@@ -138,17 +138,18 @@ impl FeedPlan {
         match (&self.jam, &self.path) {
             (Some(jam), _) => jam.sentence(channel),
             (None, Some(PlannedPath { certificate: c, .. })) if c.holds() => {
-                format!("comes out, certified clearance {:.4} mm; {}", c.certified(), c.demand())
+                format!("has an extraction path, certified clearance {:.4} mm; {}", c.certified(), c.demand())
             }
             (None, Some(PlannedPath { certificate: c, .. })) if !c.ends_right() => {
-                "comes out of its channel, but the path does not begin wholly outside the blisk; raise exit_clearance_mm".to_owned()
+                "has an extraction path that does not begin wholly outside the blisk; raise exit_clearance_mm"
+                    .to_owned()
             }
             (None, Some(PlannedPath { certificate: c, .. })) if c.keeps_clearance() => match c.travel() {
-                TravelVerdict::Beyond(beyond) => format!("comes out, but {beyond}"),
+                TravelVerdict::Beyond(beyond) => format!("has an extraction path, but {beyond}"),
                 TravelVerdict::Within | TravelVerdict::NotJudged => "was not verified".to_owned(),
             },
             (None, Some(PlannedPath { certificate: c, .. })) => format!(
-                "comes out, but with only {:.4} mm left against the {} {:.2} mm before the final pose; {}",
+                "has an extraction path, but with a clearance of only {:.4} mm to the {}, {:.2} mm before the final pose; {}",
                 c.least().distance,
                 channel.surface_name(c.least().surface),
                 c.least().s,

@@ -141,7 +141,7 @@ impl Planner<'_> {
         const TOLERANCE: f64 = 0.001;
         const MOST: f64 = 0.05;
         let Self { space, settings, progress, cancel, .. } = *self;
-        let progress = &progress.as_stage("what would open a way");
+        let progress = &progress.as_stage("what would make it feasible");
         let sizer = Sizer { space, electrode, model, settings, tolerance: TOLERANCE, most: MOST, progress, cancel };
         sizer.opening(self.turns)
     }

@@ -61,7 +61,7 @@ impl CheckGrid {
     /// What it is, in words.
     pub fn words(&self) -> String {
         let ([nu, nv], [by_u, by_v]) = (self.places.counted_size(), self.spacing_mm);
-        format!("{nu} x {nv} places of the surface, at most {by_u:.3} x {by_v:.3} mm apart")
+        format!("{nu} x {nv} samples, at most {by_u:.3} x {by_v:.3} mm apart")
     }
 
     /// What `path` does over this grid. `touching` is what touches: the cutter above the path's `below_mm`.

@@ -72,8 +72,7 @@ impl OwnSurfaceCheck {
         let [nu, nv] = self.grid;
         let Some(worst) = &self.worst else {
             return format!(
-                "no place of {nu} x {nv} is cut more than {} mm deeper from elsewhere on the path than where the cutter stands \
-                 over it",
+                "no sample of {nu} x {nv} is cut more than {} mm deeper than at its nearest location",
                 self.tolerance_mm
             );
         };

@@ -101,11 +101,11 @@ pub fn plan_flank(
     let grid = DesignGrid::new(surface, params.grid);
     progress.report("placing the cutter", 0.0, "");
     let Start { locations, fit_mm, path: start } = covering_start(surface, cutter, params, &grid, cancel)?;
-    progress.report("trying every rank", 0.0, "");
+    progress.report("evaluating every rank", 0.0, "");
     let (chosen, ranks) = ranked(surface, &grid, &start, cutter, cancel)?;
     let heights = Heights::of(&start, cutter);
     let refined = refined(surface, &grid, &chosen, (cutter, &heights), params, (progress, cancel))?;
-    progress.report("checking the moving cutter", 0.0, "");
+    progress.report("computing the swept envelope", 0.0, "");
     let path = |measured: Measured| -> Result<FlankPath, FlankError> {
         cancel.check()?;
         Ok(FlankPath::of(&grid, cutter, measured, (params.locations, params.below_mm)))
@@ -115,7 +115,7 @@ pub fn plan_flank(
     let mut plan =
         FlankPlan { cutter, params, locations, fit_mm, initial, ranks, chosen, refined, warnings: Vec::new() };
     plan.warnings = warning::of_plan(surface, &plan);
-    progress.report("checking the moving cutter", 1.0, "");
+    progress.report("computing the swept envelope", 1.0, "");
     Ok(plan)
 }
 

@@ -49,13 +49,11 @@ fn of_whole(surface: &RuledSurface, plan: &FlankPlan) -> Vec<PlanWarning> {
     let before = &plan.initial.deviation;
     if before.is_settled() {
         warnings.push(format!(
-            "the initial path is at most {:.4} mm off, as much as guides written with three decimals: there is nothing to gain, \
-             and it was kept as the chosen one",
+            "the deviation of the initial path is at most {:.4} mm, within the rounding of guides with three decimals: the initial path is also the chosen one",
             before.most_undercut.max(-before.most_overcut)
         ));
     } else if plan.ranks.best == 0 {
-        let kept = "no rank makes the sum of deviations less while the cutter keeps its place on the surface: the initial path was kept \
-                    as the chosen one";
+        let kept = "no rank reduces the total absolute deviation: the initial path is also the chosen one";
         warnings.push(kept.into());
     }
     warnings.into_iter().map(|text| PlanWarning { path: None, text }).collect()
@@ -160,8 +158,7 @@ fn of_envelope(path: &FlankPath) -> Option<String> {
     let differs = (moving.sum - still.sum).abs() > 0.05 * still.sum && still.mean > 1e-6;
     (differs || path.envelope.without > 0).then(|| {
         format!(
-            "the moving cutter's sum of deviations is {:.4} mm, the standing one's {:.4} mm, at most {:.4} mm apart at one \
-             place; {} places have no grazing point",
+            "total absolute deviation: swept envelope {:.4} mm, static {:.4} mm, at most {:.4} mm apart at one sample; {} samples have no grazing point",
             moving.sum, still.sum, path.envelope.greatest_difference, path.envelope.without
         )
     })

@@ -411,7 +411,7 @@ impl Core {
         let track = self.track.clone();
         let lacks = self.swept.lacks((seen && !track.is_empty()).then_some(&track));
         if let Some(why) = self.swept.take_failure() {
-            self.say(EventKind::Failed, format!("the swept volume is shown as poses: {why}"));
+            self.say(EventKind::Failed, format!("the swept volume is drawn as poses: {why}"));
         }
         if let (true, Some((electrode, _))) = (lacks, self.shown_electrode()) {
             let electrode = electrode.clone();

@@ -124,7 +124,7 @@ impl Core {
         // While the electrode moves its colours come after it.
         let is_current = self.coloured.as_ref().is_some_and(|(key, _)| key.pose == self.shown_pose());
         Legend {
-            title: if is_current { "Clearance" } else { "Clearance a moment ago" }.to_owned(),
+            title: if is_current { "Clearance" } else { "Clearance, out of date" }.to_owned(),
             unit: "mm".to_owned(),
             map: ColourMap::Threshold,
             min: 0.0,

@@ -194,7 +194,7 @@ impl SparkpathApp {
         // Its form marks the value and says what it may be.
         if let Some(stage) = Stage::ALL.into_iter().find(|stage| forms::has_problem(&self.core, *stage)) {
             self.core.step = stage;
-            let text = format!("The step {} holds a value that cannot be used; it is marked there.", stage.name());
+            let text = format!("Step {} has a value out of range; it is marked there.", stage.name());
             self.dialog = Dialog::Error("The plan cannot be started".to_owned(), text);
             return;
         }

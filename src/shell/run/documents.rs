@@ -160,8 +160,8 @@ impl SparkpathApp {
         self.files.is_typing_preferred = self.core.preferences.types_paths;
         let why = match self.files.ask(purpose.clone(), name, self.folder().as_deref(), ctx) {
             Opened::Asked => return,
-            Opened::Busy => "Another dialog for a file is still open: answer or close it first",
-            Opened::Failed => "The system gave no thread to show a file dialog on: close other programs and try again",
+            Opened::Busy => "Another file dialog is open: close it first",
+            Opened::Failed => "No thread could be started for the file dialog: close other programs and try again",
         };
         self.cancelled(&purpose);
         self.core.say(EventKind::Failed, why);
@@ -363,7 +363,7 @@ impl SparkpathApp {
             .and_then(|()| autosave.update_mold(molds, mold.record.file.as_deref()))
             .and_then(|()| autosave.update_flank(flanks, flank.record.file.as_deref()));
         if let Err(e) = &updated {
-            self.core.say(EventKind::Failed, format!("no copy of the unsaved work could be kept: {e}"));
+            self.core.say(EventKind::Failed, format!("the unsaved work could not be copied: {e}"));
             self.autosave = None;
         }
         updated.is_ok()

@@ -70,7 +70,7 @@ pub enum Opening {
 
 /// What is said when a dialog of the system is closed: some close without ever having been seen.
 const NOTHING_CHOSEN: &str =
-    "No file was chosen. If you saw no dialog, have paths typed: File, Preferences, Paths of files";
+    "No file was chosen. If no dialog appeared: Edit, Preferences, File dialogs, Type paths in this window";
 
 /// How long unsaved work may be without a copy.
 const AUTOSAVE: Duration = Duration::from_secs(2);
@@ -330,7 +330,7 @@ impl SparkpathApp {
         }
         match self.core.tuning.is_at_rest() {
             Ok(()) => match self.core.pipeline.start_plan() {
-                Ok(()) => self.core.say(EventKind::Done, "planning what came out at a glance"),
+                Ok(()) => self.core.say(EventKind::Done, "planning the previewed path"),
                 Err(why) => self.core.say(EventKind::Failed, why),
             },
             Err(Some(wait)) => ctx.request_repaint_after(wait),

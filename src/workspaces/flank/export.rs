@@ -75,9 +75,9 @@ impl WrittenFlank {
         let mut text = format!("{} written to {}", self.files.join(", "), self.folder.display());
         if let Some(why) = &self.blocked {
             let failing = if self.failing.is_empty() { why.clone() } else { self.failing.join(", ") };
-            text += &format!("; nothing to mill was written, as checks fail: {failing}");
+            text += &format!("; no program was written: failed checks {failing}");
         } else if !self.failing.is_empty() {
-            text += &format!("; by decision, although checks fail: {}", self.failing.join(", "));
+            text += &format!("; released despite failed checks: {}", self.failing.join(", "));
         }
         for [was, is] in &self.set_aside {
             text += &format!("; {was} of an earlier path is now called {is}");

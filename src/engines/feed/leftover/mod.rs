@@ -150,9 +150,9 @@ impl Leftover {
                 format!("{:.3} mm{more} on the {}", layer.depth_mm, channel.surface_name(surface))
             })
         };
-        let left = layer(self.thickest()).map_or("no stock is left".to_owned(), |l| format!("stock is left up to {l}"));
-        let cut = layer(self.deepest())
-            .map_or("nothing is cut too deep".to_owned(), |l| format!("it is cut up to {l} too deep"));
+        let left =
+            layer(self.thickest()).map_or("no residual stock".to_owned(), |l| format!("residual stock up to {l}"));
+        let cut = layer(self.deepest()).map_or("no overcut".to_owned(), |l| format!("overcut up to {l}"));
         format!(
             "Beyond {TOLERANCE:.2} mm {left}, and {cut}; {:.1} of {:.1} mm\u{b3} remain in the channel.",
             self.stock.left_mm3, self.stock.channel_mm3

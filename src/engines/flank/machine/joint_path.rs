@@ -58,8 +58,7 @@ pub enum MillingError {
     },
     /// A tolerance that cannot be kept.
     #[error(
-        "{at}: straight moves of the axes stray from the path by {deviation_mm:.5} mm, and no points between help; \
-         raise linearisation_mm or smooth the path there"
+        "{at}: chordal deviation {deviation_mm:.5} mm, and more points do not reduce it; raise linearisation_mm or smooth the path there"
     )]
     Strays {
         /// Where.

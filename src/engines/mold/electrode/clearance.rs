@@ -179,18 +179,18 @@ impl Clearance {
         let of = |kind: CheckKind, Near { distance, place }: Near, way: &str| {
             let (holds, found) = (distance >= needed(stage) && self.inside.is_none(), distance.max(0.0));
             let text = if self.inside.is_some() {
-                format!("{way} it stands inside the mold")
+                format!("{way} the electrode is inside the mold")
             } else if holds {
-                format!("{way} it keeps {found:.4} mm from the mold ({asked})")
+                format!("{way} the distance to the mold is {found:.4} mm (required: {asked})")
             } else {
                 format!(
-                    "{way} it comes to {found:.4} mm of the mold, which is less than asked ({asked}): too deep a burn"
+                    "{way} the distance to the mold is only {found:.4} mm (required: {asked}); reduce the spark gap or the depth of the burn"
                 )
             };
             Finding::new(kind, holds, text, if holds { None } else { self.inside.or(place) })
         };
         let [burning, way] = self.near;
-        [of(CheckKind::Gouge, burning, "where it burns"), of(CheckKind::Approach, way, "on its way in and out")]
+        [of(CheckKind::Gouge, burning, "where it burns"), of(CheckKind::Approach, way, "on approach and retraction")]
     }
 }
 

@@ -48,8 +48,7 @@ pub(super) fn left_to_later(stage: &Stage, number: usize, (share, is_close): (f6
         )
     } else {
         format!(
-            "{name} stage: it is left out, as its tip would be thinner than the least size of {least} mm; the stages after it \
-             burn alone"
+            "{name} stage: left out, its head would be thinner than the least size of {least} mm; the later stages burn alone"
         )
     };
     if is_close {
@@ -65,7 +64,7 @@ pub(super) fn left_to_later(stage: &Stage, number: usize, (share, is_close): (f6
 pub(super) fn no_room(stage: &Stage, number: usize) -> LeftOut {
     let name = &stage.name;
     let text =
-        format!("{name} stage: it is left out, as its gap leaves no room for a tip; the stages after it burn alone");
+        format!("{name} stage: left out, its spark gap is too large for a head here; the later stages burn alone");
     LeftOut { stage: number, text }
 }
 

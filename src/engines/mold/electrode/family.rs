@@ -157,10 +157,10 @@ fn row(
         is_held = true;
     }
     Ok(Err(if is_held {
-        "while one stage burns the tips of another would enter the mold, wherever they stand on a base that a holder takes"
+        "the heads of one stage would enter the mold while another stage burns, at any position on a base that fits a holder"
             .to_owned()
     } else {
-        "no holder is large enough for a base with the tips of all stages".to_owned()
+        "no holder is large enough for a base with the heads of all stages".to_owned()
     }))
 }
 

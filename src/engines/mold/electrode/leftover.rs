@@ -187,15 +187,15 @@ const SQUARE: &str =
 pub fn leftover(left: &LeftOfRegion, tolerance: f64, stage: &Stage, looked: Looked) -> Finding {
     let holds = left.excess <= tolerance;
     let apart =
-        format!("looked at every {:.2} mm on faces, every {:.2} mm along edges", looked.on_faces, looked.along_edges);
+        format!("sampled every {:.2} mm on faces, every {:.2} mm along edges", looked.on_faces, looked.along_edges);
     let text = if holds {
         format!(
-            "at most {:.4} mm are left, in corners that the spark rounds; {:.4} mm^3 in all; {apart}",
+            "residual stock up to {:.4} mm, in corners rounded by the spark; {:.4} mm^3 in all; {apart}",
             left.thickness, left.volume
         )
     } else {
         format!(
-            "{:.4} mm are left beyond what corners keep, {tolerance:.4} mm are allowed; {:.4} mm^3 in all{}; {apart}",
+            "residual stock {:.4} mm beyond the corner radius, allowed rest {tolerance:.4} mm; {:.4} mm^3 in all{}; {apart}",
             left.excess,
             left.volume,
             if matches!(stage.orbit, Orbit::Square { .. }) { SQUARE } else { "" }

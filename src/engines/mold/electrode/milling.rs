@@ -36,7 +36,7 @@ pub fn machinable(
     Ok(match left.first() {
         Some(worst) => {
             let text = format!(
-                "the cutters leave {} places on it, {:.3} mm^3 in all, up to {:.3} mm thick: divide it there, or add a smaller cutter",
+                "not millable: the cutters leave rest material at {} places, {:.3} mm^3 in all, up to {:.3} mm thick; divide it there, or add a smaller cutter",
                 left.len(),
                 left.iter().map(|r| r.volume).sum::<f64>(),
                 left.iter().map(|r| r.normal_depth).fold(0.0, f64::max)
@@ -44,9 +44,9 @@ pub fn machinable(
             Finding::new(CheckKind::Machinable, false, text, Some(back(worst.bounds.center())))
         }
         None if invert > LEAST_INVERT => {
-            let text = format!("{invert:.3} mm^2 of it look away from the cutters");
+            let text = format!("not millable: {invert:.3} mm^2 are undercut");
             Finding::new(CheckKind::Machinable, false, text, None)
         }
-        None => Finding::new(CheckKind::Machinable, true, "the cutters leave nothing of it".into(), None),
+        None => Finding::new(CheckKind::Machinable, true, "millable: no rest material".into(), None),
     })
 }

@@ -67,9 +67,9 @@ impl IdleOverride {
         match self {
             Self::NoElectrode => "there is no electrode of that name",
             Self::OtherParts => {
-                "the electrode of that name burns other parts than when this was decided, so it does not hold: decide again"
+                "the electrode of that name now burns other parts: the override does not hold, decide again"
             }
-            Self::Holds => "the check does not fail: this override does nothing",
+            Self::Holds => "the check does not fail: the override has no effect",
         }
     }
 }

@@ -387,8 +387,7 @@ pub enum ElectrodeParamsError {
     Stage(String),
     /// Stages in another order than that in which they burn.
     #[error(
-        "stage {later} stays {later_mm} mm from the wall and comes after {earlier}, which stays {earlier_mm} mm: it would \
-         take nothing; put the roughest stage first"
+        "stage {later} has an undersize of {later_mm} mm and follows {earlier} with {earlier_mm} mm: it would remove nothing; put the roughing stage first"
     )]
     StageOrder {
         /// The earlier one.

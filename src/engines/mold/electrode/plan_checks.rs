@@ -170,8 +170,7 @@ fn milling(
 }
 
 fn too_short_a_lift(lift: f64, burn: &Burn) -> Finding {
-    let text =
-        format!("lifted by {lift} mm it is still in the mold, {:.2} mm deep: a larger lift_mm is needed", burn.depth);
+    let text = format!("retract distance {lift} mm is too short: it needs {:.2} mm; increase lift_mm", burn.depth);
     Finding { place: Some(burn.position), ..Finding::failed(CheckKind::Approach, text) }
 }
 
@@ -183,9 +182,7 @@ fn for_later() -> Finding {
 
 fn thin(params: &ElectrodeParams) -> Finding {
     let least = params.least_size_mm;
-    let text = format!(
-        "a tip is thinner than the least size of {least} mm: a smaller gap or orbit, or a smaller least_size_mm"
-    );
+    let text = format!("a head is thinner than the least size of {least} mm: reduce spark gap, orbit or least_size_mm");
     Finding::failed(CheckKind::Machinable, text)
 }
 
@@ -281,8 +278,7 @@ fn nobodys(left: &Left, tolerance: f64) -> Option<String> {
     let LeftOfRegion { excess, place: p, .. } = left.of_none;
     (excess > tolerance).then(|| {
         format!(
-            "{excess:.4} mm are left where none of its tips comes, as near ({:.3}, {:.3}, {:.3}), {tolerance:.4} mm are \
-             allowed: a smaller gap or orbit is needed there, or a cutter",
+            "residual stock {excess:.4} mm where no head reaches, as near ({:.3}, {:.3}, {:.3}), allowed rest {tolerance:.4} mm: reduce spark gap or orbit, or add a cutter",
             p.x, p.y, p.z
         )
     })

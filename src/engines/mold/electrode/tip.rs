@@ -40,9 +40,7 @@ const WALL: f64 = 0.2;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TipError {
     /// The gap leaves no room.
-    #[error(
-        "the spark gap leaves no room for a tip: the region is narrower than twice the gap; a smaller gap is needed"
-    )]
+    #[error("the region is narrower than twice the spark gap: reduce the spark gap")]
     NoRoom,
     /// Nothing of the mold's surface is known to bound the region.
     #[error(
@@ -303,7 +301,7 @@ fn fault(burned: &Burned, footprint: &Footprint, part: &Mesh) -> Option<&'static
         twice.z > UPWARDS * twice.length() && twice.length() > 1e-6 && !is_cap(corners, footprint.cap)
     };
     if part.iter_corners().any(is_folded) {
-        return Some("the mold grown by the gap hangs over the tip");
+        return Some("the mold with the spark gap undercuts the head");
     }
     let is_within = |p: &DVec3| burned.exact.nearest(*p).signed_distance < -WITHIN;
     part.vertices.iter().any(is_within).then_some("the trimmed tip enters what it was trimmed by")

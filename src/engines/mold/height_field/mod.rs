@@ -60,7 +60,7 @@ pub enum HeightFieldError {
         coarser: f64,
     },
     /// More cutters than can be told apart.
-    #[error("{0} cutters are needed and at most 256 can be told apart; leave out those that cut no more than others")]
+    #[error("{0} cutters, at most 256 are possible; leave out those that remove no more than others")]
     TooManyCutters(usize),
     /// What cutters leave of another grid.
     #[error("what the cutters leave was found on a grid of {found} cells, the heights have {expected}: find it again")]

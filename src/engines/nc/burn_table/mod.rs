@@ -377,11 +377,11 @@ fn warnings(set: &ElectrodeSet, electrode: &Electrode) -> Vec<String> {
     }
     if electrode.burns.iter().all(|b| b.volume <= 0.0) {
         warnings.push(
-            "it takes nothing: what it is for is thinner than the layer that its stage leaves; leave it out".into(),
+            "it removes nothing: the rest material there is thinner than the stock of its stage; leave it out".into(),
         );
     }
     if let Family::Apart { why } = &electrode.family {
-        warnings.push(format!("it is on a base of its own, not with other stages: {why}"));
+        warnings.push(format!("it has its own base, not shared with other stages: {why}"));
     }
     let mut alone: Vec<usize> = electrode.burns.iter().flat_map(|b| &b.parts).map(|p| p.region).collect();
     alone.sort_unstable();
@@ -395,8 +395,7 @@ fn warnings(set: &ElectrodeSet, electrode: &Electrode) -> Vec<String> {
         let stage = &set.params.stages[electrode.stage];
         let [wall, floor] = [DVec3::X, DVec3::Z].map(|n| stage.undersize(n));
         warnings.push(format!(
-            "the file holds the cavity's own shape: the electrode is milled smaller than it by {wall:.4} mm at walls and {floor:.4} \
-             mm at floors"
+            "the file has the net shape: mill the electrode smaller by {wall:.4} mm at the sides and {floor:.4} mm at the bottom"
         ));
     }
     warnings

@@ -278,13 +278,13 @@ fn deviation(result: &FlankResult) -> FlankCheck {
     let allowed = [result.overcut_tolerance_mm, result.undercut_tolerance_mm];
     let holds = overcut <= allowed[0] && undercut <= allowed[1];
     let mut text = format!(
-        "overcut up to {overcut:.4} mm, undercut up to {undercut:.4} mm, standing or moving, on {}; allowed: {} and {} mm",
+        "overcut up to {overcut:.4} mm, undercut up to {undercut:.4} mm, static or swept envelope, on {}; allowed: {} and {} mm",
         result.checked.words, allowed[0], allowed[1]
     );
     if result.fit.is_some() {
-        text += &format!("; {off_mm:.4} mm of both is what the surface itself is off the face");
+        text += &format!("; both include {off_mm:.4} mm error of the fit");
     }
-    text += &format!("; {stray_mm:.4} mm of both is how far the straight moves leave the path");
+    text += &format!("; both include {stray_mm:.4} mm chordal deviation");
     let figures = [("overcut_mm", overcut), ("undercut_mm", undercut)];
     FlankCheck::new(CheckKind::Deviation, holds, text).with(&figures)
 }
@@ -295,7 +295,7 @@ fn bounds(result: &FlankResult) -> Option<FlankCheck> {
     let beyond = deviations(result).into_iter().map(|d| beyond_bounds(objective, d)).fold(0.0, f64::max);
     let [overcut, undercut] = greatest(result);
     let text = format!(
-        "overcut up to {overcut:.4} mm, undercut up to {undercut:.4} mm, standing or moving: {}",
+        "overcut up to {overcut:.4} mm, undercut up to {undercut:.4} mm, static or swept envelope: {}",
         if beyond > KEPT_MM { format!("{beyond:.4} mm beyond the bounds") } else { "within the bounds".to_owned() }
     );
     Some(FlankCheck::new(CheckKind::Bounds, beyond <= KEPT_MM, text).with(&[("beyond_mm", beyond)]))
@@ -308,12 +308,12 @@ fn envelope(result: &FlankResult) -> FlankCheck {
     let tolerance = result.envelope_tolerance_mm;
     let holds = greatest <= tolerance && without == 0;
     let mut text = format!(
-        "moving and standing cutter differ by {greatest:.5} mm at most on {}; allowed: {tolerance} mm",
+        "swept envelope and static deviation differ by {greatest:.5} mm at most on {}; allowed: {tolerance} mm",
         result.checked.words
     );
     if without > 0 {
         // What fails comes first.
-        let untouched = format!("over {without} places the moving cutter touches nothing");
+        let untouched = format!("at {without} samples the swept envelope does not touch the surface");
         text = if greatest > tolerance { format!("{text}; {untouched}") } else { format!("{untouched}; {text}") };
     }
     let figures = [("difference_mm", greatest), ("untouched_places", without as f64)];
@@ -362,15 +362,14 @@ fn open_walls(result: &FlankResult, input: &FlankInput) -> Option<String> {
     let wall = input.walls.as_ref()?;
     let edges = open_edges_about(&result.path().pose(0.0), &result.plan.cutter, wall)?;
     Some(format!(
-        "the walls are open at {edges} edges: whether a tool that touches none of them is inside of them is taken from which \
-         side of them it sees more of; close them to be sure"
+        "the walls are open at {edges} edges, so that inside and outside are estimated there; close the walls"
     ))
 }
 
 /// Overrides that override nothing, and why.
 pub(super) fn idle(checks: &[FlankCheck], overrides: &[FlankOverride]) -> Vec<String> {
     let why = |one: &FlankOverride| match checks.iter().find(|c| !c.holds && c.kind.name() == one.check) {
-        None => Some("no check of this name fails, it does nothing".to_owned()),
+        None => Some("no check of this name fails: the override has no effect".to_owned()),
         Some(check) => one.lapsed(&check.figures),
     };
     overrides.iter().filter_map(|one| Some(format!("override of {:?}: {}", one.check, why(one)?))).collect()
@@ -393,8 +392,7 @@ fn sinks(result: &FlankResult) -> Option<String> {
     };
     (deepest > asked + SUNK_MM).then(|| {
         format!(
-            "the {} path sinks the cutter's bottom up to {deepest:.2} mm below the lower guide, {asked} mm were asked for: see \
-             that nothing is there{instead}",
+            "the {} path moves the cutter's bottom up to {deepest:.2} mm below the lower guide, {asked} mm were requested: check that nothing is there{instead}",
             result.path.name()
         )
     })

@@ -94,7 +94,7 @@ fn nearest_on_leads(result: &FlankResult) -> Option<(&'static str, Clearance)> {
 
 /// What of a depth is that of straight moves, in words.
 fn of_stray(result: &FlankResult) -> String {
-    format!(", {:.4} mm of it is how far the straight moves leave the path", result.stray_mm)
+    format!(", including {:.4} mm chordal deviation", result.stray_mm)
 }
 
 /// The whole tool against the surface itself all along the path.
@@ -103,7 +103,7 @@ pub(super) fn own_surface(result: &FlankResult) -> FlankCheck {
     let ([_, across], [_, usual]) = (own.grid, result.checked.deviation.grid);
     let mut text = own.text();
     if across < usual {
-        text += &format!("; with this many rulings {across} places of each, where the other checks look at {usual}");
+        text += &format!("; {across} samples on each ruling, where the other checks have {usual}");
     }
     let check = FlankCheck::new(CheckKind::Surface, own.holds(), text);
     match own.worst {

@@ -78,8 +78,10 @@ impl FlankOverride {
             return None;
         }
         if now.is_empty() {
-            let why = "what fails here has no figure to be held against the one that this was decided for";
-            return Some(format!("{why}; it does not hold: name the check alone to let it pass whatever it finds"));
+            let why = "the failed check has no figure to compare with the one it was decided for";
+            return Some(format!(
+                "{why}; the override does not hold: name the check alone to waive it unconditionally"
+            ));
         }
         let allowed = |name: &str| {
             // What was not wrong when it was decided is not let pass now.

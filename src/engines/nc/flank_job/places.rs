@@ -120,8 +120,7 @@ fn nearest(result: &FlankResult, place: DVec3) -> f64 {
 fn finer_moves(result: &FlankResult) -> Option<&'static str> {
     /// What counts as much (mm).
     const MUCH_MM: f64 = 0.01;
-    (result.stray_mm > MUCH_MM)
-        .then_some("have straight moves follow the path more closely (linearisation_mm, --tolerance)")
+    (result.stray_mm > MUCH_MM).then_some("reduce the linearisation tolerance (linearisation_mm, --tolerance)")
 }
 
 /// What could be done about a surface that the path does not cover. Another path is named only if it does; flutes that
@@ -129,14 +128,14 @@ fn finer_moves(result: &FlankResult) -> Option<&'static str> {
 fn to_cover(result: &FlankResult) -> Vec<&'static str> {
     let (plan, path) = (&result.plan, result.path());
     let is_short = !(path.coverage.is_whole && result.checked.coverage.is_whole);
-    let ends = (is_short && !plan.params.is_covering).then_some("let it go on past the guides' ends (is_covering)");
+    let ends = (is_short && !plan.params.is_covering).then_some("extend the path past the guides' ends (is_covering)");
     let other = match result.path {
         PathChoice::Refined => plan.chosen.coverage.is_whole.then_some("mill the chosen path (--path chosen)"),
         _ => plan.refined.coverage.is_whole.then_some("mill the refined path (--path refined)"),
     };
     let points = is_short.then_some("take more control points (Points, --points)");
     let lowest = path.coverage.height_range_mm[0].min(result.checked.coverage.height_range_mm[0]);
-    let below = (lowest < -BELOW_MM).then_some("reach further below the lower guide (Below, --below)");
+    let below = (lowest < -BELOW_MM).then_some("increase Extend below (--below)");
     ends.into_iter().chain(other.filter(|_| is_short)).chain(points).chain(below).collect()
 }
 
@@ -151,9 +150,8 @@ fn higher(result: &FlankResult, check: &FlankCheck) -> Option<&'static str> {
         (place - pose.tip).dot(pose.axis) <= path.below_mm + BOTTOM_MM
     };
     let is_at_bottom = check.t.map_or_else(|| is_low(0.0) || is_low(1.0), is_low);
-    (path.below_mm > 0.0 && is_at_bottom).then_some(
-        "have the cutter's bottom reach less far below the lower guide, where the part goes on (Below, --below 0)",
-    )
+    (path.below_mm > 0.0 && is_at_bottom)
+        .then_some("reduce Extend below (--below 0) where the part goes on below the lower guide")
 }
 
 /// What could be done about a check that fails, as far as it was not done.

@@ -246,7 +246,7 @@ pub enum ElectrodeError {
     #[error("the electrode's mesh: {0}")]
     Unsearchable(#[from] ExactMeshError),
     /// An own mesh is open or not oriented.
-    #[error("the electrode's mesh is not closed and consistently oriented: mend it in the program it came from")]
+    #[error("the electrode's mesh is not closed and consistently oriented: repair it in the program it came from")]
     NotWatertight,
     /// An own mesh is inside out.
     #[error("the electrode's mesh is inside out (volume {0:.3} mm^3): turn its triangles round")]

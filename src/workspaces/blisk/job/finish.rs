@@ -120,7 +120,7 @@ impl Around<'_> {
         let mut finishing = Finishing {
             copying: Vec::new(),
             simulations: Vec::new(),
-            leftover: Err("what stock is left cannot be told before every electrode has a certified path".to_owned()),
+            leftover: Err("the residual stock needs a certified path of every electrode".to_owned()),
             stopped: None,
             times: Vec::new(),
         };
@@ -140,11 +140,11 @@ impl Around<'_> {
         finishing.leftover = match clock.time("leftover", || left_by(self, electrodes, motions, progress, cancel)) {
             Ok(left) => Ok(Arc::new(left)),
             Err(LeftoverError::Cancelled(_)) => {
-                finishing.stopped.get_or_insert("map of the stock left");
-                Err("what stock is left is not known: the work was stopped".to_owned())
+                finishing.stopped.get_or_insert("map of the residual stock");
+                Err("the residual stock is not known: the computation was cancelled".to_owned())
             }
             // A plan is good without it.
-            Err(other) => Err(format!("what stock is left cannot be told: {other}")),
+            Err(other) => Err(format!("the residual stock cannot be computed: {other}")),
         };
         finishing.times = clock.0;
         Ok(finishing)

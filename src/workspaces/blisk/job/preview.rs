@@ -26,7 +26,7 @@ impl LiveWay {
     pub fn sentence(&self, channel: &Channel) -> String {
         let side = if self.side == EntrySide::MinusX { "-X" } else { "+X" };
         match (&self.way.width, &self.way.jam) {
-            (Some(width), _) => format!("seems to come out towards {side}, {width:.3} mm wider than needed"),
+            (Some(width), _) => format!("extraction path towards {side} probable, clearance margin {width:.3} mm"),
             (None, Some(jam)) => format!("towards {side}: {}", jam.sentence(channel)),
             (None, None) => String::new(),
         }
@@ -63,7 +63,8 @@ pub fn live_way(
             break;
         }
     }
-    let mut best = best.ok_or_else(|| PlanJobError::Job("there is no side to withdraw the electrode to".to_owned()))?;
+    let mut best =
+        best.ok_or_else(|| PlanJobError::Job("the electrode cannot be retracted to either side".to_owned()))?;
     if sides.first() != Some(&best.side) {
         let (channel, which) = (&prepared.space.channel, (part, best.side, 0.0));
         best.other = Some(Arc::new(electrode_of(inputs, channel, &prepared.exact, which, progress, cancel)?));

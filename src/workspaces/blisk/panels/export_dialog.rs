@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Answer> {
     ui.add_space(8.0);
     let problem = export.validate().err();
     let (colour, text) = match &problem {
-        Some(_) if !export.files.any() => (palette(ui).bad, "Nothing is chosen, so that nothing would be written."),
+        Some(_) if !export.files.any() => (palette(ui).bad, "No file is chosen: nothing would be written."),
         Some(problem) => (palette(ui).bad, problem.as_str()),
         None => (palette(ui).warning, "Results of an earlier plan in the folder are replaced."),
     };
@@ -65,7 +65,7 @@ fn files(ui: &mut Ui, export: &mut ExportSection) -> Option<Answer> {
         });
         ui.end_row();
         tick(ui, &mut files.leftover, file("leftover.ply, copying_K.csv"));
-        says(ui, "stock left, copying motion");
+        says(ui, "residual stock, copying motion");
         ui.end_row();
         tick(ui, &mut files.report, file("report.html, .json"));
         says(ui, "verdict, figures, curves, pictures");
@@ -125,8 +125,8 @@ fn pictures(ui: &mut Ui, drawn: &mut DrawnPictures) {
         ui.spacing_mut().item_spacing.x = 16.0;
         tick(ui, &mut drawn.whole, "Whole blisk");
         tick(ui, &mut drawn.final_pose, "Final pose");
-        tick(ui, &mut drawn.sweep, "On its way");
-        tick(ui, &mut drawn.closest, "Closest place");
-        tick(ui, &mut drawn.leftover, "Stock left");
+        tick(ui, &mut drawn.sweep, "On its path");
+        tick(ui, &mut drawn.closest, "Closest point");
+        tick(ui, &mut drawn.leftover, "Residual stock");
     });
 }

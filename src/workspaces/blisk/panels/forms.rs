@@ -219,7 +219,7 @@ fn no_number(field: &Field, value: &Value, text: &str) -> String {
     };
     let stays = shown(value).map(|now| format!("; it stays {now}{unit}")).unwrap_or_default();
     let typed: String = text.trim().chars().take(24).collect();
-    format!("{}: \"{typed}\" is no number; {asked} is asked for{stays}", field.label)
+    format!("{}: \"{typed}\" is not a number; enter {asked}{stays}", field.label)
 }
 
 /// A place of fixed width in a row.

@@ -58,7 +58,7 @@ fn selected(ui: &mut Ui, core: &Core) {
             let Some(found) = core.pipeline.channel() else { return };
             let surface = if layer == Layer::LowWall { Surface::LowWall } else { Surface::HighWall };
             heading(ui, layer.name());
-            fact(ui, "Is the", found.channel.surface_name(surface));
+            fact(ui, "Surface", found.channel.surface_name(surface));
         }
         Layer::Centreline => {
             let Some(line) = core.pipeline.channel().and_then(|found| found.centreline.as_ref()) else { return };
@@ -79,15 +79,15 @@ fn pose(ui: &mut Ui, core: &Core) {
     let length = core.preferences.length;
     heading(ui, "Pose of the electrode");
     if core.plan_is_stale() {
-        ui.label(RichText::new("of a stale plan").small().color(palette(ui).warning));
+        ui.label(RichText::new("of a plan that is out of date").small().color(palette(ui).warning));
     }
     if let Some(moment) = moment {
         fact(ui, "Phase", moment.name());
     }
     if let Some(station) = station {
         let what = station.node.map_or("between nodes".to_owned(), |n| format!("node {n} from the final pose"));
-        fact(ui, "Place", what);
-        fact(ui, "Withdrawn", length.show(station.s, 3));
+        fact(ui, "Position", what);
+        fact(ui, "Retracted", length.show(station.s, 3));
     }
     // A table turns to other channels even where the feed does not need it.
     let moves = core.document.job().machine.axes.axes();
@@ -110,7 +110,7 @@ fn contact(ui: &mut Ui, core: &mut Core) {
     let jammed = outcome.plan.jam.as_ref().and_then(|jam| Some((jam.node, jam.contact()?)));
     let (title, surface) = match (jammed, &outcome.plan.path) {
         (Some((node, contact)), _) => (format!("Jams at node {node}"), contact.surface),
-        (None, Some(path)) => ("Closest place of the path".to_owned(), path.certificate.least().surface),
+        (None, Some(path)) => ("Closest point of the path".to_owned(), path.certificate.least().surface),
         (None, None) => return,
     };
     let lack = jammed.map(|(_, contact)| contact.lack);
@@ -118,9 +118,9 @@ fn contact(ui: &mut Ui, core: &mut Core) {
     let length = core.preferences.length;
     heading(ui, &title);
     fact(ui, "Against", against);
-    fact(ui, "Withdrawn", length.show(s, 3));
+    fact(ui, "Retracted", length.show(s, 3));
     if let Some(lack) = lack {
-        fact(ui, "Missing", length.show(lack, 4));
+        fact(ui, "Short by", length.show(lack, 4));
     }
     point(ui, core, on_blisk);
     if ui.button("Go there").clicked() {

@@ -94,7 +94,7 @@ impl KeptRuns {
         let is_absent = |of: &&kept_plan::KeptRun| !self.runs.iter().any(|run| run.number == of.number);
         let reason = |of: &kept_plan::KeptRun| match self.refused.get(&of.number) {
             Some(why) => format!("not compared: {why}"),
-            None if self.asked.contains(&of.number) => "is being made anew".to_owned(),
+            None if self.asked.contains(&of.number) => "is being recomputed".to_owned(),
             None => "waits for part and channel".to_owned(),
         };
         let row = |of: &kept_plan::KeptRun| (of.number, name(of.number, of.job.plan.strategy), reason(of));
@@ -215,7 +215,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
     let (electrode, step) = (core.cursor.electrode, step_of(&core.document));
     let mut removed = None;
     let caption = format!(
-        "Second differences over steps of {step:.2} mm, root mean square and greatest: of slides in mm, of turns in deg"
+        "Second differences over steps of {step:.2} mm, RMS and greatest; linear axes in mm, rotary axes in deg"
     );
     egui::ScrollArea::both().id_salt("comparison").auto_shrink([false, false]).show(ui, |ui| {
         ui.label(RichText::new(caption).small().color(palette(ui).faint));

@@ -207,7 +207,7 @@ fn section(ui: &mut Ui, rect: Rect, core: &mut Core) {
             *plane = SectionPlane { point: bounds.center(), normal: axis };
         }
     }
-    if child.button("Turn").on_hover_text("Take the other side away").clicked() {
+    if child.button("Turn").on_hover_text("Cut away the other side").clicked() {
         plane.normal = -plane.normal;
     }
     let axis = plane.normal.abs();
@@ -253,7 +253,7 @@ fn answer(ui: &Ui, core: &Core) -> Option<(Color32, String)> {
     let collision = plan.finishing().and_then(|finishing| finishing.collision()).map(Simulation::sentence);
     Some(match (core.pipeline.state(Stage::Plan), core.pipeline.state(Stage::Verify)) {
         (StageState::Running, _) => return None,
-        (StageState::Stale, _) => (colours.warning, format!("stale: {}", collision.unwrap_or_else(verdict))),
+        (StageState::Stale, _) => (colours.warning, format!("out of date: {}", collision.unwrap_or_else(verdict))),
         (StageState::Done, _) if collision.is_some() => (colours.bad, collision.unwrap_or_default()),
         _ if !outcome.plan.is_verified() => (colours.bad, verdict()),
         (StageState::Done, StageState::Running) => {

@@ -46,7 +46,7 @@ impl Tab {
 
     /// Its name.
     pub fn name(self) -> &'static str {
-        ["Axes", "Speed", "Acceleration", "Clearance", "Convergence", "Nodes", "Comparison"][self as usize]
+        ["Axes", "Speed", "Second derivative", "Clearance", "Convergence", "Nodes", "Comparison"][self as usize]
     }
 }
 
@@ -136,7 +136,7 @@ pub fn show(ui: &mut Ui, core: &mut Core, tab: &mut Tab, curves: &mut Curves, is
 
 fn unit_note(tab: Tab) -> &'static str {
     match tab {
-        Tab::Positions | Tab::Velocities | Tab::Accelerations | Tab::Clearance => "over mm withdrawn",
+        Tab::Positions | Tab::Velocities | Tab::Accelerations | Tab::Clearance => "over the distance retracted (mm)",
         Tab::Convergence => "objective over generations",
         Tab::Table | Tab::Comparison => "",
     }
@@ -283,11 +283,11 @@ fn convergence(ui: &mut Ui, core: &mut Core) {
     };
     let nearest = |t: &&Convergence| (t.s - core.cursor.s).abs();
     let Some(trace) = traces.iter().min_by(|a, b| nearest(a).total_cmp(&nearest(b))) else {
-        says(ui, "A plan that was opened was not searched: plan again to see how it converges.");
+        says(ui, "A plan that was opened has no convergence data: plan again (F5) to see it.");
         return;
     };
     if trace.best.is_empty() {
-        says(ui, "This node was not searched: it mends the curve, or the axes run down to rest there.");
+        says(ui, "This node was not searched: it was added by path repair, or the axes come to rest there.");
         return;
     }
     let colours = palette(ui);

@@ -13,7 +13,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
     ui.horizontal(|ui| {
         ui.label(RichText::new("Scene").small().color(palette(ui).faint));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if ui.small_button("Reset").on_hover_text("Look of every layer as at the start").clicked() {
+            if ui.small_button("Reset").on_hover_text("Reset colour and opacity of every layer").clicked() {
                 core.layers = Default::default();
             }
         });
@@ -85,7 +85,7 @@ fn menu(ui: &mut Ui, core: &mut Core, layer: Layer) {
     if layer.is_body() && ui.button("Show only this").clicked() {
         core.layers.isolate(layer);
     }
-    if ui.button("Reset its look").clicked() {
+    if ui.button("Reset colour and opacity").clicked() {
         *core.layers.get_mut(layer) = *crate::workspaces::blisk::scene::Layers::default().get(layer);
     }
 }

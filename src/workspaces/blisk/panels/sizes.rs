@@ -18,20 +18,20 @@ const ROOMY: f32 = 300.0;
 /// What a quick look says of the electrode as it is tuned.
 pub fn live(ui: &mut Ui, core: &Core) {
     if let Some(why) = core.tuning.blind() {
-        notice(ui, palette(ui).warning, &format!("No look for a way out: {why}"));
+        notice(ui, palette(ui).warning, &format!("No preview of the extraction path: {why}"));
     } else if core.tuning.is_looking() {
-        notice(ui, palette(ui).faint, "Looking for a way out…");
+        notice(ui, palette(ui).faint, "Searching the extraction path…");
     } else if let Some((sentence, took)) = core.tuning.sentence() {
         let out = core.tuning.way().is_some_and(|(_, way)| way.way.width.is_some());
         let colour = if out { palette(ui).good } else { palette(ui).warning };
-        notice(ui, colour, &format!("At a glance: {sentence} ({:.2} s; not verified)", took.as_secs_f64()));
+        notice(ui, colour, &format!("Preview: {sentence} ({:.2} s; not verified)", took.as_secs_f64()));
     }
 }
 
 /// Sizing: its button, its table, its plot.
 pub fn show(ui: &mut Ui, core: &mut Core) {
     ui.add_space(8.0);
-    ui.strong("Thickest electrodes that come out");
+    ui.strong("Thickest electrodes with an extraction path");
     let sizing = core.tuning.sizing().map(str::to_owned);
     ui.horizontal(|ui| {
         if let Some(doing) = &sizing {
@@ -40,7 +40,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
             }
             ui.label(RichText::new(doing).small().color(palette(ui).faint));
         } else {
-            let hint = "Finds the least reductions for 1, 2 and 3 parts on either side, each with a certificate";
+            let hint = "Finds the least reductions for 1, 2 and 3 parts, from either side of entry, each certified";
             let ready = core.pipeline.state(Stage::Channel) == StageState::Done;
             if ui.add_enabled(ready, egui::Button::new("Find sizes")).on_hover_text(hint).clicked() {
                 core.find_sizes();
@@ -57,7 +57,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
     }
     let current = core.tuning.sizes_are_of(core.pipeline.of_size());
     if !current {
-        notice(ui, palette(ui).warning, "These sizes are of other parameters; find them again to take one.");
+        notice(ui, palette(ui).warning, "These sizes are out of date; find them again to take one.");
     }
     if let Some(row) = table(ui, core, &rows, current) {
         apply(core, &row);

@@ -97,7 +97,7 @@ fn electrode(ui: &mut Ui, core: &mut Core) {
         }
         fact(ui, "Enters from", if electrode.enters_from == EntrySide::MinusX { "-X" } else { "+X" });
         fact(ui, "Least thickness", length.show(electrode.least_thickness_mm, 3));
-        fact(ui, "Clearance in place", length.show(electrode.clearance_mm, 4));
+        fact(ui, "Clearance in the final pose", length.show(electrode.clearance_mm, 4));
         fact(ui, "Volume", format!("{:.1} mm³", electrode.volume_mm3));
         fact(ui, "Burn area", format!("{:.1} mm²", electrode.burn_area_mm2));
         for assumed in &electrode.assumed {
@@ -128,7 +128,7 @@ fn plan(ui: &mut Ui, core: &mut Core) {
         if let Some(partial) = core.pipeline.partial_plan() {
             fact(ui, "Nodes so far", partial.nodes.len().to_string());
             let withdrawn = partial.nodes.last().map_or(0.0, |n| n.s);
-            fact(ui, "Withdrawn", core.preferences.length.show(withdrawn, 2));
+            fact(ui, "Retracted", core.preferences.length.show(withdrawn, 2));
         }
         return;
     }
@@ -150,12 +150,12 @@ fn plan(ui: &mut Ui, core: &mut Core) {
         }
         fact(ui, "Nodes", outcome.plan.nodes.len().to_string());
         if outcome.plan.rounds == 0 {
-            fact(ui, "Found", "before; verified anew");
+            fact(ui, "Found", "opened with the project; verified again");
             continue;
         }
         fact(ui, "Searches", outcome.plan.rounds.to_string());
         if outcome.plan.mends > 0 {
-            fact(ui, "Mended", format!("{} times", outcome.plan.mends));
+            fact(ui, "Path repairs", format!("{} times", outcome.plan.mends));
         }
         fact(ui, "Points tested", outcome.plan.probes.to_string());
         fact(ui, "Search", format!("{:.1} s", outcome.plan.search_seconds));
@@ -173,7 +173,7 @@ fn plan(ui: &mut Ui, core: &mut Core) {
 
 fn verify(ui: &mut Ui, core: &mut Core) {
     let Some(plan) = core.pipeline.plan().cloned() else {
-        ui.label("There is no path yet: plan one first.");
+        ui.label("No path yet: plan one first (F5).");
         return;
     };
     let length = core.preferences.length;
@@ -187,7 +187,7 @@ fn verify(ui: &mut Ui, core: &mut Core) {
         };
         let c = &planned.certificate;
         let (colour, text) = if core.plan_is_stale() {
-            (palette(ui).warning, "This certificate is of other parameters.".to_owned())
+            (palette(ui).warning, "This certificate is out of date: plan again (F5).".to_owned())
         } else if c.holds() && plan.simulation(index).is_some_and(|simulation| !simulation.holds()) {
             let text =
                 "Certified: the feed keeps the spark gap, within the tolerance; its motion on the machine does not.";
@@ -200,12 +200,12 @@ fn verify(ui: &mut Ui, core: &mut Core) {
         notice(ui, colour, &text);
         fact(ui, "Required", length.show(c.required(), 4));
         fact(ui, "Certified (lower bound)", length.show(c.certified(), 4));
-        fact(ui, "Least met (upper bound)", length.show(c.least().distance, 4));
+        fact(ui, "Smallest met (upper bound)", length.show(c.least().distance, 4));
         fact(ui, "  against", plan.channel.surface_name(c.least().surface));
-        fact(ui, "  withdrawn by", length.show(c.least().s, 3));
+        fact(ui, "  at a retract distance of", length.show(c.least().s, 3));
         fact(ui, "Rows", planned.path.rows.len().to_string());
-        fact(ui, "Places too near", c.violations().len().to_string());
-        if ui.button("Go to the closest place").clicked() {
+        fact(ui, "Violations", c.violations().len().to_string());
+        if ui.button("Go to the closest point").clicked() {
             core.go_to(c.least().s);
         }
         if let Some(copying) = plan.copying(index) {
@@ -222,8 +222,8 @@ fn verify(ui: &mut Ui, core: &mut Core) {
 fn awaited(core: &Core) -> &'static str {
     match core.pipeline.running().filter(|running| running.stage == Stage::Verify).map(|running| &*running.doing) {
         Some("simulation") => "the whole motion is being simulated on the machine",
-        Some("leftover") => "what stock is left is being worked out",
-        _ => "the copying motions are being worked out",
+        Some("leftover") => "the residual stock is being computed",
+        _ => "the copying motions are being computed",
     }
 }
 
@@ -234,9 +234,9 @@ fn finishing(ui: &mut Ui, core: &mut Core, plan: &PlanOutcome) {
             notice(ui, palette(ui).faint, &format!("{}\u{2026}", sentence(awaited(core))));
         }
         StageState::Failed(why) => {
-            let text = format!("It is not known what stock is left, and there are no copying motions: {why}.");
+            let text = format!("No residual stock and no copying motions: {why}.");
             notice(ui, palette(ui).warning, &text);
-            if ui.button("Work out the stock left").clicked() {
+            if ui.button("Compute the residual stock").clicked() {
                 core.pipeline.resume_finishing();
             }
         }
@@ -252,17 +252,17 @@ fn finishing(ui: &mut Ui, core: &mut Core, plan: &PlanOutcome) {
 fn leftover(ui: &mut Ui, core: &mut Core, left: &Leftover, channel: &Channel) {
     let length = core.preferences.length;
     ui.add_space(6.0);
-    ui.strong(if core.plan_is_stale() { "Stock left, with other parameters" } else { "Stock left" });
+    ui.strong(if core.plan_is_stale() { "Residual stock, out of date" } else { "Residual stock" });
     let stock = &left.stock;
     fact(ui, "In the channel", format!("{:.2} of {:.0} mm³", stock.left_mm3, stock.channel_mm3));
     for figures in &left.surfaces {
         let name = channel.surface_name(figures.surface);
         fact(ui, &format!("Thickest, {name}"), length.show(figures.left.depth_mm, 3));
         if figures.overcut.at.is_some() {
-            fact(ui, &format!("Too deep, {name}"), length.show(figures.overcut.depth_mm, 3));
+            fact(ui, &format!("Overcut, {name}"), length.show(figures.overcut.depth_mm, 3));
         }
     }
-    let text = if core.leftover { "Show the electrode" } else { "Show the stock left" };
+    let text = if core.leftover { "Show the electrode" } else { "Show the residual stock" };
     command_button(ui, core, Command::Leftover, text, false);
 }
 

@@ -81,8 +81,8 @@ fn stale_text(stage: Stage) -> &'static str {
         Stage::Plan | Stage::Verify => {
             "An input has changed since this was planned. Plan again to bring it up to date."
         }
-        Stage::Export => "What was exported belongs to other parameters.",
-        _ => "An input has changed; this is being worked on.",
+        Stage::Export => "The exported files are out of date.",
+        _ => "An input has changed; this step is being recomputed.",
     }
 }
 
@@ -90,7 +90,7 @@ fn stale_text(stage: Stage) -> &'static str {
 fn introduction(ui: &mut Ui, stage: Stage) {
     let text = match stage {
         Stage::Part => "Load the finished blisk: drop a mesh into the window or open one.",
-        Stage::Channel => "Check axis, blades and the channel that was found; give by hand what is wrong.",
+        Stage::Channel => "Check axis, blades and channel; correct by hand what is wrong.",
         Stage::Electrode => "Tune gap and reductions by eye: the electrode follows.",
         Stage::Plan => "Search the feed path, from the final pose outwards, node by node.",
         Stage::Verify => "The whole motion is proven to keep the spark gap, or the place where it does not is shown.",

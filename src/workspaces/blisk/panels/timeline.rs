@@ -51,7 +51,7 @@ fn playing(ui: &mut Ui, core: &mut Core) {
         egui::DragValue::new(&mut core.cursor.speed).range(0.1..=200.0).speed(0.2).suffix(" mm/s").max_decimals(1);
     let response = ui.add_sized(vec2(78.0, 22.0), speed).on_hover_text("Speed of playing along the path");
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_label("Speed of playing"));
-    let ghost = ui.add_enabled(Command::Ghost.is_enabled(core), egui::Button::new("Ghost"));
+    let ghost = ui.add_enabled(Command::Ghost.is_enabled(core), egui::Button::new("Previous position"));
     if ghost.on_hover_text(Command::Ghost.hint(ui.ctx())).clicked() {
         core.push(Command::Ghost);
     }
@@ -101,7 +101,7 @@ fn readout(ui: &mut Ui, core: &Core) {
             ui.label(RichText::new("clearance").color(faint));
         }
         if with_place {
-            ui.label(RichText::new(length.show(station.s, 3)).monospace()).on_hover_text("Withdrawn");
+            ui.label(RichText::new(length.show(station.s, 3)).monospace()).on_hover_text("Retracted");
             ui.label(RichText::new("at").color(faint));
             ui.label(RichText::new(format!("{node} / {last}")).monospace()).on_hover_text("Node, from the final pose");
         }
@@ -121,7 +121,7 @@ fn strip(ui: &mut Ui, core: &mut Core) {
     painter.rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
     if core.track().is_empty() || length <= 0.0 {
         let text = match core.track().is_empty() {
-            true => "The nodes of the path will stand here once one is planned.",
+            true => "No path yet: plan one (F5) to see its nodes.",
             false => "Only the final pose was found to be free.",
         };
         painter.text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(12.0), colours.faint);

@@ -182,7 +182,11 @@ impl Tuning {
             let (range, found) =
                 (SizingRange { from: 1, to: MOST_PARTS }, |row: &SizeRow| reporter.partial(row.clone()));
             let rows = size(&ready, &inputs.inputs, range, &found, progress, cancel).map_err(|e| e.to_string())?;
-            if rows.is_empty() { Err("no reduction that was tried lets an electrode out".to_owned()) } else { Ok(()) }
+            if rows.is_empty() {
+                Err("not feasible: no electrode has an extraction path at the reductions tried".to_owned())
+            } else {
+                Ok(())
+            }
         });
     }
 

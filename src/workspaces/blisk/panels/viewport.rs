@@ -456,7 +456,7 @@ fn empty(ui: &Ui, rect: Rect, state: &StageState) {
             "Drop a blisk here",
             [
                 "STL, OBJ, glTF or GLB, or a Sparkpath project.",
-                "Then go down the steps on the left, from part to export.",
+                "Then follow the steps on the left, from part to export.",
                 "Ctrl+K finds every command.",
             ],
         ),

@@ -128,7 +128,7 @@ impl Pipeline {
         }
         if parts != Some(kept.electrodes.len()) || kept.inputs != KeptPlan::inputs_of(document.job(), &part.content()) {
             let is_news = self.passed_over.replace(kept.inputs.clone()).as_ref() != Some(&kept.inputs);
-            let text = "the plan kept in this project is of other parameters; plan again".to_owned();
+            let text = "the plan in this project is out of date; plan again".to_owned();
             return is_news.then_some(Event { stage: Stage::Plan, kind: EventKind::Cancelled, text, took: None });
         }
         self.replayed = Some(kept.inputs.clone());

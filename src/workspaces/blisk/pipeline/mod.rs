@@ -409,7 +409,9 @@ impl Pipeline {
     pub fn release(&mut self) -> Result<(), String> {
         let released = self.certified().ok_or(NotReleased).and_then(Released::by_user).map_err(|e| e.to_string())?;
         if !self.can_release() {
-            return Err("the copying motions of this plan, or its motion on the machine, are not worked out".to_owned());
+            return Err(
+                "the copying motions of this plan, or its motion on the machine, are not computed yet".to_owned()
+            );
         }
         self.released = Some(released);
         Ok(())

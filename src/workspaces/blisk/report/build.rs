@@ -168,7 +168,7 @@ fn failure(plan: &FeedPlan, channel: &Channel) -> Option<Failure> {
     if let Some(jam) = &plan.jam {
         let remedy = match jam.cause {
             JamCause::Contact(_) => {
-                "More circumferential reduction on that wall, another division or the other side of entry may open the way."
+                "Increase the circumferential reduction on that wall, divide the channel otherwise, or take the other side of entry."
             }
             JamCause::Travel { .. } => "Another machine, less exit_clearance_mm or the other side of entry would help.",
             JamCause::NothingLeft { .. } => "A smaller h_max_deg, more parts or the other side of entry may help.",
@@ -277,8 +277,8 @@ fn strategy_symbols(job: &PlanJob, symbol: &impl Fn(&str, &str, String, &str) ->
         ],
         Strategy::Global => vec![
             symbol("poses", "poses kept for each node", global.poses.to_string(), "1"),
-            symbol("room", "room up to which a wider way counts as better", text(global.room_mm), "mm"),
-            symbol("room kept", "share of the room that polishing keeps", text(global.room_kept), "1"),
+            symbol("room", "clearance margin up to which a wider path counts as better", text(global.room_mm), "mm"),
+            symbol("margin kept", "share of the clearance margin that polishing keeps", text(global.room_kept), "1"),
         ],
         Strategy::Centreline => {
             let increase = text(centreline.safety_increase_mm);

@@ -154,7 +154,7 @@ fn plots(out: &mut String, found: &[Found]) {
         };
         let plot = Plot {
             title: format!("{}, {}", axis.letter(), if axis.is_rotary() { "\u{b0}" } else { "mm" }),
-            x_label: "s, mm withdrawn".to_owned(),
+            x_label: "s, mm retracted".to_owned(),
             size: [1100.0, 260.0],
             series: courses.iter().flat_map(series).collect(),
             ..Plot::default()

@@ -64,7 +64,7 @@ pub(super) fn axis_plots(motion: &Motion, axis: Axis, nodes: &[f64]) -> [Plot; 3
     let plot = |title: String, order: i32, series| Plot {
         title,
         least_range: range(order),
-        x_label: "s, mm withdrawn".to_owned(),
+        x_label: "s, mm retracted".to_owned(),
         size: [360.0, 190.0],
         series,
         ..Plot::default()

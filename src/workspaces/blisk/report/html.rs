@@ -85,7 +85,7 @@ fn left(out: &mut String, report: &Report) {
     if let Some(leftover) = &report.leftover {
         leftover::section(out, leftover);
     } else if let Some(why) = &report.no_leftover {
-        let _ = write!(out, "<section><h2>What stock is left</h2><p class=\"soft\">{}</p></section>", escape(why));
+        let _ = write!(out, "<section><h2>Residual stock</h2><p class=\"soft\">{}</p></section>", escape(why));
     }
 }
 
@@ -133,7 +133,7 @@ fn verdict(e: &ElectrodeReport) -> (&'static str, &'static str, String) {
             ("no", "Not verified.", sentence)
         }
         (false, ..) => {
-            ("no", "No path.", "The electrode does not come out of the channel in one piece as it is.".to_owned())
+            ("no", "No path.", "Not feasible: the electrode has no extraction path at this size.".to_owned())
         }
     }
 }
@@ -183,7 +183,7 @@ fn clearance_plot(e: &ElectrodeReport, motion: &Motion) -> Plot {
     let mark = least.map(|(at, mm)| ([at.s_mm, mm], format!("{mm:.4} mm, {}", at.surface)));
     Plot {
         title: "Clearance to the finished blisk, mm".to_owned(),
-        x_label: "s, mm withdrawn".to_owned(),
+        x_label: "s, mm retracted".to_owned(),
         log_y: true,
         size: [1100.0, 260.0],
         series: vec![Series { points, class: "c0", dots: false }],

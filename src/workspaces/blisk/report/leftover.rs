@@ -128,7 +128,7 @@ impl From<&Copying> for CopyingReport {
 
 /// The section of the page.
 pub(super) fn section(out: &mut String, report: &LeftoverReport) {
-    let _ = write!(out, "<section><h2>What stock is left</h2><p>{}</p><div class=\"cols\">", escape(&report.sentence));
+    let _ = write!(out, "<section><h2>Residual stock</h2><p>{}</p><div class=\"cols\">", escape(&report.sentence));
     let layer = |l: &LayerReport| [number(l.area_mm2, 2), number(l.volume_mm3, 3), number(l.depth_mm, 3), place(l.at)];
     let rows = report.surfaces.iter().map(|s| {
         let mut cells = vec![escape(&s.surface), number(s.area_mm2, 1)];
@@ -139,11 +139,11 @@ pub(super) fn section(out: &mut String, report: &LeftoverReport) {
     let head = [
         "surface",
         "#area mm\u{b2}",
-        "#left mm\u{b2}",
+        "#residual mm\u{b2}",
         "#mm\u{b3}",
         "#thickest mm",
         "at, W, mm",
-        "#too deep mm\u{b2}",
+        "#overcut mm\u{b2}",
         "#mm\u{b3}",
         "#deepest mm",
         "at, W, mm",
@@ -151,7 +151,7 @@ pub(super) fn section(out: &mut String, report: &LeftoverReport) {
     table(out, "", &format!("Deviations beyond {:.3} mm", report.tolerance_mm), &head, rows);
     let rows = [
         row("Volume between the walls, mm\u{b3}", number(report.channel_volume_mm3, 1)),
-        row("Left of it, mm\u{b3}", number(report.left_volume_mm3, 2)),
+        row("Residual stock in it, mm\u{b3}", number(report.left_volume_mm3, 2)),
         row("Deepest point in it, mm", number(report.left_depth_mm, 3)),
         row("At, in W, mm", place(report.left_at)),
         row("Map", report.file.as_deref().map_or("not written".to_owned(), escape)),

@@ -155,7 +155,7 @@ impl SimulationReport {
         let figures = |p: &PairFigures| {
             vec![escape(&p.name()), number(p.certified_mm, 3), number(p.required_mm, 3), escape(&p.place())]
         };
-        let head = ["Bodies", "#certified, mm", "#asked for, mm", "closest"];
+        let head = ["Bodies", "#certified, mm", "#required, mm", "closest"];
         table(out, "pairs", "Bodies that may meet", &head, self.pairs.iter().map(figures));
     }
 }

@@ -90,7 +90,7 @@ pub(super) fn inputs(out: &mut String, inputs: &[InputFile]) {
             row("Triangles", i.triangles.to_string()),
             row("Unit", escape(&format!("{}: {}", i.unit, i.unit_reason))),
         ];
-        rows.extend(i.repairs.iter().map(|r| row("Mended", escape(r))));
+        rows.extend(i.repairs.iter().map(|r| row("Repaired", escape(r))));
         table(out, "pairs", &format!("Input: {}, {}", i.role, file_name(&i.path)), &[], rows);
     }
 }
@@ -140,7 +140,7 @@ pub(super) fn failure(out: &mut String, failure: &Failure) {
     let _ = write!(out, "<div class=\"jam\"><p>{}</p>", escape(&failure.sentence));
     let at = format!("node {}, {} mm withdrawn", failure.node, number(failure.s_mm, 2));
     let mut rows = vec![row("Fails at", at)];
-    rows.extend(failure.wall.iter().map(|wall| row("Held by", escape(wall))));
+    rows.extend(failure.wall.iter().map(|wall| row("Blocked by", escape(wall))));
     rows.extend(failure.place.iter().map(|&place| row("Place in W, mm", point(place))));
     table(out, "pairs", "Where it fails", &[], rows);
     out.push_str("</div>");
@@ -234,7 +234,7 @@ pub(super) fn written(out: &mut String, written: &Written) {
         row("Files", written.files.iter().map(|f| escape(file_name(f))).collect::<Vec<_>>().join(", ")),
     ];
     if !written.not_asked_for.is_empty() {
-        rows.push(row("Not asked for", written.not_asked_for.join(", ")));
+        rows.push(row("Not requested", written.not_asked_for.join(", ")));
     }
     table(out, "pairs", "Written", &[], rows);
 }

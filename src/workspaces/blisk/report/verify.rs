@@ -151,7 +151,7 @@ impl VerifyReport {
         points.sort_by(|p, q| p[0].total_cmp(&q[0]));
         Plot {
             title: "Clearance to the finished blisk, mm".to_owned(),
-            x_label: "s, mm withdrawn".to_owned(),
+            x_label: "s, mm retracted".to_owned(),
             log_y: true,
             size: [1100.0, 260.0],
             series: vec![Series { points, class: "c0", dots: false }],

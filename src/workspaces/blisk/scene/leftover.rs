@@ -71,7 +71,7 @@ pub fn colour_limit(greatest: f64, spark_gap: f64) -> f64 {
 /// What the colours mean, up to `limit` (mm) either way.
 pub fn leftover_legend(limit: f64) -> Legend {
     Legend {
-        title: "Stock left".to_owned(),
+        title: "Residual stock".to_owned(),
         unit: "mm".to_owned(),
         map: ColourMap::Diverging,
         min: -limit,

@@ -79,7 +79,7 @@ impl Layer {
             Self::LowWall => "Low wall",
             Self::HighWall => "High wall",
             Self::Electrode => "Electrode",
-            Self::Ghosts => "Ghosts at nodes",
+            Self::Ghosts => "Previous positions",
             Self::Sweep => "Swept volume",
             Self::Paths => "Point paths",
             Self::Centreline => "Centreline",

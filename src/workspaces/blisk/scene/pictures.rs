@@ -189,11 +189,11 @@ impl<'a> Drawn<'a> {
         let height = 1.08 * size.x.max(size.y / aspect());
         let [low, high] = [Surface::LowWall, Surface::HighWall].map(|wall| channel.surface_name(wall));
         let shroud = if channel.shrouded { ", shroud" } else { "" };
-        let names = ["cut too deep", "as it should be", "stock left"];
+        let names = ["overcut", "as it should be", "residual stock"];
         let colours = [0.0, 0.5, 1.0].map(|t| leftover_legend(limit).map.at(t));
         PlanPicture {
             file: "view_2_leftover.png".to_owned(),
-            title: "Stock left on the surfaces of the channel".to_owned(),
+            title: "Residual stock on the surfaces of the channel".to_owned(),
             caption: format!(
                 "Unfolded and seen from within, X upwards; from the right {high}, hub, {low}{shroud}. The colours end at \
                  {limit:.3} mm either way. {}",
@@ -228,7 +228,7 @@ impl<'a> Drawn<'a> {
         let mut layers = self.layers.clone();
         layers.into_channel();
         let (others, name, opacity) = match self.room(i) {
-            Some(_) => (Layer::Sweep, "room that it passes through", ROOM_OPACITY),
+            Some(_) => (Layer::Sweep, "swept volume", ROOM_OPACITY),
             None => (Layer::Ghosts, "other poses", GHOST_OPACITY),
         };
         for layer in [others, Layer::Contact] {
@@ -241,7 +241,7 @@ impl<'a> Drawn<'a> {
         let scene = self.scene(i, place.as_ref().map_or(0.0, |p| p.s), &layers);
         PlanPicture {
             file: format!("electrode_{}_sweep.png", i + 1),
-            title: format!("Electrode {} on its way", i + 1),
+            title: format!("Electrode {} on its path", i + 1),
             caption: self.sweep_caption(i, place.as_ref()),
             legend: self.legend(&legend),
             camera: self.camera(i, &scene),
@@ -303,12 +303,11 @@ impl<'a> Drawn<'a> {
         if plan.jam.is_some() {
             let mark = if place.is_some() { " The red dot marks the place." } else { "" };
             let verdict = plan.verdict(self.plan.channel);
-            return format!("Withdrawn towards {side} the electrode {verdict}. It is shown there.{mark}");
+            return format!("Retracted towards {side}, the electrode {verdict}. It is shown there.{mark}");
         }
         let Some(least) = plan.path.as_ref().map(|p| p.certificate.least()) else { return String::new() };
         format!(
-            "Its way from {side} to the final pose. The solid one stands where it comes closest to the blisk (red dot): \
-             {:.4} mm from the {}, {}.",
+            "Its path from {side} to the final pose. The solid one is at the smallest clearance (red dot): {:.4} mm to the {}, {}.",
             least.distance,
             self.plan.channel.surface_name(least.surface),
             if least.s > 0.0 {
@@ -329,7 +328,7 @@ impl<'a> Drawn<'a> {
         }
         let least = plan.path.as_ref()?.certificate.least();
         let points = [least.on_electrode, least.on_blisk];
-        Some(Place { s: least.s, points, surface: least.surface, name: "where it comes closest" })
+        Some(Place { s: least.s, points, surface: least.surface, name: "at the smallest clearance" })
     }
 
     fn room(&self, i: usize) -> Option<&Arc<RenderMesh>> {

@@ -21,8 +21,8 @@ pub fn workpiece(ui: &mut Ui, core: &Core, milling: &mut MillingSettings, wrong:
     let of_machine = core.flank.workpiece_of_machine();
     named(ui, "Clamped", |ui, _| {
         let mut is_own = milling.workpiece.is_some();
-        let hint = "Otherwise the workpiece stands as the machine's file says";
-        if tick(ui, &mut is_own, "otherwise than the machine's file says").on_hover_text(hint).changed() {
+        let hint = "Off: as in the machine's file";
+        if tick(ui, &mut is_own, "other than in the machine's file").on_hover_text(hint).changed() {
             milling.workpiece = is_own.then(|| of_machine.cloned().unwrap_or_default());
         }
     });
@@ -41,7 +41,7 @@ fn own_place(ui: &mut Ui, place: &mut Workpiece, wrong: &mut Option<String>) {
     fields::point(ui, &mut place.zero_mm, "Zero at", zero, wrong);
     let hint = "The machine's direction along which the workpiece's Z points: \u{2212}Z if it is clamped upside down";
     fields::direction(ui, &mut place.z_axis, "Its Z along", hint, wrong);
-    let hint = "The same of its X; what of it lies along its Z is taken off";
+    let hint = "The machine's direction along which the workpiece's X points; its share along Z is removed";
     fields::direction(ui, &mut place.x_axis, "Its X along", hint, wrong);
 }
 
@@ -65,7 +65,7 @@ pub fn program(ui: &mut Ui, milling: &mut MillingSettings, wrong: &mut Option<St
                 asked = Some(Purpose::Flank(FlankPurpose::Post));
             }
         });
-        shown.response.on_hover_text("In whose words the program is written").labelled_by(label);
+        shown.response.on_hover_text("The control for which the program is written").labelled_by(label);
     });
     let FlankNcSettings { tip_control, tool_number, .. } = &mut milling.program;
     named(ui, "X Y Z are", |ui, _| {

@@ -26,7 +26,10 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Answer> {
         ui.add_enabled_ui(has_machine, |ui| {
             tick(ui, &mut choice.nc, RichText::new(format!("flank.{ending}")).monospace())
         });
-        says(ui, if has_machine { "program for the machine" } else { "no machine has a path" });
+        says(
+            ui,
+            if has_machine { "program for the machine" } else { "no machine was chosen, or it cannot follow the path" },
+        );
         ui.end_row();
         tick(ui, &mut choice.csv, RichText::new("path.csv").monospace());
         says(ui, "locations with their deviations");
@@ -41,14 +44,14 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Answer> {
     let text = match (&planned, &blocked) {
         (Err(why), _) => RichText::new(format!("Blocked: {why}")).color(palette(ui).bad),
         (_, Some(why)) => {
-            let text = format!("Blocked: {why}. Only the report is written, which says so; nothing to mill is.");
+            let text = format!("Blocked: {why}. Only the report is written.");
             RichText::new(text).color(palette(ui).bad)
         }
         _ if !core.flank.choice.any() => {
-            RichText::new("Nothing is chosen, so that nothing would be written.").color(palette(ui).bad)
+            RichText::new("No file is chosen: nothing would be written.").color(palette(ui).bad)
         }
         _ => {
-            let text = "Files of an earlier path in the folder are replaced, or get .old behind their names.";
+            let text = "Files of an earlier path in the folder are replaced, or renamed to .old.";
             RichText::new(text).color(palette(ui).warning)
         }
     };
@@ -81,7 +84,7 @@ fn changed(ui: &mut Ui, core: &mut Core) {
     let text =
         format!("Changed or gone since read: {}. What is exported was planned for what was read.", names.join(", "));
     ui.add(egui::Label::new(RichText::new(text).color(palette(ui).warning)).wrap());
-    if ui.button("Load again").on_hover_text("Reads all files anew; then plan again").clicked() {
+    if ui.button("Reload").on_hover_text("Reads all files again; then plan again").clicked() {
         core.push(Command::Reload);
         core.flank.changed_files.clear();
     }

@@ -61,7 +61,7 @@ fn plan(ui: &mut Ui, core: &mut Core) {
     ui.horizontal(|ui| {
         command_button(ui, core, Command::PlanFlank, "Plan", state != StageState::Done);
         command_button(ui, core, Command::Export, "Export\u{2026}", false);
-        tick(ui, &mut core.flank.follows, "again after a change").on_hover_text("Once something was planned");
+        tick(ui, &mut core.flank.follows, "update automatically").on_hover_text("After the first plan");
     });
     // Always as high: the fields below must not move away from the hand that drags them.
     ui.allocate_ui(vec2(ui.available_width(), ROW), |ui| {
@@ -88,8 +88,8 @@ fn standing(ui: &mut Ui, core: &mut Core) {
         _ if core.flank.open_side().is_some() => (colours.accent, CHOOSE_SIDE.to_owned()),
         (Some(why), _) => (colours.bad, labelled(&sentence(&why))),
         (None, Standing::Planned) => (colours.faint, "Planned".to_owned()),
-        (None, Standing::Sketch) => (colours.accent, "Quick look on a coarse grid, not yet planned".to_owned()),
-        (None, Standing::Stale) => (colours.warning, "What is shown is of other parameters".to_owned()),
+        (None, Standing::Sketch) => (colours.accent, "Preview on a coarse grid, not yet planned".to_owned()),
+        (None, Standing::Stale) => (colours.warning, "Out of date".to_owned()),
         (None, Standing::Nothing) => (colours.faint, "Not yet planned".to_owned()),
     };
     ui.add(egui::Label::new(RichText::new(&text).small().color(colour)).truncate()).on_hover_text(text);
@@ -103,20 +103,20 @@ const LABELS: [(&str, &str); 20] = [
     ("holder length_mm", "Shank and holder, length"),
     ("holder lower_radius_mm", "Shank and holder, R below"),
     ("holder upper_radius_mm", "Shank and holder, R above"),
-    ("below_mm", "Below"),
+    ("below_mm", "Extend below"),
     ("locations", "Locations"),
     ("control_points", "Points"),
     ("grid", "Grid"),
-    ("rounds", "Rounds"),
+    ("rounds", "Iterations"),
     ("gouge_tolerance_mm", "Gouge to"),
-    ("envelope_tolerance_mm", "Moving to"),
+    ("envelope_tolerance_mm", "Envelope to"),
     ("overcut_tolerance_mm", "Overcut to"),
     ("undercut_tolerance_mm", "Undercut to"),
     ("linearisation_mm", "Tolerance"),
     ("feed_mm_per_min", "Feed"),
     ("lead_mm_per_min", "Lead feed"),
-    ("aside_mm", "Aside"),
-    ("retract_mm", "Retract"),
+    ("aside_mm", "Lead-in"),
+    ("retract_mm", "Retract distance"),
 ];
 
 /// What is wrong with a value, in the words of the form: `Below (below_mm) is -1: ...`.
@@ -148,7 +148,7 @@ pub const SIDES: [(Side, &str, &str); 2] = [
     (Side::Negative, "\u{2212}1", "The other side"),
 ];
 /// What is said while nobody but the user can know the side.
-pub const CHOOSE_SIDE: &str = "Choose the side that the cutter stands on, away from the part: +1 or \u{2212}1";
+pub const CHOOSE_SIDE: &str = "Choose the side of the cutter, away from the part: +1 or \u{2212}1";
 
 /// On which side of the surface the cutter stands. Guides alone do not tell.
 pub fn side(ui: &mut Ui, source: &FlankSource, side: &mut Side) {
@@ -234,36 +234,35 @@ fn path(ui: &mut Ui, params: &mut FlankDocument, wrong: &mut Option<String>) {
         (OffsetMethod::ThreePoint, "three-point", "It touches both guides and the middle of the surface"),
     ];
     choice(ui, "Offset", &mut plan.offset, &all);
-    fields::count(
-        ui,
-        &mut plan.locations,
-        Number::count("Locations", "Places of the cutter that the first path goes through"),
-        wrong,
-    );
+    fields::count(ui, &mut plan.locations, Number::count("Locations", "Cutter locations of the initial path"), wrong);
     let hint = "Control points of each of the two curves of the axis surface; around a ring as many more as it needs";
     fields::count(ui, &mut plan.control_points, Number::count("Points", hint), wrong);
     grid(ui, &mut plan.grid, wrong);
     objective(ui, &mut plan.objective, wrong);
-    fields::count(ui, &mut plan.rounds, Number::count("Rounds", "Most rounds of refinement; 0 for none"), wrong);
-    let hint = "How far the cutter's bottom reaches below the lower guide, along its axis";
-    fields::number(ui, &mut plan.below_mm, Number::mm("Below", hint), wrong);
-    named(ui, "Ends", |ui, _| {
-        let hint = "Go on past the ends of the guides until the whole surface is covered";
+    fields::count(
+        ui,
+        &mut plan.rounds,
+        Number::count("Iterations", "Greatest number of iterations of the refinement; 0 for none"),
+        wrong,
+    );
+    let hint = "Distance by which the cutter's bottom extends below the lower guide, along its axis";
+    fields::number(ui, &mut plan.below_mm, Number::mm("Extend below", hint), wrong);
+    named(ui, "Coverage", |ui, _| {
+        let hint = "Extend the path past the ends of the guides until the whole surface is covered";
         tick(ui, &mut plan.is_covering, "cover the whole surface").on_hover_text(hint);
     });
     let all = [
-        (PathChoice::Initial, "initial", "Mill the path of the offset"),
-        (PathChoice::Chosen, "chosen", "Mill the path of the best rank"),
+        (PathChoice::Initial, "initial", "Mill the initial path (offset)"),
+        (PathChoice::Chosen, "chosen", "Mill the chosen path (best rank)"),
         (PathChoice::Refined, "refined", "Mill the refined path"),
     ];
-    choice(ui, "Milled", &mut params.path, &all);
+    choice(ui, "Path", &mut params.path, &all);
 }
 
 /// Places where deviations are taken.
 fn grid(ui: &mut Ui, grid: &mut [usize; 2], wrong: &mut Option<String>) {
     named(ui, "Grid", |ui, _| {
-        let hint = "Places along the guides and along the rulings of the surface where deviations are taken: all sums are \
-                    over these";
+        let hint = "Samples along the guides and along the rulings; all sums are over these";
         for (i, name) in ["Grid along the guides", "Grid along the rulings"].into_iter().enumerate() {
             let mut value = grid[i] as f64;
             let response = fields::field(ui, &mut value, Number::count(name, hint), wrong);
@@ -283,11 +282,11 @@ fn objective(ui: &mut Ui, objective: &mut Objective, wrong: &mut Option<String>)
         _ => Objective::Bounded { overcut_mm: Some(FIRST_BOUND), undercut_mm: None },
     };
     let all = [
-        (Objective::Sum, "sum", "Least sum of absolute deviations; the greatest ones may grow"),
-        (Objective::Rms, "rms", "Least root of the mean of the squares"),
-        (bounded, "bounded", "Least sum while overcut and undercut keep within bounds"),
+        (Objective::Sum, "sum", "Total absolute deviation; the greatest deviations may grow"),
+        (Objective::Rms, "rms", "Root mean square of the deviations"),
+        (bounded, "bounded", "Total absolute deviation, with bounds of overcut and undercut"),
     ];
-    choice(ui, "Least", objective, &all);
+    choice(ui, "Minimise", objective, &all);
     let Objective::Bounded { overcut_mm, undercut_mm } = objective else { return };
     bound(ui, "Overcut to", overcut_mm, "Greatest depth that may be cut below the surface; 0 for none", wrong);
     bound(ui, "Undercut to", undercut_mm, "Greatest stock that may be left on the surface", wrong);
@@ -336,14 +335,14 @@ fn walls(ui: &mut Ui, core: &Core, params: &mut FlankDocument) -> Option<Purpose
 
 /// How much of what the checks find is let pass.
 fn checks(ui: &mut Ui, params: &mut FlankDocument, wrong: &mut Option<String>) {
-    let gouge = Number::mm("Gouge to", "Depth in neighbouring walls that is no gouge");
+    let gouge = Number::mm("Gouge to", "Depth in neighbouring walls that does not count as a gouge");
     fields::number(ui, &mut params.plan.gouge_tolerance_mm, Number { speed: 0.001, ..gouge }, wrong);
-    let hint = "How much the moving cutter may cut otherwise than the standing one at any place";
-    let envelope = Number { speed: 0.0005, decimals: 5, ..Number::mm("Moving to", hint) };
+    let hint = "Greatest difference of swept envelope and static deviation at any sample";
+    let envelope = Number { speed: 0.0005, decimals: 5, ..Number::mm("Envelope to", hint) };
     fields::number(ui, &mut params.envelope_tolerance_mm, envelope, wrong);
-    let overcut = Number::mm("Overcut to", "How deep the path may cut into the surface, standing or moving");
+    let overcut = Number::mm("Overcut to", "Greatest overcut, static or of the swept envelope");
     fields::number(ui, &mut params.overcut_tolerance_mm, Number { speed: 0.001, ..overcut }, wrong);
-    let undercut = Number::mm("Undercut to", "How much stock the path may leave on the surface, standing or moving");
+    let undercut = Number::mm("Undercut to", "Greatest undercut, static or of the swept envelope");
     fields::number(ui, &mut params.undercut_tolerance_mm, Number { speed: 0.001, ..undercut }, wrong);
 }
 
@@ -383,7 +382,7 @@ fn machine(ui: &mut Ui, core: &Core, params: &mut FlankDocument, wrong: &mut Opt
         ),
     ];
     choice(ui, "Cut", &mut milling.cut, &ways);
-    let hint = "The furthest that tip and flutes' top may leave the path between programmed points";
+    let hint = "Chordal deviation of tip and flutes' top between programmed points";
     let tolerance = Number { speed: 0.0005, decimals: 5, ..Number::mm("Tolerance", hint) };
     fields::number(ui, &mut milling.linearisation_mm, tolerance, wrong);
     let feed = Number { unit: "mm/min", speed: 5.0, decimals: 1, ..Number::mm("Feed", "Of the cut along the flank") };
@@ -392,10 +391,9 @@ fn machine(ui: &mut Ui, core: &Core, params: &mut FlankDocument, wrong: &mut Opt
     fields::number(ui, &mut milling.program.lead_mm_per_min, lead, wrong);
     let spindle = Number { name: "Spindle", unit: "1/min", hint: "Speed of the spindle", speed: 50.0, decimals: 0 };
     fields::number(ui, &mut milling.program.spindle_rpm, spindle, wrong);
-    let aside =
-        Number::mm("Aside", "How far the cutter comes from the side, off the surface, at both ends of the path");
+    let aside = Number::mm("Lead-in", "Length of lead-in and lead-out from the side, at both ends of the path");
     fields::number(ui, &mut milling.aside_mm, aside, wrong);
-    let retract = Number::mm("Retract", "How far it is then lifted along its axis");
+    let retract = Number::mm("Retract distance", "Retract distance along the cutter axis at both ends");
     fields::number(ui, &mut milling.retract_mm, Number { speed: 0.2, ..retract }, wrong);
     asked
 }

@@ -34,7 +34,7 @@ impl Tab {
 
     fn note(self) -> &'static str {
         [
-            "sum of absolute deviations (mm) over the rank of the compensation",
+            "total absolute deviation (mm) over the rank of the solution",
             "left: least, greatest and mean (mm) along the guides; right: along the line of contact, up the ruling",
             "over the cut; spindle nose in machine coordinates",
         ][self as usize]
@@ -133,7 +133,7 @@ fn ranks(ui: &mut Ui, core: &mut Core, plan: &FlankPlan) {
         legend(ui, names.iter().map(|(colour, name)| (*colour, name.as_str())));
         if unknown > 0 {
             let text = format!("{unknown} of {} ranks not shown", ranks.sums.len());
-            let hint = "They lead so far off that no deviation can be measured, or to none at all";
+            let hint = "Their paths are too far from the surface to measure a deviation";
             // What is wider than the plot would widen it.
             let text = RichText::new(text).small().color(palette(ui).faint);
             ui.add(egui::Label::new(text).truncate()).on_hover_text(hint);
@@ -176,7 +176,7 @@ fn rank_words(plan: &FlankPlan, rank: usize) -> Option<String> {
     let value = plan.ranks.singular_values.get(index)?;
     let text = match plan.ranks.sums.get(index)? {
         Some(sum) => format!("sum {sum:.3} mm, ratio {:.3}", sum / plan.initial.deviation.sum.max(f64::MIN_POSITIVE)),
-        None => "so far off that it cannot be measured".to_owned(),
+        None => "too far from the surface to be measured".to_owned(),
     };
     Some(format!("rank {rank}: {text}, singular value {value:.3e}"))
 }
@@ -321,7 +321,7 @@ fn axis_row(
     let at = if is_tall { upper } else { pos2(upper.x, row.center().y) };
     painter.text(at, Align2::LEFT_CENTER, words, small.clone(), ui.visuals().text_color());
     if is_tall {
-        let room = format!("{:.1} {} to its limit", axis.room(), axis.unit);
+        let room = format!("{:.1} {} from its limit", axis.room(), axis.unit);
         let colour = if axis.room() < 0.0 { colours.bad } else { colours.faint };
         painter.text(lower, Align2::LEFT_CENTER, room, FontId::proportional(10.5), colour);
     }

@@ -24,7 +24,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
 /// The same without a frame of its own.
 pub fn body(ui: &mut Ui, core: &mut Core) {
     let Some(planned) = core.flank.planned().cloned() else {
-        let text = "The figures of the path will stand here once it is planned.";
+        let text = "No path yet: plan one (F8) to see its figures.";
         ui.add(Label::new(RichText::new(text).color(palette(ui).faint)).wrap());
         return;
     };
@@ -50,8 +50,8 @@ pub fn body(ui: &mut Ui, core: &mut Core) {
 fn heading(ui: &mut Ui, core: &Core) {
     let colours = palette(ui);
     let (text, colour) = match core.flank.standing() {
-        Standing::Sketch => ("quick look", colours.accent),
-        Standing::Stale => ("of other parameters", colours.warning),
+        Standing::Sketch => ("preview", colours.accent),
+        Standing::Stale => ("out of date", colours.warning),
         _ => return drop(ui.strong("Deviations")),
     };
     ui.horizontal(|ui| {
@@ -66,7 +66,7 @@ type Figure = (&'static str, &'static str, fn(&Deviation) -> f64);
 const FIGURES: [Figure; 5] = [
     ("sum", "Sum of the absolute deviations over the grid (mm)", |d| d.sum),
     ("mean", "Mean of the absolute deviations (mm)", |d| d.mean),
-    ("rms", "Root of the mean of the squares (mm)", |d| d.rms),
+    ("rms", "Root mean square (mm)", |d| d.rms),
     ("overcut", "Greatest depth below the surface (mm)", |d| (-d.most_overcut).max(0.0)),
     ("undercut", "Greatest stock left on the surface (mm)", |d| d.most_undercut.max(0.0)),
 ];
@@ -85,7 +85,7 @@ fn figures(ui: &mut Ui, core: &mut Core, planned: &Planned) {
         }
         ui.end_row();
         for moving in [false, true] {
-            let what = if moving { "moving cutter" } else { "standing cutter" };
+            let what = if moving { "swept envelope" } else { "static" };
             ui.label(RichText::new(what).small().color(palette(ui).faint));
             ui.end_row();
             for (name, hint, of) in FIGURES {
@@ -96,7 +96,7 @@ fn figures(ui: &mut Ui, core: &mut Core, planned: &Planned) {
                 }
                 ui.end_row();
             }
-            ui.label("ratio").on_hover_text("Of the sum to that of the same cutter on the initial path");
+            ui.label("ratio").on_hover_text("Ratio to initial: of the total absolute deviation");
             for path in paths {
                 let share = if moving { plan.moving_share(path) } else { plan.share(path.deviation.sum) };
                 cell(ui, share.map_or_else(|| "\u{2013}".to_owned(), |share| format!("{share:.3}")));
@@ -104,7 +104,7 @@ fn figures(ui: &mut Ui, core: &mut Core, planned: &Planned) {
             ui.end_row();
         }
     });
-    let text = "Ratios are to the initial path's sum: of the standing cutter to its own, of the moving one to its own.";
+    let text = "Ratio to initial: static to static, swept envelope to swept envelope.";
     ui.add(Label::new(RichText::new(text).small().color(palette(ui).faint)).wrap());
     if !plan.has_deviation() {
         let text = format!("The initial path {WITHIN_ROUNDING}: ratios mean nothing.");
@@ -142,8 +142,8 @@ fn head(ui: &mut Ui, core: &mut Core, choice: PathChoice) {
     let is_on = core.flank.path == choice;
     let hint = match choice {
         PathChoice::Initial => "The path of the offset",
-        PathChoice::Chosen => "That of the best rank",
-        PathChoice::Refined => "The refined one",
+        PathChoice::Chosen => "The path of the best rank",
+        PathChoice::Refined => "The refined path",
     };
     let button = egui::Button::selectable(is_on, RichText::new(choice.name()).small());
     let response = ui.add_sized(vec2(COLUMN, 20.0), button).on_hover_text(hint);
@@ -189,7 +189,7 @@ fn checks(ui: &mut Ui, core: &mut Core, planned: &Planned) {
 /// Lets what fails be exported all the same.
 pub fn let_pass(ui: &mut Ui, core: &mut Core, check: &FlankCheck, is_overridden: bool) {
     let mut passes = is_overridden;
-    if tick(ui, &mut passes, format!("Export although {} fails", check.kind.name())).changed() {
+    if tick(ui, &mut passes, format!("Release despite failed check: {}", check.kind.name())).changed() {
         let mut params = core.flank.params.clone();
         // What was decided for other figures is over with a new decision.
         params.overrides.retain(|other| other.check != check.kind.name());
@@ -209,11 +209,11 @@ fn warnings(ui: &mut Ui, planned: &Planned) {
         return;
     }
     ui.add_space(6.0);
-    ui.strong("To be known");
+    ui.strong("Notes");
     for warning in warnings {
         let text = RichText::new(sentence(warning)).small();
         let response = ui.add(Label::new(text).wrap().sense(Sense::hover()));
-        response.on_hover_text("Nothing is blocked by this");
+        response.on_hover_text("Does not block the export");
         ui.add_space(2.0);
     }
     if let Some(fit) = planned.result.fit.as_ref().filter(|fit| !fit.is_ruled) {

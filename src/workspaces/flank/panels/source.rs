@@ -67,7 +67,7 @@ pub fn show(ui: &mut Ui, core: &Core, params: &mut FlankDocument, wrong: &mut Op
                 named(ui, name, |ui, _| {
                     let text = match guide {
                         GuideSource::File(file) => file_name(&file.to_string_lossy()),
-                        GuideSource::Curve(_) => "as in the file of the flank".to_owned(),
+                        GuideSource::Curve(_) => "from the project file".to_owned(),
                     };
                     let response = ui.add_sized(vec2(176.0, 22.0), egui::Button::new(text).truncate());
                     if response.on_hover_text("Points of the curve: x, y, z in mm on each line of a CSV file").clicked()
@@ -164,7 +164,7 @@ fn list(ui: &mut Ui, mesh: &mut MeshFlank, candidates: &[Candidate]) {
             table = table.column(Column::exact(width));
         }
         let table = table.header(18.0, |mut header| {
-            for head in ["#", "form", "mm²", "off mm"] {
+            for head in ["#", "form", "mm²", "error mm"] {
                 header.col(|ui| drop(ui.label(RichText::new(head).small().color(faint))));
             }
         });
@@ -198,7 +198,7 @@ fn fit(ui: &mut Ui, candidate: &Candidate) {
     let (colour, text) = match &candidate.fit {
         CandidateFit::Fitted(fit) if fit.is_ruled => (colours.good, format!("{:.4}", fit.error.greatest_mm)),
         CandidateFit::Fitted(fit) => (colours.bad, format!("{:.4}", fit.error.greatest_mm)),
-        CandidateFit::Refused(_) => (colours.faint, "no strip".to_owned()),
+        CandidateFit::Refused(_) => (colours.faint, "not a strip".to_owned()),
         CandidateFit::NotTried => (colours.faint, "small".to_owned()),
     };
     ui.label(RichText::new(text).monospace().color(colour));
@@ -210,7 +210,7 @@ fn words(ui: &mut Ui, candidate: &Candidate) {
     let text = match &candidate.fit {
         CandidateFit::Fitted(fit) => fit.words.join("; "),
         CandidateFit::Refused(why) => why.to_string(),
-        CandidateFit::NotTried => "too small a face to be looked at".to_owned(),
+        CandidateFit::NotTried => "face too small".to_owned(),
     };
     let colour = if candidate.is_ruled() { palette(ui).faint } else { palette(ui).warning };
     ui.add(

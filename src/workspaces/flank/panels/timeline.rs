@@ -29,7 +29,7 @@ fn controls(ui: &mut Ui, core: &mut Core) {
     let play = if core.flank.is_playing { "⏸" } else { "▶" };
     let buttons = [
         (Command::FirstNode, "⏮", "To the start"),
-        (Command::PreviousNode, "⏴", "Location before"),
+        (Command::PreviousNode, "⏴", "Previous location"),
         (Command::Play, play, "Play"),
         (Command::NextNode, "⏵", "Next location"),
         (Command::LastNode, "⏭", "To the end"),
@@ -63,7 +63,7 @@ fn readout(ui: &mut Ui, core: &Core) {
             } else {
                 format!("{least:+.4} to {greatest:+.4} mm")
             };
-            let hint = "Least and greatest deviation of the standing cutter where it is over the surface";
+            let hint = "Least and greatest static deviation at this location";
             ui.label(RichText::new(text).monospace()).on_hover_text(hint);
         }
         if room > 700.0 {
@@ -90,7 +90,7 @@ fn strip(ui: &mut Ui, core: &mut Core) {
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
     let (Some(planned), Some(path)) = (&planned, core.flank.shown_path()) else {
-        let text = "The locations of the cutter will stand here once the path is planned.";
+        let text = "No path yet: plan one (F8) to see its cutter locations.";
         painter.text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(12.0), colours.faint);
         return;
     };

@@ -216,7 +216,7 @@ impl FlankView {
             let deviation = if core.flank.is_moving { &path.envelope.deviation } else { &path.deviation };
             let words = plan.ratio_words(deviation.sum);
             let text = if core.flank.is_moving {
-                format!("{name}   moving \u{2211} {:.3} mm   {words} to the initial standing", deviation.sum)
+                format!("{name}   envelope \u{2211} {:.3} mm   {words} to initial, static", deviation.sum)
             } else {
                 format!("{name}   \u{2211} {:.3} mm   {words}", deviation.sum)
             };
@@ -251,7 +251,7 @@ fn legend(ui: &mut Ui, rect: Rect, planned: &Planned) {
     let area = overlay::legend(ui, rect, &planned.shapes.legend());
     let below = Rect::from_min_size(area.left_bottom() + vec2(0.0, 3.0), vec2(area.width(), 34.0));
     ui.painter().rect_filled(below, 6.0, ui.visuals().window_fill.gamma_multiply(0.88));
-    for (y, text) in [(10.0, "+ stock left"), (24.0, "\u{2212} cut too deep")] {
+    for (y, text) in [(10.0, "+ undercut"), (24.0, "\u{2212} overcut")] {
         let at = below.left_top() + vec2(8.0, y);
         ui.painter().text(at, Align2::LEFT_CENTER, text, FontId::proportional(11.0), palette(ui).faint);
     }
@@ -264,7 +264,7 @@ fn buttons(core: &Core) -> Vec<(&'static str, Command, bool)> {
         ("Face", Command::FaceFlank, false),
         ("Iso", Command::View(StandardView::Isometric), false),
         ("Side by side", Command::SideBySide, flank.is_side_by_side),
-        ("Moving", Command::MovingCutter, flank.is_moving),
+        ("Envelope", Command::MovingCutter, flank.is_moving),
         ("Cutter", Command::ShowCutter, flank.shows_cutter()),
         ("Axis", Command::AxisSurface, flank.shows_axis),
         ("Rulings", Command::Rulings, flank.shows_rulings),
@@ -278,16 +278,16 @@ fn caption(ui: &mut Ui, rect: Rect, core: &Core) {
         let plan = &planned.result.plan;
         let path = path_of(plan, flank.path);
         let [nu, nv] = path.deviation.counted_grid();
-        format!("sum {:.3} mm over {nu} × {nv} places, {}", path.deviation.sum, plan.ratio_words(path.deviation.sum))
+        format!("total {:.3} mm over {nu} × {nv} samples, {}", path.deviation.sum, plan.ratio_words(path.deviation.sum))
     };
     let (colour, text) = match (flank.standing(), flank.planned(), flank.why_not()) {
         (Standing::Planned, ..) => return,
         _ if flank.open_side().is_some() => (colours.accent, CHOOSE_SIDE.to_owned()),
         (Standing::Sketch, Some(planned), _) => {
-            (colours.accent, format!("Quick look, {} path: {}", flank.path.name(), sentence(planned)))
+            (colours.accent, format!("Preview, {} path: {}", flank.path.name(), sentence(planned)))
         }
         (Standing::Stale, Some(planned), None) => {
-            (colours.warning, format!("Of other parameters, {} path: {}", flank.path.name(), sentence(planned)))
+            (colours.warning, format!("Out of date, {} path: {}", flank.path.name(), sentence(planned)))
         }
         (.., Some(why)) => (colours.bad, labelled(&crate::workspaces::blisk::panels::stepper::sentence(&why))),
         _ => return,

@@ -78,7 +78,7 @@ pub fn sentence(result: &FlankResult) -> String {
     let mut text = if result.plan.has_deviation() {
         leaves(result)
     } else {
-        format!("The cutter touches the surface within rounding over {nu} x {nv} places: nothing else is off.")
+        format!("The deviation is zero within rounding at all {nu} x {nv} samples.")
     };
     let named = |is_overridden: bool| {
         let failed = result.checks.iter().filter(|c| !c.holds && c.is_overridden == is_overridden);
@@ -86,10 +86,10 @@ pub fn sentence(result: &FlankResult) -> String {
     };
     let (blocking, overridden) = (named(false), named(true));
     if !blocking.is_empty() {
-        text += &format!(" Not to be milled, as checks fail: {blocking}.");
+        text += &format!(" Blocked by failed checks: {blocking}.");
     }
     if !overridden.is_empty() {
-        text += &format!(" Used by decision although checks fail: {overridden}.");
+        text += &format!(" Released despite failed checks: {overridden}.");
     }
     if result.holds() {
         text += " Every check holds.";
@@ -102,8 +102,7 @@ fn leaves(result: &FlankResult) -> String {
     let [nu, nv] = path.deviation.counted_grid();
     let [overcut, undercut] = result.moving_most();
     format!(
-        "The {} path leaves a sum of deviations of {:.3} mm over {nu} x {nv} places of the surface, {:.3} of the first one's \
-         {:.3} mm; overcut up to {:.1} \u{b5}m, undercut up to {:.1} \u{b5}m as the cutter moves.",
+        "The {} path has a total absolute deviation of {:.3} mm over {nu} x {nv} samples, ratio {:.3} to the initial {:.3} mm; swept envelope: overcut up to {:.1} \u{b5}m, undercut up to {:.1} \u{b5}m.",
         result.path.name(),
         path.deviation.sum,
         result.plan.ratio(path),

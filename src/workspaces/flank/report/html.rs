@@ -54,15 +54,15 @@ fn troubles(out: &mut String, report: &FlankReport) {
     };
     for CheckEntry { name, is_overridden, text, lapsed, given_for, .. } in report.checks.iter().filter(|c| !c.holds) {
         let decided = match (is_overridden, given_for) {
-            (true, Some(figures)) => format!(" (overridden by decision for {figures})"),
-            (true, None) => " (overridden by decision)".to_owned(),
+            (true, Some(figures)) => format!(" (released, decided for {figures})"),
+            (true, None) => " (released)".to_owned(),
             (false, _) => String::new(),
         };
         let lapsed = lapsed.as_ref().map_or_else(String::new, |why| format!("; the override: {why}"));
         banner(&format!("Check {name} fails{decided}."), &format!("{text}{lapsed}"));
     }
     if report.blocked.is_some() {
-        banner("Nothing to mill was written.", "A check fails; override it by its name if it does not matter.");
+        banner("No program was written.", "A check fails; override it by its name if it does not matter.");
     }
 }
 
@@ -70,8 +70,8 @@ fn key_figures(out: &mut String, report: &FlankReport) {
     let Some(path) = report.milled() else { return };
     let mut figures = vec![
         ("path milled", path.name.to_owned(), ""),
-        ("sum of deviations", number(path.standing.sum_mm, 3), "mm"),
-        ("of the initial sum", ratio(path.ratio, 3), ""),
+        ("total absolute deviation", number(path.standing.sum_mm, 3), "mm"),
+        ("ratio to initial", ratio(path.ratio, 3), ""),
         ("mean of absolute values", number(1e3 * path.standing.mean_absolute_mm, 2), "\u{b5}m"),
         ("rms", number(1e3 * path.standing.rms_mm, 2), "\u{b5}m"),
         ("overcut up to", number(1e3 * report.moving_most_mm[0], 1), "\u{b5}m"),
@@ -150,7 +150,7 @@ fn figures(out: &mut String, report: &FlankReport) {
     };
     let rows = report.paths.iter().flat_map(|path| {
         let standing = line(path, "standing", &path.standing, path.ratio);
-        let mut moving = line(path, "moving (envelope)", &path.moving, path.moving_ratio);
+        let mut moving = line(path, "swept envelope", &path.moving, path.moving_ratio);
         moving[0] = String::new();
         [standing, moving]
     });
@@ -186,8 +186,8 @@ fn figures(out: &mut String, report: &FlankReport) {
         "covers the surface",
         "#t over the surface",
         "#heights that touch mm",
-        "#moving against standing, most \u{b5}m",
-        "#places not grazed",
+        "#envelope against static, most \u{b5}m",
+        "#samples not touched",
     ];
     table(out, "", "Coverage and envelope", &head, rows);
     let places = &report.locations;
@@ -288,7 +288,7 @@ fn checks(out: &mut String, report: &FlankReport) {
         let state = match (c.holds, c.is_overridden) {
             (true, _) => "holds",
             (false, true) => "fails, overridden",
-            (false, false) if c.lapsed.is_some() => "<b>fails</b>, override lapsed",
+            (false, false) if c.lapsed.is_some() => "<b>fails</b>, override no longer holds",
             (false, false) => "<b>fails</b>",
         };
         let at = c.t.map_or(String::new(), |t| number(t, 4));
@@ -370,7 +370,7 @@ fn warnings(out: &mut String, warnings: &[String]) {
     if warnings.is_empty() {
         return;
     }
-    out.push_str("<section><h2>To be known</h2><ul>");
+    out.push_str("<section><h2>Notes</h2><ul>");
     for warning in warnings {
         let _ = write!(out, "<li>{}</li>", escape(warning));
     }

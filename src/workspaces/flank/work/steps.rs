@@ -106,7 +106,7 @@ impl Planned {
             n => format!("{n} checks fail"),
         };
         format!(
-            "sum of deviations {:.3} mm at first, {:.3} mm with rank {}, {:.3} mm refined ({}); {checks}",
+            "total absolute deviation: initial {:.3} mm, chosen {:.3} mm (rank {}), refined {:.3} mm ({}); {checks}",
             sums[0],
             sums[1],
             plan.ranks.best,

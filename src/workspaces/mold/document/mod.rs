@@ -79,7 +79,7 @@ impl MoldParams {
         let what = [
             (self.mesh != before.mesh, "Mesh"),
             (self.units != before.units, "Unit"),
-            (self.opening != before.opening, "Opening"),
+            (self.opening != before.opening, "Opening direction"),
             (self.tolerance_mm != before.tolerance_mm, "Tolerance"),
         ];
         what.iter().find(|(differs, _)| *differs).map_or("", |(_, name)| name).to_owned()
@@ -135,20 +135,20 @@ fn change_of_electrodes(now: &ElectrodeParams, before: &ElectrodeParams) -> Stri
     }
     let what = [
         (now.stages != before.stages, "Stage"),
-        (now.margin_mm != before.margin_mm, "Margin"),
+        (now.margin_mm != before.margin_mm, "Side extension"),
         (now.overlap_mm != before.overlap_mm, "Overlap of parts"),
         (now.least_size_mm != before.least_size_mm, "Least size"),
-        (now.tolerance_mm != before.tolerance_mm, "Leftover of burns"),
-        (now.extension_mm != before.extension_mm, "Extension"),
+        (now.tolerance_mm != before.tolerance_mm, "Allowed rest"),
+        (now.extension_mm != before.extension_mm, "Clearance above mold"),
         (now.base_height_mm != before.base_height_mm, "Base height"),
         (now.base_margin_mm != before.base_margin_mm, "Base margin"),
-        (now.datum_corner_mm != before.datum_corner_mm, "Corner of the base"),
-        (now.share != before.share, "Sharing"),
-        (now.together_mm != before.together_mm, "Tips together"),
+        (now.datum_corner_mm != before.datum_corner_mm, "Orientation chamfer"),
+        (now.share != before.share, "Reuse at identical places"),
+        (now.together_mm != before.together_mm, "Group within"),
         (now.family != before.family, "Stages on one base"),
-        (now.family_spacing_mm != before.family_spacing_mm, "Room between stages"),
-        (now.lift_mm != before.lift_mm, "Lift"),
-        (now.shape != before.shape, "Shape in files"),
+        (now.family_spacing_mm != before.family_spacing_mm, "Distance between stages"),
+        (now.lift_mm != before.lift_mm, "Retract distance"),
+        (now.shape != before.shape, "Export with or without spark gap"),
         (now.material != before.material, "Material"),
         (now.holders != before.holders, "Holders"),
         (now.blanks != before.blanks, "Blanks"),

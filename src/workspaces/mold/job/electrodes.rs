@@ -64,7 +64,7 @@ pub fn electrodes(
     }
     params.validate().map_err(ElectrodeError::from)?;
     let upright = uncut.params.opening.upright_mesh(mesh);
-    progress.report("what the cutters leave", 0.0, "");
+    progress.report("rest material", 0.0, "");
     let field = HeightField::raster(&upright, uncut.grid_step, cancel).map_err(UncutError::from)?;
     let library = &uncut.params.library;
     let (closing, found) = on_field(&field, library, uncut.params.tolerance_mm, cancel)?;

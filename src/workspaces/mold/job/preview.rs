@@ -57,9 +57,9 @@ impl Preview {
         let volume: f64 = self.regions.iter().map(|r| r.volume).sum();
         let step = self.step;
         match self.regions.len() {
-            0 => format!("At a glance, in cells of {step:.2} mm, nothing is left."),
-            1 => format!("At a glance, in cells of {step:.2} mm: 1 region of about {volume:.1} mm³."),
-            n => format!("At a glance, in cells of {step:.2} mm: {n} regions of about {volume:.1} mm³ together."),
+            0 => format!("Preview, cells of {step:.2} mm: no rest material."),
+            1 => format!("Preview, cells of {step:.2} mm: 1 region of about {volume:.1} mm³."),
+            n => format!("Preview, cells of {step:.2} mm: {n} regions of about {volume:.1} mm³ in all."),
         }
     }
 }

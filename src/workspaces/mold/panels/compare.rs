@@ -16,7 +16,7 @@ use mold::cutter::Cutter;
 pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
     let mut asked = None;
     ui.horizontal_wrapped(|ui| {
-        if ui.button("Take the present ones").on_hover_text("As cutters to compare with").clicked() {
+        if ui.button("Copy the present cutters").on_hover_text("Start the comparison from them").clicked() {
             core.mold.other = core.mold.params.library.clone();
         }
         if ui.button("Load…").on_hover_text("Another library of cutters (TOML)").clicked() {
@@ -43,7 +43,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
         if mold.work.is_other_of(&mold.params, &mold.other) {
             notice(ui, colours.accent, &sentence);
         } else {
-            notice(ui, colours.warning, &format!("Of other parameters: {sentence}"));
+            notice(ui, colours.warning, &format!("Out of date: {sentence}"));
         }
         figures(ui, &other.1);
     }
@@ -55,7 +55,7 @@ fn figures(ui: &mut Ui, comparison: &Comparison) {
     let faint = palette(ui).faint;
     let ([now, other], [volume, other_volume]) = (comparison.regions, comparison.volumes);
     Grid::new("comparison of cutters").num_columns(4).spacing([18.0, 3.0]).striped(true).show(ui, |ui| {
-        for head in ["", "present", "other", "taken away"] {
+        for head in ["", "present", "other", "removed"] {
             ui.label(RichText::new(head).small().color(faint));
         }
         ui.end_row();

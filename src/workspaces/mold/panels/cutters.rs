@@ -77,11 +77,12 @@ fn row(
     let is_bull = cutter.kind() == CutterKind::BullNose;
     let corner = ui.add_enabled_ui(is_bull, |ui| number_field(ui, &mut cutter.corner_mm, widths[2])).inner;
     follow(ui, &corner, "Corner");
-    let reach = optional(ui, &mut cutter.reach_mm, widths[3]).on_hover_text("Below what its holder passes over (mm)");
+    let reach = optional(ui, &mut cutter.reach_mm, widths[3])
+        .on_hover_text("Greatest depth below the material that the holder passes over (mm)");
     follow(ui, &reach, "Reach");
     let holder =
         ui.add_enabled_ui(cutter.reach_mm.is_some(), |ui| optional(ui, &mut cutter.holder_diameter_mm, widths[4]));
-    let holder = holder.inner.on_disabled_hover_text("Only a cutter of limited reach has a holder that counts");
+    let holder = holder.inner.on_disabled_hover_text("The holder counts only where the reach is limited");
     follow(ui, &holder, "Holder");
     touched
 }

@@ -365,7 +365,7 @@ impl MoldDesk {
     pub fn found_of_others(&self) -> Option<&'static str> {
         let found = self.shown.as_ref().filter(|_| !self.work.is_found_of(&self.params))?;
         let is_of_cutters = found.uncut.params.library != self.params.library;
-        Some(if is_of_cutters { "Of other cutters" } else { "Of other parameters" })
+        Some(if is_of_cutters { "Out of date (other cutters)" } else { "Out of date" })
     }
 
     /// What was seen at a glance of the present parameters, or while they are dragged of the last ones.

@@ -70,7 +70,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
         ui.label(RichText::new("mm³").color(palette(ui).faint));
     });
     if core.mold.work.other().is_some() {
-        tick(ui, &mut core.mold.only_vanishing, "Only what the other cutters would take away");
+        tick(ui, &mut core.mold.only_vanishing, "Only regions that the other cutters would remove");
     }
     // What is known of the selected region stands below, whatever room the list takes.
     let below = if core.mold.selected.is_some() { 264.0 } else { 0.0 };
@@ -93,7 +93,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
 pub(super) fn stale(ui: &mut Ui, core: &Core) {
     if let Some(others) = core.mold.found_of_others() {
         let text = RichText::new("stale").color(palette(ui).warning);
-        ui.label(text).on_hover_text(format!("{others}, not of the present ones"));
+        ui.label(text).on_hover_text(format!("{others}: these figures are out of date"));
     }
 }
 
@@ -215,7 +215,7 @@ fn details(ui: &mut Ui, core: &mut Core, selected: usize) {
     fact(ui, "Plan area", format!("{:.4} mm²", region.plan_area));
     fact(ui, "Surface", format!("{:.4} mm²", region.surface_area));
     fact(ui, "Greatest height", length.show(region.depth, 3));
-    fact(ui, "Across the surface", length.show(region.thickness, 3));
+    fact(ui, "Thickness across the surface", length.show(region.thickness, 3));
     let Some(bounds) = core.mold.bounds(selected) else { return };
     for (axis, name) in ["X", "Y", "Z"].into_iter().enumerate() {
         let [low, high] = [bounds.min, bounds.max].map(|p| p.to_array()[axis]);
@@ -224,6 +224,6 @@ fn details(ui: &mut Ui, core: &mut Core, selected: usize) {
     let remains = core.mold.work.other().and_then(|other| other.1.remains.get(selected).copied());
     match remains {
         Some(volume) => fact(ui, "With the other cutters", format!("{volume:.4} mm³")),
-        None => fact(ui, "Nearest cutter", core.mold.nearest(&region)),
+        None => fact(ui, "Best cutter", core.mold.nearest(&region)),
     }
 }

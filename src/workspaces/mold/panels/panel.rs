@@ -60,7 +60,7 @@ fn mold(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
     let mut params = core.mold.params.clone();
     named(ui, "Unit", |ui, label| {
         let name = |units: Units| match units {
-            Units::Auto => "as the file says, or guessed",
+            Units::Auto => "automatic",
             Units::Mm => "mm",
             Units::Cm => "cm",
             Units::M => "m",
@@ -75,10 +75,10 @@ fn mold(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
         });
         shown.response.labelled_by(label);
     });
-    named(ui, "Opens to", |ui, _| {
+    named(ui, "Opening direction", |ui, _| {
         for opening in Opening::ALL {
             let response = ui.selectable_label(params.opening == opening, opening.name());
-            if response.on_hover_text("Cutters come from there").clicked() {
+            if response.on_hover_text("The cutters come from this side").clicked() {
                 params.opening = opening;
             }
         }
@@ -86,7 +86,7 @@ fn mold(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
     named(ui, "Tolerance", |ui, label| {
         let field = DragValue::new(&mut params.tolerance_mm).range(1e-4..=10.0).speed(0.001).max_decimals(4);
         let field = ui.add_sized(vec2(74.0, 22.0), field).labelled_by(label);
-        field.on_hover_text("Thickness of what is left, across the mold's surface, up to which it counts as cut");
+        field.on_hover_text("Thickness of the residue across the mold's surface up to which it counts as cut");
         ui.label(RichText::new("mm").color(palette(ui).faint));
     });
     core.mold.edit(params);
@@ -126,7 +126,7 @@ fn library(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
         if ui.add_enabled(can_save, egui::Button::new("Save…")).on_hover_text("As a TOML file").clicked() {
             asked = Some(Purpose::SaveCutters);
         }
-        if ui.button("Standard").on_hover_text("The library that the program brings along").clicked() {
+        if ui.button("Standard").on_hover_text("The built-in library").clicked() {
             match standard_cutters() {
                 Ok(library) => params.library = library,
                 Err(error) => core.say(EventKind::Failed, error.to_string()),
@@ -140,11 +140,11 @@ fn library(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
 fn uncut(ui: &mut Ui, core: &mut Core) {
     let state = core.mold.state();
     ui.horizontal(|ui| {
-        command_button(ui, core, Command::FindUncut, "Find", state != StageState::Done);
+        command_button(ui, core, Command::FindUncut, "Find rest material", state != StageState::Done);
         let is_next = state == StageState::Done && !core.mold.is_designed();
-        command_button(ui, core, Command::DesignElectrodes, "Design", is_next);
-        let hint = "What was found is found again, and electrodes that were made are made again, all stages";
-        tick(ui, &mut core.mold.follows, "again after a change").on_hover_text(hint);
+        command_button(ui, core, Command::DesignElectrodes, "Create electrodes", is_next);
+        let hint = "Recomputes rest material and electrodes after each change";
+        tick(ui, &mut core.mold.follows, "update automatically").on_hover_text(hint);
     });
     if let Some(doing) = core.mold.work.doing().cloned() {
         ui.horizontal(|ui| {
@@ -187,9 +187,9 @@ fn answer(ui: &mut Ui, core: &mut Core, found: &FoundUncut) {
         tick(
             ui,
             &mut core.mold.shows_invert,
-            format!("{} faces ({:.1} mm²) look away from the cutters", report.invert.faces, report.invert.area_mm2),
+            format!("{} undercut faces ({:.1} mm²), not reachable", report.invert.faces, report.invert.area_mm2),
         )
-        .on_hover_text("For another set-up or a slide. Shown in a colour of their own.");
+        .on_hover_text("They need another set-up or a slide, and have their own colour.");
     }
 }
 
@@ -201,19 +201,19 @@ fn figures(ui: &mut Ui, found: &FoundUncut) {
     }
     if let Some(agreement) = &report.agreement {
         let [layers, field] = [&agreement.layers, &agreement.field];
-        let hint = "Flat cutters are followed exactly, layer by layer, and found again by heights over a grid";
-        ui.label(RichText::new("What flat cutters leave, found twice").small().color(colours.faint))
+        let hint = "Flat cutters: exact layers compared with the height map";
+        ui.label(RichText::new("Rest material of the flat cutters, computed twice").small().color(colours.faint))
             .on_hover_text(hint);
         let figures = |found: &crate::workspaces::mold::job::uncut::Found| {
             let plural = if found.regions == 1 { "" } else { "s" };
             format!("{} region{plural}, {:.3} mm³", found.regions, found.volume_mm3)
         };
         fact(ui, "By layers", figures(layers));
-        fact(ui, &format!("By heights {} mm apart", (1e4 * agreement.field_step_mm).round() / 1e4), figures(field));
+        fact(ui, &format!("Height map, step {} mm", (1e4 * agreement.field_step_mm).round() / 1e4), figures(field));
     }
     if let Some(agreement) = &report.ball_agreement {
-        let hint = "The field of heights against an exact search of where a ball can roll";
-        let text = format!("What balls leave, found twice at {} places", agreement.places);
+        let hint = "Height map compared with an exact search for the rolling ball";
+        let text = format!("Rest material of the ball cutters, computed twice at {} points", agreement.places);
         ui.label(RichText::new(text).small().color(colours.faint)).on_hover_text(hint);
         fact(ui, "Half of them within", format!("{:.4} mm", agreement.median_mm));
         fact(ui, "Nine of ten within", format!("{:.4} mm", agreement.ninetieth_mm));

@@ -32,10 +32,8 @@ pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core) {
     dim(&mut child, core);
     child.label(RichText::new(format!("z {:.3} mm", layer.z)).monospace());
     if child.available_width() > 150.0 {
-        let text = format!("{:.2} mm, {:.3} mm² left", layer.segment_length, layer.area);
+        let text = format!("{:.2} mm, {:.3} mm² uncut", layer.segment_length, layer.area);
         let said = child.label(RichText::new(text).small().color(palette(&child).faint));
-        said.on_hover_text(
-            "How much of the mold's outline no cutter touches in this layer, and the area that they leave",
-        );
+        said.on_hover_text("Length of the outline that no cutter touches in this layer, and the uncut area");
     }
 }

@@ -263,7 +263,7 @@ fn buttons(core: &Core) -> Vec<(&'static str, Command, bool)> {
             ("Front", Command::View(StandardView::Front), false),
             ("Right", Command::View(StandardView::Right), false),
             ("Top", Command::View(StandardView::Top), false),
-            ("Faint", Command::FaintMold, mold.electrodes.look != MoldLook::Solid),
+            ("Transparent", Command::FaintMold, mold.electrodes.look != MoldLook::Solid),
             ("Cut", Command::Section, mold.electrodes.cut.is_some()),
             ("Isolate", Command::Isolate, mold.electrodes.is_alone),
         ];
@@ -276,7 +276,7 @@ fn buttons(core: &Core) -> Vec<(&'static str, Command, bool)> {
         ("Top", Command::View(StandardView::Top), false),
         ("Layers", Command::Layers, mold.layer.is_some()),
         ("Depth", Command::DepthColours, mold.colours == RegionColours::ByDepth),
-        ("Faint", Command::FaintMold, mold.is_faint),
+        ("Transparent", Command::FaintMold, mold.is_faint),
         ("Isolate", Command::Isolate, mold.isolated),
     ]
 }
@@ -286,7 +286,7 @@ fn caption(ui: &mut Ui, rect: Rect, core: &Core) {
     let colours = palette(ui);
     if let Some(made) = core.mold.electrodes.seen() {
         if !core.mold.is_designed() && core.mold.electrodes.split.is_none() {
-            let text = format!("Of other parameters: {}", made.sentence(&core.mold.params.electrodes.overrides));
+            let text = format!("Out of date: {}", made.sentence(&core.mold.params.electrodes.overrides));
             overlay::caption(ui, rect, 122.0, colours.warning, &text);
         }
         return;
@@ -306,9 +306,7 @@ fn empty(ui: &Ui, rect: Rect, core: &Core) {
     let (title, line) = match core.mold.work.mold_state(&core.mold.params) {
         StageState::Running => ("Loading…", ""),
         StageState::Failed(_) => ("This could not be loaded", "The panel on the left says why."),
-        _ => {
-            ("Drop a mold here", "STL, OBJ, glTF or GLB. Then say where it opens to, and find what the cutters leave.")
-        }
+        _ => ("Drop a mold here", "STL, OBJ, glTF or GLB. Then set the opening direction and find the rest material."),
     };
     let c = rect.center();
     let accent = palette(ui).accent;

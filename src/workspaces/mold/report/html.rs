@@ -60,14 +60,14 @@ fn troubles(out: &mut String, report: &ElectrodesReport) {
         }
     }
     for name in &report.overridden {
-        banner(&format!("{name} is overridden."), "A check fails, and it is exported by decision.");
+        banner(&format!("{name} is overridden."), "Released despite a failed check.");
     }
     for e in &report.table.electrodes {
         e.warnings.iter().for_each(|text| banner(&format!("{}.", e.name), text));
     }
     for edit in &report.unmet_edits {
         let edit = escape(edit);
-        let _ = write!(out, "<p class=\"soft\">The change “{edit}” meets no region, or changes nothing.</p>");
+        let _ = write!(out, "<p class=\"soft\">The change “{edit}” has no effect.</p>");
     }
     for idle in &report.idle_overrides {
         let (name, why) = (escape(&idle.name), escape(idle.why));
@@ -101,7 +101,7 @@ fn key_figures(out: &mut String, report: &ElectrodesReport) {
         ("burning", number(table.minutes, 0), "min"),
         ("blocked", report.blocked.len().to_string(), ""),
         ("overridden", report.overridden.len().to_string(), ""),
-        ("left, thickest", number(thickest, 4), "mm"),
+        ("residual stock, thickest", number(thickest, 4), "mm"),
         ("left", number(left, 3), "mm\u{b3}"),
     ];
     out.push_str("<dl class=\"key\">");
@@ -196,7 +196,7 @@ fn family(e: &ElectrodeEntry) -> String {
     let Some(family) = &e.family else { return NONE.to_owned() };
     let [x, y] = family.offset_mm.map(|v| number(v, 4));
     format!(
-        "{}: {}, tips {x}, {y} mm from the middle of the base",
+        "{}: {}, heads {x}, {y} mm from the middle of the base",
         escape(&family.others.join(", ")),
         escape(&family.name)
     )
@@ -206,8 +206,8 @@ fn family(e: &ElectrodeEntry) -> String {
 fn electrode(out: &mut String, e: &ElectrodeEntry) {
     let _ = write!(out, "<section><h2>{} <span>{}</span></h2>", escape(&e.name), escape(&e.stage));
     let (class, word, text) = match e.state {
-        ElectrodeState::Ok => ("ok", "Released.", "Every check holds."),
-        ElectrodeState::Overridden => ("no", "Overridden.", "A check fails; it is exported by decision."),
+        ElectrodeState::Ok => ("ok", "Approved.", "Every check holds."),
+        ElectrodeState::Overridden => ("no", "Overridden.", "Released despite a failed check."),
         ElectrodeState::Blocked => ("no", "Blocked.", "A check fails; it has no file and must not be used."),
     };
     let _ = write!(out, "<p class=\"banner {class}\"><b>{word}</b> {text}</p><div class=\"cols\">");
@@ -227,7 +227,7 @@ fn electrode(out: &mut String, e: &ElectrodeEntry) {
     table(out, "", "Checks", &["check", "", "found"], rows);
     let rows = [
         row(
-            "Undersize, wall and floor, mm",
+            "Undersize, side and bottom, mm",
             format!("{}, {}", number(e.undersize_wall_mm, 4), number(e.undersize_floor_mm, 4)),
         ),
         row("Finish", format!("VDI {}, Ra {} \u{b5}m", number(e.finish_vdi, 0), number(e.roughness_um, 2))),
@@ -278,9 +278,18 @@ fn regions(out: &mut String, regions: &[RegionEntry]) {
             r.trouble.as_deref().map_or(String::new(), escape),
         ]
     });
-    let head =
-        ["#region", "#parts", "electrodes", "method", "burned along", "#left mm", "#left mm\u{b3}", "at", "not burned"];
-    table(out, "", "What all burns leave", &head, rows);
+    let head = [
+        "#region",
+        "#parts",
+        "electrodes",
+        "method",
+        "burned along",
+        "#residual mm",
+        "#residual mm\u{b3}",
+        "at",
+        "not burned",
+    ];
+    table(out, "", "Residual stock after all burns", &head, rows);
     let divided: Vec<&RegionEntry> =
         regions.iter().filter(|r| r.parts > 1 || !r.earlier_divisions.is_empty()).collect();
     if !divided.is_empty() {

@@ -183,11 +183,11 @@ fn sentence(set: &ElectrodeSet, table: &BurnTable, overrides: &[Override]) -> St
     };
     let blocked = named(ElectrodeState::Blocked);
     if !blocked.is_empty() {
-        text += &format!(" Blocked, as a check fails: {}.", list(blocked));
+        text += &format!(" Blocked by a failed check: {}.", list(blocked));
     }
     let overridden = named(ElectrodeState::Overridden);
     if !overridden.is_empty() {
-        text += &format!(" Used by decision although a check fails: {}.", list(overridden));
+        text += &format!(" Released despite a failed check: {}.", list(overridden));
     }
     let warned: Vec<&str> = table.electrodes.iter().filter(|e| e.holder.is_none()).map(|e| e.name.as_str()).collect();
     if !warned.is_empty() {

@@ -143,13 +143,13 @@ impl UncutReport {
             let InvertReport { faces, area_mm2 } = self.invert;
             let _ = writeln!(
                 text,
-                "{faces} faces ({area_mm2:.2} mm2) look away from the cutters: for another set-up or a slide."
+                "{faces} undercut faces ({area_mm2:.2} mm2) are not reachable: they need another set-up or a slide."
             );
         }
         if let Some(AgreementReport { layers, field, field_step_mm }) = &self.agreement {
             let _ = writeln!(
                 text,
-                "Flat cutters by layers: {} regions, {:.3} mm3; by heights {field_step_mm:.4} mm apart: {} regions, {:.3} mm3.",
+                "Flat cutters by layers: {} regions, {:.3} mm3; by height map, step {field_step_mm:.4} mm: {} regions, {:.3} mm3.",
                 layers.regions, layers.volume_mm3, field.regions, field.volume_mm3
             );
         }
@@ -158,14 +158,14 @@ impl UncutReport {
             let share = if volume > 0.0 { format!(" ({:.1} %)", 100.0 * off_mm3 / volume) } else { String::new() };
             let _ = writeln!(
                 text,
-                "All cutters by heights {step_mm:.4} mm apart; {coarser_step_mm:.4} mm apart: {} regions, {:.3} mm3. So the volume may be off by about {off_mm3:.3} mm3{share}.",
+                "All cutters by height map, step {step_mm:.4} mm; with step {coarser_step_mm:.4} mm: {} regions, {:.3} mm3. Estimated error of the volume {off_mm3:.3} mm3{share}.",
                 coarser.regions, coarser.volume_mm3
             );
         }
         if let Some(BallAgreement { places, median_mm, ninetieth_mm }) = self.ball_agreement {
             let _ = writeln!(
                 text,
-                "Ball cutters by heights and by exact search, at {places} places: half within {median_mm:.4} mm, nine of ten within {ninetieth_mm:.4} mm."
+                "Ball cutters, height map against exact search at {places} points: median {median_mm:.4} mm, 90 % within {ninetieth_mm:.4} mm."
             );
         }
         if !self.regions.is_empty() {
@@ -196,7 +196,7 @@ const AT_TOLERANCE: f64 = 1.5;
 
 fn sentence(uncut: &Uncut) -> String {
     let Found { regions, volume_mm3 } = uncut.found();
-    let doubt = if uncut.is_whole() { "" } else { "; see the warnings: more may be left than is said" };
+    let doubt = if uncut.is_whole() { "" } else { "; see the warnings: the rest material may be larger" };
     let limit = AT_TOLERANCE * uncut.params.tolerance_mm;
     let thin = match uncut.regions.iter().filter(|r| r.thickness <= limit).count() {
         0 => String::new(),

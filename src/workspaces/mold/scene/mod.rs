@@ -118,7 +118,7 @@ pub fn region_colour(i: usize) -> Colour {
 
 /// What the colours by depth mean, up to the `deepest` (mm).
 pub fn depth_legend(deepest: f64) -> Legend {
-    let (title, unit) = ("Height left".to_owned(), "mm".to_owned());
+    let (title, unit) = ("Residual height".to_owned(), "mm".to_owned());
     let max = if deepest > 0.0 { deepest } else { 1.0 };
     Legend { title, unit, map: ColourMap::Light, min: 0.0, max, threshold: None }
 }
@@ -149,7 +149,7 @@ impl MoldLook {
 
     /// How it is called.
     pub fn name(self) -> &'static str {
-        ["Solid", "Faint", "Hidden"][self as usize]
+        ["Solid", "Transparent", "Hidden"][self as usize]
     }
 
     fn opacity(self) -> f32 {

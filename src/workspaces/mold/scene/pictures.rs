@@ -52,7 +52,7 @@ pub fn electrode_pictures(
     let aspect = f64::from(crate::workspaces::blisk::scene::pictures::PICTURE_SIZE[0])
         / f64::from(crate::workspaces::blisk::scene::pictures::PICTURE_SIZE[1]);
     let camera = standard(StandardView::Isometric, &scene, Camera::default(), aspect);
-    let mut pictures = vec![ElectrodePicture { caption: "The electrodes, lifted out".to_owned(), scene, camera }];
+    let mut pictures = vec![ElectrodePicture { caption: "The electrodes, retracted".to_owned(), scene, camera }];
     for (electrode, made) in set.electrodes.iter().enumerate().take(MOST_CUTS) {
         let at = BurnOf { electrode, burn: 0 };
         let cut = BurnCut { along_y: false, beside: 0.0 };

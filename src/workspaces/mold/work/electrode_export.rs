@@ -41,8 +41,8 @@ impl Exported {
         }
         match self.stale {
             0 => {}
-            1 => text += "; an electrode file of an earlier export is still there",
-            stale => text += &format!("; {stale} electrode files of earlier exports are still there"),
+            1 => text += "; 1 electrode file of an earlier export remains in the folder",
+            stale => text += &format!("; {stale} electrode files of earlier exports remain in the folder"),
         }
         for lapsed in &self.lapsed {
             text += &format!("; {lapsed}");

@@ -231,7 +231,7 @@ impl MoldWork {
             return Err("load a mold first".to_owned());
         };
         let Some(found) = self.found().filter(|_| self.found.state(&question) == StageState::Done).cloned() else {
-            return Err("find what the present cutters leave first".to_owned());
+            return Err("find the rest material of the present cutters first".to_owned());
         };
         let asked = UncutParams { library: library.clone(), ..question.1.clone() };
         asked.validate().map_err(|e| e.to_string())?;
@@ -360,7 +360,7 @@ impl MoldWork {
     ) -> Result<(), String> {
         let made = self.designed().filter(|_| self.is_designed_of(params)).cloned();
         let (Some(made), Some(mold)) = (made, self.mold().cloned()) else {
-            return Err("the electrodes are not of the present parameters: design them again".to_owned());
+            return Err("the electrodes are out of date: create them again".to_owned());
         };
         let name = params.name();
         self.designer.export(folder, (made, mold), (name, &params.electrodes), (formats.to_vec(), sheet.clone()));

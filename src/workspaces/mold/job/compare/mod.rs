@@ -106,9 +106,9 @@ impl Comparison {
         let parts = [part(&self.taken, "less is left"), part(&self.added, "more is left")];
         let parts: Vec<String> = parts.into_iter().flatten().collect();
         if parts.is_empty() {
-            return "Nowhere do they differ by more than the tolerance.".to_owned();
+            return "They differ nowhere by more than the tolerance.".to_owned();
         }
-        format!("By heights {:.4} mm apart: {}.", self.step, parts.join(", "))
+        format!("By height map, step {:.4} mm: {}.", self.step, parts.join(", "))
     }
 }
 

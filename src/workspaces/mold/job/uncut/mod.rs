@@ -91,7 +91,7 @@ pub enum UncutError {
     #[error("tolerance_mm is {0}: it must be finite and from 0.0001 to 10 mm")]
     Tolerance(f64),
     /// A step of the field of heights that shows nothing.
-    #[error("the field of heights: a step of {step} mm is too coarse for a cutter of radius {radius} mm; give at most {} mm", 0.5 * radius)]
+    #[error("height map: step {step} mm is too coarse for a cutter of radius {radius} mm; give at most {} mm", 0.5 * radius)]
     CoarseStep {
         /// The step (mm).
         step: f64,
@@ -99,7 +99,7 @@ pub enum UncutError {
         radius: f64,
     },
     /// The field of heights cannot be had.
-    #[error("field of heights: {0}")]
+    #[error("height map: {0}")]
     Field(HeightFieldError),
     /// It was told to stop.
     #[error(transparent)]
@@ -220,14 +220,14 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, progress: &Progress, cancel: &Ca
     let needed = params.library.needed();
     let flats: Vec<&Cutter> = needed.iter().copied().filter(|c| c.kind() == CutterKind::Flat).collect();
     let grid_step = params.grid_step_mm.unwrap_or_else(|| usual_step(&upright, &needed, params.tolerance_mm));
-    progress.report("field of heights", 0.0, "");
+    progress.report("height map", 0.0, "");
     let field = HeightField::raster(&upright, grid_step, cancel)?;
     let mut stack = uncut_stack(&upright, &flats, None, &params.layers, progress, cancel)?;
     doubt(&mut stack, mesh, &needed, grid_step);
     let flat_regions = regions(&stack.layers, params.tolerance_mm);
-    progress.report("field of heights", 0.2, "");
+    progress.report("height map", 0.2, "");
     let (closing, of_field) = on_field(&field, &params.library, params.tolerance_mm, cancel)?;
-    progress.report("field of heights", 0.5, "");
+    progress.report("height map", 0.5, "");
     let is_of_flats = flats.len() == needed.len();
     let agreement = if flats.is_empty() {
         None
@@ -239,7 +239,7 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, progress: &Progress, cancel: &Ca
         let volumes = [flat_regions.iter().map(|r| r.volume).collect(), with_flats.iter().map(|r| r.volume).collect()];
         Some(volumes.map(|v: Vec<f64>| found(v.into_iter())))
     };
-    progress.report("field of heights", 0.9, "");
+    progress.report("height map", 0.9, "");
     let coarser = if is_of_flats { None } else { coarser(&upright, params, grid_step, cancel)? };
     // The exact search would let a ball go sideways under what looks down, where its shaft cannot follow.
     let has_undercuts = !stack.invert.triangles.is_empty() && stack.invert.area > 0.0;

@@ -51,7 +51,7 @@ pub fn show(ui: &mut Ui, core: &mut Core, made: &Designed, electrode: usize) {
     let names: BTreeSet<&str> = failing.iter().map(|kind| kind.name()).collect();
     let plural = if names.len() == 1 { "fails" } else { "fail" };
     let names = names.into_iter().collect::<Vec<_>>().join(", ");
-    if tick(ui, &mut passes, format!("Export although {names} {plural}")).changed() {
+    if tick(ui, &mut passes, format!("Release despite failed check: {names} {plural}")).changed() {
         // What was decided for other parts is over with a new decision.
         overrides.retain(|other| other.electrode != of.name);
         if passes {

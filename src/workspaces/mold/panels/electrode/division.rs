@@ -49,7 +49,7 @@ fn region_of(ui: &mut Ui, core: &mut Core, made: &Designed, (electrode, r): (usi
 fn left(ui: &mut Ui, core: &mut Core, left: &LeftOfRegion, (electrode, r): (usize, usize)) {
     ui.horizontal(|ui| {
         let is_somewhere = left.thickness > 0.0;
-        let name = format!("Show where most is left of region {}", r + 1);
+        let name = format!("Show the thickest residual stock of region {}", r + 1);
         let button = ui.add_enabled_ui(is_somewhere, |ui| checks::show_button(ui, &name)).inner;
         if button.clicked()
             && let Some(mold) = core.mold.work.mold()
@@ -58,7 +58,7 @@ fn left(ui: &mut Ui, core: &mut Core, left: &LeftOfRegion, (electrode, r): (usiz
             let text = format!("region {}: {}", r + 1, in_words(left));
             core.mold.electrodes.point_at_burn(electrode, (left.place, text), &bounds);
         }
-        let text = format!("{:.4} mm left at most, {:.4} mm³", left.thickness, left.volume);
+        let text = format!("residual stock up to {:.4} mm, {:.4} mm³", left.thickness, left.volume);
         ui.label(RichText::new(text).small().color(palette(ui).faint));
     });
 }
@@ -67,11 +67,11 @@ fn left(ui: &mut Ui, core: &mut Core, left: &LeftOfRegion, (electrode, r): (usiz
 fn in_words(left: &LeftOfRegion) -> String {
     let LeftOfRegion { thickness, excess, .. } = *left;
     if excess >= thickness {
-        format!("{thickness:.4} mm left")
+        format!("residual stock {thickness:.4} mm")
     } else if excess > 0.0 {
-        format!("{excess:.4} mm left beyond what corners keep")
+        format!("residual stock {excess:.4} mm beyond the corner radius of the spark")
     } else {
-        format!("{thickness:.4} mm left, in a corner that the spark rounds")
+        format!("residual stock {thickness:.4} mm in a corner rounded by the spark")
     }
 }
 
@@ -89,7 +89,7 @@ fn direction(ui: &mut Ui, core: &mut Core, (r, place): (usize, DVec3), now: DVec
     let of = Figure { range: 0.0..=90.0, speed: 0.5, width: 46.0, suffix: "\u{b0}", decimals: 2, hint };
     let mut changed = figure(ui, &mut tilt, &format!("Tilt of the burn of region {}", r + 1), &of).changed();
     if tilt > 0.0 {
-        let hint = "Where the tilted burn goes in plan, from +X towards +Y of the upright mold";
+        let hint = "Direction of the tilted burn in plan, from +X towards +Y of the upright mold";
         let of = Figure { range: -180.0..=180.0, speed: 1.0, hint, ..of };
         changed |= figure(ui, &mut towards, &format!("Heading of the burn of region {}", r + 1), &of).changed();
     }
@@ -131,7 +131,7 @@ fn method(ui: &mut Ui, core: &mut Core, (r, place): (usize, DVec3), now: Method)
     let combo = ComboBox::from_id_salt(("method", r)).selected_text(name(before)).width(78.0);
     combo.show_ui(ui, |ui| {
         ui.selectable_value(&mut chosen, Method::Extruding, "extruded")
-            .on_hover_text("The region's own outline led up: for regions of whole faces");
+            .on_hover_text("Extrude the outline of the region; for regions of whole faces");
         ui.selectable_value(&mut chosen, Method::Cutting, "cut")
             .on_hover_text("A box around the region, trimmed by the faces");
     });
@@ -165,7 +165,7 @@ fn node(
         let why_not = if places.len() > 1 {
             "Parts of a region that is burned straight down can be merged"
         } else {
-            "There is no other part to merge it with"
+            "The region has no other part to merge with"
         };
         let button = ui.add_enabled(is_there, button).on_disabled_hover_text(why_not);
         if button.on_hover_text("Select two parts to merge them").clicked() {

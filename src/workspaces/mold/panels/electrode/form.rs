@@ -59,32 +59,32 @@ fn folded(ui: &mut Ui, name: &str, body: impl FnOnce(&mut Ui)) {
 }
 
 fn tips(ui: &mut Ui, asked: &mut ElectrodeParams) {
-    heading(ui, "Tips");
+    heading(ui, "Heads");
     for (name, value, range, hint) in [
         (
-            "Margin",
+            "Side extension",
             &mut asked.margin_mm,
             0.01..=20.0,
-            "How far tips reach beyond what is left, where the mold leaves room",
+            "Distance by which heads extend beyond the uncut region, where the mold allows it",
         ),
-        ("Extension", &mut asked.extension_mm, 0.1..=1000.0, "From the mold's top to the base"),
         (
-            "Overlap",
-            &mut asked.overlap_mm,
-            0.0..=20.0,
-            "How far parts of a divided region reach over one another, so that nothing is left between them",
+            "Clearance above mold",
+            &mut asked.extension_mm,
+            0.1..=1000.0,
+            "From the top of the mold to the electrode base",
         ),
+        ("Overlap", &mut asked.overlap_mm, 0.0..=20.0, "Overlap of the parts of a divided region"),
         (
             "Least size",
             &mut asked.least_size_mm,
             0.0..=1000.0,
-            "Least width of a part: narrower ones are not divided off",
+            "Least width of a part; a region is not divided into narrower ones",
         ),
         (
-            "Leftover",
+            "Allowed rest",
             &mut asked.tolerance_mm,
             1e-4..=1.0,
-            "What may be left, across the surface, beyond what the gap's radius leaves in edges",
+            "Residual stock allowed across the surface, beyond what the spark gap's radius leaves in corners",
         ),
     ] {
         measure(ui, name, value, (range, "mm", hint));
@@ -95,26 +95,26 @@ fn tips(ui: &mut Ui, asked: &mut ElectrodeParams) {
 fn sharing(ui: &mut Ui, asked: &mut ElectrodeParams) {
     let room =
         |least: f64, hint| Figure { range: least..=1000.0, speed: 0.05, width: 50.0, suffix: "", decimals: 4, hint };
-    named(ui, "Places", |ui, _| {
-        tick(ui, &mut asked.share, "share").on_hover_text("One electrode for congruent places");
+    named(ui, "Identical places", |ui, _| {
+        tick(ui, &mut asked.share, "share").on_hover_text("Reuse one electrode at identical places");
         let mut is_together = asked.together_mm > 0.0;
-        let hint = "Tips that lie near one another stand on one base, up to this width (mm)";
-        tick(ui, &mut is_together, "together up to").on_hover_text(hint);
+        let hint = "Neighbouring heads share a base up to this width (mm)";
+        tick(ui, &mut is_together, "group within").on_hover_text(hint);
         if is_together != (asked.together_mm > 0.0) {
             asked.together_mm = if is_together { ElectrodeParams::default().together_mm } else { 0.0 };
         }
-        ui.add_enabled_ui(is_together, |ui| figure(ui, &mut asked.together_mm, "Together up to", &room(0.0, hint)));
+        ui.add_enabled_ui(is_together, |ui| figure(ui, &mut asked.together_mm, "Group within", &room(0.0, hint)));
     });
     named(ui, "Stages", |ui, _| {
         let several = asked.stages.len() > 1;
         ui.add_enabled_ui(several, |ui| {
-            tick(ui, &mut asked.family, "on one base, apart by").on_hover_text(
-                "A family: electrodes of all stages for the same places on one base, with this room between their tips",
+            tick(ui, &mut asked.family, "on one base, distance").on_hover_text(
+                "Family: electrodes of all stages for the same places on one base, at this distance of their heads",
             );
         });
-        let hint = "Room between the tips of a family at least (mm)";
+        let hint = "Least distance between the heads of a family (mm)";
         ui.add_enabled_ui(several && asked.family, |ui| {
-            figure(ui, &mut asked.family_spacing_mm, "Room between stages", &room(0.1, hint));
+            figure(ui, &mut asked.family_spacing_mm, "Distance between stages", &room(0.1, hint));
         });
     });
 }
@@ -123,20 +123,20 @@ fn bases(ui: &mut Ui, asked: &mut ElectrodeParams) {
     heading(ui, "Base");
     let largest_corner = asked.base_margin_mm.max(0.0);
     for (name, value, range, hint) in [
+        ("Base height", &mut asked.base_height_mm, 0.5..=1000.0, "Least height of the base; the blank is rounded up"),
+        ("Base margin", &mut asked.base_margin_mm, 0.1..=1000.0, "Distance by which the base extends beyond the heads"),
         (
-            "Base height",
-            &mut asked.base_height_mm,
-            0.5..=1000.0,
-            "Least height of the base: the blank is rounded up from it",
-        ),
-        ("Base margin", &mut asked.base_margin_mm, 0.1..=1000.0, "How far the base reaches beyond the tips"),
-        (
-            "Corner",
+            "Orientation chamfer",
             &mut asked.datum_corner_mm,
             0.0..=largest_corner,
-            "Cut off at +X +Y along each side to show how the electrode stands; 0 for none",
+            "Chamfer at the corner +X +Y that shows the orientation, along each side; 0 for none",
         ),
-        ("Lift", &mut asked.lift_mm, 0.0..=10000.0, "How far an electrode is lifted straight out after the burn"),
+        (
+            "Retract distance",
+            &mut asked.lift_mm,
+            0.0..=10000.0,
+            "Distance by which the electrode is retracted after the burn",
+        ),
     ] {
         measure(ui, name, value, (range, "mm", hint));
     }
@@ -144,10 +144,14 @@ fn bases(ui: &mut Ui, asked: &mut ElectrodeParams) {
 
 fn files(ui: &mut Ui, asked: &mut ElectrodeParams) {
     heading(ui, "Files");
-    named(ui, "Files hold", |ui, _| {
+    named(ui, "Export", |ui, _| {
         for (shape, name, hint) in [
-            (Shape::Undersized, "undersized", "The electrode as it is made: smaller by gap and orbit"),
-            (Shape::Net, "net", "The shape of the cavity; the gap is an attribute"),
+            (
+                Shape::Undersized,
+                "undersized",
+                "With spark gap: the electrode as it is milled, smaller by the undersize",
+            ),
+            (Shape::Net, "net", "Without spark gap: the net shape; the undersize is stated in the burn table"),
         ] {
             ui.selectable_value(&mut asked.shape, shape, name).on_hover_text(hint);
         }
@@ -160,18 +164,18 @@ fn files(ui: &mut Ui, asked: &mut ElectrodeParams) {
 
 fn blanks(ui: &mut Ui, asked: &mut ElectrodeParams) {
     let blanks = &mut asked.blanks;
-    sizes(ui, "Sides", &mut blanks.sides_mm, "Sides that rectangular blanks come in");
-    let hint = "Diameters that round blanks come in; one is taken where it is less than the rectangular blank";
+    sizes(ui, "Sides", &mut blanks.sides_mm, "Sides of rectangular blanks");
+    let hint = "Diameters of round blanks; used where a round blank is smaller than the rectangular one";
     sizes(ui, "Diameters", &mut blanks.diameters_mm, hint);
-    let hint = "What lengths, and sides beyond the largest, are rounded up to";
+    let hint = "Lengths, and sides beyond the largest, are rounded up to this";
     measure(ui, "Increment", &mut blanks.increment_mm, (0.1..=100.0, "mm", hint));
 }
 
 /// The cutters that mill electrodes: those of the mold, or others.
 fn own_cutters(ui: &mut Ui, asked: &mut ElectrodeParams, of_mold: &CutterLibrary, selected: &mut usize) {
     let mut are_of_mold = asked.cutters.is_none();
-    let hint = "What mills the mold mills its electrodes too";
-    if tick(ui, &mut are_of_mold, "those of the mold").on_hover_text(hint).changed() {
+    let hint = "The library of the mold also mills the electrodes";
+    if tick(ui, &mut are_of_mold, "same as the mold").on_hover_text(hint).changed() {
         asked.cutters = (!are_of_mold).then(|| of_mold.clone());
     }
     if let Some(library) = &mut asked.cutters {
@@ -187,10 +191,10 @@ fn removal(ui: &mut Ui, removal: &mut Removal) {
             &mut removal.per_area_mm_min,
             1e-4..=1000.0,
             "mm/min",
-            "Volume per minute and area of a tip seen along the burn, at the finish below",
+            "Removal rate for each area of a head seen along the burn, at the finish below",
         ),
-        ("At most", &mut removal.most_mm3_min, 1e-3..=1e5, "mm³/min", "For all tips of an electrode together"),
-        ("At a finish", &mut removal.at_vdi, 0.1..=60.0, "VDI", "What both hold for"),
+        ("At most", &mut removal.most_mm3_min, 1e-3..=1e5, "mm³/min", "Limit for all heads of an electrode together"),
+        ("At a finish", &mut removal.at_vdi, 0.1..=60.0, "VDI", "Finish for which both figures hold"),
         (
             "Tenfold by",
             &mut removal.tenfold_vdi,
@@ -233,16 +237,17 @@ fn edits(ui: &mut Ui, asked: &mut ElectrodeParams, unmet: &[usize]) {
     if asked.edits.is_empty() {
         return;
     }
-    ui.label(RichText::new("Changes").color(palette(ui).faint));
+    ui.label(RichText::new("Changes to the division").color(palette(ui).faint));
     let mut removed = None;
     for (i, edit) in asked.edits.iter().enumerate() {
         ui.horizontal(|ui| {
-            if ui.small_button("\u{00d7}").on_hover_text("Take this change back").clicked() {
+            if ui.small_button("\u{00d7}").on_hover_text("Remove this change").clicked() {
                 removed = Some(i);
             }
             if unmet.contains(&i) {
-                let text = RichText::new(format!("meets no region: {edit}")).color(palette(ui).warning);
-                ui.add(egui::Label::new(text).truncate()).on_hover_text("It meets no region, or changes nothing in it");
+                let text = RichText::new(format!("no effect: {edit}")).color(palette(ui).warning);
+                ui.add(egui::Label::new(text).truncate())
+                    .on_hover_text("The place is in no region, or nothing changes there");
             } else {
                 ui.add(egui::Label::new(edit.to_string()).truncate());
             }
@@ -260,7 +265,7 @@ fn answer(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
         notice(ui, palette(ui).bad, why);
     }
     let Some(made) = core.mold.electrodes.designed().cloned() else {
-        let text = "Design makes electrodes for what the cutters leave; it is found first if it has to be.";
+        let text = "\"Create electrodes\" designs electrodes for the rest material; the rest material is found first if needed.";
         ui.add(egui::Label::new(RichText::new(text).small().color(palette(ui).faint)).wrap());
         return None;
     };
@@ -271,7 +276,7 @@ fn answer(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
         let is_good = made.report.holds && !is_warned && made.report.unmet_edits.is_empty();
         notice(ui, if is_good { colours.good } else { colours.warning }, &said);
     } else {
-        notice(ui, colours.warning, &format!("Of other parameters: {said}"));
+        notice(ui, colours.warning, &format!("Out of date: {said}"));
     }
     fact(ui, "All burns", format!("{:.0} min", made.set.minutes()));
     let asked = burn_sheet(ui, core);
@@ -285,7 +290,7 @@ fn answer(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
     let names: Vec<&str> =
         (0..made.set.electrodes.len()).filter(blocked).map(|e| made.set.electrodes[e].name.as_str()).collect();
     if !names.is_empty() {
-        let text = format!("Not exported, for a check fails: {}", names.join(", "));
+        let text = format!("Blocked by a failed check: {}", names.join(", "));
         ui.add(egui::Label::new(RichText::new(text).small().color(colours.bad)).wrap());
     }
     asked
@@ -297,12 +302,12 @@ fn burn_sheet(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
     let mut asked = None;
     ui.horizontal(|ui| {
         ui.label("Burn sheet");
-        let hint = "A text file in the language of Jinja that sees the keys of burn_table.json";
+        let hint = "Text template (Jinja) with the keys of burn_table.json";
         if ui.small_button("Template\u{2026}").on_hover_text(hint).clicked() {
             asked = Some(Purpose::BurnSheet);
         }
         let is_standard = sheet.name() == BurnSheet::standard().name();
-        if !is_standard && ui.small_button("Built-in").on_hover_text("Back to that of the program").clicked() {
+        if !is_standard && ui.small_button("Built-in").on_hover_text("Use the built-in template").clicked() {
             *sheet = BurnSheet::standard();
         }
         // Last, as it takes what is left of the row.

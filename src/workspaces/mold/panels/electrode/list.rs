@@ -32,7 +32,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
         ui.label(RichText::new(made.set.electrodes.len().to_string()).color(palette(ui).faint));
         if is_stale {
             let text = RichText::new("stale").color(palette(ui).warning);
-            ui.label(text).on_hover_text("Of other parameters, not of the present ones");
+            ui.label(text).on_hover_text("Out of date");
         }
         stages(ui, core, &made);
     });
@@ -229,10 +229,10 @@ fn details(ui: &mut Ui, core: &mut Core, made: &Designed, at: BurnOf) {
         burns(ui, core, (at, entry.burns.len()), burn);
     }
     fact(ui, "Blank", format!("{} mm", entry.blank.text(" × ")));
-    fact(ui, "Holder", entry.holder.as_ref().map_or("none is large enough".to_owned(), |h| h.name.clone()));
+    fact(ui, "Holder", entry.holder.as_ref().map_or("none large enough: add a holder".to_owned(), |h| h.name.clone()));
     if let Some(family) = &entry.family {
         let [x, y] = family.offset_mm;
-        fact(ui, "One body with", format!("{}; tips at {x}, {y} mm", family.others.join(", ")));
+        fact(ui, "Same body as", format!("{}; heads at {x}, {y} mm", family.others.join(", ")));
     }
     let orbit = if entry.orbit.radius_mm > 0.0 {
         format!(", {} {} mm", entry.orbit.pattern, entry.orbit.radius_mm)
@@ -248,11 +248,11 @@ fn details(ui: &mut Ui, core: &mut Core, made: &Designed, at: BurnOf) {
 fn burns(ui: &mut Ui, core: &mut Core, (at, count): (BurnOf, usize), burn: &BurnEntry) {
     ui.horizontal(|ui| {
         let mut chosen = at.burn;
-        if ui.add_enabled(chosen > 0, egui::Button::new("\u{23f4}")).on_hover_text("The burn before").clicked() {
+        if ui.add_enabled(chosen > 0, egui::Button::new("\u{23f4}")).on_hover_text("Previous burn").clicked() {
             chosen -= 1;
         }
         ui.label(format!("Burn {} of {count}", at.burn + 1));
-        if ui.add_enabled(chosen + 1 < count, egui::Button::new("\u{23f5}")).on_hover_text("The next burn").clicked() {
+        if ui.add_enabled(chosen + 1 < count, egui::Button::new("\u{23f5}")).on_hover_text("Next burn").clicked() {
             chosen += 1;
         }
         if chosen != at.burn {
@@ -262,6 +262,6 @@ fn burns(ui: &mut Ui, core: &mut Core, (at, count): (BurnOf, usize), burn: &Burn
     });
     fact(ui, "X, Y", format!("{:.3}, {:.3} mm", burn.x_mm, burn.y_mm));
     fact(ui, "Z", format!("{:.3} mm", burn.z_mm));
-    fact(ui, "Turned", format!("{:.2}°", burn.c_deg));
+    fact(ui, "C angle", format!("{:.2}°", burn.c_deg));
     fact(ui, "Depth", format!("{:.3} mm", burn.depth_mm));
 }

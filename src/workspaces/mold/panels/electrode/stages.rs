@@ -47,7 +47,7 @@ pub fn show(ui: &mut Ui, asked: &mut ElectrodeParams) {
         asked.stages.remove(i);
     }
     let can_add = asked.stages.len() < MOST;
-    let add = ui.add_enabled(can_add, egui::Button::new("Add a rough stage"));
+    let add = ui.add_enabled(can_add, egui::Button::new("Add a roughing stage"));
     if add.on_hover_text("Burned before the others").clicked() {
         let is_free = |name: &String| asked.stages.iter().all(|s| s.name != *name);
         let names = std::iter::once("rough".to_owned()).chain((2..100).map(|i| format!("rough{i}")));
@@ -60,12 +60,13 @@ pub fn show(ui: &mut Ui, asked: &mut ElectrodeParams) {
 fn figures(ui: &mut Ui, stage: &mut Stage, (i, width): (usize, f32)) {
     let of = |what: &str| format!("{what} of stage {}", i + 1);
     let field = TextEdit::singleline(&mut stage.name).desired_width(width).clip_text(true);
-    let response = ui.add_sized(vec2(width, HEIGHT), field).on_hover_text("Letters, digits, - and _: files carry it");
+    let response =
+        ui.add_sized(vec2(width, HEIGHT), field).on_hover_text("Letters, digits, - and _: part of file names");
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(of("Name")));
     let length = Figure { range: 0.0..=LONGEST, speed: 0.005, width: WIDTHS[0], suffix: "", decimals: 4, hint: "" };
-    let hint = "Spark gap: how far from the electrode material is taken (mm)";
+    let hint = "Spark gap (mm)";
     figure(ui, &mut stage.gap_mm, &of("Gap"), &Figure { hint, ..length.clone() });
-    let hint = "What it leaves for the stages after it, on every face (mm)";
+    let hint = "Stock left for the later stages, on every face (mm)";
     figure(ui, &mut stage.stock_mm, &of("Stock"), &Figure { hint, width: WIDTHS[1], ..length.clone() });
     let roughness = format!("Surface finish to be reached (VDI 3400): Ra {:.2} µm", stage.roughness_um());
     let finish = Figure { range: 0.0..=60.0, speed: 0.1, width: WIDTHS[2], suffix: "", decimals: 4, hint: &roughness };
@@ -96,7 +97,7 @@ fn orbit(ui: &mut Ui, orbit: &mut Orbit, (i, width): (usize, f32)) {
         }
     });
     let response =
-        shown.response.on_hover_text("A motion across the burn that widens it; electrodes are smaller by it");
+        shown.response.on_hover_text("Orbital motion across the burn direction; the electrode is smaller by it");
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(format!("Orbit of stage {}", i + 1)));
     let mut radius = orbit.radius_mm();
     let hint = "Radius of the circle, or half the side of the square (mm)";

@@ -41,7 +41,7 @@ fn looks(ui: &mut Ui, core: &mut Core) {
     for look in MoldLook::ALL {
         ui.selectable_value(&mut desk.look, look, look.name());
     }
-    let label = ui.label(RichText::new("Lifted out").color(palette(ui).faint));
+    let label = ui.label(RichText::new("Retracted").color(palette(ui).faint));
     ui.spacing_mut().slider_width = (ui.available_width() - 20.0).clamp(40.0, 240.0);
     let slider = ui.add(Slider::new(&mut desk.exploded, 0.0..=1.0).show_value(false)).labelled_by(label.id);
     if slider.changed() {
@@ -60,8 +60,8 @@ fn way(ui: &mut Ui, core: &mut Core) {
         (Command::FirstNode, "⏮", "To the start"),
         (Command::PreviousNode, "⏴", "Step back"),
         (Command::Play, sign, "Play"),
-        (Command::NextNode, "⏵", "Step on"),
-        (Command::LastNode, "⏭", "Where it has burned"),
+        (Command::NextNode, "⏵", "Step forward"),
+        (Command::LastNode, "⏭", "Burn position"),
     ];
     for (command, sign, name) in buttons {
         let response = ui.add_sized(vec2(26.0, 22.0), egui::Button::new(sign)).on_hover_text(command.hint(ui.ctx()));
@@ -75,7 +75,7 @@ fn way(ui: &mut Ui, core: &mut Core) {
     ui.spacing_mut().slider_width = (ui.available_width() - words).clamp(50.0, 240.0);
     let mut time = desk.time.unwrap_or(2.0 / 3.0);
     let slider = ui.add(Slider::new(&mut time, 0.0..=1.0).show_value(false));
-    ui.ctx().accesskit_node_builder(slider.id, |node| node.set_label("Way of the electrode"));
+    ui.ctx().accesskit_node_builder(slider.id, |node| node.set_label("Motion of the electrode"));
     if slider.changed() {
         (desk.time, desk.is_playing) = (Some(time), false);
     }
@@ -84,7 +84,7 @@ fn way(ui: &mut Ui, core: &mut Core) {
         let colour = if one == phase { palette(ui).accent } else { palette(ui).faint };
         ui.label(RichText::new(one.name()).small().color(colour));
     }
-    ui.label(RichText::new(format!("{height:.2} mm")).small().monospace()).on_hover_text("Above where it has burned");
+    ui.label(RichText::new(format!("{height:.2} mm")).small().monospace()).on_hover_text("Above the burn position");
 }
 
 fn cut(ui: &mut Ui, core: &mut Core) {
@@ -125,7 +125,7 @@ fn splitting(ui: &mut Ui, rect: Rect, core: &mut Core) {
         let what = core.mold.electrodes.split_region.map_or("Split".to_owned(), |r| format!("Split region {}", r + 1));
         let text = format!("{what}: {text}");
         ui.label(text);
-        if ui.button("Don't split").on_hover_text(Command::Cancel.hint(ui.ctx())).clicked() {
+        if ui.button("Cancel split").on_hover_text(Command::Cancel.hint(ui.ctx())).clicked() {
             core.mold.electrodes.give_up_split();
         }
     });
