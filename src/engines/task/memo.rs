@@ -64,7 +64,7 @@ pub struct Ended<K, V> {
 pub struct Doing {
     /// What it is for: the name of the memo.
     pub what: &'static str,
-    /// What is being done, in the words of the computation; empty at first.
+    /// What is being done, in the words of the computation: "waiting" before it begins, and then empty at first.
     pub stage: String,
     /// How much of the stage is done, 0 to 1.
     pub fraction: f64,
@@ -80,8 +80,8 @@ pub struct Doing {
 
 impl Doing {
     fn new(what: &'static str, is_waiting: bool, now: Instant) -> Self {
-        let (stage, message) = Default::default();
-        Self { what, stage, fraction: 0.0, message, is_waiting, since: now, stage_since: now }
+        let stage = if is_waiting { "waiting".to_owned() } else { String::new() };
+        Self { what, stage, fraction: 0.0, message: String::new(), is_waiting, since: now, stage_since: now }
     }
 
     /// Time that the stage will still take if it goes on as it did; none while that cannot be told.
@@ -289,6 +289,16 @@ impl<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static> Memo<K, V, P> {
         self.run.as_ref().map(|run| &run.doing)
     }
 
+    /// The key that work waits or runs for.
+    pub fn under_way(&self) -> Option<&K> {
+        self.run.as_ref().map(|run| &run.key)
+    }
+
+    /// Whether [`ask`](Self::ask) would begin work for `key`: worth asking where what the work captures is large.
+    pub fn wants(&self, key: &K) -> bool {
+        matches!(self.state(key), State::Missing | State::Stale)
+    }
+
     /// Whether anything waits or runs.
     pub fn is_busy(&self) -> bool {
         self.run.is_some()
@@ -302,17 +312,11 @@ impl<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static> Memo<K, V, P> {
         work: impl Fn(&Work<P>) -> Result<V, String> + Send + 'static,
     ) -> State {
         self.turn_to(key);
-        match self.state(key) {
-            State::Missing | State::Stale => {
-                self.begin(key, priority, Box::new(work));
-                State::Running
-            }
-            State::Running => {
-                self.prioritise(priority);
-                State::Running
-            }
-            known => known,
+        if self.wants(key) {
+            self.begin(key, priority, Box::new(work));
         }
+        self.prioritise(priority);
+        self.state(key)
     }
 
     /// Has `work` make the value of `key` at the user's wish, whatever is known of it.
@@ -336,8 +340,8 @@ impl<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static> Memo<K, V, P> {
     pub fn turn_to(&mut self, key: &K) {
         self.receive();
         self.next.take_if(|next| next.key != *key);
-        if !self.lets_finish && self.run.as_ref().is_some_and(|run| run.key != *key) {
-            self.stop_run();
+        if !self.lets_finish && self.under_way().is_some_and(|of| of != key) {
+            self.stop();
         }
         if let Some(i) = self.values.iter().position(|(of, _)| of == key) {
             self.values[i..].rotate_left(1);
@@ -372,10 +376,21 @@ impl<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static> Memo<K, V, P> {
         self.remember(key.clone(), value);
     }
 
+    /// Cancels what waits or runs because nobody wants it any more. It may be asked for again, unless the user had
+    /// cancelled it already.
+    pub fn stop(&mut self) {
+        self.next = None;
+        let Some(run) = self.run.take() else { return };
+        self.queue.cancel(run.job);
+        if run.is_cancelled {
+            self.refuse(run.key, Refusal::Cancelled);
+        }
+    }
+
     /// Forgets everything, and cancels what runs.
     pub fn clear(&mut self) {
-        (self.next, self.partial) = (None, None);
-        self.stop_run();
+        self.stop();
+        self.partial = None;
         self.values.clear();
         self.refusals.clear();
         self.ended.clear();
@@ -435,7 +450,7 @@ impl<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static> Memo<K, V, P> {
             self.next = Some(Next { priority, key: key.clone(), work });
             return;
         }
-        self.stop_run();
+        self.stop();
         self.submit(key.clone(), priority, work);
     }
 
@@ -445,15 +460,6 @@ impl<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static> Memo<K, V, P> {
         let job = self.queue.submit(self.lane, priority, Box::new(work));
         self.partial = None;
         self.run = Some(Run { number, key, job, priority, doing, is_cancelled: false });
-    }
-
-    /// Cancels what runs because nobody wants it any more; it may be asked for again, unless the user had cancelled it.
-    fn stop_run(&mut self) {
-        let Some(run) = self.run.take() else { return };
-        self.queue.cancel(run.job);
-        if run.is_cancelled {
-            self.refuse(run.key, Refusal::Cancelled);
-        }
     }
 
     fn remember(&mut self, key: K, value: Arc<V>) {

@@ -97,8 +97,11 @@ fn the_latest_key_wins() {
     ask(&mut memo, 4);
     memo.turn_to(&3);
     assert_eq!((memo.is_busy(), memo.state(&4), scheduler.run_next(Lane::Long)), (false, State::Stale, false));
+    ask(&mut memo, 4);
+    memo.stop();
+    assert_eq!((memo.under_way(), memo.wants(&4), scheduler.run_next(Lane::Long)), (None, true, false));
     make(&scheduler, &mut memo, 4);
-    assert_eq!(values(&memo), [30, 40]);
+    assert_eq!((values(&memo), memo.wants(&4)), (vec![30, 40], false));
 }
 
 #[test]
@@ -448,7 +451,8 @@ fn laws_that_hold_after_any_history() {
         for _ in 0..60 {
             let key = below(6) as u32;
             let work = move |_: &Work<u32>| if key == 5 { Err("five".to_owned()) } else { Ok(10 * key) };
-            match below(8) {
+            match below(9) {
+                8 => memo.stop(),
                 0 | 1 => drop(memo.ask(&key, Priority::Normal, work)),
                 2 => memo.restart(&key, Priority::Shown, work),
                 3 => memo.cancel(),
