@@ -7,8 +7,8 @@ use super::core::Core;
 use super::stepper::sentence;
 use super::theme::palette;
 use super::workspace::Workspace;
-use crate::jobs::kept::Doing;
 use crate::jobs::pipeline::EventKind;
+use task::Doing;
 
 /// Draws it.
 pub fn show(ui: &mut Ui, core: &mut Core) {

@@ -15,12 +15,12 @@ use super::form::{CHOOSE_SIDE, SIDES, labelled};
 use crate::flank::path::FlankPath;
 use crate::jobs::flank::path_of;
 use crate::jobs::flank_work::{LoadedFlank, LoadedWalls, Planned, Sketch};
-use crate::jobs::pipeline::StageState;
 use crate::project::flank_params::PathChoice;
 use crate::render::colour::Theme;
 use crate::render::scene::Scene;
 use crate::render::view::StandardView;
 use crate::views::{FlankScene, FlankSurface, bodies, contact_line};
+use task::State;
 
 /// How far along its arrow the button of a side is, in lengths of the arrow.
 const BEYOND: f64 = 1.35;
@@ -297,10 +297,8 @@ fn caption(ui: &mut Ui, rect: Rect, core: &Core) {
 fn empty(ui: &Ui, rect: Rect, core: &Core) {
     let work = &core.flank.work;
     let (title, line) = match work.source_state(&core.flank.params) {
-        StageState::Running => ("Loading…", ""),
-        StageState::Done if work.is_sketching() || core.flank.state() == StageState::Running => {
-            ("Looking at the surface…", "")
-        }
+        State::Running => ("Loading…", ""),
+        State::Ready if work.is_sketching() || core.flank.state() == State::Running => ("Looking at the surface…", ""),
         _ => ("Drop a part or two guide curves here", "STL, OBJ, glTF or GLB; or points as CSV."),
     };
     let c = rect.center();

@@ -8,7 +8,6 @@ use super::super::files::Purpose;
 use super::super::stepper::{command_button, notice};
 use super::super::theme::palette;
 use super::cutters;
-use crate::jobs::pipeline::StageState;
 use crate::jobs::uncut_compare::Comparison;
 use crate::mold::cutter::Cutter;
 
@@ -35,7 +34,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
         command_button(ui, core, Command::CompareCutters, "Compare", false);
     });
     let (mold, colours) = (&core.mold, palette(ui));
-    if let StageState::Failed(why) = mold.work.comparison_state(&mold.params, &mold.other) {
+    if let Some(why) = mold.work.comparison_state(&mold.params, &mold.other).why_not() {
         notice(ui, colours.bad, &why);
     }
     if let Some(other) = mold.work.other().cloned() {

@@ -12,13 +12,13 @@ use super::super::viewport::{Source, Viewport};
 use super::electrode::{self, Fly, Look};
 use super::strip;
 use crate::jobs::mold::{Designed, FoundUncut, Glance, LoadedMold};
-use crate::jobs::pipeline::StageState;
 use crate::render::camera::Camera;
 use crate::render::colour::Theme;
 use crate::render::pick::Pick;
 use crate::render::scene::{Marker, Scene};
 use crate::render::view::StandardView;
 use crate::views::{MoldLayer, MoldLook, MoldPart, MoldScene, RegionColours, build_mold, depth_legend, mold_part};
+use task::State;
 
 /// State of the view.
 #[derive(Default)]
@@ -302,8 +302,8 @@ fn caption(ui: &mut Ui, rect: Rect, core: &Core) {
 
 fn empty(ui: &Ui, rect: Rect, core: &Core) {
     let (title, line) = match core.mold.work.mold_state(&core.mold.params) {
-        StageState::Running => ("Loading…", ""),
-        StageState::Failed(_) => ("This could not be loaded", "The panel on the left says why."),
+        State::Running => ("Loading…", ""),
+        State::Failed(_) | State::Cancelled => ("This could not be loaded", "The panel on the left says why."),
         _ => {
             ("Drop a mold here", "STL, OBJ, glTF or GLB. Then say where it opens to, and find what the cutters leave.")
         }

@@ -12,7 +12,7 @@ use crate::app::record::Hands;
 use crate::app::viewport::Viewport;
 use crate::app::workspace::Workspace;
 use crate::export::burn_template::BurnSheet;
-use crate::jobs::kept::WorkEvent;
+use crate::jobs::news::WorkEvent;
 use crate::jobs::pipeline::EventKind;
 use crate::project::cutter_file::{read_cutters, write_cutters};
 use crate::project::flank_file::is_flank_file;
@@ -140,7 +140,8 @@ impl SparkpathApp {
 
     /// Keeps the answer up with the parameters, and the log with both.
     pub(super) fn follow_mold(&mut self, ctx: &egui::Context) {
-        let news = self.core.mold.follow(Hands::of(ctx));
+        let is_seen = self.core.workspace == Workspace::Mold;
+        let news = self.core.mold.follow(Hands::of(ctx), is_seen);
         self.note_events(Workspace::Mold, news, ctx);
     }
 

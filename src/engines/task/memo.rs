@@ -39,6 +39,17 @@ pub enum State {
     Cancelled,
 }
 
+impl State {
+    /// Why there is no value although work for it has ended: in one line.
+    pub fn why_not(&self) -> Option<&str> {
+        match self {
+            Self::Failed(why) => Some(why),
+            Self::Cancelled => Some("cancelled"),
+            _ => None,
+        }
+    }
+}
+
 /// Why work ended without a value.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Refusal {

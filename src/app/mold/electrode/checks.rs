@@ -7,7 +7,7 @@ use egui::{RichText, Ui};
 use super::super::super::core::Core;
 use super::super::super::theme::{palette, tick};
 use crate::jobs::mold::Designed;
-use crate::jobs::pipeline::EventKind;
+use crate::jobs::news::EventKind;
 use crate::mold::electrode::check::{CheckKind, Finding};
 use crate::mold::electrode::overrides::{IdleOverride, Override};
 

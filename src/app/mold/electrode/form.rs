@@ -15,7 +15,6 @@ use super::fields::{Figure, figure, measure, sizes};
 use super::stages;
 use crate::export::burn_template::BurnSheet;
 use crate::export::electrode_files::ElectrodeFormat;
-use crate::jobs::pipeline::StageState;
 use crate::mold::cutter::CutterLibrary;
 use crate::mold::electrode::params::{ElectrodeParams, Holder, Removal, Shape};
 
@@ -256,7 +255,7 @@ fn edits(ui: &mut Ui, asked: &mut ElectrodeParams, unmet: &[usize]) {
 /// What they came to, and how it is written.
 fn answer(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
     let state = core.mold.design_state();
-    if let StageState::Failed(why) = &state {
+    if let Some(why) = state.why_not() {
         notice(ui, palette(ui).bad, why);
     }
     let Some(made) = core.mold.electrodes.designed().cloned() else {
