@@ -8,6 +8,7 @@ use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::pipeline::StageState;
 use crate::workspaces::flank::panels::FlankDesk;
 use render::view::StandardView;
+use task::State;
 
 /// A command of the user.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -291,7 +292,7 @@ impl Command {
                 core.pipeline.state(Stage::Electrode) == StageState::Done && core.shown_electrode().is_some()
             }
             Self::Cancel if is_of_mold => mold.work.is_busy() || mold.electrodes.split.is_some(),
-            Self::FindUncut | Self::DesignElectrodes => mold.work.mold_state(&mold.params) == StageState::Done,
+            Self::FindUncut | Self::DesignElectrodes => mold.work.mold_state(&mold.params) == State::Ready,
             Self::Electrodes => mold.electrodes.designed().is_some(),
             Self::FlyToRegion | Self::Isolate if mold.electrodes.seen().is_some() => mold.electrodes.chosen().is_some(),
             Self::Section | Self::Play | Self::NextNode | Self::PreviousNode | Self::FirstNode | Self::LastNode
@@ -300,7 +301,7 @@ impl Command {
                 mold.electrodes.seen().is_some() && mold.electrodes.chosen().is_some()
             }
             Self::Export if is_of_mold => mold.is_designed(),
-            Self::CompareCutters => mold.state() == StageState::Done,
+            Self::CompareCutters => mold.state() == State::Ready,
             Self::FlyToRegion | Self::Isolate => mold.selected.is_some(),
             Self::Layers if mold.electrodes.seen().is_some() => false,
             Self::Layers => mold.found().is_some_and(|found| !found.uncut.layers.is_empty()),

@@ -8,7 +8,7 @@ use super::workspace::Workspace;
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::panels::stepper::sentence;
 use crate::workspaces::blisk::pipeline::EventKind;
-use crate::workspaces::kept::Doing;
+use task::Doing;
 
 /// Draws it.
 pub fn show(ui: &mut Ui, core: &mut Core) {

@@ -2,7 +2,6 @@
 
 pub mod blisk;
 pub mod flank;
-pub mod glances;
-pub mod kept;
 pub mod mold;
+pub mod news;
 pub mod worker;

@@ -1,9 +1,18 @@
-//! How a long computation says where it stands, and how it is told to stop.
+//! Long computations: how one says where it stands and is told to stop, and who makes what is asked for and remembers it.
 //!
-//! A job is a pure function of its inputs, a [`Progress`] and a [`Cancel`]; both may be shared between threads.
+//! A job is a pure function of its inputs, a [`Progress`] and a [`Cancel`]; both may be shared between threads. A
+//! [`Memo`] runs such jobs on the two threads of a [`Scheduler`] and keeps what they answer.
+
+mod memo;
+mod scheduler;
+#[cfg(test)]
+mod tests;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+
+pub use memo::{Doing, Ended, Memo, Refusal, Same, State, Work};
+pub use scheduler::{Lane, Priority, Scheduler};
 
 /// The answer of a computation that was told to stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]

@@ -30,6 +30,7 @@ use feed::pose::Pose;
 use feed::search::Strategy;
 use render::mesh::RenderMesh;
 use render::scene::SectionPlane;
+use task::{Lane, Memo, Priority, Same, Scheduler};
 
 /// See the module's page.
 pub struct Core {
@@ -53,12 +54,8 @@ pub struct Core {
     pub colours: bool,
     /// Whether the stock left on the surfaces of the channel is shown as colours.
     pub leftover: bool,
-    /// The colours of the electrode at some pose, and the thread that they are computed on: another than that of the
-    /// plan, which may take long.
-    colouring: Worker<(), (ColourKey, Arc<Vec<f32>>)>,
-    coloured: Option<(ColourKey, Arc<Vec<f32>>)>,
-    /// What they are being computed for.
-    colours_asked: Option<ColourKey>,
+    /// The electrode's clearance at its vertices in some pose.
+    coloured: Memo<ColourKey, Vec<f32>>,
     /// The room that the electrode passes through.
     pub swept: Swept,
     /// The quick look, and sizing.
@@ -66,6 +63,8 @@ pub struct Core {
     /// The whole motion on the machine.
     pub machine: MachineMotion,
     bodies: MachineBodies,
+    /// Does the work of the memos.
+    pub scheduler: Scheduler,
     /// What the window shows.
     pub workspace: Workspace,
     /// The workspace of molds.
@@ -95,17 +94,11 @@ pub struct Core {
 const PASSING: Duration = Duration::from_secs(8);
 
 /// What colours were computed for.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 struct ColourKey {
     /// The electrode's shape.
-    shape: Arc<RenderMesh>,
+    shape: Same<RenderMesh>,
     pose: Pose,
-}
-
-impl ColourKey {
-    fn is_of(&self, shape: &Arc<RenderMesh>) -> bool {
-        Arc::ptr_eq(&self.shape, shape)
-    }
 }
 
 /// A line of the log.
@@ -147,20 +140,20 @@ impl Core {
         preferences: Preferences,
         wake: impl Fn() + Send + Sync + Clone + 'static,
     ) -> std::io::Result<Self> {
+        let scheduler = Scheduler::start(wake.clone())?;
         Ok(Self {
             document,
             pipeline: Pipeline::start(wake.clone())?,
-            colouring: Worker::start(wake.clone())?,
+            coloured: Memo::new(&scheduler, Lane::Quick, "Clearance").letting_finish(),
             swept: Swept::start(wake.clone())?,
             bodies: MachineBodies::start(wake.clone())?,
             kept: KeptRuns::start(wake.clone())?,
-            tuning: Tuning::start(wake.clone())?,
-            mold: MoldDesk::start(wake.clone())?,
-            flank: FlankDesk::start(wake)?,
+            tuning: Tuning::start(wake)?,
+            mold: MoldDesk::new(&scheduler),
+            flank: FlankDesk::new(&scheduler),
+            scheduler,
             workspace: Workspace::default(),
             machine: MachineMotion::default(),
-            coloured: None,
-            colours_asked: None,
             preferences,
             step: Stage::Part,
             cursor: Cursor { electrode: 0, s: 0.0, playing: false, speed: 10.0 },
@@ -376,32 +369,20 @@ impl Core {
 
     /// Has the electrode's clearance computed at the pose of the cursor, if it is to be seen.
     fn follow_colours(&mut self) {
-        for message in self.colouring.messages() {
-            if let Message::Finished(_, ended) = message {
-                self.colours_asked = None;
-                if let Ended::Done(found) = ended {
-                    self.coloured = Some(found);
-                }
-            }
-        }
+        while self.coloured.take().is_some() {}
         if !self.colours {
-            (self.coloured, self.colours_asked) = (None, None);
-            return;
+            return self.coloured.clear();
         }
         let Some((electrode, shape)) = self.shown_electrode() else { return };
         let Some(found) = self.pipeline.channel() else { return };
-        let pose = self.shown_pose();
-        let is_known = self.coloured.as_ref().is_some_and(|(key, _)| key.is_of(shape) && key.pose == pose);
-        // What is under way for this electrode may end: while the cursor moves nothing would ever end otherwise.
-        if is_known || self.colours_asked.as_ref().is_some_and(|key| key.is_of(shape)) {
-            return;
+        let (pose, exact) = (self.shown_pose(), found.exact.clone());
+        let key = ColourKey { shape: Same(shape.clone()), pose };
+        if self.coloured.is_busy() || !self.coloured.wants(&key) {
+            return self.coloured.turn_to(&key);
         }
-        let (electrode, exact) = (electrode.clone(), found.exact.clone());
-        let key = ColourKey { shape: shape.clone(), pose };
-        self.colours_asked = Some(key.clone());
-        self.colouring.submit(0, move |_, _, cancel| {
-            let values = clearance_at_vertices(&electrode, &exact, &pose, cancel).map_err(|e| e.to_string())?;
-            Ok((key, Arc::new(values)))
+        let electrode = electrode.clone();
+        self.coloured.ask(&key, Priority::Shown, move |work| {
+            clearance_at_vertices(&electrode, &exact, &pose, &work.cancel).map_err(|e| e.to_string())
         });
     }
 

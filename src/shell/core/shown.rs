@@ -75,7 +75,7 @@ impl Core {
     /// The electrode's clearance as colours, as far as it is computed.
     pub fn colour_values(&self) -> Option<SurfaceValues> {
         let (_, shape) = self.shown_electrode()?;
-        let (_, values) = self.coloured.as_ref().filter(|(key, _)| self.colours && key.is_of(shape))?;
+        let (_, values) = self.coloured.last().filter(|(key, _)| self.colours && Arc::ptr_eq(&key.shape.0, shape))?;
         let legend = self.colour_legend();
         let range = [legend.min as f32, legend.max as f32];
         Some(SurfaceValues { values: values.clone(), map: legend.map, range })
@@ -122,7 +122,7 @@ impl Core {
     pub fn colour_legend(&self) -> Legend {
         let gap = self.document.job().electrode.spark_gap_mm;
         // While the electrode moves its colours come after it.
-        let is_current = self.coloured.as_ref().is_some_and(|(key, _)| key.pose == self.shown_pose());
+        let is_current = self.coloured.last().is_some_and(|(key, _)| key.pose == self.shown_pose());
         Legend {
             title: if is_current { "Clearance" } else { "Clearance, out of date" }.to_owned(),
             unit: "mm".to_owned(),

@@ -13,10 +13,10 @@ use crate::shell::workspace::Workspace;
 use crate::workspaces::blisk::panels::viewport::Viewport;
 use crate::workspaces::blisk::pipeline::EventKind;
 use crate::workspaces::flank::document::flank_file::is_flank_file;
-use crate::workspaces::kept::WorkEvent;
 use crate::workspaces::mold::document::cutter_file::{read_cutters, write_cutters};
 use crate::workspaces::mold::document::mold_file::{ENDING, is_mold_file, read_mold, write_mold};
 use crate::workspaces::mold::scene::{MoldLook, RegionColours};
+use crate::workspaces::news::WorkEvent;
 use nc::burn_template::BurnSheet;
 
 impl SparkpathApp {
@@ -140,7 +140,8 @@ impl SparkpathApp {
 
     /// Keeps the answer up with the parameters, and the log with both.
     pub(super) fn follow_mold(&mut self, ctx: &egui::Context) {
-        let news = self.core.mold.follow(Hands::of(ctx));
+        let is_seen = self.core.workspace == Workspace::Mold;
+        let news = self.core.mold.follow(Hands::of(ctx), is_seen);
         self.note_events(Workspace::Mold, news, ctx);
     }
 

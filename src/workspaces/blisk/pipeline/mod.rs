@@ -16,6 +16,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+pub use crate::workspaces::news::EventKind;
 pub use partial::PartialPlan;
 pub use slot::StageState;
 pub use tuning::TuningInputs;
@@ -113,19 +114,6 @@ pub struct Event {
     pub text: String,
     /// How long it was worked on.
     pub took: Option<Duration>,
-}
-
-/// What became of a step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum EventKind {
-    /// It is done.
-    Done,
-    /// It is done, and the answer is no.
-    Refused,
-    /// It was cancelled.
-    Cancelled,
-    /// It could not be done.
-    Failed,
 }
 
 /// What is being worked on.

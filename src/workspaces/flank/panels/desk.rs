@@ -8,16 +8,17 @@ use glam::DVec3;
 
 use super::plots::Tab;
 use crate::shell::record::{Hands, Record};
-use crate::workspaces::blisk::pipeline::{EventKind, StageState};
 use crate::workspaces::flank::document::milling_machine_file::{load_milling_machines, milling_machine};
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, PathChoice};
 use crate::workspaces::flank::work::{ExportChoice, FlankWork, Planned, Sketch};
-use crate::workspaces::kept::WorkEvent;
+use crate::workspaces::news::EventKind;
+use crate::workspaces::news::WorkEvent;
 use files::user_folder::user_folder;
 use flank::machine::milling_machine::Workpiece;
 use flank::path::FlankPath;
 use flank::ruled_surface::Side;
 use nc::flank_job::path_of;
+use task::{Priority, Scheduler, State};
 
 /// How long nothing may change before what was seen at a glance is planned in full.
 const REST: Duration = Duration::from_millis(300);
@@ -114,19 +115,16 @@ pub struct FlankDesk {
 
 impl FlankDesk {
     /// The workspace with a surface that comes with the program.
-    ///
-    /// # Errors
-    /// If the system gives no thread to work on.
-    pub fn start(wake: impl Fn() + Send + Sync + Clone + 'static) -> std::io::Result<Self> {
+    pub fn new(scheduler: &Scheduler) -> Self {
         let params = FlankDocument::default();
-        Ok(Self {
+        Self {
             shows_panel: true,
             shows_list: true,
             shows_figures: false,
             shows_plots: false,
             record: Record::of(&params),
             params,
-            work: FlankWork::start(wake)?,
+            work: FlankWork::new(scheduler),
             follows: true,
             path: PathChoice::Refined,
             is_side_by_side: false,
@@ -156,7 +154,7 @@ impl FlankDesk {
             shown: None,
             looked_at: None,
             standing: Standing::Nothing,
-        })
+        }
     }
 
     /// Takes all of `params`, which are those of `file` if there is one.
@@ -242,13 +240,13 @@ impl FlankDesk {
     }
 
     /// How the plan of the present parameters stands.
-    pub fn state(&self) -> StageState {
+    pub fn state(&self) -> State {
         self.work.state(&self.params)
     }
 
     /// Whether a plan can be asked for.
     pub fn can_plan(&self) -> bool {
-        self.params.validate().is_ok() && self.state() != StageState::Running
+        self.params.validate().is_ok() && self.state() != State::Running
     }
 
     /// Whether what is shown is the plan of the present parameters.
@@ -282,19 +280,20 @@ impl FlankDesk {
         if !is_seen && !self.work.is_busy() {
             return (Vec::new(), None);
         }
-        let mut events = self.work.follow(&self.params);
+        let priority = if is_seen { Priority::Shown } else { Priority::Normal };
+        let mut events = self.work.follow(&self.params, priority);
         let state = self.state();
         let is_valid = self.params.validate().is_ok();
         // While it is planned for the first time the surface is shown at once.
-        let is_first = state == StageState::Running && matches!(self.surface_from(), (None, None));
-        if is_valid && (is_first || !matches!(state, StageState::Done | StageState::Running)) {
+        let is_first = state == State::Running && matches!(self.surface_from(), (None, None));
+        if is_valid && (is_first || !matches!(state, State::Ready | State::Running)) {
             self.work.sketch(&self.params);
         }
         self.follow_answer();
-        if state == StageState::Done {
+        if state == State::Ready {
             self.edited = None;
         }
-        let Some(edited) = self.edited.filter(|_| self.follows && is_valid && state == StageState::Stale) else {
+        let Some(edited) = self.edited.filter(|_| self.follows && is_valid && state == State::Stale) else {
             return (events, None);
         };
         if hands == Hands::Holding {
@@ -355,8 +354,8 @@ impl FlankDesk {
             return Some(why);
         }
         for state in [self.work.source_state(&self.params), self.work.walls_state(&self.params), self.state()] {
-            if let StageState::Failed(why) = state {
-                return Some(why);
+            if let Some(why) = state.why_not() {
+                return Some(why.to_owned());
             }
         }
         self.work.sketched(&self.params, false).and_then(|sketch| sketch.planned.as_ref().err().cloned())

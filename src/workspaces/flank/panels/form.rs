@@ -12,11 +12,11 @@ use crate::widgets::panel_parts::{named, section};
 use crate::widgets::theme::{palette, tick};
 use crate::workspaces::blisk::panels::forms::file_name;
 use crate::workspaces::blisk::panels::stepper::{command_button, notice, sentence};
-use crate::workspaces::blisk::pipeline::StageState;
 use crate::workspaces::flank::document::{CutDirection, FlankDocument, FlankSource, PathChoice};
 use flank::cutter::{FlankCutter, HolderPart};
 use flank::params::{Objective, OffsetMethod};
 use flank::ruled_surface::Side;
+use task::State;
 
 /// Height of the line that says how the plan stands (points).
 const ROW: f32 = 22.0;
@@ -59,7 +59,7 @@ pub fn show(ui: &mut Ui, core: &mut Core, with_results: bool) -> Option<Purpose>
 fn plan(ui: &mut Ui, core: &mut Core) {
     let state = core.flank.state();
     ui.horizontal(|ui| {
-        command_button(ui, core, Command::PlanFlank, "Plan", state != StageState::Done);
+        command_button(ui, core, Command::PlanFlank, "Plan", state != State::Ready);
         command_button(ui, core, Command::Export, "Export\u{2026}", false);
         tick(ui, &mut core.flank.follows, "update automatically").on_hover_text("After the first plan");
     });
@@ -324,7 +324,7 @@ fn walls(ui: &mut Ui, core: &Core, params: &mut FlankDocument) -> Option<Purpose
             params.walls = None;
         }
     });
-    if let StageState::Failed(why) = core.flank.work.walls_state(&core.flank.params) {
+    if let Some(why) = core.flank.work.walls_state(&core.flank.params).why_not() {
         notice(ui, palette(ui).bad, &why);
     }
     for doubt in core.flank.work.walls(&core.flank.params).iter().flat_map(|walls| &walls.doubts) {

@@ -13,7 +13,6 @@ use crate::widgets::camera::bodies;
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::panels::overlay;
 use crate::workspaces::blisk::panels::viewport::{Source, Viewport};
-use crate::workspaces::blisk::pipeline::StageState;
 use crate::workspaces::flank::document::PathChoice;
 use crate::workspaces::flank::scene::{FlankScene, FlankSurface, contact_line};
 use crate::workspaces::flank::work::{LoadedFlank, LoadedWalls, Planned, Sketch};
@@ -22,6 +21,7 @@ use nc::flank_job::path_of;
 use render::colour::Theme;
 use render::scene::Scene;
 use render::view::StandardView;
+use task::State;
 
 /// How far along its arrow the button of a side is, in lengths of the arrow.
 const BEYOND: f64 = 1.35;
@@ -298,10 +298,8 @@ fn caption(ui: &mut Ui, rect: Rect, core: &Core) {
 fn empty(ui: &Ui, rect: Rect, core: &Core) {
     let work = &core.flank.work;
     let (title, line) = match work.source_state(&core.flank.params) {
-        StageState::Running => ("Loading…", ""),
-        StageState::Done if work.is_sketching() || core.flank.state() == StageState::Running => {
-            ("Looking at the surface…", "")
-        }
+        State::Running => ("Loading…", ""),
+        State::Ready if work.is_sketching() || core.flank.state() == State::Running => ("Looking at the surface…", ""),
         _ => ("Drop a part or two guide curves here", "STL, OBJ, glTF or GLB; or points as CSV."),
     };
     let c = rect.center();

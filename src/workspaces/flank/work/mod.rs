@@ -10,16 +10,16 @@ mod tests;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use task::{Doing, Lane, Memo, Priority, Scheduler, State};
+
 use stamps::Stamp;
 
-use crate::workspaces::blisk::pipeline::{EventKind, StageState};
+use crate::workspaces::blisk::pipeline::EventKind;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, MeshFlank, WallsFile};
 use crate::workspaces::flank::export;
 pub use crate::workspaces::flank::export::{ExportChoice, WrittenFlank};
 use crate::workspaces::flank::inputs::{FromFile, walls_unit};
-use crate::workspaces::glances::Glances;
-use crate::workspaces::kept::{Doing, Kept, WorkEvent, note};
-use crate::workspaces::worker::{Ended, Worker};
+use crate::workspaces::news::WorkEvent;
 pub use curves::{AxisCurve, MachineCurves, Profile};
 use import::Unit;
 use nc::flank_job::{FlankResult, LoadedSurface};
@@ -27,100 +27,78 @@ pub use steps::{LoadedFlank, LoadedWalls, Planned, Sketch};
 
 /// What a surface is read from: the source, and how often it was asked for.
 type SourceKey = (FlankSource, u64);
-/// The same of walls, and the unit of those that say none.
+/// What walls are read from: the file, the unit of those that say none, and how often they were asked for.
 type WallsKey = (WallsFile, Unit, u64);
-/// What is asked of a flank: of which files, and what.
-pub type Question = (u64, FlankDocument);
 
-/// See the module's page.
-pub struct FlankWork {
-    loader: Worker<(), LoadedFlank>,
-    loading: Option<Doing>,
-    source: Kept<SourceKey, LoadedFlank>,
-    walls_loader: Worker<(), LoadedWalls>,
-    loading_walls: Option<Doing>,
-    walls: Kept<WallsKey, LoadedWalls>,
-    sketches: Glances<Question, Sketch>,
-    planner: Worker<(), Planned>,
-    planning: Option<Doing>,
-    planned: Kept<Question, Planned>,
-    /// Whether a plan is wanted as soon as the files are there.
-    is_waiting: bool,
-    exporter: Worker<(), WrittenFlank>,
-    exporting: Option<Doing>,
+/// What a plan depends on.
+#[derive(Debug, Clone, PartialEq)]
+struct Question {
+    /// The parameters, but for those that change no path.
+    document: FlankDocument,
+    /// The files as they were read. A file that was written since and is read again is another one.
+    files: Vec<Stamp>,
+    /// How often the files were asked for: those of machine and post have no stamps.
     reloads: u64,
 }
 
+/// Everything that is computed for a flank.
+pub struct FlankWork {
+    /// One surface is remembered, and one set of walls: who comes back to a file reads it as it is then.
+    source: Memo<SourceKey, LoadedFlank>,
+    walls: Memo<WallsKey, LoadedWalls>,
+    sketches: Memo<Question, Sketch>,
+    planned: Memo<Question, Planned>,
+    /// Whether a plan is wanted as soon as the files are there.
+    is_waiting: bool,
+    exported: Memo<u64, WrittenFlank>,
+    exports: u64,
+    reloads: u64,
+    priority: Priority,
+}
+
 impl FlankWork {
-    /// Starts the workers; `wake` is called from them whenever something has happened.
-    ///
-    /// # Errors
-    /// If the system gives no thread.
-    pub fn start(wake: impl Fn() + Send + Sync + Clone + 'static) -> std::io::Result<Self> {
-        Ok(Self {
-            loader: Worker::start(wake.clone())?,
-            loading: None,
-            source: Kept::default(),
-            walls_loader: Worker::start(wake.clone())?,
-            loading_walls: None,
-            walls: Kept::default(),
-            sketches: Glances::start(wake.clone())?,
-            planner: Worker::start(wake.clone())?,
-            planning: None,
-            planned: Kept::default(),
+    /// Nothing yet.
+    pub fn new(scheduler: &Scheduler) -> Self {
+        Self {
+            source: Memo::new(scheduler, Lane::Quick, "Surface").remembering(1),
+            walls: Memo::new(scheduler, Lane::Quick, "Walls").remembering(1),
+            sketches: Memo::new(scheduler, Lane::Quick, "Quick look").letting_finish(),
+            planned: Memo::new(scheduler, Lane::Long, "Flank"),
             is_waiting: false,
-            exporter: Worker::start(wake)?,
-            exporting: None,
+            exported: Memo::new(scheduler, Lane::Quick, "Export").remembering(1),
+            exports: 0,
             reloads: 0,
-        })
+            priority: Priority::Normal,
+        }
     }
 
-    /// Takes in what the workers have said, and loads what `document` names. Answers what has happened.
-    pub fn follow(&mut self, document: &FlankDocument) -> Vec<WorkEvent> {
+    /// Takes in what has been made, and loads what `document` names. Answers what has happened.
+    pub fn follow(&mut self, document: &FlankDocument, priority: Priority) -> Vec<WorkEvent> {
+        self.priority = priority;
         let mut events = Vec::new();
-        for message in self.loader.messages() {
-            if self.source.awaits(message.task())
-                && let Some((ended, took)) = note(&mut self.loading, "Surface", message)
-                && let Some((kind, text)) = self.source.end(ended, LoadedFlank::sentence)
-            {
-                // A surface that comes with the program is no news.
-                let is_news = kind != EventKind::Done || matches!(document.source, FlankSource::Mesh(_));
-                events.extend(is_news.then(|| WorkEvent { kind, text: format!("Surface: {text}"), took }));
+        while let Some(ended) = self.source.take() {
+            let event = WorkEvent::of("Surface", ended, |loaded| (EventKind::Done, loaded.sentence()));
+            // A surface that comes with the program is no news.
+            if event.kind != EventKind::Done || matches!(document.source, FlankSource::Mesh(_)) {
+                events.push(event);
             }
         }
-        for message in self.walls_loader.messages() {
-            if self.walls.awaits(message.task())
-                && let Some((ended, took)) = note(&mut self.loading_walls, "Walls", message)
-                && let Some((kind, text)) = self.walls.end(ended, LoadedWalls::sentence)
-            {
-                events.push(WorkEvent { kind, text: format!("Walls: {text}"), took });
-            }
+        while let Some(ended) = self.walls.take() {
+            events.push(WorkEvent::of("Walls", ended, |walls| (EventKind::Done, walls.sentence())));
         }
-        for message in self.planner.messages() {
-            if self.planned.awaits(message.task())
-                && let Some((ended, took)) = note(&mut self.planning, "Flank", message)
-                && let Some((kind, text)) = self.planned.end(ended, Planned::sentence)
-            {
-                events.push(WorkEvent { kind, text: format!("Flank: {text}"), took });
-            }
+        while let Some(ended) = self.planned.take() {
+            events.push(WorkEvent::of("Flank", ended, |planned| (EventKind::Done, planned.sentence())));
         }
-        for message in self.exporter.messages() {
-            let Some((ended, took)) = note(&mut self.exporting, "Export", message) else { continue };
-            let (kind, text) = match ended {
-                Ended::Done(written) if written.blocked.is_some() => (EventKind::Refused, written.sentence()),
-                Ended::Done(written) => (EventKind::Done, written.sentence()),
-                Ended::Cancelled => (EventKind::Cancelled, "export cancelled".to_owned()),
-                Ended::Failed(text) | Ended::Panicked(text) => (EventKind::Failed, text),
-            };
-            events.push(WorkEvent { kind, text: format!("Flank: {text}"), took });
+        while let Some(ended) = self.exported.take() {
+            let kind =
+                |written: &WrittenFlank| written.blocked.as_ref().map_or(EventKind::Done, |_| EventKind::Refused);
+            events.push(WorkEvent::of("Flank", ended, |written| (kind(written), written.sentence())));
         }
-        self.sketches.follow();
         self.load(document);
-        // What other parameters lead to is of no use to anybody.
         let question = self.question(document);
-        if self.planned.running.as_ref().is_some_and(|(_, of)| *of != question) {
-            self.planner.cancel_from(0);
-        }
+        self.sketches.turn_to(&question);
+        self.planned.turn_to(&question);
+        self.planned.prioritise(priority);
         if self.is_waiting && !self.is_loading(document) {
             self.is_waiting = false;
             if let Err(text) = self.plan(document) {
@@ -133,19 +111,11 @@ impl FlankWork {
     /// Loads what `document` names, unless that is done.
     fn load(&mut self, document: &FlankDocument) {
         let key = self.source_key(document);
-        if matches!(self.source.state(&key), StageState::Missing | StageState::Stale) {
-            let source = key.0.clone();
-            let id = self.loader.submit(0, move |_, progress, cancel| steps::load(&source, progress, cancel));
-            self.source.running = Some((id, key));
-        }
+        let source = key.0.clone();
+        self.source.ask(&key, self.priority, move |work| steps::load(&source, &work.progress, &work.cancel));
         let Some(key) = self.walls_key(document) else { return };
-        if matches!(self.walls.state(&key), StageState::Missing | StageState::Stale) {
-            let (walls, unit) = (key.0.clone(), key.1);
-            let id = self
-                .walls_loader
-                .submit(0, move |_, progress, cancel| steps::load_walls(&walls, unit, progress, cancel));
-            self.walls.running = Some((id, key));
-        }
+        let (walls, unit) = (key.0.clone(), key.1);
+        self.walls.ask(&key, self.priority, move |work| steps::load_walls(&walls, unit, &work.progress, &work.cancel));
     }
 
     /// What of the source has to be read: not which of its faces is chosen.
@@ -165,7 +135,13 @@ impl FlankWork {
     fn question(&self, document: &FlankDocument) -> Question {
         let mut asked = FlankDocument { overrides: Vec::new(), ..document.clone() };
         asked.cutter.name.clear();
-        (self.reloads, asked)
+        Question { document: asked, files: self.stamps(document).cloned().collect(), reloads: self.reloads }
+    }
+
+    /// The files of `document` as they were read.
+    fn stamps(&self, document: &FlankDocument) -> impl Iterator<Item = &Stamp> {
+        let source = self.loaded(document).into_iter().flat_map(|loaded| &loaded.stamps);
+        source.chain(self.walls(document).into_iter().map(|walls| &walls.stamp))
     }
 
     /// Reads all files again.
@@ -174,29 +150,27 @@ impl FlankWork {
     }
 
     /// How the surface's source stands.
-    pub fn source_state(&self, document: &FlankDocument) -> StageState {
+    pub fn source_state(&self, document: &FlankDocument) -> State {
         self.source.state(&self.source_key(document))
     }
 
     /// How the walls stand.
-    pub fn walls_state(&self, document: &FlankDocument) -> StageState {
-        self.walls_key(document).map_or(StageState::Done, |key| self.walls.state(&key))
+    pub fn walls_state(&self, document: &FlankDocument) -> State {
+        self.walls_key(document).map_or(State::Ready, |key| self.walls.state(&key))
     }
 
     fn is_loading(&self, document: &FlankDocument) -> bool {
-        [self.source_state(document), self.walls_state(document)].contains(&StageState::Running)
+        [self.source_state(document), self.walls_state(document)].contains(&State::Running)
     }
 
     /// What `document` names, if it was read.
     pub fn loaded(&self, document: &FlankDocument) -> Option<&Arc<LoadedFlank>> {
-        let key = self.source_key(document);
-        self.source.value.as_ref().filter(|(of, _)| *of == key).map(|(_, loaded)| loaded)
+        self.source.get(&self.source_key(document))
     }
 
     /// The walls that `document` names, if they were read.
     pub fn walls(&self, document: &FlankDocument) -> Option<&Arc<LoadedWalls>> {
-        let key = self.walls_key(document)?;
-        self.walls.value.as_ref().filter(|(of, _)| *of == key).map(|(_, walls)| walls)
+        self.walls.get(&self.walls_key(document)?)
     }
 
     /// The surface of `document` with the face that it chose.
@@ -211,18 +185,18 @@ impl FlankWork {
     }
 
     /// How the plan of `document` stands.
-    pub fn state(&self, document: &FlankDocument) -> StageState {
-        if self.is_waiting { StageState::Running } else { self.planned.state(&self.question(document)) }
+    pub fn state(&self, document: &FlankDocument) -> State {
+        if self.is_waiting { State::Running } else { self.planned.state(&self.question(document)) }
     }
 
-    /// What was planned last, for whatever parameters.
+    /// What was planned or asked for last, for whatever parameters.
     pub fn planned(&self) -> Option<&Arc<Planned>> {
-        self.planned.value.as_ref().map(|(_, planned)| planned)
+        self.planned.last().map(|(_, planned)| planned)
     }
 
     /// Whether that is of `document`, whatever is being worked on.
     pub fn is_planned_of(&self, document: &FlankDocument) -> bool {
-        self.planned.is_of(&self.question(document))
+        self.planned.last().is_some_and(|(of, _)| *of == self.question(document))
     }
 
     /// Whether that is of the surface that `document` names, whatever cutter, side and walls it was planned with.
@@ -234,7 +208,7 @@ impl FlankWork {
             }
             (of, asked) => of == asked,
         };
-        self.planned.value.as_ref().is_some_and(|((_, of), _)| is_same(&of.source))
+        self.planned.last().is_some_and(|(of, _)| is_same(&of.document.source))
     }
 
     /// Begins to plan.
@@ -248,20 +222,18 @@ impl FlankWork {
             return Ok(());
         }
         for state in [self.source_state(document), self.walls_state(document)] {
-            if let StageState::Failed(why) = state {
-                return Err(why);
+            if let Some(why) = state.why_not() {
+                return Err(why.to_owned());
             }
         }
         let surface = self.surface(document).zip(self.loaded(document)).ok_or("there is no surface yet")?;
         let surface = FromFile { value: surface.0, doubts: surface.1.doubts.clone() };
         let walls = self.walls(document);
         let walls = walls.map(|walls| FromFile { value: walls.mesh.clone(), doubts: walls.doubts.clone() });
-        let question = self.question(document);
-        let asked = document.clone();
-        let id =
-            self.planner.submit(0, move |_, progress, cancel| steps::plan(&asked, surface, walls, progress, cancel));
-        self.planned.failure = None;
-        self.planned.running = Some((id, question));
+        let (question, asked) = (self.question(document), document.clone());
+        self.planned.restart(&question, self.priority, move |work| {
+            steps::plan(&asked, surface.clone(), walls.clone(), &work.progress, &work.cancel)
+        });
         Ok(())
     }
 
@@ -269,34 +241,31 @@ impl FlankWork {
     pub fn sketch(&mut self, document: &FlankDocument) {
         let Some(surface) = self.surface(document) else { return };
         let (question, asked) = (self.question(document), document.clone());
-        self.sketches.ask(question, move |cancel| Ok(steps::sketch(&asked, surface, cancel)));
+        self.sketches
+            .ask(&question, self.priority, move |work| Ok(steps::sketch(&asked, surface.clone(), &work.cancel)));
     }
 
     /// What was seen at a glance of `document`; while it goes on changing (`is_held`) also of what it was before.
     pub fn sketched(&self, document: &FlankDocument, is_held: bool) -> Option<&Arc<Sketch>> {
-        let question = self.question(document);
-        let is_same = |of: &Question| of.1.source == question.1.source && of.1.side == question.1.side;
-        self.sketches.seen(|of| *of == question || (is_held && is_same(of)))
+        let is_alike = |of: &Question| of.document.source == document.source && of.document.side == document.side;
+        let before = self.sketches.last().filter(|(of, _)| is_held && is_alike(of));
+        self.sketches.get(&self.question(document)).or(before.map(|(_, sketch)| sketch))
     }
 
     /// Forgets what was seen at a glance.
     pub fn forget_sketch(&mut self) {
-        self.sketches.forget();
+        self.sketches.clear();
     }
 
     /// What is being worked on.
     pub fn doing(&self) -> Option<&Doing> {
-        let all = [&self.loading, &self.loading_walls, &self.planning, &self.exporting];
-        all.into_iter().find_map(Option::as_ref)
+        let all = [self.source.doing(), self.walls.doing(), self.planned.doing(), self.exported.doing()];
+        all.into_iter().flatten().next()
     }
 
     /// Whether anything waits or runs, quick looks apart.
     pub fn is_busy(&self) -> bool {
-        self.is_waiting
-            || self.loader.is_busy()
-            || self.walls_loader.is_busy()
-            || self.planner.is_busy()
-            || self.exporter.is_busy()
+        self.is_waiting || self.doing().is_some()
     }
 
     /// Whether a quick look is being taken.
@@ -307,13 +276,10 @@ impl FlankWork {
     /// Stops what runs, at the user's wish: none of it begins again by itself.
     pub fn cancel(&mut self) {
         self.is_waiting = false;
-        self.source.give_up();
-        self.walls.give_up();
-        self.planned.give_up();
-        self.loader.cancel_from(0);
-        self.walls_loader.cancel_from(0);
-        self.planner.cancel_from(0);
-        self.exporter.cancel_from(0);
+        self.source.cancel();
+        self.walls.cancel();
+        self.planned.cancel();
+        self.exported.cancel();
     }
 
     /// What was planned for `document`, with the checks that it overrides and its name of the cutter.
@@ -330,9 +296,7 @@ impl FlankWork {
 
     /// The files that were read for `document` and have changed since: its plan is not of what they hold now.
     pub fn changed_files(&self, document: &FlankDocument) -> Vec<PathBuf> {
-        let source = self.loaded(document).into_iter().flat_map(|loaded| &loaded.stamps);
-        let walls = self.walls(document).into_iter().map(|walls| &walls.stamp);
-        source.chain(walls).filter_map(Stamp::changed).map(Path::to_owned).collect()
+        self.stamps(document).filter_map(Stamp::changed).map(Path::to_owned).collect()
     }
 
     /// Writes the files of the plan into `folder`: of one of which a check fails that is not overridden only the report.
@@ -342,8 +306,9 @@ impl FlankWork {
     pub fn export(&mut self, document: &FlankDocument, folder: &Path, choice: ExportChoice) -> Result<(), String> {
         let result = self.to_export(document)?;
         let (folder, document) = (folder.to_owned(), document.clone());
-        self.exporter.submit(0, move |_, progress, cancel| {
-            export::export(&folder, (&result, &document), choice, progress, cancel)
+        self.exports += 1;
+        self.exported.restart(&self.exports, Priority::Shown, move |work| {
+            export::export(&folder, (&result, &document), choice, &work.progress, &work.cancel)
         });
         Ok(())
     }

@@ -8,7 +8,6 @@ use crate::shell::core::Core;
 use crate::shell::files::Purpose;
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::panels::stepper::{command_button, notice};
-use crate::workspaces::blisk::pipeline::StageState;
 use crate::workspaces::mold::job::compare::Comparison;
 use mold::cutter::Cutter;
 
@@ -35,7 +34,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
         command_button(ui, core, Command::CompareCutters, "Compare", false);
     });
     let (mold, colours) = (&core.mold, palette(ui));
-    if let StageState::Failed(why) = mold.work.comparison_state(&mold.params, &mold.other) {
+    if let Some(why) = mold.work.comparison_state(&mold.params, &mold.other).why_not() {
         notice(ui, colours.bad, &why);
     }
     if let Some(other) = mold.work.other().cloned() {

@@ -7,18 +7,18 @@ use std::time::{Duration, Instant};
 use super::electrode::ElectrodeDesk;
 use super::list::Column;
 use crate::shell::record::{Hands, Record};
-use crate::workspaces::blisk::pipeline::StageState;
-use crate::workspaces::kept::WorkEvent;
 use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::document::electrode_file::load_electrodes;
 use crate::workspaces::mold::document::holder_files::load_holders;
 use crate::workspaces::mold::job::uncut::LayerFound;
 use crate::workspaces::mold::scene::RegionColours;
 use crate::workspaces::mold::work::{FoundUncut, Glance, MoldWork};
+use crate::workspaces::news::{EventKind, WorkEvent};
 use geometry::mesh::Bounds;
 use mold::cutter::CutterLibrary;
 use mold::electrode::params::Holder;
 use mold::uncut_region::UncutRegion;
+use task::{Priority, Scheduler, State};
 
 /// How long nothing may change before what was seen at a glance is found exactly.
 const REST: Duration = Duration::from_millis(300);
@@ -91,13 +91,10 @@ fn with_holders(mut params: MoldParams, holders: &[Holder]) -> MoldParams {
 
 impl MoldDesk {
     /// An empty workspace.
-    ///
-    /// # Errors
-    /// If the system gives no thread to work on.
-    pub fn start(wake: impl Fn() + Send + Sync + Clone + 'static) -> std::io::Result<Self> {
+    pub fn new(scheduler: &Scheduler) -> Self {
         let electrodes = ElectrodeDesk::default();
         let params = with_holders(MoldParams::default(), &electrodes.holders);
-        Ok(Self {
+        Self {
             shows_panel: true,
             shows_list: true,
             shows_list_instead: false,
@@ -105,7 +102,7 @@ impl MoldDesk {
             other: params.library.clone(),
             record: Record::of(&params),
             params,
-            work: MoldWork::start(wake)?,
+            work: MoldWork::new(scheduler),
             cutter: 0,
             selected: None,
             scrolled_to: None,
@@ -124,7 +121,7 @@ impl MoldDesk {
             changed: None,
             electrodes,
             shown: None,
-        })
+        }
     }
 
     /// Shows the panel on the left, or folds it away. A small window has room for it or for the list.
@@ -234,7 +231,7 @@ impl MoldDesk {
     }
 
     /// How the answer for the present parameters stands.
-    pub fn state(&self) -> StageState {
+    pub fn state(&self) -> State {
         self.work.state(&self.params)
     }
 
@@ -264,7 +261,7 @@ impl MoldDesk {
     }
 
     /// How the electrodes for the present parameters stand.
-    pub fn design_state(&self) -> StageState {
+    pub fn design_state(&self) -> State {
         self.work.design_state(&self.params)
     }
 
@@ -275,9 +272,10 @@ impl MoldDesk {
 
     /// Takes in what has been made, once a frame. Answers what has happened, and after how long there is something to be
     /// done again.
-    pub fn follow(&mut self, hands: Hands) -> (Vec<WorkEvent>, Option<Duration>) {
+    pub fn follow(&mut self, hands: Hands, is_seen: bool) -> (Vec<WorkEvent>, Option<Duration>) {
         self.record.follow(hands);
-        let mut events = self.work.follow(&self.params);
+        let priority = if is_seen { Priority::Shown } else { Priority::Normal };
+        let mut events = self.work.follow(&self.params, priority);
         self.follow_answer();
         self.electrodes.follow(self.work.designed());
         let waits = [self.find_again(hands), self.design_again(hands)];
@@ -285,11 +283,7 @@ impl MoldDesk {
         for next in waits {
             match next {
                 Ok(next) => wait = [wait, next].into_iter().flatten().min(),
-                Err(text) => events.push(WorkEvent {
-                    kind: crate::workspaces::blisk::pipeline::EventKind::Failed,
-                    text,
-                    took: None,
-                }),
+                Err(text) => events.push(WorkEvent { kind: EventKind::Failed, text, took: None }),
             }
         }
         (events, wait)
@@ -298,13 +292,13 @@ impl MoldDesk {
     /// Looks at a change at a glance, and exactly once nothing changes any more. Answers after how long to come back.
     fn find_again(&mut self, hands: Hands) -> Result<Option<Duration>, String> {
         let state = self.state();
-        if state == StageState::Done {
+        if state == State::Ready {
             self.edited = None;
             self.work.forget_glance();
         }
         let Some(edited) = self.edited else { return Ok(None) };
         self.work.glance(&self.params);
-        let can_follow = self.follows && state == StageState::Stale && self.params.library.validate().is_ok();
+        let can_follow = self.follows && state == State::Stale && self.params.library.validate().is_ok();
         if !can_follow || hands == Hands::Holding {
             return Ok(None);
         }
@@ -317,13 +311,13 @@ impl MoldDesk {
     fn design_again(&mut self, hands: Hands) -> Result<Option<Duration>, String> {
         let Some(changed) = self.changed else { return Ok(None) };
         let state = self.design_state();
-        if state == StageState::Done {
+        if state == State::Ready {
             self.changed = None;
         }
         let is_again = match state {
-            StageState::Stale => self.state() == StageState::Done,
+            State::Stale => self.state() == State::Ready,
             // They were asked for, and the change came before there were any.
-            StageState::Missing => self.electrodes.is_awaited,
+            State::Missing => self.electrodes.is_awaited,
             _ => false,
         };
         // A line that is being drawn would be lost.
@@ -439,7 +433,7 @@ mod tests {
     #[test]
     fn the_users_lists_are_where_a_mold_begins_and_what_is_wrong_with_them_is_said() {
         let folder = tempfile::tempdir().unwrap();
-        let mut desk = MoldDesk::start(|| {}).unwrap();
+        let mut desk = MoldDesk::new(&Scheduler::manual(|| ()));
         let standard = load_holders(None).unwrap();
         assert!(desk.params.electrodes.holders == standard && desk.electrodes.holders == standard);
         std::fs::create_dir(folder.path().join("holders")).unwrap();

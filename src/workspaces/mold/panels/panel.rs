@@ -10,11 +10,12 @@ use crate::shell::status::grouped;
 use crate::widgets::panel_parts::{named, section};
 use crate::widgets::theme::{palette, tick};
 use crate::workspaces::blisk::panels::stepper::{command_button, fact, notice};
-use crate::workspaces::blisk::pipeline::{EventKind, StageState};
 use crate::workspaces::mold::document::cutter_file::standard_cutters;
 use crate::workspaces::mold::work::FoundUncut;
+use crate::workspaces::news::EventKind;
 use import::Units;
 use mold::opening::Opening;
+use task::State;
 
 /// Height of the list of regions where it has no panel of its own (points).
 const LIST: f32 = 420.0;
@@ -50,11 +51,11 @@ fn mold(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
             asked = Some(Purpose::Mold);
         }
         match &state {
-            StageState::Missing => drop(ui.label(RichText::new("or drop a mesh here").color(palette(ui).faint))),
+            State::Missing => drop(ui.label(RichText::new("or drop a mesh here").color(palette(ui).faint))),
             _ => drop(ui.add(egui::Label::new(RichText::new(core.mold.params.name()).strong()).truncate())),
         }
     });
-    if let StageState::Failed(why) = &state {
+    if let Some(why) = state.why_not() {
         notice(ui, palette(ui).bad, why);
     }
     let mut params = core.mold.params.clone();
@@ -140,8 +141,8 @@ fn library(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
 fn uncut(ui: &mut Ui, core: &mut Core) {
     let state = core.mold.state();
     ui.horizontal(|ui| {
-        command_button(ui, core, Command::FindUncut, "Find rest material", state != StageState::Done);
-        let is_next = state == StageState::Done && !core.mold.is_designed();
+        command_button(ui, core, Command::FindUncut, "Find rest material", state != State::Ready);
+        let is_next = state == State::Ready && !core.mold.is_designed();
         command_button(ui, core, Command::DesignElectrodes, "Create electrodes", is_next);
         let hint = "Recomputes rest material and electrodes after each change";
         tick(ui, &mut core.mold.follows, "update automatically").on_hover_text(hint);
@@ -158,7 +159,7 @@ fn uncut(ui: &mut Ui, core: &mut Core) {
             ui.add(egui::Label::new(RichText::new(&doing.stage).color(palette(ui).faint)).truncate());
         });
     }
-    if let StageState::Failed(why) = &state {
+    if let Some(why) = state.why_not() {
         notice(ui, palette(ui).bad, why);
     }
     if let Some(found) = core.mold.found().cloned() {

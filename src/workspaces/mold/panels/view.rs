@@ -11,7 +11,6 @@ use crate::shell::core::Core;
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::panels::overlay;
 use crate::workspaces::blisk::panels::viewport::{Source, Viewport};
-use crate::workspaces::blisk::pipeline::StageState;
 use crate::workspaces::mold::scene::{
     MoldLayer, MoldLook, MoldPart, MoldScene, RegionColours, build_mold, depth_legend, mold_part,
 };
@@ -21,6 +20,7 @@ use render::colour::Theme;
 use render::pick::Pick;
 use render::scene::{Marker, Scene};
 use render::view::StandardView;
+use task::State;
 
 /// State of the view.
 #[derive(Default)]
@@ -304,8 +304,8 @@ fn caption(ui: &mut Ui, rect: Rect, core: &Core) {
 
 fn empty(ui: &Ui, rect: Rect, core: &Core) {
     let (title, line) = match core.mold.work.mold_state(&core.mold.params) {
-        StageState::Running => ("Loading…", ""),
-        StageState::Failed(_) => ("This could not be loaded", "The panel on the left says why."),
+        State::Running => ("Loading…", ""),
+        State::Failed(_) | State::Cancelled => ("This could not be loaded", "The panel on the left says why."),
         _ => ("Drop a mold here", "STL, OBJ, glTF or GLB. Then set the opening direction and find the rest material."),
     };
     let c = rect.center();

@@ -1,5 +1,5 @@
-//! The work on a mold behind the window: the mesh, what its cutters leave, a quick look while a cutter is changed, and
-//! what other cutters would leave.
+//! Everything that is computed for a mold: the mesh, what its cutters leave, a quick look while a cutter is changed, what
+//! other cutters would leave, electrodes for what is left, and their files.
 
 mod design;
 mod electrode_export;
@@ -9,145 +9,132 @@ mod steps;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::workspaces::blisk::pipeline::{EventKind, StageState};
-use crate::workspaces::glances::Glances;
-use crate::workspaces::kept::{Doing, Kept, WorkEvent, note};
+use task::{Doing, Lane, Memo, Priority, Scheduler, State};
+
+use crate::workspaces::blisk::pipeline::EventKind;
 use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::job::compare::Comparison;
 use crate::workspaces::mold::job::uncut::UncutParams;
-use crate::workspaces::worker::{Ended, Message, Reporter, TaskId, Worker};
+use crate::workspaces::news::WorkEvent;
 pub use design::Designed;
-use design::Designer;
+use electrode_export::{Exported, export};
 pub use glance::Glance;
 use import::Units;
 use mold::cutter::CutterLibrary;
+use mold::electrode::design::ElectrodeSet;
+use mold::electrode::params::ElectrodeParams;
 use nc::burn_template::BurnSheet;
 use nc::electrode_files::ElectrodeFormat;
 pub use steps::{FoundUncut, LoadedMold};
-use task::{Cancel, Progress};
 
 /// What a mesh is read from: the file, its unit, how often it was asked for.
 type MeshKey = (PathBuf, Units, u64);
 /// What is asked of a mold: what tells the mesh from any other, and the question.
 type Question = (String, UncutParams);
+/// What is asked of electrodes: for what is left of which mold, and how they are to be.
+type DesignQuestion = (Question, ElectrodeParams);
 
-/// What a task has made.
-enum Made {
-    Found(Box<FoundUncut>),
-    Other(Box<(FoundUncut, Comparison)>),
-}
-
-/// What the places in the queue are for; a later one is of no use once an earlier one is asked anew.
-const FIND: u32 = 0;
-const COMPARE: u32 = 1;
-
-/// See the module's page.
+/// Everything that is computed for a mold.
 pub struct MoldWork {
-    /// Loads meshes, beside what is being looked for: it may be found to be the same mesh.
-    loader: Worker<(), LoadedMold>,
-    loading: Option<Doing>,
-    worker: Worker<(), Made>,
-    glancer: Glances<Question, Glance>,
-    mold: Kept<MeshKey, LoadedMold>,
-    found: Kept<Question, FoundUncut>,
-    other: Kept<(Question, CutterLibrary), (FoundUncut, Comparison)>,
-    doing: Option<Doing>,
-    designer: Designer,
+    /// One is remembered: who comes back to a file reads it as it is then.
+    mold: Memo<MeshKey, LoadedMold>,
+    found: Memo<Question, FoundUncut>,
+    other: Memo<(Question, CutterLibrary), (FoundUncut, Comparison)>,
+    glances: Memo<Question, Glance>,
+    designed: Memo<DesignQuestion, Designed>,
+    /// Whether electrodes are wanted as soon as it is known what is left.
+    is_waiting: bool,
+    exported: Memo<u64, Exported>,
+    exports: u64,
     reloads: u64,
+    priority: Priority,
 }
 
 impl MoldWork {
-    /// Starts the workers; `wake` is called from them whenever something has happened.
-    ///
-    /// # Errors
-    /// If the system gives no thread.
-    pub fn start(wake: impl Fn() + Send + Sync + Clone + 'static) -> std::io::Result<Self> {
-        Ok(Self {
-            loader: Worker::start(wake.clone())?,
-            loading: None,
-            worker: Worker::start(wake.clone())?,
-            glancer: Glances::start(wake.clone())?,
-            designer: Designer::start(wake)?,
-            mold: Kept::default(),
-            found: Kept::default(),
-            other: Kept::default(),
-            doing: None,
+    /// Nothing yet.
+    pub fn new(scheduler: &Scheduler) -> Self {
+        Self {
+            mold: Memo::new(scheduler, Lane::Quick, "Mold").remembering(1),
+            found: Memo::new(scheduler, Lane::Long, "Uncut"),
+            other: Memo::new(scheduler, Lane::Long, "Compare").remembering(1),
+            glances: Memo::new(scheduler, Lane::Quick, "Quick look").letting_finish(),
+            designed: Memo::new(scheduler, Lane::Long, "Electrodes"),
+            is_waiting: false,
+            exported: Memo::new(scheduler, Lane::Quick, "Export of electrodes").remembering(1),
+            exports: 0,
             reloads: 0,
-        })
+            priority: Priority::Normal,
+        }
     }
 
-    /// Takes in what the workers have said, and loads the mesh that `params` name. Answers what has happened.
-    pub fn follow(&mut self, params: &MoldParams) -> Vec<WorkEvent> {
-        let loaded: Vec<_> = self.loader.messages().into_iter().filter_map(|m| self.take_loaded(m)).collect();
-        let made: Vec<_> = self.worker.messages().into_iter().filter_map(|m| self.take(m)).collect();
-        self.glancer.follow();
+    /// Takes in what has been made, and loads the mesh that `params` name. Answers what has happened.
+    pub fn follow(&mut self, params: &MoldParams, priority: Priority) -> Vec<WorkEvent> {
+        self.priority = priority;
+        let mut events = Vec::new();
+        while let Some(ended) = self.mold.take() {
+            events.push(WorkEvent::of("Mold", ended, |mold| (EventKind::Done, mold.sentence())));
+        }
+        while let Some(ended) = self.found.take() {
+            events.push(WorkEvent::of("Uncut", ended, |found| (EventKind::Done, found.sentence())));
+        }
+        while let Some(ended) = self.other.take() {
+            events.push(WorkEvent::of("Compare", ended, |(_, comparison)| (EventKind::Done, comparison.sentence())));
+        }
+        while let Some(ended) = self.designed.take() {
+            let sentence = |made: &Designed| (EventKind::Done, made.sentence(&params.electrodes.overrides));
+            events.push(WorkEvent::of("Electrodes", ended, sentence));
+        }
+        while let Some(ended) = self.exported.take() {
+            events.push(WorkEvent::of("Electrodes", ended, |exported| (EventKind::Done, exported.sentence())));
+        }
         self.load(params);
-        // What other parameters leave is of no use to anybody. A mesh that is being loaded may be the same as before.
-        let question = self.question(params);
-        let is_loading = self.mold_state(params) == StageState::Running;
-        let is_other = |of: &Question| question.as_ref().map_or(!is_loading, |question| question != of);
-        if self.found.running.as_ref().is_some_and(|(_, of)| is_other(of)) {
-            self.worker.cancel_from(FIND);
+        self.turn_to(params);
+        events.extend(self.follow_wish(params));
+        events
+    }
+
+    /// What other parameters lead to is of no use to anybody. A mesh that is being loaded may be the same as before.
+    fn turn_to(&mut self, params: &MoldParams) {
+        match self.question(params) {
+            Some(question) => {
+                self.found.turn_to(&question);
+                self.glances.turn_to(&question);
+                if self.other.under_way().is_some_and(|(of, _)| *of != question) {
+                    self.other.stop();
+                }
+                self.designed.turn_to(&design_question(question, &params.electrodes));
+            }
+            None if self.mold_state(params) == State::Running => {}
+            None => {
+                self.found.stop();
+                self.other.stop();
+            }
         }
-        if self.other.running.as_ref().is_some_and(|(_, (of, _))| is_other(of)) {
-            self.worker.cancel_from(COMPARE);
-        }
-        let designed = self.designer.follow(question.as_ref(), &params.electrodes);
-        let refused = self.follow_wish(params);
-        loaded.into_iter().chain(made).chain(designed).chain(refused).collect()
+        self.found.prioritise(self.priority);
+        self.other.prioritise(self.priority);
+        self.designed.prioritise(self.priority);
     }
 
     /// Makes electrodes that were asked for before it was known what is left.
     fn follow_wish(&mut self, params: &MoldParams) -> Option<WorkEvent> {
-        if !self.designer.is_waiting || self.state(params) == StageState::Running {
+        if !self.is_waiting || self.state(params) == State::Running {
             return None;
         }
-        self.designer.is_waiting = false;
+        self.is_waiting = false;
         // What became of the search has been said.
-        let why = if self.state(params) == StageState::Done { self.design(params).err()? } else { return None };
+        let why = if self.state(params) == State::Ready { self.design(params).err()? } else { return None };
         Some(WorkEvent { kind: EventKind::Failed, text: format!("Electrodes: {why}"), took: None })
     }
 
     /// Loads the mesh that `params` name, unless that is done.
     fn load(&mut self, params: &MoldParams) {
-        let Some(path) = &params.mesh else { return };
-        let key = (path.clone(), params.units, self.reloads);
-        if matches!(self.mold.state(&key), StageState::Missing | StageState::Stale) {
-            let (path, units) = (path.clone(), params.units);
-            let work = move |_: &Reporter<(), LoadedMold>, p: &Progress, c: &Cancel| steps::load(&path, units, p, c);
-            let id = self.loader.submit(0, work);
-            self.mold.running = Some((id, key));
-        }
+        let Some(key) = self.mesh_key(params) else { return };
+        let (path, units) = (key.0.clone(), key.1);
+        self.mold.ask(&key, self.priority, move |work| steps::load(&path, units, &work.progress, &work.cancel));
     }
 
-    fn take_loaded(&mut self, message: Message<(), LoadedMold>) -> Option<WorkEvent> {
-        if !self.mold.awaits(message.task()) {
-            return None;
-        }
-        let (ended, took) = note(&mut self.loading, "Mold", message)?;
-        let (kind, text) = self.mold.end(ended, LoadedMold::sentence)?;
-        Some(WorkEvent { kind, text: format!("Mold: {text}"), took })
-    }
-
-    fn take(&mut self, message: Message<(), Made>) -> Option<WorkEvent> {
-        let task = message.task();
-        let what = self.what(task)?;
-        let (ended, took) = note(&mut self.doing, what, message)?;
-        let (kind, text) = self.finish(task, ended)?;
-        Some(WorkEvent { kind, text: format!("{what}: {text}"), took })
-    }
-
-    fn what(&self, task: TaskId) -> Option<&'static str> {
-        if self.found.awaits(task) { Some("Uncut") } else { self.other.awaits(task).then_some("Compare") }
-    }
-
-    fn finish(&mut self, task: TaskId, ended: Ended<Made>) -> Option<(EventKind, String)> {
-        if self.found.awaits(task) {
-            let ended = done(ended, |made| if let Made::Found(found) = made { Some(*found) } else { None });
-            return self.found.end(ended, FoundUncut::sentence);
-        }
-        let ended = done(ended, |made| if let Made::Other(other) = made { Some(*other) } else { None });
-        self.other.end(ended, |(_, comparison)| comparison.sentence())
+    fn mesh_key(&self, params: &MoldParams) -> Option<MeshKey> {
+        Some((params.mesh.clone()?, params.units, self.reloads))
     }
 
     /// Reads the mesh again.
@@ -156,21 +143,20 @@ impl MoldWork {
     }
 
     /// How the mesh of `params` stands.
-    pub fn mold_state(&self, params: &MoldParams) -> StageState {
-        let Some(path) = &params.mesh else { return StageState::Missing };
-        self.mold.state(&(path.clone(), params.units, self.reloads))
+    pub fn mold_state(&self, params: &MoldParams) -> State {
+        self.mesh_key(params).map_or(State::Missing, |key| self.mold.state(&key))
     }
 
     /// The mold that was loaded last.
     pub fn mold(&self) -> Option<&Arc<LoadedMold>> {
-        self.mold.value.as_ref().map(|(_, mold)| mold)
+        self.mold.last().map(|(_, mold)| mold)
     }
 
     /// The mold of `params`, if it is there. While its mesh is read again it is the one that is known.
     fn current_mold(&self, params: &MoldParams) -> Option<&Arc<LoadedMold>> {
-        let ((path, units, _), mold) = self.mold.value.as_ref()?;
+        let ((path, units, _), mold) = self.mold.last()?;
         let is_same = params.mesh.as_ref() == Some(path) && params.units == *units;
-        (is_same && !matches!(self.mold_state(params), StageState::Failed(_))).then_some(mold)
+        (is_same && !matches!(self.mold_state(params), State::Failed(_) | State::Cancelled)).then_some(mold)
     }
 
     fn question(&self, params: &MoldParams) -> Option<Question> {
@@ -182,25 +168,27 @@ impl MoldWork {
         self.current_mold(params).map(|mold| (mold.sha256.clone(), question))
     }
 
-    /// How the answer for `params` stands.
-    pub fn state(&self, params: &MoldParams) -> StageState {
-        match self.question(params) {
-            Some(question) => self.found.state(&question),
-            None if self.found.value.is_some() => StageState::Stale,
-            None => StageState::Missing,
-        }
+    /// What is asked of `params`, and the mold that it is asked of.
+    fn asked(&self, params: &MoldParams) -> Result<(Question, Arc<LoadedMold>), String> {
+        let asked = self.question(params).zip(self.current_mold(params).cloned());
+        asked.ok_or_else(|| "load a mold first".to_owned())
     }
 
-    /// What was found last, for whatever parameters: see [`state`](Self::state).
+    /// How the answer for `params` stands.
+    pub fn state(&self, params: &MoldParams) -> State {
+        self.question(params).map_or_else(|| of_no_mold(&self.found), |question| self.found.state(&question))
+    }
+
+    /// What was found or asked for last, for whatever parameters: see [`state`](Self::state).
     pub fn found(&self) -> Option<&Arc<FoundUncut>> {
-        let (question, found) = self.found.value.as_ref()?;
+        let (question, found) = self.found.last()?;
         // What is left of another mold cannot be shown on this one.
         self.mold().filter(|mold| mold.sha256 == question.0).map(|_| found)
     }
 
     /// Whether what was [`found`](Self::found) answers `params`, whatever is being worked on.
     pub fn is_found_of(&self, params: &MoldParams) -> bool {
-        self.question(params).is_some_and(|question| self.found.is_of(&question))
+        self.found.last().is_some_and(|(of, _)| self.question(params).as_ref() == Some(of))
     }
 
     /// Looks for what the cutters leave.
@@ -208,17 +196,11 @@ impl MoldWork {
     /// # Errors
     /// One line if it cannot be asked.
     pub fn find(&mut self, params: &MoldParams) -> Result<(), String> {
-        let (Some(question), Some(mold)) = (self.question(params), self.current_mold(params).cloned()) else {
-            return Err("load a mold first".to_owned());
-        };
+        let (question, mold) = self.asked(params)?;
         question.1.validate().map_err(|e| e.to_string())?;
         let asked = question.1.clone();
-        let work = move |_: &Reporter<(), Made>, p: &Progress, c: &Cancel| {
-            steps::find(&mold, &asked, p, c).map(|found| Made::Found(Box::new(found)))
-        };
-        let id = self.worker.submit(FIND, work);
-        self.found.failure = None;
-        self.found.running = Some((id, question));
+        self.found
+            .restart(&question, self.priority, move |work| steps::find(&mold, &asked, &work.progress, &work.cancel));
         Ok(())
     }
 
@@ -227,81 +209,74 @@ impl MoldWork {
     /// # Errors
     /// One line if it cannot be asked.
     pub fn compare(&mut self, params: &MoldParams, library: &CutterLibrary) -> Result<(), String> {
-        let (Some(question), Some(mold)) = (self.question(params), self.current_mold(params).cloned()) else {
-            return Err("load a mold first".to_owned());
-        };
-        let Some(found) = self.found().filter(|_| self.found.state(&question) == StageState::Done).cloned() else {
-            return Err("find the rest material of the present cutters first".to_owned());
-        };
+        let (question, mold) = self.asked(params)?;
+        let found = self.found.get(&question).filter(|_| self.found.state(&question) == State::Ready).cloned();
+        let found = found.ok_or("find the rest material of the present cutters first")?;
         let asked = UncutParams { library: library.clone(), ..question.1.clone() };
         asked.validate().map_err(|e| e.to_string())?;
-        let work = move |_: &Reporter<(), Made>, p: &Progress, c: &Cancel| {
-            steps::compare(&mold, &found, &asked, p, c).map(|other| Made::Other(Box::new(other)))
-        };
-        let id = self.worker.submit(COMPARE, work);
-        self.other.failure = None;
-        self.other.running = Some((id, (question, library.clone())));
+        self.other.restart(&(question, library.clone()), self.priority, move |work| {
+            steps::compare(&mold, &found, &asked, &work.progress, &work.cancel)
+        });
         Ok(())
     }
 
     /// How the comparison of `params` with `library` stands.
-    pub fn comparison_state(&self, params: &MoldParams, library: &CutterLibrary) -> StageState {
-        match self.question(params) {
-            Some(question) => self.other.state(&(question, library.clone())),
-            None => StageState::Missing,
-        }
+    pub fn comparison_state(&self, params: &MoldParams, library: &CutterLibrary) -> State {
+        let question = self.question(params);
+        question.map_or(State::Missing, |question| self.other.state(&(question, library.clone())))
     }
 
     /// Whether the [`other`](Self::other) answer is the comparison of `params` with `library`.
     pub fn is_other_of(&self, params: &MoldParams, library: &CutterLibrary) -> bool {
-        self.question(params).is_some_and(|question| self.other.is_of(&(question, library.clone())))
+        self.other.last().is_some_and(|((of, with), _)| with == library && self.question(params).as_ref() == Some(of))
     }
 
     /// What the other library leaves and how that compares with what is shown; none of another answer.
     pub fn other(&self) -> Option<&Arc<(FoundUncut, Comparison)>> {
-        let ((question, _), other) = self.other.value.as_ref()?;
-        self.found.value.as_ref().filter(|(of, _)| of == question).map(|_| other)
+        let ((question, _), other) = self.other.last()?;
+        self.found.last().filter(|(of, _)| *of == question).map(|_| other)
     }
 
     /// Looks quickly at what the cutters leave, unless that is known or being looked at. While it is asked again and
     /// again with other cutters every look comes to its end, and the last one is of the last.
     pub fn glance(&mut self, params: &MoldParams) {
-        if let (Some(question), Some(mold)) = (self.question(params), self.current_mold(params).cloned()) {
-            let params = question.1.clone();
-            self.glancer.ask(question, move |cancel| glance::look(&mold, &params, cancel));
-        }
+        let Ok((question, mold)) = self.asked(params) else { return };
+        let asked = question.1.clone();
+        self.glances.ask(&question, self.priority, move |work| glance::look(&mold, &asked, &work.cancel));
     }
 
     /// Forgets what was seen at a glance.
     pub fn forget_glance(&mut self) {
-        self.glancer.forget();
+        self.glances.clear();
     }
 
     /// What was seen at a glance of `params`; while they go on changing (`is_held`) also of earlier ones, but never of
     /// another mold.
     pub fn glanced(&self, params: &MoldParams, is_held: bool) -> Option<&Arc<Glance>> {
         let question = self.question(params)?;
-        self.glancer.seen(|of| *of == question || (is_held && of.0 == question.0))
+        let before = self.glances.last().filter(|(of, _)| is_held && of.0 == question.0);
+        self.glances.get(&question).or(before.map(|(_, glance)| glance))
     }
 
     /// What is being worked on.
     pub fn doing(&self) -> Option<&Doing> {
-        self.loading.as_ref().or(self.doing.as_ref()).or(self.designer.doing())
+        let all = [self.mold.doing(), self.found.doing(), self.other.doing()];
+        all.into_iter().chain([self.designed.doing(), self.exported.doing()]).flatten().next()
     }
 
     /// Whether anything waits or runs.
     pub fn is_busy(&self) -> bool {
-        self.loader.is_busy() || self.worker.is_busy() || self.glancer.is_busy() || self.designer.is_busy()
+        self.is_waiting || self.doing().is_some() || self.glances.is_busy()
     }
 
     /// Stops what runs, at the user's wish: none of it begins again by itself.
     pub fn cancel(&mut self) {
-        self.mold.give_up();
-        self.found.give_up();
-        self.other.give_up();
-        self.loader.cancel_from(0);
-        self.worker.cancel_from(FIND);
-        self.designer.cancel();
+        self.is_waiting = false;
+        self.mold.cancel();
+        self.found.cancel();
+        self.other.cancel();
+        self.designed.cancel();
+        self.exported.cancel();
     }
 
     /// Makes electrodes for what is left, which is looked for first where it is not known.
@@ -310,42 +285,41 @@ impl MoldWork {
     /// One line if it cannot be asked.
     pub fn design(&mut self, params: &MoldParams) -> Result<(), String> {
         params.electrodes.validate().map_err(|e| e.to_string())?;
-        let (Some(question), Some(mold)) = (self.question(params), self.current_mold(params).cloned()) else {
-            return Err("load a mold first".to_owned());
-        };
-        let known = self.found().filter(|_| self.found.is_of(&question)).cloned();
-        match known {
-            Some(found) => self.designer.design(&question, &params.electrodes, mold, found),
-            None => {
-                if self.state(params) != StageState::Running {
-                    self.find(params)?;
-                }
-                self.designer.is_waiting = true;
+        let (question, mold) = self.asked(params)?;
+        self.is_waiting = false;
+        let Some(found) = self.found.get(&question).cloned() else {
+            if self.state(params) != State::Running {
+                self.find(params)?;
             }
-        }
+            self.is_waiting = true;
+            return Ok(());
+        };
+        let asked = params.electrodes.clone();
+        self.designed.restart(&design_question(question, &params.electrodes), self.priority, move |work| {
+            design::design(&mold, &found, &asked, &work.progress, &work.cancel)
+        });
         Ok(())
     }
 
     /// How the electrodes for `params` stand.
-    pub fn design_state(&self, params: &MoldParams) -> StageState {
-        if self.designer.is_waiting {
-            return StageState::Running;
+    pub fn design_state(&self, params: &MoldParams) -> State {
+        if self.is_waiting {
+            return State::Running;
         }
-        match self.question(params) {
-            Some(question) => self.designer.state(&question, &params.electrodes),
-            None if self.designer.has_made() => StageState::Stale,
-            None => StageState::Missing,
-        }
+        let state = |question| self.designed.state(&design_question(question, &params.electrodes));
+        self.question(params).map_or_else(|| of_no_mold(&self.designed), state)
     }
 
-    /// The electrodes that were made last for the present mold, for whatever parameters.
+    /// The electrodes that were made or asked for last for the present mold, for whatever parameters.
     pub fn designed(&self) -> Option<&Arc<Designed>> {
-        self.designer.made_of(&self.mold()?.sha256)
+        let ((question, _), made) = self.designed.last()?;
+        self.mold().filter(|mold| mold.sha256 == question.0).map(|_| made)
     }
 
     /// Whether [`designed`](Self::designed) answers `params`.
     pub fn is_designed_of(&self, params: &MoldParams) -> bool {
-        self.question(params).is_some_and(|question| self.designer.is_of(&question, &params.electrodes))
+        let asked = self.question(params).map(|question| design_question(question, &params.electrodes));
+        self.designed.last().is_some_and(|(of, _)| asked.as_ref() == Some(of))
     }
 
     /// Writes the electrodes into `folder`.
@@ -362,21 +336,23 @@ impl MoldWork {
         let (Some(made), Some(mold)) = (made, self.mold().cloned()) else {
             return Err("the electrodes are out of date: create them again".to_owned());
         };
-        let name = params.name();
-        self.designer.export(folder, (made, mold), (name, &params.electrodes), (formats.to_vec(), sheet.clone()));
+        let (folder, name, formats, sheet) = (folder.to_owned(), params.name(), formats.to_vec(), sheet.clone());
+        // Which of them are let pass, and what they are called, may have changed since they were made.
+        let set = ElectrodeSet { params: params.electrodes.clone(), ..made.set.clone() };
+        self.exports += 1;
+        self.exported.restart(&self.exports, Priority::Shown, move |work| {
+            export(&folder, (&set, &made), (&mold, &name), (&formats, &sheet), &work.progress, &work.cancel)
+        });
         Ok(())
     }
 }
 
-/// What has ended, which `mine` takes out of what any task may have made.
-fn done<T>(ended: Ended<Made>, mine: impl Fn(Made) -> Option<T>) -> Ended<T> {
-    match ended {
-        Ended::Done(made) => match mine(made) {
-            Some(mine) => Ended::Done(mine),
-            None => Ended::Failed("internal error: one task answered with the result of another".to_owned()),
-        },
-        Ended::Cancelled => Ended::Cancelled,
-        Ended::Failed(text) => Ended::Failed(text),
-        Ended::Panicked(text) => Ended::Panicked(text),
-    }
+/// What of `electrodes` they depend on: not what they are called or which are exported.
+fn design_question(question: Question, electrodes: &ElectrodeParams) -> DesignQuestion {
+    (question, ElectrodeParams { overrides: Vec::new(), material: String::new(), ..electrodes.clone() })
+}
+
+/// How a value stands while there is no mold that it could be of.
+fn of_no_mold<K: Clone + PartialEq, V: Send + 'static>(memo: &Memo<K, V>) -> State {
+    if memo.last().is_some() { State::Stale } else { State::Missing }
 }

@@ -6,8 +6,8 @@ use egui::{RichText, Ui};
 
 use crate::shell::core::Core;
 use crate::widgets::theme::{palette, tick};
-use crate::workspaces::blisk::pipeline::EventKind;
 use crate::workspaces::mold::work::Designed;
+use crate::workspaces::news::EventKind;
 use mold::electrode::check::{CheckKind, Finding};
 use mold::electrode::overrides::{IdleOverride, Override};
 

@@ -13,7 +13,6 @@ use crate::shell::files::Purpose;
 use crate::widgets::panel_parts::named;
 use crate::widgets::theme::{palette, tick};
 use crate::workspaces::blisk::panels::stepper::{command_button, fact, notice, sentence};
-use crate::workspaces::blisk::pipeline::StageState;
 use mold::cutter::CutterLibrary;
 use mold::electrode::params::{ElectrodeParams, Holder, Removal, Shape};
 use nc::burn_template::BurnSheet;
@@ -261,7 +260,7 @@ fn edits(ui: &mut Ui, asked: &mut ElectrodeParams, unmet: &[usize]) {
 /// What they came to, and how it is written.
 fn answer(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
     let state = core.mold.design_state();
-    if let StageState::Failed(why) = &state {
+    if let Some(why) = state.why_not() {
         notice(ui, palette(ui).bad, why);
     }
     let Some(made) = core.mold.electrodes.designed().cloned() else {
