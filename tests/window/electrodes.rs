@@ -13,10 +13,10 @@ use nc::burn_template::BurnSheet;
 use sparkpath::shell::commands::Command;
 use sparkpath::shell::run::Opening;
 use sparkpath::shell::workspace::Workspace;
-use sparkpath::workspaces::blisk::pipeline::StageState;
 use sparkpath::workspaces::flank::document::FlankSource;
 use sparkpath::workspaces::flank::document::flank_file::read_flank;
 use sparkpath::workspaces::mold::scene::electrodes::BurnOf;
+use task::State;
 
 use crate::desk::{Desk, Home};
 
@@ -34,7 +34,7 @@ fn designed(home: &Home, pixels: [u16; 2]) -> Desk {
 }
 
 fn until_designed(desk: &mut Desk) {
-    desk.until("electrodes are made", |d| d.mold().design_state() == StageState::Done && !d.mold().work.is_busy());
+    desk.until("electrodes are made", |d| d.mold().design_state() == State::Ready && !d.mold().work.is_busy());
 }
 
 fn bodies(desk: &Desk) -> usize {
@@ -45,7 +45,7 @@ fn bodies(desk: &Desk) -> usize {
 fn electrodes_are_designed_looked_at_changed_and_exported() {
     let home = Home::new();
     let mut desk = designed(&home, [1280, 720]);
-    assert_eq!(desk.mold().state(), StageState::Done, "what is left was found first");
+    assert_eq!(desk.mold().state(), State::Ready, "what is left was found first");
     let made = desk.mold().electrodes.designed().unwrap().clone();
     let burns: usize = made.set.electrodes.iter().map(|e| e.burns.len()).sum();
     assert!(burns > 0 && bodies(&desk) == burns, "{burns} {}", bodies(&desk));
@@ -114,15 +114,15 @@ fn electrodes_are_designed_looked_at_changed_and_exported() {
     params.electrodes.stages[0].gap_mm = 0.1;
     desk.mold_mut().edit(params);
     desk.settle();
-    assert_eq!((desk.mold().design_state(), desk.mold().state()), (StageState::Stale, StageState::Done));
+    assert_eq!((desk.mold().design_state(), desk.mold().state()), (State::Stale, State::Ready));
     desk.assert_shows("Of other parameters");
     desk.key_with(Modifiers::COMMAND, Key::Z);
-    assert_eq!(desk.mold().design_state(), StageState::Done);
+    assert_eq!(desk.mold().design_state(), State::Ready);
     // What is exported although a check fails changes no electrode.
     let mut params = desk.mold().params.clone();
     params.electrodes.overrides.push(first.parse().unwrap());
     desk.mold_mut().edit(params);
-    assert_eq!(desk.mold().design_state(), StageState::Done);
+    assert_eq!(desk.mold().design_state(), State::Ready);
 }
 
 #[test]
@@ -300,10 +300,10 @@ fn a_change_of_stages_makes_electrodes_of_all_of_them_again() {
     assert!(desk.mold().electrodes.seen().is_none() && !desk.shows("stale"));
     // What the user stops does not begin again.
     desk.enter("Gap of stage 1", "0.5");
-    desk.until("it begins", |d| d.mold().design_state() == StageState::Running);
+    desk.until("it begins", |d| d.mold().design_state() == State::Running);
     desk.key(Key::Escape);
     desk.until("it has ended", |d| !d.mold().work.is_busy());
-    assert!(matches!(desk.mold().design_state(), StageState::Failed(_)));
+    assert!(matches!(desk.mold().design_state(), State::Failed(_)));
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::time::Duration;
+use task::State;
 
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::{By, Queryable as _};
@@ -13,7 +14,6 @@ use nc::flank_program::{FlankNc, TipControl};
 use sparkpath::shell::run::Opening;
 use sparkpath::shell::workspace::Workspace;
 use sparkpath::workspaces::blisk::document::stage::Stage;
-use sparkpath::workspaces::blisk::pipeline::StageState;
 use sparkpath::workspaces::flank::document::flank_file::{read_flank, write_flank};
 use sparkpath::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, PathChoice};
 use sparkpath::workspaces::flank::panels::FlankDesk;
@@ -45,9 +45,7 @@ impl Desk {
     }
 
     fn until_planned(&mut self) {
-        self.until("the flank is planned", |desk| {
-            desk.flank().state() == StageState::Done && desk.flank().is_planned()
-        });
+        self.until("the flank is planned", |desk| desk.flank().state() == State::Ready && desk.flank().is_planned());
         // The view flies onto what is new.
         std::thread::sleep(std::time::Duration::from_millis(300));
         self.settle();

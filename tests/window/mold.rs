@@ -3,6 +3,7 @@
 use std::f64::consts::FRAC_PI_4;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use task::State;
 
 use egui::{Key, Modifiers, Role, vec2};
 use egui_kittest::kittest::{By, Queryable as _};
@@ -11,7 +12,6 @@ use glam::DVec3;
 use import::{Units, write_stl};
 use mold::cutter::{Cutter, CutterLibrary};
 use sparkpath::shell::run::Opening;
-use sparkpath::workspaces::blisk::pipeline::StageState;
 use sparkpath::workspaces::mold::panels::MoldDesk;
 
 use crate::desk::{Desk, Home};
@@ -72,12 +72,12 @@ impl Desk {
     }
 
     fn until_found(&mut self) {
-        self.until("what is left is found", |d| d.mold().state() == StageState::Done);
+        self.until("what is left is found", |d| d.mold().state() == State::Ready);
         self.until("the mold is at rest", |d| !d.mold().work.is_busy());
     }
 
     pub fn until_loaded(&mut self) {
-        self.until("the mold is loaded", |d| d.mold().work.mold_state(&d.mold().params) == StageState::Done);
+        self.until("the mold is loaded", |d| d.mold().work.mold_state(&d.mold().params) == State::Ready);
     }
 
     fn volume(&self) -> f64 {
@@ -152,7 +152,7 @@ fn what_is_left_is_found_listed_selected_and_cut_into_layers() {
     assert!(!desk.shows("Regions"));
     desk.press_role(Role::Tab, "Mold workspace");
     assert_eq!((desk.mold().selected, desk.mold().layer), (Some(6), Some(number)));
-    assert_eq!(desk.mold().state(), StageState::Done);
+    assert_eq!(desk.mold().state(), State::Ready);
 }
 
 #[test]
@@ -172,7 +172,7 @@ fn a_change_of_a_cutter_is_seen_at_a_glance_and_found_exactly_at_rest() {
     assert!(glance.regions.len() == 8 && (coarse / exact - 1.0).abs() < 0.2, "{coarse} {exact}");
     desk.assert_shows("At a glance");
     // Nothing is found by itself as long as that is not wanted.
-    assert_eq!(desk.mold().state(), StageState::Stale);
+    assert_eq!(desk.mold().state(), State::Stale);
     desk.mold_mut().follows = true;
     desk.until_found();
     assert!((desk.volume() / exact - 1.0).abs() < 1e-3 && desk.mold().glanced().is_none());
@@ -227,7 +227,7 @@ fn a_search_goes_on_while_the_same_mesh_is_read_again() {
     write_stl(&home.path("stepped.stl"), &mesh).unwrap();
     desk.key_with(Modifiers::COMMAND, Key::R);
     desk.until_loaded();
-    assert!(desk.mold().state() == StageState::Stale && desk.mold().found().is_none());
+    assert!(desk.mold().state() == State::Stale && desk.mold().found().is_none());
 }
 
 #[test]

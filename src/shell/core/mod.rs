@@ -25,7 +25,6 @@ use crate::workspaces::blisk::scene::values::clearance_at_vertices;
 use crate::workspaces::blisk::scene::{Layer, Layers};
 use crate::workspaces::flank::panels::FlankDesk;
 use crate::workspaces::mold::panels::MoldDesk;
-use crate::workspaces::worker::{Ended, Message, Worker};
 use feed::pose::Pose;
 use feed::search::Strategy;
 use render::mesh::RenderMesh;

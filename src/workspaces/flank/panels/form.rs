@@ -325,7 +325,7 @@ fn walls(ui: &mut Ui, core: &Core, params: &mut FlankDocument) -> Option<Purpose
         }
     });
     if let Some(why) = core.flank.work.walls_state(&core.flank.params).why_not() {
-        notice(ui, palette(ui).bad, &why);
+        notice(ui, palette(ui).bad, why);
     }
     for doubt in core.flank.work.walls(&core.flank.params).iter().flat_map(|walls| &walls.doubts) {
         notice(ui, palette(ui).warning, doubt);

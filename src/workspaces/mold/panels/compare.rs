@@ -35,7 +35,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
     });
     let (mold, colours) = (&core.mold, palette(ui));
     if let Some(why) = mold.work.comparison_state(&mold.params, &mold.other).why_not() {
-        notice(ui, colours.bad, &why);
+        notice(ui, colours.bad, why);
     }
     if let Some(other) = mold.work.other().cloned() {
         let sentence = other.1.sentence();

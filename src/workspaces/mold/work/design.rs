@@ -6,13 +6,10 @@ use super::{FoundUncut, LoadedMold};
 use crate::workspaces::mold::job::electrodes::electrodes;
 use crate::workspaces::mold::report::ElectrodesReport;
 use crate::workspaces::mold::scene::electrodes::{ElectrodeShape, electrode_shapes};
-use crate::workspaces::worker::{Ended, Reporter, Worker};
 use mold::electrode::design::{ElectrodeSet, PartNode};
 use mold::electrode::overrides::Override;
 use mold::electrode::params::ElectrodeParams;
 use mold::opening::Opening;
-use nc::burn_template::BurnSheet;
-use nc::electrode_files::ElectrodeFormat;
 use task::{Cancel, Progress};
 
 /// Electrodes with all that is shown of them.
