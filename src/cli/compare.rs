@@ -6,8 +6,8 @@ use super::{Answer, Session};
 use crate::workspaces::blisk::export;
 use crate::workspaces::blisk::job::compare as job;
 use crate::workspaces::blisk::report::comparison::{Comparison, Run};
+use feed::plan_params::Strategy;
 use feed::pose::Axis;
-use feed::strategy::Strategy;
 
 /// The strategy called `name`.
 pub(super) fn strategy(name: &str) -> Result<Strategy, String> {

@@ -2,8 +2,8 @@
 
 use std::sync::Mutex;
 
+use feed::plan_params::Strategy;
 use feed::pose::Axis;
-use feed::strategy::Strategy;
 use sparkpath::workspaces::blisk::job::compare::{compare, comparison};
 use sparkpath::workspaces::blisk::job::plan::{PlanInputs, PlanJobError, prepare, run_prepared};
 use sparkpath::workspaces::blisk::job::prepared_blisk::PreparedBlisk;

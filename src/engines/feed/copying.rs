@@ -64,8 +64,8 @@ pub struct Turn {
 }
 
 impl CopyingExtent {
-    /// What undoes the reductions of `electrode`, which was made by `params` with its walls drawn in by a further `h`
-    /// (rad). A column of a channel that is divided left and right goes to its own wall only.
+    /// Copying motion that undoes the reductions of `electrode`, made by `params` with its walls drawn in by a further
+    /// `h` (rad). A column of a channel that is divided left and right copies to its own wall only.
     pub fn of(electrode: &Electrode, params: &ElectrodeParams, h: f64) -> Self {
         let [low, high] = params.circumferential_reduction_deg.map(|deg| deg.to_radians() + h);
         let only = |column, value: f64| if electrode.column.is_none_or(|c| c == column) { value } else { 0.0 };
@@ -93,14 +93,14 @@ pub struct CopyingMotion {
     pub turns: Vec<Turn>,
 }
 
-/// What became of the copying motion of an electrode.
+/// Result of planning the copying motion of an electrode.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Copying {
     /// There are no reductions to be undone.
     NotNeeded,
     /// The machine cannot make it: it has no axis A.
     NoTable,
-    /// There is one.
+    /// The copying motion.
     Made(Box<CopyingMotion>),
 }
 
@@ -113,7 +113,7 @@ impl Copying {
         }
     }
 
-    /// What became of it, in a sentence.
+    /// The result in one sentence.
     pub fn sentence(&self) -> String {
         match self {
             Self::NotNeeded => "No copying motion: there are no reductions.".to_owned(),
@@ -162,7 +162,7 @@ impl CopyingMotion {
     }
 }
 
-/// What a copying motion is made and judged with.
+/// Settings that a copying motion is made and judged with.
 pub struct CopyingSettings<'a> {
     /// The machine.
     pub machine: &'a MachineParams,

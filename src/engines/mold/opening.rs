@@ -9,19 +9,24 @@ use geometry::mesh::Mesh;
 
 /// The direction in which the opening of a mold looks, in the axes of its mesh. Cutters come from there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[allow(missing_docs)]
 pub enum Opening {
+    /// Along +X of the file.
     #[serde(rename = "+x")]
     PlusX,
+    /// Along -X of the file.
     #[serde(rename = "-x")]
     MinusX,
+    /// Along +Y of the file.
     #[serde(rename = "+y")]
     PlusY,
+    /// Along -Y of the file.
     #[serde(rename = "-y")]
     MinusY,
+    /// Along +Z of the file.
     #[default]
     #[serde(rename = "+z")]
     PlusZ,
+    /// Along -Z of the file.
     #[serde(rename = "-z")]
     MinusZ,
 }

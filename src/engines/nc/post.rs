@@ -22,17 +22,44 @@ const OTHER_RESULTS: [&str; 12] =
 
 /// Why a post cannot be used.
 #[derive(Debug, thiserror::Error)]
-#[allow(missing_docs)]
 pub enum PostError {
+    /// No post has this name.
     #[error("there is no post {name:?}; built in are {}, and one of your own is given by the path of its .toml file",
             known.join(", "))]
-    Unknown { name: String, known: Vec<&'static str> },
+    Unknown {
+        /// Name asked for.
+        name: String,
+        /// Names of the built-in posts.
+        known: Vec<&'static str>,
+    },
+    /// The file of a post cannot be read.
     #[error("cannot read the post {path}: {source}")]
-    Read { path: PathBuf, source: std::io::Error },
+    Read {
+        /// Path of the file.
+        path: PathBuf,
+        /// Error of the system.
+        source: std::io::Error,
+    },
+    /// The post is not valid TOML, or has unknown keys.
     #[error("post {origin}: {problem}")]
-    Syntax { origin: String, problem: String },
+    Syntax {
+        /// Where the post was read from.
+        origin: String,
+        /// Problem found.
+        problem: String,
+    },
+    /// A value of the post is out of range.
     #[error("post {origin}: {key} is {value}; {remedy}")]
-    Value { origin: String, key: &'static str, value: String, remedy: String },
+    Value {
+        /// Where the post was read from.
+        origin: String,
+        /// Key.
+        key: &'static str,
+        /// Value found.
+        value: String,
+        /// Range or remedy.
+        remedy: String,
+    },
 }
 
 /// How the F word gives the speed of a block.

@@ -25,10 +25,11 @@ pub struct NurbsWall {
 
 /// Why there are no walls through measured sections.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[allow(missing_docs)]
 pub enum MeasuredError {
+    /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+    /// A wall cannot be approximated by NURBS.
     #[error(transparent)]
     Nurbs(#[from] NurbsError),
 }

@@ -64,7 +64,7 @@ impl Motion {
     }
 }
 
-/// What is known of an instant: the distance if the field reaches so far, and how much it is at least (mm).
+/// Distance at one instant, where the field reaches so far, and a lower bound of it (mm).
 #[derive(Clone, Copy)]
 struct Look {
     distance: Option<f64>,
@@ -176,10 +176,11 @@ fn within(mesh: &Mesh, [from, to]: [f64; 2]) -> Bounds {
 
 /// Why an electrode cannot be prepared.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[allow(missing_docs)]
 pub enum CutterError {
+    /// The electrode's distance field cannot be built.
     #[error("the electrode's distance field: {0}")]
     Field(#[from] FieldError),
+    /// The electrode's mesh cannot be searched.
     #[error("the electrode's mesh: {0}")]
     Mesh(#[from] ExactMeshError),
 }

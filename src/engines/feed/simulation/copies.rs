@@ -3,7 +3,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::Visit;
+use super::tour::Visit;
 use crate::verify::pair::Solid;
 use geometry::mesh::{Bounds, Mesh};
 use geometry::triangle_distance::triangle_distance;

@@ -100,7 +100,7 @@ fn cell(p: DVec3) -> [i64; 3] {
     p.to_array().map(|v| (v / SAME).floor() as i64)
 }
 
-/// The same triangle with its least vertex first.
+/// Triangle with its least vertex first.
 fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
     if a <= b && a <= c {
         [a, b, c]

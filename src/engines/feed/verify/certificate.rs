@@ -27,7 +27,7 @@ pub struct Contact {
     pub surface: Surface,
 }
 
-/// What was found out about the travel of the axes.
+/// Verdict on the travel of the axes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TravelVerdict {
@@ -39,7 +39,7 @@ pub enum TravelVerdict {
     Beyond(BeyondTravel),
 }
 
-/// What the verifier found out about the whole continuous motion of a path.
+/// Findings of the verifier about the whole continuous motion of a path.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Findings {
     pub(super) path_digest: String,
@@ -58,8 +58,8 @@ pub(super) struct Findings {
     pub(super) pair_intervals: u64,
 }
 
-/// What the verifier proved about the whole continuous motion of a path. Nobody else can make or change one: its one
-/// constructor is visible in the verifier's own module only.
+/// Proof of the clearance over the whole continuous motion of a path. Only the verifier can make one, since the
+/// constructor is visible in its module alone, and none can be changed.
 ///
 /// ```compile_fail,E0451
 /// fn made_up() -> feed::certificate::Certificate {
@@ -115,7 +115,7 @@ impl Certificate {
         self.findings.tolerance
     }
 
-    /// What clearance is asked for, in words: the spark gap less the tolerance.
+    /// Clearance demanded, in words: the spark gap less the tolerance.
     pub fn demand(&self) -> String {
         format!("{:.4} mm less the tolerance of {:.4} mm are required", self.required(), self.tolerance())
     }
@@ -143,7 +143,7 @@ impl Certificate {
         &self.findings.row_clearance
     }
 
-    /// Which surface each row's clearance is to.
+    /// Surface that each row's clearance is measured to.
     pub fn row_surface(&self) -> &[Surface] {
         &self.findings.row_surface
     }

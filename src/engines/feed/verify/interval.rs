@@ -14,7 +14,7 @@ use task::{Cancel, Cancelled};
 /// How many pairs are looked at between two looks at the cancel flag: well below 50 ms.
 const PAIRS_PER_CHECK: u32 = 4096;
 
-/// What is to be found out, and when to stop.
+/// Question to an interval of motion, with its stopping criteria.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Question {
     /// A clearance met elsewhere on the path (mm).

@@ -53,10 +53,12 @@ fn direction_words(direction: DVec3) -> String {
 
 /// The letter of a rotary axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[allow(missing_docs)]
 pub enum RotaryLetter {
+    /// Rotation about X.
     A,
+    /// Rotation about Y.
     B,
+    /// Rotation about Z.
     C,
 }
 

@@ -56,10 +56,12 @@ pub enum ToolPathError {
 
 /// The part of a path that a place is in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs)]
 pub enum Section {
+    /// Approach to the cut, with the lead-in.
     Approach,
+    /// The cut.
     Cut,
+    /// Retraction from the cut, with the lead-out.
     Retract,
 }
 

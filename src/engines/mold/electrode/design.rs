@@ -8,7 +8,6 @@ use serde::Serialize;
 use super::base::Base;
 use super::check::{CheckKind, Finding, LeftOfRegion};
 use super::division::Cut;
-use super::family::Family;
 use super::overrides::{IdleOverride, Override};
 use super::params::{ElectrodeParams, Method};
 use geometry::mesh::{Bounds, Mesh};
@@ -45,6 +44,35 @@ pub struct Burn {
     pub volume: f64,
     /// Minutes that it takes: as long as its slowest tip, or as all of them at the generator's greatest rate.
     pub minutes: f64,
+}
+
+/// Whether an electrode shares its base with those of other stages.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Family {
+    /// It does not, nor was it asked for.
+    #[default]
+    None,
+    /// It does.
+    Member {
+        /// What the body that they share is called.
+        name: String,
+        /// Where the middle of its own tips is, from the middle of the base, which is the datum, in the electrode's axes
+        /// (mm).
+        offset: DVec2,
+    },
+    /// It was asked for and cannot be.
+    Apart {
+        /// Why, in words.
+        why: String,
+    },
+}
+
+impl Family {
+    /// What the body is called that it shares with others.
+    pub fn name(&self) -> Option<&str> {
+        if let Self::Member { name, .. } = self { Some(name) } else { None }
+    }
 }
 
 /// An electrode: a base with one tip or several. Its origin is the middle of the base's underside, from where the tips
@@ -97,6 +125,18 @@ impl Electrode {
         parts.sort_unstable();
         parts.dedup();
         parts.iter().map(PartId::to_string).collect()
+    }
+}
+
+impl Override {
+    /// A decision for one check of an electrode and what it burns.
+    pub fn of(electrode: &Electrode, check: CheckKind) -> Self {
+        Self { electrode: electrode.name.clone(), check: Some(check), parts: electrode.part_names() }
+    }
+
+    /// Whether it is for this electrode and what that burns.
+    pub fn is_for(&self, electrode: &Electrode) -> bool {
+        self.electrode == electrode.name && (self.parts.is_empty() || self.parts == electrode.part_names())
     }
 }
 

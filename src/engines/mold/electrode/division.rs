@@ -7,7 +7,6 @@
 use glam::DVec2;
 use serde::Serialize;
 
-use super::earlier::CELL;
 use super::footprint::{grown, half_plane, shrunk};
 use super::h_edge::{HEdge, h_edges};
 use super::tip::{Burned, Footprint, SKIN, TipError, tip};
@@ -17,6 +16,8 @@ use crate::plane::Shape;
 use geometry::mesh::Mesh;
 use task::Cancel;
 
+/// How far from a tip in plan what it burns may lie, beyond the gap (mm): regions are known to cells.
+pub(super) const CELL: f64 = 0.05;
 /// How far a cut lies off the wall it goes along (mm), so that the two do not lie in one another.
 const OFF_WALL: f64 = 1e-4;
 /// Further than any mold (mm).

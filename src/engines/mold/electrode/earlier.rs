@@ -2,15 +2,12 @@
 //! those after them: a roughing electrode keeps its thick part, and the finishing one burns the rest alone.
 
 use super::design::LeftOut;
-use super::division::Part;
+use super::division::{CELL, Part};
 use super::footprint::{grown, is_thin};
 use super::params::{ElectrodeParams, Stage};
-use super::plan::{RegionToBurn, Setting};
+use super::setting::{RegionToBurn, Setting};
 use crate::outline::Outline;
 use crate::plane;
-
-/// How far from a tip in plan what it burns may lie, beyond the gap (mm): regions are known to cells.
-pub(super) const CELL: f64 = 0.05;
 
 /// Takes out the parts that are nowhere as thick as `least` (mm), each with its number; what share of a region, given in
 /// plan, the others burn, and whether one was taken out that would be thick enough by less than what regions are known to.

@@ -5,12 +5,15 @@ use rayon::prelude::*;
 
 use super::division::{Cut, DivisionSettings, Part, cut_along, whole};
 use super::params::{Edit, ElectrodeParamsError};
-use super::plan::{RegionToBurn, TOUCHES};
+use super::setting::RegionToBurn;
 use super::tip::{Burned, Footprint, SKIN, TipError};
 use crate::outline::{Outline, off_segment};
 use crate::plane;
 use geometry::exact::ExactMesh;
 use geometry::mesh::Mesh;
+
+/// How far a place of an edit may be from a region's surface, or from a part in plan (mm).
+const TOUCHES: f64 = 0.5;
 
 /// What a cut leaves between two parts at most (mm).
 const HAIR: f64 = 1e-3;

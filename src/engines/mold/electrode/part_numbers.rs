@@ -9,8 +9,7 @@ use std::collections::BTreeMap;
 use super::design::{PartId, PartNode, RegionPlan};
 use super::division::Part;
 use super::params::ElectrodeParams;
-use super::plan::{RegionToBurn, to_burn_frame};
-use super::removal::layer;
+use super::setting::{RegionToBurn, layer, to_burn_frame};
 use crate::outline::Outline;
 use crate::plane;
 

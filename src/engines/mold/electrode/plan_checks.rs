@@ -11,11 +11,12 @@ use super::check::{
     CheckKind, Clearance, Finding, LeftOfRegion, Milled, Obstacle, Sample, leftover, machinable, watertight,
 };
 use super::design::{Burn, Electrode, PartId, PartNode, RegionPlan};
-use super::earlier::{CELL, is_nothing};
+use super::division::CELL;
+use super::earlier::is_nothing;
 use super::leftover::{Burns, Looked, left_by};
 use super::params::{ElectrodeParams, Stage};
-use super::plan::{ElectrodeError, RegionToBurn, kept_clear, to_burn_frame};
 use super::samples::{Edge, concave_edges, samples};
+use super::setting::{ElectrodeError, RegionToBurn, kept_clear, to_burn_frame};
 use super::tip::joined;
 use crate::cutter::CutterLibrary;
 use crate::height_field::HeightFieldError;

@@ -6,18 +6,25 @@ use rayon::prelude::*;
 use super::base::{Base, INTO_BASE, placed};
 use super::burning::Burning;
 use super::check::Obstacle;
-use super::combine::near;
-use super::design::{Burn, Electrode};
+use super::combine::{Form, near};
+use super::design::{Burn, Electrode, PartId};
+use super::division::Part;
 use super::footprint::is_thin;
 use super::params::{ElectrodeParams, Method};
-use super::plan::{ElectrodeError, Leaf, RegionToBurn, Setting};
-use super::removal::burn_area;
 use super::samples::samples;
+use super::setting::{ElectrodeError, RegionToBurn, Setting, burn_area};
 use super::tip::{joined, led_up};
 use crate::cutter::{Cutter, CutterLibrary};
 use crate::plane;
 use geometry::mesh::{Bounds, Mesh};
 use task::Cancel;
+
+/// A tip with what it is for.
+pub(super) struct Leaf {
+    pub(super) id: PartId,
+    pub(super) part: Part,
+    pub(super) form: Form,
+}
 
 /// One electrode for several leaves: which, turned and shifted how.
 pub(super) struct Shared {

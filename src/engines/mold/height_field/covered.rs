@@ -32,9 +32,15 @@ pub enum Cover {
     Nothing,
     /// Some of it, or several regions.
     Partly,
-    /// One region over every cell, with the least and the greatest height (mm) from which on and up to which it is left.
-    #[allow(missing_docs)]
-    Wholly { region: usize, from: [f64; 2], to: [f64; 2] },
+    /// One region over every cell.
+    Wholly {
+        /// Number of the region.
+        region: usize,
+        /// Least and greatest height from which on stock is left (mm).
+        from: [f64; 2],
+        /// Least and greatest height up to which stock is left (mm).
+        to: [f64; 2],
+    },
 }
 
 /// Where the regions of a grid lie.

@@ -13,7 +13,7 @@ use mold::electrode::design::{Burn, Electrode, ElectrodeSet};
 use mold::electrode::family::Family;
 use mold::electrode::overrides::Override;
 use mold::electrode::params::{Method, Orbit, Shape};
-use mold::electrode::plan::to_burn_frame;
+use mold::electrode::setting::to_burn_frame;
 use mold::opening::Opening;
 
 /// Version of the keys of `burn_table.json`, which templates use too.

@@ -40,7 +40,7 @@ pub(super) struct Layout {
 pub(super) struct Ring {
     /// The plane (mm).
     pub x: f64,
-    /// Its points.
+    /// Points of the ring.
     pub points: Vec<Polar>,
 }
 
@@ -70,7 +70,7 @@ impl Layout {
         (self.len() - v) % self.len()
     }
 
-    /// What the face between points `k` and `k + 1` of two burning rings is.
+    /// Face between points `k` and `k + 1` of two burning rings.
     pub(super) fn face(self, k: usize) -> ElectrodeFace {
         let (n, m) = (self.columns, self.rows);
         match k {
@@ -289,8 +289,8 @@ impl<'a> Finisher<'a> {
         Ok(())
     }
 
-    /// What the places on ring `i` and between it and the next push: vertices, the nearest place of each edge, and
-    /// some places inside each face.
+    /// Corrections for the points on ring `i` and between it and the next: vertices, the nearest point of each edge,
+    /// and some points inside each face.
     fn pushes(&self, rings: &[Ring], i: usize) -> Vec<Push> {
         let n = self.layout.len();
         let mut pushes = Vec::new();

@@ -32,7 +32,7 @@ pub struct Repetition {
 pub(super) struct Region {
     /// Number of gaps around.
     pub count: usize,
-    /// Its cells.
+    /// Cells of the region.
     cells: Vec<[usize; 2]>,
 }
 

@@ -11,7 +11,7 @@ use crate::workspaces::blisk::export::PlanFilesError;
 use crate::workspaces::blisk::report::InputFile;
 use crate::workspaces::blisk::report::comparison::{Comparison, Run, RunElectrode, SCHEMA};
 use feed::genetic::ReductionMode;
-use feed::strategy::Strategy;
+use feed::plan_params::Strategy;
 use files::whole_file::write_atomically;
 use task::{Cancel, Progress};
 

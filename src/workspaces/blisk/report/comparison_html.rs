@@ -5,8 +5,8 @@ use std::fmt::Write;
 use super::comparison::{Comparison, Run, RunElectrode};
 use crate::workspaces::blisk::report::html::{STYLE, file_name};
 use crate::workspaces::blisk::report::tables::{number, parameters, row, small, table};
+use feed::plan_params::Strategy;
 use feed::pose::Axis;
-use feed::strategy::Strategy;
 use files::svg_plot::{Plot, Series, escape};
 
 /// What is not there.

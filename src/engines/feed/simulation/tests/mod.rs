@@ -2,6 +2,8 @@
 
 mod claims;
 
+use super::bodies::Bodies;
+use super::run::Run;
 use super::*;
 use crate::machine::TravelLimits;
 use crate::machine_model::{Body, Carrier};
@@ -13,6 +15,7 @@ use geometry::frame::Frame;
 use geometry::mesh::Bounds;
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
+use task::{Cancel, Progress};
 use wheel::channel::Surface;
 use wheel::electrode::{ElectrodeFace, EntrySide};
 

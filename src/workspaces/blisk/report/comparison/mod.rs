@@ -7,8 +7,8 @@ use serde::Serialize;
 use super::comparison_html;
 use crate::workspaces::blisk::report::{InputFile, ObjectiveReport, ReportError, Smoothness};
 use feed::plan::FeedPlan;
+use feed::plan_params::Strategy;
 use feed::pose::Axis;
-use feed::strategy::Strategy;
 use wheel::channel::Channel;
 use wheel::electrode::{Electrode, EntrySide};
 
@@ -103,7 +103,7 @@ impl RunElectrode {
     pub fn of(index: usize, plan: &FeedPlan, electrode: &Electrode, channel: &Channel) -> Self {
         let path = plan.path.as_ref();
         let sum = |part: fn(&ObjectiveReport) -> f64| {
-            let value = |n: &feed::search::Node| ObjectiveReport {
+            let value = |n: &feed::problem::Node| ObjectiveReport {
                 smoothness: n.objective.smoothness,
                 centring: n.objective.centring,
                 total: n.objective.total,
