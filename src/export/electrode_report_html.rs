@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::burn_table::{BurnEntry, BurnTable, CheckState, ElectrodeEntry, ElectrodeState, method_name, shape_name};
 use super::electrode_report::{Division, ElectrodesReport, RegionEntry};
-use super::report_html::{STYLE, base64};
+use super::report_html::{STYLE, data_url};
 use super::report_tables::{number, parameters, row, table};
 use super::svg_plot::escape;
 
@@ -117,11 +117,9 @@ fn figures(out: &mut String, pictures: &[(String, Vec<u8>)]) {
     }
     out.push_str("<section class=\"pictures\">");
     for (caption, png) in pictures {
-        let (caption, data) = (escape(caption), base64(png));
-        let _ = write!(
-            out,
-            "<figure><img alt=\"{caption}\" src=\"data:image/png;base64,{data}\"><figcaption>{caption}</figcaption></figure>"
-        );
+        let (caption, data) = (escape(caption), data_url("image/png", png));
+        let _ =
+            write!(out, "<figure><img alt=\"{caption}\" src=\"{data}\"><figcaption>{caption}</figcaption></figure>");
     }
     out.push_str("</section>");
 }

@@ -6,7 +6,7 @@ use super::flank_report::{
     AxisEntry, CheckEntry, ClearanceEntry, DeviationMaps, Figures, FlankPicture, FlankReport, MachineEntry, PathEntry,
     SlowedEntry, SurfaceEntry,
 };
-use super::report_html::{STYLE, base64};
+use super::report_html::{STYLE, data_url};
 use super::report_tables::{number, parameters, row, table};
 use super::svg_plot::{Plot, Series, escape};
 use crate::flank::plan::WITHIN_ROUNDING;
@@ -95,8 +95,8 @@ fn ratio(share: Option<f64>, decimals: usize) -> String {
 }
 
 fn image(out: &mut String, alt: &str, png: &[u8], style: &str) {
-    let (alt, data) = (escape(alt), base64(png));
-    let _ = write!(out, "<img alt=\"{alt}\" style=\"{style}\" src=\"data:image/png;base64,{data}\">");
+    let (alt, data) = (escape(alt), data_url("image/png", png));
+    let _ = write!(out, "<img alt=\"{alt}\" style=\"{style}\" src=\"{data}\">");
 }
 
 fn deviation_maps(out: &mut String, report: &FlankReport, maps: &DeviationMaps) {

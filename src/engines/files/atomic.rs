@@ -1,0 +1,85 @@
+//! Files that are either the old one or the whole new one, never a torn one.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+use crate::FileError;
+
+/// Writes a file through `write` under a temporary name in the same folder and renames it to `path` at the end.
+///
+/// Whoever reads `path` meanwhile sees the former file or the complete new one; on any error the former file stays
+/// as it was and the temporary one is removed. The folder must exist.
+///
+/// # Errors
+/// Whatever `write` answers, and every error of the file system.
+pub fn atomic_write(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".sparkpath-").suffix(".part");
+    // Temporary files are private to their owner by default; this one becomes an ordinary file, under the umask.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let file = builder.tempfile_in(folder).map_err(without_path)?;
+    let mut buffered: BufWriter<&File> = BufWriter::with_capacity(1 << 20, file.as_file());
+    write(&mut buffered)?;
+    buffered.flush()?;
+    drop(buffered);
+    file.as_file().sync_all()?;
+    file.persist(path).map_err(|e| e.error)?;
+    Ok(())
+}
+
+/// Writes `bytes` as the whole content of `path`, atomically.
+///
+/// # Errors
+/// [`FileError::Unwritable`]; a file already at `path` is then untouched.
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
+    atomic_write(path, |file| file.write_all(bytes)).map_err(|source| FileError::unwritable(path, source))
+}
+
+/// The error without the temporary name that its text ends with: nobody asked for that file.
+fn without_path(error: io::Error) -> io::Error {
+    let text = error.to_string();
+    let cause = text.split_once(" at path ").map(|(cause, _)| cause.to_owned());
+    match cause {
+        Some(cause) => io::Error::new(error.kind(), cause),
+        None => error,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    fn names(folder: &Path) -> Vec<String> {
+        fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect()
+    }
+
+    #[test]
+    fn a_failed_write_leaves_the_former_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("part.txt");
+        write_bytes(&path, b"old").unwrap();
+        let failed = atomic_write(&path, |w| {
+            w.write_all(b"half of the n")?;
+            Err(io::Error::other("disk full"))
+        });
+        assert!(failed.is_err());
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        write_bytes(&path, b"new").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(names(folder.path()), ["part.txt"]);
+    }
+
+    #[test]
+    fn a_missing_folder_is_named_and_the_temporary_file_is_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = write_bytes(&folder.path().join("none/part.txt"), b"").unwrap_err().to_string();
+        assert!(error.contains("none") && !error.contains(".sparkpath-"), "{error}");
+    }
+}

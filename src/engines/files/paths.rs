@@ -1,0 +1,49 @@
+//! Paths as files name them: as seen from the folder that the file is in.
+
+use std::path::{Path, PathBuf};
+
+/// `path` as seen from the root; an empty one is the working folder.
+pub fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(if path.as_os_str().is_empty() { Path::new(".") } else { path })
+        .unwrap_or_else(|_| path.to_owned())
+}
+
+/// `path` without the `folder/..` that [`relative`] makes necessary, so that a mesh keeps its name through saving and
+/// opening.
+pub fn without_detours(path: &Path) -> PathBuf {
+    use std::path::Component;
+    let mut short = PathBuf::new();
+    for part in path.components() {
+        if part == Component::ParentDir && matches!(short.components().next_back(), Some(Component::Normal(_))) {
+            short.pop();
+        } else {
+            short.push(part);
+        }
+    }
+    short
+}
+
+/// `path` as seen from the absolute `folder`, with `..` where it lies beside it; absolute where they share no root.
+pub fn relative(path: &Path, folder: &Path) -> PathBuf {
+    let path = absolute(path);
+    let common = path.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
+    if common == 0 {
+        return path;
+    }
+    let up = folder.components().skip(common).map(|_| std::path::Component::ParentDir);
+    up.chain(path.components().skip(common)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_written_as_seen_from_the_file() {
+        let seen = relative(Path::new("/a/b/part.stl"), Path::new("/a/c"));
+        assert_eq!(without_detours(&Path::new("/a/c").join(&seen)).as_os_str(), "/a/b/part.stl");
+        assert_eq!(without_detours(Path::new("../../part.stl")).as_os_str(), "../../part.stl");
+        assert_eq!(seen, Path::new("../b/part.stl"));
+        assert_eq!(relative(Path::new("/a/part.stl"), Path::new("/a")), Path::new("part.stl"));
+    }
+}
