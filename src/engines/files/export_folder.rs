@@ -301,7 +301,7 @@ mod tests {
         let mut failing = ExportFolder::open(&out, "flank").unwrap();
         failing.write("report.html", b"new").unwrap();
         failing.write("table.csv", b"new").unwrap();
-        // A folder in the place of a file that waits makes the last move fail.
+        // The last move fails: what was to be moved is gone.
         let waiting = failing.waiting.path().join(NEW).join("table.csv");
         fs::remove_file(waiting).unwrap();
         let error = failing.publish().unwrap_err().to_string();

@@ -249,7 +249,7 @@ impl Field {
         self
     }
 
-    /// A number that changes by `mm_or_deg` per point of dragging.
+    /// A number that changes by so much per point of dragging, in its unit.
     #[must_use]
     pub const fn step(mut self, by: f64) -> Self {
         if let Kind::Number { step, .. } = &mut self.kind {
