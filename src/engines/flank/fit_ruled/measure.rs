@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::RuledFitError;
+use super::params::RuledFitError;
 use super::patch::Patch;
 use super::sides::Sides;
 use super::strip::{Foot, Strip};

@@ -60,7 +60,7 @@ pub enum MillingError {
     #[error(
         "{at}: chordal deviation {deviation_mm:.5} mm, and more points do not reduce it; raise linearisation_mm or smooth the path there"
     )]
-    Strays {
+    ChordalDeviation {
         /// Where.
         at: Place,
         /// How far (mm).

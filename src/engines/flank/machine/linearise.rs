@@ -204,9 +204,9 @@ impl Follower<'_, '_> {
         while let Some(to) = open.pop() {
             self.cancel.check()?;
             let Some(from) = points.last().copied() else { break };
-            let strays = self.strays(&from, &to)?;
-            if strays.0 <= self.params.linearisation_mm {
-                (bound, measured) = (bound.max(strays.0), measured.max(strays.1));
+            let deviation = self.chordal_deviation(&from, &to)?;
+            if deviation.0 <= self.params.linearisation_mm {
+                (bound, measured) = (bound.max(deviation.0), measured.max(deviation.1));
                 points.push(to);
                 if points.len() > MOST_POINTS {
                     return Err(MillingError::TooManyPoints { most: MOST_POINTS });
@@ -214,7 +214,7 @@ impl Follower<'_, '_> {
                 continue;
             }
             if open.len() >= DEEPEST {
-                return Err(MillingError::Strays { at: self.path.place(from.s), deviation_mm: strays.1 });
+                return Err(MillingError::ChordalDeviation { at: self.path.place(from.s), deviation_mm: deviation.1 });
             }
             let middle = self.between(&from, &to)?;
             open.extend([to, middle]);
@@ -243,7 +243,7 @@ impl Follower<'_, '_> {
     }
 
     /// Bound and greatest measured way off the path between two points (mm).
-    fn strays(&self, from: &MachinePoint, to: &MachinePoint) -> Result<(f64, f64), MillingError> {
+    fn chordal_deviation(&self, from: &MachinePoint, to: &MachinePoint) -> Result<(f64, f64), MillingError> {
         let (mode, heights) = (self.params.interpolation, [0.0, self.params.reach_mm]);
         let (mut most, mut bends) = (0.0f64, [0.0f64; 2]);
         let mut before: Vec<[DVec3; 2]> = Vec::with_capacity(PIECES + 1);

@@ -273,8 +273,8 @@ fn greatest(result: &FlankResult) -> [f64; 2] {
 /// that are written how far they leave the path.
 fn deviation(result: &FlankResult) -> FlankCheck {
     let off_mm = result.fit.as_ref().map_or(0.0, |fit| fit.error.greatest_mm);
-    let stray_mm = result.stray_mm;
-    let [overcut, undercut] = greatest(result).map(|most| most + off_mm + stray_mm);
+    let chordal_deviation_mm = result.chordal_deviation_mm;
+    let [overcut, undercut] = greatest(result).map(|most| most + off_mm + chordal_deviation_mm);
     let allowed = [result.overcut_tolerance_mm, result.undercut_tolerance_mm];
     let holds = overcut <= allowed[0] && undercut <= allowed[1];
     let mut text = format!(
@@ -284,7 +284,7 @@ fn deviation(result: &FlankResult) -> FlankCheck {
     if result.fit.is_some() {
         text += &format!("; both include {off_mm:.4} mm error of the fit");
     }
-    text += &format!("; both include {stray_mm:.4} mm chordal deviation");
+    text += &format!("; both include {chordal_deviation_mm:.4} mm chordal deviation");
     let figures = [("overcut_mm", overcut), ("undercut_mm", undercut)];
     FlankCheck::new(CheckKind::Deviation, holds, text).with(&figures)
 }

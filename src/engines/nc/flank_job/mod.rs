@@ -37,11 +37,11 @@ use task::{Cancel, Cancelled, Progress};
 
 mod checks;
 mod clearances;
+mod motion;
 mod places;
-mod way;
 
 pub use checks::{CheckKind, FlankCheck};
-use way::{leads, milled, stray, tool_path};
+use motion::{chordal_deviation, leads, milled, tool_path};
 
 /// How far what is given as walls may be off the surface itself without being a wall (mm): the same part once more.
 const OWN_MM: f64 = 0.01;
@@ -205,7 +205,7 @@ pub struct FlankFacts {
     pub milled: Option<Result<Milled, String>>,
     /// The furthest that tip and flutes' top leave the path on the straight moves that are written (mm): of the cutter
     /// locations or of the machine's positions, whichever is more.
-    pub stray_mm: f64,
+    pub chordal_deviation_mm: f64,
     /// How it is milled.
     pub milling: MillingSettings,
     /// How much the moving cutter may cut otherwise than the standing one at any place (mm).
@@ -374,7 +374,8 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
         milled(machine, &path, (&input.milling, &input.cutter), cancel)
     });
     cancel.check()?;
-    let stray_mm = stray(path, &input.milling, [&approach, &retract], (&input.cutter, milled.as_ref()));
+    let chordal_deviation_mm =
+        chordal_deviation(path, &input.milling, [&approach, &retract], (&input.cutter, milled.as_ref()));
     progress.report("positions of the machine", 1.0, "");
     let facts = FlankFacts {
         name: input.name.clone(),
@@ -391,7 +392,7 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
         approach,
         retract,
         milled,
-        stray_mm,
+        chordal_deviation_mm,
         milling: input.milling.clone(),
         envelope_tolerance_mm: input.envelope_tolerance_mm,
         overcut_tolerance_mm: input.overcut_tolerance_mm,

@@ -83,7 +83,7 @@ fn badness(result: &FlankResult, grid: &Looked, k: usize, kind: CheckKind) -> Op
     match kind {
         CheckKind::Deviation => {
             // What the surface is off the face and what straight moves leave is added to every place alike.
-            let added_mm = result.stray_mm + result.fit.as_ref().map_or(0.0, |fit| fit.error.greatest_mm);
+            let added_mm = result.chordal_deviation_mm + result.fit.as_ref().map_or(0.0, |fit| fit.error.greatest_mm);
             Some(added_mm + beyond([result.overcut_tolerance_mm, result.undercut_tolerance_mm]))
         }
         CheckKind::Envelope => Some((both[0] - both[1]).abs()),
@@ -120,7 +120,8 @@ fn nearest(result: &FlankResult, place: DVec3) -> f64 {
 fn finer_moves(result: &FlankResult) -> Option<&'static str> {
     /// What counts as much (mm).
     const MUCH_MM: f64 = 0.01;
-    (result.stray_mm > MUCH_MM).then_some("reduce the linearisation tolerance (linearisation_mm, --tolerance)")
+    (result.chordal_deviation_mm > MUCH_MM)
+        .then_some("reduce the linearisation tolerance (linearisation_mm, --tolerance)")
 }
 
 /// What could be done about a surface that the path does not cover. Another path is named only if it does; flutes that
