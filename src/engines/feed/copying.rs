@@ -43,7 +43,7 @@ const LOOKS: usize = 8;
 /// Moves shorter than this are none: of A in rad and of Z in mm, steps of the files both.
 const LEAST_MOVE: f64 = 1e-6;
 
-/// How far a copying motion shall go, or goes: all not negative.
+/// Extent of a copying motion; no value is negative.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct CopyingExtent {
     /// Turn of A towards the low wall (rad).
@@ -57,9 +57,9 @@ pub struct CopyingExtent {
 /// A turn of A from 0 at a height and back.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Turn {
-    /// Where Z is (mm).
+    /// Position of Z (mm).
     pub z: f64,
-    /// How far A turns (rad): towards the low wall it is negative, since the low wall is the one of smaller theta.
+    /// Angle of A (rad); negative towards the low wall, which is the one of smaller theta.
     pub a: f64,
 }
 
@@ -72,7 +72,7 @@ impl CopyingExtent {
         Self { low: only(Column::Low, low), high: only(Column::High, high), outwards: params.radial_reduction_mm }
     }
 
-    /// Whether it moves anything.
+    /// Whether there is no motion.
     pub fn is_none(&self) -> bool {
         [self.low, self.high, self.outwards].iter().all(|v| *v < LEAST_MOVE)
     }
@@ -85,9 +85,9 @@ pub struct CopyingMotion {
     pub path: FeedPath,
     /// The verifier's word on them.
     pub certificate: Certificate,
-    /// How far it would have to go to undo the reductions.
+    /// Extent that would undo the reductions.
     pub wanted: CopyingExtent,
-    /// How far it goes.
+    /// Extent reached.
     pub reached: CopyingExtent,
     /// The turns that it is made of.
     pub turns: Vec<Turn>,
@@ -134,7 +134,7 @@ impl CopyingMotion {
             && !matches!(c.travel(), TravelVerdict::Beyond(_))
     }
 
-    /// Whether it undoes the reductions, to a hundredth of each.
+    /// Whether the reductions are undone, to a hundredth of each.
     pub fn is_whole(&self) -> bool {
         let (w, r) = (&self.wanted, &self.reached);
         r.low >= 0.99 * w.low && r.high >= 0.99 * w.high && r.outwards >= 0.99 * w.outwards
@@ -211,7 +211,7 @@ pub fn copying_motion(
     Ok(Copying::Made(Box::new(CopyingMotion { path, certificate, wanted, reached, turns })))
 }
 
-/// How far `wanted` can be gone while `keeps` says yes, and the turns that do it.
+/// Part of `wanted` that can be reached while `keeps` holds, and the turns that reach it.
 fn reachable(
     wanted: &CopyingExtent,
     keeps: &dyn Fn(&Pose) -> bool,
@@ -267,7 +267,7 @@ fn first_good_turn(
     Ok(tried.into_iter().find(|t| t.a.abs() >= furthest - slack))
 }
 
-/// How much of the way between two poses can be gone while `keeps` says yes.
+/// Share of the motion between two poses that can be made while `keeps` holds.
 fn share_of_move(from: &Pose, to: &Pose, keeps: &dyn Fn(&Pose) -> bool, cancel: &Cancel) -> Result<f64, VerifyError> {
     let good = |t: f64| cancel.check().map(|()| keeps(&from.lerp(to, t)));
     let (mut reached, mut blocked) = (0.0, None);

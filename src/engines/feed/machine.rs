@@ -125,9 +125,9 @@ pub struct BeyondTravel {
     pub axis: Axis,
     /// Index of the row in feed order.
     pub row: usize,
-    /// Where the axis would have to go (mm or rad).
+    /// Axis value needed (mm or rad).
     pub value: f64,
-    /// Where its travel ends (mm or rad).
+    /// End of its travel (mm or rad).
     pub limit: f64,
 }
 

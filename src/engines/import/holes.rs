@@ -13,14 +13,14 @@ pub struct Hole {
     pub edges: usize,
     /// Length of the chain (mm).
     pub length_mm: f64,
-    /// Its centre of gravity (mm).
+    /// Centre of gravity (mm).
     pub center_mm: DVec3,
 }
 
 /// The boundary of a mesh.
 #[derive(Debug, Default)]
 pub(super) struct Boundary {
-    /// Its loops, in the order of their lowest edges.
+    /// Loops, in the order of their lowest edges.
     pub holes: Vec<Hole>,
     /// Half-edges without a neighbour, in order of edges.
     pub halves: Vec<u32>,

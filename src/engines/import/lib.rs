@@ -66,7 +66,7 @@ use source::{RawMesh, Source};
 pub struct ImportOptions {
     /// Unit of the file's coordinates.
     pub units: Units,
-    /// What is done if that is to be guessed and the file says none.
+    /// Unit where none is given here or in the file.
     pub undeclared: Undeclared,
     /// Distance (mm) within which vertices are taken for one where a mesh does not close otherwise. By default a
     /// millionth of the diagonal, and no less than what `f32` coordinates resolve. 0 welds equal vertices only.
@@ -97,7 +97,7 @@ impl ImportOptions {
 pub struct Imported {
     /// The repaired mesh (mm), in the axes of the file.
     pub mesh: Mesh,
-    /// What was found and done.
+    /// Report of the import.
     pub report: ImportReport,
     /// SHA-256 of the file, and of its buffer files after it, in hexadecimal.
     pub sha256: String,

@@ -8,7 +8,7 @@ use super::source::tick;
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
 use task::{Cancel, Cancelled, Progress};
 
-/// What was found and done about orientation.
+/// Findings about orientation, and the corrections made.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Orientation {
     /// Triangles turned because they disagreed with most of their part.

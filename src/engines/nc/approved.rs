@@ -156,8 +156,8 @@ impl Approved {
         Ok(Self { path, certificate, enters_from, electrode, copying: None, simulation: None })
     }
 
-    /// The same with the copying motion that is to follow the feed, and without a simulation: one with this motion is to
-    /// be given afterwards.
+    /// Approval with the copying motion that is to follow the feed, and without a simulation: one with this motion is
+    /// to be given afterwards.
     ///
     /// # Errors
     /// [`NotApproved`] unless it is certified from the final pose back to the final pose, for the very meshes, the
@@ -198,7 +198,7 @@ impl Approved {
         Ok(Self { copying: Some(motion.clone()), simulation: None, ..self })
     }
 
-    /// The same with the whole motion on the machine `model`, approach and retraction and the other channels included.
+    /// Approval with the whole motion on the machine `model`, approach and retraction and the other channels included.
     ///
     /// # Errors
     /// [`NotApproved`] unless it is that of this very feed and copying motion, of these very meshes, and of these very

@@ -1,4 +1,5 @@
-//! The only door to programs and cutter locations of a flank: a result whose every check holds, or was overridden by name.
+//! The only door to programs and cutter locations of a flank: a result whose every check holds, or was overridden by
+//! name.
 
 use crate::flank_job::FlankResult;
 use flank::machine::tool_path::{ToolPath, ToolPathError};
@@ -39,10 +40,10 @@ pub enum NotApprovedFlank {
     /// Checks fail that were not overridden: their names and what they found.
     #[error("{0}")]
     Checks(String),
-    /// Its checks were taken on a coarse grid.
+    /// Checks were taken on a coarse grid.
     #[error("the flank was checked on a coarse grid for a quick look only; plan it")]
     QuickLook,
-    /// Its path cannot be told by poses of a tool.
+    /// Path cannot be told by poses of a tool.
     #[error(transparent)]
     Path(#[from] ToolPathError),
 }
@@ -73,7 +74,7 @@ impl<'a> ApprovedFlank<'a> {
         &self.path
     }
 
-    /// What a program's reader should know of the path.
+    /// Notes on the path for the reader of a program.
     pub fn notes(&self) -> Vec<String> {
         let result = self.result;
         let standing = &result.path().deviation;
@@ -90,7 +91,7 @@ impl<'a> ApprovedFlank<'a> {
         ]
     }
 
-    /// What is to be heeded: checks that fail and were overridden, with what they found, come first.
+    /// Warnings: checks that fail and were overridden, with their findings, come first.
     pub fn warnings(&self) -> Vec<String> {
         let overridden = self.result.checks.iter().filter(|c| !c.holds);
         let overridden = overridden.map(|c| format!("check {} fails, overridden: {}", c.kind.name(), c.text));

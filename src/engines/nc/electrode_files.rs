@@ -64,7 +64,7 @@ pub enum ElectrodeExportError {
         electrode: String,
         /// The format.
         format: ElectrodeFormat,
-        /// What is wrong.
+        /// Error of the system.
         source: std::io::Error,
     },
     /// The file system's refusal.
@@ -75,7 +75,7 @@ pub enum ElectrodeExportError {
     Json(#[from] serde_json::Error),
 }
 
-/// What was written and what was not.
+/// Files written and electrodes left out.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct WrittenElectrodes {
     /// The files, in the order of the electrodes.
@@ -102,7 +102,7 @@ pub struct ElectrodeFile {
 pub struct LeftOut {
     /// The electrode.
     pub electrode: String,
-    /// Which checks fail, and what to do, in words.
+    /// Failing checks and the remedy, in words.
     pub why: String,
     /// Files of an earlier export that have its name and were not touched.
     pub older: Vec<PathBuf>,

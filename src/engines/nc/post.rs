@@ -78,7 +78,7 @@ pub enum FeedMode {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FeedWords {
-    /// What F means.
+    /// Meaning of F.
     pub mode: FeedMode,
     /// The word that switches this mode on, e.g. `G94`.
     pub word: String,
@@ -93,9 +93,9 @@ pub struct FeedWords {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CommentStyle {
-    /// What starts a comment.
+    /// Start of a comment.
     pub open: String,
-    /// What ends it; empty when the end of the line does.
+    /// End of a comment; empty when the end of the line ends it.
     pub close: String,
 }
 
@@ -127,7 +127,7 @@ pub struct BlockNumbers {
 pub struct AxisWord {
     /// The axis of the pose.
     pub axis: Axis,
-    /// Its address on the control, e.g. `X`.
+    /// Address on the control, e.g. `X`.
     pub word: String,
     /// Whether the machine counts this axis the other way round.
     #[serde(default)]
@@ -155,7 +155,7 @@ pub struct TipWords {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Post {
-    /// What the post is for, in a few words.
+    /// Purpose of the post, in a few words.
     pub title: String,
     /// File name extension without the dot.
     pub extension: String,

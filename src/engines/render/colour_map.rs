@@ -26,12 +26,12 @@ pub enum ColourMap {
     Light,
 }
 
-/// What a legend shows beside its bar of colours.
+/// Content of a legend beside its bar of colours.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Legend {
     /// Name of the quantity.
     pub title: String,
-    /// Its unit.
+    /// Unit.
     pub unit: String,
     /// The colours.
     pub map: ColourMap,

@@ -18,9 +18,9 @@ const EDGE: f64 = 0.45;
 const EDGE_AT_JUNCTION: f64 = 0.06;
 /// How far from their junction that is so (mm).
 const AT_JUNCTION: f64 = 0.15;
-/// How far beside the walls, along the circumference, a point may seem to be (mm): chord errors of the wall grids.
+/// Tolerance beside the walls, along the circumference (mm): chord errors of the wall grids.
 const BESIDE: f64 = 0.1;
-/// How far a point may be from the nearest surface of the channel (mm): the middle of a fillet.
+/// Greatest distance of a point from the nearest surface of the channel (mm): the middle of a fillet.
 const IN_FILLET: f64 = 0.8;
 /// Vertices between two looks at the cancel flag.
 const BATCH: usize = 64;

@@ -11,7 +11,7 @@ use task::{Cancel, Cancelled};
 /// A body that the axes move.
 pub(super) struct Mover {
     pub name: String,
-    /// Whether A turns it, rather than X, Y and Z moving it: the blisk, and what the table carries.
+    /// Whether A turns the body, rather than X, Y and Z moving it: the blisk, and bodies that the table carries.
     pub on_table: bool,
     /// Whether the body is the electrode itself.
     pub is_electrode: bool,

@@ -49,7 +49,7 @@ pub struct PairReport {
 }
 
 impl PairReport {
-    /// Whether the clearance is proven to be what is asked for.
+    /// Whether the proven clearance is at least the clearance required.
     pub fn holds(&self) -> bool {
         self.certified > 0.0 && self.certified >= self.required
     }
@@ -167,7 +167,7 @@ impl Simulation {
         self.findings.minutes
     }
 
-    /// How far apart the blisk's mesh and itself are when it is turned by channels (mm); none if they differ.
+    /// Greatest distance of the blisk's mesh from itself turned by channels (mm); none if its channels differ.
     pub fn period_error(&self) -> Option<f64> {
         self.findings.period_error
     }
@@ -184,7 +184,7 @@ impl Simulation {
         !self.is_empty() && f.pairs.iter().all(PairReport::holds) && f.travel.is_none() && f.out_of_reach.is_empty()
     }
 
-    /// Whether no clearance was looked at, or no channel is burnt.
+    /// Whether no clearance was tested, or no channel is burnt.
     fn is_empty(&self) -> bool {
         self.findings.pairs.is_empty() || self.findings.visits.is_empty()
     }
@@ -247,7 +247,7 @@ impl Simulation {
     }
 }
 
-/// Where the axes stand that are not in their final position.
+/// Positions of the axes that are not in their final position.
 fn stands(pose: &Pose) -> String {
     let of = |axis: Axis| {
         let value = pose.get(axis);

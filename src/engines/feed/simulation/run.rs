@@ -101,7 +101,7 @@ pub(super) struct Run<'a> {
     pub options: &'a SimulationOptions,
     pub bodies: &'a Bodies,
     pub visits: &'a [Visit],
-    /// How far the blisk is from itself in other channels (mm); none if its channels differ.
+    /// Greatest distance of the blisk from itself turned to other channels (mm); none if its channels differ.
     pub period_error: Option<f64>,
     pub cancel: &'a Cancel,
 }
@@ -403,7 +403,8 @@ struct Known {
     place: Place,
 }
 
-/// Where the whole motion first takes A to where `place` has it: what only A moves is there as near.
+/// Instant at which the whole motion first takes A to the value at `place`: what only A moves has the same distance
+/// there.
 fn passed(place: Place, legs: &Legs) -> Place {
     match legs.passing(place.pose.a) {
         Some((leg, row)) => Place { phase: leg.phase, channel: leg.channel, row, pose: leg.pose_at(row), ..place },
@@ -411,7 +412,7 @@ fn passed(place: Place, legs: &Legs) -> Place {
     }
 }
 
-/// Where `near`, on the poses of `leg` relative to a pair of bodies, is in the whole motion.
+/// Place in the whole motion of `near`, which is on the poses of `leg` relative to a pair of bodies.
 fn place(leg: &Leg, near: &Near) -> Place {
     Place {
         distance: near.distance,

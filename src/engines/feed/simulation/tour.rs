@@ -154,7 +154,7 @@ impl Legs {
     }
 }
 
-/// Where A is at `a` for the first time.
+/// First instant with A at `a`.
 fn row_at(poses: &[Pose], a: f64) -> Option<f64> {
     /// Tolerance for rounding at either end (rad).
     const ROUNDING: f64 = 1e-12;

@@ -8,7 +8,7 @@ use crate::pose::Pose;
 use wheel::channel::Surface;
 use wheel::electrode::EntrySide;
 
-/// Where two surfaces come closest during a motion.
+/// Closest approach of two surfaces during a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Contact {
     /// Distance between the two points (mm); 0 when the surfaces touch or cross.
@@ -31,9 +31,9 @@ pub struct Contact {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TravelVerdict {
-    /// No machine was given.
+    /// Not judged, as no machine was given.
     NotJudged,
-    /// No row is beyond the travel of an axis, and so no instant is.
+    /// Every row is within the travel of every axis, and so is every instant between.
     Within,
     /// The first row that is.
     Beyond(BeyondTravel),
@@ -110,7 +110,7 @@ impl Certificate {
         self.findings.required
     }
 
-    /// How far below the spark gap is still accepted (mm).
+    /// Tolerance below the spark gap (mm).
     pub fn tolerance(&self) -> f64 {
         self.findings.tolerance
     }
@@ -188,7 +188,7 @@ mod tests {
     use super::*;
     use glam::DVec3;
 
-    /// What no verification comes to, but a fault in one might.
+    /// Values that no verification returns, but a fault in one might.
     #[test]
     fn what_is_no_number_or_proves_nothing_keeps_no_clearance() {
         let least = Contact {

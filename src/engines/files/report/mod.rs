@@ -23,9 +23,9 @@ pub const STYLE: &str = include_str!("report.css");
 /// A template: what errors call it, and its text.
 #[derive(Debug, Clone, Copy)]
 pub struct Template {
-    /// Its name, as in `verify.html.jinja`.
+    /// Name, as in `verify.html.jinja`.
     pub name: &'static str,
-    /// Its text.
+    /// Text.
     pub text: &'static str,
 }
 

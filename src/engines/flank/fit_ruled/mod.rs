@@ -40,7 +40,7 @@ use task::{Cancel, Cancelled};
 pub use self::candidates::{Candidate, CandidateFit, CandidateKind, flank_candidates};
 pub use self::params::{RuledFitError, RuledFitParams};
 
-/// The same for a face all around.
+/// Number of control points of each guide of a face all around.
 const RING_COUNT: usize = 19;
 /// Corners of the mesh by which surfaces are compared while one is looked for.
 const COMPARED: usize = 2_000;
@@ -93,7 +93,7 @@ pub struct RuledFit {
     pub covers: bool,
     /// Whether the face runs all around: both guides end where they start, with the same slope and the same bend.
     pub is_closed: bool,
-    /// What an engineer should know of it, one sentence each; the first says whether it is ruled.
+    /// Notes on the fit, one sentence each; the first says whether the face is ruled.
     pub words: Vec<String>,
 }
 

@@ -17,7 +17,7 @@ pub struct RuledFitParams {
     pub tolerance_mm: f64,
     /// Control points that each guide may have at most; 7 or more.
     pub most_control_points: usize,
-    /// Which way is up: from the lower guide to the upper one. Of two ways to rule a face as well the rulings that run
+    /// Upward direction, from the lower guide to the upper one. Of two equal ways to rule a face the rulings that run
     /// along it are taken.
     pub up: DVec3,
     /// Whether the part stands on a base that is not milled, as an electrode with its blank: flanks that begin above the
@@ -72,7 +72,7 @@ pub enum RuledFitError {
     /// No border at all.
     #[error("the face is closed, it has no border that guides could follow; choose a part of it")]
     Closed,
-    /// It was told to stop.
+    /// Cancelled.
     #[error("cancelled")]
     Cancelled,
     /// No four sides.

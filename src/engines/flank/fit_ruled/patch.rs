@@ -373,8 +373,8 @@ fn along_sides(patch: &Patch, piece: &[u32]) -> f64 {
     (0..patch.triangles.len()).flat_map(|t| (0..3).map(move |k| (t, k))).map(|(t, k)| height(t, k)).fold(0.0, f64::max)
 }
 
-/// The same from how neighbours of one piece turn over the side that they share, which tells of a rounding of two
-/// triangles' breadth, whose normals at the seams are those of one triangle only.
+/// Chord error by the turn of neighbours of one piece over their common side, which shows a rounding of two triangles'
+/// breadth, whose normals at the seams are those of one triangle only.
 fn across_sides(patch: &Patch, piece: &[u32]) -> f64 {
     let mut sides: Vec<(u32, u32, u32)> = Vec::with_capacity(3 * patch.triangles.len());
     for (t, corners) in patch.triangles.iter().enumerate() {

@@ -124,7 +124,7 @@ impl Kinematics {
         self.chain[0].0
     }
 
-    /// Its partner, next to the tool.
+    /// Partner, next to the tool.
     pub fn tilt_axis(&self) -> usize {
         self.chain[1].0
     }

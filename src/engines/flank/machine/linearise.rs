@@ -21,7 +21,7 @@ use task::Cancel;
 /// Decimals of X, Y, Z (mm) and of the rotary axes (degrees) in programs: positions are rounded to them before the moves
 /// are measured.
 pub const MM_DECIMALS: usize = 5;
-/// See [`MM_DECIMALS`].
+/// Decimals of angles (deg) in programs.
 pub const DEG_DECIMALS: usize = 6;
 /// Pieces in which a move is measured.
 const PIECES: usize = 16;
@@ -36,7 +36,7 @@ const DEEPEST: usize = 32;
 /// The most points.
 const MOST_POINTS: usize = 1_000_000;
 
-/// What a control moves linearly.
+/// Interpolation of the control: the quantities that it moves linearly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Interpolation {
@@ -57,7 +57,7 @@ pub struct LinearisationParams {
     pub reach_mm: f64,
     /// Passing the pole within this angle is reported (degrees).
     pub singular_cone_deg: f64,
-    /// What the control moves linearly.
+    /// Interpolation of the control.
     pub interpolation: Interpolation,
 }
 

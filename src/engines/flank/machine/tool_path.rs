@@ -1,4 +1,4 @@
-//! What a machine is to do: a flank path as a function, with the straight moves that lead to and from it.
+//! Tool path of a machine: a flank path as a function, with the straight moves that lead to and from it.
 
 use std::f64::consts::PI;
 
@@ -123,7 +123,7 @@ impl<'a> ToolPath<'a> {
         Self::with_leads(cut, points, &[], &[])
     }
 
-    /// The same with straight moves: through `approach` to the first point and from the last through `retract`.
+    /// Path with straight moves: through `approach` to the first point and from the last through `retract`.
     ///
     /// # Errors
     /// [`ToolPathError`].

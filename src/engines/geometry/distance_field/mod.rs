@@ -30,7 +30,7 @@ use glam::{DVec3, Vec3};
 use super::mesh::Bounds;
 use local_triangles::{Candidate, LocalTriangles, Nearest};
 
-/// See the module's text.
+/// Signed distance field of a mesh over a region.
 pub struct DistanceField {
     bounds: Bounds,
     cell: f64,
@@ -51,8 +51,8 @@ pub struct DistanceField {
     triangles: LocalTriangles,
 }
 
-/// What describes a cell: in the low 3 bits the leaf's level (it spans `2^level` cells) or how an exact cell gets its
-/// sign, above them the number of the leaf or of the exact cell.
+/// Description of a cell: in the low 3 bits the leaf's level (it spans `2^level` cells) or the source of an exact
+/// cell's sign, above them the number of the leaf or of the exact cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Handle(u32);
 

@@ -195,7 +195,7 @@ impl Motion {
         self.field.value(q).unwrap_or_else(to_box)
     }
 
-    /// What no distance in a run is below, from those at its ends.
+    /// Lower bound of all distances in a run, from those at its ends.
     fn bound(&self, a: Known, b: Known) -> f64 {
         let sure = |d: f64| d - doubt(d);
         0.5 * (sure(a.distance) + sure(b.distance) - (self.way[b.index] - self.way[a.index]))

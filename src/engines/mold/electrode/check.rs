@@ -1,5 +1,5 @@
-//! Checks that nothing may skip: whether an electrode is closed, enters nothing on its way, leaves nothing, and can be
-//! milled.
+//! Checks that nothing may skip: whether an electrode is closed, enters nothing on its way, leaves no residual stock,
+//! and can be milled.
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -24,19 +24,19 @@ const MILLING_CELLS: f64 = 20.0;
 /// Area of faces that look away from the cutters up to which it is rounding (mm^2).
 const LEAST_INVERT: f64 = 1e-2;
 
-/// What a check is about.
+/// Subject of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CheckKind {
     /// The surface is closed.
     Watertight,
-    /// Where it burns it keeps the gap.
+    /// The electrode keeps the gap where it burns.
     Gouge,
-    /// On its way in and out it keeps the gap.
+    /// The electrode keeps the gap on its way in and out.
     Approach,
-    /// What it was made for is burned.
+    /// The parts that the electrode was made for are burned.
     Leftover,
-    /// It can be milled.
+    /// The electrode can be milled.
     Machinable,
 }
 
@@ -56,21 +56,21 @@ impl CheckKind {
     }
 }
 
-/// What a check found.
+/// Finding of a check.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {
-    /// What it is about.
+    /// Subject of the check.
     pub kind: CheckKind,
     /// Whether it holds.
     pub holds: bool,
-    /// What was found, in words with its figures.
+    /// The finding in words, with its figures.
     pub text: String,
     /// Where, in the upright mold (mm).
     pub place: Option<DVec3>,
 }
 
 impl Finding {
-    /// What was found.
+    /// A finding.
     pub(super) fn new(kind: CheckKind, holds: bool, text: String, place: Option<DVec3>) -> Self {
         Self { kind, holds, text, place }
     }
@@ -96,8 +96,8 @@ pub fn watertight(mesh: &Mesh) -> Finding {
     Finding::new(CheckKind::Watertight, holds, text, None)
 }
 
-/// Whether cutters mill an electrode, turned over so that its tips look up, leaving nothing above `tolerance` (mm). Only
-/// what stands on something of its own is left: tips need the base that they stand on.
+/// Whether cutters mill an electrode, turned over so that its tips look up, leaving nothing above `tolerance` (mm).
+/// Only stock on a footing of its own counts: tips need the base that they stand on.
 ///
 /// # Errors
 /// [`HeightFieldError`].

@@ -1,4 +1,4 @@
-//! How near an electrode comes to the mold, where it burns and on its way in and out.
+//! Distance of an electrode from the mold, where it burns and on its way in and out.
 
 use std::f64::consts::PI;
 
@@ -33,7 +33,7 @@ impl Obstacle {
         Ok(Self { mesh: ExactMesh::new(mold)?, surface: mold.clone(), cancel: Cancel::default() })
     }
 
-    /// The same mold; `cancel` stops what is long with it.
+    /// Obstacle whose long computations are stopped by `cancel`.
     pub fn stopped_by(self, cancel: &Cancel) -> Self {
         Self { cancel: cancel.clone(), ..self }
     }

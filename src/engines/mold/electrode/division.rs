@@ -36,7 +36,7 @@ const ON_LINE: f64 = 1e-6;
 pub struct Cut {
     /// A point that it goes through, in plan (mm).
     pub through: DVec2,
-    /// Its unit normal.
+    /// Unit normal.
     pub outward: DVec2,
     /// Whether parts beyond it reach back over it.
     pub overlaps: bool,
@@ -47,7 +47,7 @@ pub struct Cut {
 pub struct Part {
     /// Where it stands.
     pub footprint: Footprint,
-    /// Its tip, up to the cap.
+    /// Tip, up to the cap.
     pub body: Mesh,
     /// The edges that no cutter makes.
     pub h_edges: Vec<HEdge>,
@@ -140,7 +140,7 @@ pub(super) fn whole(burned: &Burned, footprint: Footprint) -> Result<Part, TipEr
     Ok(Part { footprint, body, h_edges, divided: None, lacks_thin: false })
 }
 
-/// What a cut makes of a part.
+/// Both parts that a cut makes of a part.
 struct Halves {
     parts: Vec<Part>,
     /// The length along which they meet (mm).
@@ -222,8 +222,8 @@ pub fn cut_along(
     (parts, mouths)
 }
 
-/// What a piece of a footprint burns of the region on its side of a cut; none where that is nothing, so that it is not
-/// needed. The outward normal of the cut points away from the side.
+/// Part of the region that a piece of a footprint burns on its side of a cut; none where that is nothing, so that the
+/// piece is not needed. The outward normal of the cut points away from the side.
 fn share(
     burned: &Burned,
     footprint: &Footprint,

@@ -15,7 +15,7 @@ use geometry::mesh::Mesh;
 /// How far a place of an edit may be from a region's surface, or from a part in plan (mm).
 const TOUCHES: f64 = 0.5;
 
-/// What a cut leaves between two parts at most (mm).
+/// Greatest gap that a cut leaves between two parts (mm).
 const HAIR: f64 = 1e-3;
 /// Regions whose distances from a place differ by less are as near (mm): they are known to cells of about this size.
 const AS_NEAR: f64 = 0.02;

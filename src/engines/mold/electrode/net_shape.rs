@@ -13,7 +13,7 @@ pub(super) fn net(stage: &Stage) -> Stage {
     Stage { gap_mm: 0.0, stock_mm: 0.0, orbit: Default::default(), ..stage.clone() }
 }
 
-/// What each burn of an electrode is for.
+/// Parts that each burn of an electrode is for.
 pub(super) fn burned(electrode: &Electrode) -> Vec<Vec<PartId>> {
     electrode.burns.iter().map(|burn| burn.parts.clone()).collect()
 }
@@ -47,7 +47,7 @@ pub(super) fn told_of_real(mut filed: ElectrodeSet, made: ElectrodeSet) -> Elect
     filed
 }
 
-/// What does not hold of the net shape, and else what was found of the real one, kind by kind.
+/// Failing checks of the net shape, and otherwise the findings for the real electrode, kind by kind.
 fn joined(net: &mut [Finding], real: &[Finding]) {
     for net in net.iter_mut().filter(|net| net.holds) {
         if let Some(real) = real.iter().find(|real| real.kind == net.kind) {

@@ -56,7 +56,7 @@ pub enum IdleOverride {
     NoElectrode,
     /// The electrode of its name burns other parts than when it was decided.
     OtherParts,
-    /// What it is for holds.
+    /// The check does not fail.
     Holds,
 }
 

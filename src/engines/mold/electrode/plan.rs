@@ -158,7 +158,7 @@ fn region_plan(region: &RegionToBurn, edits: Vec<usize>, params: &ElectrodeParam
     }
 }
 
-/// What is found out about regions: how they are burned, and the share of each that the stage has tips for.
+/// Findings about regions: how they are burned, and the share of each that the stage has tips for.
 type Found<'a> = (&'a mut [RegionPlan], &'a mut [f64]);
 /// The parts of stages after this one, to which its own are added, and of electrodes of which these are the net shapes.
 type Known<'a> = (&'a mut Parts, Option<&'a Parts>);

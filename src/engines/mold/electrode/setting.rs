@@ -36,7 +36,7 @@ pub enum ElectrodeError {
     /// An electrode cannot be tried with the cutters.
     #[error("milling of the electrodes: {0}")]
     Milling(HeightFieldError),
-    /// Told to stop.
+    /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
@@ -50,18 +50,18 @@ impl From<HeightFieldError> for ElectrodeError {
     }
 }
 
-/// A region that cutters leave, upright.
+/// An uncut region, in the upright mold.
 #[derive(Debug, Clone)]
 pub struct RegionToBurn {
     /// The corners of the parts of the surface that bound it (mm).
     pub corners: Vec<[DVec3; 3]>,
-    /// How high each of them is covered (mm).
+    /// Height up to which each of them is covered (mm).
     pub depths: Vec<f64>,
-    /// Height that what is left reaches up to (mm).
+    /// Greatest height of the residual stock (mm).
     pub rim: f64,
-    /// Its volume (mm^3).
+    /// Volume (mm^3).
     pub volume: f64,
-    /// Its greatest thickness across the surface (mm).
+    /// Greatest thickness across the surface (mm).
     pub thickness: f64,
     /// Whether it consists of whole faces of the mold.
     pub has_whole_faces: bool,
@@ -71,11 +71,11 @@ pub struct RegionToBurn {
 pub(super) struct Setting {
     /// From the upright mold to the burn frame.
     pub(super) turned: DMat3,
-    /// The mold in it.
+    /// The mold in the burn frame.
     pub(super) mold: Mesh,
-    /// The same, for distances.
+    /// The mold for distance queries.
     own: ExactMesh,
-    /// The mold grown by what electrodes keep off.
+    /// Volume that electrodes must keep out of: the mold grown by gap, stock and orbit.
     kept_clear: Mesh,
     exact: ExactMesh,
     pub(super) stage: Stage,
@@ -111,11 +111,11 @@ impl Setting {
     }
 }
 
-/// What an electrode must not enter, in the burn frame: the mold grown by the gap, and by what the orbit sweeps.
+/// Volume that an electrode must not enter, in the burn frame: the mold grown by the gap, and by the orbit's sweep.
 ///
-/// A circle moves each face by its own way. So does a square, but where the facets of two of its quarters meet, its own side
-/// belongs between them: moved each by its own way they would meet further out, by as much as the orbit times the tangent
-/// of half their turn. What a square sweeps is therefore added as a solid.
+/// A circular orbit moves each face by its own amount. So does a square orbit, but where the facets of two of its
+/// quarters meet, a side of the square belongs between them: moved separately they would meet further out, by as much
+/// as the orbit times the tangent of half their turn. The sweep of a square is therefore added as a solid.
 pub(super) fn kept_clear(mold: &Mesh, stage: &Stage) -> Result<Mesh, ElectrodeError> {
     let gap = stage.gap_mm + stage.stock_mm;
     match stage.orbit {

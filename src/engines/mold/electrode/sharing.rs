@@ -1,4 +1,4 @@
-//! Which places one electrode burns, and the electrode itself.
+//! Sharing: the places that one electrode burns, and the electrode itself.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -19,7 +19,7 @@ use crate::plane;
 use geometry::mesh::{Bounds, Mesh};
 use task::Cancel;
 
-/// A tip with what it is for.
+/// An electrode head with the part that it burns.
 pub(super) struct Leaf {
     pub(super) id: PartId,
     pub(super) part: Part,
@@ -34,7 +34,7 @@ pub(super) struct Shared {
     pub(super) burns: Vec<(f64, DVec3, Vec<usize>)>,
 }
 
-/// Which leaves one electrode burns: congruent ones at several positions, near ones at once.
+/// Groups of leaves that one electrode burns: congruent ones at several positions, near ones at once.
 pub(super) fn shared(
     setting: &Setting,
     leaves: &[Leaf],
@@ -85,8 +85,8 @@ pub(super) fn shared(
     Ok(several)
 }
 
-/// What a leaf's own tip burns: places of its region's surface, as the check of what is left has them, and how far the tip
-/// stays off each of them (mm).
+/// Places of its region's surface that a leaf's own tip burns, as sampled by the check of residual stock, and the
+/// distance of the tip from each of them (mm).
 struct Own(Vec<(DVec3, f64)>);
 
 impl Own {

@@ -29,7 +29,7 @@ const WIDE: f64 = 2.0;
 const MOST_CELLS: f64 = 2e6;
 /// Cells of a margin, into which a region is divided in plan.
 const CELLS: f64 = 6.0;
-/// The same where it matters how much of a region a part holds.
+/// Cells across a footprint where the share of a region in a part matters.
 const FINE_CELLS: f64 = 24.0;
 /// How far a point of the cap may be off (mm).
 const ON_CAP: f64 = 1e-7;
@@ -58,9 +58,9 @@ pub enum TipError {
 
 /// The mold as the electrodes see it, in the burn frame.
 pub struct Burned<'a> {
-    /// What electrodes must not enter: the mold grown by the gap.
+    /// Volume that electrodes must not enter: the mold grown by the gap.
     pub kept_clear: &'a Mesh,
-    /// The same, for distances.
+    /// The grown mold for distance queries.
     pub exact: &'a ExactMesh,
     /// The gap upwards (mm): how far horizontal faces are moved.
     pub gap_up: f64,
@@ -285,7 +285,7 @@ fn real(burned: &Burned, cap: f64, part: Mesh) -> Mesh {
     kept
 }
 
-/// What is wrong with a tip that was trimmed.
+/// Fault of a tip that was trimmed.
 fn fault(burned: &Burned, footprint: &Footprint, part: &Mesh) -> Option<&'static str> {
     /// How far a corner may be within what is kept clear (mm), and how far faces may look up.
     const WITHIN: f64 = 1e-5;

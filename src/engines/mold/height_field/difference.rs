@@ -1,4 +1,4 @@
-//! What one library of cutters leaves and another one takes.
+//! Stock that one library of cutters leaves and another one removes.
 
 use super::{Closing, FieldRegion, HeightField, HeightFieldError, regions};
 use task::Cancel;

@@ -10,7 +10,7 @@ use task::Cancel;
 /// A connected piece of uncut material.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldRegion {
-    /// Its cells, in order.
+    /// Cells, in order.
     pub cells: Vec<u32>,
     /// Area in plan (mm^2).
     pub plan_area: f64,
@@ -58,11 +58,11 @@ pub fn regions(
 struct Pieces<'a> {
     field: &'a HeightField,
     closing: &'a Closing,
-    /// Their numbers, in order.
+    /// Numbers, in order.
     cells: Vec<u32>,
     /// Where the cells of each row begin.
     rows: Vec<usize>,
-    /// Which of them are one piece.
+    /// Connected groups of the cells.
     groups: Groups,
 }
 
@@ -151,7 +151,7 @@ impl<'a> Pieces<'a> {
     }
 }
 
-/// What is left at a cell, along the surface's normal (mm).
+/// Residual stock at a cell, along the surface's normal (mm).
 fn normal_residue(field: &HeightField, closing: &Closing, cell: usize) -> f64 {
     let left = closing.heights[cell] - field.heights[cell];
     // Neither is finite where there is no material.

@@ -35,7 +35,7 @@ const SETTLED: f64 = 1e-5;
 const FAR_LOWER: f64 = 0.5;
 /// The longest step of a descent, and the shortest that it looks ahead, as shares of the radius.
 const LONGEST_STEP: f64 = 0.25;
-/// See [`LONGEST_STEP`].
+/// Shortest step of a march (mm).
 const SHORTEST_STEP: f64 = 0.01;
 /// Steps of descent after which it is left at that; every one of them is a valid position.
 const MOST_STEPS: usize = 24;

@@ -15,7 +15,7 @@ fn part_name(part: ToolPart) -> String {
     }
 }
 
-/// What is found on approach or retraction that is not allowed.
+/// Finding on approach or retraction that is not allowed.
 struct OnLead {
     /// How much more than nothing it is (mm).
     by_mm: f64,
@@ -92,7 +92,7 @@ fn nearest_on_leads(result: &FlankResult) -> Option<(&'static str, Clearance)> {
     near.min_by(|a, b| a.1.distance_mm.total_cmp(&b.1.distance_mm))
 }
 
-/// What of a depth is that of straight moves, in words.
+/// Share of a depth that comes from the chordal deviation of straight moves, in words.
 fn with_deviation(result: &FlankResult) -> String {
     format!(", including {:.4} mm chordal deviation", result.chordal_deviation_mm)
 }

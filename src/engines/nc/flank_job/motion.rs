@@ -1,4 +1,4 @@
-//! The moves that lead to a path and from it, and the positions of a machine along all of it.
+//! Lead-in and lead-out of a path, and the positions of a machine along all of it.
 
 use glam::DVec3;
 
@@ -58,8 +58,9 @@ pub(super) fn tool_path<'a>(
     ToolPath::with_leads(at, &places, approach, retract)
 }
 
-/// The furthest that tip and flutes' top leave a path on straight moves (mm): of cutter locations, and of the machine's
-/// positions if there are any. Of a path that cannot be told by such moves nothing is written, and it is 0.
+/// Chordal deviation: greatest distance of tip and flutes' top from the path on straight moves (mm), of cutter
+/// locations, and of the machine's positions if there are any. Where a path cannot be resolved into such moves nothing
+/// is written, and it is 0.
 pub(super) fn chordal_deviation(
     path: &FlankPath,
     milling: &MillingSettings,

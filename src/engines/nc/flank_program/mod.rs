@@ -22,12 +22,12 @@ use flank::machine::linearise;
 use flank::machine::linearise::{LinearisationParams, MachinePath, MachinePoint};
 use flank::machine::tool_path::{Section, ToolPath};
 
-/// What was measured has the decimals that are written.
+/// Measured values have the decimals that are written.
 const _: () =
     assert!(linearise::MM_DECIMALS == quantise::MM_DECIMALS && linearise::DEG_DECIMALS == quantise::DEG_DECIMALS);
 /// Decimals of a tool's direction.
 const DIRECTION_DECIMALS: usize = 9;
-/// What a program is for.
+/// Input of a program.
 struct FlankNcJob<'a> {
     /// Name of the program.
     program: &'a str,
@@ -39,13 +39,13 @@ struct FlankNcJob<'a> {
     path: &'a ToolPath<'a>,
     /// The machine's positions along it.
     line: &'a MachinePath,
-    /// What they were made with.
+    /// Parameters of the positions.
     params: &'a LinearisationParams,
     /// Where the flutes touch, for the feed; none where it is that of the tool's axis.
     contact: Option<Contact>,
-    /// What else the operator should know: surface, tolerances, the deviation of the path.
+    /// Notes for the operator: surface, tolerances, the deviation of the path.
     notes: &'a [String],
-    /// What is to be heeded.
+    /// Warnings.
     warnings: &'a [String],
 }
 
@@ -288,7 +288,7 @@ struct Words<'a> {
     machine: &'a Kinematics,
     linear: [(&'a str, f64); 3],
     rotary: [(&'a str, f64); 2],
-    /// What switches following the tool's tip on and off.
+    /// Words that switch tool centre point control on and off.
     tip: Option<[&'a str; 2]>,
 }
 

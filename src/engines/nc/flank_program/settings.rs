@@ -25,8 +25,8 @@ pub enum TipControl {
     /// The tip on the workpiece in the machine's directions, with the rotary axes (G43.4 on many controls); the post must
     /// have the word.
     Angles,
-    /// The same with the tool's direction as I J K (G43.5 on many); the post must have the word. The control chooses the
-    /// rotary axes.
+    /// Tip on the workpiece with the tool's direction as I J K (G43.5 on many controls); the post must have the word.
+    /// The control chooses the rotary axes.
     Vector,
 }
 
@@ -34,7 +34,7 @@ impl TipControl {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Off, Self::Angles, Self::Vector];
 
-    /// Its name.
+    /// Name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Off => "off",
@@ -43,7 +43,7 @@ impl TipControl {
         }
     }
 
-    /// What a control moves linearly then; [`LinearisationParams::interpolation`] must be this.
+    /// Interpolation of the control; [`LinearisationParams::interpolation`] must be this.
     pub fn interpolation(self) -> Interpolation {
         match self {
             Self::Off => Interpolation::Joints,
@@ -62,7 +62,7 @@ pub struct FlankNcSettings {
     pub lead_mm_per_min: f64,
     /// Spindle speed, clockwise (1/min).
     pub spindle_rpm: f64,
-    /// What X Y Z mean.
+    /// Meaning of X Y Z in a program.
     pub tip_control: TipControl,
     /// Number of the tool's length offset, for a control that follows the tip.
     pub tool_number: u32,

@@ -14,14 +14,14 @@ use geometry::frame::Frame;
 
 /// The format's name, the first key of the header.
 pub const FORMAT: &str = "sparkpath-path-1";
-/// The same for the file of a copying motion.
+/// Format of the file of a copying motion.
 pub const COPYING_FORMAT: &str = "sparkpath-copying-1";
 /// The columns in order.
 pub const COLUMNS: [&str; 9] = ["node", "s_mm", "x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg", "clearance_mm"];
 /// How far the frame's axes may be from orthonormal.
 const FRAME_TOLERANCE: f64 = 1e-6;
 
-/// What is wrong with a path file, or with a path that was to become one. Lines count from 1.
+/// Error of a path file, or of a path that was to become one. Lines count from 1.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PathCsvError {
     /// The first line is no header.

@@ -130,7 +130,7 @@ impl NcSettings {
     }
 }
 
-/// What a program is for.
+/// Input of a program.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NcJob<'a> {
     /// Name of the program, e.g. `path_1`.
@@ -254,7 +254,7 @@ fn copying_rows(approved: &Approved) -> &[PathRow] {
     approved.copying().map_or(&[], |copying| &copying.path.rows)
 }
 
-/// What the machine's speeds made of the feed.
+/// Comments on the feed as limited by the machine's speeds.
 fn speed_comments(w: &mut Writer, slowed: Option<Slowed>) {
     let MachineParams { speed_mm_min, speed_deg_min, .. } = &w.job.machine;
     w.comment(&format!("Greatest speeds of the machine: X Y Z {speed_mm_min} mm/min, A B C {speed_deg_min} deg/min"));
@@ -411,7 +411,7 @@ pub(super) struct Writer<'a> {
     job: &'a TurnedJob<'a>,
     settings: &'a NcSettings,
     lines: Lines<'a>,
-    /// What is added to A: the turn to the channel (rad).
+    /// Angle added to A: the turn to the channel (rad).
     pub(super) turn: f64,
 }
 

@@ -10,7 +10,7 @@ use crate::mesh::Vertex;
 /// Format of depth and stencil, which every device has.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth24PlusStencil8;
 
-/// What is drawn.
+/// Kind of primitive that is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Kind {
     Background,

@@ -45,7 +45,7 @@ pub struct Prepared {
 
 /// One object of a picture.
 pub struct PreparedObject {
-    /// Its place in the scene's list.
+    /// Place in the scene's list.
     pub index: usize,
     pub uniform: ObjectUniform,
     /// Triangles whose windings make its cap.
@@ -54,7 +54,7 @@ pub struct PreparedObject {
     nearest: f64,
 }
 
-/// What everything in a picture is seen through.
+/// View through which everything in a picture is seen.
 struct View<'a> {
     camera: &'a Camera,
     size: [u32; 2],

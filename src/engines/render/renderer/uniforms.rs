@@ -1,4 +1,4 @@
-//! What the shaders read, byte for byte.
+//! Uniforms of the shaders, byte for byte.
 
 use bytemuck::{Pod, Zeroable};
 

@@ -158,7 +158,7 @@ impl Parts {
         self
     }
 
-    /// The same with a feed through other poses; one that has none keeps the certificate of the former.
+    /// Scene with a feed through other poses; one that has none keeps the certificate of the former.
     fn with_poses(mut self, poses: Vec<Pose>) -> Self {
         let row = |pose: Pose| PathRow { node: 0, s: pose.x.abs(), pose };
         self.feed.rows = poses.into_iter().map(row).collect();
