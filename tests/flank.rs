@@ -165,10 +165,10 @@ fn a_flank_is_approved_by_checks_that_hold_or_were_overridden_and_never_by_a_qui
         result.decide(&[FlankOverride { most: less, ..FlankOverride::whatever(wrong) }]);
         assert!(ApprovedFlank::new(&result).is_err(), "{wrong}");
     }
-    let quick = FlankInput { is_quick_look: true, ..loaded(&quick()) };
+    let quick = FlankInput { is_preview: true, ..loaded(&quick()) };
     let mut looked = run(&quick);
     looked.decide(&CheckKind::ALL.map(|kind| FlankOverride::whatever(kind.name())));
-    assert_eq!(ApprovedFlank::new(&looked).err(), Some(NotApprovedFlank::QuickLook));
+    assert_eq!(ApprovedFlank::new(&looked).err(), Some(NotApprovedFlank::Preview));
 }
 
 #[test]

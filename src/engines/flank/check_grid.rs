@@ -31,7 +31,7 @@ impl CheckGrid {
         Self::along(surface, (surface.places_along(even), across), even)
     }
 
-    /// A grid of `size` places along u and v, for a quick look.
+    /// A grid of `size` samples along u and v, for a preview.
     pub fn even(surface: &RuledSurface, size: [usize; 2]) -> Self {
         let along = (0..size[0]).map(|i| i as f64 / (size[0].max(2) - 1) as f64).collect();
         Self::along(surface, (along, size[1]), size[0])

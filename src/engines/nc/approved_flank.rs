@@ -37,13 +37,13 @@ pub struct ApprovedFlank<'a> {
 /// Why a flank may not be milled.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NotApprovedFlank {
-    /// Checks fail that were not overridden: their names and what they found.
+    /// Checks fail that were not overridden: their names and findings.
     #[error("{0}")]
     Checks(String),
     /// Checks were taken on a coarse grid.
-    #[error("the flank was checked on a coarse grid for a quick look only; plan it")]
-    QuickLook,
-    /// Path cannot be told by poses of a tool.
+    #[error("the flank was checked on a coarse grid for a preview only; plan it")]
+    Preview,
+    /// The path cannot be described by poses of a tool.
     #[error(transparent)]
     Path(#[from] ToolPathError),
 }
@@ -58,8 +58,8 @@ impl<'a> ApprovedFlank<'a> {
         if let Some(failed) = result.why_blocked() {
             return Err(NotApprovedFlank::Checks(failed));
         }
-        if result.is_quick_look {
-            return Err(NotApprovedFlank::QuickLook);
+        if result.is_preview {
+            return Err(NotApprovedFlank::Preview);
         }
         Ok(Self { result, path: result.tool_path()? })
     }

@@ -182,7 +182,8 @@ pub struct RegionPlan {
     /// The user's changes that met it: their places in the list.
     pub edits: Vec<usize>,
     /// Reason why the region has no electrode, or lacks one for a part.
-    pub trouble: Option<String>,
+    #[serde(rename = "trouble")]
+    pub reason: Option<String>,
     /// Parts that stages leave to those after them.
     pub left_out: Vec<LeftOut>,
     /// Residual stock of the region after all burns and cutters.
@@ -254,7 +255,7 @@ impl ElectrodeSet {
 
     /// Regions that have no electrode for all of them.
     pub fn without_electrode(&self) -> Vec<usize> {
-        (0..self.regions.len()).filter(|r| self.regions[*r].trouble.is_some()).collect()
+        (0..self.regions.len()).filter(|r| self.regions[*r].reason.is_some()).collect()
     }
 
     /// The user's changes that met no region, or changed nothing: their places in the list.

@@ -39,9 +39,9 @@ pub(super) fn told_of_real(mut filed: ElectrodeSet, made: ElectrodeSet) -> Elect
     for (number, (plan, made)) in filed.regions.iter_mut().zip(made.regions).enumerate() {
         plan.left = made.left;
         plan.left_out = made.left_out;
-        plan.trouble = plan.trouble.take().or(made.trouble);
-        if plan.trouble.is_none() && lacking.contains(&number) {
-            plan.trouble = Some(OTHER_NET.to_owned());
+        plan.reason = plan.reason.take().or(made.reason);
+        if plan.reason.is_none() && lacking.contains(&number) {
+            plan.reason = Some(OTHER_NET.to_owned());
         }
     }
     filed

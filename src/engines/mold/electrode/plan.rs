@@ -89,7 +89,7 @@ fn plan_stages(
                     Ok(electrode) => electrodes.push(electrode),
                     Err(ElectrodeError::Solid(error)) => {
                         let ids = group.burns.iter().flat_map(|(.., ids)| ids).map(|i| leaves[*i].id.region);
-                        ids.for_each(|r| plans[r].trouble = Some(format!("{} stage: {error}", stage.name)));
+                        ids.for_each(|r| plans[r].reason = Some(format!("{} stage: {error}", stage.name)));
                     }
                     Err(other) => return Err(other),
                 }
@@ -152,7 +152,7 @@ fn region_plan(region: &RegionToBurn, edits: Vec<usize>, params: &ElectrodeParam
         method,
         direction,
         edits,
-        trouble: None,
+        reason: None,
         left_out: Vec::new(),
         left: LeftOfRegion::default(),
     }
@@ -202,7 +202,7 @@ fn leaves(
                 plan.left_out.push(no_room(&setting.stage, number));
             }
             Err(other) => {
-                plan.trouble.get_or_insert(format!("{} stage: {other}", setting.stage.name));
+                plan.reason.get_or_insert(format!("{} stage: {other}", setting.stage.name));
             }
         }
     }

@@ -96,7 +96,7 @@ pub(super) fn checked(
         // Of what needs no tip it is told that it stays.
         let needs_none = plan.tree.is_none() && is_nothing(region, params);
         let nobodys = || (!needs_none).then(|| nobodys(left, params.tolerance_mm)).flatten();
-        plan.trouble = plan.trouble.take().or_else(nobodys);
+        plan.reason = plan.reason.take().or_else(nobodys);
     }
     let check = |electrode: &Electrode| -> Result<Vec<Finding>, ElectrodeError> {
         cancel.check()?;

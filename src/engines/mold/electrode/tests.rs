@@ -124,7 +124,7 @@ fn a_net_electrode_fills_the_slot_and_leaves_nothing() {
     let wide = params(0.45);
     let set = planned(&mold, &[slot], &wide);
     assert!(!set.holds() && set.electrodes.is_empty());
-    assert!(set.regions[0].trouble.as_ref().unwrap().contains("gap"), "{:?}", set.regions[0].trouble);
+    assert!(set.regions[0].reason.as_ref().unwrap().contains("gap"), "{:?}", set.regions[0].reason);
 }
 
 #[test]
@@ -485,7 +485,7 @@ fn a_slot_in_a_side_is_burned_from_that_side() {
     let own = RegionToBurn { corners, depths, ..own };
     let sideways = Edit::Burn { place, direction: DVec3::new(-2.0, 0.0, 0.0) };
     let set = planned(&mold, &[own], &ElectrodeParams { edits: vec![sideways], ..params(GAP) });
-    assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].trouble);
+    assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].reason);
     let [electrode] = &set.electrodes[..] else { panic!("one electrode") };
     assert!(electrode.direction.distance(DVec3::NEG_X) < 1e-9, "{}", electrode.direction);
     let burn = &electrode.burns[0];

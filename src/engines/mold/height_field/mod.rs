@@ -12,7 +12,6 @@
 mod blocks;
 mod closing;
 mod covered;
-mod difference;
 mod element;
 mod raster;
 mod regions;
@@ -22,8 +21,7 @@ mod tests;
 
 pub use closing::{Closing, closing};
 pub use covered::{Cover, Covered, Left};
-pub use difference::difference;
-pub use regions::{FieldRegion, regions};
+pub use regions::{FieldRegion, difference, regions};
 
 use glam::{DVec2, DVec3};
 

@@ -100,8 +100,8 @@ pub struct FlankInput {
     pub undercut_tolerance_mm: f64,
     /// Checks that do not keep anything from being exported.
     pub overrides: Vec<FlankOverride>,
-    /// Whether checks are taken on the plan's own grid, to be quick; nothing should be milled by them.
-    pub is_quick_look: bool,
+    /// Whether checks are taken on the plan's own coarse grid, for a preview; nothing may be milled by them.
+    pub is_preview: bool,
 }
 
 /// Why there is no flank path at all.
@@ -220,7 +220,7 @@ pub struct FlankFacts {
     /// Overrides that override nothing, and why, in words.
     pub idle_overrides: Vec<String>,
     /// Whether the checks were taken on the plan's own grid, to be quick: nothing is approved by them.
-    pub is_quick_look: bool,
+    pub is_preview: bool,
 }
 
 /// A planned flank with its checks. Only [`flank`] makes one, and its facts can be read but not changed, so that no check
@@ -348,7 +348,7 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
         }
     })?;
     let path = path_of(&plan, input.path);
-    let quick = input.is_quick_look.then(|| CheckGrid::even(&surface, input.params.grid));
+    let quick = input.is_preview.then(|| CheckGrid::even(&surface, input.params.grid));
     let grid = quick.unwrap_or_else(|| CheckGrid::new(&surface));
     let checked = grid.checked(path, &input.cutter.above(input.params.below_mm)?)?;
     let whole_tool = grid.for_whole_tool(&surface);
@@ -399,7 +399,7 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
         checks: Vec::new(),
         warnings: Vec::new(),
         idle_overrides: Vec::new(),
-        is_quick_look: input.is_quick_look,
+        is_preview: input.is_preview,
     };
     let mut result = FlankResult { facts };
     result.facts.checks = checks::of(&result);

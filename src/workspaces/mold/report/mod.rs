@@ -228,7 +228,7 @@ fn region(set: &ElectrodeSet, r: usize, plan: &RegionPlan) -> RegionEntry {
         left_thickness_mm: plan.left.thickness,
         left_at_mm: plan.left.place.to_array().map(|v| rounded(v, 1e6)),
         left_volume_mm3: plan.left.volume,
-        trouble: plan.trouble.clone(),
+        trouble: plan.reason.clone(),
         left_out: plan.left_out.iter().map(|left| left.text.clone()).collect(),
     }
 }
