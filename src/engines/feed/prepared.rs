@@ -87,7 +87,7 @@ impl PreparedElectrode {
     /// Prepares `electrode` for searches that want `clearance` (mm) and draw its walls in by up to `most` (rad).
     ///
     /// # Errors
-    /// If the field gets too large, or when told to stop.
+    /// If the field gets too large, or when cancelled.
     pub fn new(
         space: &PlanningSpace,
         electrode: Arc<Electrode>,

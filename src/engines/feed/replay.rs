@@ -31,7 +31,7 @@ pub struct Surroundings<'a> {
 /// reduction `h` (rad).
 ///
 /// # Errors
-/// If the nodes cannot be joined, or when told to stop. That the path does not hold is an answer, not an error.
+/// If the nodes cannot be joined, or when cancelled. That the path does not hold is an answer, not an error.
 pub fn replay_feed(
     around: &Surroundings,
     electrode: &Electrode,

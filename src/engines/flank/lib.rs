@@ -205,7 +205,7 @@ pub enum FlankError {
     /// A system that has no solution.
     #[error("{0} has no solution in finite numbers")]
     Singular(&'static str),
-    /// The work was told to stop.
+    /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }

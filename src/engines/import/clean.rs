@@ -8,7 +8,7 @@ use super::edges::{EdgeTable, NONE, half_ends};
 use geometry::mesh::{Mesh, normal_times_two_areas};
 use task::{Cancel, Cancelled, Progress};
 
-/// Removes triangles that have a vertex twice; answers how many.
+/// Removes triangles that have a vertex twice; returns their number.
 ///
 /// Two other edges are one and the same, run through both ways, so the neighbours meet there: no hole opens.
 pub(super) fn drop_collapsed(mesh: &mut Mesh) -> usize {
@@ -17,7 +17,7 @@ pub(super) fn drop_collapsed(mesh: &mut Mesh) -> usize {
     before - mesh.triangles.len()
 }
 
-/// Removes triangles that lie on others with the same three vertices; answers how many.
+/// Removes triangles that lie on others with the same three vertices; returns their number.
 ///
 /// Usually one of each set stays. Where that would open the surface, as at a fin without thickness or between two
 /// bodies that touch, those that face each other are removed together, which leaves its boundary as it is. If neither

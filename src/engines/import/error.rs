@@ -82,7 +82,7 @@ pub enum ImportError {
         /// Problem and remedy.
         problem: String,
     },
-    /// The import was told to stop.
+    /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }

@@ -30,7 +30,7 @@ pub(super) struct Boundary {
 
 /// Follows the boundary of `mesh` round its holes.
 ///
-/// The direction of the triangles does not matter. Where loops touch in a vertex they are told apart arbitrarily but
+/// The direction of the triangles does not matter. Where loops touch in a vertex they are distinguished arbitrarily but
 /// always in the same way.
 pub(super) fn trace(mesh: &Mesh, table: &EdgeTable) -> Boundary {
     let halves: Vec<u32> =

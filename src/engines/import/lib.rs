@@ -1,7 +1,7 @@
 //! Floor 1: mesh files to meshes in millimetres, and back. Knows no blisk.
 //!
-//! [`import_file`] reads STL (binary and ASCII), OBJ, glTF and GLB, told apart by their content. Whatever the bytes,
-//! it answers either a mesh and a report on it, or one clear line that names the file, the place and the remedy; it
+//! [`import_file`] reads STL (binary and ASCII), OBJ, glTF and GLB, distinguished by their content. Whatever the bytes,
+//! it returns either a mesh and a report on it, or one clear line that names the file, the place and the remedy; it
 //! neither panics nor takes more memory than its [`ImportLimits`] allow.
 //!
 //! The mesh that comes out has one vertex for each point, no collapsed or doubled triangles, and its triangles are

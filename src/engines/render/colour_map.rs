@@ -7,7 +7,7 @@ use super::colour::Colour;
 /// How many colours a map is tabulated with.
 pub const TABLE_SIZE: usize = 256;
 
-/// A way from numbers to colours. The maps are our own: a few control points in Oklab (B. Ottosson, A
+/// A map from numbers to colours. The maps are our own: a few control points in Oklab (B. Ottosson, A
 /// perceptual color space for image processing, 2020), between which lightness runs straight, so that equal
 /// steps of the quantity look like equal steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -53,10 +53,10 @@ pub enum CentrelineError {
     NoPassage {
         /// Sections with circles.
         found: usize,
-        /// Sections looked at.
+        /// Sections tested.
         sections: usize,
     },
-    /// The computation was told to stop.
+    /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }

@@ -98,7 +98,7 @@ pub enum BliskError {
         /// Where (mm from the axis).
         r: f64,
     },
-    /// The computation was told to stop.
+    /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }

@@ -89,10 +89,10 @@ impl ChannelSummary {
     }
 }
 
-/// Finds what can be found in `mesh` (mm); what cannot is told in [`Inspection::not_found`].
+/// Finds what can be found in `mesh` (mm); what cannot is listed in [`Inspection::not_found`].
 ///
 /// # Errors
-/// Only when told to stop.
+/// Only when cancelled.
 pub fn inspect(
     mesh: &Mesh,
     options: &BliskOptions,

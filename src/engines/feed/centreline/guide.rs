@@ -24,7 +24,7 @@ pub struct Guide {
 }
 
 impl Guide {
-    /// Least share of a step that goes along X, where the line hardly does: nodes are told apart by X.
+    /// Least share of a step that goes along X, where the line hardly does: nodes are distinguished by X.
     const LEAST_SHARE: f64 = 0.2;
 
     /// The path of `electrode` along `line`.

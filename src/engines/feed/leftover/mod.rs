@@ -196,7 +196,7 @@ impl From<CutterError> for LeftoverError {
 /// Residual stock of the channel after `burns`. Takes some seconds.
 ///
 /// # Errors
-/// If an electrode or the channel cannot be searched, or when told to stop.
+/// If an electrode or the channel cannot be searched, or when cancelled.
 pub fn leftover(site: &Site, burns: &[Burn], progress: &Progress, cancel: &Cancel) -> Result<Leftover, LeftoverError> {
     let progress = progress.as_stage("leftover");
     let mut cutters = Vec::with_capacity(burns.len());

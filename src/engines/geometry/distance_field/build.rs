@@ -22,7 +22,7 @@ const ACCEPTED: f64 = 0.45 * DistanceField::ACCURACY;
 /// Why a field cannot be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FieldError {
-    /// The work was told to stop.
+    /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
     /// Region over cell size needs too many cells.
@@ -282,7 +282,7 @@ impl Builder<'_> {
     }
 
     /// How the surface passes an exact cell. Where sheets that face away from each other come together the normals
-    /// are not to be trusted: the mesh may be folded.
+    /// are unreliable: the mesh may be folded.
     fn passage_of_exact(&self, values: &[f32; 8], clear: bool, triangles: &[Candidate]) -> Passage {
         if clear {
             Passage::Clear

@@ -61,7 +61,7 @@ impl Handle {
     const OUTSIDE: u32 = 4;
     /// Wholly inside.
     const INSIDE: u32 = 5;
-    /// Crossed by a surface whose normals are not to be trusted: crossings are counted.
+    /// Crossed by a surface whose normals are unreliable: crossings are counted.
     const FOLDED: u32 = 6;
     /// Signs by the normals.
     const EXACT: u32 = 7;
@@ -118,7 +118,7 @@ impl DistanceField {
     }
 
     /// Signed distance at `p`, or any value from `enough` to it if it is known to be greater (mm): where it is enough to
-    /// know that, a cell's triangles need not be looked at. `None` outside the field's bounds.
+    /// know that, a cell's triangles need not be tested. `None` outside the field's bounds.
     #[inline]
     pub fn value_or_enough(&self, p: DVec3, enough: f64) -> Option<f64> {
         /// For rounding to single precision (mm).

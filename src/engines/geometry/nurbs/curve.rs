@@ -27,7 +27,7 @@ pub struct NearestOnCurve {
 }
 
 impl NurbsCurve {
-    /// Places looked at on each piece before feet are approached from those nearer than their neighbours.
+    /// Places sampled on each piece before feet are approached from those nearer than their neighbours.
     const LOOKS: usize = 6;
     /// Most places looked at so, of a curve that has no more pieces.
     const MOST_LOOKS: usize = 6000;

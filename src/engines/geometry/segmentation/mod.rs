@@ -78,7 +78,7 @@ pub enum FaceKind {
     Cylinder {
         /// The point of the axis beside the middle of the face (mm).
         point: DVec3,
-        /// Unit direction of the axis; which of the two is no matter.
+        /// Unit direction of the axis; either of the two.
         direction: DVec3,
         /// Radius (mm).
         radius: f64,

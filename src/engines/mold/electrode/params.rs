@@ -377,7 +377,7 @@ pub enum ElectrodeParamsError {
     /// No burn at all.
     #[error("there is no stage: give at least one burn, with its gap")]
     NoStage,
-    /// Stages that cannot be told apart.
+    /// Stages that cannot be distinguished.
     #[error(
         "two stages are called {0:?}, or a name is empty or holds more than letters, digits, - and _: file names carry it"
     )]

@@ -163,7 +163,7 @@ type Found<'a> = (&'a mut [RegionPlan], &'a mut [f64]);
 /// The parts of stages after this one, to which its own are added, and of electrodes of which these are the net shapes.
 type Known<'a> = (&'a mut Parts, Option<&'a Parts>);
 
-/// The tips of these regions for stage `number`; what stands in their way is told in their plans.
+/// The tips of these regions for stage `number`; what stands in their way is listed in their plans.
 fn leaves(
     setting: &Setting,
     regions: &[RegionToBurn],

@@ -119,7 +119,7 @@ impl Place {
 
     /// The directions of its walls in plan, as unit vectors, that of the largest walls first.
     fn walls(&self) -> Vec<DVec2> {
-        /// Directions are told apart by this (radians).
+        /// Directions are distinguished by this (radians).
         const APART: f64 = 0.01;
         let mut found: Vec<(f64, DVec2)> = Vec::new();
         for corners in &self.corners {
@@ -235,7 +235,7 @@ pub fn tip(burned: &Burned, footprint: &Footprint) -> Result<Mesh, TipError> {
     if tip.triangles.is_empty() { Err(TipError::NoRoom) } else { Ok(tip) }
 }
 
-/// The prism over a shape less the mold. Where faces lie in one another so that the solids cannot be told apart, the shape
+/// The prism over a shape less the mold. Where faces lie in one another so that the solids cannot be distinguished, the shape
 /// is moved by a hair.
 fn trimmed(burned: &Burned, footprint: &Footprint, shape: &Shape) -> Result<Mesh, TipError> {
     let mut found = Err(TipError::NoRoom);

@@ -1,4 +1,4 @@
-//! From a scene and a camera to what the GPU is told: the part of a picture that the CPU makes.
+//! Preparation of a picture on the CPU: from a scene and a camera to the data for the GPU.
 
 use std::ops::Range;
 

@@ -70,7 +70,7 @@ impl GrowingBuffer {
         Self { buffer: buffer(device, 1024, usage), usage }
     }
 
-    /// Writes `bytes`; says whether the buffer is another one than before.
+    /// Writes `bytes`; returns whether the buffer was replaced.
     pub fn write(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, bytes: &[u8]) -> bool {
         let grows = bytes.len() as u64 > self.buffer.size();
         if grows {

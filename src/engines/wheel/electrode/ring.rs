@@ -19,7 +19,7 @@ const SURPLUS: f64 = 5e-5;
 const SPARE: f64 = 5e-3;
 /// Steps of the search for the place of an edge that is nearest to the blisk.
 const EDGE_STEPS: usize = 12;
-/// Places inside a face that are looked at.
+/// Places sampled inside a face.
 const IN_FACE: [[f64; 3]; 4] =
     [[0.5, 0.25, 0.25], [0.25, 0.5, 0.25], [0.25, 0.25, 0.5], [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0]];
 /// Rounds of giving way at most.
