@@ -31,7 +31,7 @@ impl SearchProblem<'_> {
         }
         let one = |i: usize| {
             cancel.check()?;
-            let (pose, lacking) = self.climb(strewn(self, task, i), task.s, task.h_so_far);
+            let (pose, lacking) = self.climb(start_of(self, task, i), task.s, task.h_so_far);
             let free = lacking.is_none() && self.is_free(&pose, task.s, task.h_so_far, &mut 0);
             Ok(free.then(|| (self.free_travel(&pose, task), self.valued_candidate(pose, task))))
         };
@@ -46,7 +46,7 @@ impl SearchProblem<'_> {
         let one = |i: usize| {
             cancel.check()?;
             let at = (task.s, self.turned(task.h_so_far));
-            let pose = self.model.ascend(strewn(self, task, i), at, &wide, self.free_axes(), ASCENT).pose;
+            let pose = self.model.ascend(start_of(self, task, i), at, &wide, self.free_axes(), ASCENT).pose;
             let free = self.is_free(&pose, task.s, task.h_so_far, &mut 0);
             let distance = || self.model.least_clearance(&pose, self.turned(task.h_so_far));
             Ok(free.then(|| (distance(), self.valued_candidate(pose, task))))
@@ -54,7 +54,7 @@ impl SearchProblem<'_> {
         sorted((0..SEEDS).into_par_iter().map(one).collect())
     }
 
-    /// How far the electrode can go on from `pose` along the main direction alone (mm), as far as that matters.
+    /// Distance that the electrode can go on from `pose` along the main direction alone (mm), as far as that matters.
     fn free_travel(&self, pose: &Pose, task: &NodeTask) -> f64 {
         const STRIDE: f64 = 0.25;
         const MOST: usize = 200;
@@ -81,7 +81,7 @@ fn sorted(found: Result<Vec<Option<(f64, Candidate)>>, Cancelled>) -> Result<Vec
 }
 
 /// Start number `i` of a node: the pose before, the motion as before, or scattered about the pose before.
-fn strewn(problem: &SearchProblem, task: &NodeTask, i: usize) -> Pose {
+fn start_of(problem: &SearchProblem, task: &NodeTask, i: usize) -> Pose {
     let mut pose = task.from;
     if i == 1 {
         let ratio = task.duration / task.before.duration;

@@ -22,7 +22,7 @@ impl ClearanceCache {
         Self { moved: 0.0, blocks: fresh(blocks), clusters: fresh(clusters), points: fresh(points) }
     }
 
-    /// Notes that the electrode has moved since the last look: none of its points by more than `motion` (mm).
+    /// Adds a motion of the electrode since the last test, in which no point moved by more than `motion` (mm).
     pub(super) fn advance(&mut self, motion: f64) {
         self.moved += motion;
     }
@@ -43,9 +43,9 @@ impl MotionBound {
     const NONE: Self = Self(0.0);
     /// Bound of a point that never lacks clearance.
     pub(super) const FOR_EVER: Self = Self(f32::INFINITY);
-    /// A ball whose points are watched one by one.
+    /// Bound of a ball whose points have bounds of their own.
     const OPENED: Self = Self(f32::NEG_INFINITY);
-    /// For rounding to single precision (mm).
+    /// Allowance for rounding to single precision (mm).
     const ROUNDING: f64 = 1e-5;
 
     /// Bound of a point with `spare` clearance beyond its demand (mm) after a motion of `moved` (mm);
@@ -54,14 +54,14 @@ impl MotionBound {
         if spare.is_finite() { Self((moved + spare - Self::ROUNDING) as f32) } else { Self::NONE }
     }
 
-    /// Whether it surely keeps `room` (mm) after a motion of `moved` (mm).
+    /// Whether the clearance surely exceeds the demand by `room` (mm) after a motion of `moved` (mm).
     #[inline]
     pub(super) fn lasts(self, moved: f64, room: f64) -> bool {
         f64::from(self.0) > moved + room
     }
 
-    /// Whether the points of a ball have to be looked at; if it is not known, `spare` tells how much more than it needs the
-    /// ball has now (mm).
+    /// Whether the points of a ball have to be tested; where the bound does not decide, `spare` returns the clearance
+    /// that the ball has beyond its demand now (mm).
     #[inline]
     pub(super) fn opens(&mut self, moved: f64, room: f64, spare: impl FnOnce() -> f64) -> bool {
         if self.0 == Self::OPENED.0 {

@@ -137,7 +137,7 @@ impl Planning<'_> {
         Ok(plan)
     }
 
-    /// Plans `electrode`, which is the prepared one with its walls drawn in by [`turns`](Self::turns).
+    /// Plans `electrode`, which is the prepared one with its walls drawn in by the turns of the setup.
     fn plan_drawn_in(&self, electrode: &Electrode, prepared: &PreparedElectrode) -> Result<FeedPlan, PlanError> {
         let model = &prepared.model_of(electrode, self.setup.space, self.cancel)?;
         let mut plan = self.nothing_yet(electrode, model);

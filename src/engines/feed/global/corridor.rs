@@ -9,7 +9,7 @@ use crate::pose::Pose;
 use crate::problem::SearchProblem;
 use task::{Cancel, Cancelled, Progress};
 
-/// How many poses are tried.
+/// Numbers of poses and distance of nodes of a search.
 #[derive(Debug, Clone, Copy)]
 pub struct Effort {
     /// Poses kept for each node.
@@ -250,7 +250,7 @@ impl FreeSpace<'_> {
         Ok(stretches?.into_iter().collect::<Option<Vec<_>>>().map(|all| self.path_over(&all.concat())))
     }
 
-    /// Places from the one after `from` to `to` with free motions between them.
+    /// Configurations from the one after `from` to `to` with free motions between them.
     fn stretch(&self, from: &Configuration, to: &Configuration, halvings: usize) -> Option<Vec<Configuration>> {
         if self.joins((from.s, &from.pose), (to.s, &to.pose)) {
             return Some(vec![*to]);

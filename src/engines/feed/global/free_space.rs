@@ -15,7 +15,7 @@ pub(super) struct FreeSpace<'a> {
     pub(super) problem: &'a SearchProblem<'a>,
     /// Some of the problem's probes, which lead the search.
     coarse: ClearanceModel<'a>,
-    /// Clearance beyond what is asked for, up to which more counts as better (mm).
+    /// Clearance margin up to which a wider place counts as better (mm).
     pub(super) room: f64,
     /// Steps of ascent for each pose.
     ascent: usize,
@@ -41,7 +41,7 @@ impl<'a> FreeSpace<'a> {
     const OPEN: f64 = 4.0;
     /// Steps of ascent for each pose, for a full search and for a preview.
     const ASCENT: [usize; 2] = [12, 8];
-    /// Steps that all probes take part in, where some of them did not tell enough.
+    /// Steps with all probes, where the leading ones were not sufficient.
     const TOUCH: usize = 4;
     /// Lack of clearance by the leading probes up to which the others are tested too (mm).
     const HOPELESS: f64 = 0.05;
@@ -100,7 +100,7 @@ impl<'a> FreeSpace<'a> {
         })
     }
 
-    /// About how far the electrode's points move from one pose to another (mm).
+    /// Upper estimate of the motion of the electrode's points from one pose to another (mm).
     pub(super) fn motion_between(&self, from: &Pose, to: &Pose) -> f64 {
         self.coarse.motion_between(from, to)
     }

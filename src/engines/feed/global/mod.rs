@@ -31,7 +31,7 @@ use wheel::channel::Surface;
 pub struct GlobalParams {
     /// Poses kept for each node.
     pub poses: usize,
-    /// Clearance beyond what is asked for, up to which a wider path counts as better (mm).
+    /// Clearance margin beyond the demand, up to which a wider path counts as better (mm).
     pub room_mm: f64,
     /// Share of the clearance margin about the path that polishing keeps: 0 gives the smoothest path, 1 the widest.
     pub room_kept: f64,
