@@ -286,18 +286,18 @@ fn a_change_of_stages_makes_electrodes_of_all_of_them_again() {
     desk.press_role(Role::DisclosureTriangle, "Electrodes");
     desk.press("Add a roughing stage");
     assert!(!desk.mold().is_designed());
-    desk.assert_shows("stale");
+    desk.assert_shows("out of date");
     desk.until("they are made again", |d| d.mold().is_designed() && !d.mold().work.is_busy());
     let made = desk.mold().electrodes.designed().unwrap().clone();
     let of = |stage: usize| made.set.electrodes.iter().filter(|e| e.stage == stage).count();
     assert!(of(0) > 0 && of(1) == first.set.electrodes.len(), "{} {}", of(0), of(1));
     desk.enter("Gap of stage 1", "0.4");
-    desk.assert_shows("stale");
+    desk.assert_shows("out of date");
     // Who looks at regions goes on doing so.
     desk.press_role(Role::Tab, "List of Regions");
     desk.until("they are made again", |d| d.mold().is_designed() && !d.mold().work.is_busy());
     assert_eq!(desk.mold().electrodes.designed().unwrap().set.params.stages[0].gap_mm, 0.4);
-    assert!(desk.mold().electrodes.seen().is_none() && !desk.shows("stale"));
+    assert!(desk.mold().electrodes.seen().is_none() && !desk.shows("out of date"));
     // What the user stops does not begin again.
     desk.enter("Gap of stage 1", "0.5");
     desk.until("it begins", |d| d.mold().design_state() == State::Running);

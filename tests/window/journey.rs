@@ -195,7 +195,7 @@ fn an_edit_withdraws_the_release(desk: &mut Desk) {
     let core = desk.app().core();
     assert!(!core.leftover && core.layers.get(Layer::Electrode).visible, "of this electrode there is no map");
     assert!(core.pipeline.released().is_none());
-    assert!(desk.step_says(Stage::Plan, "stale") && desk.step_says(Stage::Export, "stale"));
+    assert!(desk.step_says(Stage::Plan, "out of date") && desk.step_says(Stage::Export, "out of date"));
     assert!(desk.log().iter().any(|line| line.contains("release withdrawn: an input changed")));
     desk.assert_shows("Stale: comes out");
     desk.key_with(Modifiers::COMMAND, Key::Z);

@@ -165,7 +165,7 @@ fn a_change_of_a_cutter_is_seen_at_a_glance_and_found_exactly_at_rest() {
     desk.until("it is looked at", |d| d.mold().glanced().is_some());
     desk.pictures("mold_glance");
     desk.assert_shows("Out of date (other cutters): The cutters leave 8 regions");
-    desk.assert_shows("stale");
+    desk.assert_shows("out of date");
     let glance = desk.mold().glanced().unwrap().preview.clone();
     let exact = 4.0 * (corner(2.0, 5.0) + corner(2.0, 4.0));
     let coarse: f64 = glance.regions.iter().map(|r| r.volume).sum();
@@ -176,7 +176,7 @@ fn a_change_of_a_cutter_is_seen_at_a_glance_and_found_exactly_at_rest() {
     desk.mold_mut().follows = true;
     desk.until_found();
     assert!((desk.volume() / exact - 1.0).abs() < 1e-3 && desk.mold().glanced().is_none());
-    assert!(!desk.shows("stale") && !desk.shows("Out of date (other cutters)"));
+    assert!(!desk.shows("out of date") && !desk.shows("Out of date (other cutters)"));
 }
 
 #[test]
