@@ -231,7 +231,7 @@ fn a_path_that_is_off_more_than_is_allowed_is_no_program() {
     let coarse = run(&loaded(&document));
     let off = check(&coarse, CheckKind::Deviation);
     assert!(coarse.path().deviation.most_overcut > -0.01 && !off.holds, "{}", off.text);
-    assert!(off.text.contains("on 100 x 50 places of the surface, at most"), "{}", off.text);
+    assert!(off.text.contains("on 100 x 50 samples, at most"), "{}", off.text);
 }
 
 #[test]

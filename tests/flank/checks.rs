@@ -102,7 +102,7 @@ fn what_straight_moves_cut_between_the_records_is_checked() {
         let sagitta = distance * (1.0 - 5f64.to_radians().cos());
         assert!((coarse.stray_mm / sagitta - 1.0).abs() < 0.03, "{} {sagitta}", coarse.stray_mm);
         let deviation = check(&coarse, CheckKind::Deviation);
-        assert!(!deviation.holds && deviation.text.contains("straight moves leave the path"), "{}", deviation.text);
+        assert!(!deviation.holds && deviation.text.contains("mm chordal deviation"), "{}", deviation.text);
         assert!(deviation.text.contains("--tolerance"), "{}", deviation.text);
         let is_outside = distance > 50.0;
         let records = cl_text(&ApprovedFlank::new(&let_pass(&coarse)).unwrap()).unwrap();

@@ -98,7 +98,7 @@ fn what_is_written_is_what_was_ticked() {
     assert_eq!(written["not_asked_for"], serde_json::json!([]));
 
     desk.press("Export…");
-    for file in ["path_K.nc", "path_K.csv", "leftover.ply, copying_K.csv", "*.png", "On its way"] {
+    for file in ["path_K.nc", "path_K.csv", "leftover.ply, copying_K.csv", "*.png", "On its path"] {
         desk.press_role(Role::CheckBox, file);
     }
     desk.press_role(Role::Button, "Cancel");
@@ -116,7 +116,7 @@ fn what_is_written_is_what_was_ticked() {
     for file in ["electrode_K.stl", "report.html, .json"] {
         desk.press_role(Role::CheckBox, file);
     }
-    desk.assert_shows("Nothing is chosen, so that nothing would be written.");
+    desk.assert_shows("No file is chosen: nothing would be written.");
 }
 
 #[test]
