@@ -234,7 +234,7 @@ pub struct FlankFacts {
 /// ```
 ///
 /// ```compile_fail,E0451
-/// fn made_up(facts: nc::flank_job::FlankFacts) -> crate::flank_job::FlankResult {
+/// fn made_up(facts: nc::flank_job::FlankFacts) -> nc::flank_job::FlankResult {
 ///     nc::flank_job::FlankResult { facts }
 /// }
 /// ```

@@ -8,7 +8,7 @@ use super::plan::PlanOutcome;
 /// A plan that may be approved and that the user released for export. It can only be made by [`Released::by_user`].
 ///
 /// ```compile_fail,E0451
-/// use sparkpath::jobs::{plan::PlanOutcome, released::Released};
+/// use sparkpath::workspaces::blisk::job::{plan::PlanOutcome, released::Released};
 /// fn unseen(plan: std::sync::Arc<PlanOutcome>) -> Released {
 ///     Released { plan }
 /// }
