@@ -17,7 +17,7 @@ use crate::workspaces::mold::job::uncut::uncut as find_uncut;
 use crate::workspaces::mold::report::ElectrodesReport;
 use crate::workspaces::mold::scene::electrodes::electrode_shapes;
 use crate::workspaces::mold::scene::pictures::electrode_pictures;
-use files::export_folder::ExportFolder;
+use files::old_export_folder::ExportFolder;
 use files::user_folder::user_folder;
 use geometry::mesh::Mesh;
 use mold::cutter::{Cutter, CutterLibrary};

@@ -142,5 +142,5 @@ fn write(folder: &Path, report: &VerifyReport, json: &str) -> anyhow::Result<()>
     std::fs::create_dir_all(folder)
         .map_err(|e| anyhow::anyhow!("{}: the folder cannot be made ({e}); give another", folder.display()))?;
     write_atomically(&folder.join("verify.json"), json.as_bytes())?;
-    Ok(write_atomically(&folder.join("verify.html"), report.html().as_bytes())?)
+    Ok(write_atomically(&folder.join("verify.html"), report.html()?.as_bytes())?)
 }

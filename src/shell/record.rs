@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use files::history::History;
+use files::old_history::History;
 
 /// What the hands of the user do.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

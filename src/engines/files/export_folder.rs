@@ -1,13 +1,56 @@
-//! A folder that gets all files of an export or none.
+//! A folder that gets all files of an export or none, and knows its own files by a manifest.
 
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use crate::whole_file::WriteError;
+use serde::{Deserialize, Serialize};
 
-/// What is put behind the name of a file of an earlier export that is not to be taken for one of the present one.
+use crate::document::sha256;
+use crate::{FileError, Invalid, TomlFile, Validate, sha256_of};
+
+/// The name of the manifest: the files that exports wrote into the folder, and the SHA-256 of each.
+pub const MANIFEST: &str = "export_manifest.toml";
+/// What is put behind the name of a file that is not to be taken for one of the present export.
 const OLD: &str = "old";
+const MANIFEST_FILE: TomlFile<Manifest> = TomlFile::new("manifest of an export").at_most(16 << 20);
+
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Manifest {
+    #[serde(default)]
+    file: Vec<OwnFile>,
+}
+
+/// A file that an export wrote.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct OwnFile {
+    name: String,
+    /// What wrote it.
+    by: String,
+    sha256: String,
+}
+
+impl Validate for Manifest {
+    /// A name is that of a file in the folder, never a way out of it.
+    fn validate(&self) -> Result<(), Invalid> {
+        match self.file.iter().position(|file| !is_plain(&file.name)) {
+            Some(i) => Err(Invalid::new(
+                format!("file[{i}].name"),
+                format!("{:?}", self.file[i].name),
+                "must be the name of a file in this folder",
+            )),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Whether `name` is that of a file in a folder, on every system.
+fn is_plain(name: &str) -> bool {
+    let has_path = name.chars().any(|c| matches!(c, '/' | '\\' | ':') || c.is_control());
+    !(name.is_empty() || name == "." || name == ".." || has_path)
+}
 
 /// A folder into which files are written unseen, and moved all together at the end.
 ///
@@ -17,12 +60,28 @@ const OLD: &str = "old";
 #[derive(Debug)]
 pub struct ExportFolder {
     folder: PathBuf,
+    /// What writes, as in `flank`: its exports replace each other, and leave those of others alone.
+    by: String,
     // Before the folders: fields are dropped in order, and these go only when they are empty.
     waiting: tempfile::TempDir,
-    names: Vec<String>,
-    /// Files of an earlier export, and what they will be called.
-    aside: Vec<[PathBuf; 2]>,
+    /// Files to be published, in order, and their hashes.
+    new: Vec<OwnFile>,
+    manifest: Manifest,
+    manifest_problem: Option<FileError>,
     _made: MadeFolders,
+}
+
+/// What publishing did beside writing.
+#[derive(Debug, Default)]
+pub struct Published {
+    /// The files that were written, in order.
+    pub files: Vec<PathBuf>,
+    /// Files of the former export that the present one does not have, and that were removed.
+    pub removed: Vec<String>,
+    /// The same where someone changed them since: the former name, and the one that they have now.
+    pub set_aside: Vec<[String; 2]>,
+    /// Why the manifest of the former export could not be read; its files were then left as they were.
+    pub manifest_problem: Option<FileError>,
 }
 
 /// Folders that were made, the innermost first, which go again unless something is in them.
@@ -32,25 +91,33 @@ struct MadeFolders(Vec<PathBuf>);
 impl Drop for MadeFolders {
     fn drop(&mut self) {
         // One that holds something cannot be removed, and is to stay.
-        self.0.iter().for_each(|folder| drop(std::fs::remove_dir(folder)));
+        self.0.iter().for_each(|folder| drop(fs::remove_dir(folder)));
     }
 }
 
 impl ExportFolder {
-    /// The folder, made if it is not there.
+    /// The folder, made if it is not there, for an export of the kind `by`.
     ///
     /// # Errors
-    /// [`WriteError`] if it cannot be made or nothing can be written into it.
-    pub fn open(folder: &Path) -> Result<Self, WriteError> {
+    /// [`FileError`] if it cannot be made or nothing can be written into it.
+    pub fn open(folder: &Path, by: &str) -> Result<Self, FileError> {
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-        let wrong = |source| WriteError { path: folder.to_owned(), source };
+        let wrong = |source| FileError::unwritable(folder, source);
         let missing = folder.ancestors().take_while(|f| !f.as_os_str().is_empty() && !f.exists());
         let made = MadeFolders(missing.map(Path::to_owned).collect());
-        std::fs::create_dir_all(folder).map_err(wrong)?;
+        fs::create_dir_all(folder).map_err(wrong)?;
         let waiting = tempfile::Builder::new().prefix(".sparkpath-").suffix(".part").tempdir_in(folder);
         // The system's reason alone: nobody asked for the hidden folder.
         let waiting = waiting.map_err(|e| wrong(e.kind().into()))?;
-        Ok(Self { folder: folder.to_owned(), waiting, names: Vec::new(), aside: Vec::new(), _made: made })
+        for inside in [NEW, BEFORE] {
+            fs::create_dir(waiting.path().join(inside)).map_err(wrong)?;
+        }
+        let (manifest, manifest_problem) = match MANIFEST_FILE.read_if_there(&folder.join(MANIFEST)) {
+            Ok(found) => (found.unwrap_or_default(), None),
+            Err(problem) => (Manifest::default(), Some(problem)),
+        };
+        let (folder, by, new) = (folder.to_owned(), by.to_owned(), Vec::new());
+        Ok(Self { folder, by, waiting, new, manifest, manifest_problem, _made: made })
     }
 
     /// The path of a file once it is published.
@@ -60,7 +127,7 @@ impl ExportFolder {
 
     /// The names of the files that are there before anything is published, in order; none where they cannot be read.
     pub fn names(&self) -> Vec<String> {
-        let entries = std::fs::read_dir(&self.folder).into_iter().flatten().flatten();
+        let entries = fs::read_dir(&self.folder).into_iter().flatten().flatten();
         let files = entries.filter(|entry| entry.path().is_file());
         let mut names: Vec<String> = files.filter_map(|entry| entry.file_name().into_string().ok()).collect();
         names.sort_unstable();
@@ -70,88 +137,241 @@ impl ExportFolder {
     /// Writes a file; one that has the name already is replaced when all are published.
     ///
     /// # Errors
-    /// [`WriteError`] that names the file where it is to be.
-    pub fn write(&mut self, name: &str, bytes: &[u8]) -> Result<PathBuf, WriteError> {
+    /// [`FileError`] that names the file where it is to be.
+    pub fn write(&mut self, name: &str, bytes: &[u8]) -> Result<PathBuf, FileError> {
         let path = self.path(name);
         let written = || -> io::Result<()> {
+            if !is_plain(name) || name == MANIFEST {
+                return Err(io::Error::new(io::ErrorKind::InvalidInput, "this is no name for a file of an export"));
+            }
             // What cannot be replaced should be known before anything is.
             if path.is_dir() {
                 return Err(io::ErrorKind::IsADirectory.into());
             }
-            let mut file = File::create(self.waiting.path().join(name))?;
+            let mut file = File::create(self.waiting.path().join(NEW).join(name))?;
             file.write_all(bytes)?;
             file.sync_all()
         };
-        written().map_err(|source| WriteError { path: path.clone(), source })?;
-        self.names.push(name.to_owned());
+        written().map_err(|source| FileError::unwritable(&path, source))?;
+        self.new.retain(|file| file.name != name);
+        self.new.push(OwnFile { name: name.to_owned(), by: self.by.clone(), sha256: sha256(bytes) });
         Ok(path)
     }
 
-    /// Has a file of an earlier export called `NAME.old`, or `NAME.old-2` and so on where there is one of that name, once
-    /// all are published: nothing is deleted. Answers the name; none if there is no such file.
-    pub fn set_aside(&mut self, name: &str) -> Option<String> {
-        let path = self.path(name);
-        if !path.is_file() {
-            return None;
-        }
-        let numbered = (2..).map(|n: u64| format!("{name}.{OLD}-{n}"));
-        let mut names = std::iter::once(format!("{name}.{OLD}")).chain(numbered);
-        let free = names.find(|name| self.path(name).symlink_metadata().is_err())?;
-        self.aside.push([path, self.path(&free)]);
-        Some(free)
-    }
-
-    /// Moves all files to where they are to be, in the order in which they were written; first those out of the way that
-    /// are [set aside](Self::set_aside). Other files of the folder stay.
+    /// Moves all files to where they are to be. Files of the former export of this kind that this one does not have go
+    /// first, so that no program stands beside a report that refuses it; those that someone changed since are renamed to
+    /// `NAME.old`. Other files of the folder stay.
     ///
     /// # Errors
-    /// [`WriteError`]; each file is then the old one or the new one.
-    pub fn publish(self) -> Result<(), WriteError> {
-        for [from, to] in &self.aside {
-            std::fs::rename(from, to).map_err(|source| WriteError { path: to.clone(), source })?;
+    /// [`FileError`]; everything is then as it was before.
+    pub fn publish(mut self) -> Result<Published, FileError> {
+        let mut done = Moves::default();
+        let published = self.moved(&mut done);
+        if published.is_err() {
+            done.take_back();
         }
-        for name in &self.names {
+        published
+    }
+
+    fn moved(&mut self, done: &mut Moves) -> Result<Published, FileError> {
+        let mut published = Published { manifest_problem: self.manifest_problem.take(), ..Published::default() };
+        let before = self.waiting.path().join(BEFORE);
+        let is_new = |name: &str| self.new.iter().any(|file| file.name == name);
+        let own = |file: &&OwnFile| file.by == self.by && !is_new(&file.name);
+        for OwnFile { name, sha256, .. } in self.manifest.file.iter().filter(own) {
             let path = self.path(name);
-            std::fs::rename(self.waiting.path().join(name), &path).map_err(|source| WriteError { path, source })?;
+            // What is no plain file any more is none that an export wrote.
+            if !path.symlink_metadata().is_ok_and(|m| m.is_file()) {
+                continue;
+            }
+            if sha256_of(&path).is_ok_and(|now| now == *sha256) {
+                done.rename(&path, &before.join(name))?;
+                published.removed.push(name.clone());
+            } else {
+                let Some(free) = self.free_name(name) else { continue };
+                done.rename(&path, &self.path(&free))?;
+                published.set_aside.push([name.clone(), free]);
+            }
         }
+        for file in &self.new {
+            let path = self.path(&file.name);
+            if path.symlink_metadata().is_ok() {
+                done.rename(&path, &before.join(&file.name))?;
+            }
+            done.rename(&self.waiting.path().join(NEW).join(&file.name), &path)?;
+            published.files.push(path);
+        }
+        let of_others = self.manifest.file.iter().filter(|file| file.by != self.by && !is_new(&file.name));
+        let manifest = Manifest { file: of_others.chain(&self.new).cloned().collect() };
+        // Last: without it everything is taken back.
+        MANIFEST_FILE.write(&self.path(MANIFEST), &manifest)?;
+        Ok(published)
+    }
+
+    /// `NAME.old`, or `NAME.old-2` and so on where there is one of that name.
+    fn free_name(&self, name: &str) -> Option<String> {
+        let numbered = (2..).map(|n: u64| format!("{name}.{OLD}-{n}"));
+        let mut names = std::iter::once(format!("{name}.{OLD}")).chain(numbered);
+        names.find(|name| self.path(name).symlink_metadata().is_err())
+    }
+}
+
+/// Folders within the hidden one: files to come, and files that they replace.
+const NEW: &str = "new";
+const BEFORE: &str = "before";
+
+/// Files that were renamed.
+#[derive(Debug, Default)]
+struct Moves(Vec<[PathBuf; 2]>);
+
+impl Moves {
+    fn rename(&mut self, from: &Path, to: &Path) -> Result<(), FileError> {
+        fs::rename(from, to).map_err(|source| FileError::unwritable(to, source))?;
+        self.0.push([from.to_owned(), to.to_owned()]);
         Ok(())
+    }
+
+    /// Puts all of them back, the last first.
+    fn take_back(&mut self) {
+        // One that cannot be put back has nowhere else to go; the others still should.
+        self.0.drain(..).rev().for_each(|[from, to]| drop(fs::rename(to, from)));
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
-    #[test]
-    fn what_is_set_aside_is_never_lost_nor_touched_before_the_rest_is_there() {
-        let folder = tempfile::tempdir().unwrap();
-        let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
-        for (round, wanted) in ["path.ngc.old", "path.ngc.old-2", "path.ngc.old-3"].into_iter().enumerate() {
-            std::fs::write(folder.path().join("path.ngc"), round.to_string()).unwrap();
-            let mut dropped = ExportFolder::open(folder.path()).unwrap();
-            assert_eq!(dropped.set_aside("path.ngc").as_deref(), Some(wanted));
-            drop(dropped);
-            assert_eq!(read("path.ngc"), round.to_string(), "nothing was published");
-            let mut out = ExportFolder::open(folder.path()).unwrap();
-            assert_eq!(out.set_aside("path.ngc").as_deref(), Some(wanted));
-            assert_eq!(out.set_aside("none.ngc"), None);
-            out.write("report.html", b"new").unwrap();
-            out.publish().unwrap();
-            assert_eq!((read(wanted), read("report.html")), (round.to_string(), "new".to_owned()));
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<String> =
+            fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    fn export(folder: &Path, by: &str, files: &[(&str, &str)]) -> Published {
+        let mut out = ExportFolder::open(folder, by).unwrap();
+        for (name, text) in files {
+            out.write(name, text.as_bytes()).unwrap();
         }
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 4);
-        assert_eq!(read("path.ngc.old"), "0");
+        out.publish().unwrap()
+    }
+
+    fn read(folder: &Path, name: &str) -> String {
+        fs::read_to_string(folder.join(name)).unwrap()
+    }
+
+    #[test]
+    fn a_blocked_export_takes_its_former_program_away_and_nothing_of_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("a/b");
+        let first = export(&out, "flank", &[("flank.ngc", "G1"), ("report.html", "good"), ("flank.cl", "GOTO")]);
+        assert_eq!(first.files, [out.join("flank.ngc"), out.join("report.html"), out.join("flank.cl")]);
+        export(&out, "mold", &[("E01.stl", "solid")]);
+        fs::write(out.join("mine.ngc"), "mine").unwrap();
+        fs::write(out.join("flank.cl"), "changed by hand").unwrap();
+        let blocked = export(&out, "flank", &[("report.html", "blocked")]);
+        assert_eq!(blocked.removed, ["flank.ngc"]);
+        assert_eq!(blocked.set_aside, [["flank.cl", "flank.cl.old"].map(str::to_owned)]);
+        assert_eq!(names(&out), ["E01.stl", MANIFEST, "flank.cl.old", "mine.ngc", "report.html"]);
+        assert_eq!(
+            (read(&out, "report.html"), read(&out, "flank.cl.old")),
+            ("blocked".into(), "changed by hand".into())
+        );
+        // What was set aside is the user's: the next export knows nothing of it.
+        let again = export(&out, "flank", &[("flank.cl", "GOTO 2"), ("report.html", "good")]);
+        assert!(again.removed.is_empty() && again.set_aside.is_empty());
+        fs::write(out.join("flank.cl"), "by hand again").unwrap();
+        assert_eq!(export(&out, "flank", &[]).set_aside, [["flank.cl", "flank.cl.old-2"].map(str::to_owned)]);
+        assert_eq!(names(&out), ["E01.stl", MANIFEST, "flank.cl.old", "flank.cl.old-2", "mine.ngc"]);
+    }
+
+    #[test]
+    fn an_export_that_is_dropped_or_fails_leaves_everything_as_it_was() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("a/b");
+        let mut dropped = ExportFolder::open(&out, "flank").unwrap();
+        dropped.write("report.html", b"new").unwrap();
+        drop(dropped);
+        assert!(!folder.path().join("a").exists(), "folders made for nothing go again");
+        export(&out, "flank", &[("flank.ngc", "G1"), ("report.html", "old")]);
+        let before = names(&out);
+        let mut failing = ExportFolder::open(&out, "flank").unwrap();
+        failing.write("report.html", b"new").unwrap();
+        failing.write("table.csv", b"new").unwrap();
+        // The last move fails: what was to be moved is gone.
+        let waiting = failing.waiting.path().join(NEW).join("table.csv");
+        fs::remove_file(waiting).unwrap();
+        let error = failing.publish().unwrap_err().to_string();
+        assert!(error.contains("table.csv") && !error.contains(".part"), "{error}");
+        assert_eq!(names(&out), before);
+        assert_eq!((read(&out, "report.html"), read(&out, "flank.ngc")), ("old".into(), "G1".into()));
+        fs::create_dir(out.join("table.csv")).unwrap();
+        let error = ExportFolder::open(&out, "flank").unwrap().write("table.csv", b"").unwrap_err().to_string();
+        assert!(error.contains("table.csv") && error.contains("directory"), "{error}");
+    }
+
+    #[test]
+    fn a_hostile_manifest_reaches_nothing_outside_the_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("out");
+        fs::create_dir(&out).unwrap();
+        let victim = folder.path().join("victim.txt");
+        fs::write(&victim, "precious").unwrap();
+        let hash = sha256_of(&victim).unwrap();
+        for name in ["../victim.txt", &victim.display().to_string(), "..", ".", ""] {
+            let text = format!("[[file]]\nname = {name:?}\nby = \"flank\"\nsha256 = \"{hash}\"\n");
+            fs::write(out.join(MANIFEST), text).unwrap();
+            let published = export(&out, "flank", &[("report.html", "new")]);
+            let problem = published.manifest_problem.unwrap().to_string();
+            assert!(problem.contains("line 2") && problem.contains("file[0].name"), "{problem}");
+            assert!(victim.exists() && published.removed.is_empty());
+        }
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink(&victim, out.join("link.ngc")).unwrap();
+            let text = format!("[[file]]\nname = \"link.ngc\"\nby = \"flank\"\nsha256 = \"{hash}\"\n");
+            fs::write(out.join(MANIFEST), text).unwrap();
+            assert!(export(&out, "flank", &[]).removed.is_empty() && victim.exists());
+        }
+        fs::write(out.join(MANIFEST), b"\xff\xfe[[").unwrap();
+        assert!(export(&out, "flank", &[("a.csv", "1")]).manifest_problem.is_some());
+        for name in ["../a.csv", "/a.csv", "a\\b", "", "..", MANIFEST, "C:a"] {
+            assert!(ExportFolder::open(&out, "flank").unwrap().write(name, b"").is_err(), "{name:?}");
+        }
     }
 
     #[test]
     fn a_folder_that_cannot_be_is_answered_before_there_is_anything_to_write() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("file");
-        std::fs::write(&file, "").unwrap();
+        fs::write(&file, "").unwrap();
         for wrong in [file.clone(), file.join("deeper")] {
-            let error = ExportFolder::open(&wrong).unwrap_err();
-            assert_eq!(error.path, wrong);
-            assert!(!error.to_string().contains(".part"), "{error}");
+            let error = ExportFolder::open(&wrong, "flank").unwrap_err().to_string();
+            assert!(error.starts_with(&wrong.display().to_string()) && !error.contains(".part"), "{error}");
+        }
+    }
+
+    proptest! {
+        /// After any exports the folder holds what the last of each kind wrote, and what was there from others.
+        #[test]
+        fn the_folder_holds_the_last_export_of_each_kind(
+            exports in prop::collection::vec((0..2_usize, prop::collection::btree_set(0..4_usize, 0..4)), 1..6)
+        ) {
+            let folder = tempfile::tempdir().unwrap();
+            fs::write(folder.path().join("mine.txt"), "mine").unwrap();
+            let mut last = [Vec::new(), Vec::new()];
+            for (kind, files) in exports {
+                let names: Vec<String> = files.iter().map(|n| format!("{kind}-{n}.txt")).collect();
+                let files: Vec<(&str, &str)> = names.iter().map(|name| (name.as_str(), "x")).collect();
+                export(folder.path(), ["a", "b"][kind], &files);
+                last[kind] = names;
+            }
+            let mut wanted = [last.concat(), vec![MANIFEST.to_owned(), "mine.txt".to_owned()]].concat();
+            wanted.sort();
+            prop_assert_eq!(names(folder.path()), wanted);
         }
     }
 }

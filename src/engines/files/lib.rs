@@ -1,11 +1,37 @@
-//! Files of the program: whole or absent, TOML tables, export folders, parts of reports.
+//! Files that the program reads and writes, and the parameters in them.
+//!
+//! - [`TomlFile`] reads and writes tables of any kind (cutters, holders, machines, posts) with one [`FileError`] that
+//!   names file, line, key and remedy.
+//! - [`FieldTable`] describes parameters once. Forms, `--set KEY=VALUE`, documentation and reports are made from it.
+//! - [`Document`] keeps parameters with undo, a project file, kept results, and [`Autosave`] keeps unsaved work.
+//! - [`ExportFolder`] writes all files of an export or none, and knows its own files by a manifest.
+//! - [`report`] makes HTML pages from templates.
+//!
+//! None of it knows a workspace, a window or a job.
 
 pub mod atomic;
-pub mod export_folder;
-pub mod history;
+mod document;
+mod error;
+mod export_folder;
+mod fields;
+pub mod old_export_folder;
+pub mod old_history;
+pub mod old_toml_file;
 pub mod paths;
+pub mod report;
 pub mod svg_plot;
-pub mod toml_file;
+mod toml_file;
 pub mod user_folder;
 pub mod whole_file;
 pub mod word_or_table;
+
+pub use atomic::{atomic_write, write_bytes};
+pub use document::autosave::{Autosave, Recovery};
+pub use document::history::History;
+pub use document::project::{LARGEST_PROJECT, kind_of};
+pub use document::{Document, MovedFile, Params, PartFile, sha256_of};
+pub use error::{FileError, Invalid, Validate};
+pub use export_folder::{ExportFolder, MANIFEST, Published};
+pub use fields::table::{Entry, FieldTable, Group, Place};
+pub use fields::{Field, Instead, Kind, Range, Variant, When, Word, get, put, word};
+pub use toml_file::{TomlFile, read_text};

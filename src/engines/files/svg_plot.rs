@@ -1,7 +1,9 @@
-//! Line plots as small SVG pictures. Colours and fonts come from the classes in `report.css`, so one picture
+//! Line plots as small SVG pictures. Colours and fonts come from the classes in the stylesheet of reports, so one picture
 //! serves light, dark and paper.
 
 use std::fmt::Write;
+
+pub use crate::report::escape;
 
 /// A curve.
 #[derive(Debug, Clone, Default)]
@@ -67,23 +69,6 @@ fn log_ticks(lo: f64, hi: f64) -> Vec<f64> {
     let decades = lo.log10().floor() as i32..=hi.log10().ceil() as i32;
     let all = decades.flat_map(|d| [1.0, 2.0, 5.0].map(|m| m * 10f64.powi(d)));
     all.filter(|t| *t >= lo * 0.999 && *t <= hi * 1.001).collect()
-}
-
-/// `text` safe to stand in HTML or SVG, in content and in quoted attributes.
-pub fn escape(text: &str) -> String {
-    let mut safe = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => safe.push_str("&amp;"),
-            '<' => safe.push_str("&lt;"),
-            '>' => safe.push_str("&gt;"),
-            '"' => safe.push_str("&quot;"),
-            '\'' => safe.push_str("&#39;"),
-            c if c.is_control() && c != '\n' && c != '\t' => safe.push('\u{fffd}'),
-            c => safe.push(c),
-        }
-    }
-    safe
 }
 
 /// A number as an axis shows it: as many digits as tell ticks of `step` apart.

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use files::export_folder::ExportFolder;
+use files::old_export_folder::ExportFolder;
 use files::whole_file::WriteError;
 use import::{glb_bytes, obj_bytes, stl_bytes};
 use mold::electrode::design::{Electrode, ElectrodeSet};

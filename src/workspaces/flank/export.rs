@@ -9,7 +9,7 @@ use crate::workspaces::blisk::export::prepare;
 use crate::workspaces::flank::document::FlankDocument;
 use crate::workspaces::flank::report::build::report;
 use crate::workspaces::flank::report::maps::deviation_maps;
-use files::export_folder::ExportFolder;
+use files::old_export_folder::ExportFolder;
 use flank::path::FlankPath;
 use nc::approved_flank::ApprovedFlank;
 use nc::cutter_locations::cl_text;

@@ -1,7 +1,7 @@
 //! All files of electrodes in one folder, or none.
 
 use crate::workspaces::mold::report::ElectrodesReport;
-use files::export_folder::ExportFolder;
+use files::old_export_folder::ExportFolder;
 use mold::electrode::design::ElectrodeSet;
 use nc::burn_template::BurnSheet;
 use nc::electrode_files::{ElectrodeExportError, ElectrodeFormat, WrittenElectrodes, write_electrode_files};

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::kept_plan::{KeptPlan, KeptRun};
 use crate::workspaces::blisk::document::project_file::{MeshReference, MovedMesh, ProjectFile, ProjectFileError};
-use files::history::History;
+use files::old_history::History;
 
 /// The parameters of a job as a user edits them.
 #[derive(Debug, Clone, PartialEq)]

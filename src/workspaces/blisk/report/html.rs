@@ -8,7 +8,8 @@ use crate::workspaces::blisk::report::tables;
 use crate::workspaces::blisk::report::{Convergence, ElectrodeReport, Motion, Picture, Report};
 use files::svg_plot::{Plot, Series, escape};
 
-pub const STYLE: &str = include_str!("../../report.css");
+pub use files::report::{STYLE, data_url, file_name};
+
 /// Nodes whose search is shown generation by generation, beside that of the first.
 const CONVERGENCE_PLOTS: usize = 3;
 
@@ -65,11 +66,8 @@ fn pictures(out: &mut String, report: &Report) {
 
 fn figure(out: &mut String, picture: &Picture) {
     let (title, caption) = (escape(&picture.title), escape(&picture.caption));
-    let data = base64(&picture.png);
-    let _ = write!(
-        out,
-        "<figure><img alt=\"{title}\" src=\"data:image/png;base64,{data}\"><figcaption><b>{title}.</b> {caption}"
-    );
+    let data = data_url("image/png", &picture.png);
+    let _ = write!(out, "<figure><img alt=\"{title}\" src=\"{data}\"><figcaption><b>{title}.</b> {caption}");
     if !picture.legend.is_empty() {
         out.push_str("<span class=\"legend\">");
         for (colour, what) in &picture.legend {
@@ -232,46 +230,5 @@ fn generation_plot(c: &Convergence) -> Plot {
             Series { points: curve(&c.best), class: "c0", dots: false },
         ],
         ..Plot::default()
-    }
-}
-
-/// The last part of a path in either system's notation.
-pub(super) fn file_name(path: &str) -> &str {
-    path.rsplit(['/', '\\']).next().unwrap_or(path)
-}
-
-/// RFC 4648 base 64.
-pub fn base64(bytes: &[u8]) -> String {
-    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for chunk in bytes.chunks(3) {
-        let group = (0..3).fold(0u32, |g, i| g << 8 | u32::from(chunk.get(i).copied().unwrap_or(0)));
-        for i in 0..4 {
-            let digit = DIGITS[(group >> (18 - 6 * i) & 63) as usize];
-            text.push(if i <= chunk.len() { digit as char } else { '=' });
-        }
-    }
-    text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn base64_matches_the_vectors_of_rfc_4648() {
-        let vectors =
-            [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foob", "Zm9vYg=="), ("fooba", "Zm9vYmE=")];
-        for (plain, coded) in vectors {
-            assert_eq!(base64(plain.as_bytes()), coded);
-        }
-        assert_eq!(base64(&[0xfb, 0xff, 0xfe]), "+//+");
-    }
-
-    #[test]
-    fn a_file_name_is_the_last_part() {
-        assert_eq!(file_name("/a/b/part.stl"), "part.stl");
-        assert_eq!(file_name("C:\\a\\part.stl"), "part.stl");
-        assert_eq!(file_name("part.stl"), "part.stl");
     }
 }

@@ -42,6 +42,8 @@ pub enum ReportError {
     Write(#[from] WriteError),
     #[error("the report cannot be put into JSON: {0}")]
     Json(#[from] serde_json::Error),
+    #[error(transparent)]
+    Page(#[from] files::report::PageError),
 }
 
 /// A whole job.

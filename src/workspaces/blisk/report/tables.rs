@@ -2,12 +2,12 @@
 
 use std::fmt::Write;
 
-use crate::workspaces::blisk::report::html::file_name;
-use crate::workspaces::blisk::report::verify::VerifyReport;
 use crate::workspaces::blisk::report::{
     BliskSummary, ElectrodeReport, Failure, InputFile, NodeReport, PoseReport, Smoothness, StageTime, Symbol, Written,
 };
 use files::svg_plot::escape;
+
+pub use files::report::{file_name, number, small};
 
 /// A table with a caption; cells are HTML. Columns whose header starts with `#` are numbers.
 pub fn table(out: &mut String, class: &str, caption: &str, head: &[&str], rows: impl IntoIterator<Item = Vec<String>>) {
@@ -30,24 +30,6 @@ pub fn table(out: &mut String, class: &str, caption: &str, head: &[&str], rows: 
         out.push_str("</tr>");
     }
     out.push_str("</tbody></table>");
-}
-
-/// A number with a real minus sign.
-pub fn number(value: f64, decimals: usize) -> String {
-    if !value.is_finite() {
-        return "\u{2013}".to_owned();
-    }
-    let text = format!("{value:.decimals$}");
-    let zero = text.trim_start_matches('-').chars().all(|c| c == '0' || c == '.');
-    if zero { text.replace('-', "") } else { text.replace('-', "\u{2212}") }
-}
-
-pub(super) fn small(value: f64) -> String {
-    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
-        number(value, 4)
-    } else {
-        format!("{value:.2e}").replace('-', "\u{2212}")
-    }
 }
 
 fn point(p: [f64; 3]) -> String {
@@ -177,37 +159,6 @@ pub(super) fn least_clearance(out: &mut String, e: &ElectrodeReport) {
     }
 }
 
-/// Figures and files of a verification.
-pub(super) fn verification(out: &mut String, v: &VerifyReport) {
-    let at = &v.least_clearance_at;
-    let travel = match (&v.travel.beyond, v.travel.judged) {
-        (Some(b), _) => format!("{} beyond {} {} at row {}", b.axis, number(b.limit, 3), b.unit, b.row),
-        (None, true) => "within".to_owned(),
-        (None, false) => "not judged".to_owned(),
-    };
-    let rows = [
-        row("Required, mm", number(v.required_clearance_mm, 5)),
-        row("Tolerance, mm", number(v.tolerance_mm, 5)),
-        row("Certified, at least, mm", number(v.certified_clearance_mm, 5)),
-        row("Least met, mm", number(v.least_clearance_mm, 5)),
-        row("To", escape(&at.surface)),
-        row("Withdrawn, mm", format!("{} (row {} of {})", number(at.s_mm, 3), number(at.row, 2), v.rows)),
-        row("Pose X Y Z A B C", pose_cells(&at.pose).join(" ")),
-        row("On the electrode, W, mm", point(at.on_electrode)),
-        row("On the blisk, W, mm", point(at.on_blisk)),
-        row("From outside to the final pose", if v.starts_outside_and_ends_at_zero { "yes" } else { "no" }),
-        row("Travel of the axes", travel),
-    ];
-    table(out, "pairs", "Verification", &[], rows);
-    for file in &v.inputs {
-        let rows = [
-            row("File", format!("<span class=\"path\">{}</span>", escape(&file.path))),
-            row("SHA-256", format!("<code>{}</code>", escape(&file.sha256))),
-        ];
-        table(out, "pairs", &format!("Input: {}", file.role), &[], rows);
-    }
-}
-
 fn pose_cells(p: &PoseReport) -> Vec<String> {
     let mm = [p.x_mm, p.y_mm, p.z_mm].map(|v| number(v, 3));
     let deg = [p.a_deg, p.b_deg, p.c_deg].map(|v| number(v, 3));
@@ -274,13 +225,6 @@ pub(super) fn nodes(out: &mut String, nodes: &[NodeReport]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_have_a_real_minus_and_no_signed_zero() {
-        assert_eq!(number(-1.25, 1), "\u{2212}1.2");
-        assert_eq!(number(-0.0001, 2), "0.00");
-        assert_eq!(number(f64::NAN, 2), "\u{2013}");
-    }
 
     #[test]
     fn parameters_are_listed_leaf_by_leaf() {

@@ -1,13 +1,12 @@
 //! What a verification of a path file found, as `verify.json` for programs and `verify.html` for people.
 
+use files::report::{Template, page};
 use serde::Serialize;
 
-use crate::workspaces::blisk::report::html::{STYLE, file_name};
-use crate::workspaces::blisk::report::tables;
 use crate::workspaces::blisk::report::{ClearancePlace, ReportError, VerifiedDigests};
 use feed::certificate::{Certificate, TravelVerdict};
 use feed::path::FeedPath;
-use files::svg_plot::{Plot, Series, escape};
+use files::svg_plot::{Plot, Series};
 
 /// Version of the keys of `verify.json`.
 pub const SCHEMA: u32 = 1;
@@ -124,26 +123,19 @@ impl VerifyReport {
     }
 
     /// The report as one self-contained page.
-    pub fn html(&self) -> String {
-        let part = self.inputs.iter().find(|i| i.role == "path").map_or("", |i| file_name(&i.path));
-        let (class, word) = if self.verified { ("ok", "Verified.") } else { ("no", "Not verified.") };
-        let mut out = format!(
-            "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\">\
-             <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
-             <meta name=\"color-scheme\" content=\"light dark\"><title>Verification: {part}</title>\
-             <style>{STYLE}</style></head><body><main><header><h1>Verification <span>{part}</span></h1></header>\
-             <section><p class=\"banner {class}\"><b>{word}</b> {}</p><div class=\"plot\">{}</div><div class=\"cols\">",
-            escape(&self.sentence),
-            self.plot().svg(),
-            part = escape(part),
-        );
-        tables::verification(&mut out, self);
-        out.push_str(&format!(
-            "</div></section><footer>Sparkpath {}, verification schema {}</footer></main></body></html>\n",
-            escape(self.program_version),
-            self.schema
-        ));
-        out
+    ///
+    /// # Errors
+    /// [`ReportError::Page`], which a test of the template keeps from happening.
+    pub fn html(&self) -> Result<String, ReportError> {
+        const TEMPLATE: Template = Template { name: "verify.html.jinja", text: include_str!("verify.html.jinja") };
+        #[derive(Serialize)]
+        struct Page<'a> {
+            report: &'a VerifyReport,
+            path_file: &'a str,
+            plot: String,
+        }
+        let path_file = self.inputs.iter().find(|i| i.role == "path").map_or("", |i| i.path.as_str());
+        Ok(page(&TEMPLATE, &Page { report: self, path_file, plot: self.plot().svg() })?)
     }
 
     fn plot(&self) -> Plot {
@@ -183,6 +175,8 @@ fn sentence(c: &Certificate, surface: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use files::report::{escape, number};
+
     use super::*;
     use feed::machine::TravelLimits;
     use feed::pose::Axis;
@@ -211,7 +205,9 @@ mod tests {
         let TravelVerdict::Beyond(found) = certificate.travel() else { panic!("{certificate:?}") };
         assert!(found.row > 0 && found.value < -0.001, "{found:?}");
         let beyond = report(&certificate);
-        assert!(!beyond.verified && beyond.html().contains("Not verified.") && beyond.sentence.contains("axis C"));
+        assert!(
+            !beyond.verified && beyond.html().unwrap().contains("Not verified.") && beyond.sentence.contains("axis C")
+        );
         let json: serde_json::Value = serde_json::from_str(&beyond.json().unwrap()).unwrap();
         let at = &json["travel"]["beyond"];
         assert_eq!((&at["axis"], &at["row"], &at["unit"]), (&"C".into(), &found.row.into(), &"deg".into()));
@@ -220,7 +216,32 @@ mod tests {
 
     #[test]
     fn the_page_escapes_names_and_needs_nothing_from_outside() {
-        let html = report(&fixtures::certificate(&fixtures::path())).html();
+        let report = report(&fixtures::certificate(&fixtures::path()));
+        let html = report.html().unwrap();
+        let at = &report.least_clearance_at;
+        let [lengths, angles] =
+            [[at.pose.x_mm, at.pose.y_mm, at.pose.z_mm], [at.pose.a_deg, at.pose.b_deg, at.pose.c_deg]];
+        let numbers =
+            |values: &[f64], between: &str| values.iter().map(|v| number(*v, 3)).collect::<Vec<_>>().join(between);
+        for (name, value) in [
+            ("Required, mm", number(report.required_clearance_mm, 5)),
+            ("Tolerance, mm", number(report.tolerance_mm, 5)),
+            ("Certified, at least, mm", number(report.certified_clearance_mm, 5)),
+            ("Least met, mm", number(report.least_clearance_mm, 5)),
+            ("To", at.surface.clone()),
+            ("Withdrawn, mm", format!("{} (row {} of {})", number(at.s_mm, 3), number(at.row, 2), report.rows)),
+            ("Pose X Y Z A B C", numbers(&[lengths, angles].concat(), " ")),
+            ("On the electrode, W, mm", numbers(&at.on_electrode, ", ")),
+            ("On the blisk, W, mm", numbers(&at.on_blisk, ", ")),
+            ("From outside to the final pose", "yes".to_owned()),
+            ("File", "<span class=\"path\">a/&lt;b&gt;.csv</span>".to_owned()),
+            ("SHA-256", "<code>0</code>".to_owned()),
+        ] {
+            assert!(html.contains(&format!("<td>{name}</td><td>{value}</td>")), "{name}: {value}");
+        }
+        assert!(
+            html.contains(&escape(&report.sentence)) && html.contains("<svg") && html.contains("schema 1</footer>")
+        );
         assert!(html.contains("&lt;b&gt;.csv") && !html.contains("<b>.csv") && !html.contains("http"));
         for tag in ["section", "table", "tr", "td", "svg", "div", "p", "main"] {
             let opened = html.matches(&format!("<{tag}>")).count() + html.matches(&format!("<{tag} ")).count();

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::workspaces::blisk::report::html::{STYLE, base64};
+use crate::workspaces::blisk::report::html::{STYLE, data_url};
 use crate::workspaces::blisk::report::tables::{number, parameters, row, table};
 use crate::workspaces::flank::report::{
     AxisEntry, CheckEntry, ClearanceEntry, DeviationMaps, Figures, FlankPicture, FlankReport, MachineEntry, PathEntry,
@@ -95,8 +95,8 @@ fn ratio(share: Option<f64>, decimals: usize) -> String {
 }
 
 fn image(out: &mut String, alt: &str, png: &[u8], style: &str) {
-    let (alt, data) = (escape(alt), base64(png));
-    let _ = write!(out, "<img alt=\"{alt}\" style=\"{style}\" src=\"data:image/png;base64,{data}\">");
+    let (alt, data) = (escape(alt), data_url("image/png", png));
+    let _ = write!(out, "<img alt=\"{alt}\" style=\"{style}\" src=\"{data}\">");
 }
 
 fn deviation_maps(out: &mut String, report: &FlankReport, maps: &DeviationMaps) {

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::MoldParams;
+use files::old_toml_file;
+use files::old_toml_file::{TomlFileError, folder_of};
 use files::paths::{relative, without_detours};
-use files::toml_file;
-use files::toml_file::{TomlFileError, folder_of};
 
 /// How the name of such a file ends.
 pub const ENDING: &str = ".sparkmold";
@@ -14,7 +14,7 @@ const LARGEST_FILE: u64 = 1 << 20;
 
 /// Whether `path` is named as a file of a mold.
 pub fn is_mold_file(path: &Path) -> bool {
-    toml_file::has_ending(path, ENDING)
+    old_toml_file::has_ending(path, ENDING)
 }
 
 /// Writes `params` as a TOML file, with the mesh as seen from the file's folder.
@@ -25,7 +25,7 @@ pub fn write_mold(file: &Path, params: &MoldParams) -> Result<(), TomlFileError>
     params.validate().map_err(|problem| TomlFileError::of(file, problem))?;
     let folder = folder_of(file);
     let mesh = params.mesh.as_deref().map(|mesh| relative(mesh, &folder));
-    toml_file::write(file, &MoldParams { mesh, ..params.clone() }, LARGEST_FILE)
+    old_toml_file::write(file, &MoldParams { mesh, ..params.clone() }, LARGEST_FILE)
 }
 
 /// The parameters in a file that [`write_mold`] has written.
@@ -33,7 +33,7 @@ pub fn write_mold(file: &Path, params: &MoldParams) -> Result<(), TomlFileError>
 /// # Errors
 /// [`TomlFileError`].
 pub fn read_mold(file: &Path) -> Result<MoldParams, TomlFileError> {
-    let mut params: MoldParams = toml_file::read(file, "mold", LARGEST_FILE)?;
+    let mut params: MoldParams = old_toml_file::read(file, "mold", LARGEST_FILE)?;
     params.validate().map_err(|problem| TomlFileError::of(file, problem))?;
     let folder = folder_of(file);
     params.mesh = params.mesh.map(|mesh| without_detours(&folder.join(mesh)));

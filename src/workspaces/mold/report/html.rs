@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::workspaces::blisk::report::html::{STYLE, base64};
+use crate::workspaces::blisk::report::html::{STYLE, data_url};
 use crate::workspaces::blisk::report::tables::{number, parameters, row, table};
 use crate::workspaces::mold::report::{Division, ElectrodesReport, RegionEntry};
 use files::svg_plot::escape;
@@ -117,11 +117,9 @@ fn figures(out: &mut String, pictures: &[(String, Vec<u8>)]) {
     }
     out.push_str("<section class=\"pictures\">");
     for (caption, png) in pictures {
-        let (caption, data) = (escape(caption), base64(png));
-        let _ = write!(
-            out,
-            "<figure><img alt=\"{caption}\" src=\"data:image/png;base64,{data}\"><figcaption>{caption}</figcaption></figure>"
-        );
+        let (caption, data) = (escape(caption), data_url("image/png", png));
+        let _ =
+            write!(out, "<figure><img alt=\"{caption}\" src=\"{data}\"><figcaption>{caption}</figcaption></figure>");
     }
     out.push_str("</section>");
 }

@@ -7,7 +7,7 @@ use crate::workspaces::blisk::scene::pictures::PICTURE_SIZE;
 use crate::workspaces::mold::export::export_electrodes;
 use crate::workspaces::mold::report::ElectrodesReport;
 use crate::workspaces::mold::scene::pictures::electrode_pictures;
-use files::export_folder::ExportFolder;
+use files::old_export_folder::ExportFolder;
 use mold::electrode::design::ElectrodeSet;
 use mold::electrode::overrides::IdleOverride;
 use nc::burn_template::BurnSheet;

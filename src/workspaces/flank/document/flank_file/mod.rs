@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use super::milling_machine_file::file_of_machine;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource};
+use files::old_toml_file;
+use files::old_toml_file::{TomlFileError, folder_of};
 use files::paths::{relative, without_detours};
-use files::toml_file;
-use files::toml_file::{TomlFileError, folder_of};
 
 /// How the name of such a file ends.
 pub const ENDING: &str = ".sparkflank";
@@ -15,7 +15,7 @@ const LARGEST_FILE: u64 = 64 << 20;
 
 /// Whether `path` is named as a file of a flank.
 pub fn is_flank_file(path: &Path) -> bool {
-    toml_file::has_ending(path, ENDING)
+    old_toml_file::has_ending(path, ENDING)
 }
 
 /// Writes `document` as a TOML file, with the files that it names as seen from the file's folder.
@@ -25,7 +25,7 @@ pub fn is_flank_file(path: &Path) -> bool {
 pub fn write_flank(file: &Path, document: &FlankDocument) -> Result<(), TomlFileError> {
     document.validate().map_err(|problem| TomlFileError::of(file, problem))?;
     let folder = folder_of(file);
-    toml_file::write(file, &with_files(document, |f| relative(f, &folder)), LARGEST_FILE)
+    old_toml_file::write(file, &with_files(document, |f| relative(f, &folder)), LARGEST_FILE)
 }
 
 /// The document in a file that [`write_flank`] has written.
@@ -33,7 +33,7 @@ pub fn write_flank(file: &Path, document: &FlankDocument) -> Result<(), TomlFile
 /// # Errors
 /// [`TomlFileError`].
 pub fn read_flank(file: &Path) -> Result<FlankDocument, TomlFileError> {
-    let document: FlankDocument = toml_file::read(file, "flank", LARGEST_FILE)?;
+    let document: FlankDocument = old_toml_file::read(file, "flank", LARGEST_FILE)?;
     let folder = folder_of(file);
     let document = with_files(&document, |f| without_detours(&folder.join(f)));
     // Its post is read for this.

@@ -1,0 +1,189 @@
+//! Unsaved work, kept in a folder of the program's own while there is any, so that it survives a kill.
+//!
+//! Each running program holds a lock on `<process>.lock` as long as it lives, and keeps `<process>.<kind>.sparkpath` for
+//! each workspace with unsaved work. A copy whose lock can be taken was left by a program that did not end properly.
+
+use std::collections::BTreeMap;
+use std::fs::{File, TryLockError};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant, SystemTime};
+
+use super::project::{CopyNote, LARGEST_PROJECT, Project, note_of};
+use super::{Document, Params, sha256};
+use crate::FileError;
+use crate::toml_file::write_text;
+
+const ENDING: &str = "sparkpath";
+
+/// Keeps the copies of one running program.
+#[derive(Debug)]
+pub struct Autosave {
+    folder: PathBuf,
+    process: String,
+    every: Duration,
+    last: Instant,
+    /// Kinds that have a copy, and the hash of what it holds.
+    written: BTreeMap<&'static str, String>,
+    _lock: File,
+}
+
+impl Autosave {
+    /// Starts keeping copies in `folder`, which is made if it is not there; one is [due](Self::is_due) `every` so often.
+    ///
+    /// # Errors
+    /// If nothing can be written there.
+    pub fn start(folder: &Path, every: Duration, now: Instant) -> std::io::Result<Self> {
+        std::fs::create_dir_all(folder)?;
+        // Numbers of processes come again, and one process may keep several sets.
+        for n in 0..u32::MAX {
+            let process = format!("{}-{n}", std::process::id());
+            let path = folder.join(format!("{process}.lock"));
+            let lock = File::options().create(true).truncate(false).write(true).open(path)?;
+            if lock.try_lock().is_ok() && copies_of(folder, &process).is_empty() {
+                let folder = folder.to_owned();
+                return Ok(Self { folder, process, every, last: now, written: BTreeMap::new(), _lock: lock });
+            }
+        }
+        Err(std::io::Error::other("no free name for a copy"))
+    }
+
+    /// Whether it is time to [update](Self::update) all copies; from then on the time counts anew.
+    pub fn is_due(&mut self, now: Instant) -> bool {
+        let is_due = now.saturating_duration_since(self.last) >= self.every;
+        if is_due {
+            self.last = now;
+        }
+        is_due
+    }
+
+    /// Writes a copy if `document` has unsaved work that the copy lacks; removes the copy if it has none. Parameters that
+    /// are not possible, as while a number is typed, leave the copy as it was.
+    ///
+    /// # Errors
+    /// [`FileError`]; the copy before then still is there.
+    pub fn update<P: Params>(&mut self, document: &Document<P>) -> Result<(), FileError> {
+        if !document.is_unsaved() {
+            self.discard(P::KIND);
+            return Ok(());
+        }
+        if document.params().validate().is_err() {
+            return Ok(());
+        }
+        let copy = self.copy(P::KIND);
+        let note = CopyNote { file: document.file.clone(), part: document.params().part() };
+        let text = document.project().text(&copy, Some(note))?;
+        let hash = sha256(text.as_bytes());
+        if self.written.get(P::KIND) != Some(&hash) {
+            write_text(&copy, &text, LARGEST_PROJECT)?;
+            self.written.insert(P::KIND, hash);
+        }
+        Ok(())
+    }
+
+    /// Removes the copy of this kind: the work is saved, or was given up on purpose.
+    pub fn discard(&mut self, kind: &'static str) {
+        if self.written.remove(kind).is_some() {
+            // A copy that cannot be removed is offered at the next start, which loses nothing.
+            let _ = std::fs::remove_file(self.copy(kind));
+        }
+    }
+
+    fn copy(&self, kind: &str) -> PathBuf {
+        self.folder.join(format!("{}.{kind}.{ENDING}", self.process))
+    }
+}
+
+impl Drop for Autosave {
+    fn drop(&mut self) {
+        // A copy that is still there stays with its lock file, to be found and recovered.
+        if copies_of(&self.folder, &self.process).is_empty() {
+            let _ = std::fs::remove_file(self.folder.join(format!("{}.lock", self.process)));
+        }
+    }
+}
+
+/// The copies in `folder` that the program called `process` made; all of them for an empty one. In the order of names.
+fn copies_of(folder: &Path, process: &str) -> Vec<PathBuf> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let is_copy = |path: &PathBuf| {
+        path.extension().is_some_and(|e| e == ENDING)
+            && name_parts(path).is_some_and(|[of, _]| process.is_empty() || of == process)
+    };
+    let mut copies: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(is_copy).collect();
+    copies.sort();
+    copies
+}
+
+/// Process and kind in the name of a copy.
+fn name_parts(copy: &Path) -> Option<[&str; 2]> {
+    let (process, kind) = copy.file_stem()?.to_str()?.rsplit_once('.')?;
+    Some([process, kind])
+}
+
+/// A copy that an earlier program left behind.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Recovery {
+    copy: PathBuf,
+    /// The kind of the workspace, as in `mold`.
+    pub kind: String,
+    /// What the part is called; empty if that is not known.
+    pub part: String,
+    /// The project file that it was to be saved in, if it had one.
+    pub file: Option<PathBuf>,
+}
+
+impl Recovery {
+    /// The copies in `folder` that no living program keeps, in the order of their names.
+    pub fn find(folder: &Path) -> Vec<Self> {
+        copies_of(folder, "").into_iter().filter_map(Self::of).collect()
+    }
+
+    fn of(copy: PathBuf) -> Option<Self> {
+        let [process, kind] = name_parts(&copy)?.map(str::to_owned);
+        let lock = copy.with_file_name(format!("{process}.lock"));
+        if let Ok(file) = File::options().write(true).open(lock)
+            && matches!(file.try_lock(), Err(TryLockError::WouldBlock))
+        {
+            return None;
+        }
+        // One that is damaged is offered too: opening it says what is wrong.
+        let CopyNote { file, part } = note_of(&copy).unwrap_or_default();
+        Some(Self { copy, kind, part, file })
+    }
+
+    /// What it is, for a list: `Mold b_slots.stl, not saved yet`, or with the name of its project file.
+    pub fn title(&self) -> String {
+        let mut letters = self.kind.chars();
+        let mut title: String = letters.next().map(|c| c.to_ascii_uppercase()).into_iter().chain(letters).collect();
+        if !self.part.is_empty() {
+            title = format!("{title} {}", self.part);
+        }
+        match &self.file {
+            Some(file) => format!("{title}, of {}", file.file_name().unwrap_or_default().to_string_lossy()),
+            None => format!("{title}, not saved yet"),
+        }
+    }
+
+    /// The work as it was, unsaved. The copy stays until [`discard`](Self::discard).
+    ///
+    /// # Errors
+    /// [`FileError`] if the copy cannot be read.
+    pub fn open<P: Params>(&self) -> Result<Document<P>, FileError> {
+        Ok(Document::recovered(Project::read(&self.copy)?, self.file.clone()))
+    }
+
+    /// When the copy was written.
+    pub fn written(&self) -> Option<SystemTime> {
+        std::fs::metadata(&self.copy).and_then(|m| m.modified()).ok()
+    }
+
+    /// Removes the copy, and the lock of its program if that left no other.
+    pub fn discard(&self) {
+        let _ = std::fs::remove_file(&self.copy);
+        if let (Some([process, _]), Some(folder)) = (name_parts(&self.copy), self.copy.parent())
+            && copies_of(folder, process).is_empty()
+        {
+            let _ = std::fs::remove_file(folder.join(format!("{process}.lock")));
+        }
+    }
+}

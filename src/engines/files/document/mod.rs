@@ -1,0 +1,300 @@
+//! The document of a workspace: parameters with undo and redo, a project file, results that are kept in it, and whether
+//! there is unsaved work.
+
+pub mod autosave;
+pub mod history;
+pub mod project;
+
+use std::collections::BTreeMap;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use crate::document::history::History;
+use crate::{FileError, Validate};
+use project::Project;
+
+/// Parameters that a document can hold. Their TOML form has no key called `kind`, `version`, `files`, `results`, `kept` or
+/// `autosave`, which are the project file's own.
+pub trait Params: Clone + PartialEq + Serialize + DeserializeOwned + Validate + Default {
+    /// The word for the workspace in project files, as in `mold`.
+    const KIND: &'static str;
+
+    /// What the part is called, as in `b_slots.stl`; empty if there is none.
+    fn part(&self) -> String;
+
+    /// Replaces the path of every file that is named: project files have them as seen from their own folder.
+    fn change_paths(&mut self, change: &mut dyn FnMut(&Path) -> PathBuf);
+}
+
+/// A file that the parameters name, and what it held when it was read.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PartFile {
+    /// The file.
+    pub path: PathBuf,
+    /// SHA-256 of its content in hexadecimal, as the importer gives it.
+    pub sha256: String,
+}
+
+/// A file that is not what the project was made with.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MovedFile {
+    /// Where it was.
+    pub path: PathBuf,
+    /// Whether there still is a file, with other content.
+    pub is_changed: bool,
+}
+
+/// The parameters of a workspace as a user edits them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Document<P> {
+    params: P,
+    history: History<P>,
+    file: Option<PathBuf>,
+    /// What its file holds, or what a new document starts with; none if no file holds anything of it.
+    saved: Option<P>,
+    files: Vec<PartFile>,
+    results: BTreeMap<String, String>,
+    kept: BTreeMap<String, String>,
+    saved_kept: BTreeMap<String, String>,
+}
+
+impl<P: Params> Default for Document<P> {
+    fn default() -> Self {
+        Self::new(P::default())
+    }
+}
+
+impl<P: Params> Document<P> {
+    /// A new document, not yet saved and without unsaved work.
+    pub fn new(params: P) -> Self {
+        Self::of(Project { params, ..Project::default() }, None)
+    }
+
+    fn of(project: Project<P>, file: Option<PathBuf>) -> Self {
+        let Project { params, files, results, kept } = project;
+        let (saved, saved_kept) = (Some(params.clone()), kept.clone());
+        Self { params, history: History::default(), file, saved, files, results, kept, saved_kept }
+    }
+
+    /// Opens a project file. Ask for [`moved_files`](Self::moved_files) before anything is read from them.
+    ///
+    /// # Errors
+    /// [`FileError`], also of a file of another workspace or of a newer program.
+    pub fn open(file: &Path) -> Result<Self, FileError> {
+        Ok(Self::of(Project::read(file)?, Some(file.to_owned())))
+    }
+
+    /// The document in the text of a project, as one that is built in; files that it names are seen from `folder`.
+    ///
+    /// # Errors
+    /// [`FileError`].
+    pub fn parse(text: &str, folder: &Path) -> Result<Self, FileError> {
+        Ok(Self::of(Project::parse(text, &folder.join("project"))?, None))
+    }
+
+    /// A document from a copy of unsaved work, to be saved as `file`.
+    pub(crate) fn recovered(project: Project<P>, file: Option<PathBuf>) -> Self {
+        Self { saved: None, ..Self::of(project, file) }
+    }
+
+    /// The parameters.
+    pub fn params(&self) -> &P {
+        &self.params
+    }
+
+    /// The project file, if there is one.
+    pub fn file(&self) -> Option<&Path> {
+        self.file.as_deref()
+    }
+
+    /// The name to show: that of the project file, or else of the part; empty if there is neither.
+    pub fn name(&self) -> String {
+        let stem = self.file.as_deref().and_then(Path::file_stem);
+        stem.map_or_else(|| self.params.part(), |stem| stem.to_string_lossy().into_owned())
+    }
+
+    /// Whether there are changes that no file holds.
+    pub fn is_unsaved(&self) -> bool {
+        self.saved.as_ref() != Some(&self.params) || self.saved_kept != self.kept
+    }
+
+    /// Makes `params` the parameters, as one step named `label`. Those `in_gesture` (a drag, a number being typed) with
+    /// the same label make one step together, until [`end_gesture`](Self::end_gesture). Tells whether anything changed.
+    pub fn edit(&mut self, label: &str, params: P, in_gesture: bool) -> bool {
+        if params == self.params {
+            return false;
+        }
+        self.history.record(label, &self.params, in_gesture);
+        self.params = params;
+        true
+    }
+
+    /// Ends a gesture: the button was released, the field was left.
+    pub fn end_gesture(&mut self) {
+        self.history.end_gesture();
+    }
+
+    /// Takes the last step back. Tells whether there was one.
+    pub fn undo(&mut self) -> bool {
+        let before = self.history.undo(&self.params);
+        before.map(|params| self.params = params).is_some()
+    }
+
+    /// Does the step again that was taken back last. Tells whether there was one.
+    pub fn redo(&mut self) -> bool {
+        let after = self.history.redo(&self.params);
+        after.map(|params| self.params = params).is_some()
+    }
+
+    /// What undo would take back.
+    pub fn undo_label(&self) -> Option<&str> {
+        self.history.undo_label()
+    }
+
+    /// What redo would do again.
+    pub fn redo_label(&self) -> Option<&str> {
+        self.history.redo_label()
+    }
+
+    /// A result under this name, in the workspace's own form. What a computation found is checked before it is used:
+    /// a file never vouches for a path.
+    pub fn result(&self, name: &str) -> Option<&str> {
+        self.results.get(name).map(String::as_str)
+    }
+
+    /// Notes a result that can be computed again, for the project file; none removes it. That is no unsaved work.
+    pub fn note_result(&mut self, name: &str, result: Option<String>) {
+        note(&mut self.results, name, result);
+    }
+
+    /// What the user decided to keep under this name.
+    pub fn kept(&self, name: &str) -> Option<&str> {
+        self.kept.get(name).map(String::as_str)
+    }
+
+    /// Keeps what may be nowhere else, as runs to compare with; none removes it. That is unsaved work.
+    pub fn keep(&mut self, name: &str, content: Option<String>) {
+        note(&mut self.kept, name, content);
+    }
+
+    /// Notes the content of a file that was read, for the project file.
+    pub fn note_file(&mut self, path: &Path, sha256: &str) {
+        self.files.retain(|file| file.path != path);
+        self.files.push(PartFile { path: path.to_owned(), sha256: sha256.to_owned() });
+    }
+
+    /// The files that the parameters name and that are gone, or hold something else than when they were noted.
+    pub fn moved_files(&self) -> Vec<MovedFile> {
+        let mut moved = Vec::new();
+        for path in used(&self.params) {
+            let known = self.files.iter().find(|file| file.path == path);
+            match (path.is_file(), known) {
+                (false, _) => moved.push(MovedFile { path, is_changed: false }),
+                (true, Some(known)) if !has_buffers(&path) => match sha256_of(&path) {
+                    Ok(now) if now == known.sha256 => {}
+                    Ok(_) => moved.push(MovedFile { path, is_changed: true }),
+                    Err(_) => moved.push(MovedFile { path, is_changed: false }),
+                },
+                (true, _) => {}
+            }
+        }
+        moved
+    }
+
+    /// Puts `found` in the place of the file that was at `path`, whatever it holds. That is unsaved work and no step.
+    pub fn replace_file(&mut self, path: &Path, found: &Path) {
+        self.params.change_paths(&mut |file| if file == path { found.to_owned() } else { file.to_owned() });
+        self.files.retain(|file| file.path != path && file.path != found);
+    }
+
+    /// Saves as `file` and makes it the document's own.
+    ///
+    /// # Errors
+    /// [`FileError`]; what was there before then still is.
+    pub fn save_as(&mut self, file: &Path) -> Result<(), FileError> {
+        self.project().write(file)?;
+        (self.file, self.saved) = (Some(file.to_owned()), Some(self.params.clone()));
+        self.saved_kept = self.kept.clone();
+        Ok(())
+    }
+
+    /// Writes the parameters alone as a project file, as for the command line on another machine. The document's own file
+    /// stays what it is.
+    ///
+    /// # Errors
+    /// [`FileError`].
+    pub fn export(&self, file: &Path) -> Result<(), FileError> {
+        Project { params: self.params.clone(), ..Project::default() }.write(file)
+    }
+
+    /// What a file of this document holds.
+    pub(crate) fn project(&self) -> Project<P> {
+        let used = used(&self.params);
+        Project {
+            params: self.params.clone(),
+            files: self.files.iter().filter(|file| used.contains(&file.path)).cloned().collect(),
+            results: self.results.clone(),
+            kept: self.kept.clone(),
+        }
+    }
+}
+
+fn note(all: &mut BTreeMap<String, String>, name: &str, content: Option<String>) {
+    match content {
+        Some(content) => drop(all.insert(name.to_owned(), content)),
+        None => drop(all.remove(name)),
+    }
+}
+
+/// The files that `params` name, each once.
+fn used(params: &impl Params) -> Vec<PathBuf> {
+    let mut paths: Vec<PathBuf> = Vec::new();
+    params.clone().change_paths(&mut |path| {
+        if !paths.iter().any(|known| known == path) {
+            paths.push(path.to_owned());
+        }
+        path.to_owned()
+    });
+    paths
+}
+
+/// A glTF's hash covers its buffer files too, which only the importer knows.
+fn has_buffers(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf"))
+}
+
+/// SHA-256 of a file's content in hexadecimal.
+///
+/// # Errors
+/// If it cannot be read.
+pub fn sha256_of(path: &Path) -> std::io::Result<String> {
+    let mut file = std::fs::File::open(path)?;
+    let mut hash = Sha256::new();
+    let mut block = vec![0; 1 << 20];
+    loop {
+        let n = file.read(&mut block)?;
+        if n == 0 {
+            return Ok(hexadecimal(hash));
+        }
+        hash.update(&block[..n]);
+    }
+}
+
+pub(crate) fn sha256(bytes: &[u8]) -> String {
+    let mut hash = Sha256::new();
+    hash.update(bytes);
+    hexadecimal(hash)
+}
+
+fn hexadecimal(hash: Sha256) -> String {
+    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+#[path = "tests.rs"]
+mod tests;

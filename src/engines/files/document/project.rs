@@ -1,0 +1,185 @@
+//! The project file: parameters as TOML under a `kind`, and behind them what only the window needs.
+//!
+//! ```toml
+//! kind = "mold"
+//! version = 1
+//! mesh = "part.stl"
+//! tolerance_mm = 0.05
+//!
+//! [[files]]           # what the named files held
+//! [results]           # what was computed, to be shown again at once
+//! [kept]              # what the user keeps
+//! [autosave]          # only in copies of unsaved work
+//! ```
+//!
+//! A file written by hand needs nothing but `kind` and the parameters that are not at their defaults.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use toml::Spanned;
+use toml::de::{DeTable, Deserializer};
+
+use super::{Params, PartFile};
+use crate::paths::{absolute, relative, without_detours};
+use crate::toml_file::{invalid, one_line, read_text, syntax, write_text};
+use crate::{FileError, Invalid};
+
+/// The largest project that is written or read (bytes).
+pub const LARGEST_PROJECT: u64 = 64 << 20;
+/// Version of the file's own keys.
+const VERSION: u32 = 1;
+/// Keys that are not of the parameters.
+const OWN: [&str; 6] = ["kind", "version", "files", "results", "kept", "autosave"];
+
+/// What a project file holds.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Project<P> {
+    /// The parameters, with absolute paths.
+    pub params: P,
+    /// What the files that they name held.
+    pub files: Vec<PartFile>,
+    /// Results by name.
+    pub results: BTreeMap<String, String>,
+    /// What the user keeps, by name.
+    pub kept: BTreeMap<String, String>,
+}
+
+/// What a copy of unsaved work says of itself.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CopyNote {
+    /// The project file that it was to be saved in, if it had one.
+    pub file: Option<PathBuf>,
+    /// What the part is called.
+    pub part: String,
+}
+
+#[derive(Serialize)]
+struct Head {
+    kind: &'static str,
+    version: u32,
+}
+
+fn first() -> u32 {
+    1
+}
+
+/// The file's own keys; those of its head are written before the parameters.
+#[derive(Default, Serialize, Deserialize)]
+struct Tail {
+    #[serde(skip_serializing)]
+    kind: Option<String>,
+    #[serde(default = "first", skip_serializing)]
+    version: u32,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    files: Vec<PartFile>,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    results: BTreeMap<String, String>,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    kept: BTreeMap<String, String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    autosave: Option<CopyNote>,
+}
+
+/// The `kind` of a project file, which tells the workspace that opens it.
+///
+/// # Errors
+/// [`FileError`] if it cannot be read or is no project.
+pub fn kind_of(file: &Path) -> Result<String, FileError> {
+    let text = read_text(file, "project", LARGEST_PROJECT)?;
+    split(&text, file).map(|(kind, ..)| kind)
+}
+
+/// What a copy of unsaved work says of itself.
+pub(super) fn note_of(file: &Path) -> Result<CopyNote, FileError> {
+    let text = read_text(file, "project", LARGEST_PROJECT)?;
+    let (_, tail, _) = split(&text, file)?;
+    Ok(tail.autosave.unwrap_or_default())
+}
+
+/// The kind, the file's own keys, and the parameters.
+fn split<'a>(text: &'a str, file: &Path) -> Result<(String, Tail, Deserializer<'a>), FileError> {
+    let wrong = |error: &toml::de::Error| syntax(file, text, error);
+    let root = DeTable::parse(text).map_err(|e| wrong(&e))?;
+    let span = root.span();
+    let is_own = |key: &str| OWN.contains(&key);
+    let (own, params): (Vec<_>, Vec<_>) = root.into_inner().into_iter().partition(|(key, _)| is_own(key.get_ref()));
+    let [own, params] =
+        [own, params].map(|entries| Deserializer::from(Spanned::new(span.clone(), entries.into_iter().collect())));
+    let mut tail = Tail::deserialize(own).map_err(|e| wrong(&e))?;
+    let Some(kind) = tail.kind.take() else {
+        let remedy = "it is missing; write the workspace in the first line, as in kind = \"mold\"";
+        return Err(invalid(file, text, Invalid::of("kind", remedy)));
+    };
+    if tail.version > VERSION {
+        let remedy = format!("this program reads up to {VERSION}; open it with the newer program that saved it");
+        return Err(invalid(file, text, Invalid::new("version", tail.version, remedy)));
+    }
+    Ok((kind, tail, params))
+}
+
+impl<P: Params> Project<P> {
+    /// Reads a project file of the workspace of `P`.
+    ///
+    /// # Errors
+    /// [`FileError`] with line and key where they are known.
+    pub fn read(file: &Path) -> Result<Self, FileError> {
+        Self::parse(&read_text(file, "project", LARGEST_PROJECT)?, file)
+    }
+
+    /// The project in `text`, which is that of `file`.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn parse(text: &str, file: &Path) -> Result<Self, FileError> {
+        let (kind, tail, params) = split(text, file)?;
+        if kind != P::KIND {
+            let remedy = format!("must be \"{}\" here; open it in its own workspace", P::KIND);
+            return Err(invalid(file, text, Invalid::new("kind", format!("\"{kind}\""), remedy)));
+        }
+        let mut params = P::deserialize(params).map_err(|error| syntax(file, text, &error))?;
+        let folder = folder_of(file);
+        let seen = |path: &Path| without_detours(&folder.join(path));
+        params.change_paths(&mut |path| seen(path));
+        // Last, as validation may look into the files that are named.
+        params.validate().map_err(|problem| invalid(file, text, problem))?;
+        let files = tail.files.into_iter().map(|part| PartFile { path: seen(&part.path), ..part }).collect();
+        Ok(Self { params, files, results: tail.results, kept: tail.kept })
+    }
+
+    /// Writes the project file.
+    ///
+    /// # Errors
+    /// [`FileError`], also of parameters that could not be read again; what was there before then still is.
+    pub fn write(&self, file: &Path) -> Result<(), FileError> {
+        write_text(file, &self.text(file, None)?, LARGEST_PROJECT)
+    }
+
+    /// The text of the project, to lie at `file`.
+    pub(super) fn text(&self, file: &Path, autosave: Option<CopyNote>) -> Result<String, FileError> {
+        self.params.validate().map_err(|problem| FileError::invalid(file, problem))?;
+        let folder = folder_of(file);
+        let mut params = self.params.clone();
+        params.change_paths(&mut |path| relative(path, &folder));
+        let part = |part: &PartFile| PartFile { path: relative(&part.path, &folder), ..part.clone() };
+        let files = self.files.iter().map(part).collect();
+        let tail = Tail { files, results: self.results.clone(), kept: self.kept.clone(), autosave, ..Tail::default() };
+        let unwritten = |problem: String| FileError::NotWritten { file: file.to_owned(), problem };
+        let texts = [
+            toml::to_string_pretty(&Head { kind: P::KIND, version: VERSION }),
+            toml::to_string_pretty(&params),
+            toml::to_string_pretty(&tail),
+        ];
+        let [head, params, tail] = texts.map(|text| text.map_err(|e| unwritten(one_line(&e.to_string()))));
+        let (head, params, tail) = (head?, params?, tail?);
+        // Tables follow values: the head comes first, the file's own tables last.
+        let between = if tail.is_empty() { "" } else { "\n" };
+        Ok(format!("{head}{params}{between}{tail}"))
+    }
+}
+
+fn folder_of(file: &Path) -> PathBuf {
+    absolute(file.parent().unwrap_or(Path::new("")))
+}

@@ -1,0 +1,321 @@
+use std::collections::BTreeMap;
+use std::fs;
+use std::time::{Duration, Instant};
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::{Autosave, Invalid, Recovery, kind_of};
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct Mold {
+    mesh: Option<PathBuf>,
+    tolerance_mm: f64,
+    name: String,
+    cutters: Vec<f64>,
+    nested: BTreeMap<String, f64>,
+}
+
+impl Default for Mold {
+    fn default() -> Self {
+        Self { mesh: None, tolerance_mm: 0.02, name: String::new(), cutters: Vec::new(), nested: BTreeMap::new() }
+    }
+}
+
+impl Validate for Mold {
+    fn validate(&self) -> Result<(), Invalid> {
+        Invalid::unless_within("tolerance_mm", self.tolerance_mm, [1e-4, 10.0], "mm")
+    }
+}
+
+impl Params for Mold {
+    const KIND: &'static str = "mold";
+
+    fn part(&self) -> String {
+        let name = self.mesh.as_deref().and_then(Path::file_name);
+        name.map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+    }
+
+    fn change_paths(&mut self, change: &mut dyn FnMut(&Path) -> PathBuf) {
+        if let Some(mesh) = &mut self.mesh {
+            *mesh = change(mesh);
+        }
+    }
+}
+
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+struct Flank {
+    mesh: PathBuf,
+}
+
+impl Validate for Flank {
+    fn validate(&self) -> Result<(), Invalid> {
+        Ok(())
+    }
+}
+
+impl Params for Flank {
+    const KIND: &'static str = "flank";
+
+    fn part(&self) -> String {
+        String::new()
+    }
+
+    fn change_paths(&mut self, _: &mut dyn FnMut(&Path) -> PathBuf) {}
+}
+
+fn with(document: &Document<Mold>, tolerance_mm: f64) -> Mold {
+    Mold { tolerance_mm, ..document.params().clone() }
+}
+
+#[test]
+fn one_drag_is_one_step_and_the_next_another() {
+    let mut document = Document::<Mold>::default();
+    for mm in [0.6, 0.7, 0.8] {
+        document.edit("Tolerance", with(&document, mm), true);
+    }
+    document.end_gesture();
+    document.edit("Tolerance", with(&document, 0.9), true);
+    document.edit("Other", with(&document, 1.0), true);
+    document.edit("Typed", with(&document, 1.1), false);
+    document.edit("Typed", with(&document, 1.2), false);
+    for mm in [1.1, 1.0, 0.9, 0.8, 0.02] {
+        assert!(document.undo());
+        assert_eq!(document.params().tolerance_mm, mm);
+    }
+    assert!(!document.undo() && !document.is_unsaved());
+    assert_eq!((document.undo_label(), document.redo_label()), (None, Some("Tolerance")));
+    document.redo();
+    document.edit("Tolerance", with(&document, 0.85), true);
+    assert!(!document.redo(), "a new edit ends what could be done again");
+    document.undo();
+    assert_eq!(document.params().tolerance_mm, 0.8, "what was done again is no part of the gesture after it");
+}
+
+#[test]
+fn a_project_is_opened_as_it_was_saved_and_finds_its_files_beside_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let [old, new] = ["old", "new"].map(|name| folder.path().join(name));
+    fs::create_dir(&old).unwrap();
+    fs::write(old.join("part.stl"), "solid").unwrap();
+    let nested = BTreeMap::from([("a b".to_owned(), 1.0 / 3.0)]);
+    let params = Mold { mesh: Some(old.join("part.stl")), nested, cutters: vec![0.1 + 0.2], ..Mold::default() };
+    let mut document = Document::new(params);
+    document.note_file(&old.join("part.stl"), &sha256_of(&old.join("part.stl")).unwrap());
+    document.note_file(&old.join("unused.stl"), "0");
+    document.note_result("plan", Some("{\"nodes\": [1e-300, '''\"\"\"]}\r\n\u{1}".to_owned()));
+    assert!(!document.is_unsaved(), "the same search finds a result again");
+    document.keep("runs", Some("[1]".to_owned()));
+    assert!(document.is_unsaved());
+    let file = old.join("a.sparkpath");
+    document.save_as(&file).unwrap();
+    assert!(!document.is_unsaved() && kind_of(&file).unwrap() == "mold" && document.name() == "a");
+    let text = fs::read_to_string(&file).unwrap();
+    assert!(text.starts_with("kind = \"mold\"\nversion = 1\n") && text.contains("mesh = \"part.stl\""), "{text}");
+    fs::rename(&old, &new).unwrap();
+    let opened = Document::<Mold>::open(&new.join("a.sparkpath")).unwrap();
+    let wanted = Mold { mesh: Some(new.join("part.stl")), ..document.params().clone() };
+    assert_eq!(opened.params(), &wanted);
+    assert_eq!((opened.result("plan"), opened.kept("runs")), (document.result("plan"), Some("[1]")));
+    assert!(opened.moved_files().is_empty() && !opened.is_unsaved());
+    opened.export(&new.join("job.sparkpath")).unwrap();
+    let job = fs::read_to_string(new.join("job.sparkpath")).unwrap();
+    assert!(!job.contains("results") && !job.contains("files"), "{job}");
+}
+
+#[test]
+fn lost_and_changed_files_are_told_apart_and_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let [mesh, found, file] = ["part.stl", "found.stl", "a.sparkpath"].map(|name| folder.path().join(name));
+    fs::write(&mesh, "solid").unwrap();
+    let mut document = Document::new(Mold { mesh: Some(mesh.clone()), ..Mold::default() });
+    document.note_file(&mesh, &sha256_of(&mesh).unwrap());
+    document.save_as(&file).unwrap();
+    fs::write(&mesh, "other").unwrap();
+    let mut opened = Document::<Mold>::open(&file).unwrap();
+    assert_eq!(opened.moved_files(), [MovedFile { path: mesh.clone(), is_changed: true }]);
+    fs::remove_file(&mesh).unwrap();
+    assert_eq!(opened.moved_files(), [MovedFile { path: mesh.clone(), is_changed: false }]);
+    fs::write(&found, "anything").unwrap();
+    opened.replace_file(&mesh, &found);
+    assert!(opened.moved_files().is_empty() && opened.is_unsaved(), "the file names another mesh");
+}
+
+#[test]
+fn what_is_no_project_of_this_workspace_is_refused_with_line_and_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("wrong.sparkpath");
+    let deep = format!("kind = \"mold\"\na = {}", "[".repeat(100_000));
+    for (text, words) in [
+        ("tolerance_mm = 0.1", "kind: it is missing"),
+        ("kind = \"flank\"", "line 1: kind is \"flank\": must be \"mold\""),
+        ("kind = \"mold\"\nversion = 2", "line 2: version is 2: this program reads up to 1"),
+        ("kind = \"mold\"\nversion = -2", "line 2: version"),
+        ("kind = \"mold\"\n\ntolerance_mm = -1", "line 3: tolerance_mm is -1: must be from 0.0001 to 10 mm"),
+        ("kind = \"mold\"\ntolerance = 1", "line 2: tolerance: unknown field"),
+        ("kind = \"mold\"\ntolerance_mm = \"wide\"", "line 2: tolerance_mm: invalid type"),
+        ("kind = \"mold\"\n[results]\nplan = 3", "invalid type"),
+        ("{\"format\": \"sparkpath-project\"}", "line 1"),
+        ("solid cube", "line 1"),
+        (&deep, "line 2"),
+    ] {
+        fs::write(&file, text).unwrap();
+        let said = Document::<Mold>::open(&file).unwrap_err().to_string();
+        assert!(
+            said.contains("wrong.sparkpath: ") && said.contains(words) && !said.contains('\n'),
+            "{text:.60}: {said}"
+        );
+    }
+    fs::File::create(&file).unwrap().set_len(1 << 40).unwrap();
+    assert!(matches!(Document::<Mold>::open(&file), Err(FileError::TooLarge { .. })));
+    fs::write(&file, b"kind = \"mold\"\nname = \"\xff\"").unwrap();
+    assert_eq!(Document::<Mold>::open(&file).unwrap_err().line(), Some(2));
+    fs::write(&file, "kind = \"mold\"\ntolerance_mm = 0.5").unwrap();
+    assert_eq!(Document::<Mold>::open(&file).unwrap().params().tolerance_mm, 0.5, "a job written by hand");
+    let mut broken = Document::new(Mold { tolerance_mm: f64::NAN, ..Mold::default() });
+    assert_eq!(broken.save_as(&file).unwrap_err().key(), Some("tolerance_mm"));
+    assert!(Document::<Mold>::open(&file).is_ok(), "what was there still is");
+}
+
+fn unsaved(tolerance_mm: f64) -> Document<Mold> {
+    let mut document = Document::<Mold>::default();
+    document.edit("Tolerance", with(&document, tolerance_mm), false);
+    document
+}
+
+fn start(folder: &Path) -> Autosave {
+    Autosave::start(folder, Duration::from_secs(20), Instant::now()).unwrap()
+}
+
+#[test]
+fn a_copy_is_due_by_the_clock_that_is_given() {
+    let folder = tempfile::tempdir().unwrap();
+    let begin = Instant::now();
+    let mut autosave = Autosave::start(folder.path(), Duration::from_secs(20), begin).unwrap();
+    let due: Vec<bool> = [0, 19, 20, 21, 39, 41].map(|s| autosave.is_due(begin + Duration::from_secs(s))).into();
+    assert_eq!(due, [false, false, true, false, false, true]);
+}
+
+#[test]
+fn unsaved_work_is_found_after_its_program_is_gone_but_not_before() {
+    let folder = tempfile::tempdir().unwrap();
+    let (copies, mesh) = (folder.path().join("copies"), folder.path().join("b_slots.stl"));
+    let mut autosave = start(&copies);
+    let mut document = unsaved(0.5);
+    document.edit("Mesh", Mold { mesh: Some(mesh.clone()), ..with(&document, 0.5) }, false);
+    document.note_result("uncut", Some("many regions".to_owned()));
+    autosave.update(&document).unwrap();
+    autosave
+        .update(&{
+            let mut flank = Document::<Flank>::default();
+            flank.edit("Mesh", Flank { mesh: "a.stl".into() }, false);
+            flank
+        })
+        .unwrap();
+    assert_eq!(Recovery::find(&copies), [], "its program is alive");
+    // A number that is being typed leaves the copy as it was.
+    let mut typing = document.clone();
+    typing.edit("Tolerance", with(&typing, 0.0), false);
+    autosave.update(&typing).unwrap();
+    drop(autosave);
+    let found = Recovery::find(&copies);
+    let titles: Vec<String> = found.iter().map(Recovery::title).collect();
+    assert_eq!(titles, ["Flank, not saved yet", "Mold b_slots.stl, not saved yet"]);
+    let recovered: Document<Mold> = found[1].open().unwrap();
+    assert_eq!((recovered.params(), recovered.result("uncut")), (document.params(), Some("many regions")));
+    assert!(recovered.is_unsaved() && recovered.file().is_none() && found[1].written().is_some());
+    assert!(found[0].open::<Mold>().is_err(), "a flank is no mold");
+    found[1].discard();
+    assert_eq!(Recovery::find(&copies).len(), 1, "the one leaves the other alone");
+    found[0].discard();
+    assert_eq!(fs::read_dir(&copies).unwrap().count(), 0);
+}
+
+#[test]
+fn saved_work_leaves_no_copy_and_unsaved_work_knows_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let (copies, file) = (folder.path().join("copies"), folder.path().join("mine.sparkpath"));
+    let mut autosave = start(&copies);
+    let mut document = unsaved(0.5);
+    autosave.update(&document).unwrap();
+    document.save_as(&file).unwrap();
+    autosave.update(&document).unwrap();
+    assert_eq!(fs::read_dir(&copies).unwrap().count(), 1, "the lock alone");
+    document.edit("Tolerance", with(&document, 0.7), false);
+    autosave.update(&document).unwrap();
+    drop(autosave);
+    let [found] = &Recovery::find(&copies)[..] else { panic!("one copy") };
+    assert_eq!(found.title(), "Mold, of mine.sparkpath");
+    let recovered: Document<Mold> = found.open().unwrap();
+    assert_eq!((recovered.file(), recovered.params().tolerance_mm), (Some(&*file), 0.7));
+    let mut autosave = start(&copies);
+    autosave.update(&recovered).unwrap();
+    found.discard();
+    autosave.discard("mold");
+    drop(autosave);
+    assert_eq!(fs::read_dir(&copies).unwrap().count(), 0);
+}
+
+#[test]
+fn two_programs_keep_two_copies_and_a_damaged_one_is_offered_but_does_not_open() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut both = [start(folder.path()), start(folder.path())];
+    for (autosave, mm) in both.iter_mut().zip([0.5, 0.6]) {
+        autosave.update(&unsaved(mm)).unwrap();
+    }
+    drop(both);
+    let found = Recovery::find(folder.path());
+    let read = |r: &Recovery| r.open::<Mold>().unwrap().params().tolerance_mm;
+    assert_eq!(found.iter().map(read).collect::<Vec<_>>(), [0.5, 0.6]);
+    let mut names = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path());
+    let copy = names.find(|path| path.extension().is_some_and(|e| e == "sparkpath")).unwrap();
+    fs::write(copy, "kind = \"mo").unwrap();
+    fs::write(folder.path().join("..sparkpath"), "").unwrap();
+    let again = Recovery::find(folder.path());
+    assert!(again.iter().any(|r| r.title() == "Mold, not saved yet" && r.open::<Mold>().is_err()), "{again:?}");
+}
+
+proptest! {
+    /// Undoing every step gives the start again, and doing them all again the end.
+    #[test]
+    fn undo_and_redo_are_inverse(edits in prop::collection::vec((0.1..5.0_f64, 0..3_u8, any::<bool>(), any::<bool>()), 1..20)) {
+        let mut document = Document::<Mold>::default();
+        let mut states = vec![document.params().clone()];
+        for (mm, label, in_gesture, ends) in edits {
+            document.edit(&label.to_string(), with(&document, mm), in_gesture);
+            states.push(document.params().clone());
+            if ends {
+                document.end_gesture();
+            }
+        }
+        let end = document.params().clone();
+        let mut back = vec![end.clone()];
+        while document.undo() {
+            back.push(document.params().clone());
+        }
+        prop_assert_eq!(document.params(), &states[0]);
+        // Gestures skip states, but nothing else is ever shown.
+        prop_assert!(back.iter().all(|state| states.contains(state)));
+        let mut forth = vec![document.params().clone()];
+        while document.redo() {
+            forth.push(document.params().clone());
+        }
+        back.reverse();
+        prop_assert_eq!(forth, back);
+    }
+
+    /// Whatever a document holds is read back to the last bit.
+    #[test]
+    fn a_project_survives_saving_and_opening(
+        tolerance_mm in 1e-4..10.0_f64, name: String, cutters in prop::collection::vec(prop::num::f64::NORMAL | prop::num::f64::ZERO, 0..5),
+        nested in prop::collection::btree_map(any::<String>(), prop::num::f64::NORMAL, 0..5),
+        results in prop::collection::btree_map(any::<String>(), any::<String>(), 0..4),
+    ) {
+        let params = Mold { mesh: None, tolerance_mm, name, cutters, nested };
+        let project = Project { params, files: Vec::new(), results: results.clone(), kept: results };
+        let text = project.text(Path::new("a"), None).unwrap();
+        let read = Project::parse(&text, Path::new("a"));
+        prop_assert_eq!(read.unwrap(), project, "{}", text);
+    }
+}

@@ -1,0 +1,197 @@
+//! What can be wrong with parameters and with files.
+
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Parameters that can be told to be usable before anything is computed with them.
+pub trait Validate {
+    /// Whether every value is possible, alone and together with the others.
+    ///
+    /// # Errors
+    /// The first value that is not.
+    fn validate(&self) -> Result<(), Invalid>;
+}
+
+impl Validate for toml::Table {
+    fn validate(&self) -> Result<(), Invalid> {
+        Ok(())
+    }
+}
+
+/// A value that is not possible, or a key that is not known.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Invalid {
+    /// Path of the parameter, as in `electrodes.stages[0].gap_mm`; may be empty.
+    pub key: String,
+    /// The value, without its unit; empty where none was given.
+    pub value: String,
+    /// What is allowed, or what to do.
+    pub remedy: String,
+}
+
+impl std::error::Error for Invalid {}
+
+impl fmt::Display for Invalid {
+    /// For the command line: with the key. Windows show [`FieldTable::in_window`](crate::FieldTable::in_window).
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match (self.key.is_empty(), self.value.is_empty()) {
+            (true, _) => f.write_str(&self.remedy),
+            (_, true) => write!(f, "{}: {}", self.key, self.remedy),
+            _ => write!(f, "{} is {}: {}", self.key, self.value, self.remedy),
+        }
+    }
+}
+
+impl Invalid {
+    /// A value that is not possible.
+    pub fn new(key: impl Into<String>, value: impl fmt::Display, remedy: impl Into<String>) -> Self {
+        Self { key: key.into(), value: value.to_string(), remedy: remedy.into() }
+    }
+
+    /// Something wrong with `key` as a whole, such as an empty list.
+    pub fn of(key: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self::new(key, "", remedy)
+    }
+
+    /// The same of a part of a larger whole: `prefix` is put before the key.
+    #[must_use]
+    pub fn within(self, prefix: &str) -> Self {
+        let key = match self.key.as_str() {
+            "" => prefix.to_owned(),
+            key if key.starts_with('[') => format!("{prefix}{key}"),
+            key => format!("{prefix}.{key}"),
+        };
+        Self { key, ..self }
+    }
+
+    /// Whether `value` lies from `least` to `greatest`, which may be infinite.
+    ///
+    /// # Errors
+    /// What is allowed, if it does not. Not a number is never allowed.
+    pub fn unless_within(key: &str, value: f64, [least, greatest]: [f64; 2], unit: &str) -> Result<(), Self> {
+        if (least..=greatest).contains(&value) && value.is_finite() {
+            return Ok(());
+        }
+        Err(Self::new(key, value, allowed([least, greatest], unit)))
+    }
+}
+
+/// What numbers are allowed, in words.
+pub(crate) fn allowed([least, greatest]: [f64; 2], unit: &str) -> String {
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    match (least.is_finite(), greatest.is_finite()) {
+        (true, true) => format!("must be from {least} to {greatest}{unit}"),
+        (true, false) => format!("must be at least {least}{unit}"),
+        (false, true) => format!("must be at most {greatest}{unit}"),
+        (false, false) => "must be a number".to_owned(),
+    }
+}
+
+/// Why a file cannot be read or written: file, line, key, remedy.
+#[derive(Debug, thiserror::Error)]
+pub enum FileError {
+    /// The system does not give it.
+    #[error("{}: cannot be read ({source}); check the path", file.display())]
+    Unreadable {
+        /// The file.
+        file: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The system does not take it.
+    #[error("{}: cannot be written ({source}); check that the folder exists, is writable and has room", file.display())]
+    Unwritable {
+        /// The file.
+        file: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// Larger than such a file can be.
+    #[error("{}: more than {most} bytes, which no {what} has; open another file", file.display())]
+    TooLarge {
+        /// The file.
+        file: PathBuf,
+        /// What it was to be, as in `library of cutters`.
+        what: String,
+        /// The most that is read (bytes).
+        most: u64,
+    },
+    /// Not written, because it could not be read again.
+    #[error("{}: not written: {problem}", file.display())]
+    NotWritten {
+        /// The file.
+        file: PathBuf,
+        /// Why, and what to do.
+        problem: String,
+    },
+    /// No text, no TOML, or a key that is unknown or of the wrong kind.
+    #[error("{}: {}{problem}; {remedy}", file.display(), place(*line, key))]
+    Syntax {
+        /// The file.
+        file: PathBuf,
+        /// Line, counted from 1.
+        line: Option<usize>,
+        /// The key at this place; empty if there is none.
+        key: String,
+        /// What is wrong.
+        problem: String,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// A value that is not possible.
+    #[error("{}: {}{source}", file.display(), place(*line, ""))]
+    Invalid {
+        /// The file.
+        file: PathBuf,
+        /// Line, counted from 1; none if the key is not in the file.
+        line: Option<usize>,
+        /// Key, value and remedy.
+        source: Invalid,
+    },
+}
+
+fn place(line: Option<usize>, key: &str) -> String {
+    let line = line.map_or_else(String::new, |n| format!("line {n}: "));
+    if key.is_empty() { line } else { format!("{line}{key}: ") }
+}
+
+impl FileError {
+    /// The system does not give `file`.
+    pub fn unreadable(file: &Path, source: io::Error) -> Self {
+        Self::Unreadable { file: file.to_owned(), source }
+    }
+
+    /// The system does not take `file`.
+    pub fn unwritable(file: &Path, source: io::Error) -> Self {
+        Self::Unwritable { file: file.to_owned(), source }
+    }
+
+    /// Something in `file`, which is not placed.
+    pub fn invalid(file: &Path, source: Invalid) -> Self {
+        Self::Invalid { file: file.to_owned(), line: None, source }
+    }
+
+    /// Whether there is no such file.
+    pub fn is_not_found(&self) -> bool {
+        matches!(self, Self::Unreadable { source, .. } if source.kind() == io::ErrorKind::NotFound)
+    }
+
+    /// The line, counted from 1, where it is known.
+    pub fn line(&self) -> Option<usize> {
+        match self {
+            Self::Syntax { line, .. } | Self::Invalid { line, .. } => *line,
+            _ => None,
+        }
+    }
+
+    /// The key, where it is known.
+    pub fn key(&self) -> Option<&str> {
+        let key = match self {
+            Self::Syntax { key, .. } => key,
+            Self::Invalid { source, .. } => &source.key,
+            _ => return None,
+        };
+        Some(key).filter(|key| !key.is_empty()).map(String::as_str)
+    }
+}

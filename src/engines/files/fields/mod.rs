@@ -1,0 +1,449 @@
+//! One parameter as forms, command line, files and reports see it.
+//!
+//! A [`Field`] names its parameter by a key path such as `electrode.holder_mm[0]` into the JSON form of a parameter
+//! struct, which is what serde makes of it. Where the struct has an `Option`, JSON has null.
+
+pub mod table;
+mod text;
+
+use serde_json::Value;
+
+use crate::Invalid;
+use crate::error::allowed;
+
+/// One parameter. Made by the functions that name its kind, then completed by the others:
+///
+/// ```
+/// # use files::Field;
+/// const STEP: Field = Field::number("plan.step_mm", "Step", "mm", 0.01, 10.0)
+///     .symbol("k")
+///     .decimals(2)
+///     .help("Distance between nodes along X.");
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Field {
+    /// Where it stands in the parameters.
+    pub key: &'static str,
+    /// Name for a reader.
+    pub label: &'static str,
+    /// What it is called in the papers; may be empty.
+    pub symbol: &'static str,
+    /// Unit; may be empty.
+    pub unit: &'static str,
+    /// What values it takes.
+    pub kind: Kind,
+    /// When it counts.
+    pub when: When,
+    /// What it does.
+    pub help: &'static str,
+}
+
+/// What values a parameter takes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Kind {
+    /// A number.
+    Number {
+        /// The values that are allowed.
+        range: Range,
+        /// Whether it is a whole one.
+        is_whole: bool,
+        /// Decimals that it is shown with.
+        decimals: usize,
+        /// Change per point of dragging; 0 for one that goes by the decimals.
+        step: f64,
+        /// The range of its slider, if it has one.
+        slider: Option<Range>,
+        /// What it may be instead of a number.
+        instead: Instead,
+    },
+    /// Numbers in a row.
+    Numbers {
+        /// What each of them may be.
+        range: Range,
+        /// Whether they are whole ones.
+        is_whole: bool,
+        /// How many there are; any number of them without it.
+        count: Option<usize>,
+    },
+    /// Yes or no.
+    Flag,
+    /// A text.
+    Text,
+    /// The path of a file, or none.
+    File,
+    /// One of some words.
+    Choice(&'static [Word]),
+    /// One of some words, or the path of a file.
+    ChoiceOrFile(&'static [Word]),
+    /// One of some tables, told apart by the word under `tag`.
+    Variant {
+        /// Key of the word in the table.
+        tag: &'static str,
+        /// The tables.
+        variants: &'static [Variant],
+    },
+    /// Tables of one kind below each other.
+    Rows {
+        /// The columns; their keys are relative to a row.
+        fields: &'static [Field],
+        /// A new row, as an inline table of TOML.
+        new: &'static str,
+    },
+}
+
+/// What a number may be instead of one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Instead {
+    /// It always is a number.
+    Never,
+    /// This word, as `"auto"`; the number is what giving one starts with.
+    Word(&'static str, f64),
+    /// Nothing at all; likewise.
+    Nothing(f64),
+}
+
+/// A word to choose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Word {
+    /// As files and the command line have it.
+    pub word: &'static str,
+    /// As windows and reports show it.
+    pub label: &'static str,
+    /// What it means; may be empty.
+    pub help: &'static str,
+}
+
+/// A word to choose.
+pub const fn word(word: &'static str, label: &'static str, help: &'static str) -> Word {
+    Word { word, label, help }
+}
+
+/// One of several tables.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Variant {
+    /// Its word under the tag.
+    pub word: Word,
+    /// What it starts with, as an inline table of TOML with its word.
+    pub new: &'static str,
+}
+
+/// Least and greatest value, each of which may be infinite.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Range(pub f64, pub f64);
+
+impl Range {
+    /// Whether `value` lies within.
+    pub fn contains(self, value: f64) -> bool {
+        value.is_finite() && (self.0..=self.1).contains(&value)
+    }
+}
+
+/// When a parameter counts, and is shown. Keys are those of the table that the field stands in: of all parameters, or of
+/// a row.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum When {
+    /// Always.
+    Always,
+    /// When the value under the key is one of these words; nothing is the empty word.
+    Is(&'static str, &'static [&'static str]),
+    /// When it is none of them.
+    IsNot(&'static str, &'static [&'static str]),
+}
+
+impl Field {
+    const fn of(key: &'static str, label: &'static str, kind: Kind) -> Self {
+        Self { key, label, symbol: "", unit: "", kind, when: When::Always, help: "" }
+    }
+
+    /// A number from `least` to `greatest`.
+    pub const fn number(key: &'static str, label: &'static str, unit: &'static str, least: f64, greatest: f64) -> Self {
+        let range = Range(least, greatest);
+        let (slider, instead) = (None, Instead::Never);
+        let kind = Kind::Number { range, is_whole: false, decimals: 3, step: 0.0, slider, instead };
+        Self { unit, ..Self::of(key, label, kind) }
+    }
+
+    /// A whole number from `least` to `greatest`.
+    pub const fn integer(key: &'static str, label: &'static str, least: f64, greatest: f64) -> Self {
+        let range = Range(least, greatest);
+        let (slider, instead) = (None, Instead::Never);
+        Self::of(key, label, Kind::Number { range, is_whole: true, decimals: 0, step: 0.2, slider, instead })
+    }
+
+    /// Numbers from `least` to `greatest`, as many as there are.
+    pub const fn numbers(
+        key: &'static str,
+        label: &'static str,
+        unit: &'static str,
+        least: f64,
+        greatest: f64,
+    ) -> Self {
+        let kind = Kind::Numbers { range: Range(least, greatest), is_whole: false, count: None };
+        Self { unit, ..Self::of(key, label, kind) }
+    }
+
+    /// Yes or no.
+    pub const fn flag(key: &'static str, label: &'static str) -> Self {
+        Self::of(key, label, Kind::Flag)
+    }
+
+    /// A text.
+    pub const fn text(key: &'static str, label: &'static str) -> Self {
+        Self::of(key, label, Kind::Text)
+    }
+
+    /// A file, or none.
+    pub const fn file(key: &'static str, label: &'static str) -> Self {
+        Self::of(key, label, Kind::File)
+    }
+
+    /// One of `words`.
+    pub const fn choice(key: &'static str, label: &'static str, words: &'static [Word]) -> Self {
+        Self::of(key, label, Kind::Choice(words))
+    }
+
+    /// One of `words`, or a file.
+    pub const fn choice_or_file(key: &'static str, label: &'static str, words: &'static [Word]) -> Self {
+        Self::of(key, label, Kind::ChoiceOrFile(words))
+    }
+
+    /// One of `variants`, told apart by the word under `tag`.
+    pub const fn variant(
+        key: &'static str,
+        label: &'static str,
+        tag: &'static str,
+        variants: &'static [Variant],
+    ) -> Self {
+        Self::of(key, label, Kind::Variant { tag, variants })
+    }
+
+    /// Rows of `fields`, a new one of which begins as the inline table `new`.
+    pub const fn rows(key: &'static str, label: &'static str, fields: &'static [Self], new: &'static str) -> Self {
+        Self::of(key, label, Kind::Rows { fields, new })
+    }
+
+    /// The same with its name in the papers.
+    #[must_use]
+    pub const fn symbol(self, symbol: &'static str) -> Self {
+        Self { symbol, ..self }
+    }
+
+    /// The same with what it does.
+    #[must_use]
+    pub const fn help(self, help: &'static str) -> Self {
+        Self { help, ..self }
+    }
+
+    /// The same, which counts only under a condition.
+    #[must_use]
+    pub const fn when(self, when: When) -> Self {
+        Self { when, ..self }
+    }
+
+    /// A number shown with so many decimals.
+    #[must_use]
+    pub const fn decimals(mut self, places: usize) -> Self {
+        if let Kind::Number { decimals, .. } = &mut self.kind {
+            *decimals = places;
+        }
+        self
+    }
+
+    /// A number that changes by so much per point of dragging, in its unit.
+    #[must_use]
+    pub const fn step(mut self, by: f64) -> Self {
+        if let Kind::Number { step, .. } = &mut self.kind {
+            *step = by;
+        }
+        self
+    }
+
+    /// A number with a slider from `least` to `greatest`.
+    #[must_use]
+    pub const fn slider(mut self, least: f64, greatest: f64) -> Self {
+        if let Kind::Number { slider, .. } = &mut self.kind {
+            *slider = Some(Range(least, greatest));
+        }
+        self
+    }
+
+    /// A number that may also be `word`; giving one starts with `start`.
+    #[must_use]
+    pub const fn or_word(mut self, word: &'static str, start: f64) -> Self {
+        if let Kind::Number { instead, .. } = &mut self.kind {
+            *instead = Instead::Word(word, start);
+        }
+        self
+    }
+
+    /// A number that may be missing; giving one starts with `start`.
+    #[must_use]
+    pub const fn or_nothing(mut self, start: f64) -> Self {
+        if let Kind::Number { instead, .. } = &mut self.kind {
+            *instead = Instead::Nothing(start);
+        }
+        self
+    }
+
+    /// Exactly `number` numbers.
+    #[must_use]
+    pub const fn count(mut self, number: usize) -> Self {
+        if let Kind::Numbers { count, .. } = &mut self.kind {
+            *count = Some(number);
+        }
+        self
+    }
+
+    /// Whole numbers.
+    #[must_use]
+    pub const fn whole(mut self) -> Self {
+        if let Kind::Numbers { is_whole, .. } = &mut self.kind {
+            *is_whole = true;
+        }
+        self
+    }
+
+    /// How much a number changes per point of dragging.
+    pub fn drag_step(&self) -> f64 {
+        match self.kind {
+            Kind::Number { step, .. } if step > 0.0 => step,
+            Kind::Number { decimals, .. } => 5.0 * 10f64.powi(-(decimals as i32)),
+            _ => 1.0,
+        }
+    }
+
+    /// The numbers that it may be, if it is one or several.
+    pub fn range(&self) -> Option<Range> {
+        match self.kind {
+            Kind::Number { range, .. } | Kind::Numbers { range, .. } => Some(range),
+            _ => None,
+        }
+    }
+
+    /// What is allowed, in words; nothing where anything is.
+    pub fn allowed(&self) -> Option<String> {
+        let whole = |is_whole: bool, text: String| if is_whole { format!("{text}, a whole number") } else { text };
+        let words = |words: &[Word]| words.iter().map(|w| w.word).collect::<Vec<_>>().join(", ");
+        match self.kind {
+            Kind::Number { range, is_whole, instead, .. } => {
+                let number = whole(is_whole, allowed([range.0, range.1], self.unit));
+                Some(match instead {
+                    Instead::Never => number,
+                    Instead::Word(word, _) => format!("{number}, or {word}"),
+                    Instead::Nothing(_) => format!("{number}, or none"),
+                })
+            }
+            Kind::Numbers { range, is_whole, count, .. } => {
+                let each = whole(is_whole, allowed([range.0, range.1], self.unit));
+                let count = count.map_or_else(|| "numbers".to_owned(), |n| format!("{n} numbers"));
+                Some(format!("{count} with commas between, each of which {each}"))
+            }
+            Kind::Choice(all) => Some(format!("must be one of {}", words(all))),
+            Kind::ChoiceOrFile(all) => Some(format!("must be one of {}, or the path of a file", words(all))),
+            Kind::Variant { variants, .. } => {
+                let words: Vec<&str> = variants.iter().map(|v| v.word.word).collect();
+                Some(format!("must be one of {}", words.join(", ")))
+            }
+            Kind::Flag => Some("must be true or false".to_owned()),
+            Kind::Rows { .. } => Some("must be a list of tables".to_owned()),
+            Kind::Text | Kind::File => None,
+        }
+    }
+
+    /// Whether it counts with `values`, those of the table or row that it stands in.
+    pub fn is_shown(&self, values: &Value) -> bool {
+        let has = |key: &str, words: &[&str]| words.contains(&plain(get(values, key)).as_str());
+        match self.when {
+            When::Always => true,
+            When::Is(key, words) => has(key, words),
+            When::IsNot(key, words) => !has(key, words),
+        }
+    }
+
+    /// Whether `value` is allowed; errors call it `key`.
+    ///
+    /// # Errors
+    /// What is allowed.
+    pub fn check(&self, key: &str, value: &Value) -> Result<(), Invalid> {
+        let is_number = |value: &Value, range: Range, is_whole: bool| {
+            value.as_f64().is_some_and(|n| range.contains(n) && (!is_whole || n.fract() == 0.0))
+        };
+        let text = value.as_str();
+        let holds = match self.kind {
+            Kind::Number { range, is_whole, instead, .. } => match instead {
+                Instead::Word(word, _) if text == Some(word) => true,
+                Instead::Nothing(_) if value.is_null() => true,
+                _ => is_number(value, range, is_whole),
+            },
+            Kind::Numbers { range, is_whole, count } => value.as_array().is_some_and(|all| {
+                count.is_none_or(|count| all.len() == count) && all.iter().all(|v| is_number(v, range, is_whole))
+            }),
+            Kind::Choice(words) => words.iter().any(|w| Some(w.word) == text),
+            Kind::Variant { tag, variants } => variants.iter().any(|v| Some(v.word.word) == get(value, tag).as_str()),
+            Kind::Flag => value.is_boolean(),
+            Kind::Text | Kind::ChoiceOrFile(_) => value.is_string(),
+            Kind::File => value.is_string() || value.is_null(),
+            Kind::Rows { fields, .. } => {
+                let Some(rows) = value.as_array() else { return Err(self.refused(key, value)) };
+                for (i, row) in rows.iter().enumerate() {
+                    for field in fields.iter().filter(|field| field.is_shown(row)) {
+                        field.check(&format!("{key}[{i}].{}", field.key), get(row, field.key))?;
+                    }
+                }
+                true
+            }
+        };
+        if holds { Ok(()) } else { Err(self.refused(key, value)) }
+    }
+
+    fn refused(&self, key: &str, value: &Value) -> Invalid {
+        Invalid::new(key, self.show(value), self.allowed().unwrap_or_else(|| "must be a text".to_owned()))
+    }
+}
+
+/// The names and numbers in a key path: `a.b[0].c` has four.
+pub(crate) fn steps(key: &str) -> impl Iterator<Item = &str> {
+    key.split(['.', '[', ']']).filter(|step| !step.is_empty())
+}
+
+/// The value under `key`; null if there is none.
+pub fn get<'a>(values: &'a Value, key: &str) -> &'a Value {
+    let step = |here: &'a Value, step: &str| match here {
+        Value::Array(list) => list.get(step.parse::<usize>().ok()?),
+        other => other.get(step),
+    };
+    steps(key).try_fold(values, step).unwrap_or(&Value::Null)
+}
+
+/// Puts `value` under `key`, where it or at least the table around it must be. Tells whether it is.
+pub fn put(values: &mut Value, key: &str, value: Value) -> bool {
+    let all: Vec<&str> = steps(key).collect();
+    let Some((last, path)) = all.split_last() else { return false };
+    let mut here = values;
+    for step in path {
+        let next = match here {
+            Value::Array(list) => step.parse::<usize>().ok().and_then(|i| list.get_mut(i)),
+            other => other.get_mut(*step),
+        };
+        let Some(next) = next else { return false };
+        here = next;
+    }
+    match here {
+        Value::Array(list) => match last.parse::<usize>().ok().and_then(|i| list.get_mut(i)) {
+            Some(place) => *place = value,
+            None => return false,
+        },
+        Value::Object(table) => drop(table.insert((*last).to_owned(), value)),
+        _ => return false,
+    }
+    true
+}
+
+/// A value as one word.
+fn plain(value: &Value) -> String {
+    match value {
+        Value::Null => String::new(),
+        Value::String(text) => text.clone(),
+        other => other.to_string(),
+    }
+}

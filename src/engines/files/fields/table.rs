@@ -1,0 +1,419 @@
+//! The table of all parameters of a struct.
+
+use std::fmt::Write;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+use super::{Field, Instead, Kind, When, get, put, steps, text};
+use crate::Invalid;
+use crate::toml_file::one_line;
+
+/// Parameters under one heading.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Group {
+    /// The step or tab of the workspace that they belong to; may be empty.
+    pub section: &'static str,
+    /// The heading.
+    pub name: &'static str,
+    /// Whether few need to touch them: a form then starts with them folded.
+    pub is_folded: bool,
+    /// The parameters.
+    pub fields: &'static [Field],
+}
+
+/// All parameters of a `P`, in the order of its forms.
+#[derive(Debug)]
+pub struct FieldTable<P> {
+    groups: &'static [Group],
+    defaults: fn(&P) -> P,
+}
+
+/// A field and the parameter that it stands for: one of several if it is that of a row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Place {
+    /// The field.
+    pub field: &'static Field,
+    /// The whole key, as in `stages[1].gap_mm`.
+    pub key: String,
+    /// Its name for a reader, as in `Stages 2, Gap`.
+    pub label: String,
+}
+
+/// A parameter with its value, for reports.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Entry {
+    /// Heading.
+    pub group: &'static str,
+    /// Key.
+    pub key: String,
+    /// Name.
+    pub label: String,
+    /// Name in the papers; may be empty.
+    pub symbol: &'static str,
+    /// The value as a reader sees it.
+    pub value: String,
+    /// Unit; may be empty.
+    pub unit: &'static str,
+    /// Whether it is the default.
+    pub is_default: bool,
+}
+
+impl<P: Default> FieldTable<P> {
+    /// The table with these groups.
+    pub const fn new(groups: &'static [Group]) -> Self {
+        Self { groups, defaults: default_of::<P> }
+    }
+}
+
+fn default_of<P: Default>(_: &P) -> P {
+    P::default()
+}
+
+impl<P: Serialize + DeserializeOwned> FieldTable<P> {
+    /// The same with defaults that depend on other parameters, such as the part.
+    #[must_use]
+    pub const fn with_defaults(self, defaults: fn(&P) -> P) -> Self {
+        Self { defaults, ..self }
+    }
+
+    /// The groups of a section, or all of them for an empty one.
+    pub fn groups(&self, section: &str) -> impl Iterator<Item = &'static Group> {
+        self.groups.iter().filter(move |group| section.is_empty() || group.section == section)
+    }
+
+    /// Every field.
+    pub fn fields(&self) -> impl Iterator<Item = &'static Field> {
+        self.groups.iter().flat_map(|group| group.fields)
+    }
+
+    /// The parameters as JSON, which [`get`] and [`put`] work on. A form makes them once a frame.
+    pub fn values(&self, params: &P) -> Value {
+        // Parameters are numbers, words, lists and tables, all of which JSON has.
+        serde_json::to_value(params).unwrap_or_default()
+    }
+
+    /// The defaults that `params` are compared with.
+    pub fn defaults(&self, params: &P) -> P {
+        (self.defaults)(params)
+    }
+
+    /// The parameter called `key`.
+    ///
+    /// # Errors
+    /// If there is none; the answer names the nearest one.
+    pub fn find(&self, key: &str) -> Result<Place, Invalid> {
+        find(self.fields(), key, "", "").ok_or_else(|| {
+            let last = |key: &str| steps(key).last().unwrap_or_default().to_owned();
+            let distance = |other: &str| match last(other) == last(key) {
+                true => 0,
+                false => strsim::damerau_levenshtein(other, key),
+            };
+            // Longer texts than any key would only take time.
+            let near = self.fields().map(|f| f.key).filter(|_| key.len() < 200).min_by_key(|other| distance(other));
+            let near = near.map_or_else(String::new, |near| format!("; did you mean {near}?"));
+            Invalid::of(key, format!("there is no such parameter{near}"))
+        })
+    }
+
+    /// The parameters with `text` for `key`, as the command line gives them. What it means together with the others
+    /// is left to their validation, for several may be set one after the other.
+    ///
+    /// # Errors
+    /// If there is no such parameter, or it cannot have this value.
+    pub fn set(&self, params: &P, key: &str, text: &str) -> Result<P, Invalid> {
+        let place = self.find(key)?;
+        let value = place.field.parse(&place.key, text)?;
+        self.put(&self.values(params), &place.key, value)
+    }
+
+    /// The value of `key` as a text that [`set`](Self::set) takes.
+    ///
+    /// # Errors
+    /// If there is no such parameter.
+    pub fn get(&self, params: &P, key: &str) -> Result<String, Invalid> {
+        let place = self.find(key)?;
+        Ok(place.field.show(get(&self.values(params), &place.key)))
+    }
+
+    /// The parameters in `values` with another one for `key`, as forms give it. What is out of its range is taken, to be
+    /// shown as wrong in its place; what the struct cannot hold is not.
+    ///
+    /// # Errors
+    /// If there is no such place, or it cannot hold the value.
+    pub fn put(&self, values: &Value, key: &str, value: Value) -> Result<P, Invalid> {
+        let none = || Invalid::of(key, "there is no such parameter in these; add the row or choose the variant first");
+        let (mut values, given) = (values.clone(), value.clone());
+        if !put(&mut values, key, value) {
+            return Err(none());
+        }
+        let wrong = |e: serde_json::Error| Invalid::new(key, text_of(&given), one_line(&e.to_string()));
+        let params: P = serde_json::from_value(values).map_err(wrong)?;
+        // Serde drops what another variant would have in silence.
+        let is_lost = !given.is_null() && get(&self.values(&params), key).is_null();
+        if is_lost { Err(none()) } else { Ok(params) }
+    }
+
+    /// The parameters with the default for `key`.
+    ///
+    /// # Errors
+    /// If there is no such parameter, or no default, as for that of a row.
+    pub fn reset(&self, params: &P, key: &str) -> Result<P, Invalid> {
+        let defaults = self.values(&self.defaults(params));
+        let place = self.find(key)?;
+        self.put(&self.values(params), &place.key, get(&defaults, &place.key).clone())
+    }
+
+    /// Whether every parameter that counts is in its range.
+    ///
+    /// # Errors
+    /// The first that is not.
+    pub fn check(&self, params: &P) -> Result<(), Invalid> {
+        let values = self.values(params);
+        let mut counting = self.fields().filter(|field| field.is_shown(&values));
+        counting.try_for_each(|field| field.check(field.key, get(&values, field.key)))
+    }
+
+    /// What is wrong, in the words of the window: with labels and units, and without keys.
+    pub fn in_window(&self, problem: &Invalid) -> String {
+        let Invalid { key, value, remedy } = problem;
+        let (label, unit) = match self.find(key) {
+            Ok(place) => (place.label, place.field.unit),
+            Err(_) => (words_of(key), ""),
+        };
+        let is_number = value.parse::<f64>().is_ok() && !unit.is_empty();
+        let unit = if is_number { format!(" {unit}") } else { String::new() };
+        match (label.is_empty(), value.is_empty()) {
+            (true, _) => remedy.clone(),
+            (_, true) => format!("{label}: {remedy}"),
+            _ => format!("{label} is {value}{unit}: {remedy}"),
+        }
+    }
+
+    /// What makes `now` another than `before`, as a step that can be undone is called.
+    pub fn change(&self, before: &P, now: &P) -> String {
+        let (before, now) = (self.values(before), self.values(now));
+        let mut changed = self.fields().filter(|field| get(&before, field.key) != get(&now, field.key));
+        let Some(field) = changed.next() else {
+            let tables = before.as_object().zip(now.as_object());
+            let other = tables.and_then(|(b, n)| n.iter().find(|(key, value)| b.get(*key) != Some(value)));
+            return other.map_or_else(String::new, |(key, _)| capital(&words_of(key)));
+        };
+        if changed.next().is_some() {
+            return "Several parameters".to_owned();
+        }
+        change_of(field, get(&before, field.key), get(&now, field.key))
+    }
+
+    /// Every parameter that counts, with its value.
+    pub fn entries(&self, params: &P) -> Vec<Entry> {
+        let (values, defaults) = (self.values(params), self.values(&self.defaults(params)));
+        let mut all = Vec::new();
+        for group in self.groups {
+            for field in group.fields.iter().filter(|field| field.is_shown(&values)) {
+                let is_default = get(&values, field.key) == get(&defaults, field.key);
+                let place = Place { field, key: field.key.to_owned(), label: field.label.to_owned() };
+                entries_of(&mut all, group.name, &place, get(&values, field.key), is_default);
+            }
+        }
+        all
+    }
+
+    /// The table in Markdown, for the manual.
+    pub fn markdown(&self, params: &P) -> String {
+        let defaults = self.values(&self.defaults(params));
+        let mut out = String::new();
+        for group in self.groups {
+            let section = if group.section.is_empty() { String::new() } else { format!("{}: ", group.section) };
+            let _ = write!(out, "### {section}{}\n\n", group.name);
+            out.push_str("| parameter | key | unit | allowed | default | meaning |\n|---|---|---|---|---|---|\n");
+            for field in group.fields {
+                markdown_row(&mut out, field, "", Some(get(&defaults, field.key)));
+            }
+            out.push('\n');
+        }
+        out
+    }
+
+    /// What is wrong with the table itself, for a test: every key must be there, its default allowed, every word and every
+    /// new row understood, and values beyond a range refused by `validate` too.
+    pub fn audit(&self, params: &P, validate: impl Fn(&P) -> bool) -> Vec<String> {
+        let values = self.values(params);
+        let mut faults = Vec::new();
+        for field in self.fields() {
+            let key = field.key;
+            if field.label.is_empty() || field.help.is_empty() {
+                faults.push(format!("{key}: without label or help"));
+            }
+            if let Err(problem) = field.check(key, get(&values, key))
+                && field.is_shown(&values)
+            {
+                faults.push(problem.to_string());
+            }
+            let counting = self.where_it_counts(field, &values);
+            for value in possible(field) {
+                if let Err(problem) = self.put(&counting, key, value) {
+                    faults.push(problem.to_string());
+                }
+            }
+            for value in beyond(field) {
+                if self.put(&counting, key, value.clone()).is_ok_and(|params| validate(&params)) {
+                    faults.push(format!("{key} = {value} is taken"));
+                }
+            }
+            if let When::Is(other, _) | When::IsNot(other, _) = field.when
+                && self.find(other).is_err()
+                && get(&values, other).is_null()
+            {
+                faults.push(format!("{key}: its condition is on {other}, which is not there"));
+            }
+        }
+        faults
+    }
+
+    /// `values` with what the condition of `field` asks for.
+    fn where_it_counts(&self, field: &Field, values: &Value) -> Value {
+        let mut values = values.clone();
+        if let When::Is(key, [word, ..]) = field.when {
+            let variant = self.fields().find_map(|f| match f.kind {
+                Kind::Variant { tag, variants } if key == format!("{}.{tag}", f.key) => {
+                    Some((f.key, variants.iter().find(|v| v.word.word == *word)?.new))
+                }
+                _ => None,
+            });
+            match variant {
+                Some((key, new)) => put(&mut values, key, text::read_toml(new).unwrap_or_default()),
+                None => put(&mut values, key, (*word).into()),
+            };
+        }
+        values
+    }
+}
+
+/// Values that a field must be able to have.
+fn possible(field: &Field) -> Vec<Value> {
+    match field.kind {
+        Kind::Choice(words) | Kind::ChoiceOrFile(words) => words.iter().map(|w| w.word.into()).collect(),
+        Kind::Variant { variants, .. } => variants.iter().map(|v| text::read_toml(v.new).unwrap_or_default()).collect(),
+        Kind::Rows { new, .. } => vec![Value::from(vec![text::read_toml(new).unwrap_or_default()])],
+        Kind::Number { instead: Instead::Word(word, start), is_whole, .. } => {
+            vec![word.into(), if is_whole { Value::from(start as i64) } else { start.into() }]
+        }
+        Kind::Number { instead: Instead::Nothing(start), is_whole, .. } => {
+            vec![Value::Null, if is_whole { Value::from(start as i64) } else { start.into() }]
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// Numbers just beyond the range of a field.
+fn beyond(field: &Field) -> Vec<Value> {
+    let Kind::Number { range, is_whole, .. } = field.kind else { return Vec::new() };
+    let ends = [(range.0, -1.0), (range.1, 1.0)].into_iter().filter(|(end, _)| end.is_finite());
+    let value = |(end, side): (f64, f64)| match is_whole {
+        true => Value::from((end + side) as i64),
+        false => Value::from(end + side * 1e-3 * end.abs().max(0.01)),
+    };
+    ends.map(value).collect()
+}
+
+fn find(fields: impl IntoIterator<Item = &'static Field>, key: &str, prefix: &str, label: &str) -> Option<Place> {
+    for field in fields {
+        let Some(rest) = key.strip_prefix(field.key) else { continue };
+        let (whole, label) = (format!("{prefix}{}", field.key), format!("{label}{}", field.label));
+        if rest.is_empty() {
+            return Some(Place { field, key: whole, label });
+        }
+        if let Kind::Rows { fields, .. } = field.kind
+            && let Some((row, inner)) = rest.strip_prefix('[').and_then(|rest| rest.split_once("]."))
+            && let Ok(row) = row.parse::<u32>()
+        {
+            let found = find(fields, inner, &format!("{whole}[{row}]."), &format!("{label} {}, ", u64::from(row) + 1));
+            if found.is_some() {
+                return found;
+            }
+        }
+    }
+    None
+}
+
+fn change_of(field: &Field, before: &Value, now: &Value) -> String {
+    let (Kind::Rows { fields, .. }, Some(before), Some(now)) = (field.kind, before.as_array(), now.as_array()) else {
+        return field.label.to_owned();
+    };
+    match now.len().cmp(&before.len()) {
+        std::cmp::Ordering::Greater => return format!("{}: row added", field.label),
+        std::cmp::Ordering::Less => return format!("{}: row removed", field.label),
+        std::cmp::Ordering::Equal => {}
+    }
+    let mut differing = now.iter().zip(before).enumerate().filter(|(_, (now, before))| now != before);
+    let (Some((i, (now, before))), None) = (differing.next(), differing.next()) else {
+        return field.label.to_owned();
+    };
+    let inner = fields.iter().find(|f| get(now, f.key) != get(before, f.key));
+    let inner = inner.map_or_else(String::new, |f| format!(", {}", change_of(f, get(before, f.key), get(now, f.key))));
+    format!("{} {}{inner}", field.label, i + 1)
+}
+
+fn entries_of(all: &mut Vec<Entry>, group: &'static str, place: &Place, value: &Value, is_default: bool) {
+    let Place { field, key, label } = place;
+    if let (Kind::Rows { fields, .. }, Some(rows)) = (field.kind, value.as_array()) {
+        for (i, row) in rows.iter().enumerate() {
+            for field in fields.iter().filter(|field| field.is_shown(row)) {
+                let key = format!("{key}[{i}].{}", field.key);
+                let place = Place { field, key, label: format!("{label} {}, {}", i + 1, field.label) };
+                entries_of(all, group, &place, get(row, field.key), is_default);
+            }
+        }
+        return;
+    }
+    // A unit belongs to a number.
+    let unit = if value.is_number() || value.is_array() { field.unit } else { "" };
+    let value = field.show_label(value);
+    all.push(Entry { group, key: key.clone(), label: label.clone(), symbol: field.symbol, value, unit, is_default });
+}
+
+fn markdown_row(out: &mut String, field: &Field, prefix: &str, default: Option<&Value>) {
+    let cell = |text: &str| text.replace('|', "\\|").replace('\n', " ");
+    let key = format!("{prefix}{}", field.key);
+    let default = default.map_or_else(String::new, |value| field.show(value));
+    let symbol = if field.symbol.is_empty() { String::new() } else { format!(" ({})", field.symbol) };
+    let cells = [
+        format!("{}{symbol}", field.label),
+        format!("`{key}`"),
+        field.unit.to_owned(),
+        field.allowed().unwrap_or_default(),
+        default,
+        field.help.to_owned(),
+    ];
+    let cells: Vec<String> = cells.iter().map(|text| cell(text)).collect();
+    let _ = writeln!(out, "| {} |", cells.join(" | "));
+    if let Kind::Rows { fields, .. } = field.kind {
+        fields.iter().for_each(|inner| markdown_row(out, inner, &format!("{key}[N]."), None));
+    }
+}
+
+/// The words in the last name of a key, without its unit: a key that no field has is still no word for a window.
+fn words_of(key: &str) -> String {
+    let name = steps(key).filter(|step| step.parse::<u32>().is_err()).last().unwrap_or_default();
+    let units = ["_mm_per_min", "_mm2", "_mm3", "_mm", "_deg", "_min", "_s"];
+    let bare = units.iter().find_map(|unit| name.strip_suffix(unit)).unwrap_or(name);
+    bare.replace('_', " ")
+}
+
+fn capital(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+fn text_of(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        other => other.to_string(),
+    }
+}
+
+#[cfg(test)]
+#[path = "tests.rs"]
+mod tests;

@@ -1,0 +1,126 @@
+//! Values as people type and read them.
+
+use serde_json::Value;
+
+use super::{Field, Instead, Kind, get, plain};
+use crate::Invalid;
+
+impl Field {
+    /// `value` as a text that [`parse`](Self::parse) reads.
+    pub fn show(&self, value: &Value) -> String {
+        match (self.kind, value) {
+            (Kind::Number { instead: Instead::Nothing(_), .. } | Kind::File, Value::Null) => "none".to_owned(),
+            (Kind::Variant { tag, .. }, Value::Object(_)) => plain(get(value, tag)),
+            (Kind::Numbers { .. }, Value::Array(all)) => all.iter().map(number).collect::<Vec<_>>().join(", "),
+            (Kind::Rows { .. }, Value::Array(_)) => match toml::Value::try_from(without_nulls(value.clone())) {
+                Ok(rows) => rows.to_string(),
+                Err(_) => value.to_string(),
+            },
+            _ => number(value),
+        }
+    }
+
+    /// `value` as a reader sees it: words to choose by their labels.
+    pub fn show_label(&self, value: &Value) -> String {
+        let text = self.show(value);
+        let found = match self.kind {
+            Kind::Choice(words) | Kind::ChoiceOrFile(words) => words.iter().find(|w| w.word == text).map(|w| w.label),
+            Kind::Variant { variants, .. } => variants.iter().find(|v| v.word.word == text).map(|v| v.word.label),
+            Kind::Flag => Some(if value.as_bool() == Some(true) { "yes" } else { "no" }),
+            _ => None,
+        };
+        found.map_or(text, str::to_owned)
+    }
+
+    /// What `text` stands for, which errors call `key`.
+    ///
+    /// # Errors
+    /// What is allowed, if `text` is not.
+    pub fn parse(&self, key: &str, text: &str) -> Result<Value, Invalid> {
+        let text = text.trim();
+        let wrong = || {
+            let allowed = self.allowed().unwrap_or_else(|| "must be a text".to_owned());
+            Invalid::new(key, if text.is_empty() { "empty" } else { text }, allowed)
+        };
+        let value = match self.kind {
+            Kind::Number { instead: Instead::Word(word, _), .. } if text == word => word.into(),
+            Kind::Number { instead: Instead::Nothing(_), .. } | Kind::File if matches!(text, "" | "none") => {
+                Value::Null
+            }
+            Kind::Number { is_whole, .. } => read_number(text, is_whole).ok_or_else(wrong)?,
+            Kind::Numbers { is_whole, .. } => read_numbers(text, is_whole).ok_or_else(wrong)?,
+            Kind::Flag => match text {
+                "true" | "yes" | "on" => true.into(),
+                "false" | "no" | "off" => false.into(),
+                _ => return Err(wrong()),
+            },
+            Kind::Text | Kind::File | Kind::Choice(_) | Kind::ChoiceOrFile(_) => text.into(),
+            Kind::Variant { variants, .. } => {
+                let found = variants.iter().find(|v| v.word.word == text).ok_or_else(wrong)?;
+                read_toml(found.new).ok_or_else(wrong)?
+            }
+            Kind::Rows { .. } => read_toml(text).ok_or_else(wrong)?,
+        };
+        self.check(key, &value)?;
+        Ok(value)
+    }
+}
+
+/// A number without a useless `.0`, anything else as it is.
+fn number(value: &Value) -> String {
+    let text = plain(value);
+    match value {
+        Value::Number(_) => text.strip_suffix(".0").map_or(text.clone(), str::to_owned),
+        _ => text,
+    }
+}
+
+/// A typed number; its decimals may stand behind a comma, its minus may be a real one.
+pub(crate) fn read_number(text: &str, is_whole: bool) -> Option<Value> {
+    let plain: String = text.chars().filter(|c| !c.is_whitespace()).collect();
+    let plain = plain.replace(',', ".").replace('\u{2212}', "-");
+    if let Ok(whole) = plain.parse::<u64>() {
+        return Some(if is_whole { whole.into() } else { (whole as f64).into() });
+    }
+    if let Ok(whole) = plain.parse::<i64>() {
+        return Some(if is_whole { whole.into() } else { (whole as f64).into() });
+    }
+    let number = plain.parse::<f64>().ok().filter(|n| n.is_finite())?;
+    match is_whole {
+        true if number.fract() == 0.0 && number.abs() < 9e15 => Some((number as i64).into()),
+        true => None,
+        false => Some(number.into()),
+    }
+}
+
+/// Numbers with commas, blanks or `x` between; beside semicolons commas are decimal ones.
+fn read_numbers(text: &str, is_whole: bool) -> Option<Value> {
+    let inner = text.strip_prefix('[').and_then(|t| t.strip_suffix(']')).unwrap_or(text);
+    let has_semicolon = inner.contains(';');
+    let is_between = |c: char| match has_semicolon {
+        true => c == ';',
+        false => c == ',' || c == 'x' || c == '\u{d7}' || c.is_whitespace(),
+    };
+    let words = inner.split(is_between).map(str::trim).filter(|word| !word.is_empty());
+    words.map(|word| read_number(word, is_whole)).collect::<Option<Vec<_>>>().map(Value::from)
+}
+
+/// An inline value of TOML.
+pub(super) fn read_toml(text: &str) -> Option<Value> {
+    let mut table: toml::Table = toml::from_str(&format!("value = {text}")).ok()?;
+    if table.len() != 1 {
+        return None;
+    }
+    serde_json::to_value(table.remove("value")?).ok()
+}
+
+/// TOML has no null: what is not there is left out.
+fn without_nulls(value: Value) -> Value {
+    match value {
+        Value::Object(table) => {
+            table.into_iter().filter(|(_, v)| !v.is_null()).map(|(key, v)| (key, without_nulls(v))).collect()
+        }
+        Value::Array(list) => list.into_iter().map(without_nulls).collect(),
+        other => other,
+    }
+}
