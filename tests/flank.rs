@@ -271,7 +271,7 @@ fn what_fails_a_check_is_not_written_unless_it_is_overridden_by_name() {
     assert_eq!(written.files, ["flank.json", "report.html"]);
     let told = written.sentence();
     assert!(
-        told.contains("nothing to mill was written, as checks fail: cutter, coverage") && written.former.is_empty(),
+        told.contains("no program was written: failed checks cutter, coverage") && written.former.is_empty(),
         "{told}"
     );
     assert!(read(&folder, "report.html").contains("Check cutter fails."));
