@@ -10,9 +10,9 @@ use crate::shell::files::{FlankPurpose, Opened, Purpose};
 use crate::shell::workspace::Workspace;
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::document::{Document, OpenError};
-use crate::workspaces::blisk::pipeline::EventKind;
 use crate::workspaces::flank::document::flank_file::is_flank_file;
 use crate::workspaces::mold::document::mold_file::is_mold_file;
+use crate::workspaces::news::EventKind;
 
 /// How a path was named.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -195,5 +195,5 @@ fn a_region_about_as_thin_as_the_tolerance_needs_no_electrode() {
     }
     let set = planned(&mold, &[bare], &asked);
     let reason = set.regions[0].reason.as_ref().unwrap();
-    assert!(reason.contains("surface") && !reason.contains("twice the gap"), "{reason}");
+    assert!(reason.contains("surface") && !reason.contains("twice the spark gap"), "{reason}");
 }
