@@ -46,12 +46,15 @@ fn released_after(home: &Home, planned: &dyn Fn(&mut Desk)) -> Desk {
     desk
 }
 
-/// Exports into `folder` and answers the names of what is there.
+/// Exports into `folder` and answers the names of what is there beside the manifest.
 pub fn export(desk: &mut Desk, folder: &Path) -> BTreeSet<String> {
     desk.window.state_mut().export(folder);
     desk.until_idle();
     assert_eq!(desk.state(Stage::Export), StageState::Done, "{:#?}", desk.log());
-    std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect()
+    let files = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().to_string_lossy().into_owned());
+    let (manifest, names): (BTreeSet<String>, BTreeSet<String>) = files.partition(|name| name == files::MANIFEST);
+    assert_eq!(manifest.len(), 1);
+    names
 }
 
 fn names(names: &[&str]) -> BTreeSet<String> {
