@@ -145,7 +145,7 @@ fn of_coverage(name: &str, path: &FlankPath) -> Vec<String> {
     if lowest < -5e-3 {
         warnings.push(format!(
             "on the {name} path the flutes end {:.4} mm above the lowest line of the surface that they should cut; raise \
-             Below (--below) by that much",
+             Extend below (--below) by that much",
             -lowest
         ));
     }

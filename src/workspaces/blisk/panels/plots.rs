@@ -136,7 +136,7 @@ pub fn show(ui: &mut Ui, core: &mut Core, tab: &mut Tab, curves: &mut Curves, is
 
 fn unit_note(tab: Tab) -> &'static str {
     match tab {
-        Tab::Positions | Tab::Velocities | Tab::Accelerations | Tab::Clearance => "over the distance retracted (mm)",
+        Tab::Positions | Tab::Velocities | Tab::Accelerations | Tab::Clearance => "over mm retracted",
         Tab::Convergence => "objective over generations",
         Tab::Table | Tab::Comparison => "",
     }
