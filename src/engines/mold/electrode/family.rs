@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 
 use super::base::{Base, placed};
 use super::check::Obstacle;
-use super::design::{Burn, Electrode, Family, PartId};
+pub use super::design::{Burn, Electrode, Family, PartId};
 use super::net_shape::burned;
 use super::params::{ElectrodeParams, Shape, Stage};
 use super::setting::{ElectrodeError, to_burn_frame};
