@@ -5,7 +5,6 @@
 
 pub mod build;
 pub mod comparison;
-pub mod comparison_html;
 pub mod curves;
 #[cfg(test)]
 pub mod fixtures;
