@@ -19,7 +19,6 @@ pub mod old_history;
 pub mod old_toml_file;
 pub mod paths;
 pub mod report;
-pub use report::plot as svg_plot;
 mod toml_file;
 pub mod user_folder;
 pub mod whole_file;

@@ -5,13 +5,11 @@
 
 pub mod build;
 pub mod comparison;
-pub mod curves;
 #[cfg(test)]
 pub mod fixtures;
-pub mod html;
 pub mod leftover;
+mod page;
 pub mod simulation;
-pub mod tables;
 pub mod verify;
 
 use std::path::Path;
@@ -25,6 +23,7 @@ use feed::certificate::{Certificate, Contact};
 use feed::path::PathRow;
 use feed::pose::{Axis, Pose};
 use feed::smoothness::AxisSmoothness;
+use files::report::Picture;
 use files::whole_file::{WriteError, write_atomically};
 use geometry::frame::Frame;
 use nc::block_feed::Slowed;
@@ -432,21 +431,6 @@ pub struct StageTime {
     pub seconds: f64,
 }
 
-/// A picture on the page.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Picture {
-    /// Name of its file beside the report.
-    pub file: String,
-    /// What it shows, in a few words.
-    pub title: String,
-    /// What is to be seen in it, in a sentence or two.
-    pub caption: String,
-    /// Its colours in CSS notation and what they stand for.
-    pub legend: Vec<(String, String)>,
-    /// The image as PNG bytes.
-    pub png: Vec<u8>,
-}
-
 impl Report {
     /// The report as JSON, keys in the order of the structs; a number that is not finite becomes null.
     ///
@@ -457,8 +441,11 @@ impl Report {
     }
 
     /// The report as one self-contained page.
-    pub fn html(&self) -> String {
-        html::page(self)
+    ///
+    /// # Errors
+    /// [`ReportError::Page`], which a test of the template keeps from happening.
+    pub fn html(&self) -> Result<String, ReportError> {
+        Ok(page::page(self)?)
     }
 
     /// Writes `report.json` and `report.html` into `folder`.
@@ -467,7 +454,7 @@ impl Report {
     /// [`ReportError`] naming the file.
     pub fn write(&self, folder: &Path) -> Result<(), ReportError> {
         write_atomically(&folder.join("report.json"), self.json()?.as_bytes())?;
-        Ok(write_atomically(&folder.join("report.html"), self.html().as_bytes())?)
+        Ok(write_atomically(&folder.join("report.html"), self.html()?.as_bytes())?)
     }
 }
 
