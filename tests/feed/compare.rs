@@ -82,7 +82,7 @@ fn figures_are_those_of_a_plan(prepared: &PreparedBlisk, inputs: &PlanInputs, ru
 }
 
 fn files_name_every_strategy(comparison: &Comparison) {
-    let (html, csv) = (comparison.html(), comparison.csv());
+    let (html, csv) = (comparison.html().unwrap(), comparison.csv());
     let json: serde_json::Value = serde_json::from_str(&comparison.json().unwrap()).unwrap();
     for (i, strategy) in Strategy::ALL.into_iter().enumerate() {
         // Names are not broken at their hyphens.

@@ -18,7 +18,6 @@ pub mod old_history;
 pub mod old_toml_file;
 pub mod paths;
 pub mod report;
-pub mod svg_plot;
 mod toml_file;
 pub mod user_folder;
 pub mod word_or_table;

@@ -72,6 +72,9 @@ pub enum ElectrodeExportError {
     /// The figures have no JSON.
     #[error("the burn table as JSON: {0}")]
     Json(#[from] serde_json::Error),
+    /// The report has no page.
+    #[error(transparent)]
+    Page(#[from] files::report::PageError),
 }
 
 /// Files written and electrodes left out.

@@ -1,11 +1,12 @@
 //! The report on a mold's electrodes, as `electrodes.json` for programs and `report.html` for people.
 
-pub mod html;
+mod page;
 pub mod uncut;
 pub mod uncut_ply;
 
 use serde::Serialize;
 
+use files::report::PageError;
 use mold::electrode::design::{Electrode, ElectrodeSet, PartNode, RegionPlan};
 use mold::electrode::overrides::{IdleOverride, Override};
 use mold::opening::Opening;
@@ -155,8 +156,11 @@ impl ElectrodesReport {
     }
 
     /// The report as one self-contained page with pictures, each a caption and PNG bytes.
-    pub fn html(&self, pictures: &[(String, Vec<u8>)]) -> String {
-        html::page(self, pictures)
+    ///
+    /// # Errors
+    /// [`PageError`], which a test of the template keeps from happening.
+    pub fn html(&self, pictures: &[(String, Vec<u8>)]) -> Result<String, PageError> {
+        page::page(self, pictures)
     }
 }
 

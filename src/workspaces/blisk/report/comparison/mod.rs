@@ -1,10 +1,11 @@
 //! Runs of several strategies on the same electrodes, side by side: as P0's figure 7 compares smoothness.
 
+mod page;
+
 use std::fmt::Write;
 
 use serde::Serialize;
 
-use super::comparison_html;
 use crate::workspaces::blisk::report::{InputFile, ObjectiveReport, ReportError, Smoothness};
 use feed::plan::FeedPlan;
 use feed::plan_params::Strategy;
@@ -189,8 +190,11 @@ impl Comparison {
     }
 
     /// The comparison as one self-contained page.
-    pub fn html(&self) -> String {
-        comparison_html::page(self)
+    ///
+    /// # Errors
+    /// [`ReportError::Page`], which a test of the template keeps from happening.
+    pub fn html(&self) -> Result<String, ReportError> {
+        Ok(page::page(self)?)
     }
 }
 
