@@ -1,6 +1,6 @@
 //! What the edge of a flat cutter cannot touch in one layer (P3, section 4.1).
 //!
-//! The way of the cutter's centre around the outlines (see [`super::way`]) ends at critical points, from which the
+//! The way of the cutter's centre around the outlines (module `way`) ends at critical points, from which the
 //! cutter touches two places at once. Between these two the outline is uncut, and the cutter's own arc bounds the stock
 //! that is left.
 //!
