@@ -25,7 +25,7 @@ use mold::electrode::design::ElectrodeSet;
 use mold::electrode::params::ElectrodeParams;
 use nc::burn_template::BurnSheet;
 use nc::electrode_files::ElectrodeFormat;
-pub use steps::{FoundUncut, LoadedMold};
+pub use steps::{FoundUncut, LoadedMold, load as read_part};
 
 /// What a mesh is read from: the file, its unit, how often it was asked for.
 type MeshKey = (PathBuf, Units, u64);
@@ -137,6 +137,13 @@ impl MoldWork {
         Some((params.mesh.clone()?, params.units, self.reloads))
     }
 
+    /// Takes `mold` for what the files of `params` hold.
+    pub fn put(&mut self, params: &MoldParams, mold: Arc<LoadedMold>) {
+        if let Some(key) = self.mesh_key(params) {
+            self.mold.put(&key, mold);
+        }
+    }
+
     /// Reads the mesh again.
     pub fn reload(&mut self) {
         self.reloads += 1;
@@ -157,6 +164,12 @@ impl MoldWork {
         let ((path, units, _), mold) = self.mold.last()?;
         let is_same = params.mesh.as_ref() == Some(path) && params.units == *units;
         (is_same && !matches!(self.mold_state(params), State::Failed(_) | State::Cancelled)).then_some(mold)
+    }
+
+    /// What tells the part of `params` from any other, once it was read.
+    pub fn part(&self, params: &MoldParams) -> Option<&str> {
+        let mold = self.current_mold(params).filter(|_| self.mold_state(params) == State::Ready);
+        mold.map(|mold| mold.sha256.as_str())
     }
 
     fn question(&self, params: &MoldParams) -> Option<Question> {

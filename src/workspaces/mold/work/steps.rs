@@ -30,7 +30,8 @@ pub struct LoadedMold {
 }
 
 impl LoadedMold {
-    pub(super) fn sentence(&self) -> String {
+    /// What was read, in a sentence.
+    pub fn sentence(&self) -> String {
         format!("{}: {} triangles", self.name, self.mesh.triangles.len())
     }
 }
@@ -61,7 +62,7 @@ impl FoundUncut {
 ///
 /// # Errors
 /// One line naming file, place and remedy.
-pub(super) fn load(path: &Path, units: Units, progress: &Progress, cancel: &Cancel) -> Result<LoadedMold, String> {
+pub fn load(path: &Path, units: Units, progress: &Progress, cancel: &Cancel) -> Result<LoadedMold, String> {
     let options = ImportOptions { units, ..Default::default() };
     let imported = import_file(path, &options, progress, cancel).map_err(|e| e.to_string())?;
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();

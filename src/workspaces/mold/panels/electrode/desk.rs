@@ -137,6 +137,12 @@ impl Default for ElectrodeDesk {
 }
 
 impl ElectrodeDesk {
+    /// Looks at electrodes of another mold as at the first ones. What is written and what there is stays.
+    pub fn begin_anew(&mut self) {
+        let Self { formats, sheet, holders, .. } = std::mem::take(self);
+        *self = Self { formats, sheet, holders, ..Self::default() };
+    }
+
     /// Takes in what was made. What was selected stays selected if there still is an electrode of that name.
     pub fn follow(&mut self, now: Option<&Arc<Designed>>) {
         if now.map(Arc::as_ptr) == self.shown.as_ref().map(Arc::as_ptr) {
