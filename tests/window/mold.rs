@@ -385,6 +385,34 @@ fn changes_of_a_mold_are_not_lost_without_a_word() {
     assert!(!desk.shows(UNSAVED) && desk.mold().params.mesh.as_ref() == Some(&other), "nothing was changed");
 }
 
+/// Unsaved work is asked about before a path is, in every workspace, and once.
+#[test]
+fn what_is_unsaved_is_asked_about_before_the_path() {
+    const UNSAVED: &str = "has unsaved changes";
+    let home = Home::new();
+    let other = home.path("other.stl");
+    write_stl(&other, &moved()).unwrap();
+    let mut desk = home.start(Opening::Mold(Some(home.mold())));
+    desk.until_loaded();
+    desk.take_cutters(&[Cutter::flat(1.5)]);
+    desk.key_with(Modifiers::COMMAND, Key::O);
+    assert!(desk.shows(UNSAVED) && !desk.shows("Type or paste the path"));
+    desk.press("Don't save");
+    assert!(!desk.shows(UNSAVED));
+    desk.type_path(&other);
+    assert!(!desk.shows(UNSAVED) && desk.mold().params.mesh.as_ref() == Some(&other));
+    desk.press_role(Role::Tab, "Flank workspace");
+    let flank = &mut desk.window.state_mut().core_mut().flank;
+    let mut params = flank.params.clone();
+    params.cutter.radius_mm += 1.0;
+    flank.edit(params);
+    desk.settle();
+    desk.key_with(Modifiers::COMMAND, Key::O);
+    assert!(desk.shows(UNSAVED) && !desk.shows("Type or paste the path"));
+    desk.press("Cancel");
+    assert!(!desk.shows(UNSAVED) && !desk.shows("Type or paste the path"));
+}
+
 /// The stepped mold a millimetre aside: another part, with parts of regions of the same names.
 fn moved() -> Mesh {
     let mesh = stepped();
