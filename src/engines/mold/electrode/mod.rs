@@ -16,6 +16,7 @@ pub mod footprint;
 pub mod h_edge;
 pub mod leftover;
 pub mod milling;
+pub mod names;
 pub mod overrides;
 pub mod params;
 pub mod plan;

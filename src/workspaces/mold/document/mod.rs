@@ -60,10 +60,10 @@ impl MoldParams {
     }
 
     /// The same without what was decided for one part only: where it opens to, how its regions are divided and burned,
-    /// which of its electrodes are exported although a check fails.
+    /// which of its electrodes are exported although a check fails, and what they are called.
     pub fn undecided(&self) -> Self {
-        let (edits, overrides) = (Vec::new(), Vec::new());
-        let electrodes = ElectrodeParams { edits, overrides, ..self.electrodes.clone() };
+        let (edits, overrides, names) = (Vec::new(), Vec::new(), Vec::new());
+        let electrodes = ElectrodeParams { edits, overrides, names, ..self.electrodes.clone() };
         Self { opening: Opening::default(), electrodes, ..self.clone() }
     }
 

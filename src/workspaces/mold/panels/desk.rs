@@ -16,6 +16,7 @@ use crate::workspaces::mold::work::{FoundUncut, Glance, MoldWork};
 use crate::workspaces::news::{EventKind, WorkEvent};
 use geometry::mesh::Bounds;
 use mold::cutter::CutterLibrary;
+use mold::electrode::names::GivenName;
 use mold::electrode::params::{ElectrodeParams, Holder};
 use mold::uncut_region::UncutRegion;
 use task::{Priority, Scheduler, State};
@@ -317,6 +318,7 @@ impl MoldDesk {
         events.extend(self.follow_part());
         self.follow_answer();
         self.electrodes.follow(self.work.designed());
+        self.keep_names();
         let waits = [self.find_again(hands), self.design_again(hands)];
         let mut wait: Option<Duration> = None;
         for next in waits {
@@ -326,6 +328,25 @@ impl MoldDesk {
             }
         }
         (events, wait)
+    }
+
+    /// Keeps the names that electrodes were given: they stay theirs whatever is changed, or taken back.
+    fn keep_names(&mut self) {
+        let Some(made) = self.work.designed().filter(|_| self.is_designed()) else { return };
+        let mut names = self.params.electrodes.names.clone();
+        let count = names.len();
+        let is_new = |name: &&GivenName| self.params.electrodes.names.iter().all(|known| known.number != name.number);
+        names.extend(made.set.names.iter().filter(is_new).cloned());
+        if names.len() == count {
+            return;
+        }
+        let keep = |params: &mut MoldParams| params.electrodes.names.clone_from(&names);
+        // From what the file holds the same names are made again.
+        if !self.is_unsaved() {
+            self.record.kept.iter_mut().for_each(keep);
+        }
+        keep(&mut self.params);
+        self.record.history.change_all(keep);
     }
 
     /// Looks at a change at a glance, and exactly once nothing changes any more. Answers after how long to come back.

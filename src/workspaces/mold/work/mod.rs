@@ -351,7 +351,8 @@ impl MoldWork {
         };
         let (folder, name, formats, sheet) = (folder.to_owned(), params.name(), formats.to_vec(), sheet.clone());
         // Which of them are let pass, and what they are called, may have changed since they were made.
-        let set = ElectrodeSet { params: params.electrodes.clone(), ..made.set.clone() };
+        let asked = ElectrodeParams { names: Vec::new(), ..params.electrodes.clone() };
+        let set = ElectrodeSet { params: asked, ..made.set.clone() };
         self.exports += 1;
         self.exported.restart(&self.exports, Priority::Shown, move |work| {
             export(&folder, (&set, &made), (&mold, &name), (&formats, &sheet), &work.progress, &work.cancel)
@@ -360,9 +361,10 @@ impl MoldWork {
     }
 }
 
-/// What of `electrodes` they depend on: not what they are called or which are exported.
+/// What of `electrodes` they depend on: not which are exported, nor the names they had before, which they keep.
 fn design_question(question: Question, electrodes: &ElectrodeParams) -> DesignQuestion {
-    (question, ElectrodeParams { overrides: Vec::new(), material: String::new(), ..electrodes.clone() })
+    let (overrides, names, material) = (Vec::new(), Vec::new(), String::new());
+    (question, ElectrodeParams { overrides, names, material, ..electrodes.clone() })
 }
 
 /// How a value stands while there is no mold that it could be of.
