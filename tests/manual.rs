@@ -2,7 +2,9 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process;
+
+use sparkpath::shell::commands::Command;
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -13,7 +15,7 @@ fn read(path: &Path) -> String {
 }
 
 fn help(arguments: &[&str]) -> String {
-    let output = Command::new(env!("CARGO_BIN_EXE_sparkpath")).args(arguments).arg("--help").output().unwrap();
+    let output = process::Command::new(env!("CARGO_BIN_EXE_sparkpath")).args(arguments).arg("--help").output().unwrap();
     assert!(output.status.success());
     String::from_utf8(output.stdout).unwrap()
 }
@@ -73,6 +75,21 @@ fn every_option_of_every_command_is_in_the_manual() {
             let is_told = [own, shared].iter().any(|text| text.contains(&format!("`{option}")));
             assert!(is_told, "{command} {option}");
         }
+    }
+}
+
+#[test]
+fn every_command_of_the_window_is_in_the_manual() {
+    let page = read(&root().join("docs/book/src/keys.md"));
+    for command in Command::all() {
+        let name = command.name();
+        // Views, steps and workspaces share a line.
+        let word = match command {
+            Command::View(_) | Command::Step(_) => name.rsplit(' ').next().unwrap().to_owned(),
+            Command::FoldPanel | Command::FoldList => name.rsplit("on the").next().unwrap().to_owned(),
+            _ => name,
+        };
+        assert!(page.contains(&word), "{word}");
     }
 }
 

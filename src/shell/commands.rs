@@ -199,7 +199,7 @@ impl Command {
             Self::ShowCutter => "Show or hide the cutter",
             Self::AxisSurface => "Show or hide the axis surface",
             Self::Rulings => "Show or hide rulings",
-            Self::MovingCutter => "Deviation of the swept envelope or static",
+            Self::MovingCutter => "Swept envelope or static deviation",
             Self::FoldPanel => "Show or fold the panel on the left",
             Self::FoldList => "Show or fold the panel on the right",
             Self::Screenshot => "Save picture…",

@@ -7,7 +7,7 @@ use super::core::Core;
 use super::workspace::Workspace;
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::panels::stepper::sentence;
-use crate::workspaces::blisk::pipeline::EventKind;
+use crate::workspaces::news::EventKind;
 use task::Doing;
 
 /// Draws it.

@@ -46,12 +46,15 @@ fn released_after(home: &Home, planned: &dyn Fn(&mut Desk)) -> Desk {
     desk
 }
 
-/// Exports into `folder` and answers the names of what is there.
+/// Exports into `folder` and answers the names of what is there beside the manifest.
 pub fn export(desk: &mut Desk, folder: &Path) -> BTreeSet<String> {
     desk.window.state_mut().export(folder);
     desk.until_idle();
     assert_eq!(desk.state(Stage::Export), StageState::Done, "{:#?}", desk.log());
-    std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect()
+    let files = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().to_string_lossy().into_owned());
+    let (manifest, names): (BTreeSet<String>, BTreeSet<String>) = files.partition(|name| name == files::MANIFEST);
+    assert_eq!(manifest.len(), 1);
+    names
 }
 
 fn names(names: &[&str]) -> BTreeSet<String> {
@@ -95,7 +98,7 @@ fn what_is_written_is_what_was_ticked() {
     assert_eq!(written["not_asked_for"], serde_json::json!([]));
 
     desk.press("Export…");
-    for file in ["path_K.nc", "path_K.csv", "leftover.ply, copying_K.csv", "*.png", "On its way"] {
+    for file in ["path_K.nc", "path_K.csv", "leftover.ply, copying_K.csv", "*.png", "On its path"] {
         desk.press_role(Role::CheckBox, file);
     }
     desk.press_role(Role::Button, "Cancel");
@@ -113,7 +116,7 @@ fn what_is_written_is_what_was_ticked() {
     for file in ["electrode_K.stl", "report.html, .json"] {
         desk.press_role(Role::CheckBox, file);
     }
-    desk.assert_shows("Nothing is chosen, so that nothing would be written.");
+    desk.assert_shows("No file is chosen: nothing would be written.");
 }
 
 #[test]

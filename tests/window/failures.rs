@@ -18,7 +18,7 @@ fn a_wrong_number_is_told_beside_its_field() {
     desk.until_idle();
     desk.open_step(Stage::Electrode);
     desk.enter("Spark gap", "abc");
-    desk.assert_shows("Spark gap: \"abc\" is no number; a number from 0.005 to 2 mm is asked for; it stays 0.1 mm");
+    desk.assert_shows("Spark gap: \"abc\" is not a number; enter a number from 0.005 to 2 mm; it stays 0.1 mm");
     assert_eq!(desk.app().core().document.job().electrode.spark_gap_mm, 0.1);
     desk.enter("Spark gap", "9");
     desk.until_idle();
@@ -78,11 +78,11 @@ fn a_project_whose_mesh_has_changed_asks() {
     std::fs::remove_file(&part).unwrap();
     desk.window.state_mut().open(&project);
     desk.settle();
-    desk.assert_shows("is not there any more");
+    desk.assert_shows("no longer exists");
     desk.assert_shows("Find it…");
     assert!(!desk.shows("Use as it is now"), "there is nothing to use");
     desk.press("Cancel");
-    assert!(!desk.shows("is not there any more"));
+    assert!(!desk.shows("no longer exists"));
     assert!(desk.step_says(Stage::Channel, "done"), "what was open stays");
 }
 

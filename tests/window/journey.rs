@@ -79,7 +79,7 @@ fn plan_cancel_and_plan_again(desk: &mut Desk) {
     desk.until_idle();
     desk.key(Key::F5);
     desk.until("the plan is done", |d| d.state(Stage::Plan) == StageState::Done);
-    desk.assert_shows("comes out, certified clearance");
+    desk.assert_shows("has an extraction path, certified clearance");
     assert!(desk.step_says(Stage::Plan, "done") && desk.step_says(Stage::Verify, "done"));
 }
 
@@ -140,10 +140,10 @@ fn verify_and_release(desk: &mut Desk) {
         desk.assert_shows(&format!("{:.4} mm", certificate.certified()));
         certificate.least().s
     };
-    desk.press("Go to the closest place");
+    desk.press("Go to the closest point");
     assert_eq!(desk.app().core().cursor.s, least);
     desk.until_idle();
-    desk.press("Show the stock left");
+    desk.press("Show the residual stock");
     let core = desk.app().core();
     assert!(core.leftover_values().is_some() && !core.layers.get(Layer::Electrode).visible);
     let (legend, left) = (core.leftover_legend().unwrap(), core.pipeline.plan().unwrap().leftover().unwrap());
@@ -165,7 +165,9 @@ fn verify_and_release(desk: &mut Desk) {
     assert!(!folder.path().join("early").exists());
     desk.press("Release for export");
     assert!(desk.app().core().pipeline.released().is_some());
-    desk.assert_shows("Released: this path. What changes the path withdraws it; feed and post do not.");
+    desk.assert_shows(
+        "Released: this path. A change of the path withdraws the release; feed and post do not change it.",
+    );
 }
 
 fn export(desk: &mut Desk, home: &Home) {
@@ -188,14 +190,14 @@ fn export(desk: &mut Desk, home: &Home) {
 
 fn an_edit_withdraws_the_release(desk: &mut Desk) {
     desk.open_step(Stage::Verify);
-    desk.press("Show the stock left");
+    desk.press("Show the residual stock");
     desk.open_step(Stage::Electrode);
     desk.enter("Radial reduction", "1.2");
     desk.until_idle();
     let core = desk.app().core();
     assert!(!core.leftover && core.layers.get(Layer::Electrode).visible, "of this electrode there is no map");
     assert!(core.pipeline.released().is_none());
-    assert!(desk.step_says(Stage::Plan, "stale") && desk.step_says(Stage::Export, "stale"));
+    assert!(desk.step_says(Stage::Plan, "out of date") && desk.step_says(Stage::Export, "out of date"));
     assert!(desk.log().iter().any(|line| line.contains("release withdrawn: an input changed")));
     desk.assert_shows("Stale: comes out");
     desk.key_with(Modifiers::COMMAND, Key::Z);

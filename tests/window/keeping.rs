@@ -126,7 +126,7 @@ fn sizes_are_of_the_parameters_that_they_were_found_with() {
     assert_eq!((limit.electrode, limit.electrodes), (1, 1));
     assert!(limit.clause().starts_with(&format!("limited at node {}, ", limit.node)), "{}", limit.clause());
     assert!(limit.surface.contains("wall") || limit.surface == "hub", "{}", limit.clause());
-    let of_other = "These sizes are of other parameters; find them again to take one.";
+    let of_other = "These sizes are out of date; find them again to take one.";
     let electrode = desk.app().core().document.job().electrode.clone();
     assert_eq!(electrode.circumferential_reduction_deg, row.reduction_deg);
     assert!(!has(&desk, Role::Label, of_other), "what is taken is of these parameters");

@@ -189,7 +189,7 @@ fn an_electrode_that_cannot_come_out_jams_at_a_node() {
     assert_eq!(core.cursor.s, jam.s, "the cursor stands where it jams");
     desk.pictures("jam");
     desk.open_step(Stage::Export);
-    desk.assert_shows("Only a plan with a certificate that holds");
+    desk.assert_shows("Only a certified plan that is up to date");
 }
 
 #[test]

@@ -146,7 +146,7 @@ fn stale_and_opened_again(desk: &mut Desk, home: &Home) {
     core.edit("Radial reduction", job, false);
     desk.until_idle();
     desk.assert_shows("Stale: COLLISION: ");
-    assert!(desk.step_says(Stage::Plan, "stale"));
+    assert!(desk.step_says(Stage::Plan, "out of date"));
     desk.window.state_mut().open(&project);
     until_checked(desk);
     assert!(desk.step_says(Stage::Plan, "not safe"), "{:#?}", desk.log());

@@ -106,7 +106,7 @@ pub fn found(home: &Home) -> Desk {
     let mut desk = home.start(Opening::Mold(Some(home.mold())));
     desk.take_cutters(&[Cutter::flat(3.0)]);
     desk.until_loaded();
-    desk.press("Find");
+    desk.press("Find rest material");
     desk.until_found();
     desk
 }
@@ -176,19 +176,19 @@ fn a_change_of_a_cutter_is_seen_at_a_glance_and_found_exactly_at_rest() {
     assert_eq!(desk.mold().params.library.cutter[0].diameter_mm, 4.0);
     desk.until("it is looked at", |d| d.mold().glanced().is_some());
     desk.pictures("mold_glance");
-    desk.assert_shows("Of other cutters: The cutters leave 8 regions");
-    desk.assert_shows("stale");
+    desk.assert_shows("Out of date (other cutters): The cutters leave 8 regions");
+    desk.assert_shows("out of date");
     let glance = desk.mold().glanced().unwrap().preview.clone();
     let exact = 4.0 * (corner(2.0, 5.0) + corner(2.0, 4.0));
     let coarse: f64 = glance.regions.iter().map(|r| r.volume).sum();
     assert!(glance.regions.len() == 8 && (coarse / exact - 1.0).abs() < 0.2, "{coarse} {exact}");
-    desk.assert_shows("At a glance");
+    desk.assert_shows("Preview, cells of");
     // Nothing is found by itself as long as that is not wanted.
     assert_eq!(desk.mold().state(), State::Stale);
     desk.mold_mut().follows = true;
     desk.until_found();
     assert!((desk.volume() / exact - 1.0).abs() < 1e-3 && desk.mold().glanced().is_none());
-    assert!(!desk.shows("stale") && !desk.shows("Of other cutters"));
+    assert!(!desk.shows("out of date") && !desk.shows("Out of date (other cutters)"));
 }
 
 #[test]
@@ -203,7 +203,7 @@ fn what_is_done_to_cutters_is_undone_step_by_step() {
     desk.press_role(Role::Button, "-x");
     assert_eq!(desk.mold().params.library.cutter.len(), start.library.cutter.len() + 2);
     let end = desk.mold().params.clone();
-    let labels = ["Opening", "New cutter", "New cutter", "Diameter of cutter 2"];
+    let labels = ["Opening direction", "New cutter", "New cutter", "Diameter of cutter 2"];
     for label in labels {
         assert_eq!(desk.mold().undo_label(false), Some(label));
         desk.key_with(Modifiers::COMMAND, Key::Z);
@@ -350,7 +350,7 @@ fn a_mold_is_saved_and_dropped_on_either_workspace() {
 
 #[test]
 fn changes_of_a_mold_are_not_lost_without_a_word() {
-    const UNSAVED: &str = "has changes that no file holds";
+    const UNSAVED: &str = "has unsaved changes";
     let home = Home::new();
     let [mold, other, file] = [home.mold(), home.path("other.stl"), home.path("mine.sparkmold")];
     write_stl(&other, &stepped()).unwrap();
@@ -365,7 +365,7 @@ fn changes_of_a_mold_are_not_lost_without_a_word() {
     assert!(!desk.shows(UNSAVED) && desk.mold().is_unsaved());
     assert_eq!(desk.mold().params.library.cutter, [Cutter::flat(1.5)]);
     drop_on(&mut desk, &other);
-    desk.assert_shows("The mold stepped has changes that no file holds");
+    desk.assert_shows("The mold stepped has unsaved changes");
     desk.press("Cancel");
     assert_eq!(desk.mold().params.mesh.as_ref(), Some(&mold));
     // The end of the program is asked about too; saved work goes on to it.

@@ -45,10 +45,10 @@ fn nothing_is_released_before_its_copying_motions_are_known_or_given_up() {
     pipeline.cancel();
     desk.until_idle();
     desk.open_step(Stage::Verify);
-    desk.assert_shows("It is not known what stock is left, and there are no copying motions: stopped.");
+    desk.assert_shows("No residual stock and no copying motions: stopped.");
     desk.window.state_mut().core_mut().pipeline.release().unwrap();
     // What becomes known later was not released.
-    desk.press("Work out the stock left");
+    desk.press("Compute the residual stock");
     desk.until_idle();
     let pipeline = &desk.app().core().pipeline;
     assert!(Arc::ptr_eq(&plan, pipeline.plan().unwrap()) && pipeline.can_release() && pipeline.released().is_none());

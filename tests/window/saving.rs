@@ -13,7 +13,7 @@ use sparkpath::workspaces::mold::document::MoldParams;
 
 use crate::desk::{Desk, Home, holds};
 
-const UNSAVED: &str = "has changes that no file holds";
+const UNSAVED: &str = "has unsaved changes";
 const OPEN: &str = "Open a project or a mesh";
 
 fn seed(desk: &Desk) -> u64 {
@@ -121,7 +121,7 @@ fn a_project_is_saved_under_a_name_that_opens_and_over_nothing_unasked() {
     for name in ["other", "other.sparkpath"] {
         desk.key_with(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
         desk.type_path(&home.path(name));
-        desk.assert_shows("is there already");
+        desk.assert_shows("exists already");
         desk.press("Cancel");
         assert_eq!(std::fs::read_to_string(&other).unwrap(), "precious");
         assert_eq!(desk.app().core().document.file(), Some(&*file));

@@ -9,7 +9,7 @@ use crate::shell::workspace::Workspace;
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::panels::forms;
 use crate::workspaces::blisk::panels::plots::Tab;
-use crate::workspaces::blisk::pipeline::EventKind;
+use crate::workspaces::news::EventKind;
 use render::scene::SectionPlane;
 use render::view::StandardView;
 

@@ -15,11 +15,11 @@ use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::document::{Document, OpenError};
 use crate::workspaces::blisk::job::stages::Part;
 use crate::workspaces::blisk::panels::viewport::Viewport;
-use crate::workspaces::blisk::pipeline::EventKind;
 use crate::workspaces::flank::document::flank_file::{is_flank_file, read_flank};
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, MeshFlank};
 use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::document::mold_file::{is_mold_file, read_mold};
+use crate::workspaces::news::EventKind;
 use task::{Priority, Refusal, Same};
 
 /// Parameters that the user would not save before opening something else. They are not asked about again as long as nothing

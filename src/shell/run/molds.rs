@@ -11,11 +11,11 @@ use crate::shell::files::Purpose;
 use crate::shell::record::Hands;
 use crate::shell::workspace::Workspace;
 use crate::workspaces::blisk::panels::viewport::Viewport;
-use crate::workspaces::blisk::pipeline::EventKind;
 use crate::workspaces::flank::document::flank_file::is_flank_file;
 use crate::workspaces::mold::document::cutter_file::{read_cutters, write_cutters};
 use crate::workspaces::mold::document::mold_file::{ENDING, is_mold_file, write_mold};
 use crate::workspaces::mold::scene::{MoldLook, RegionColours};
+use crate::workspaces::news::EventKind;
 use crate::workspaces::news::WorkEvent;
 use nc::burn_template::BurnSheet;
 

@@ -31,7 +31,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
         ui.strong("Electrodes");
         ui.label(RichText::new(made.set.electrodes.len().to_string()).color(palette(ui).faint));
         if is_stale {
-            let text = RichText::new("stale").color(palette(ui).warning);
+            let text = RichText::new("out of date").color(palette(ui).warning);
             ui.label(text).on_hover_text("Out of date");
         }
         stages(ui, core, &made);
