@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::workspaces::mold::document::cutter_file::standard_cutters;
-use import::Units;
+use import::{Imported, Units};
 use mold::cutter::CutterLibrary;
 use mold::electrode::params::{Edit, ElectrodeParams};
 use mold::opening::Opening;
@@ -67,6 +67,13 @@ impl MoldParams {
         Self { opening: Opening::default(), electrodes, ..self.clone() }
     }
 
+    /// What of these parameters holds for `part`: what was decided for another one does not.
+    pub fn of_part(&self, part: &str) -> Self {
+        let is_other = self.part.as_ref().is_some_and(|own| own != part);
+        let params = if is_other { self.undecided() } else { self.clone() };
+        Self { part: Some(part.to_owned()), ..params }
+    }
+
     /// Whether they can be worked with.
     ///
     /// # Errors
@@ -97,6 +104,11 @@ impl MoldParams {
         ];
         what.iter().find(|(differs, _)| *differs).map_or("", |(_, name)| name).to_owned()
     }
+}
+
+/// What tells a part from any other: the digest of its file, and the unit that it was read in.
+pub fn part_of(imported: &Imported) -> String {
+    format!("{} {}", imported.sha256, imported.report.unit.name())
 }
 
 /// The same of cutters.

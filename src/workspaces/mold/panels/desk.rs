@@ -204,20 +204,20 @@ impl MoldDesk {
     /// Has the parameters belong to the mold that was read. Where they belong to another one, what was decided for that
     /// is dropped. Answers what there is to be said.
     fn follow_part(&mut self) -> Option<WorkEvent> {
-        let part = Some(self.work.part(&self.params)?.to_owned());
-        if self.params.part == part {
+        let part = self.work.part(&self.params)?;
+        if self.params.part.as_deref() == Some(part) {
             return None;
         }
+        let now = self.params.of_part(part);
         if self.params.part.is_none() {
-            let bind = |params: &mut MoldParams| params.part = params.part.take().or(part.clone());
-            bind(&mut self.params);
+            let bind = |params: &mut MoldParams| params.part = params.part.take().or(now.part.clone());
             self.record.kept.iter_mut().for_each(bind);
             self.record.history.change_all(bind);
+            self.params = now;
             return None;
         }
-        let clean = MoldParams { part, ..self.params.undecided() };
-        let is_clean = MoldParams { part: None, ..clean.clone() } == MoldParams { part: None, ..self.params.clone() };
-        self.change_to(clean);
+        let is_clean = MoldParams { part: self.params.part.clone(), ..now.clone() } == self.params;
+        self.change_to(now);
         let text = "Mold: its mesh or unit has changed: opening direction, divisions and overrides that were chosen \
                     for the former one are dropped; choose them again";
         (!is_clean).then(|| WorkEvent { kind: EventKind::Refused, text: text.to_owned(), took: None })

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::workspaces::mold::document::part_of;
 use crate::workspaces::mold::job::compare::{Comparison, compare as compare_answers};
 use crate::workspaces::mold::job::uncut::{Uncut, UncutError, UncutParams, uncut};
 use crate::workspaces::mold::report::uncut::UncutReport;
@@ -68,7 +69,7 @@ pub fn load(path: &Path, units: Units, progress: &Progress, cancel: &Cancel) -> 
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let shape = Arc::new(RenderMesh::new(&imported.mesh));
     cancel.check().map_err(|e| e.to_string())?;
-    let sha256 = format!("{} {}", imported.sha256, imported.report.unit.name());
+    let sha256 = part_of(&imported);
     let volume = imported.mesh.volume();
     Ok(LoadedMold { name, mesh: Arc::new(imported.mesh), shape, report: imported.report, volume, sha256 })
 }
