@@ -5,6 +5,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
+use super::names::GivenName;
 use super::overrides::Override;
 use crate::cutter::CutterLibrary;
 
@@ -328,6 +329,9 @@ pub struct ElectrodeParams {
     pub edits: Vec<Edit>,
     /// Electrodes that are exported although a check fails.
     pub overrides: Vec<Override>,
+    /// The names that were given to electrodes before: they keep them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub names: Vec<GivenName>,
 }
 
 impl Default for ElectrodeParams {
@@ -355,6 +359,7 @@ impl Default for ElectrodeParams {
             removal: Removal::default(),
             edits: Vec::new(),
             overrides: Vec::new(),
+            names: Vec::new(),
         }
     }
 }
