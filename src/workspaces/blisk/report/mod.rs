@@ -15,8 +15,6 @@ pub mod simulation;
 pub mod tables;
 pub mod verify;
 
-use std::path::Path;
-
 use serde::Serialize;
 
 use crate::workspaces::blisk::document::choice::MeshFrame;

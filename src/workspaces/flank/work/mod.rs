@@ -10,6 +10,7 @@ mod tests;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use files::Validate;
 use task::{Doing, Lane, Memo, Priority, Scheduler, State};
 
 use stamps::Stamp;
@@ -215,7 +216,7 @@ impl FlankWork {
     /// # Errors
     /// One line why it cannot be planned.
     pub fn plan(&mut self, document: &FlankDocument) -> Result<(), String> {
-        document.validate()?;
+        document.validate().map_err(|e| e.to_string())?;
         if self.is_loading(document) {
             self.is_waiting = true;
             return Ok(());
