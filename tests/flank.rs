@@ -271,7 +271,7 @@ fn what_fails_a_check_is_not_written_unless_it_is_overridden_by_name() {
     assert_eq!(written.files, ["flank.json", "report.html"]);
     let told = written.sentence();
     assert!(
-        told.contains("nothing to mill was written, as checks fail: cutter, coverage") && written.former.is_empty(),
+        told.contains("no program was written: failed checks cutter, coverage") && written.former.is_empty(),
         "{told}"
     );
     assert!(read(&folder, "report.html").contains("Check cutter fails."));
@@ -295,10 +295,10 @@ fn what_fails_a_check_is_not_written_unless_it_is_overridden_by_name() {
     let before = read(&folder, "flank.ngc");
     std::fs::write(out.join("flank.tap"), before.replace("G93", "G94")).unwrap();
     std::fs::write(out.join("flank.nc"), "(of another program)").unwrap();
-    let write = |result: &FlankResult| {
-        export(&out, (result, &document), ExportChoice::ALL, &Progress::silent(), &Cancel::default()).unwrap()
+    let write = |result: &FlankResult, document: &FlankDocument| {
+        export(&out, (result, document), ExportChoice::ALL, &Progress::silent(), &Cancel::default()).unwrap()
     };
-    let written = write(&blocked);
+    let written = write(&blocked, &document);
     let told = [CSV_FILE, CL_FILE, "flank.ngc"].map(|name| format!("{name} of an earlier export was removed"));
     let renamed = "flank.tap of an earlier export is now called flank.tap.old";
     assert_eq!(written.former, [&told[..], &[renamed.to_owned()]].concat());
@@ -307,17 +307,19 @@ fn what_fails_a_check_is_not_written_unless_it_is_overridden_by_name() {
         out.join("flank.tap.old").exists() && [CSV_FILE, CL_FILE, "flank.ngc"].iter().all(|f| !out.join(f).exists())
     );
     assert!(out.join("flank.nc").exists(), "what is not ours keeps its name");
-    assert!(write(&blocked).former.is_empty(), "what was set aside once stays so");
+    assert!(write(&blocked, &document).former.is_empty(), "what was set aside once stays so");
 
     // Not even where the manifest was deleted, or the program was changed by hand.
     let edited = before.clone() + "\n";
     for has_manifest in [false, true] {
-        write(&result);
+        document.overrides = ["cutter", "coverage", "envelop"].map(FlankOverride::whatever).to_vec();
+        write(&run(&loaded(&document)), &document);
+        document.overrides.clear();
         std::fs::write(out.join("flank.ngc"), &edited).unwrap();
         if !has_manifest {
             std::fs::remove_file(out.join(MANIFEST)).unwrap();
         }
-        let written = write(&blocked);
+        let written = write(&blocked, &document);
         let renamed = written.former.iter().find(|note| note.starts_with("flank.ngc ")).unwrap();
         let now = renamed.rsplit(' ').next().unwrap();
         assert!(read(&folder, now) == edited && !out.join("flank.ngc").exists(), "{renamed}");

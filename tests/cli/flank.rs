@@ -40,9 +40,13 @@ fn a_demonstration_is_planned_written_and_the_same_again_from_its_file() {
     let [out_name, again_name, save_name] = [&out, &again, &save].map(|p| p.to_str().unwrap());
     let (code, said, _) = run(&["--demo", "a", "--out", out_name, "--save", save_name]);
     assert_eq!(code, Some(0), "{said}");
-    for words in
-        ["The chosen path leaves a sum", "30 x 12 places", "Every check holds", "check machine: holds", "planned"]
-    {
+    for words in [
+        "The chosen path has a total absolute deviation",
+        "30 x 12 samples",
+        "Every check holds",
+        "check machine: holds",
+        "planned",
+    ] {
         assert!(said.contains(words), "{words}: {said}");
     }
     let json: serde_json::Value = serde_json::from_slice(&std::fs::read(out.join("flank.json")).unwrap()).unwrap();

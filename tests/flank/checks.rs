@@ -45,7 +45,11 @@ fn decisions_on_leads_are_held_against_what_is_cut_of_surface_and_wall() {
         let [of_own, of_wall] =
             ["cut the surface itself", "deep into a wall"].map(|words| leads.text.find(words).unwrap());
         assert_eq!(of_wall < of_own, is_wall_worse, "the worse comes first: {}", leads.text);
-        assert!(leads.text.contains("shorten Aside") && leads.text.contains("move the walls away"), "{}", leads.text);
+        assert!(
+            leads.text.contains("shorten the lead-in") && leads.text.contains("move the walls away"),
+            "{}",
+            leads.text
+        );
         // What was decided of the surface alone lets no wall be cut.
         assert_eq!(decided(&result, "leads:1.05"), !is_wall_worse);
         let mut again = result.clone();

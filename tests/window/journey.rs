@@ -165,7 +165,9 @@ fn verify_and_release(desk: &mut Desk) {
     assert!(!folder.path().join("early").exists());
     desk.press("Release for export");
     assert!(desk.app().core().pipeline.released().is_some());
-    desk.assert_shows("Released: this path. What changes the path withdraws it; feed and post do not.");
+    desk.assert_shows(
+        "Released: this path. A change of the path withdraws the release; feed and post do not change it.",
+    );
 }
 
 fn export(desk: &mut Desk, home: &Home) {

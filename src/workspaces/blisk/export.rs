@@ -166,8 +166,6 @@ fn reports(
 
 /// The map of the stock that is left.
 const LEFTOVER_FILE: &str = "leftover.ply";
-/// Its picture.
-const LEFTOVER_PICTURE: &str = "view_2_leftover.png";
 
 /// What the files of all electrodes share.
 struct Context<'a> {
