@@ -14,6 +14,7 @@ use crate::workspaces::flank::document::FlankDocument;
 use crate::workspaces::flank::document::flank_file::{is_flank_file, read_flank, write_flank};
 use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::document::mold_file::{is_mold_file, read_mold, write_mold};
+use files::Validate;
 use files::atomic::atomic_write;
 
 /// How the names of copies end, in the order of [`CopyKind`].

@@ -15,7 +15,6 @@ mod error;
 mod export_folder;
 mod fields;
 pub mod old_history;
-pub mod old_toml_file;
 pub mod paths;
 pub mod report;
 mod toml_file;

@@ -1,5 +1,6 @@
 //! Milling cutters: their shape, how far they reach, the library they stand in.
 
+use files::{Invalid, Validate};
 use serde::{Deserialize, Serialize};
 
 /// A milling cutter with its axis along Z, the tip downwards.
@@ -183,6 +184,40 @@ impl std::str::FromStr for Cutter {
         let named = Self { name: text.trim().to_owned(), ..cutter.clone() };
         named.validate()?;
         Ok(cutter)
+    }
+}
+
+impl From<CutterError> for Invalid {
+    fn from(error: CutterError) -> Self {
+        match error {
+            CutterError::OutOfRange { name, value, from, to, .. } => {
+                Self::new(name, value, format!("must be from {from} to {to} mm"))
+            }
+            CutterError::CornerBeyondRadius { corner, radius, .. } => {
+                let remedy = format!("must be at most the cutter's radius of {radius} mm, which makes a ball");
+                Self::new("corner_mm", corner, remedy)
+            }
+            CutterError::Empty => Self::of("cutter", "there is no cutter; give at least one as [[cutter]]"),
+            other @ CutterError::Unreadable(_) => Self::of("", other.to_string()),
+        }
+    }
+}
+
+/// The most cutters of a library.
+const MOST_CUTTERS: usize = 256;
+
+impl Validate for CutterLibrary {
+    fn validate(&self) -> Result<(), Invalid> {
+        let count = self.cutter.len();
+        if count > MOST_CUTTERS {
+            return Err(Invalid::of(
+                "cutter",
+                format!("there are {count} cutters; at most {MOST_CUTTERS} are possible"),
+            ));
+        }
+        let place = |i: usize| move |error: CutterError| Invalid::from(error).within(&format!("cutter[{i}]"));
+        self.cutter.iter().enumerate().try_for_each(|(i, cutter)| cutter.validate().map_err(place(i)))?;
+        Ok(Self::validate(self)?)
     }
 }
 

@@ -12,7 +12,7 @@ use crate::shell::record::Hands;
 use crate::shell::workspace::Workspace;
 use crate::workspaces::blisk::panels::viewport::Viewport;
 use crate::workspaces::flank::document::flank_file::is_flank_file;
-use crate::workspaces::mold::document::cutter_file::{read_cutters, write_cutters};
+use crate::workspaces::mold::document::cutter_file::CUTTERS;
 use crate::workspaces::mold::document::mold_file::{ENDING, is_mold_file, write_mold};
 use crate::workspaces::mold::scene::{MoldLook, RegionColours};
 use crate::workspaces::news::EventKind;
@@ -84,7 +84,7 @@ impl SparkpathApp {
     }
 
     pub(super) fn load_cutters(&mut self, path: &Path, are_others: bool) {
-        match read_cutters(path) {
+        match CUTTERS.read(path) {
             Ok(library) if are_others => self.core.mold.other = library,
             Ok(library) => {
                 let mut params = self.core.mold.params.clone();
@@ -106,7 +106,7 @@ impl SparkpathApp {
     }
 
     pub(super) fn save_cutters(&mut self, path: &Path) {
-        match write_cutters(path, &self.core.mold.params.library) {
+        match CUTTERS.write(path, &self.core.mold.params.library) {
             Ok(()) => self.core.say(EventKind::Done, format!("cutters saved as {}", path.display())),
             Err(e) => self.dialog = Dialog::Error("The cutters were not saved".to_owned(), e.to_string()),
         }

@@ -223,10 +223,10 @@ impl MillingMachine {
             return Err(self.bad("rotary", format!("a list of {}", self.rotary.len()), "give two rotary axes"));
         };
         if first.letter == second.letter {
-            return Err(self.bad("rotary.letter", first.letter.letter(), "give each axis a letter of its own"));
+            return Err(self.bad("rotary[1].letter", first.letter.letter(), "give each axis a letter of its own"));
         }
-        for axis in [first, second] {
-            let key = |key| format!("rotary {}: {key}", axis.letter.letter());
+        for (i, axis) in [first, second].into_iter().enumerate() {
+            let key = |key| format!("rotary[{i}].{key}");
             let [low, high] = axis.limits_deg.unwrap_or([-1.0, 1.0]);
             let most = 360.0 * MOST_TURNS;
             if !(low < high && low >= -most && high <= most) {
@@ -238,9 +238,7 @@ impl MillingMachine {
             }
             self.check_point(&key("point_mm"), axis.point_mm)?;
         }
-        let unit =
-            |axis: &RotaryAxis| self.unit(&format!("rotary {}: direction", axis.letter.letter()), axis.direction);
-        Ok([unit(first)?, unit(second)?])
+        Ok([self.unit("rotary[0].direction", first.direction)?, self.unit("rotary[1].direction", second.direction)?])
     }
 
     fn check_point(&self, key: &str, point: DVec3) -> Result<(), MachineError> {

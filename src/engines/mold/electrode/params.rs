@@ -2,6 +2,7 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
+use files::{Invalid, Validate};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -421,6 +422,47 @@ pub enum ElectrodeParamsError {
     Removal,
 }
 
+impl From<ElectrodeParamsError> for Invalid {
+    fn from(error: ElectrodeParamsError) -> Self {
+        let text = error.to_string();
+        let key = match error {
+            ElectrodeParamsError::Length { name, value, least, most } => {
+                return Self::new(name, value, format!("must be from {least} to {most} mm"));
+            }
+            ElectrodeParamsError::NoStage
+            | ElectrodeParamsError::StageName(_)
+            | ElectrodeParamsError::Stage(_)
+            | ElectrodeParamsError::StageOrder { .. } => "stages".to_owned(),
+            ElectrodeParamsError::Holder(_) => "holders".to_owned(),
+            ElectrodeParamsError::Blanks => "blanks".to_owned(),
+            ElectrodeParamsError::Removal => "removal".to_owned(),
+            ElectrodeParamsError::Place(n) | ElectrodeParamsError::Direction(n) => {
+                format!("edits[{}]", n.saturating_sub(1))
+            }
+        };
+        let remedy = text.strip_prefix(&format!("{key}: ")).unwrap_or(&text);
+        Self::of(key, remedy)
+    }
+}
+
+/// The most stages and the most holders.
+const MOST: [(&str, usize); 2] = [("stages", 16), ("holders", 256)];
+
+impl Validate for ElectrodeParams {
+    fn validate(&self) -> Result<(), Invalid> {
+        for ((key, most), count) in MOST.into_iter().zip([self.stages.len(), self.holders.len()]) {
+            if count > most {
+                return Err(Invalid::of(key, format!("there are {count}; at most {most} are possible")));
+            }
+        }
+        Self::validate(self)?;
+        match &self.cutters {
+            Some(library) => Validate::validate(library).map_err(|problem| problem.within("cutters")),
+            None => Ok(()),
+        }
+    }
+}
+
 impl ElectrodeParams {
     /// Whether they can be used.
     ///
@@ -451,9 +493,9 @@ impl ElectrodeParams {
             return Err(ElectrodeParamsError::NoStage);
         }
         for (i, stage) in self.stages.iter().enumerate() {
-            check(format!("gap_mm of stage {}", stage.name), stage.gap_mm, 0.0, 5.0)?;
-            check(format!("stock_mm of stage {}", stage.name), stage.stock_mm, 0.0, 5.0)?;
-            check(format!("radius_mm of stage {}", stage.name), stage.orbit.radius_mm(), 0.0, 5.0)?;
+            check(format!("stages[{i}].gap_mm"), stage.gap_mm, 0.0, 5.0)?;
+            check(format!("stages[{i}].stock_mm"), stage.stock_mm, 0.0, 5.0)?;
+            check(format!("stages[{i}].orbit.radius_mm"), stage.orbit.radius_mm(), 0.0, 5.0)?;
             if !(0.0..=60.0).contains(&stage.finish_vdi) || stage.quantity == 0 {
                 return Err(ElectrodeParamsError::Stage(stage.name.clone()));
             }

@@ -10,6 +10,7 @@ mod tests;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use files::Validate;
 use task::{Cancel, Doing, Lane, Memo, Priority, Progress, Scheduler, State};
 
 use stamps::Stamp;
@@ -224,7 +225,7 @@ impl FlankWork {
     /// # Errors
     /// One line why it cannot be planned.
     pub fn plan(&mut self, document: &FlankDocument) -> Result<(), String> {
-        document.validate()?;
+        document.validate().map_err(|e| e.to_string())?;
         if self.is_loading(document) {
             self.is_waiting = true;
             return Ok(());

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::workspaces::mold::document::cutter_file::standard_cutters;
+use files::{Invalid, Validate};
 use import::{Imported, Units};
 use mold::cutter::CutterLibrary;
 use mold::electrode::params::{Edit, ElectrodeParams};
@@ -52,6 +53,14 @@ impl Default for MoldParams {
     }
 }
 
+impl Validate for MoldParams {
+    fn validate(&self) -> Result<(), Invalid> {
+        Validate::validate(&self.library).map_err(|problem| problem.within("library"))?;
+        Invalid::unless_within("tolerance_mm", self.tolerance_mm, [1e-4, 10.0], "mm")?;
+        Validate::validate(&self.electrodes).map_err(|problem| problem.within("electrodes"))
+    }
+}
+
 impl MoldParams {
     /// What to call the mold.
     pub fn name(&self) -> String {
@@ -72,20 +81,6 @@ impl MoldParams {
         let is_other = self.part.as_ref().is_some_and(|own| own != part);
         let params = if is_other { self.undecided() } else { self.clone() };
         Self { part: Some(part.to_owned()), ..params }
-    }
-
-    /// Whether they can be worked with.
-    ///
-    /// # Errors
-    /// One line saying what is wrong and what it may be.
-    pub fn validate(&self) -> Result<(), String> {
-        self.library.validate().map_err(|e| e.to_string())?;
-        let tolerance = self.tolerance_mm;
-        let is_possible = (1e-4..=10.0).contains(&tolerance);
-        if !is_possible {
-            return Err(format!("tolerance_mm is {tolerance}: it must be from 0.0001 to 10 mm"));
-        }
-        self.electrodes.validate().map_err(|e| format!("electrodes: {e}"))
     }
 
     /// What makes these parameters others than those of `before`, as a step that can be undone is called.
