@@ -26,7 +26,6 @@ mod strip;
 mod tests;
 
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
 
 use self::params::FIRST_COUNT;
 use self::patch::Patch;
@@ -34,8 +33,8 @@ use self::sides::Sides;
 use self::solve::Samples;
 use self::strip::Strip;
 use geometry::mesh::Mesh;
-use geometry::nurbs::{FitError, NurbsCurve, NurbsError};
-use task::{Cancel, Cancelled};
+use geometry::nurbs::{FitError, NurbsCurve};
+use task::Cancel;
 
 pub use self::candidates::{Candidate, CandidateFit, CandidateKind, flank_candidates};
 pub use self::params::{RuledFitError, RuledFitParams};

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use geometry::nurbs::{FitError, NurbsError};
+use geometry::nurbs::NurbsError;
 use task::Cancelled;
 
 /// Number of control points of each guide while ways to divide the border are tried.

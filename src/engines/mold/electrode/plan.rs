@@ -17,14 +17,14 @@ use super::net_shape::{net, told_of_real};
 use super::params::{Edit, ElectrodeParams, Method, Shape, Stage};
 use super::part_numbers::{Numbered, Parts, numbers, renumber, shape, volumes};
 use super::plan_checks::checked;
-use super::setting::{ElectrodeError, RegionToBurn, Setting, kept_clear};
+use super::setting::{ElectrodeError, RegionToBurn, Setting};
 use super::sharing::{Leaf, assembled, shared};
 use super::tip::{Burned, Place, TipError, footprint};
 use crate::cutter::CutterLibrary;
 use crate::outline::Outline;
 use crate::plane;
 use geometry::mesh::Mesh;
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancel, Progress};
 
 /// Electrodes for `regions` of a mold that opens along +Z.
 ///

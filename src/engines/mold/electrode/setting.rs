@@ -76,8 +76,8 @@ pub(super) struct Setting {
     /// The mold for distance queries.
     own: ExactMesh,
     /// Volume that electrodes must keep out of: the mold grown by gap, stock and orbit.
-    kept_clear: Mesh,
-    exact: ExactMesh,
+    pub(super) kept_clear: Mesh,
+    pub(super) exact: ExactMesh,
     pub(super) stage: Stage,
 }
 
