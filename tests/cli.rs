@@ -140,7 +140,15 @@ fn a_job_says_which_files_are_written() {
     let mut names: Vec<String> =
         std::fs::read_dir(&out).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
-    let written = ["copying_1.csv", "electrode_1.stl", "leftover.ply", "path_1.csv", "report.html", "report.json"];
+    let written = [
+        "copying_1.csv",
+        "electrode_1.stl",
+        "export_manifest.toml",
+        "leftover.ply",
+        "path_1.csv",
+        "report.html",
+        "report.json",
+    ];
     assert_eq!(names, written);
     let report: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(out.join("report.json")).unwrap()).unwrap();

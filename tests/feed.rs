@@ -281,7 +281,7 @@ fn a_searched_reduction_that_leaves_no_metal_is_an_answer_and_not_bad_input() {
     let plan = plan_feed(&space, &electrodes[0].clone().into(), &settings, &nothing, &silent, &cancel).unwrap();
     let jam = plan.jam.unwrap();
     assert!(matches!(jam.cause, JamCause::NothingLeft { h } if h > 0.0 && h == plan.h), "{jam:?}");
-    assert!(!plan.is_verified() && plan.verdict(&channel).contains("leaves nothing"));
+    assert!(!plan.is_verified() && plan.verdict(&channel).contains("leaves no electrode"));
 }
 
 /// P0: "the value point be within the flow channel between the left and right surfaces", and between hub and shroud.

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
+use files::MANIFEST;
 use flank::cutter::{FlankCutter, HolderPart};
 use flank::guide::GuideCurve;
 use flank::machine::milling_machine::MillingMachine;
@@ -230,7 +231,7 @@ fn a_path_that_is_off_more_than_is_allowed_is_no_program() {
     let coarse = run(&loaded(&document));
     let off = check(&coarse, CheckKind::Deviation);
     assert!(coarse.path().deviation.most_overcut > -0.01 && !off.holds, "{}", off.text);
-    assert!(off.text.contains("on 100 x 50 places of the surface, at most"), "{}", off.text);
+    assert!(off.text.contains("on 100 x 50 samples, at most"), "{}", off.text);
 }
 
 #[test]
@@ -270,7 +271,7 @@ fn what_fails_a_check_is_not_written_unless_it_is_overridden_by_name() {
     assert_eq!(written.files, ["flank.json", "report.html"]);
     let told = written.sentence();
     assert!(
-        told.contains("nothing to mill was written, as checks fail: cutter, coverage") && written.set_aside.is_empty(),
+        told.contains("no program was written: failed checks cutter, coverage") && written.former.is_empty(),
         "{told}"
     );
     assert!(read(&folder, "report.html").contains("Check cutter fails."));
@@ -294,16 +295,39 @@ fn what_fails_a_check_is_not_written_unless_it_is_overridden_by_name() {
     let before = read(&folder, "flank.ngc");
     std::fs::write(out.join("flank.tap"), before.replace("G93", "G94")).unwrap();
     std::fs::write(out.join("flank.nc"), "(of another program)").unwrap();
-    let write = |result: &FlankResult| {
-        export(&out, (result, &document), ExportChoice::ALL, &Progress::silent(), &Cancel::default()).unwrap()
+    let write = |result: &FlankResult, document: &FlankDocument| {
+        export(&out, (result, document), ExportChoice::ALL, &Progress::silent(), &Cancel::default()).unwrap()
     };
-    let written = write(&blocked);
-    let named = |name: &str| [name.to_owned(), format!("{name}.old")];
-    assert_eq!(written.set_aside, [CSV_FILE, CL_FILE, "flank.ngc", "flank.tap"].map(named));
-    assert!(written.sentence().contains("flank.ngc of an earlier path is now called flank.ngc.old"));
-    assert!(read(&folder, "flank.ngc.old") == before && !out.join("flank.ngc").exists());
+    let written = write(&blocked, &document);
+    let told = [CSV_FILE, CL_FILE, "flank.ngc"].map(|name| format!("{name} of an earlier export was removed"));
+    let renamed = "flank.tap of an earlier export is now called flank.tap.old";
+    assert_eq!(written.former, [&told[..], &[renamed.to_owned()]].concat());
+    assert!(written.sentence().contains(renamed));
+    assert!(
+        out.join("flank.tap.old").exists() && [CSV_FILE, CL_FILE, "flank.ngc"].iter().all(|f| !out.join(f).exists())
+    );
     assert!(out.join("flank.nc").exists(), "what is not ours keeps its name");
-    assert!(write(&blocked).set_aside.is_empty(), "what was set aside once stays so");
+    assert!(write(&blocked, &document).former.is_empty(), "what was set aside once stays so");
+
+    // Not even where the manifest was deleted, or the program was changed by hand.
+    let edited = before.clone() + "\n";
+    for has_manifest in [false, true] {
+        document.overrides = ["cutter", "coverage", "envelop"].map(FlankOverride::whatever).to_vec();
+        write(&run(&loaded(&document)), &document);
+        document.overrides.clear();
+        std::fs::write(out.join("flank.ngc"), &edited).unwrap();
+        if !has_manifest {
+            std::fs::remove_file(out.join(MANIFEST)).unwrap();
+        }
+        let written = write(&blocked, &document);
+        let renamed = written.former.iter().find(|note| note.starts_with("flank.ngc ")).unwrap();
+        let now = renamed.rsplit(' ').next().unwrap();
+        assert!(read(&folder, now) == edited && !out.join("flank.ngc").exists(), "{renamed}");
+    }
+    std::fs::write(out.join(MANIFEST), "[[").unwrap();
+    let (choice, cancel) = (ExportChoice::ALL, Cancel::default());
+    let refused = export(&out, (&blocked, &document), choice, &Progress::silent(), &cancel).unwrap_err();
+    assert!(refused.contains("the manifest of the former export is damaged"), "{refused}");
 }
 
 #[test]

@@ -2,7 +2,12 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process;
+
+use sparkpath::workspaces::blisk::commands::BliskCommand;
+use sparkpath::workspaces::commands::{CommandSet as _, FrameCommand};
+use sparkpath::workspaces::flank::commands::FlankCommand;
+use sparkpath::workspaces::mold::commands::MoldCommand;
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -13,7 +18,7 @@ fn read(path: &Path) -> String {
 }
 
 fn help(arguments: &[&str]) -> String {
-    let output = Command::new(env!("CARGO_BIN_EXE_sparkpath")).args(arguments).arg("--help").output().unwrap();
+    let output = process::Command::new(env!("CARGO_BIN_EXE_sparkpath")).args(arguments).arg("--help").output().unwrap();
     assert!(output.status.success());
     String::from_utf8(output.stdout).unwrap()
 }
@@ -73,6 +78,22 @@ fn every_option_of_every_command_is_in_the_manual() {
             let is_told = [own, shared].iter().any(|text| text.contains(&format!("`{option}")));
             assert!(is_told, "{command} {option}");
         }
+    }
+}
+
+#[test]
+fn every_command_of_the_window_is_in_the_manual() {
+    let page = read(&root().join("docs/book/src/keys.md"));
+    let own = [BliskCommand::all(), MoldCommand::all(), FlankCommand::all()].concat();
+    for command in FrameCommand::all().into_iter().chain(own) {
+        let name = command.info.name;
+        // Views, steps and panels that fold share a line.
+        let word = match name {
+            _ if name.starts_with("View ") || name.starts_with("Step ") => name.rsplit(' ').next().unwrap(),
+            _ if name.contains("fold the panel") => name.rsplit("on the").next().unwrap(),
+            _ => name,
+        };
+        assert!(page.contains(word), "{word}");
     }
 }
 

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use super::{Answer, Session};
-use crate::workspaces::blisk::export;
 use crate::workspaces::blisk::job::compare as job;
 use crate::workspaces::blisk::report::comparison::{Comparison, Run};
 use feed::pose::Axis;
 use feed::strategy::Strategy;
+use files::ExportFolder;
 
 /// The strategy called `name`.
 pub(super) fn strategy(name: &str) -> Result<Strategy, String> {
@@ -24,7 +24,7 @@ pub(super) fn compare(
     session: &Session,
 ) -> anyhow::Result<Answer> {
     let (inputs, files) = super::plan::load(job_file, session)?;
-    export::prepare(out)?;
+    ExportFolder::check(out)?;
     let mut wanted: Vec<Strategy> = Vec::new();
     for &strategy in if strategies.is_empty() { &Strategy::ALL } else { strategies } {
         if !wanted.contains(&strategy) {

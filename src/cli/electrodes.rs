@@ -11,14 +11,14 @@ use crate::workspaces::blisk::scene::pictures::PICTURE_SIZE;
 use crate::workspaces::mold::document::cutter_file::read_cutters;
 use crate::workspaces::mold::document::electrode_file::{load_electrodes, read_electrodes};
 use crate::workspaces::mold::document::holder_files::read_holders;
-use crate::workspaces::mold::export::export_electrodes;
+use crate::workspaces::mold::export::{EXPORT, export_electrodes};
 use crate::workspaces::mold::job::electrodes::electrodes as find_electrodes;
 use crate::workspaces::mold::job::uncut::uncut as find_uncut;
 use crate::workspaces::mold::report::ElectrodesReport;
 use crate::workspaces::mold::scene::electrodes::electrode_shapes;
 use crate::workspaces::mold::scene::pictures::electrode_pictures;
-use files::old_export_folder::ExportFolder;
 use files::user_folder::user_folder;
+use files::{ExportFolder, Published};
 use geometry::mesh::Mesh;
 use mold::cutter::{Cutter, CutterLibrary};
 use mold::electrode::design::{Electrode, ElectrodeSet};
@@ -97,7 +97,7 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
     params.validate()?;
     // What can be told before the work should not be told after it.
     let sheet = arguments.template.as_deref().map_or_else(|| Ok(BurnSheet::standard()), BurnSheet::read)?;
-    let folder = arguments.out.as_deref().map(ExportFolder::open).transpose()?;
+    let folder = arguments.out.as_deref().map(|out| ExportFolder::open(out, EXPORT)).transpose()?;
     let mesh = &arguments.mold.mesh;
     let imported = session.import(mesh, arguments.mold.units)?;
     let name = mesh.display().to_string();
@@ -118,9 +118,9 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
         });
         session.cancel.check()?;
         let formats: Vec<ElectrodeFormat> = arguments.formats.iter().copied().map(ElectrodeFormat::from).collect();
-        let written = export_electrodes(folder, (&set, &report), &sheet, &pictures, &formats)?;
+        let (written, published) = export_electrodes(folder, (&set, &report), &sheet, &pictures, &formats)?;
         has_all_files = written.no_sheet.is_none();
-        lines.extend(not_written(&written));
+        lines.extend(not_written(&written, &published));
     } else {
         lines.push(
             "nothing was written: give --out DIR for electrode files, burn table, burn sheet and report".to_owned(),
@@ -238,15 +238,12 @@ fn corners(set: &ElectrodeSet) -> Option<String> {
     ))
 }
 
-fn not_written(written: &WrittenElectrodes) -> Vec<String> {
+fn not_written(written: &WrittenElectrodes, published: &Published) -> Vec<String> {
     let mut lines = Vec::new();
     for left in &written.left_out {
         lines.push(format!("{} was not written: {}", left.electrode, left.why));
-        let older = left.older.iter().map(|f| format!("    an older file of it is still there: {}", f.display()));
-        lines.extend(older);
     }
-    let stale = written.stale.iter();
-    lines.extend(stale.map(|f| format!("{} is from an earlier export and not in the burn table", f.display())));
+    lines.extend(published.notes());
     lines.extend(written.no_sheet.as_ref().map(|why| format!("burn_sheet.txt was not written: {why}")));
     lines
 }

@@ -6,10 +6,11 @@ use super::flank_arguments::{Asked, FlankArguments};
 use super::{Answer, Session};
 use crate::workspaces::flank::document::FlankDocument;
 use crate::workspaces::flank::document::flank_file::write_flank;
-use crate::workspaces::flank::export::{ExportChoice, check_folder, export};
+use crate::workspaces::flank::export::{ExportChoice, export};
 use crate::workspaces::flank::inputs::{input, load_machine, load_surface, load_walls, walls_unit};
 use crate::workspaces::flank::report::FlankReport;
 use crate::workspaces::flank::report::build::{report, sentence};
+use files::ExportFolder;
 use files::user_folder::user_folder;
 use flank::fit_ruled::{Candidate, CandidateFit};
 use nc::flank_job::{FlankResult, LoadedSurface, flank as plan};
@@ -18,7 +19,7 @@ use nc::flank_job::{FlankResult, LoadedSurface, flank as plan};
 pub(super) fn flank(arguments: &FlankArguments, session: &Session) -> anyhow::Result<Answer> {
     // What is quick to find wrong comes before what takes long.
     if let Some(folder) = &arguments.out {
-        check_folder(folder).map_err(anyhow::Error::msg)?;
+        ExportFolder::check(folder)?;
     }
     let Asked { document, notes } = arguments.asked(session)?;
     let (progress, cancel) = (&session.progress, &session.cancel);

@@ -11,6 +11,7 @@ use crate::workspaces::blisk::job::plan::{PlanInputs, PlanOutcome, prepare, run_
 use crate::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
 use crate::workspaces::blisk::job::stages::input_file;
 use crate::workspaces::blisk::report::{InputFile, Report};
+use files::ExportFolder;
 use import::Units;
 use nc::post::Post;
 use task::Cancel;
@@ -67,7 +68,7 @@ pub(super) fn demo(out: &Path, session: &Session) -> anyhow::Result<Answer> {
 fn finish(inputs: PlanInputs, files: Vec<InputFile>, out: &Path, session: &Session) -> anyhow::Result<Answer> {
     // What would stop the results should be found out before the work.
     Post::named(&inputs.job.export.post)?;
-    export::prepare(out)?;
+    ExportFolder::check(out)?;
     let Session { progress, cancel, .. } = session;
     let (prepared, inputs) = ready(inputs, session)?;
     let outcome = run_prepared(&prepared, &inputs, &|_, _, _| (), progress, cancel)?;

@@ -14,7 +14,7 @@ use crate::workspaces::blisk::job::stages::{FoundChannel, Part};
 use crate::workspaces::blisk::scene::sweep::{FINE, swept_shape};
 use crate::workspaces::blisk::scene::track::Track;
 use crate::workspaces::blisk::scene::{Layer, Layers, SceneInputs, build};
-use files::whole_file::write_atomically;
+use files::write_bytes;
 use render::camera::Camera;
 use render::colour::Theme;
 use render::mesh::RenderMesh;
@@ -68,7 +68,7 @@ pub(super) fn render(arguments: &RenderArguments, session: &Session) -> anyhow::
     session.cancel.check()?;
     let png = offscreen.png(&scene, &camera, arguments.size, &session.cancel)?;
     session.cancel.check()?;
-    write_atomically(&arguments.png, &png)?;
+    write_bytes(&arguments.png, &png)?;
     super::terminal::finish();
     let ([width, height], adapter) = (arguments.size, offscreen.adapter());
     let file = arguments.png.display();

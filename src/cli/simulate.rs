@@ -6,9 +6,10 @@ use serde::Serialize;
 
 use super::{Answer, Session};
 use crate::workspaces::blisk::document::choice::Channels;
+use crate::workspaces::blisk::export::SIMULATE;
 use crate::workspaces::blisk::job::plan::{PlanOutcome, run_finished};
 use crate::workspaces::blisk::report::simulation::SimulationReport;
-use files::whole_file::write_atomically;
+use files::ExportFolder;
 
 /// What `simulation.json` holds.
 #[derive(Serialize)]
@@ -47,19 +48,16 @@ pub(super) fn simulate(
     }
     if let Some(folder) = out {
         // An older verdict must not outlive a failure of this one.
-        for name in ["simulation.json", "simulation.txt"] {
-            let _ = std::fs::remove_file(folder.join(name));
-        }
+        ExportFolder::write_all(folder, SIMULATE, &[])?;
     }
     let (prepared, inputs) = super::plan::ready(inputs, session)?;
     let outcome = run_finished(&prepared, &inputs, &session.progress, &session.cancel)?;
     let answers = answers(&outcome);
     let (json, text) = (serde_json::to_string_pretty(&answers)?, text(&answers));
     if let Some(folder) = out {
-        std::fs::create_dir_all(folder)
-            .map_err(|e| anyhow::anyhow!("{}: the folder cannot be made ({e}); give another", folder.display()))?;
-        write_atomically(&folder.join("simulation.json"), json.as_bytes())?;
-        write_atomically(&folder.join("simulation.txt"), (text.clone() + "\n").as_bytes())?;
+        let lines = text.clone() + "\n";
+        let files = [("simulation.json", json.as_bytes()), ("simulation.txt", lines.as_bytes())];
+        ExportFolder::write_all(folder, SIMULATE, &files)?;
     }
     super::terminal::finish();
     say!("{}", if session.json { &json } else { &text });

@@ -1,6 +1,6 @@
 //! `sparkpath uncut`: what milling cutters leave of a mold.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 
@@ -9,7 +9,7 @@ use crate::workspaces::mold::document::cutter_file::{read_cutters, standard_cutt
 use crate::workspaces::mold::job::uncut::{UncutParams, uncut as find_uncut};
 use crate::workspaces::mold::report::uncut::UncutReport;
 use crate::workspaces::mold::report::uncut_ply::surface_as_ply;
-use files::whole_file::write_atomically;
+use files::ExportFolder;
 use import::Units;
 use mold::cutter::{Cutter, CutterLibrary};
 use mold::opening::Opening;
@@ -81,23 +81,16 @@ pub(super) fn uncut(arguments: &UncutArguments, session: &Session) -> anyhow::Re
     let found = find_uncut(&imported.mesh, &params, &session.progress, &session.cancel)
         .map_err(|e| anyhow::anyhow!("{}: {e}", mesh.display()))?;
     let report = UncutReport::of(&found);
+    let text = report.text();
     let json = serde_json::to_string_pretty(&serde_json::json!({
         "sha256": imported.sha256, "import": imported.report, "uncut": report,
     }))?;
     if let Some(folder) = &arguments.out {
-        write(folder, &json, &report.text(), &surface_as_ply(&found.surface, params.opening))?;
+        let surface = surface_as_ply(&found.surface, params.opening);
+        let files = [("uncut.json", json.as_bytes()), ("uncut.txt", text.as_bytes()), ("uncut.ply", &surface)];
+        ExportFolder::write_all(folder, "uncut", &files)?;
     }
     super::terminal::finish();
-    let text = report.text();
     say!("{}", if session.json { &json } else { text.trim_end() });
     Ok(if report.is_whole { Answer::Yes } else { Answer::No })
-}
-
-fn write(folder: &Path, json: &str, text: &str, surface: &[u8]) -> anyhow::Result<()> {
-    std::fs::create_dir_all(folder)
-        .map_err(|e| anyhow::anyhow!("{}: the folder cannot be made ({e}); give another", folder.display()))?;
-    write_atomically(&folder.join("uncut.json"), json.as_bytes())?;
-    write_atomically(&folder.join("uncut.txt"), text.as_bytes())?;
-    write_atomically(&folder.join("uncut.ply"), surface)?;
-    Ok(())
 }

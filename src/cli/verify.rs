@@ -5,13 +5,14 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 
 use super::{Answer, Session, VerifyArguments};
+use crate::workspaces::blisk::export::VERIFY;
 use crate::workspaces::blisk::report::verify::{VerifiedFile, VerifyReport};
 use feed::certificate::Certificate;
 use feed::machine::TravelLimits;
 use feed::path::FeedPath;
 use feed::pose::Axis;
 use feed::verify::{Verifier, VerifyError, VerifyOptions};
-use files::whole_file::write_atomically;
+use files::ExportFolder;
 use geometry::mesh::Mesh;
 use import::Units;
 use nc::path_csv::read_path_csv;
@@ -139,8 +140,8 @@ fn channel_of(blisk: &Mesh, path: &FeedPath, session: &Session) -> Option<Channe
 
 /// Writes under names of its own: a plan's `report.json` in the same folder is another thing.
 fn write(folder: &Path, report: &VerifyReport, json: &str) -> anyhow::Result<()> {
-    std::fs::create_dir_all(folder)
-        .map_err(|e| anyhow::anyhow!("{}: the folder cannot be made ({e}); give another", folder.display()))?;
-    write_atomically(&folder.join("verify.json"), json.as_bytes())?;
-    Ok(write_atomically(&folder.join("verify.html"), report.html()?.as_bytes())?)
+    let html = report.html()?;
+    let files = [("verify.json", json.as_bytes()), ("verify.html", html.as_bytes())];
+    ExportFolder::write_all(folder, VERIFY, &files)?;
+    Ok(())
 }

@@ -119,6 +119,6 @@ mod tests {
     fn letters_in_order_are_enough() {
         assert!(matches("Plan feed path", "pfp") && matches("Undo", "") && matches("Save as…", "save AS"));
         assert!(!matches("Undo", "od"));
-        assert!(holds("Find what is left uncut", " find") && !holds("To the final pose", "find"));
+        assert!(holds("Find rest material", " find") && !holds("To the final pose", "find"));
     }
 }

@@ -14,7 +14,7 @@ fn a_comparison_prints_a_table_and_writes_three_files() {
     let mut names: Vec<String> =
         std::fs::read_dir(&out).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
-    assert_eq!(names, ["comparison.csv", "comparison.html", "comparison.json"]);
+    assert_eq!(names, ["comparison.csv", "comparison.html", "comparison.json", "export_manifest.toml"]);
     let json: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(out.join("comparison.json")).unwrap()).unwrap();
     let strategies: Vec<&str> =

@@ -64,7 +64,7 @@ fn a_project_is_drawn_in_its_final_pose_and_at_a_node() {
     assert!(changed > 500, "withdrawn the electrode stands elsewhere: {changed} pixels");
     let room = drawn(&["--node", "5", "--swept", "--electrode", "1"]);
     let coloured = room.pixels().zip(withdrawn.pixels()).filter(|(a, b)| a[0].abs_diff(b[0]) > 8).count();
-    assert!(coloured > 300, "the room that it passes through is shown: {coloured} pixels");
+    assert!(coloured > 300, "the swept volume is shown: {coloured} pixels");
     std::fs::remove_file(&png).unwrap();
     let second = draw(&["--electrode", "2"]);
     assert_eq!(second.status.code(), Some(2));

@@ -79,7 +79,10 @@ fn wrong_questions_are_answered_in_one_line() {
     let (code, json) = answer(&file, &["--cutters", "flat:1"]);
     assert_eq!(code, Some(3));
     let said = json["uncut"]["sentence"].as_str().unwrap();
-    assert!(said.contains("more may be left") && !json["uncut"]["warnings"].as_array().unwrap().is_empty(), "{said}");
+    assert!(
+        said.contains("the rest material may be larger") && !json["uncut"]["warnings"].as_array().unwrap().is_empty(),
+        "{said}"
+    );
     for (arguments, words) in [
         (["--cutters", "flat:0"], "diameter_mm is 0 mm"),
         (["--cutters", "cone:1"], "is no cutter"),

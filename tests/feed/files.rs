@@ -3,8 +3,9 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use files::{FileError, MANIFEST};
 use nc::post::{BUILT_IN, Post};
-use sparkpath::workspaces::blisk::export;
+use sparkpath::workspaces::blisk::export::{self, PlanFilesError};
 use sparkpath::workspaces::blisk::job::plan::PlanInputs;
 use sparkpath::workspaces::blisk::report::build;
 use task::Cancel;
@@ -12,7 +13,7 @@ use task::Cancel;
 use super::{easy_blisk, easy_job, mesh, whole_easy_plan};
 
 /// Writes the easy plan with programs of this extension.
-fn write(folder: &Path, extension: &str, cancel: &Cancel) -> Result<Vec<String>, export::PlanFilesError> {
+fn write(folder: &Path, extension: &str, cancel: &Cancel) -> Result<Vec<String>, PlanFilesError> {
     let text = BUILT_IN[0].1.replace("extension = \"nc\"", &format!("extension = \"{extension}\""));
     let post = Post::from_toml(&text, extension).unwrap();
     let inputs = PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrode: None, job: easy_job() };
@@ -27,18 +28,25 @@ fn names(folder: &Path) -> BTreeSet<String> {
 pub fn a_folder_holds_the_programs_of_the_last_plan_only() {
     let (folder, cancel) = (tempfile::tempdir().unwrap(), Cancel::default());
     let folder = folder.path();
-    let written = |extension| write(folder, extension, &cancel).unwrap().into_iter().collect::<BTreeSet<_>>();
+    let written = |extension| {
+        let files = write(folder, extension, &cancel).unwrap().into_iter();
+        files.chain([MANIFEST.to_owned()]).collect::<BTreeSet<_>>()
+    };
     assert!(written("ngc").contains("path_1.ngc"));
-    // Known by the report, and without one by its own first comment.
+    // Known by the manifest, and without one by its own first comment: then it is renamed and not removed.
     assert_eq!((written("tap"), names(folder).contains("path_1.ngc")), (names(folder), false));
-    std::fs::remove_file(folder.join("report.json")).unwrap();
-    assert_eq!((written("h"), names(folder).contains("path_1.tap")), (names(folder), false));
+    std::fs::remove_file(folder.join(MANIFEST)).unwrap();
+    let others = ["path_3.tap", "path_4.notes.txt"];
+    others.iter().for_each(|name| std::fs::write(folder.join(name), "(Sparkpath is a program)").unwrap());
+    let mut left = written("h");
+    left.extend([others[0], others[1], "path_1.tap.old"].map(str::to_owned));
+    assert_eq!(left, names(folder));
 
     // Told to stop at the last moment, nothing is touched.
     let before = names(folder);
     let program = std::fs::metadata(folder.join("path_1.h")).unwrap().modified().unwrap();
     cancel.cancel();
-    assert!(matches!(write(folder, "nc", &cancel), Err(export::PlanFilesError::Cancelled(_))));
+    assert!(matches!(write(folder, "nc", &cancel), Err(PlanFilesError::Cancelled(_))));
     assert_eq!(names(folder), before);
     assert_eq!(std::fs::metadata(folder.join("path_1.h")).unwrap().modified().unwrap(), program);
 }
@@ -48,7 +56,8 @@ pub fn what_cannot_be_replaced_is_named_and_no_program_lies_beside_it() {
     let in_the_way = folder.path().join("path_1.csv");
     std::fs::create_dir(&in_the_way).unwrap();
     let error = write(folder.path(), "nc", &Cancel::default()).unwrap_err();
-    assert!(matches!(&error, export::PlanFilesError::Replace { file, .. } if *file == in_the_way), "{error}");
+    let named = |error: &FileError| matches!(error, FileError::Unwritable { file, .. } if *file == in_the_way);
+    assert!(matches!(&error, PlanFilesError::Write(error) if named(error)), "{error}");
     assert!(!error.to_string().contains("--out"), "{error}");
     assert!(!names(folder.path()).contains("path_1.nc"));
 }

@@ -102,7 +102,7 @@ fn where_there_is_no_way_the_reduction_that_is_named_opens_one() {
     let opening = jam.opening.expect("what would help was looked for");
     let both = opening.both.expect("some reduction opens it");
     assert!(both > 0.0);
-    assert!(only(&outcome).plan.verdict(&outcome.channel).contains("more reduction opens a way"));
+    assert!(only(&outcome).plan.verdict(&outcome.channel).contains("feasible with more reduction"));
     // Up to what the fields are wrong by.
     let more = plan_easy(coarse_job(TOO_LITTLE + both.to_degrees() + 0.1));
     assert!(more.is_verified(), "{}", only(&more).plan.verdict(&more.channel));
@@ -139,7 +139,7 @@ fn a_glance_tells_what_the_plan_will_say_where_that_is_clear() {
     };
     let out = look(2.0);
     assert!(out.way.width.is_some_and(|w| w > 0.0) && out.way.jam.is_none());
-    assert!(out.sentence(&global_plan().channel).contains("seems to come out towards -X"));
+    assert!(out.sentence(&global_plan().channel).contains("extraction path towards -X probable"));
     cancelling_ends_a_global_plan();
     let stuck = look(0.05);
     assert!(stuck.way.width.is_none() && stuck.way.jam.is_some());

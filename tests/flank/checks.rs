@@ -45,7 +45,11 @@ fn decisions_on_leads_are_held_against_what_is_cut_of_surface_and_wall() {
         let [of_own, of_wall] =
             ["cut the surface itself", "deep into a wall"].map(|words| leads.text.find(words).unwrap());
         assert_eq!(of_wall < of_own, is_wall_worse, "the worse comes first: {}", leads.text);
-        assert!(leads.text.contains("shorten Aside") && leads.text.contains("move the walls away"), "{}", leads.text);
+        assert!(
+            leads.text.contains("shorten the lead-in") && leads.text.contains("move the walls away"),
+            "{}",
+            leads.text
+        );
         // What was decided of the surface alone lets no wall be cut.
         assert_eq!(decided(&result, "leads:1.05"), !is_wall_worse);
         let mut again = result.clone();
@@ -102,7 +106,7 @@ fn what_straight_moves_cut_between_the_records_is_checked() {
         let sagitta = distance * (1.0 - 5f64.to_radians().cos());
         assert!((coarse.stray_mm / sagitta - 1.0).abs() < 0.03, "{} {sagitta}", coarse.stray_mm);
         let deviation = check(&coarse, CheckKind::Deviation);
-        assert!(!deviation.holds && deviation.text.contains("straight moves leave the path"), "{}", deviation.text);
+        assert!(!deviation.holds && deviation.text.contains("mm chordal deviation"), "{}", deviation.text);
         assert!(deviation.text.contains("--tolerance"), "{}", deviation.text);
         let is_outside = distance > 50.0;
         let records = cl_text(&ApprovedFlank::new(&let_pass(&coarse)).unwrap()).unwrap();

@@ -1,5 +1,7 @@
 //! Electrodes in the workspace of molds: from a mesh to burns that are looked at, changed and exported.
 
+use std::sync::Arc;
+
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::{By, Queryable as _};
 use geometry::mesh::Mesh;
@@ -10,11 +12,11 @@ use mold::cutter::{Cutter, CutterLibrary};
 use mold::electrode::design::{Burn, ElectrodeSet};
 use mold::electrode::params::{Edit, Method};
 use nc::burn_template::BurnSheet;
-use sparkpath::shell::commands::Command;
 use sparkpath::shell::run::Opening;
-use sparkpath::shell::workspace::Workspace;
+use sparkpath::workspaces::commands::{CommandSet as _, Commanded as _};
 use sparkpath::workspaces::flank::document::FlankSource;
 use sparkpath::workspaces::flank::document::flank_file::read_flank;
+use sparkpath::workspaces::mold::commands::MoldCommand;
 use sparkpath::workspaces::mold::scene::electrodes::BurnOf;
 use task::State;
 
@@ -22,13 +24,13 @@ use crate::desk::{Desk, Home};
 
 /// A window on the stepped mold with electrodes, for which nothing but Design was pressed.
 fn designed(home: &Home, pixels: [u16; 2]) -> Desk {
-    let mut desk = home.start_in(Opening::Mold(Some(home.mold())), pixels, 1.0);
+    let mut desk = home.start_in(Opening::In("mold", Some(home.mold())), pixels, 1.0);
     desk.take_cutters(&[Cutter::flat(3.0)]);
     let mut params = desk.mold().params.clone();
     params.electrodes.cutters = Some(CutterLibrary { cutter: vec![Cutter::flat(1.0)] });
     desk.mold_mut().edit(params);
     desk.until_loaded();
-    desk.press("Design");
+    desk.press("Create electrodes");
     until_designed(&mut desk);
     desk
 }
@@ -57,7 +59,7 @@ fn electrodes_are_designed_looked_at_changed_and_exported() {
     // Lifted out they are higher and further apart.
     let high = |desk: &Desk| desk.app().scene().bounds().max.z;
     let before = high(&desk);
-    desk.slide("Lifted out", 0.9, 3);
+    desk.slide("Retracted", 0.9, 3);
     assert!(high(&desk) > before + 5.0);
     desk.pictures("electrodes_apart");
     desk.mold_mut().electrodes.exploded = 0.0;
@@ -78,13 +80,13 @@ fn electrodes_are_designed_looked_at_changed_and_exported() {
     let lift = desk.mold().electrodes.moment().unwrap().1;
     assert!(lift >= made.set.params.lift_mm, "{lift}");
     for _ in 0..8 {
-        desk.press("Step on");
+        desk.press("Step forward");
     }
     assert!(desk.mold().electrodes.moment().unwrap().1.abs() < 1e-9);
     desk.press("Play");
     let at = desk.mold().electrodes.time;
     desk.until("it goes on", |d| d.mold().electrodes.time > at);
-    desk.press("Where it has burned");
+    desk.press("Burn position");
 
     // A template of one's own.
     let mine = home.path("mine.jinja");
@@ -115,7 +117,7 @@ fn electrodes_are_designed_looked_at_changed_and_exported() {
     desk.mold_mut().edit(params);
     desk.settle();
     assert_eq!((desk.mold().design_state(), desk.mold().state()), (State::Stale, State::Ready));
-    desk.assert_shows("Of other parameters");
+    desk.assert_shows("Out of date");
     desk.key_with(Modifiers::COMMAND, Key::Z);
     assert_eq!(desk.mold().design_state(), State::Ready);
     // What is exported although a check fails changes no electrode.
@@ -144,7 +146,7 @@ fn a_region_is_made_in_another_way_and_a_part_is_split_by_two_clicks() {
     params.electrodes.edits.push(Edit::Make { place, method: other });
     desk.mold_mut().edit(params);
     assert_eq!(desk.mold().undo_label(false), Some("Method of a region"));
-    desk.press("Design");
+    desk.press("Create electrodes");
     until_designed(&mut desk);
     let now = desk.mold().electrodes.designed().unwrap().clone();
     assert_eq!(now.set.regions[region].method, other);
@@ -175,7 +177,7 @@ fn a_change_that_meets_nothing_is_said_and_a_line_is_given_up_with_escape() {
     let far = [DVec3::new(900.0, 0.0, 0.0), DVec3::new(900.0, 1.0, 0.0)];
     params.electrodes.edits.push(Edit::Split { line: far });
     desk.mold_mut().edit(params);
-    desk.press("Design");
+    desk.press("Create electrodes");
     until_designed(&mut desk);
     assert_eq!(desk.mold().electrodes.designed().unwrap().set.unmet_edits(), [0]);
     desk.assert_shows("1 change meets no region");
@@ -187,19 +189,19 @@ fn the_flanks_of_a_designed_electrode_are_milled_without_a_file() {
     let mut desk = designed(&home, [1280, 720]);
     let made = desk.mold().electrodes.designed().unwrap().clone();
     let first = &made.set.electrodes[0];
-    let mill = |desk: &Desk| Command::MillFlanks.is_enabled(desk.app().core());
+    let mill = |desk: &Desk| desk.mold().is_enabled(MoldCommand::MillFlanks.command());
     assert!(!mill(&desk), "none is selected");
     desk.press_role(Role::Row, &format!("Electrode {}", first.name));
     desk.press("Mill its flanks");
-    assert_eq!(desk.app().core().workspace, Workspace::Flank);
-    let flank = |desk: &Desk| desk.app().core().flank.params.clone();
+    assert_eq!(desk.app().shown(), "flank");
+    let flank = |desk: &Desk| desk.flank().params.clone();
     let volume = desk.until_faces();
     assert!((volume / first.mesh.volume() - 1.0).abs() < 1e-9, "{volume}");
     let FlankSource::Mesh(source) = flank(&desk).source else { panic!("no face of a part") };
     assert_eq!((source.part(), source.fit.up), (format!("{} of stepped", first.name), DVec3::NEG_Z));
     // It is clamped as it burns no more: tips to the spindle.
     assert_eq!(flank(&desk).milling.workpiece.unwrap().z_axis, DVec3::NEG_Z);
-    assert!(!desk.app().core().flank.is_unsaved());
+    assert!(!desk.flank().is_unsaved());
 
     // The mesh goes along with the flank's file.
     desk.enter("Radius", "0.75");
@@ -215,7 +217,7 @@ fn the_flanks_of_a_designed_electrode_are_milled_without_a_file() {
     desk.press("Mill its flanks");
     desk.assert_shows("Unsaved work");
     desk.press("Don't save");
-    assert_eq!((flank(&desk).source, desk.app().core().flank.record.file.clone()), (before.source, None));
+    assert_eq!((flank(&desk).source, desk.flank().record.file.clone()), (before.source, None));
 }
 
 impl Desk {
@@ -232,7 +234,7 @@ impl Desk {
 #[test]
 fn every_parameter_of_electrodes_has_a_field() {
     let home = Home::new();
-    let mut desk = home.start(Opening::Mold(None));
+    let mut desk = home.start(Opening::In("mold", None));
     desk.press_role(Role::DisclosureTriangle, "Electrodes");
     let before = desk.mold().params.electrodes.clone();
     for (name, text, step) in [
@@ -240,8 +242,8 @@ fn every_parameter_of_electrodes_has_a_field() {
         ("Pieces of stage 1", "3", "Stage"),
         ("Overlap", "0.4", "Overlap of parts"),
         ("Least size", "0.5", "Least size"),
-        ("Leftover", "0.03", "Leftover of burns"),
-        ("Corner", "0.75", "Corner of the base"),
+        ("Allowed rest", "0.03", "Allowed rest"),
+        ("Orientation chamfer", "0.75", "Orientation chamfer"),
     ] {
         desk.enter(name, text);
         assert_eq!(desk.mold().undo_label(false), Some(step), "{name}");
@@ -257,7 +259,7 @@ fn every_parameter_of_electrodes_has_a_field() {
     desk.enter("Rate", "0.5");
     desk.enter("Setting", "7");
     desk.press_role(Role::DisclosureTriangle, "Cutters for electrodes");
-    desk.press_role(Role::CheckBox, "those of the mold");
+    desk.press_role(Role::CheckBox, "same as the mold");
     desk.enter("Diameter of electrode cutter 1", "0.8");
     let asked = desk.mold().params.electrodes.clone();
     let (stage, library) = (&asked.stages[0], &desk.mold().params.library);
@@ -284,26 +286,30 @@ fn a_change_of_stages_makes_electrodes_of_all_of_them_again() {
     let mut desk = designed(&home, [1280, 720]);
     let first = desk.mold().electrodes.designed().unwrap().clone();
     desk.press_role(Role::DisclosureTriangle, "Electrodes");
-    desk.press("Add a rough stage");
+    desk.press("Add a roughing stage");
     assert!(!desk.mold().is_designed());
-    desk.assert_shows("stale");
+    desk.assert_shows("out of date");
     desk.until("they are made again", |d| d.mold().is_designed() && !d.mold().work.is_busy());
     let made = desk.mold().electrodes.designed().unwrap().clone();
     let of = |stage: usize| made.set.electrodes.iter().filter(|e| e.stage == stage).count();
     assert!(of(0) > 0 && of(1) == first.set.electrodes.len(), "{} {}", of(0), of(1));
     desk.enter("Gap of stage 1", "0.4");
-    desk.assert_shows("stale");
+    desk.assert_shows("out of date");
     // Who looks at regions goes on doing so.
     desk.press_role(Role::Tab, "List of Regions");
     desk.until("they are made again", |d| d.mold().is_designed() && !d.mold().work.is_busy());
     assert_eq!(desk.mold().electrodes.designed().unwrap().set.params.stages[0].gap_mm, 0.4);
-    assert!(desk.mold().electrodes.seen().is_none() && !desk.shows("stale"));
+    assert!(desk.mold().electrodes.seen().is_none() && !desk.shows("out of date"));
+    // A step back shows what was made before, and makes nothing again.
+    desk.key_with(Modifiers::COMMAND, Key::Z);
+    assert!(desk.mold().is_designed() && !desk.mold().work.is_busy());
+    assert!(Arc::ptr_eq(desk.mold().electrodes.designed().unwrap(), &made));
     // What the user stops does not begin again.
     desk.enter("Gap of stage 1", "0.5");
     desk.until("it begins", |d| d.mold().design_state() == State::Running);
     desk.key(Key::Escape);
     desk.until("it has ended", |d| !d.mold().work.is_busy());
-    assert!(matches!(desk.mold().design_state(), State::Failed(_)));
+    assert_eq!(desk.mold().design_state(), State::Cancelled);
 }
 
 #[test]
@@ -313,7 +319,7 @@ fn the_place_where_most_is_left_is_flown_to_and_marked() {
     let made = desk.mold().electrodes.designed().unwrap().clone();
     let (electrode, burn, region) = most_left(&made.set);
     desk.press_role(Role::Row, &format!("Electrode {}", made.set.electrodes[electrode].name));
-    desk.press(&format!("Show where most is left of region {}", region + 1));
+    desk.press(&format!("Show the thickest residual stock of region {}", region + 1));
     let left = made.set.regions[region].left;
     let burns = &desk.mold().electrodes;
     assert_eq!((burns.selected, burns.is_alone), (Some(BurnOf { electrode, burn }), true));
@@ -358,13 +364,13 @@ fn two_parts_of_a_region_are_merged_and_one_is_split_along_a_drawn_line() {
     let home = Home::new();
     let file = home.path("bent.stl");
     write_stl(&file, &bent_slot()).unwrap();
-    let mut desk = home.start_in(Opening::Mold(Some(file)), [1280, 720], 1.0);
+    let mut desk = home.start_in(Opening::In("mold", Some(file)), [1280, 720], 1.0);
     desk.take_cutters(&[Cutter::flat(2.0)]);
     let mut params = desk.mold().params.clone();
     params.electrodes.cutters = Some(CutterLibrary { cutter: vec![Cutter::flat(0.5)] });
     desk.mold_mut().edit(params);
     desk.until_loaded();
-    desk.press("Design");
+    desk.press("Create electrodes");
     until_designed(&mut desk);
     let parts = |desk: &Desk| desk.mold().electrodes.designed().unwrap().leaves(0).len();
     let until_made = |desk: &mut Desk| {

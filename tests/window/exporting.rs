@@ -18,7 +18,7 @@ use crate::desk::{Desk, Home, quick};
 
 /// A window with a released plan that was not finished, for a channel that stands askew to the axes of the mesh.
 pub fn released(home: &Home) -> Desk {
-    released_after(home, &|desk| desk.window.state_mut().core_mut().pipeline.cancel())
+    released_after(home, &|desk| desk.blisk_mut().pipeline.cancel())
 }
 
 /// The same with all that follows the plan.
@@ -30,7 +30,7 @@ fn released_whole(home: &Home) -> Desk {
 fn released_after(home: &Home, planned: &dyn Fn(&mut Desk)) -> Desk {
     let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
     desk.until_idle();
-    let core = desk.window.state_mut().core_mut();
+    let core = desk.blisk_mut();
     let mut job = quick(core.document.job().clone());
     job.blisk.options.channel = 5;
     job.electrode.circumferential_reduction_deg = [3.0, 3.0];
@@ -46,12 +46,15 @@ fn released_after(home: &Home, planned: &dyn Fn(&mut Desk)) -> Desk {
     desk
 }
 
-/// Exports into `folder` and answers the names of what is there.
+/// Exports into `folder` and answers the names of what is there beside the manifest.
 pub fn export(desk: &mut Desk, folder: &Path) -> BTreeSet<String> {
     desk.window.state_mut().export(folder);
     desk.until_idle();
     assert_eq!(desk.state(Stage::Export), StageState::Done, "{:#?}", desk.log());
-    std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect()
+    let files = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().to_string_lossy().into_owned());
+    let (manifest, names): (BTreeSet<String>, BTreeSet<String>) = files.partition(|name| name == files::MANIFEST);
+    assert_eq!(manifest.len(), 1);
+    names
 }
 
 fn names(names: &[&str]) -> BTreeSet<String> {
@@ -95,14 +98,11 @@ fn what_is_written_is_what_was_ticked() {
     assert_eq!(written["not_asked_for"], serde_json::json!([]));
 
     desk.press("Export…");
-    for file in ["path_K.nc", "path_K.csv", "leftover.ply, copying_K.csv", "*.png", "On its way"] {
+    for file in ["path_K.nc", "path_K.csv", "leftover.ply, copying_K.csv", "*.png", "On its path"] {
         desk.press_role(Role::CheckBox, file);
     }
     desk.press_role(Role::Button, "Cancel");
-    assert!(
-        desk.app().core().pipeline.released().is_some(),
-        "what is written has nothing to do with what was released"
-    );
+    assert!(desk.blisk().pipeline.released().is_some(), "what is written has nothing to do with what was released");
     let left = names(&["electrode_1.stl", "report.html", "report.json"]);
     assert_eq!(export(&mut desk, &folder), left, "what an earlier export wrote is not left beside");
     let html = std::fs::read_to_string(folder.join("report.html")).unwrap();
@@ -113,7 +113,7 @@ fn what_is_written_is_what_was_ticked() {
     for file in ["electrode_K.stl", "report.html, .json"] {
         desk.press_role(Role::CheckBox, file);
     }
-    desk.assert_shows("Nothing is chosen, so that nothing would be written.");
+    desk.assert_shows("No file is chosen: nothing would be written.");
 }
 
 #[test]
@@ -122,7 +122,7 @@ fn an_electrode_in_w_is_that_of_the_mesh_seen_from_w() {
     let mut desk = released(&home);
     let [in_mesh, in_w] = [home.path("mesh"), home.path("w")];
     export(&mut desk, &in_mesh);
-    let core = desk.window.state_mut().core_mut();
+    let core = desk.blisk_mut();
     let mut job = core.document.job().clone();
     job.export.frame = MeshFrame::W;
     core.edit("Frame", job, false);
@@ -151,12 +151,12 @@ fn a_post_of_ones_own_is_taken_by_its_file() {
     std::fs::write(&post, BUILT_IN[0].1.replace("extension = \"nc\"", "extension = \"ngc\"")).unwrap();
     desk.window.state_mut().take_post(&post);
     desk.settle();
-    assert_eq!(desk.app().core().document.job().export.post, post.to_string_lossy());
+    assert_eq!(desk.blisk().document.job().export.post, post.to_string_lossy());
     let files = export(&mut desk, &home.path("out"));
     assert!(files.contains("path_1.ngc") && !files.contains("path_1.nc"), "{files:?}");
     std::fs::write(home.path("broken.toml"), "title = 3").unwrap();
     desk.window.state_mut().take_post(&home.path("broken.toml"));
     desk.settle();
     desk.assert_shows("This is no post");
-    assert_eq!(desk.app().core().document.job().export.post, post.to_string_lossy());
+    assert_eq!(desk.blisk().document.job().export.post, post.to_string_lossy());
 }

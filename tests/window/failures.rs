@@ -15,8 +15,8 @@ fn a_wrong_number_is_told_beside_its_field() {
     desk.until_idle();
     desk.open_step(Stage::Electrode);
     desk.enter("Spark gap", "abc");
-    desk.assert_shows("Spark gap: \"abc\" is no number; a number from 0.005 to 2 mm is asked for; it stays 0.1 mm");
-    assert_eq!(desk.app().core().document.job().electrode.spark_gap_mm, 0.1);
+    desk.assert_shows("Spark gap: \"abc\" is not a number; enter a number from 0.005 to 2 mm; it stays 0.1 mm");
+    assert_eq!(desk.blisk().document.job().electrode.spark_gap_mm, 0.1);
     desk.enter("Spark gap", "9");
     desk.until_idle();
     desk.assert_shows("Spark gap must be from 0.005 to 2 mm");
@@ -64,22 +64,22 @@ fn a_project_whose_mesh_has_changed_asks() {
     let mut desk = home.start(Opening::File(part.clone()));
     desk.until_idle();
     let project = home.path("job.sparkpath");
-    desk.window.state_mut().core_mut().document.save_as(&project).unwrap();
+    desk.blisk_mut().document.save_as(&project).unwrap();
     home.part(&curved_blisk());
     desk.window.state_mut().open(&project);
     desk.settle();
     desk.assert_shows("has changed since the project was saved");
     desk.press("Use as it is now");
     desk.until_idle();
-    assert_eq!(desk.app().core().document.file(), Some(project.as_path()));
+    assert_eq!(desk.blisk().document.file(), Some(project.as_path()));
     std::fs::remove_file(&part).unwrap();
     desk.window.state_mut().open(&project);
     desk.settle();
-    desk.assert_shows("is not there any more");
+    desk.assert_shows("no longer exists");
     desk.assert_shows("Find it…");
     assert!(!desk.shows("Use as it is now"), "there is nothing to use");
     desk.press("Cancel");
-    assert!(!desk.shows("is not there any more"));
+    assert!(!desk.shows("no longer exists"));
     assert!(desk.step_says(Stage::Channel, "done"), "what was open stays");
 }
 

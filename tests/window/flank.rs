@@ -12,8 +12,8 @@ use nc::approved_flank::ApprovedFlank;
 use nc::flank_job::LoadedSurface;
 use nc::flank_program::{FlankNc, TipControl};
 use sparkpath::shell::run::Opening;
-use sparkpath::shell::workspace::Workspace;
 use sparkpath::workspaces::blisk::document::stage::Stage;
+use sparkpath::workspaces::flank::FlankWorkspace;
 use sparkpath::workspaces::flank::document::flank_file::{read_flank, write_flank};
 use sparkpath::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, PathChoice};
 use sparkpath::workspaces::flank::panels::FlankDesk;
@@ -41,7 +41,7 @@ impl Home {
 
 impl Desk {
     fn flank(&self) -> &FlankDesk {
-        &self.app().core().flank
+        &self.app().workspace::<FlankWorkspace>().unwrap().desk
     }
 
     fn until_planned(&mut self) {
@@ -61,7 +61,7 @@ impl Desk {
 fn a_flank_is_planned_looked_at_and_exported() {
     let home = Home::new();
     let mut desk = home.start(home.flank());
-    assert_eq!(desk.app().core().workspace, Workspace::Flank);
+    assert_eq!(desk.app().shown(), "flank");
     desk.until("it is looked at quickly", |desk| desk.flank().planned().is_some());
     assert_eq!((desk.flank().is_planned(), desk.coloured()), (false, 1));
     desk.assert_shows("Quick look");
@@ -110,7 +110,7 @@ fn a_flank_is_planned_looked_at_and_exported() {
     desk.picture("flank_export_dark");
     desk.press("Cancel");
     for check in failing {
-        desk.press_role(Role::CheckBox, &format!("Export although {} fails", check.kind.name()));
+        desk.press_role(Role::CheckBox, &format!("Release despite failed check: {}", check.kind.name()));
     }
     desk.key_with(Modifiers::COMMAND, Key::E);
     desk.press("Choose folder…");
@@ -153,7 +153,7 @@ fn a_cutter_is_changed_in_passing_refused_in_words_and_taken_back() {
     desk.assert_shows("must be");
     assert!(!desk.flank().planned().unwrap().result.holds(), "too short a cutter is said to be so");
     desk.enter("Flutes", "long");
-    desk.assert_shows("is no number");
+    desk.assert_shows("is not a number");
     assert_eq!(desk.flank().params.cutter.length_mm, 5.0);
 
     let file = home.path("mine.sparkflank");
@@ -169,16 +169,16 @@ fn of_a_blocked_path_the_report_is_written_and_words_are_of_what_is_there() {
     let mut desk = home.start(home.flank());
     desk.press("Plan");
     desk.until_planned();
-    desk.assert_shows("sum of deviations");
+    desk.assert_shows("total absolute deviation");
     // Another workspace has words of its own.
-    desk.window.state_mut().core_mut().workspace = Workspace::Mold;
+    desk.window.state_mut().show("mold");
     desk.settle();
-    assert!(!desk.shows("sum of deviations"));
-    desk.window.state_mut().core_mut().workspace = Workspace::Flank;
+    assert!(!desk.shows("total absolute deviation"));
+    desk.window.state_mut().show("flank");
     desk.settle();
-    assert!(desk.app().core().last_said().is_some_and(|(_, is_stale)| !is_stale));
+    assert!(desk.app().last_said().is_some_and(|(_, is_stale)| !is_stale));
     desk.enter("Flutes", "5");
-    assert!(desk.app().core().last_said().is_none_or(|(_, is_stale)| is_stale), "it is of longer flutes");
+    assert!(desk.app().last_said().is_none_or(|(_, is_stale)| is_stale), "it is of longer flutes");
     desk.until("it is looked at", |desk| desk.flank().planned().is_some());
     desk.until_planned();
     let folder = home.path("out");
@@ -189,7 +189,7 @@ fn of_a_blocked_path_the_report_is_written_and_words_are_of_what_is_there() {
     desk.type_path(&folder);
     desk.until("it is exported", |desk| !desk.flank().work.is_busy());
     assert!(folder.join("report.html").exists() && !folder.join("flank.cl").exists(), "{:?}", desk.log());
-    desk.assert_shows("nothing to mill was written");
+    desk.assert_shows("no program was written");
 }
 
 #[test]
@@ -260,7 +260,7 @@ fn the_side_of_two_guides_is_chosen_in_the_view() {
     desk.until("the side is asked for", |desk| desk.flank().open_side().is_some());
     std::thread::sleep(std::time::Duration::from_millis(400));
     desk.settle();
-    desk.assert_shows("Choose the side that the cutter stands on");
+    desk.assert_shows("Choose the side of the cutter");
     assert_eq!(desk.flank().params.side, Side::Automatic);
     desk.pictures("flank_sides");
     // The arrow of the positive side is where the surface's normal points.
@@ -286,7 +286,7 @@ fn a_workpiece_is_clamped_otherwise_and_the_program_follows_the_tip() {
     desk.settle();
     desk.assert_shows("its Z along +Z of the machine");
     let of_machine = desk.flank().workpiece_of_machine().unwrap().clone();
-    desk.press_role(Role::CheckBox, "otherwise than the machine's file says");
+    desk.press_role(Role::CheckBox, "other than in the machine's file");
     assert_eq!(desk.flank().params.milling.workpiece.as_ref(), Some(&of_machine), "it begins as the file has it");
     desk.enter("Zero Z", "45");
     desk.press("tip, angles");
@@ -302,7 +302,7 @@ fn a_workpiece_is_clamped_otherwise_and_the_program_follows_the_tip() {
     assert!(program.contains("G43.4 H7"), "{program}");
     desk.picture("flank_clamped_dark");
     // Without it the workpiece stands as the file says again.
-    desk.press_role(Role::CheckBox, "otherwise than the machine's file says");
+    desk.press_role(Role::CheckBox, "other than in the machine's file");
     assert_eq!(desk.flank().params.milling.workpiece, None);
 }
 
@@ -313,16 +313,16 @@ fn a_small_window_has_results_in_the_place_of_the_form_and_plots_in_that_of_the_
     desk.press("Plan");
     desk.until_planned();
     let has_plot = |desk: &Desk| desk.window.query(By::new().role(Role::Image).label("Plot of ranks")).is_some();
-    assert!(!desk.shows("standing cutter") && !has_plot(&desk));
+    assert!(!desk.shows("swept envelope") && !has_plot(&desk));
     desk.press("Results");
-    desk.assert_shows("standing cutter");
+    desk.assert_shows("swept envelope");
     assert!(desk.window.query(By::new().role(Role::SpinButton).label("Flutes")).is_none());
     desk.press("Plots");
     assert!(has_plot(&desk));
     desk.picture("flank_small_dark");
     desk.press("Plots");
     desk.press("Parameters");
-    assert!(!desk.shows("standing cutter") && !has_plot(&desk));
+    assert!(!desk.shows("swept envelope") && !has_plot(&desk));
     assert!(desk.window.query(By::new().role(Role::SpinButton).label("Flutes")).is_some());
 }
 
@@ -351,7 +351,7 @@ fn files_that_have_changed_are_said_before_an_export_and_loaded_again() {
     write(&upper, 10.0, 0.125);
     desk.key_with(Modifiers::COMMAND, Key::E);
     desk.assert_shows("Changed or gone since read: upper.csv");
-    desk.press("Load again");
+    desk.press("Reload");
     assert!(!desk.shows("Changed or gone"));
     desk.press("Cancel");
     desk.until("it was read again", |desk| desk.flank().work.loaded(&desk.flank().params).is_some());
@@ -367,9 +367,9 @@ fn a_blisks_electrode_is_milled_without_a_file() {
     let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
     desk.until_idle();
     desk.open_step(Stage::Electrode);
-    let volume = desk.app().core().pipeline.electrodes().unwrap().electrodes[0].volume_mm3;
+    let volume = desk.blisk().pipeline.electrodes().unwrap().electrodes[0].volume_mm3;
     desk.press("Mill its flanks");
-    assert_eq!(desk.app().core().workspace, Workspace::Flank);
+    assert_eq!(desk.app().shown(), "flank");
     let part = desk.until_faces();
     assert!((part / volume - 1.0).abs() < 1e-9, "{part} {volume}");
     assert_eq!(desk.flank().name(), "electrode 1 flank 1");

@@ -12,6 +12,7 @@ use glam::DVec3;
 use import::{Units, write_stl};
 use mold::cutter::{Cutter, CutterLibrary};
 use sparkpath::shell::run::Opening;
+use sparkpath::workspaces::mold::MoldWorkspace;
 use sparkpath::workspaces::mold::panels::MoldDesk;
 
 use crate::desk::{Desk, Home};
@@ -59,11 +60,11 @@ impl Home {
 
 impl Desk {
     pub fn mold(&self) -> &MoldDesk {
-        &self.app().core().mold
+        &self.app().workspace::<MoldWorkspace>().unwrap().desk
     }
 
     pub fn take_cutters(&mut self, cutters: &[Cutter]) {
-        let mold = &mut self.window.state_mut().core_mut().mold;
+        let mold = self.mold_mut();
         let mut params = mold.params.clone();
         params.library = CutterLibrary { cutter: cutters.to_vec() };
         params.units = Units::Mm;
@@ -91,10 +92,10 @@ impl Desk {
 
 /// A window on the mold with one flat cutter of 6 mm, and what it leaves found.
 pub fn found(home: &Home) -> Desk {
-    let mut desk = home.start(Opening::Mold(Some(home.mold())));
+    let mut desk = home.start(Opening::In("mold", Some(home.mold())));
     desk.take_cutters(&[Cutter::flat(3.0)]);
     desk.until_loaded();
-    desk.press("Find");
+    desk.press("Find rest material");
     desk.until_found();
     desk
 }
@@ -107,7 +108,7 @@ fn what_is_left_is_found_listed_selected_and_cut_into_layers() {
     let exact = 4.0 * corner(3.0, 5.0) + 4.0 * corner(3.0, 4.0);
     assert!((desk.volume() / exact - 1.0).abs() < 1e-3, "{} {exact}", desk.volume());
     // The blisk was not worked on behind it.
-    assert!(desk.app().core().pipeline.part().is_none());
+    assert!(desk.blisk().pipeline.part().is_none());
 
     desk.press_role(Role::Row, "Region 3");
     assert_eq!(desk.mold().selected, Some(2));
@@ -132,7 +133,7 @@ fn what_is_left_is_found_listed_selected_and_cut_into_layers() {
     assert_eq!(desk.mold().selected, Some(6));
 
     // Four corners lie in the lower pocket and four in the upper one.
-    desk.window.state_mut().core_mut().mold.least_volume = 0.5 * (corner(3.0, 5.0) + corner(3.0, 4.0));
+    desk.mold_mut().least_volume = 0.5 * (corner(3.0, 5.0) + corner(3.0, 4.0));
     desk.settle();
     assert_eq!((desk.visible(), desk.shows("4 of 8")), (4, true));
 
@@ -148,7 +149,7 @@ fn what_is_left_is_found_listed_selected_and_cut_into_layers() {
 
     // The other workspace, and back: everything is as it was.
     desk.press_role(Role::Tab, "Blisk workspace");
-    desk.until("the blisk is begun", |d| d.app().core().pipeline.part().is_some());
+    desk.until("the blisk is begun", |d| d.blisk().pipeline.part().is_some());
     assert!(!desk.shows("Regions"));
     desk.press_role(Role::Tab, "Mold workspace");
     assert_eq!((desk.mold().selected, desk.mold().layer), (Some(6), Some(number)));
@@ -164,25 +165,25 @@ fn a_change_of_a_cutter_is_seen_at_a_glance_and_found_exactly_at_rest() {
     assert_eq!(desk.mold().params.library.cutter[0].diameter_mm, 4.0);
     desk.until("it is looked at", |d| d.mold().glanced().is_some());
     desk.pictures("mold_glance");
-    desk.assert_shows("Of other cutters: The cutters leave 8 regions");
-    desk.assert_shows("stale");
+    desk.assert_shows("Out of date (other cutters): The cutters leave 8 regions");
+    desk.assert_shows("out of date");
     let glance = desk.mold().glanced().unwrap().preview.clone();
     let exact = 4.0 * (corner(2.0, 5.0) + corner(2.0, 4.0));
     let coarse: f64 = glance.regions.iter().map(|r| r.volume).sum();
     assert!(glance.regions.len() == 8 && (coarse / exact - 1.0).abs() < 0.2, "{coarse} {exact}");
-    desk.assert_shows("At a glance");
+    desk.assert_shows("Preview, cells of");
     // Nothing is found by itself as long as that is not wanted.
     assert_eq!(desk.mold().state(), State::Stale);
     desk.mold_mut().follows = true;
     desk.until_found();
     assert!((desk.volume() / exact - 1.0).abs() < 1e-3 && desk.mold().glanced().is_none());
-    assert!(!desk.shows("stale") && !desk.shows("Of other cutters"));
+    assert!(!desk.shows("out of date") && !desk.shows("Out of date (other cutters)"));
 }
 
 #[test]
 fn what_is_done_to_cutters_is_undone_step_by_step() {
     let home = Home::new();
-    let mut desk = home.start(Opening::Mold(None));
+    let mut desk = home.start(Opening::In("mold", None));
     let start = desk.mold().params.clone();
     desk.enter("Diameter of cutter 2", "7");
     let wide = desk.mold().params.clone();
@@ -191,7 +192,7 @@ fn what_is_done_to_cutters_is_undone_step_by_step() {
     desk.press_role(Role::Button, "-x");
     assert_eq!(desk.mold().params.library.cutter.len(), start.library.cutter.len() + 2);
     let end = desk.mold().params.clone();
-    let labels = ["Opening", "New cutter", "New cutter", "Diameter of cutter 2"];
+    let labels = ["Opening direction", "New cutter", "New cutter", "Diameter of cutter 2"];
     for label in labels {
         assert_eq!(desk.mold().undo_label(false), Some(label));
         desk.key_with(Modifiers::COMMAND, Key::Z);
@@ -205,13 +206,13 @@ fn what_is_done_to_cutters_is_undone_step_by_step() {
     }
     assert_eq!((&desk.mold().params, desk.mold().undo_label(true)), (&end, None));
     // Nothing of it was done to the blisk.
-    assert!(!desk.app().core().document.is_unsaved());
+    assert!(!desk.blisk().document.is_unsaved());
 }
 
 #[test]
 fn a_search_goes_on_while_the_same_mesh_is_read_again() {
     let home = Home::new();
-    let mut desk = home.start(Opening::Mold(Some(home.mold())));
+    let mut desk = home.start(Opening::In("mold", Some(home.mold())));
     desk.take_cutters(&[Cutter::flat(3.0)]);
     desk.until_loaded();
     let loads = |desk: &Desk| desk.log().iter().filter(|line| line.starts_with("Mold: ")).count();
@@ -286,7 +287,7 @@ fn other_cutters_are_compared_region_by_region() {
 #[test]
 fn cutters_are_added_saved_and_loaded() {
     let home = Home::new();
-    let mut desk = home.start(Opening::Mold(None));
+    let mut desk = home.start(Opening::In("mold", None));
     assert!(desk.app().scene().objects.is_empty());
     let standard = desk.mold().params.library.clone();
     desk.press("Add");
@@ -308,7 +309,7 @@ fn cutters_are_added_saved_and_loaded() {
 #[test]
 fn a_mold_is_saved_and_dropped_on_either_workspace() {
     let home = Home::new();
-    let mut desk = home.start(Opening::Mold(Some(home.mold())));
+    let mut desk = home.start(Opening::In("mold", Some(home.mold())));
     desk.take_cutters(&[Cutter::flat(1.5)]);
     let saved = desk.mold().params.clone();
     desk.key_with(Modifiers::COMMAND, Key::S);
@@ -321,11 +322,7 @@ fn a_mold_is_saved_and_dropped_on_either_workspace() {
     let app = desk.window.state_mut();
     app.open(&home.path("mine.sparkmold"));
     desk.until_loaded();
-    assert!(
-        desk.app().core().workspace == sparkpath::shell::workspace::Workspace::Mold
-            && desk.mold().params == saved
-            && desk.mold().name() == "mine"
-    );
+    assert!(desk.app().shown() == "mold" && desk.mold().params == saved && desk.mold().name() == "mine");
     assert!(!desk.mold().is_unsaved());
     // While molds are shown a mesh is one, whatever blisk there is.
     let other = home.path("other.stl");
@@ -333,16 +330,16 @@ fn a_mold_is_saved_and_dropped_on_either_workspace() {
     desk.window.input_mut().dropped_files.push(Arc::new(Dropped(other.clone())));
     desk.settle();
     assert_eq!(desk.mold().params.mesh.as_deref(), Some(&*other));
-    assert!(desk.app().core().document.job().blisk.mesh.is_none());
+    assert!(desk.blisk().document.job().blisk.mesh.is_none());
 }
 
 #[test]
 fn changes_of_a_mold_are_not_lost_without_a_word() {
-    const UNSAVED: &str = "has changes that no file holds";
+    const UNSAVED: &str = "has unsaved changes";
     let home = Home::new();
     let [mold, other, file] = [home.mold(), home.path("other.stl"), home.path("mine.sparkmold")];
     write_stl(&other, &stepped()).unwrap();
-    let mut desk = home.start(Opening::Mold(None));
+    let mut desk = home.start(Opening::In("mold", None));
     // Cutters that are chosen first stay when the mold comes, and are unsaved all along.
     desk.take_cutters(&[Cutter::flat(1.5)]);
     let drop_on = |desk: &mut Desk, path: &Path| {
@@ -353,7 +350,7 @@ fn changes_of_a_mold_are_not_lost_without_a_word() {
     assert!(!desk.shows(UNSAVED) && desk.mold().is_unsaved());
     assert_eq!(desk.mold().params.library.cutter, [Cutter::flat(1.5)]);
     drop_on(&mut desk, &other);
-    desk.assert_shows("The mold stepped has changes that no file holds");
+    desk.assert_shows("The mold stepped has unsaved changes");
     desk.press("Cancel");
     assert_eq!(desk.mold().params.mesh.as_ref(), Some(&mold));
     // The end of the program is asked about too; saved work goes on to it.
@@ -388,7 +385,7 @@ fn how_a_mold_looks() {
 #[test]
 fn a_mold_in_a_window_of_1000_by_700() {
     let home = Home::new();
-    let mut desk = home.start_in(Opening::Mold(Some(home.mold())), [1000, 700], 1.0);
+    let mut desk = home.start_in(Opening::In("mold", Some(home.mold())), [1000, 700], 1.0);
     desk.take_cutters(&[Cutter::flat(3.0), Cutter { reach_mm: Some(4.0), ..Cutter::ball(1.5) }]);
     desk.until_loaded();
     desk.key(Key::F6);
@@ -411,7 +408,7 @@ fn a_mold_in_a_window_of_1000_by_700() {
 #[test]
 fn a_mold_in_a_window_of_1280_by_720_at_200_percent() {
     let home = Home::new();
-    let mut desk = home.start_in(Opening::Mold(Some(home.mold())), [1280, 720], 2.0);
+    let mut desk = home.start_in(Opening::In("mold", Some(home.mold())), [1280, 720], 2.0);
     desk.take_cutters(&[Cutter::flat(3.0)]);
     desk.until_loaded();
     desk.key(Key::F6);
@@ -423,6 +420,6 @@ fn a_mold_in_a_window_of_1280_by_720_at_200_percent() {
 
 impl Desk {
     pub fn mold_mut(&mut self) -> &mut MoldDesk {
-        &mut self.window.state_mut().core_mut().mold
+        &mut self.window.state_mut().workspace_mut::<MoldWorkspace>().unwrap().desk
     }
 }

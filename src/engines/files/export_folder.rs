@@ -52,6 +52,25 @@ fn is_plain(name: &str) -> bool {
     !(name.is_empty() || name == "." || name == ".." || has_path)
 }
 
+/// The manifest of a folder; an empty one if it has none.
+fn manifest_in(folder: &Path) -> Result<Manifest, FileError> {
+    let file = folder.join(MANIFEST);
+    match MANIFEST_FILE.read_if_there(&file) {
+        // A file in the way of the folder is told when the folder is made.
+        Err(FileError::Unreadable { source, .. }) if source.kind() == io::ErrorKind::NotADirectory => {
+            Ok(Manifest::default())
+        }
+        Err(problem) => {
+            let problem = format!(
+                "the manifest of the former export is damaged ({problem}); remove it and the files of that export, or \
+                 choose another folder"
+            );
+            Err(FileError::NotWritten { file: folder.to_owned(), problem })
+        }
+        Ok(found) => Ok(found.unwrap_or_default()),
+    }
+}
+
 /// A folder into which files are written unseen, and moved all together at the end.
 ///
 /// They wait in a hidden folder within it: beside it there may be another file system, or no right to write. Until they are
@@ -61,13 +80,15 @@ fn is_plain(name: &str) -> bool {
 pub struct ExportFolder {
     folder: PathBuf,
     /// What writes, as in `flank`: its exports replace each other, and leave those of others alone.
-    by: String,
+    by: &'static str,
+    /// Others whose files go as well, because they are about the former export.
+    replaced: &'static [&'static str],
     // Before the folders: fields are dropped in order, and these go only when they are empty.
     waiting: tempfile::TempDir,
     /// Files to be published, in order, and their hashes.
     new: Vec<OwnFile>,
-    manifest: Manifest,
-    manifest_problem: Option<FileError>,
+    /// Files that no manifest knows and that are to be set aside.
+    unknown: Vec<String>,
     _made: MadeFolders,
 }
 
@@ -78,10 +99,18 @@ pub struct Published {
     pub files: Vec<PathBuf>,
     /// Files of the former export that the present one does not have, and that were removed.
     pub removed: Vec<String>,
-    /// The same where someone changed them since: the former name, and the one that they have now.
+    /// The same where someone changed them since, or no manifest knows them: the former name, and the one that they have
+    /// now.
     pub set_aside: Vec<[String; 2]>,
-    /// Why the manifest of the former export could not be read; its files were then left as they were.
-    pub manifest_problem: Option<FileError>,
+}
+
+impl Published {
+    /// What became of files of former exports, a sentence each.
+    pub fn notes(&self) -> Vec<String> {
+        let removed = self.removed.iter().map(|name| format!("{name} of an earlier export was removed"));
+        let renamed = self.set_aside.iter();
+        removed.chain(renamed.map(|[was, is]| format!("{was} of an earlier export is now called {is}"))).collect()
+    }
 }
 
 /// Folders that were made, the innermost first, which go again unless something is in them.
@@ -96,12 +125,37 @@ impl Drop for MadeFolders {
 }
 
 impl ExportFolder {
+    /// Whether something can be written into `folder`, which is not made: asked before work whose results go there.
+    ///
+    /// # Errors
+    /// [`FileError`] naming the folder.
+    pub fn check(folder: &Path) -> Result<(), FileError> {
+        let is_there = |path: &&Path| !path.as_os_str().is_empty() && path.exists();
+        let there = folder.ancestors().find(is_there).unwrap_or(Path::new("."));
+        tempfile::tempfile_in(there).map_err(|source| FileError::unwritable(folder, source))?;
+        manifest_in(folder).map(drop)
+    }
+
+    /// Writes these files and no others, as one export of the kind `by`.
+    ///
+    /// # Errors
+    /// [`FileError`]; everything is then as it was before.
+    pub fn write_all(folder: &Path, by: &'static str, files: &[(&str, &[u8])]) -> Result<Published, FileError> {
+        let mut out = Self::open(folder, by)?;
+        for (name, bytes) in files {
+            out.write(name, bytes)?;
+        }
+        out.publish()
+    }
+
     /// The folder, made if it is not there, for an export of the kind `by`.
     ///
     /// # Errors
-    /// [`FileError`] if it cannot be made or nothing can be written into it.
-    pub fn open(folder: &Path, by: &str) -> Result<Self, FileError> {
+    /// [`FileError`] if it cannot be made, nothing can be written into it, or its manifest cannot be read: without it an
+    /// older program could stay beside a report that refuses it.
+    pub fn open(folder: &Path, by: &'static str) -> Result<Self, FileError> {
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        manifest_in(folder)?;
         let wrong = |source| FileError::unwritable(folder, source);
         let missing = folder.ancestors().take_while(|f| !f.as_os_str().is_empty() && !f.exists());
         let made = MadeFolders(missing.map(Path::to_owned).collect());
@@ -112,12 +166,21 @@ impl ExportFolder {
         for inside in [NEW, BEFORE] {
             fs::create_dir(waiting.path().join(inside)).map_err(wrong)?;
         }
-        let (manifest, manifest_problem) = match MANIFEST_FILE.read_if_there(&folder.join(MANIFEST)) {
-            Ok(found) => (found.unwrap_or_default(), None),
-            Err(problem) => (Manifest::default(), Some(problem)),
-        };
-        let (folder, by, new) = (folder.to_owned(), by.to_owned(), Vec::new());
-        Ok(Self { folder, by, waiting, new, manifest, manifest_problem, _made: made })
+        let folder = folder.to_owned();
+        Ok(Self { folder, by, replaced: &[], waiting, new: Vec::new(), unknown: Vec::new(), _made: made })
+    }
+
+    /// Has the files of these other kinds go as well: what was told about the former export is wrong of this one.
+    #[must_use]
+    pub fn replacing(self, others: &'static [&'static str]) -> Self {
+        Self { replaced: others, ..self }
+    }
+
+    /// Has files set aside that are `own` and that no manifest knows, as after it was deleted.
+    #[must_use]
+    pub fn setting_aside(self, own: impl Fn(&Path) -> bool) -> Self {
+        let unknown = self.names().into_iter().filter(|name| own(&self.path(name))).collect();
+        Self { unknown, ..self }
     }
 
     /// The path of a file once it is published.
@@ -144,6 +207,10 @@ impl ExportFolder {
             if !is_plain(name) || name == MANIFEST {
                 return Err(io::Error::new(io::ErrorKind::InvalidInput, "this is no name for a file of an export"));
             }
+            // Not even by capitals, which do not count on every system.
+            if self.new.iter().any(|file| file.name.eq_ignore_ascii_case(name)) {
+                return Err(io::Error::new(io::ErrorKind::AlreadyExists, "two files of one export have this name"));
+            }
             // What cannot be replaced should be known before anything is.
             if path.is_dir() {
                 return Err(io::ErrorKind::IsADirectory.into());
@@ -153,8 +220,7 @@ impl ExportFolder {
             file.sync_all()
         };
         written().map_err(|source| FileError::unwritable(&path, source))?;
-        self.new.retain(|file| file.name != name);
-        self.new.push(OwnFile { name: name.to_owned(), by: self.by.clone(), sha256: sha256(bytes) });
+        self.new.push(OwnFile { name: name.to_owned(), by: self.by.to_owned(), sha256: sha256(bytes) });
         Ok(path)
     }
 
@@ -164,7 +230,7 @@ impl ExportFolder {
     ///
     /// # Errors
     /// [`FileError`]; everything is then as it was before.
-    pub fn publish(mut self) -> Result<Published, FileError> {
+    pub fn publish(self) -> Result<Published, FileError> {
         let mut done = Moves::default();
         let published = self.moved(&mut done);
         if published.is_err() {
@@ -173,18 +239,22 @@ impl ExportFolder {
         published
     }
 
-    fn moved(&mut self, done: &mut Moves) -> Result<Published, FileError> {
-        let mut published = Published { manifest_problem: self.manifest_problem.take(), ..Published::default() };
+    fn moved(&self, done: &mut Moves) -> Result<Published, FileError> {
+        let mut published = Published::default();
+        let former = manifest_in(&self.folder)?;
         let before = self.waiting.path().join(BEFORE);
         let is_new = |name: &str| self.new.iter().any(|file| file.name == name);
-        let own = |file: &&OwnFile| file.by == self.by && !is_new(&file.name);
-        for OwnFile { name, sha256, .. } in self.manifest.file.iter().filter(own) {
+        let is_replaced = |by: &str| by == self.by || self.replaced.contains(&by);
+        let known = former.file.iter().filter(|file| is_replaced(&file.by));
+        let is_known = |name: &&String| former.file.iter().any(|file| file.name == **name);
+        let unknown = self.unknown.iter().filter(|name| !is_known(name)).map(|name| (name, None));
+        for (name, sha256) in known.map(|file| (&file.name, Some(&file.sha256))).chain(unknown) {
             let path = self.path(name);
             // What is no plain file any more is none that an export wrote.
-            if !path.symlink_metadata().is_ok_and(|m| m.is_file()) {
+            if is_new(name) || !path.symlink_metadata().is_ok_and(|m| m.is_file()) {
                 continue;
             }
-            if sha256_of(&path).is_ok_and(|now| now == *sha256) {
+            if sha256.is_some_and(|written| sha256_of(&path).is_ok_and(|now| now == *written)) {
                 done.rename(&path, &before.join(name))?;
                 published.removed.push(name.clone());
             } else {
@@ -201,10 +271,12 @@ impl ExportFolder {
             done.rename(&self.waiting.path().join(NEW).join(&file.name), &path)?;
             published.files.push(path);
         }
-        let of_others = self.manifest.file.iter().filter(|file| file.by != self.by && !is_new(&file.name));
+        let of_others = former.file.iter().filter(|file| !is_replaced(&file.by) && !is_new(&file.name));
         let manifest = Manifest { file: of_others.chain(&self.new).cloned().collect() };
         // Last: without it everything is taken back.
-        MANIFEST_FILE.write(&self.path(MANIFEST), &manifest)?;
+        if manifest != former {
+            MANIFEST_FILE.write(&self.path(MANIFEST), &manifest)?;
+        }
         Ok(published)
     }
 
@@ -251,12 +323,9 @@ mod tests {
         names
     }
 
-    fn export(folder: &Path, by: &str, files: &[(&str, &str)]) -> Published {
-        let mut out = ExportFolder::open(folder, by).unwrap();
-        for (name, text) in files {
-            out.write(name, text.as_bytes()).unwrap();
-        }
-        out.publish().unwrap()
+    fn export(folder: &Path, by: &'static str, files: &[(&str, &str)]) -> Published {
+        let files: Vec<(&str, &[u8])> = files.iter().map(|(name, text)| (*name, text.as_bytes())).collect();
+        ExportFolder::write_all(folder, by, &files).unwrap()
     }
 
     fn read(folder: &Path, name: &str) -> String {
@@ -275,6 +344,7 @@ mod tests {
         let blocked = export(&out, "flank", &[("report.html", "blocked")]);
         assert_eq!(blocked.removed, ["flank.ngc"]);
         assert_eq!(blocked.set_aside, [["flank.cl", "flank.cl.old"].map(str::to_owned)]);
+        assert_eq!(blocked.notes()[0], "flank.ngc of an earlier export was removed");
         assert_eq!(names(&out), ["E01.stl", MANIFEST, "flank.cl.old", "mine.ngc", "report.html"]);
         assert_eq!(
             (read(&out, "report.html"), read(&out, "flank.cl.old")),
@@ -324,10 +394,11 @@ mod tests {
         for name in ["../victim.txt", &victim.display().to_string(), "..", ".", ""] {
             let text = format!("[[file]]\nname = {name:?}\nby = \"flank\"\nsha256 = \"{hash}\"\n");
             fs::write(out.join(MANIFEST), text).unwrap();
-            let published = export(&out, "flank", &[("report.html", "new")]);
-            let problem = published.manifest_problem.unwrap().to_string();
-            assert!(problem.contains("line 2") && problem.contains("file[0].name"), "{problem}");
-            assert!(victim.exists() && published.removed.is_empty());
+            for error in [ExportFolder::open(&out, "flank").unwrap_err(), ExportFolder::check(&out).unwrap_err()] {
+                let said = error.to_string();
+                assert!(said.contains("line 2: file[0].name") && said.contains("choose another folder"), "{said}");
+            }
+            assert!(victim.exists());
         }
         #[cfg(unix)]
         {
@@ -337,10 +408,44 @@ mod tests {
             assert!(export(&out, "flank", &[]).removed.is_empty() && victim.exists());
         }
         fs::write(out.join(MANIFEST), b"\xff\xfe[[").unwrap();
-        assert!(export(&out, "flank", &[("a.csv", "1")]).manifest_problem.is_some());
+        assert!(ExportFolder::open(&out, "flank").is_err());
+        fs::remove_file(out.join(MANIFEST)).unwrap();
         for name in ["../a.csv", "/a.csv", "a\\b", "", "..", MANIFEST, "C:a"] {
             assert!(ExportFolder::open(&out, "flank").unwrap().write(name, b"").is_err(), "{name:?}");
         }
+    }
+
+    #[test]
+    fn verdicts_on_a_former_export_go_with_it_and_programs_without_a_manifest_are_set_aside() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path();
+        export(out, "blisk", &[("path_1.nc", "G1")]);
+        export(out, "verify", &[("verify.json", "holds")]);
+        fs::write(out.join("path_2.nc"), "of nobody knows which plan").unwrap();
+        fs::write(out.join("notes.txt"), "mine").unwrap();
+        let mut again = ExportFolder::open(out, "blisk").unwrap().replacing(&["verify"]);
+        again = again.setting_aside(|path| path.extension().is_some_and(|e| e == "nc"));
+        again.write("report.html", b"blocked").unwrap();
+        let published = again.publish().unwrap();
+        assert_eq!(published.removed, ["path_1.nc", "verify.json"]);
+        assert_eq!(published.set_aside, [["path_2.nc", "path_2.nc.old"].map(str::to_owned)]);
+        assert_eq!(names(out), [MANIFEST, "notes.txt", "path_2.nc.old", "report.html"]);
+    }
+
+    #[test]
+    fn nothing_to_write_writes_nothing_and_no_file_takes_the_place_of_another() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("out");
+        export(&out, "simulation", &[]);
+        assert!(!out.exists());
+        let mut twice = ExportFolder::open(&out, "blisk").unwrap();
+        twice.write("path_1.csv", b"1").unwrap();
+        let said = twice.write("path_1.CSV", b"2").unwrap_err().to_string();
+        assert!(said.contains("path_1.CSV") && said.contains("two files"), "{said}");
+        ExportFolder::check(&folder.path().join("a/b")).unwrap();
+        assert!(!folder.path().join("a").exists());
+        fs::write(folder.path().join("file"), "").unwrap();
+        assert!(ExportFolder::check(&folder.path().join("file/b")).is_err());
     }
 
     #[test]

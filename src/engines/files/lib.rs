@@ -14,7 +14,6 @@ mod document;
 mod error;
 mod export_folder;
 mod fields;
-pub mod old_export_folder;
 pub mod old_history;
 pub mod old_toml_file;
 pub mod paths;
@@ -22,7 +21,6 @@ pub mod report;
 pub mod svg_plot;
 mod toml_file;
 pub mod user_folder;
-pub mod whole_file;
 pub mod word_or_table;
 
 pub use atomic::{atomic_write, write_bytes};

@@ -7,8 +7,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use files::old_export_folder::ExportFolder;
-use files::whole_file::WriteError;
+use files::{ExportFolder, FileError};
 use import::{glb_bytes, obj_bytes, stl_bytes};
 use mold::electrode::design::{Electrode, ElectrodeSet};
 use mold::electrode::params::{ElectrodeParams, Orbit, Shape};
@@ -69,7 +68,7 @@ pub enum ElectrodeExportError {
     },
     /// The file system's refusal.
     #[error(transparent)]
-    Write(#[from] WriteError),
+    Write(#[from] FileError),
     /// The figures have no JSON.
     #[error("the burn table as JSON: {0}")]
     Json(#[from] serde_json::Error),
@@ -82,8 +81,6 @@ pub struct WrittenElectrodes {
     pub files: Vec<ElectrodeFile>,
     /// Electrodes without files.
     pub left_out: Vec<LeftOut>,
-    /// Electrode files of earlier exports that are still in the folder and are not of this one, in order.
-    pub stale: Vec<PathBuf>,
     /// Why there is no burn sheet, if there is none.
     pub no_sheet: Option<String>,
 }
@@ -104,8 +101,6 @@ pub struct LeftOut {
     pub electrode: String,
     /// Which checks fail, and what to do, in words.
     pub why: String,
-    /// Files of an earlier export that have its name and were not touched.
-    pub older: Vec<PathBuf>,
 }
 
 /// Writes all electrodes that may be exported into `folder`, each in all `formats`, to be published.
@@ -122,9 +117,7 @@ pub fn write_electrode_files(
         let file = |format: ElectrodeFormat| format!("{stem}.{}", format.extension());
         let name = electrode.name.clone();
         if let Some(why) = why_blocked(set, e) {
-            let older =
-                ElectrodeFormat::ALL.map(|f| folder.path(&file(f))).into_iter().filter(|p| p.exists()).collect();
-            written.left_out.push(LeftOut { electrode: name, why, older });
+            written.left_out.push(LeftOut { electrode: name, why });
             continue;
         }
         // A body of several is one file.
@@ -139,17 +132,7 @@ pub fn write_electrode_files(
             written.files.push(ElectrodeFile { electrode: name.clone(), path });
         }
     }
-    written.stale = stale(folder, &written);
     Ok(written)
-}
-
-/// Electrode files of earlier exports that are not replaced by these, nor told with an electrode that has none.
-fn stale(folder: &ExportFolder, written: &WrittenElectrodes) -> Vec<PathBuf> {
-    let new = written.files.iter().map(|file| &file.path);
-    let told: Vec<&PathBuf> = new.chain(written.left_out.iter().flat_map(|left| &left.older)).collect();
-    let is_told = |path: &PathBuf| told.iter().any(|t| t.as_os_str().eq_ignore_ascii_case(path.as_os_str()));
-    let earlier = folder.names().into_iter().filter(|file| is_electrode_file(file));
-    earlier.map(|file| folder.path(&file)).filter(|path| !is_told(path)).collect()
 }
 
 /// Why an electrode may not be exported; none if it may.
@@ -227,7 +210,7 @@ pub fn is_file_of(file: &str, electrode: &str, stage: &str) -> bool {
 }
 
 /// Whether a file is called as electrodes are, as in `E01_finish_g0.05_copper_x1.stl`.
-fn is_electrode_file(file: &str) -> bool {
+pub fn is_electrode_file(file: &str) -> bool {
     let is_mesh = ElectrodeFormat::ALL.iter().any(|f| file.ends_with(&format!(".{}", f.extension())));
     let number = file.strip_prefix('E').and_then(|rest| rest.split_once('_')).map_or("", |(number, _)| number);
     let is_number = number.len() >= 2 && number.bytes().all(|b| b.is_ascii_digit());
@@ -257,7 +240,7 @@ mod tests {
     use task::{Cancel, Progress};
 
     fn written(folder: &std::path::Path, set: &ElectrodeSet, formats: &[ElectrodeFormat]) -> WrittenElectrodes {
-        let mut folder = ExportFolder::open(folder).unwrap();
+        let mut folder = ExportFolder::open(folder, "electrodes").unwrap();
         let written = write_electrode_files(&mut folder, set, formats).unwrap();
         folder.publish().unwrap();
         written
@@ -281,10 +264,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_blocked_has_no_file_and_the_reason_is_told() {
+    fn what_is_blocked_has_no_file_not_even_an_older_one_and_the_reason_is_told() {
         let folder = tempfile::tempdir().unwrap();
+        let mut good = set();
+        good.checks[2].iter_mut().for_each(|finding| finding.holds = true);
+        assert_eq!(written(folder.path(), &good, &[ElectrodeFormat::Stl]).files.len(), 3);
         let old = folder.path().join("E03_finish_g0.05_Cu-soft_x1.stl");
-        std::fs::write(&old, "old").unwrap();
+        assert!(old.exists());
         let written = written(folder.path(), &set(), &[ElectrodeFormat::Stl]);
         let names: Vec<&str> = written.files.iter().map(|f| f.electrode.as_str()).collect();
         assert_eq!(names, ["E01", "E02-finish"], "what is overridden is written");
@@ -294,27 +280,16 @@ mod tests {
             "{left:?}"
         );
         assert!(!left.why.contains("approach"), "what holds is no reason: {left:?}");
-        assert_eq!(left.older.iter().collect::<Vec<_>>(), [&old]);
-        assert_eq!(std::fs::read(old).unwrap(), b"old", "files of an earlier export are not ours to delete");
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
+        assert!(!old.exists(), "the file of an earlier export is not taken for one of this");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3, "two electrodes and the manifest");
     }
 
     #[test]
-    fn electrode_files_of_an_earlier_plan_are_told_and_stay() {
-        let folder = tempfile::tempdir().unwrap();
-        let old = [
-            "E04_finish_g0.05_Cu-soft_x1.stl",
-            "E02_finish_g0.3_Cu-soft_x1.obj",
-            "E03_finish_g0.05_Cu-soft_x1.stl",
-            "E02_finish_g0.05_Cu-soft_x1.glb",
-        ];
-        let others = ["Eiffel_g1.stl", "E04_finish_g0.05_Cu-soft_x1.txt", "mold.stl"];
-        old.iter().chain(&others).for_each(|name| std::fs::write(folder.path().join(name), "old").unwrap());
-        let written = written(folder.path(), &set(), &[ElectrodeFormat::Stl]);
-        let stale: Vec<PathBuf> = [old[3], old[1], old[0]].iter().map(|name| folder.path().join(name)).collect();
-        assert_eq!(written.stale, stale, "one that is blocked is told with its reason");
-        assert!(written.left_out[0].older.contains(&folder.path().join(old[2])));
-        assert!(old.iter().chain(&others).all(|name| folder.path().join(name).exists()));
+    fn electrode_files_are_known_by_their_names() {
+        let ours = ["E04_finish_g0.05_Cu-soft_x1.stl", "E02_finish_g0.3_Cu-soft_x1.obj", "E102_a_g1_x1.glb"];
+        assert!(ours.into_iter().all(is_electrode_file));
+        let others = ["Eiffel_g1.stl", "E04_finish_g0.05_Cu-soft_x1.txt", "mold.stl", "E4_g1.stl"];
+        assert!(!others.into_iter().any(is_electrode_file));
     }
 
     #[test]

@@ -9,9 +9,9 @@ use crate::Cancel;
 /// Which thread work is done on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lane {
-    /// At most a few seconds: reading a file, a preview while a slider moves, colours.
+    /// At most a few seconds: files that are read or written, a preview while a slider moves, colours.
     Quick,
-    /// Anything longer: plans, simulations, exports.
+    /// Anything longer: plans, simulations, searches for what is left uncut.
     Long,
 }
 

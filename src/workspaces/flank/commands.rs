@@ -36,7 +36,7 @@ impl CommandSet for FlankCommand {
             (C::ShowCutter, info("Show or hide the cutter").key(Key::T)),
             (C::AxisSurface, info("Show or hide the axis surface").key(Key::A)),
             (C::Rulings, info("Show or hide rulings")),
-            (C::MovingCutter, info("Deviation of the swept envelope or static").key(Key::W)),
+            (C::MovingCutter, info("Swept envelope or static deviation").key(Key::W)),
             (C::FoldPanel, info("Show or fold the panel on the left")),
             (C::FoldList, info("Show or fold the panel on the right")),
         ];

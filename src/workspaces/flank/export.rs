@@ -2,19 +2,18 @@
 //! files.
 
 use std::fmt::Write as _;
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-use crate::workspaces::blisk::export::prepare;
 use crate::workspaces::flank::document::FlankDocument;
 use crate::workspaces::flank::report::build::report;
 use crate::workspaces::flank::report::maps::deviation_maps;
-use files::old_export_folder::ExportFolder;
+use files::ExportFolder;
 use flank::path::FlankPath;
 use nc::approved_flank::ApprovedFlank;
 use nc::cutter_locations::cl_text;
 use nc::flank_job::FlankResult;
 use nc::flank_program::FlankNc;
+use nc::program::is_program_for;
 use task::{Cancel, Progress};
 
 /// The file of cutter locations.
@@ -28,8 +27,8 @@ pub const PROGRAM: &str = "flank";
 pub const JSON_FILE: &str = "flank.json";
 /// The report for people.
 pub const REPORT_FILE: &str = "report.html";
-/// How much of a file is looked at to see whether it is an NC program of ours (bytes).
-const HEAD_BYTES: u64 = 4096;
+/// What the manifest of a folder calls an export of a flank.
+const EXPORT: &str = "flank";
 
 /// Which files are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,8 +64,8 @@ pub struct WrittenFlank {
     pub blocked: Option<String>,
     /// Names of the checks that fail: those that block it, or else those that are let pass.
     pub failing: Vec<&'static str>,
-    /// Files of an earlier path that would have passed for those of this one, and what they are called now.
-    pub set_aside: Vec<[String; 2]>,
+    /// What became of files of earlier exports, in words.
+    pub former: Vec<String>,
 }
 
 impl WrittenFlank {
@@ -79,24 +78,16 @@ impl WrittenFlank {
         } else if !self.failing.is_empty() {
             text += &format!("; released despite failed checks: {}", self.failing.join(", "));
         }
-        for [was, is] in &self.set_aside {
-            text += &format!("; {was} of an earlier path is now called {is}");
+        for note in &self.former {
+            text += &format!("; {note}");
         }
         text
     }
 }
 
-/// Makes sure that files can be written into `folder`, before anything is computed.
-///
-/// # Errors
-/// One line naming the folder.
-pub fn check_folder(folder: &Path) -> Result<(), String> {
-    prepare(folder).map_err(|e| e.to_string())
-}
-
 /// Writes the report, and what can be milled unless a check fails, as far as they are chosen, into `folder`, which is made
-/// if it is not there: all of it or nothing. What is there of an earlier path and is not written anew is renamed, so that
-/// it cannot be taken for what belongs to this one.
+/// if it is not there: all of it or nothing. What is there of an earlier path and is not written anew does not keep its
+/// name, so that it cannot be taken for what belongs to this one.
 ///
 /// # Errors
 /// One line naming the file or what is wrong; cancelled.
@@ -131,52 +122,25 @@ pub fn export(
         let nc = FlankNc::new(&approved, PROGRAM).map_err(|e| e.to_string())?;
         texts.push((format!("{PROGRAM}.{}", nc.extension), nc.text));
     }
-    let mut out = ExportFolder::open(folder).map_err(|e| e.to_string())?;
+    let mut out = ExportFolder::open(folder, EXPORT).map_err(|e| e.to_string())?.setting_aside(is_of_a_flank);
     for (name, text) in &texts {
         cancel.check().map_err(|e| e.to_string())?;
         out.write(name, text.as_bytes()).map_err(|e| e.to_string())?;
     }
     let files: Vec<String> = texts.into_iter().map(|(name, _)| name).collect();
-    let mut set_aside = Vec::new();
-    for name in earlier(folder).into_iter().filter(|name| !files.contains(name)) {
-        set_aside.extend(out.set_aside(&name).map(|is| [name, is]));
-    }
     cancel.check().map_err(|e| e.to_string())?;
-    out.publish().map_err(|e| e.to_string())?;
+    let former = out.publish().map_err(|e| e.to_string())?.notes();
     progress.report("files", 1.0, "");
     let failing = result.checks.iter().filter(|c| !c.holds && (blocked.is_none() || !c.is_overridden));
     let failing = failing.map(|c| c.kind.name()).collect();
-    Ok(WrittenFlank { folder: folder.to_owned(), files, blocked, failing, set_aside })
+    Ok(WrittenFlank { folder: folder.to_owned(), files, blocked, failing, former })
 }
 
-/// Names of files in `folder` that are those of a flank's path, whatever post they were made with.
-fn earlier(folder: &Path) -> Vec<String> {
-    let mut names: Vec<String> = [CSV_FILE, CL_FILE].map(str::to_owned).to_vec();
-    // Any export has a report of this name; only one beside our figures is ours.
-    if folder.join(JSON_FILE).exists() {
-        names.extend([JSON_FILE, REPORT_FILE].map(str::to_owned));
-    }
-    // A folder that cannot be read has none that could be renamed.
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    let mut programs: Vec<String> = entries.filter_map(|e| e.file_name().into_string().ok()).collect();
-    let is_program = |name: &str| {
-        let ending = name.strip_prefix(PROGRAM).and_then(|rest| rest.strip_prefix('.'));
-        ending.is_some_and(|ending| !ending.contains('.')) && is_program(&folder.join(name))
-    };
-    programs.retain(|name| !names.contains(name) && is_program(name));
-    programs.sort();
-    names.extend(programs);
-    names.retain(|name| folder.join(name).is_file());
-    names
-}
-
-/// Whether a file begins as the NC programs of flanks do.
-fn is_program(file: &Path) -> bool {
-    let mut head = Vec::new();
-    let is_read = file.is_file()
-        && std::fs::File::open(file).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head)).is_ok();
-    let text = String::from_utf8_lossy(&head).to_ascii_lowercase();
-    is_read && text.contains("sparkpath") && text.contains(&format!("flank path {PROGRAM}"))
+/// Whether a file is one to mill a flank by, whatever post it was made with.
+fn is_of_a_flank(file: &Path) -> bool {
+    let name = file.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    let is_named = name.strip_prefix(PROGRAM).is_some_and(|rest| rest.starts_with('.') && !rest[1..].contains('.'));
+    [CSV_FILE, CL_FILE].contains(&name) || is_named && is_program_for(file, &format!("flank path {PROGRAM}"))
 }
 
 /// The locations of a path with the deviations of the places of the grid that are nearest to each.

@@ -1,24 +1,31 @@
 //! All files of electrodes in one folder, or none.
 
 use crate::workspaces::mold::report::ElectrodesReport;
-use files::old_export_folder::ExportFolder;
+use files::{ExportFolder, Published};
 use mold::electrode::design::ElectrodeSet;
 use nc::burn_template::BurnSheet;
-use nc::electrode_files::{ElectrodeExportError, ElectrodeFormat, WrittenElectrodes, write_electrode_files};
+use nc::electrode_files::{
+    ElectrodeExportError, ElectrodeFormat, WrittenElectrodes, is_electrode_file, write_electrode_files,
+};
+
+/// What the manifest of a folder calls an export of electrodes.
+pub const EXPORT: &str = "electrodes";
 
 /// Writes and publishes the electrodes that may be exported in all `formats`, `burn_table.csv` and `.json`, the burn sheet,
-/// and the report with its pictures. A sheet that cannot be made of this table takes nothing else with it: why is told
+/// and the report with its pictures. Electrode files of earlier exports do not stay under their names. A sheet that cannot be made of this table takes nothing else with it: why is told
 /// in what was written.
 ///
 /// # Errors
 /// [`ElectrodeExportError`]; then nothing was written.
 pub fn export_electrodes(
-    mut folder: ExportFolder,
+    folder: ExportFolder,
     (set, report): (&ElectrodeSet, &ElectrodesReport),
     sheet: &BurnSheet,
     pictures: &[(String, Vec<u8>)],
     formats: &[ElectrodeFormat],
-) -> Result<WrittenElectrodes, ElectrodeExportError> {
+) -> Result<(WrittenElectrodes, Published), ElectrodeExportError> {
+    let mut folder =
+        folder.setting_aside(|path| path.file_name().and_then(|n| n.to_str()).is_some_and(is_electrode_file));
     let mut written = write_electrode_files(&mut folder, set, formats)?;
     folder.write("burn_table.csv", report.table.csv().as_bytes())?;
     folder.write("burn_table.json", report.table.json()?.as_bytes())?;
@@ -28,8 +35,8 @@ pub fn export_electrodes(
     }
     folder.write("electrodes.json", report.json()?.as_bytes())?;
     folder.write("report.html", report.html(pictures).as_bytes())?;
-    folder.publish()?;
-    Ok(written)
+    let published = folder.publish()?;
+    Ok((written, published))
 }
 
 #[cfg(test)]
@@ -54,17 +61,25 @@ mod tests {
         let out = folder.path().join("a/b");
         let set = set();
         let report = ElectrodesReport::of(&set, "shell", Opening::PlusZ);
-        let opened = ExportFolder::open(&out).unwrap();
+        std::fs::create_dir_all(&out).unwrap();
         std::fs::write(out.join("mine.txt"), "mine").unwrap();
+        std::fs::write(out.join("E04_finish_g0.05_Cu-soft_x1.stl"), "of an earlier plan").unwrap();
+        let opened = ExportFolder::open(&out, EXPORT).unwrap();
         std::fs::write(out.join("burn_table.csv"), "old").unwrap();
-        export_electrodes(opened, (&set, &report), &BurnSheet::standard(), &[], &[ElectrodeFormat::Stl]).unwrap();
+        let (_, published) =
+            export_electrodes(opened, (&set, &report), &BurnSheet::standard(), &[], &[ElectrodeFormat::Stl]).unwrap();
+        let renamed =
+            "E04_finish_g0.05_Cu-soft_x1.stl of an earlier export is now called E04_finish_g0.05_Cu-soft_x1.stl.old";
+        assert_eq!(published.notes(), [renamed]);
         let expected = [
             "E01_rough_g0.2_circular0.1_Cu-soft_x2.stl",
             "E02_finish_g0.05_Cu-soft_x1.stl",
+            "E04_finish_g0.05_Cu-soft_x1.stl.old",
             "burn_sheet.txt",
             "burn_table.csv",
             "burn_table.json",
             "electrodes.json",
+            "export_manifest.toml",
             "mine.txt",
             "report.html",
         ];
@@ -81,7 +96,7 @@ mod tests {
         broken.electrodes[1].mesh = Mesh::default();
         let report = ElectrodesReport::of(&broken, "shell", Opening::PlusZ);
         let tried = |set: &ElectrodeSet| {
-            let opened = ExportFolder::open(&out).unwrap();
+            let opened = ExportFolder::open(&out, EXPORT).unwrap();
             export_electrodes(opened, (set, &report), &BurnSheet::standard(), &[], &[ElectrodeFormat::Glb])
         };
         assert!(tried(&broken).unwrap_err().to_string().contains("E02-finish as glb"));

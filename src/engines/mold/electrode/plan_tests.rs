@@ -195,5 +195,5 @@ fn a_region_about_as_thin_as_the_tolerance_needs_no_electrode() {
     }
     let set = planned(&mold, &[bare], &asked);
     let trouble = set.regions[0].trouble.as_ref().unwrap();
-    assert!(trouble.contains("surface") && !trouble.contains("twice the gap"), "{trouble}");
+    assert!(trouble.contains("surface") && !trouble.contains("twice the spark gap"), "{trouble}");
 }

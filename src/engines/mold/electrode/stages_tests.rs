@@ -125,7 +125,7 @@ fn a_stage_that_is_too_thin_or_has_no_room_is_left_out_and_the_last_one_is_not()
     for (gap, why, is_close) in [
         (0.3, "thinner than the least size", false),
         (0.26, "thinner than the least size", true),
-        (0.45, "no room", false),
+        (0.45, "spark gap is too large", false),
     ] {
         let set = planned(&mold, std::slice::from_ref(&slot), &stages(gap, false));
         assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].trouble);

@@ -124,7 +124,7 @@ fn a_net_shape_is_said_and_keeps_what_it_is_to_be_milled_smaller_by() {
     assert_eq!((round.diameter_mm, round.text(" x ").as_str()), (Some(12.0), "round 12 x 25"));
     assert!(table.csv().contains(",net,"));
     let told = table.electrodes[0].warnings.join(" ");
-    assert!(told.contains("smaller than it by 0.3000 mm at walls and 0.2000 mm at floors"), "{told}");
+    assert!(told.contains("smaller by 0.3000 mm at the sides and 0.2000 mm at the bottom"), "{told}");
 }
 
 /// A point moved by a pose, as whoever reads the table moves it.

@@ -33,7 +33,7 @@ pub(super) fn leads(result: &FlankResult) -> FlankCheck {
         by_mm: depth_mm,
         point,
         text: format!(
-            "on the {name} {} go {depth_mm:.4} mm deep into a wall; allowed: {tolerance} mm{}; take another Aside or Retract \
+            "on the {name} {} go {depth_mm:.4} mm deep into a wall; allowed: {tolerance} mm{}; change lead-in or retract distance \
              (--aside, --retract), or move the walls away",
             part_name(part),
             of_stray(result)
@@ -71,7 +71,7 @@ fn own_on_leads(result: &FlankResult) -> Option<OnLead> {
     let (name, own) = own.max_by(|a, b| a.1.excess_mm().total_cmp(&b.1.excess_mm()))?;
     let text = format!(
         "on the {name} {} cut the surface itself {:.4} mm deep at u = {:.4}, v = {:.4}, where the end of the path cuts {:.4} mm; \
-         {tolerance} mm more are allowed; shorten Aside (--aside), or take a thinner cutter",
+         {tolerance} mm more are allowed; shorten the lead-in (--aside), or take a thinner cutter",
         part_name(own.part),
         own.depth_mm,
         own.u,

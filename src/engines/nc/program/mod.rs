@@ -4,6 +4,9 @@
 //! is a certified motion for that, and retracts along the same path. Every coordinate is the number of the path file, digit for digit. What is not verified, and so stands
 //! in the program's own comments: the way to the first position, and anything that a generator's servo adds.
 
+use std::io::Read as _;
+use std::path::Path;
+
 use serde::{Deserialize, Serialize};
 
 use super::approved::Approved;
@@ -19,6 +22,20 @@ use feed::quantise::{MM_DECIMALS, deg_text, floor_mm_text, mm_text};
 
 /// Digits of a digest that a program shows; `report.json` has them all.
 const DIGEST_DIGITS: usize = 16;
+
+/// How much of a file is looked at to see what it is (bytes).
+const HEAD_BYTES: u64 = 64 << 10;
+
+/// Whether a file begins as our programs for `what` do, as in `feed path path_`.
+pub fn is_program_for(file: &Path, what: &str) -> bool {
+    let mut head = Vec::new();
+    // Pipes and devices may never answer.
+    let is_read = file.is_file()
+        && std::fs::File::open(file).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head)).is_ok();
+    // Some controls have capitals alone.
+    let (text, what) = (String::from_utf8_lossy(&head).to_ascii_lowercase(), what.to_ascii_lowercase());
+    is_read && text.lines().any(|line| line.contains("sparkpath ") && line.contains(&format!(": {what}")))
+}
 
 /// Why no program could be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -12,7 +12,7 @@ use crate::workspaces::blisk::report::InputFile;
 use crate::workspaces::blisk::report::comparison::{Comparison, Run, RunElectrode, SCHEMA};
 use feed::genetic::ReductionMode;
 use feed::strategy::Strategy;
-use files::whole_file::write_atomically;
+use files::ExportFolder;
 use task::{Cancel, Progress};
 
 /// Plans every electrode of the job by each of `strategies` and shows `finished` each run as it ends. Electrodes are those
@@ -116,25 +116,14 @@ pub fn comparison(runs: Vec<Run>, job: &PlanJob, files: Vec<InputFile>) -> Compa
     }
 }
 
-/// Writes `comparison.json`, `comparison.csv` and `comparison.html` into `folder`: all of them under temporary names first,
-/// so that files of two comparisons hardly ever stand side by side. Answers their names.
+/// Writes `comparison.json`, `comparison.csv` and `comparison.html` into `folder`. Answers their names.
 ///
 /// # Errors
 /// [`PlanFilesError`] naming what cannot be written; when told to stop, before anything is.
 pub fn write(folder: &Path, comparison: &Comparison, cancel: &Cancel) -> Result<Vec<&'static str>, PlanFilesError> {
     let (json, csv, html) = (comparison.json()?, comparison.csv(), comparison.html());
     let files = [("comparison.json", json), ("comparison.csv", csv), ("comparison.html", html)];
-    let unusable = |source| PlanFilesError::Folder { path: folder.to_owned(), source };
     cancel.check()?;
-    std::fs::create_dir_all(folder).map_err(unusable)?;
-    let staging = tempfile::Builder::new().prefix(".sparkpath-").tempdir_in(folder).map_err(unusable)?;
-    for (name, text) in &files {
-        write_atomically(&staging.path().join(name), text.as_bytes())?;
-    }
-    cancel.check()?;
-    for (name, _) in &files {
-        let file = folder.join(name);
-        std::fs::rename(staging.path().join(name), &file).map_err(|source| PlanFilesError::Replace { file, source })?;
-    }
+    ExportFolder::write_all(folder, "compare", &files.each_ref().map(|(name, text)| (*name, text.as_bytes())))?;
     Ok(files.map(|(name, _)| name).to_vec())
 }

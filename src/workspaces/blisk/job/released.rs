@@ -29,7 +29,7 @@ pub struct Released {
 
 /// A plan that nobody can release: some path of it has no certificate that holds, or collides on the machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("only a plan with a certificate that holds can be released")]
+#[error("only a certified plan can be released")]
 pub struct NotReleased;
 
 impl Released {

@@ -74,7 +74,7 @@ impl SizeLimit {
                 format!("limited by electrode {electrode} of {n}, which enters from {side},")
             }
         };
-        format!("{who} at node {node}, {s_mm:.1} mm withdrawn, by the {surface}")
+        format!("{who} at node {node}, retract distance {s_mm:.1} mm, by the {surface}")
     }
 }
 

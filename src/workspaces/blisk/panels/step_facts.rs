@@ -274,16 +274,16 @@ fn export(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     if !released && desk.pipeline.finishing() == StageState::Running {
         let unless = if simulate::is_needed(desk.document.job()) { ", unless something collides" } else { "" };
         let text = format!(
-            "{}. The plan can be released once its copying motions and the stock left are known{unless}.",
+            "{}. The plan can be released once its copying motions and its residual stock are computed{unless}.",
             sentence(awaited(desk))
         );
         notice(ui, palette(ui).faint, &text);
     } else if !released && !desk.pipeline.can_release() {
         let collides = desk.pipeline.plan().and_then(|plan| plan.finishing()).is_some_and(|f| f.collision().is_some());
         let why = if collides {
-            "A plan on whose machine something collides cannot be released; Verify shows where."
+            "A plan with a collision on the machine cannot be released; step Verify shows where."
         } else {
-            "Only a plan with a certificate that holds, for the present parameters, can be released."
+            "Only a certified plan that is up to date can be released."
         };
         notice(ui, palette(ui).warning, why);
     }
@@ -296,7 +296,8 @@ fn export(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     });
     if released {
         ui.add_space(4.0);
-        notice(ui, palette(ui).good, "Released: this path. What changes the path withdraws it; feed and post do not.");
+        let text = "Released: this path. A change of the path withdraws the release; feed and post do not change it.";
+        notice(ui, palette(ui).good, text);
     }
     let Some(exported) = desk.pipeline.exported().cloned() else { return };
     ui.add_space(6.0);

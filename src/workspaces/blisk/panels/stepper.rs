@@ -175,7 +175,7 @@ fn word_of(state: Standing) -> &'static str {
         Standing::Missing => "",
         Standing::Working => "working",
         Standing::Done => "done",
-        Standing::Stale => "stale",
+        Standing::Stale => "out of date",
         Standing::Failed => "failed",
         Standing::Unsafe => "not safe",
         Standing::Unchecked => "unchecked",

@@ -136,7 +136,7 @@ fn smoothness(out: &mut String, found: &[Found], step: f64) {
 /// An overlay of all runs for each axis but X, which is the abscissa itself.
 fn plots(out: &mut String, found: &[Found]) {
     out.push_str(
-        "<h3>Axes against distance withdrawn <small>dots are search nodes; where there is no path they end at the jam; \
+        "<h3>Axes against retract distance <small>dots are search nodes; where there is no path they end at the jam; \
          feed runs from right to left</small></h3><p class=\"legend\">",
     );
     found.iter().for_each(|(strategy, _)| {

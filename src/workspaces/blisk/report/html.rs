@@ -164,7 +164,7 @@ fn key_figures(out: &mut String, e: &ElectrodeReport) {
 fn plots(out: &mut String, e: &ElectrodeReport, motion: &Motion) {
     let _ = write!(out, "<div class=\"plot\">{}</div>", clearance_plot(e, motion).svg());
     out.push_str(
-        "<h3>Axes against distance withdrawn <small>dots are search nodes; feed runs from right to left</small></h3>",
+        "<h3>Axes against retract distance <small>dots are search nodes; feed runs from right to left</small></h3>",
     );
     let nodes: Vec<f64> = e.nodes.iter().map(|n| n.s_mm).collect();
     for axis in moving_axes(motion) {

@@ -15,8 +15,6 @@ pub mod simulation;
 pub mod tables;
 pub mod verify;
 
-use std::path::Path;
-
 use serde::Serialize;
 
 use crate::workspaces::blisk::document::choice::MeshFrame;
@@ -26,7 +24,6 @@ use feed::certificate::{Certificate, Contact};
 use feed::path::PathRow;
 use feed::pose::{Axis, Pose};
 use feed::smoothness::AxisSmoothness;
-use files::whole_file::{WriteError, write_atomically};
 use geometry::frame::Frame;
 use nc::block_feed::Slowed;
 use wheel::channel::Channel;
@@ -38,8 +35,6 @@ pub const SCHEMA: u32 = 1;
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs)]
 pub enum ReportError {
-    #[error(transparent)]
-    Write(#[from] WriteError),
     #[error("the report cannot be put into JSON: {0}")]
     Json(#[from] serde_json::Error),
     #[error(transparent)]
@@ -460,15 +455,6 @@ impl Report {
     /// The report as one self-contained page.
     pub fn html(&self) -> String {
         html::page(self)
-    }
-
-    /// Writes `report.json` and `report.html` into `folder`.
-    ///
-    /// # Errors
-    /// [`ReportError`] naming the file.
-    pub fn write(&self, folder: &Path) -> Result<(), ReportError> {
-        write_atomically(&folder.join("report.json"), self.json()?.as_bytes())?;
-        Ok(write_atomically(&folder.join("report.html"), self.html().as_bytes())?)
     }
 }
 

@@ -120,7 +120,7 @@ pub(super) fn times(out: &mut String, times: &[StageTime]) {
 
 pub(super) fn failure(out: &mut String, failure: &Failure) {
     let _ = write!(out, "<div class=\"jam\"><p>{}</p>", escape(&failure.sentence));
-    let at = format!("node {}, {} mm withdrawn", failure.node, number(failure.s_mm, 2));
+    let at = format!("node {}, retract distance {} mm", failure.node, number(failure.s_mm, 2));
     let mut rows = vec![row("Fails at", at)];
     rows.extend(failure.wall.iter().map(|wall| row("Blocked by", escape(wall))));
     rows.extend(failure.place.iter().map(|&place| row("Place in W, mm", point(place))));

@@ -121,7 +121,7 @@ const LABELS: [(&str, &str); 20] = [
     ("retract_mm", "Retract distance"),
 ];
 
-/// What is wrong with a value, in the words of the form: `Below (below_mm) is -1: ...`.
+/// What is wrong with a value, in the words of the form: `Extend below (below_mm) is -1: ...`.
 pub fn labelled(why: &str) -> String {
     // Of a value it is said what it is.
     let found = LABELS.iter().find_map(|(key, label)| {
@@ -407,7 +407,7 @@ mod tests {
     #[test]
     fn what_is_wrong_is_said_in_the_words_of_the_form() {
         for (why, said) in [
-            ("plan: below_mm is -1: it must be", "plan: Below (below_mm) is -1: it must be"),
+            ("plan: below_mm is -1: it must be", "plan: Extend below (below_mm) is -1: it must be"),
             ("Cutter length_mm is -3; give", "Flutes (cutter length_mm) is -3; give"),
             ("Undercut_tolerance_mm is 9", "Undercut to (undercut_tolerance_mm) is 9"),
             ("gauge_length_mm is 1 and below_mm matters", "gauge_length_mm is 1 and below_mm matters"),

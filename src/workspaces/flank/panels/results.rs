@@ -75,7 +75,7 @@ const FIGURES: [Figure; 5] = [
 fn figures(ui: &mut Ui, desk: &mut FlankDesk, planned: &Planned) {
     let plan = &planned.result.plan;
     let [nu, nv] = plan.initial.deviation.counted_grid();
-    let text = format!("mm, over {nu} × {nv} places of the surface");
+    let text = format!("mm, over {nu} × {nv} samples");
     ui.label(RichText::new(text).small().color(palette(ui).faint));
     let paths = PathChoice::ALL.map(|choice| path_of(plan, choice));
     Grid::new("flank figures").num_columns(4).striped(true).spacing([8.0, 2.0]).min_col_width(40.0).show(ui, |ui| {

@@ -14,12 +14,11 @@ use task::{Doing, Lane, Memo, Priority, Scheduler, State};
 
 use stamps::Stamp;
 
-use crate::workspaces::blisk::pipeline::EventKind;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, MeshFlank, WallsFile};
 use crate::workspaces::flank::export;
 pub use crate::workspaces::flank::export::{ExportChoice, WrittenFlank};
 use crate::workspaces::flank::inputs::{FromFile, walls_unit};
-use crate::workspaces::news::WorkEvent;
+use crate::workspaces::news::{EventKind, WorkEvent};
 pub use curves::{AxisCurve, MachineCurves, Profile};
 use import::Unit;
 use nc::flank_job::{FlankResult, LoadedSurface};

@@ -92,7 +92,7 @@ pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
 /// Says in a word that what is shown is not of the present question.
 pub(super) fn stale(ui: &mut Ui, desk: &MoldDesk) {
     if let Some(others) = desk.found_of_others() {
-        let text = RichText::new("stale").color(palette(ui).warning);
+        let text = RichText::new("out of date").color(palette(ui).warning);
         ui.label(text).on_hover_text(format!("{others}: these figures are out of date"));
     }
 }

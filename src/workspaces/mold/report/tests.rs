@@ -10,8 +10,8 @@ fn the_sentence_names_what_is_blocked_overridden_and_not_burned() {
     let report = report();
     for words in [
         "3 electrodes with 4 burns for 3 regions: 38 minutes.",
-        "fails: E03.",
-        "fails: E02-finish.",
+        "Blocked by a failed check: E03.",
+        "Released despite a failed check: E02-finish.",
         "enough: E02-finish.",
         "wholly: 3.",
     ] {

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use super::{Designed, LoadedMold};
 use crate::workspaces::blisk::scene::pictures::PICTURE_SIZE;
-use crate::workspaces::mold::export::export_electrodes;
+use crate::workspaces::mold::export::{EXPORT, export_electrodes};
 use crate::workspaces::mold::report::ElectrodesReport;
 use crate::workspaces::mold::scene::pictures::electrode_pictures;
-use files::old_export_folder::ExportFolder;
+use files::ExportFolder;
 use mold::electrode::design::ElectrodeSet;
 use mold::electrode::overrides::IdleOverride;
 use nc::burn_template::BurnSheet;
@@ -21,8 +21,8 @@ pub struct Exported {
     folder: PathBuf,
     files: usize,
     left_out: Vec<LeftOut>,
-    /// How many electrode files of earlier exports are still there.
-    stale: usize,
+    /// What became of files of earlier exports, in words.
+    former: Vec<String>,
     /// Overrides for what electrodes of their names no longer burn, in words.
     lapsed: Vec<String>,
     /// Why there is no burn sheet.
@@ -39,13 +39,8 @@ impl Exported {
         for left in &self.left_out {
             text += &format!("; {} left out ({})", left.electrode, left.why);
         }
-        match self.stale {
-            0 => {}
-            1 => text += "; 1 electrode file of an earlier export remains in the folder",
-            stale => text += &format!("; {stale} electrode files of earlier exports remain in the folder"),
-        }
-        for lapsed in &self.lapsed {
-            text += &format!("; {lapsed}");
+        for note in self.former.iter().chain(&self.lapsed) {
+            text += &format!("; {note}");
         }
         if let Some(why) = &self.no_sheet {
             text += &format!("; no burn sheet: {why}");
@@ -69,7 +64,7 @@ pub(super) fn export(
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<Exported, String> {
-    let opened = ExportFolder::open(folder).map_err(|e| e.to_string())?;
+    let opened = ExportFolder::open(folder, EXPORT).map_err(|e| e.to_string())?;
     let (pictures, no_pictures) = match draw(set, designed, mold, progress, cancel) {
         Ok(pictures) => (pictures, None),
         Err(RenderError::Cancelled(cancelled)) => return Err(cancelled.to_string()),
@@ -77,14 +72,15 @@ pub(super) fn export(
     };
     let report = ElectrodesReport::of(set, name, designed.opening);
     cancel.check().map_err(|e| e.to_string())?;
-    let written = export_electrodes(opened, (set, &report), sheet, &pictures, formats).map_err(|e| e.to_string())?;
+    let (written, published) =
+        export_electrodes(opened, (set, &report), sheet, &pictures, formats).map_err(|e| e.to_string())?;
     let lapsed = set.idle_overrides().into_iter().filter(|(_, why)| *why == IdleOverride::OtherParts);
     let lapsed = lapsed.map(|(o, why)| format!("override of {o}: {}", why.text())).collect();
     Ok(Exported {
         lapsed,
         folder: folder.to_owned(),
         files: written.files.len(),
-        stale: written.stale.len(),
+        former: published.notes(),
         left_out: written.left_out,
         no_sheet: written.no_sheet,
         no_pictures,

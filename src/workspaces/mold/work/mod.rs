@@ -9,13 +9,10 @@ mod steps;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use task::{Doing, Lane, Memo, Priority, Scheduler, State};
-
-use crate::workspaces::blisk::pipeline::EventKind;
 use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::job::compare::Comparison;
 use crate::workspaces::mold::job::uncut::UncutParams;
-use crate::workspaces::news::WorkEvent;
+use crate::workspaces::news::{EventKind, WorkEvent};
 pub use design::Designed;
 use electrode_export::{Exported, export};
 pub use glance::Glance;
@@ -26,6 +23,7 @@ use mold::electrode::params::ElectrodeParams;
 use nc::burn_template::BurnSheet;
 use nc::electrode_files::ElectrodeFormat;
 pub use steps::{FoundUncut, LoadedMold};
+use task::{Doing, Lane, Memo, Priority, Scheduler, State};
 
 /// What a mesh is read from: the file, its unit, how often it was asked for.
 type MeshKey = (PathBuf, Units, u64);

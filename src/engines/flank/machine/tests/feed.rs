@@ -5,13 +5,8 @@ use crate::machine::joint_feed::{Contact, Feeds, least_minutes, paces};
 
 #[test]
 fn no_axis_exceeds_its_speed_and_no_contact_the_feed() {
-    for mut machine in machines() {
+    for mut machine in machines_with_free_heads() {
         machine.rotary.iter_mut().for_each(|r| r.speed_deg_min = 400.0);
-        machine
-            .rotary
-            .iter_mut()
-            .filter(|r| r.carried_by == CarriedBy::Head)
-            .for_each(|r| r.limits_deg = Some([-200.0, 200.0]));
         let k = machine.kinematics().unwrap();
         let params = LinearisationParams::default();
         let path = ToolPath::new(passing(0.5), &points(21)).unwrap();

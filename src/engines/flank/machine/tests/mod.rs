@@ -15,6 +15,15 @@ use task::Cancel;
 mod feed;
 mod pole;
 
+/// The machines with heads that tilt both ways.
+fn machines_with_free_heads() -> Vec<MillingMachine> {
+    let mut machines = machines();
+    for rotary in machines.iter_mut().flat_map(|m| &mut m.rotary).filter(|r| r.carried_by == CarriedBy::Head) {
+        rotary.limits_deg = Some([-200.0, 200.0]);
+    }
+    machines
+}
+
 pub(crate) fn machines() -> Vec<MillingMachine> {
     #[derive(serde::Deserialize)]
     struct Library {

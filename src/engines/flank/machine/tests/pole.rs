@@ -5,14 +5,7 @@ use crate::machine::singular::Passage;
 
 #[test]
 fn the_pole_is_passed_and_said() {
-    for machine in machines() {
-        // The heads tilt both ways here.
-        let mut machine = machine;
-        machine
-            .rotary
-            .iter_mut()
-            .filter(|r| r.carried_by == CarriedBy::Head)
-            .for_each(|r| r.limits_deg = Some([-200.0, 200.0]));
+    for machine in machines_with_free_heads() {
         let k = machine.kinematics().unwrap();
         let params = LinearisationParams::default();
         for (off_deg, n) in [(0.0, 5), (0.0, 6), (1e-4, 6), (0.05, 6), (0.5, 6), (1.5, 40)] {

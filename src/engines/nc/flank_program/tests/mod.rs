@@ -150,6 +150,17 @@ fn off_curve(points: &[DVec3], p: DVec3) -> f64 {
     points.windows(2).map(piece).fold(f64::INFINITY, f64::min)
 }
 
+/// A job without contact, notes and warnings.
+fn bare_job<'a>(
+    machine: &'a Kinematics,
+    path: &'a ToolPath<'a>,
+    line: &'a MachinePath,
+    params: &'a LinearisationParams,
+) -> FlankNcJob<'a> {
+    let (program, cutter) = ("p", "");
+    FlankNcJob { program, cutter, machine, path, line, params, contact: None, notes: &[], warnings: &[] }
+}
+
 #[test]
 fn a_program_read_back_follows_the_path_on_every_machine() {
     let path = path();
@@ -207,17 +218,7 @@ fn short_blocks_take_the_time_that_is_said() {
     let path = path();
     let params = LinearisationParams { linearisation_mm: 1e-4, reach_mm: REACH, ..LinearisationParams::default() };
     let line = linearise(&k, &path, &params, &Cancel::default()).unwrap();
-    let job = FlankNcJob {
-        program: "p",
-        cutter: "",
-        machine: &k,
-        path: &path,
-        line: &line,
-        params: &params,
-        contact: None,
-        notes: &[],
-        warnings: &[],
-    };
+    let job = bare_job(&k, &path, &line, &params);
     let settings = FlankNcSettings { feed_mm_per_min: 20_000.0, lead_mm_per_min: 20_000.0, ..Default::default() };
     let post = milling_post("milling").unwrap();
     let nc = FlankNc::of(&job, &post, &settings).unwrap();
@@ -380,17 +381,7 @@ fn a_real_flank_that_leans_to_both_sides_of_the_pole_is_followed_on_every_machin
         assert!((passage.least_deg - 1.8819).abs() < 1e-3 && passage.axis == 'C');
         let Passage::Swung { by_deg, .. } = passage.passage else { panic!("{passage}") };
         assert!((100.0..180.0).contains(&by_deg), "{by_deg}");
-        let job = FlankNcJob {
-            program: "a",
-            cutter: "cone",
-            machine: &k,
-            path: &path,
-            line: &line,
-            params: &params,
-            contact: None,
-            notes: &[],
-            warnings: &[],
-        };
+        let job = bare_job(&k, &path, &line, &params);
         let nc = FlankNc::of(&job, &milling_post("milling").unwrap(), &FlankNcSettings::default()).unwrap();
         // 40 mm at 500 mm/min, more where an axis is too slow.
         assert!((0.08..0.5).contains(&nc.minutes), "{}", nc.minutes);

@@ -56,17 +56,7 @@ fn a_post_without_words_for_the_tip_is_refused_one() {
     ] {
         let params = LinearisationParams { interpolation: tip_control.interpolation(), ..Default::default() };
         let line = linearise(&k, &path, &params, &Cancel::default()).unwrap();
-        let job = FlankNcJob {
-            program: "p",
-            cutter: "",
-            machine: &k,
-            path: &path,
-            line: &line,
-            params: &params,
-            contact: None,
-            notes: &[],
-            warnings: &[],
-        };
+        let job = bare_job(&k, &path, &line, &params);
         let settings = FlankNcSettings { tip_control, ..FlankNcSettings::default() };
         let error = FlankNc::of(&job, &post, &settings).unwrap_err();
         assert_eq!(error, NcError::NoTipControl { wanted });
@@ -96,17 +86,7 @@ fn a_control_that_follows_the_tip_gets_tip_and_turn() {
     // Positions that were measured for another kind of motion are refused.
     let job_params = LinearisationParams::default();
     let line = linearise(&k, &path, &job_params, &Cancel::default()).unwrap();
-    let job = FlankNcJob {
-        program: "p",
-        cutter: "",
-        machine: &k,
-        path: &path,
-        line: &line,
-        params: &job_params,
-        contact: None,
-        notes: &[],
-        warnings: &[],
-    };
+    let job = bare_job(&k, &path, &line, &job_params);
     let settings = FlankNcSettings { tip_control: TipControl::Angles, ..FlankNcSettings::default() };
     assert!(FlankNc::of(&job, &post, &settings).unwrap_err().to_string().contains("tip_control"));
 }

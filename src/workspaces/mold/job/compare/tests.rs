@@ -48,7 +48,7 @@ fn a_smaller_flat_cutter_takes_part_of_every_corner() {
         assert!(is_close(taken.plan_area, 0.75 * CORNER, 0.06), "{taken:?}");
         assert!((taken.depth - DEPTH).abs() < 1e-4 && (taken.thickness - DEPTH).abs() < 1e-3, "{taken:?}");
     }
-    assert!(found.sentence().contains("By heights 0.0400 mm apart: in 4 places"), "{}", found.sentence());
+    assert!(found.sentence().contains("By height map, step 0.0400 mm: in 4 places"), "{}", found.sentence());
 }
 
 #[test]
@@ -61,7 +61,7 @@ fn a_rounded_cutter_that_cuts_nothing_more_changes_nothing() {
     assert!(is_close(found.volumes[0], 4.0 * CORNER * DEPTH, 0.03), "{found:?}");
     assert!(found.taken.is_empty() && found.added.is_empty() && found.vanishing() == 0 && found.new_regions == 0);
     assert!(found.remains.iter().all(|remains| is_close(*remains, CORNER * DEPTH, 1e-3)), "{:?}", found.remains);
-    assert!(found.sentence().contains("Nowhere do they differ"), "{}", found.sentence());
+    assert!(found.sentence().contains("They differ nowhere"), "{}", found.sentence());
 }
 
 #[test]
@@ -89,7 +89,7 @@ fn regions_vanish_are_new_or_merge() {
     let (small, own, wide) = ([Cutter::flat(0.1)], [Cutter::flat(1.0)], [Cutter::flat(2.5)]);
     let gone = compared(&own, &small);
     assert!(gone.vanishing() == 4 && gone.vanishes(3) && gone.taken.len() == 4 && gone.volumes[1] == 0.0, "{gone:?}");
-    assert!(gone.sentence().contains("; 4 regions vanish. By heights"), "{}", gone.sentence());
+    assert!(gone.sentence().contains("; 4 regions vanish. By height map"), "{}", gone.sentence());
     let new = compared(&small, &own);
     assert!(new.new_regions == 4 && new.added.len() == 4 && new.added.iter().all(|d| d.region.is_none()), "{new:?}");
     assert!(new.sentence().contains("more than 0.000 mm³") && new.sentence().contains("4 regions are new"));

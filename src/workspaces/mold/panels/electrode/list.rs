@@ -32,7 +32,7 @@ pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
         ui.strong("Electrodes");
         ui.label(RichText::new(made.set.electrodes.len().to_string()).color(palette(ui).faint));
         if is_stale {
-            let text = RichText::new("stale").color(palette(ui).warning);
+            let text = RichText::new("out of date").color(palette(ui).warning);
             ui.label(text).on_hover_text("Out of date");
         }
         stages(ui, desk, &made);
