@@ -185,4 +185,23 @@ mod tests {
         assert_eq!(grouped(1_234_567), "1 234 567");
         assert_eq!(grouped(12), "12");
     }
+
+    #[test]
+    fn a_comma_is_a_point_and_words_are_no_number() {
+        for (text, number) in
+            [("1,3", Some(1.3)), (" 0.25 ", Some(0.25)), ("\u{2212}2", Some(-2.0)), ("1e-3", Some(0.001))]
+        {
+            assert_eq!(parsed(text), number, "{text}");
+        }
+        for text in ["abc", "", "1,234.5", "inf", "1e999"] {
+            assert_eq!(parsed(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn no_number_is_too_long_for_its_field() {
+        for number in [1e9, -1e300, 123456.0, 0.000123] {
+            assert!(short(number, 3..=6).len() <= 11, "{}", short(number, 3..=6));
+        }
+    }
 }

@@ -36,3 +36,20 @@ pub fn round_steps(input: GridInput, count: f64) -> Vec<GridMark> {
     let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
     (first..=last).map(|i| GridMark { value: i as f64 * step, step_size: step }).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_stand_at_round_values_and_say_them_in_full() {
+        let texts = |low: f64, high: f64, count| {
+            let input = GridInput { bounds: (low, high), base_step_size: 1.0 };
+            round_steps(input, count).into_iter().map(round_text).collect::<Vec<_>>()
+        };
+        assert_eq!(texts(-0.1, 4.4, 10.0), ["0.0", "0.5", "1.0", "1.5", "2.0", "2.5", "3.0", "3.5", "4.0"]);
+        assert_eq!(texts(0.0, 29.0, 10.0), ["0", "5", "10", "15", "20", "25"]);
+        assert_eq!(texts(-0.02, 0.021, 4.0), ["-0.02", "0.00", "0.02"]);
+        assert!(texts(1.0, 1.0, 4.0).is_empty() && texts(f64::NAN, 1.0, 4.0).is_empty());
+    }
+}

@@ -4,7 +4,7 @@ use crate::workspaces::blisk::commands::BliskCommand;
 use crate::workspaces::blisk::desk::BliskDesk;
 use crate::workspaces::commands::{CommandSet, FrameCommand};
 use crate::workspaces::context::Context;
-use egui::{Align2, Color32, FontId, Rect, RichText, Role, Sense, Ui, UiBuilder, WidgetInfo, pos2, vec2};
+use egui::{Color32, FontId, Rect, RichText, Role, Sense, Ui, UiBuilder, WidgetInfo, vec2};
 use glam::DVec3;
 
 use super::view::{BliskView, Probe};

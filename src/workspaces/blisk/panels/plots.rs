@@ -6,7 +6,7 @@ use crate::workspaces::blisk::desk::BliskDesk;
 use std::sync::Arc;
 
 use egui::{Color32, RichText, Ui, Vec2b};
-use egui_plot::{GridInput, GridMark, HLine, Line, LineStyle, Plot, PlotPoint, PlotPoints, VLine};
+use egui_plot::{HLine, Line, LineStyle, Plot, PlotPoint, PlotPoints, VLine};
 
 use super::kept_runs::KeptRun;
 use crate::widgets::theme::palette;
@@ -294,21 +294,4 @@ fn nothing(ui: &mut Ui, desk: &BliskDesk) -> bool {
 
 fn says(ui: &mut Ui, text: &str) {
     ui.centered_and_justified(|ui| ui.add(egui::Label::new(RichText::new(text).color(palette(ui).faint)).wrap()));
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lines_stand_at_round_values_and_say_them_in_full() {
-        let texts = |low: f64, high: f64, count| {
-            let input = GridInput { bounds: (low, high), base_step_size: 1.0 };
-            round_steps(input, count).into_iter().map(round_text).collect::<Vec<_>>()
-        };
-        assert_eq!(texts(-0.1, 4.4, 10.0), ["0.0", "0.5", "1.0", "1.5", "2.0", "2.5", "3.0", "3.5", "4.0"]);
-        assert_eq!(texts(0.0, 29.0, 10.0), ["0", "5", "10", "15", "20", "25"]);
-        assert_eq!(texts(-0.02, 0.021, 4.0), ["-0.02", "0.00", "0.02"]);
-        assert!(texts(1.0, 1.0, 4.0).is_empty() && texts(f64::NAN, 1.0, 4.0).is_empty());
-    }
 }
