@@ -12,6 +12,7 @@ use egui_kittest::Harness;
 use sparkpath::shell::run::{Opening, SparkpathApp};
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use sparkpath::workspaces::blisk::pipeline::StageState;
+use sparkpath::workspaces::blisk::{BliskDesk, BliskWorkspace};
 
 type Window = Harness<'static, SparkpathApp>;
 
@@ -20,7 +21,7 @@ fn window() -> Window {
         .with_size(vec2(1440.0, 900.0))
         .wgpu()
         .build_eframe(|cc| SparkpathApp::new(cc, &Opening::Demonstration, None).expect("a graphics driver"));
-    while window.state().core().pipeline.state(Stage::Plan) != StageState::Done {
+    while desk(&window).pipeline.state(Stage::Plan) != StageState::Done {
         window.step();
         std::thread::sleep(Duration::from_millis(5));
     }
@@ -28,23 +29,31 @@ fn window() -> Window {
     window
 }
 
+fn desk(window: &Window) -> &BliskDesk {
+    &window.state().workspace::<BliskWorkspace>().expect("the workspace of blisks").desk
+}
+
+fn desk_mut(window: &mut Window) -> &mut BliskDesk {
+    &mut window.state_mut().workspace_mut::<BliskWorkspace>().expect("the workspace of blisks").desk
+}
+
 /// Starts a plan of the demonstration with a seed of its own, so that none is like another.
 fn start_plan(window: &mut Window, seed: u64) {
-    let core = window.state_mut().core_mut();
+    let core = desk_mut(window);
     let mut job = core.document.job().clone();
     job.genetic.seed = seed;
     core.edit("Seed", job, false);
     // The frame in which the window takes note of it.
     window.step();
-    while !window.state().core().can_plan() {
+    while !desk(window).can_plan() {
         window.step();
         std::thread::sleep(Duration::from_millis(5));
     }
-    window.state_mut().core_mut().pipeline.start_plan().expect("the electrode is made");
+    desk_mut(window).pipeline.start_plan().expect("the electrode is made");
 }
 
 fn is_planning(window: &Window) -> bool {
-    window.state().core().pipeline.state(Stage::Plan) == StageState::Running
+    desk(window).pipeline.state(Stage::Plan) == StageState::Running
 }
 
 /// Lays out one frame and answers what the window itself took for it.
@@ -64,10 +73,10 @@ fn frames(criterion: &mut Criterion) {
     group.bench_function("frame, cursor moves along the path", |b| {
         b.iter_custom(|n| {
             let mut window = window.borrow_mut();
-            let length = window.state().core().track().length();
+            let length = desk(&window).track().length();
             let mut total = Duration::ZERO;
             for i in 0..n {
-                window.state_mut().core_mut().go_to(length * (i % 50) as f64 / 50.0);
+                desk_mut(&mut window).go_to(length * (i % 50) as f64 / 50.0);
                 total += frame(&mut window);
             }
             total

@@ -4,7 +4,10 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process;
 
-use sparkpath::shell::commands::Command;
+use sparkpath::workspaces::blisk::commands::BliskCommand;
+use sparkpath::workspaces::commands::{CommandSet as _, FrameCommand};
+use sparkpath::workspaces::flank::commands::FlankCommand;
+use sparkpath::workspaces::mold::commands::MoldCommand;
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -81,15 +84,16 @@ fn every_option_of_every_command_is_in_the_manual() {
 #[test]
 fn every_command_of_the_window_is_in_the_manual() {
     let page = read(&root().join("docs/book/src/keys.md"));
-    for command in Command::all() {
-        let name = command.name();
-        // Views, steps and workspaces share a line.
-        let word = match command {
-            Command::View(_) | Command::Step(_) => name.rsplit(' ').next().unwrap().to_owned(),
-            Command::FoldPanel | Command::FoldList => name.rsplit("on the").next().unwrap().to_owned(),
+    let own = [BliskCommand::all(), MoldCommand::all(), FlankCommand::all()].concat();
+    for command in FrameCommand::all().into_iter().chain(own) {
+        let name = command.info.name;
+        // Views, steps and panels that fold share a line.
+        let word = match name {
+            _ if name.starts_with("View ") || name.starts_with("Step ") => name.rsplit(' ').next().unwrap(),
+            _ if name.contains("fold the panel") => name.rsplit("on the").next().unwrap(),
             _ => name,
         };
-        assert!(page.contains(&word), "{word}");
+        assert!(page.contains(word), "{word}");
     }
 }
 

@@ -14,6 +14,8 @@ mod exporting;
 mod failures;
 #[path = "window/flank.rs"]
 mod flank;
+#[path = "window/fourth.rs"]
+mod fourth;
 #[path = "window/journey.rs"]
 mod journey;
 #[path = "window/keeping.rs"]

@@ -1,15 +1,17 @@
 //! `sparkpath flank --electrode`: an electrode of a mold, of a job or of a folder with exported ones.
 
+use crate::workspaces::flank::electrode_part::fit_of;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
 use super::Session;
+use crate::workspaces::blisk::document::choice::MeshFrame;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::job::stages;
 use crate::workspaces::flank::document::kept_mesh::KeptMesh;
 use crate::workspaces::flank::document::{FlankSource, MeshFlank};
-use crate::workspaces::flank::electrode_part::{FlankElectrode, UP_OF_MOLDS};
+use crate::workspaces::message::{ElectrodePart, UP_OF_MOLDS};
 use crate::workspaces::mold::document::mold_file::{is_mold_file, read_mold};
 use crate::workspaces::mold::document::part_of;
 use crate::workspaces::mold::job::electrodes::electrodes;
@@ -67,10 +69,10 @@ pub(super) fn find(name: &str, of: &Path, session: &Session) -> anyhow::Result<F
     }
 }
 
-fn kept(electrode: FlankElectrode) -> anyhow::Result<FoundElectrode> {
-    let FlankElectrode { name, of, mesh, is_upside_down, .. } = &electrode;
+fn kept(electrode: ElectrodePart) -> anyhow::Result<FoundElectrode> {
+    let ElectrodePart { name, of, mesh, is_upside_down, .. } = &electrode;
     let source = MeshFlank {
-        fit: electrode.fit(),
+        fit: fit_of(&electrode),
         kept: Some(KeptMesh::new(name, of, mesh).map_err(anyhow::Error::msg)?),
         ..MeshFlank::default()
     };
@@ -78,7 +80,7 @@ fn kept(electrode: FlankElectrode) -> anyhow::Result<FoundElectrode> {
 }
 
 /// One that is designed for a mold as its file asks.
-fn of_mold(name: &str, file: &Path, session: &Session) -> anyhow::Result<FlankElectrode> {
+fn of_mold(name: &str, file: &Path, session: &Session) -> anyhow::Result<ElectrodePart> {
     let asked = read_mold(file)?;
     let Some(mesh) = &asked.mesh else { anyhow::bail!("{}: it names no mesh; choose one and save it", file.display()) };
     let imported = session.import(mesh, asked.units)?;
@@ -94,11 +96,11 @@ fn of_mold(name: &str, file: &Path, session: &Session) -> anyhow::Result<FlankEl
     let set = electrodes(&mold, &left, &asked.electrodes, progress, cancel).map_err(|e| wrong(e.to_string()))?;
     let found = set.electrodes.iter().find(|e| e.name == name);
     let names = || set.electrodes.iter().map(|e| e.name.clone()).collect();
-    Ok(FlankElectrode::of_mold(found.ok_or_else(|| unknown(name, file, names()))?, &asked.name()))
+    Ok(ElectrodePart::of_mold(found.ok_or_else(|| unknown(name, file, names()))?, &asked.name()))
 }
 
 /// One that is made for the channel of a job's blisk, by its number: 1, 2 and so on.
-fn of_job(name: &str, file: &Path, session: &Session) -> anyhow::Result<FlankElectrode> {
+fn of_job(name: &str, file: &Path, session: &Session) -> anyhow::Result<ElectrodePart> {
     let job = PlanJob::read(file)?;
     job.validate().map_err(|e| anyhow::anyhow!("{}: {e}", file.display()))?;
     if job.blisk.mesh.is_none() {
@@ -111,8 +113,8 @@ fn of_job(name: &str, file: &Path, session: &Session) -> anyhow::Result<FlankEle
     let found = name.parse::<usize>().ok().and_then(|n| Some((n, made.electrodes.get(n.checked_sub(1)?)?)));
     let names = || (1..=made.electrodes.len()).map(|n| n.to_string()).collect();
     let (number, electrode) = found.ok_or_else(|| unknown(name, file, names()))?;
-    let frame = (&channel.channel.frame, job.export.frame);
-    Ok(FlankElectrode::of_blisk(electrode, (number, &part.name), frame))
+    let frame = (job.export.frame == MeshFrame::Mesh).then_some(&channel.channel.frame);
+    Ok(ElectrodePart::of_blisk(electrode, (number, &part.name), frame))
 }
 
 /// The file of one that was exported.

@@ -349,7 +349,7 @@ fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> 
             if let Some(file) = mesh.as_ref().filter(|f| !f.exists()) {
                 anyhow::bail!("{}: there is no file of that name", file.display());
             }
-            run_window(Opening::Mold(mesh.clone())).map(|()| Answer::Yes).map_err(anyhow::Error::msg)
+            run_window(Opening::In("mold", mesh.clone())).map(|()| Answer::Yes).map_err(anyhow::Error::msg)
         }
         Command::Verify(arguments) => verify::verify(arguments, session),
         Command::Render(arguments) => render::render(arguments, session),

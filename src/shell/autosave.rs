@@ -1,110 +1,51 @@
 //! Unsaved work, kept in a folder of the program's own while there is any, so that it survives a kill.
 //!
-//! Each running program writes `<process>.sparkpath`, `.sparkmold` and `.sparkflank` beside `<process>.lock`, on which it holds
-//! a lock as long as it lives. A copy whose lock can be taken was left by a program that did not end properly.
+//! Each running program writes `<process>.<ending>` for each workspace, such as `.sparkpath`, beside `<process>.lock`, on
+//! which it holds a lock as long as it lives. A copy whose lock can be taken was left by a program that did not end
+//! properly.
 
+use std::any::Any;
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::workspaces::blisk::document::Document;
-use crate::workspaces::blisk::document::project_file::ProjectFile;
-use crate::workspaces::flank::document::FlankDocument;
-use crate::workspaces::flank::document::flank_file::{is_flank_file, read_flank, write_flank};
-use crate::workspaces::mold::document::MoldParams;
-use crate::workspaces::mold::document::mold_file::{is_mold_file, read_mold, write_mold};
-use files::Validate;
+use crate::workspaces::workspace::Workspace;
 use files::atomic::atomic_write;
 
-/// How the names of copies end, in the order of [`CopyKind`].
-const COPIES: [&str; 3] = ["sparkpath", "sparkmold", "sparkflank"];
-
-/// What a copy is of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CopyKind {
-    /// A blisk's document.
-    Blisk,
-    /// A mold.
-    Mold,
-    /// A flank.
-    Flank,
-}
-
-impl CopyKind {
-    fn of(copy: &Path) -> Self {
-        if is_mold_file(copy) {
-            Self::Mold
-        } else if is_flank_file(copy) {
-            Self::Flank
-        } else {
-            Self::Blisk
-        }
-    }
-}
-
 /// Keeps the copies of one running program.
-#[derive(Debug)]
 pub struct Autosave {
-    blisk: Kept<ProjectFile>,
-    mold: Kept<MoldParams>,
-    flank: Kept<FlankDocument>,
+    /// One for each workspace.
+    copies: Vec<Copy>,
     lock_path: PathBuf,
     _lock: File,
 }
 
-/// One copy, and what it holds.
-#[derive(Debug)]
-struct Kept<T> {
-    copy: PathBuf,
-    written: Option<T>,
+/// The copy of one document, and what it holds.
+struct Copy {
+    path: PathBuf,
+    written: Option<Box<dyn Any>>,
 }
 
-impl<T: PartialEq> Kept<T> {
-    /// Makes the copy hold `work`, which was to be saved as `file`; `write` writes it.
-    fn update(
-        &mut self,
-        work: T,
-        file: Option<&Path>,
-        write: impl Fn(&T, &Path) -> Result<(), String>,
-    ) -> Result<(), String> {
-        if self.written.as_ref() == Some(&work) {
-            return Ok(());
-        }
-        let note = Note { file: file.map(Path::to_owned) };
-        // A copy is worth having without its note, which only says where it belongs.
-        let _ = serde_json::to_vec(&note).map(|bytes| atomic_write(&note_of(&self.copy), |out| out.write_all(&bytes)));
-        write(&work, &self.copy)?;
-        self.written = Some(work);
-        Ok(())
-    }
-
+impl Copy {
     fn discard(&mut self) {
         if self.written.take().is_some() {
-            let _ = std::fs::remove_file(&self.copy);
-            let _ = std::fs::remove_file(note_of(&self.copy));
+            let _ = std::fs::remove_file(&self.path);
+            let _ = std::fs::remove_file(note_of(&self.path));
         }
     }
-}
-
-/// What an earlier program left behind.
-#[derive(Debug, Clone)]
-pub enum Recovered {
-    /// A blisk's document.
-    Blisk(Box<Document>),
-    /// A mold, and the file that it was to be saved in if it had one.
-    Mold(Box<MoldParams>, Option<PathBuf>),
-    /// A flank, likewise.
-    Flank(Box<FlankDocument>, Option<PathBuf>),
 }
 
 /// A copy that an earlier program left behind.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Recovery {
-    copy: PathBuf,
+    /// The copy.
+    pub copy: PathBuf,
     note: PathBuf,
     lock: PathBuf,
-    /// The project file it was to be saved in, if it had one.
+    /// The number of the workspace whose document it is.
+    pub workspace: usize,
+    /// The file it was to be saved in, if it had one.
     pub file: Option<PathBuf>,
     /// What to call its part, if it has one that can be told.
     pub part: Option<String>,
@@ -114,121 +55,98 @@ pub struct Recovery {
 #[derive(Debug, Default, Serialize, Deserialize)]
 struct Note {
     file: Option<PathBuf>,
+    #[serde(default)]
+    part: Option<String>,
 }
 
 fn note_of(copy: &Path) -> PathBuf {
-    copy.with_extension(match CopyKind::of(copy) {
-        CopyKind::Blisk => "note",
-        CopyKind::Mold => "mold-note",
-        CopyKind::Flank => "flank-note",
-    })
+    let ending = copy.extension().unwrap_or_default().to_string_lossy().into_owned();
+    copy.with_extension(format!("{ending}-note"))
 }
 
 impl Autosave {
-    /// Starts keeping copies in `folder`, which is made if it is not there.
+    /// Starts keeping copies in `folder`, which is made if it is not there, of documents with these `endings`, one for each
+    /// workspace.
     ///
     /// # Errors
     /// If nothing can be written there.
-    pub fn start(folder: &Path) -> std::io::Result<Self> {
+    pub fn start(folder: &Path, endings: &[&str]) -> std::io::Result<Self> {
         std::fs::create_dir_all(folder)?;
         // Numbers of processes come again, and one process may keep several documents.
         for n in 0..u32::MAX {
             let name = format!("{}-{n}", std::process::id());
-            let path = |extension: &str| folder.join(format!("{name}.{extension}"));
-            let lock_path = path("lock");
+            let lock_path = folder.join(format!("{name}.lock"));
             let lock = File::options().create(true).truncate(false).write(true).open(&lock_path)?;
-            let copies = COPIES.map(path);
-            if lock.try_lock().is_ok() && !copies.iter().any(|copy| copy.exists()) {
-                let [blisk, mold, flank] = copies;
-                let (blisk, mold) = (Kept { copy: blisk, written: None }, Kept { copy: mold, written: None });
-                let flank = Kept { copy: flank, written: None };
-                return Ok(Self { blisk, mold, flank, lock_path, _lock: lock });
+            let paths: Vec<PathBuf> = endings.iter().map(|ending| folder.join(format!("{name}{ending}"))).collect();
+            if lock.try_lock().is_ok() && !paths.iter().any(|path| path.exists()) {
+                let copies = paths.into_iter().map(|path| Copy { path, written: None }).collect();
+                return Ok(Self { copies, lock_path, _lock: lock });
             }
         }
         Err(std::io::Error::other("no free name for a copy"))
     }
 
-    /// Writes a copy if `document` has unsaved work that the copy lacks; removes the copy if it has none.
+    /// Writes a copy of each document that has unsaved work which its copy lacks; removes the copies of those without. A
+    /// document that cannot be written now leaves its copy as it was.
     ///
     /// # Errors
-    /// One line if it cannot be written; the copy before then still is there.
-    pub fn update(&mut self, document: &Document) -> Result<(), String> {
-        if !document.is_unsaved() {
-            self.blisk.discard();
-            return Ok(());
-        }
-        self.blisk.update(document.project_file(), document.file(), |project, copy| {
-            project.write(copy).map_err(|e| e.to_string())
-        })
-    }
-
-    /// The same for a mold, which was to be saved as `file`; none if there is no unsaved work. Cutters that are not
-    /// possible, as while a number is typed, leave the copy as it was.
-    ///
-    /// # Errors
-    /// One line if it cannot be written; the copy before then still is there.
-    pub fn update_mold(&mut self, unsaved: Option<&MoldParams>, file: Option<&Path>) -> Result<(), String> {
-        match unsaved {
-            None => self.mold.discard(),
-            Some(params) if params.validate().is_err() => {}
-            Some(params) => self
-                .mold
-                .update(params.clone(), file, |params, copy| write_mold(copy, params).map_err(|e| e.to_string()))?,
+    /// One line if one cannot be written; the copy before then still is there.
+    pub fn update(&mut self, workspaces: &[Box<dyn Workspace>]) -> Result<(), String> {
+        self.discard_saved(workspaces);
+        for (copy, workspace) in self.copies.iter_mut().zip(workspaces) {
+            if !workspace.is_unsaved() || workspace.is_at(copy.written.as_deref()) {
+                continue;
+            }
+            let note = Note { file: workspace.file().map(Path::to_owned), part: workspace.part() };
+            // A copy is worth having without its note, which only says where it belongs.
+            let _ =
+                serde_json::to_vec(&note).map(|bytes| atomic_write(&note_of(&copy.path), |out| out.write_all(&bytes)));
+            workspace.write(&copy.path)?;
+            copy.written = Some(workspace.snapshot());
         }
         Ok(())
     }
 
-    /// The same for a flank.
-    ///
-    /// # Errors
-    /// As [`Self::update_mold`].
-    pub fn update_flank(&mut self, unsaved: Option<&FlankDocument>, file: Option<&Path>) -> Result<(), String> {
-        match unsaved {
-            None => self.flank.discard(),
-            Some(document) if document.validate().is_err() => {}
-            Some(document) => self
-                .flank
-                .update(document.clone(), file, |one, copy| write_flank(copy, one).map_err(|e| e.to_string()))?,
+    /// Removes the copies of documents without unsaved work.
+    pub fn discard_saved(&mut self, workspaces: &[Box<dyn Workspace>]) {
+        for (copy, workspace) in self.copies.iter_mut().zip(workspaces) {
+            if copy.written.is_some() && !workspace.is_unsaved() {
+                copy.discard();
+            }
         }
-        Ok(())
     }
 
-    /// Removes the copy of the blisk: the work is saved, or was given up on purpose.
+    /// Removes all copies: the work was given up on purpose.
     pub fn discard(&mut self) {
-        self.blisk.discard();
-    }
-
-    /// Removes the copy of the mold.
-    pub fn discard_mold(&mut self) {
-        self.mold.discard();
-    }
-
-    /// Removes the copy of the flank.
-    pub fn discard_flank(&mut self) {
-        self.flank.discard();
+        self.copies.iter_mut().for_each(Copy::discard);
     }
 }
 
 impl Drop for Autosave {
     fn drop(&mut self) {
         // A copy that is still there stays with its lock file, to be found and recovered.
-        if ![&self.blisk.copy, &self.mold.copy, &self.flank.copy].into_iter().any(|copy| copy.exists()) {
+        if !self.copies.iter().any(|copy| copy.path.exists()) {
             let _ = std::fs::remove_file(&self.lock_path);
         }
     }
 }
 
 impl Recovery {
-    /// The copies in `folder` that no living program keeps, in the order of their names.
-    pub fn find(folder: &Path) -> Vec<Self> {
+    /// The copies in `folder` of documents with these `endings` that no living program keeps, in the order of their names.
+    pub fn find(folder: &Path, endings: &[&str]) -> Vec<Self> {
         let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
-        let is_copy = |p: &PathBuf| p.extension().is_some_and(|e| COPIES.iter().any(|copy| e == *copy));
-        let mut copies: Vec<PathBuf> = entries.flatten().map(|e| e.path()).filter(is_copy).collect();
-        copies.sort();
-        copies.into_iter().filter_map(Self::of).collect()
+        let mut paths: Vec<PathBuf> = entries.flatten().map(|e| e.path()).collect();
+        paths.sort();
+        let ending_of = |path: &Path| format!(".{}", path.extension().unwrap_or_default().to_string_lossy());
+        let numbered = paths.into_iter().filter_map(|path| {
+            let ending = ending_of(&path);
+            let workspace = endings.iter().position(|one| *one == ending)?;
+            Self::of(path, workspace)
+        });
+        numbered.collect()
     }
 
-    fn of(copy: PathBuf) -> Option<Self> {
+    fn of(copy: PathBuf, workspace: usize) -> Option<Self> {
         let (note, lock) = (note_of(&copy), copy.with_extension("lock"));
         if let Ok(file) = File::options().write(true).open(&lock)
             && matches!(file.try_lock(), Err(TryLockError::WouldBlock))
@@ -237,34 +155,7 @@ impl Recovery {
         }
         let known: Note =
             std::fs::read(&note).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok()).unwrap_or_default();
-        let mut found = Self { copy, note, lock, file: known.file, part: None };
-        found.part = found.work().ok().and_then(|work| match work {
-            Recovered::Blisk(document) => Some(document.name()),
-            Recovered::Mold(params, _) => params.mesh.is_some().then(|| params.name()),
-            Recovered::Flank(document, _) => Some(document.name()),
-        });
-        Some(found)
-    }
-
-    /// What it is of.
-    pub fn kind(&self) -> CopyKind {
-        CopyKind::of(&self.copy)
-    }
-
-    /// The work as it was. The copy stays until [`discard`](Self::discard).
-    ///
-    /// # Errors
-    /// One line if the copy cannot be read.
-    pub fn work(&self) -> Result<Recovered, String> {
-        let file = self.file.clone();
-        match self.kind() {
-            CopyKind::Mold => Ok(Recovered::Mold(Box::new(read_mold(&self.copy).map_err(|e| e.to_string())?), file)),
-            CopyKind::Flank => Ok(Recovered::Flank(Box::new(read_flank(&self.copy).map_err(|e| e.to_string())?), file)),
-            CopyKind::Blisk => {
-                let project = ProjectFile::read(&self.copy).map_err(|e| e.to_string())?;
-                Ok(Recovered::Blisk(Box::new(Document::recovered(project, file))))
-            }
-        }
+        Some(Self { copy, note, lock, workspace, file: known.file, part: known.part })
     }
 
     /// When the copy was written.
@@ -285,52 +176,84 @@ impl Recovery {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::workspaces::blisk::document::job_file::PlanJob;
+    use crate::workspaces::blisk::BliskWorkspace;
+    use crate::workspaces::blisk::document::Document;
+    use crate::workspaces::context::Context;
+    use crate::workspaces::flank::FlankWorkspace;
+    use crate::workspaces::flank::document::FlankDocument;
+    use crate::workspaces::mold::MoldWorkspace;
+    use crate::workspaces::mold::document::MoldParams;
+    use crate::workspaces::preferences::Preferences;
+    use crate::workspaces::registry::workspaces;
+    use task::Scheduler;
 
-    fn unsaved(seed: u64) -> Document {
-        let mut document = Document::default();
-        let mut job = PlanJob::demonstration();
-        job.genetic.seed = seed;
-        document.edit("seed", job, None);
-        document
+    const ENDINGS: [&str; 3] = [".sparkpath", ".sparkmold", ".sparkflank"];
+
+    /// The program's workspaces.
+    fn list() -> Vec<Box<dyn Workspace>> {
+        workspaces(&Scheduler::manual(|| ()), || ()).unwrap()
     }
 
-    fn document_of(recovery: &Recovery) -> Document {
-        let Recovered::Blisk(document) = recovery.work().unwrap() else { panic!("it is of a mold") };
-        *document
+    fn at<W: Workspace>(list: &mut [Box<dyn Workspace>]) -> &mut W {
+        list.iter_mut().find_map(|one| (&mut **one as &mut dyn Any).downcast_mut()).unwrap()
+    }
+
+    /// The program's workspaces, with unsaved work in that of blisks.
+    fn unsaved(seed: u64) -> Vec<Box<dyn Workspace>> {
+        let mut list = list();
+        let desk = &mut at::<BliskWorkspace>(&mut list).desk;
+        let mut job = desk.document.job().clone();
+        job.genetic.seed = seed;
+        desk.edit("seed", job, false);
+        list
+    }
+
+    fn recovered(copy: &Recovery) -> Vec<Box<dyn Workspace>> {
+        let mut list = list();
+        let cx = &mut Context::new(Preferences::default());
+        list[copy.workspace].recover(&copy.copy, copy.file.clone(), cx).unwrap();
+        list
+    }
+
+    fn document_of(copy: &Recovery) -> Document {
+        at::<BliskWorkspace>(&mut recovered(copy)).desk.document.clone()
     }
 
     #[test]
     fn a_mold_is_kept_beside_a_blisk_and_what_is_not_possible_leaves_its_copy() {
         let folder = tempfile::tempdir().unwrap();
         let copies = folder.path().join("copies");
-        let mut autosave = Autosave::start(&copies).unwrap();
-        let mesh = Some(folder.path().join("part.stl"));
-        let params = MoldParams { mesh, tolerance_mm: 0.07, ..MoldParams::default() };
+        let mut autosave = Autosave::start(&copies, &ENDINGS).unwrap();
+        let mut list = unsaved(5);
         let file = folder.path().join("mine.sparkmold");
-        autosave.update_mold(Some(&params), Some(&file)).unwrap();
-        autosave.update(&unsaved(5)).unwrap();
+        let desk = &mut at::<MoldWorkspace>(&mut list).desk;
+        let mesh = Some(folder.path().join("part.stl"));
+        desk.record.file = Some(file.clone());
+        desk.edit(MoldParams { mesh, tolerance_mm: 0.07, ..desk.params.clone() });
+        let params = desk.params.clone();
+        autosave.update(&list).unwrap();
+        let desk = &mut at::<MoldWorkspace>(&mut list).desk;
         let mut broken = params.clone();
         broken.library.cutter[0].diameter_mm = 0.0;
-        autosave.update_mold(Some(&broken), Some(&file)).unwrap();
+        desk.edit(broken);
+        autosave.update(&list).unwrap();
         drop(autosave);
-        let found = Recovery::find(&copies);
+        let found = Recovery::find(&copies, &ENDINGS);
         let [mold, blisk] = &found[..] else { panic!("{found:?}") };
-        let Recovered::Mold(recovered, of) = mold.work().unwrap() else { panic!("{mold:?}") };
-        assert_eq!((recovered, of), (Box::new(params.clone()), Some(file)));
+        let desk = recovered(mold);
+        let (kept, of) = (desk[mold.workspace].snapshot(), desk[mold.workspace].file());
+        assert_eq!((kept.downcast_ref(), of), (Some(&params), Some(&*file)));
         mold.discard();
-        assert_eq!(Recovery::find(&copies).as_slice(), std::slice::from_ref(blisk), "the one leaves the other alone");
+        let left = Recovery::find(&copies, &ENDINGS);
+        assert_eq!(left.as_slice(), std::slice::from_ref(blisk), "the one leaves the other alone");
         blisk.discard();
-        let mut autosave = Autosave::start(&copies).unwrap();
-        autosave.update_mold(Some(&params), None).unwrap();
-        let part = |copies: &[Recovery]| copies.first().and_then(|copy| copy.part.clone());
-        drop(autosave);
-        let found = Recovery::find(&copies);
-        assert_eq!(part(&found).as_deref(), Some("part"), "what has no file is told by its part");
-        found.iter().for_each(Recovery::discard);
-        let mut autosave = Autosave::start(&copies).unwrap();
-        autosave.update_mold(Some(&params), None).unwrap();
-        autosave.update_mold(None, None).unwrap();
+        let mut autosave = Autosave::start(&copies, &ENDINGS).unwrap();
+        let desk = &mut at::<MoldWorkspace>(&mut list).desk;
+        desk.edit(params.clone());
+        autosave.update(&list).unwrap();
+        at::<MoldWorkspace>(&mut list).desk.saved_as(&file);
+        at::<BliskWorkspace>(&mut list).desk.document = Document::default();
+        autosave.update(&list).unwrap();
         drop(autosave);
         assert_eq!(std::fs::read_dir(&copies).unwrap().count(), 0, "saved work leaves nothing");
     }
@@ -339,58 +262,64 @@ mod tests {
     fn a_flank_is_kept_with_the_file_that_it_belongs_to() {
         let folder = tempfile::tempdir().unwrap();
         let copies = folder.path().join("copies");
-        let mut autosave = Autosave::start(&copies).unwrap();
+        let mut autosave = Autosave::start(&copies, &ENDINGS).unwrap();
+        let mut list = list();
         let document = FlankDocument { envelope_tolerance_mm: 0.007, ..FlankDocument::default() };
         let file = folder.path().join("mine.sparkflank");
-        autosave.update_flank(Some(&document), Some(&file)).unwrap();
+        let desk = &mut at::<FlankWorkspace>(&mut list).desk;
+        desk.record.file = Some(file.clone());
+        desk.edit(document.clone());
+        autosave.update(&list).unwrap();
         let broken = FlankDocument { envelope_tolerance_mm: 0.0, ..document.clone() };
-        autosave.update_flank(Some(&broken), Some(&file)).unwrap();
+        at::<FlankWorkspace>(&mut list).desk.edit(broken);
+        autosave.update(&list).unwrap();
         drop(autosave);
-        let found = Recovery::find(&copies);
+        let found = Recovery::find(&copies, &ENDINGS);
         let [flank] = &found[..] else { panic!("{found:?}") };
-        assert_eq!(flank.kind(), CopyKind::Flank);
-        let Recovered::Flank(recovered, of) = flank.work().unwrap() else { panic!("{flank:?}") };
-        assert_eq!((*recovered, of), (document, Some(file)));
+        let desk = recovered(flank);
+        let (kept, of) = (desk[flank.workspace].snapshot(), desk[flank.workspace].file());
+        assert_eq!((kept.downcast_ref(), of), (Some(&document), Some(&*file)));
     }
 
     #[test]
     fn unsaved_work_is_found_after_its_program_is_gone_but_not_before() {
         let folder = tempfile::tempdir().unwrap();
-        let document = unsaved(77);
-        let mut autosave = Autosave::start(folder.path()).unwrap();
-        autosave.update(&document).unwrap();
-        assert_eq!(Recovery::find(folder.path()), [], "its program is alive");
+        let mut list = unsaved(77);
+        let mut autosave = Autosave::start(folder.path(), &ENDINGS).unwrap();
+        autosave.update(&list).unwrap();
+        assert_eq!(Recovery::find(folder.path(), &ENDINGS), [], "its program is alive");
         drop(autosave);
-        let found = Recovery::find(folder.path());
+        let found = Recovery::find(folder.path(), &ENDINGS);
         assert_eq!(found.len(), 1);
-        let recovered = document_of(&found[0]);
-        assert_eq!(recovered.job(), document.job());
-        assert!(recovered.is_unsaved());
+        let kept = document_of(&found[0]);
+        assert_eq!(kept.job(), at::<BliskWorkspace>(&mut list).desk.document.job());
+        assert!(kept.is_unsaved());
         found[0].discard();
-        assert_eq!(Recovery::find(folder.path()), []);
+        assert_eq!(Recovery::find(folder.path(), &ENDINGS), []);
     }
 
     #[test]
     fn saved_work_leaves_no_copy() {
         let folder = tempfile::tempdir().unwrap();
-        let mut document = unsaved(77);
-        let mut autosave = Autosave::start(folder.path()).unwrap();
-        autosave.update(&document).unwrap();
-        document.save_as(&folder.path().join("elsewhere.json")).unwrap();
-        autosave.update(&document).unwrap();
+        let mut list = unsaved(77);
+        let mut autosave = Autosave::start(folder.path(), &ENDINGS).unwrap();
+        autosave.update(&list).unwrap();
+        list[0].save_as(&folder.path().join("elsewhere.json")).unwrap();
+        autosave.update(&list).unwrap();
         drop(autosave);
-        assert_eq!(Recovery::find(folder.path()), []);
+        assert_eq!(Recovery::find(folder.path(), &ENDINGS), []);
     }
 
     #[test]
     fn two_programs_keep_two_copies() {
         let folder = tempfile::tempdir().unwrap();
-        let mut first = Autosave::start(folder.path()).unwrap();
-        let mut second = Autosave::start(folder.path()).unwrap();
+        let mut first = Autosave::start(folder.path(), &ENDINGS).unwrap();
+        let mut second = Autosave::start(folder.path(), &ENDINGS).unwrap();
         first.update(&unsaved(11)).unwrap();
         second.update(&unsaved(12)).unwrap();
         drop((first, second));
-        let seeds: Vec<u64> = Recovery::find(folder.path()).iter().map(|r| document_of(r).job().genetic.seed).collect();
+        let found = Recovery::find(folder.path(), &ENDINGS);
+        let seeds: Vec<u64> = found.iter().map(|r| document_of(r).job().genetic.seed).collect();
         assert_eq!(seeds, [11, 12]);
     }
 }

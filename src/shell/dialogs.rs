@@ -1,24 +1,17 @@
 //! Windows that ask or tell: unsaved work, recovery, moved meshes, preferences, export, log, about.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use egui::{Align2, Id, Modal, RichText, Ui};
 
-use super::core::Core;
 use super::files::Purpose;
-use super::opening::Incoming;
-use super::preferences::{LengthUnit, Navigation, Preferences, ThemeChoice};
 use super::status::colour_of;
-use super::workspace::Workspace;
-use crate::shell::autosave::{CopyKind, Recovery};
+use crate::shell::autosave::Recovery;
+use crate::widgets::panel_parts::{from_right, sentence};
 use crate::widgets::theme::palette;
-use crate::workspaces::blisk::document::project_file::{MovedMesh, ProjectFile};
-use crate::workspaces::blisk::panels::export_dialog;
-use crate::workspaces::blisk::panels::stepper::sentence;
-use crate::workspaces::flank::document::FlankSource;
-use crate::workspaces::flank::electrode_part::FlankElectrode;
-use task::Same;
+use crate::workspaces::context::Context;
+use crate::workspaces::preferences::{LengthUnit, Navigation, Preferences, ThemeChoice};
+use crate::workspaces::workspace::Workspace;
 
 /// What the user is asked, one thing at a time.
 #[derive(Default)]
@@ -26,18 +19,14 @@ pub enum Dialog {
     /// Nothing.
     #[default]
     None,
-    /// Unsaved work is about to be lost by this.
-    Unsaved(Work, Intent),
+    /// Unsaved work of this workspace is about to be lost by this.
+    Unsaved(usize, Intent),
     /// Work that an earlier program left behind.
     Recover(Vec<Recovery>),
-    /// Meshes of a project that are gone or have changed.
-    Moved(Box<ProjectFile>, Vec<MovedMesh>, PathBuf),
     /// Preferences.
     Preferences,
-    /// What is exported and where.
-    Export,
-    /// The same of a flank.
-    ExportFlank,
+    /// The dialog of this workspace.
+    Workspace(usize),
     /// A path, typed because the system has no file dialogs or because the user would rather type.
     Path(Purpose, String),
     /// This file is there already.
@@ -48,75 +37,27 @@ pub enum Dialog {
     Error(String, String),
 }
 
-/// What may be unsaved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Work {
-    /// The parameters of the blisk's plan.
-    Blisk,
-    /// Those of the mold.
-    Mold,
-    /// Those of the flank.
-    Flank,
-}
-
-impl Work {
-    /// All of it, in the order in which it is asked about.
-    pub const ALL: [Self; 3] = [Self::Blisk, Self::Mold, Self::Flank];
-
-    /// Whether there is work of this kind that no file holds.
-    pub fn is_unsaved(self, core: &Core) -> bool {
-        match self {
-            Self::Blisk => core.document.is_unsaved(),
-            Self::Mold => core.mold.is_unsaved(),
-            Self::Flank => core.flank.is_unsaved(),
-        }
-    }
-}
-
 /// What is done once unsaved work is out of the way.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Intent {
     /// Ends the program.
     Quit,
-    /// Opens this file.
-    Open(PathBuf),
-    /// Opens this mold, saved or a mesh.
-    OpenMold(PathBuf),
-    /// Opens this flank.
-    OpenFlank(PathBuf),
-    /// Mills this surface in place of the flank.
-    TakeSurface(Box<FlankSource>),
-    /// Mills the flanks of this electrode.
-    MillFlanks(Arc<FlankElectrode>),
-    /// Asks for a file that takes the place of what is open.
-    Ask(Purpose),
-    /// Takes this, which was read, in the place of what is open.
-    Take(Same<Incoming>),
-    /// Starts from the demonstration blisk.
-    Demonstration,
+    /// Goes on with what takes the place of this workspace's document.
+    Replace(usize),
 }
 
 impl Intent {
-    /// Whether it takes the place of `work`.
-    pub fn endangers(&self, work: Work) -> bool {
+    /// Whether the document of this workspace would be lost.
+    pub fn endangers(self, workspace: usize) -> bool {
         match self {
             Self::Quit => true,
-            Self::Ask(Purpose::Flank(_)) => work == Work::Flank,
-            Self::Ask(Purpose::Mold) => work == Work::Mold,
-            Self::Take(opened) => match opened.0.workspace() {
-                Workspace::Blisk => work == Work::Blisk,
-                Workspace::Mold => work == Work::Mold,
-                Workspace::Flank => work == Work::Flank,
-            },
-            Self::OpenMold(_) => work == Work::Mold,
-            Self::OpenFlank(_) | Self::TakeSurface(_) | Self::MillFlanks(_) => work == Work::Flank,
-            Self::Open(_) | Self::Ask(_) | Self::Demonstration => work == Work::Blisk,
+            Self::Replace(replaced) => replaced == workspace,
         }
     }
 }
 
 /// What the user answered.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Answer {
     /// Save, then do it.
     SaveThen(Intent),
@@ -126,16 +67,6 @@ pub enum Answer {
     Recover(usize),
     /// Remove the copies.
     ForgetCopies,
-    /// Look for the mesh that was here.
-    Locate(PathBuf),
-    /// Open the project although meshes have changed.
-    OpenAnyway,
-    /// Choose the folder and export.
-    ExportTo,
-    /// Choose the folder and export the flank.
-    ExportFlankTo,
-    /// Choose an NC post of one's own, and go on with the export.
-    OwnPost,
     /// Take this path.
     Path(Purpose, PathBuf),
     /// Overwrite the file.
@@ -145,15 +76,19 @@ pub enum Answer {
 }
 
 /// Draws what is asked. Answers what the user answered.
-pub fn show(ctx: &egui::Context, core: &mut Core, dialog: &mut Dialog, adapter: &str) -> Option<Answer> {
+pub fn show(
+    ctx: &egui::Context,
+    (workspaces, cx): (&mut [Box<dyn Workspace>], &mut Context),
+    dialog: &mut Dialog,
+    adapter: &str,
+) -> Option<Answer> {
     let title = match dialog {
         Dialog::None => return None,
         Dialog::Unsaved(..) => "Unsaved work",
         Dialog::Recover(_) => "Recovered work",
-        Dialog::Moved(..) => "Meshes of this project",
         Dialog::Preferences => "Preferences",
-        Dialog::Export | Dialog::ExportFlank => "Export",
-        Dialog::Path(purpose, _) => purpose.title(),
+        Dialog::Workspace(i) => workspaces[*i].dialog_title(),
+        Dialog::Path(purpose, _) => purpose.info.title,
         Dialog::Overwrite(..) => "Replace this file?",
         Dialog::About => "About Sparkpath",
         Dialog::Error(title, _) => title,
@@ -169,7 +104,7 @@ pub fn show(ctx: &egui::Context, core: &mut Core, dialog: &mut Dialog, adapter: 
         ui.add_space(6.0);
         let height = room.y.max(120.0);
         let scroll = egui::ScrollArea::vertical().max_height(height).min_scrolled_height(height);
-        scroll.show(ui, |ui| contents(ui, core, dialog, adapter)).inner
+        scroll.show(ui, |ui| contents(ui, (workspaces, cx), dialog, adapter)).inner
     });
     let closes = response.should_close();
     let answer = response.inner;
@@ -179,16 +114,22 @@ pub fn show(ctx: &egui::Context, core: &mut Core, dialog: &mut Dialog, adapter: 
     answer
 }
 
-fn contents(ui: &mut Ui, core: &mut Core, dialog: &mut Dialog, adapter: &str) -> Option<Answer> {
+fn contents(
+    ui: &mut Ui,
+    (workspaces, cx): (&mut [Box<dyn Workspace>], &mut Context),
+    dialog: &mut Dialog,
+    adapter: &str,
+) -> Option<Answer> {
     match dialog {
         Dialog::None => None,
-        Dialog::Unsaved(work, intent) => unsaved(ui, core, *work, intent),
-        Dialog::Recover(copies) => recover(ui, copies),
-        Dialog::Moved(_, moved, _) => moved_meshes(ui, moved),
-        Dialog::Preferences => preferences(ui, &mut core.preferences),
-        Dialog::Export => export_dialog::show(ui, core),
-        Dialog::ExportFlank => crate::workspaces::flank::panels::export_dialog(ui, core),
-        Dialog::Path(purpose, text) => path(ui, purpose, text, core.preferences.types_paths),
+        Dialog::Unsaved(work, intent) => unsaved(ui, &*workspaces[*work], *intent),
+        Dialog::Recover(copies) => recover(ui, workspaces, copies),
+        Dialog::Preferences => preferences(ui, &mut cx.preferences),
+        Dialog::Workspace(i) => {
+            cx.take_turn(*i);
+            workspaces[*i].dialog(ui, cx).then_some(Answer::Close)
+        }
+        Dialog::Path(purpose, text) => path(ui, purpose, text, cx.preferences.types_paths),
         Dialog::Overwrite(_, path) => {
             ui.label(format!("{} exists already and would be replaced.", path.display()));
             buttons(ui, &[("Replace", Answer::Overwrite), ("Cancel", Answer::Close)])
@@ -200,11 +141,6 @@ fn contents(ui: &mut Ui, core: &mut Core, dialog: &mut Dialog, adapter: &str) ->
             buttons(ui, &[("Close", Answer::Close)]).or(closed)
         }
     }
-}
-
-/// A row from right to left, no higher than a button.
-pub fn from_right(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
-    ui.horizontal(|ui| ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), add));
 }
 
 /// Buttons from right to left, the first the one that goes on.
@@ -221,24 +157,15 @@ fn buttons(ui: &mut Ui, all: &[(&str, Answer)]) -> Option<Answer> {
     answer
 }
 
-fn unsaved(ui: &mut Ui, core: &Core, work: Work, intent: &Intent) -> Option<Answer> {
-    let name = match work {
-        Work::Blisk => core.document.name(),
-        Work::Mold => format!("The mold {}", core.mold.name()),
-        Work::Flank => format!("The flank {}", core.flank.name()),
-    };
-    ui.label(format!("{name} has unsaved changes."));
+fn unsaved(ui: &mut Ui, workspace: &dyn Workspace, intent: Intent) -> Option<Answer> {
+    ui.label(format!("{}{} has unsaved changes.", workspace.about().article, workspace.name()));
     buttons(
         ui,
-        &[
-            ("Save", Answer::SaveThen(intent.clone())),
-            ("Don't save", Answer::Discard(intent.clone())),
-            ("Cancel", Answer::Close),
-        ],
+        &[("Save", Answer::SaveThen(intent)), ("Don't save", Answer::Discard(intent)), ("Cancel", Answer::Close)],
     )
 }
 
-fn recover(ui: &mut Ui, copies: &[Recovery]) -> Option<Answer> {
+fn recover(ui: &mut Ui, workspaces: &[Box<dyn Workspace>], copies: &[Recovery]) -> Option<Answer> {
     ui.label("The program ended without saving. Recovered work:");
     let mut answer = None;
     for (i, copy) in copies.iter().enumerate() {
@@ -251,32 +178,11 @@ fn recover(ui: &mut Ui, copies: &[Recovery]) -> Option<Answer> {
             if ui.button("Recover").clicked() {
                 answer = Some(Answer::Recover(i));
             }
-            ui.label(match copy.kind() {
-                CopyKind::Blisk => name,
-                CopyKind::Mold => format!("Mold, {name}"),
-                CopyKind::Flank => format!("Flank, {name}"),
-            });
+            ui.label(format!("{}{name}", workspaces[copy.workspace].about().kind));
             ui.label(RichText::new(age).color(palette(ui).faint));
         });
     }
     answer.or(buttons(ui, &[("Later", Answer::Close), ("Discard", Answer::ForgetCopies)]))
-}
-
-fn moved_meshes(ui: &mut Ui, moved: &[MovedMesh]) -> Option<Answer> {
-    let mut answer = None;
-    for mesh in moved {
-        let what = if mesh.changed { "has changed since the project was saved" } else { "no longer exists" };
-        ui.label(format!("{} {what}.", mesh.path.display()));
-        if ui.button("Find it…").clicked() {
-            answer = Some(Answer::Locate(mesh.path.clone()));
-        }
-        ui.add_space(4.0);
-    }
-    let mut all = vec![("Cancel", Answer::Close)];
-    if moved.iter().all(|m| m.changed) {
-        all.insert(0, ("Use as it is now", Answer::OpenAnyway));
-    }
-    answer.or(buttons(ui, &all))
 }
 
 fn preferences(ui: &mut Ui, p: &mut Preferences) -> Option<Answer> {
@@ -369,12 +275,12 @@ fn about(ui: &mut Ui, adapter: &str) -> Option<Answer> {
 }
 
 /// The log in a window of its own.
-pub fn log(ctx: &egui::Context, core: &Core, open: &mut bool) {
+pub fn log(ctx: &egui::Context, cx: &Context, open: &mut bool) {
     let window =
         egui::Window::new("Log").open(open).default_size([560.0, 260.0]).anchor(Align2::LEFT_BOTTOM, [12.0, -40.0]);
     window.show(ctx, |ui| {
         egui::ScrollArea::vertical().stick_to_bottom(true).auto_shrink([false, false]).show(ui, |ui| {
-            for line in &core.log {
+            for line in &cx.log {
                 let ago = line.at.elapsed().map(|d| d.as_secs()).unwrap_or_default();
                 ui.horizontal_wrapped(|ui| {
                     ui.label(RichText::new(format!("{ago:>4} s ago")).monospace().color(palette(ui).faint));
@@ -384,7 +290,7 @@ pub fn log(ctx: &egui::Context, core: &Core, open: &mut bool) {
                     }
                 });
             }
-            if core.log.is_empty() {
+            if cx.log.is_empty() {
                 ui.weak("No messages yet.");
             }
         });

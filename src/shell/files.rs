@@ -4,96 +4,30 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use super::system_dialogs::System;
-use crate::workspaces::flank::document::flank_file;
-use crate::workspaces::mold::document::mold_file::ENDING;
+use crate::workspaces::context::{PathInfo, PathKind};
 
 /// What a chosen path is for.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Purpose {
-    /// Project or mesh to open.
-    Open,
-    /// Where the project is saved; then the program goes on with what it was asked for.
-    SaveProject,
-    /// Where the job file for the command line is written.
-    SaveJob,
-    /// Folder for the exported files.
-    ExportFolder,
-    /// An electrode mesh of one's own.
-    ElectrodeMesh,
-    /// An NC post of one's own.
-    Post,
-    /// A machine file of one's own.
-    Machine,
-    /// Where the picture is saved.
-    Picture,
-    /// The mesh of a mold.
-    Mold,
-    /// A library of cutters.
-    Cutters,
-    /// Another one to compare with.
-    OtherCutters,
-    /// Where the mold is saved.
-    SaveMold,
-    /// Folder for the files of electrodes.
-    ElectrodeFolder,
-    /// A template of the burn sheet.
-    BurnSheet,
-    /// Where the cutters are saved.
-    SaveCutters,
-    /// The mesh that was at this path.
-    MovedMesh(PathBuf),
-    /// Something of a flank.
-    Flank(FlankPurpose),
-    /// Where the flank is saved.
-    SaveFlank,
-}
-
-/// What of a flank a chosen path is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FlankPurpose {
-    /// A flank that was saved, or a mesh with one.
-    Open,
-    /// Points of the lower guide curve.
-    Lower,
-    /// Of the upper one.
-    Upper,
-    /// A mesh with the flank.
-    Mesh,
-    /// Walls that must not be cut.
-    Walls,
-    /// A machine of one's own.
-    Machine,
-    /// A post of one's own.
-    Post,
-    /// Folder for the exported files.
-    Folder,
+pub struct Purpose {
+    /// Who asks.
+    pub of: Asking,
+    /// What is known of the path.
+    pub info: &'static PathInfo,
 }
 
-impl FlankPurpose {
-    fn title(self) -> &'static str {
-        match self {
-            Self::Open => "Open a flank",
-            Self::Lower => "Points of the lower guide curve",
-            Self::Upper => "Points of the upper guide curve",
-            Self::Mesh => "Mesh with the flank",
-            Self::Walls => "Neighbouring walls",
-            Self::Machine => "Your own milling machine",
-            Self::Post => "Your own post for milling",
-            Self::Folder => "Folder for the flank's files",
-        }
-    }
-
-    /// What the dialog offers, and the endings of that.
-    fn filter(self) -> (&'static str, Vec<&'static str>) {
-        match self {
-            Self::Open => ("Flanks, meshes and points", [&MESHES[..], &["sparkflank", "csv", "txt"]].concat()),
-            Self::Lower | Self::Upper => ("Points", vec!["csv", "txt"]),
-            Self::Mesh | Self::Walls => ("Meshes", MESHES.to_vec()),
-            Self::Machine | Self::Folder => ("Machine", vec!["toml"]),
-            Self::Post => ("Post", vec!["toml"]),
-        }
-    }
+/// Who asks for a path.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Asking {
+    /// The window: where the picture is saved.
+    Picture,
+    /// The window: where the document of this workspace is saved; then the program goes on with what it was asked for.
+    Document(usize),
+    /// This workspace, under this number.
+    Workspace(usize, usize),
 }
+
+/// Where the picture is saved.
+pub static PICTURE: PathInfo = PathInfo { title: "Save picture", kind: PathKind::Write("PNG", ".png"), opens: false };
 
 /// The dialog that is open, if one is.
 #[derive(Default)]
@@ -137,57 +71,14 @@ pub enum Chosen {
 }
 
 impl Purpose {
-    /// The title of its dialog.
-    pub fn title(&self) -> &str {
-        match self {
-            Self::Open => "Open a project or a mesh",
-            Self::SaveProject => "Save project",
-            Self::SaveJob => "Save job file",
-            Self::ExportFolder => "Folder for the exported files",
-            Self::ElectrodeMesh => "Your own electrode",
-            Self::Post => "Your own NC post",
-            Self::Machine => "Your own machine",
-            Self::Picture => "Save picture",
-            Self::Mold => "Open a mold",
-            Self::Cutters => "Load cutters",
-            Self::OtherCutters => "Load cutters to compare with",
-            Self::SaveMold => "Save mold",
-            Self::SaveCutters => "Save cutters",
-            Self::BurnSheet => "Template of the burn sheet",
-            Self::ElectrodeFolder => "Folder for the electrodes",
-            Self::MovedMesh(_) => "Find the mesh",
-            Self::Flank(what) => what.title(),
-            Self::SaveFlank => "Save flank",
-        }
-    }
-
     /// How the name of a file ends that is written for this; none if no file is written.
     pub fn ending(&self) -> Option<&'static str> {
-        match self {
-            Self::SaveProject => Some(".sparkpath"),
-            Self::SaveMold => Some(ENDING),
-            Self::SaveFlank => Some(flank_file::ENDING),
-            Self::SaveJob | Self::SaveCutters => Some(".toml"),
-            Self::Picture => Some(".png"),
-            Self::Open | Self::ExportFolder | Self::ElectrodeMesh | Self::Post | Self::Machine | Self::MovedMesh(_) => {
-                None
-            }
-            Self::Mold
-            | Self::Cutters
-            | Self::OtherCutters
-            | Self::ElectrodeFolder
-            | Self::BurnSheet
-            | Self::Flank(_) => None,
-        }
+        if let PathKind::Write(_, ending) = self.info.kind { Some(ending) } else { None }
     }
 
-    /// What there is not at `path` that would have to be for this; none if there is, or if other words are found for it.
-    pub fn missing(&self, path: &Path) -> Option<&'static str> {
-        match self {
-            Self::Flank(FlankPurpose::Folder) => None,
-            Self::Flank(_) => (!path.is_file()).then_some("file"),
-            _ => None,
-        }
+    /// Whether this needs a file that there is not at `path`.
+    pub fn is_missing(&self, path: &Path) -> bool {
+        matches!(self.info.kind, PathKind::Read(_, _, true)) && !path.is_file()
     }
 
     /// `path` with the ending that belongs to this, after whatever dots the name has.
@@ -204,8 +95,6 @@ impl Purpose {
     }
 }
 
-const MESHES: [&str; 8] = ["stl", "STL", "obj", "OBJ", "gltf", "glb", "GLTF", "GLB"];
-
 impl FileDialogs {
     /// Opens a dialog, unless one is open.
     pub fn ask(&mut self, purpose: Purpose, name: &str, folder: Option<&Path>, ctx: &egui::Context) -> Opened {
@@ -214,7 +103,7 @@ impl FileDialogs {
         }
         let (sender, answer) = channel();
         let is_typed = self.typed || self.is_typing_preferred || !System::present().has_dialogs();
-        let asked = Asked { purpose: purpose.clone(), name: name.to_owned(), answer, is_typed };
+        let asked = Asked { purpose, name: name.to_owned(), answer, is_typed };
         if is_typed {
             let _ = sender.send(None);
             self.open = Some(asked);
@@ -226,64 +115,18 @@ impl FileDialogs {
         }
         let (name, ctx) = (name.to_owned(), ctx.clone());
         let spawned = std::thread::Builder::new().name("file dialog".to_owned()).spawn(move || {
-            let path = match &purpose {
-                Purpose::Open => dialog
-                    .set_title(purpose.title())
-                    .add_filter(
-                        "Projects and meshes",
-                        &[&MESHES[..], &["sparkpath", "sparkmold", "sparkflank"]].concat(),
-                    )
-                    .add_filter("All files", &["*"])
-                    .pick_file(),
-                Purpose::MovedMesh(_) | Purpose::ElectrodeMesh => dialog
-                    .set_title(purpose.title())
-                    .add_filter("Meshes", &MESHES)
-                    .add_filter("All files", &["*"])
-                    .pick_file(),
-                Purpose::SaveProject => dialog
-                    .set_title(purpose.title())
-                    .add_filter("Project", &["sparkpath"])
-                    .set_file_name(name)
-                    .save_file(),
-                Purpose::SaveJob => {
-                    dialog.set_title(purpose.title()).add_filter("Job", &["toml"]).set_file_name(name).save_file()
+            dialog = dialog.set_title(purpose.info.title);
+            let path = match purpose.info.kind {
+                PathKind::Folder => dialog.pick_folder(),
+                PathKind::Write(what, ending) => {
+                    dialog.add_filter(what, &[ending.trim_start_matches('.')]).set_file_name(name).save_file()
                 }
-                Purpose::Picture => {
-                    dialog.set_title(purpose.title()).add_filter("PNG", &["png"]).set_file_name(name).save_file()
+                PathKind::Read(what, endings, _) => {
+                    if !endings.is_empty() {
+                        dialog = dialog.add_filter(what, endings);
+                    }
+                    dialog.add_filter("All files", &["*"]).pick_file()
                 }
-                Purpose::Cutters | Purpose::OtherCutters => {
-                    dialog.set_title(purpose.title()).add_filter("Cutters", &["toml"]).pick_file()
-                }
-                Purpose::BurnSheet => dialog.set_title(purpose.title()).add_filter("All files", &["*"]).pick_file(),
-                Purpose::Mold => dialog
-                    .set_title(purpose.title())
-                    .add_filter("Molds and meshes", &[&MESHES[..], &["sparkmold"]].concat())
-                    .add_filter("All files", &["*"])
-                    .pick_file(),
-                Purpose::SaveMold => {
-                    dialog.set_title(purpose.title()).add_filter("Mold", &["sparkmold"]).set_file_name(name).save_file()
-                }
-                Purpose::SaveCutters => {
-                    dialog.set_title(purpose.title()).add_filter("Cutters", &["toml"]).set_file_name(name).save_file()
-                }
-                Purpose::Machine => dialog.set_title(purpose.title()).add_filter("Machine", &["toml"]).pick_file(),
-                Purpose::Post => dialog.set_title(purpose.title()).add_filter("Post", &["toml"]).pick_file(),
-                Purpose::ExportFolder | Purpose::ElectrodeFolder | Purpose::Flank(FlankPurpose::Folder) => {
-                    dialog.set_title(purpose.title()).pick_folder()
-                }
-                Purpose::Flank(what) => {
-                    let (name, endings) = what.filter();
-                    dialog
-                        .set_title(what.title())
-                        .add_filter(name, &endings)
-                        .add_filter("All files", &["*"])
-                        .pick_file()
-                }
-                Purpose::SaveFlank => dialog
-                    .set_title(purpose.title())
-                    .add_filter("Flank", &["sparkflank"])
-                    .set_file_name(name)
-                    .save_file(),
             };
             let _ = sender.send(path);
             ctx.request_repaint();
@@ -313,20 +156,28 @@ impl FileDialogs {
 mod tests {
     use super::*;
 
+    static OPEN: PathInfo = PathInfo { title: "Open", kind: PathKind::Read("", &[], false), opens: true };
+    static SAVE: PathInfo = PathInfo { title: "Save", kind: PathKind::Write("", ".sparkpath"), opens: false };
+    static FOLDER: PathInfo = PathInfo { title: "Folder", kind: PathKind::Folder, opens: false };
+
+    fn purpose(info: &'static PathInfo) -> Purpose {
+        Purpose { of: Asking::Picture, info }
+    }
+
     #[test]
     fn what_no_dialog_asks_for_is_typed_and_no_two_are_asked_at_once() {
         let ctx = egui::Context::default();
         let mut files = FileDialogs { is_typing_preferred: true, ..FileDialogs::default() };
-        assert_eq!(files.ask(Purpose::Open, "", None, &ctx), Opened::Asked);
-        assert_eq!(files.ask(Purpose::Picture, "a.png", None, &ctx), Opened::Busy);
-        assert_eq!(files.chosen(), Some(Chosen::ToType(Purpose::Open, String::new())));
+        assert_eq!(files.ask(purpose(&OPEN), "", None, &ctx), Opened::Asked);
+        assert_eq!(files.ask(purpose(&PICTURE), "a.png", None, &ctx), Opened::Busy);
+        assert_eq!(files.chosen(), Some(Chosen::ToType(purpose(&OPEN), String::new())));
         // However long a failure takes to come back it is no cancelled dialog, and a cancelled one is no failure.
         let (sender, answer) = channel();
-        let asked = |answer, is_typed| Asked { purpose: Purpose::Post, name: String::new(), answer, is_typed };
+        let asked = |answer, is_typed| Asked { purpose: purpose(&OPEN), name: String::new(), answer, is_typed };
         files.open = Some(asked(answer, false));
         assert_eq!(files.chosen(), None);
         sender.send(None).unwrap();
-        assert_eq!(files.chosen(), Some(Chosen::Cancelled(Purpose::Post)));
+        assert_eq!(files.chosen(), Some(Chosen::Cancelled(purpose(&OPEN))));
     }
 
     #[test]
@@ -337,9 +188,9 @@ mod tests {
             ("b.sparkpath", "b.sparkpath"),
             ("B.SPARKPATH", "B.SPARKPATH"),
         ] {
-            assert_eq!(Purpose::SaveProject.with_ending(name.into()), Path::new(whole));
+            assert_eq!(purpose(&SAVE).with_ending(name.into()), Path::new(whole));
         }
-        assert_eq!(Purpose::Picture.with_ending("a.jpg".into()), Path::new("a.jpg.png"));
-        assert_eq!(Purpose::ExportFolder.with_ending("out".into()), Path::new("out"));
+        assert_eq!(purpose(&PICTURE).with_ending("a.jpg".into()), Path::new("a.jpg.png"));
+        assert_eq!(purpose(&FOLDER).with_ending("out".into()), Path::new("out"));
     }
 }

@@ -2,110 +2,79 @@
 
 use egui::{RichText, Role, Ui, WidgetInfo};
 
-use super::commands::Command;
-use super::core::Core;
-use super::workspace::Workspace;
+use crate::workspaces::commands::{Command, CommandSet, FrameCommand, Groups};
+use crate::workspaces::context::Context;
+use crate::workspaces::workspace::{Menu, Workspace};
 use render::view::StandardView;
 
-/// Draws it. Answers a file to be opened from the list of recent ones.
-pub fn show(ui: &mut Ui, core: &mut Core) -> Option<std::path::PathBuf> {
+/// Draws it for the workspace that is shown. Answers a file to be opened from the list of recent ones.
+pub fn show(
+    ui: &mut Ui,
+    (workspaces, shown): (&[Box<dyn Workspace>], usize),
+    cx: &mut Context,
+) -> Option<std::path::PathBuf> {
+    use FrameCommand as F;
     let mut open = None;
+    let here = &*workspaces[shown];
+    let of = |all: &[F]| all.iter().map(|command| command.command()).collect::<Vec<_>>();
     egui::MenuBar::new().ui(ui, |ui| {
         ui.menu_button("File", |ui| {
-            item(ui, core, Command::Open);
-            recent(ui, core, &mut open);
-            groups(ui, core, FILE);
+            item(ui, here, cx, F::Open.command());
+            recent(ui, cx, &mut open);
+            let new = [here.menu(Menu::New).concat(), of(&[F::Reload])].concat();
+            let save = [of(&[F::Save, F::SaveAs]), here.menu(Menu::Save).concat()].concat();
+            groups(ui, here, cx, &vec![new, save, of(&[F::Export, F::Screenshot]), of(&[F::Quit])]);
         });
-        ui.menu_button("Edit", |ui| edit(ui, core));
-        let (name, own) = match core.workspace {
-            Workspace::Blisk => ("Plan", BLISK),
-            Workspace::Mold => ("Mold", MOLD),
-            Workspace::Flank => ("Flank", FLANK),
-        };
-        ui.menu_button(name, |ui| groups(ui, core, own));
+        ui.menu_button("Edit", |ui| edit(ui, here, cx));
+        ui.menu_button(here.about().menu, |ui| groups(ui, here, cx, &here.menu(Menu::Own)));
         ui.menu_button("View", |ui| {
-            item(ui, core, Command::Fit);
+            item(ui, here, cx, F::Fit.command());
             for view in StandardView::ALL {
-                item(ui, core, Command::View(view));
+                item(ui, here, cx, F::View(view).command());
             }
             ui.separator();
-            groups(ui, core, VIEW);
+            item(ui, here, cx, F::Projection.command());
+            groups(ui, here, cx, &here.menu(Menu::View));
+            item(ui, here, cx, F::Theme.command());
         });
-        ui.menu_button("Help", |ui| groups(ui, core, HELP));
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| title(ui, core));
+        ui.menu_button("Help", |ui| groups(ui, here, cx, &vec![of(&[F::Palette, F::Log, F::About])]));
+        let layout = egui::Layout::right_to_left(egui::Align::Center);
+        ui.with_layout(layout, |ui| title(ui, (workspaces, shown), cx));
     });
     open
 }
 
-/// Commands of a menu in groups, with a line between two of them.
-type Groups = &'static [&'static [Command]];
-
-const FILE: Groups = &[
-    &[Command::NewDemonstration, Command::Reload],
-    &[Command::Save, Command::SaveAs, Command::SaveJob],
-    &[Command::Export, Command::Screenshot],
-    &[Command::Quit],
-];
-const BLISK: Groups =
-    &[&[Command::Plan, Command::Cancel, Command::Keep, Command::Release, Command::Withdraw], &[Command::MillFlanks]];
-const MOLD: Groups = &[
-    &[Command::FindUncut, Command::DesignElectrodes, Command::CompareCutters, Command::Cancel],
-    &[Command::Electrodes, Command::Layers, Command::DepthColours, Command::FaintMold],
-    &[Command::FoldPanel, Command::FoldList],
-    &[Command::FlyToRegion, Command::Isolate, Command::MillFlanks],
-];
-const FLANK: Groups = &[
-    &[Command::PlanFlank, Command::Cancel],
-    &[Command::NextPath, Command::SideBySide, Command::FaceFlank, Command::MovingCutter],
-    &[Command::ShowCutter, Command::AxisSurface, Command::Rulings],
-    &[Command::FoldPanel, Command::FoldList],
-];
-const VIEW: Groups = &[
-    &[Command::Projection, Command::Section, Command::IntoChannel, Command::WholeBlisk],
-    &[Command::Measure, Command::Colours, Command::Leftover, Command::Theme],
-];
-const HELP: Groups = &[&[Command::Palette, Command::Log, Command::About]];
-
-fn groups(ui: &mut Ui, core: &mut Core, groups: Groups) {
+fn groups(ui: &mut Ui, here: &dyn Workspace, cx: &mut Context, groups: &Groups) {
     for (i, group) in groups.iter().enumerate() {
         if i > 0 {
             ui.separator();
         }
-        group.iter().for_each(|command| item(ui, core, *command));
+        group.iter().for_each(|command| item(ui, here, cx, *command));
     }
 }
 
 /// The steps that can be undone, by their names.
-fn edit(ui: &mut Ui, core: &mut Core) {
-    let [undo, redo] = match core.workspace {
-        Workspace::Mold => [false, true].map(|again| core.mold.undo_label(again)),
-        Workspace::Flank => [false, true].map(|again| core.flank.record.undo_label(again)),
-        Workspace::Blisk => [core.document.undo_label(), core.document.redo_label()],
-    };
-    let [undo, redo] = [undo.map(|l| format!("Undo {l}")), redo.map(|l| format!("Redo {l}"))];
-    named(ui, core, Command::Undo, undo);
-    named(ui, core, Command::Redo, redo);
+fn edit(ui: &mut Ui, here: &dyn Workspace, cx: &mut Context) {
+    let [undo, redo] = [false, true].map(|again| here.undo_label(again));
+    named(ui, here, cx, FrameCommand::Undo.command(), undo.map(|l| format!("Undo {l}")));
+    named(ui, here, cx, FrameCommand::Redo.command(), redo.map(|l| format!("Redo {l}")));
     ui.separator();
-    item(ui, core, Command::Preferences);
+    item(ui, here, cx, FrameCommand::Preferences.command());
 }
 
 /// The switch between the workspaces, always in the same place, and before it what the window is about.
-fn title(ui: &mut Ui, core: &mut Core) {
+fn title(ui: &mut Ui, (workspaces, shown): (&[Box<dyn Workspace>], usize), cx: &mut Context) {
     // From right to left.
-    for workspace in Workspace::ALL.into_iter().rev() {
-        let (name, command, on) = (workspace.name(), Command::Workspace(workspace), core.workspace == workspace);
-        let response = ui.selectable_label(on, name).on_hover_text(command.hint(ui.ctx()));
-        response.widget_info(|| WidgetInfo::selected(Role::Tab, true, on, format!("{name} workspace")));
+    for (i, workspace) in workspaces.iter().enumerate().rev() {
+        let (about, on) = (workspace.about(), i == shown);
+        let response = ui.selectable_label(on, about.name).on_hover_text(about.switch.hint(ui.ctx()));
+        response.widget_info(|| WidgetInfo::selected(Role::Tab, true, on, format!("{} workspace", about.name)));
         if response.clicked() {
-            core.push(command);
+            cx.push(Command::switch(i, &about.switch));
         }
     }
     ui.separator();
-    match core.workspace {
-        Workspace::Blisk => document(ui, core.document.name(), core.document.is_unsaved()),
-        Workspace::Mold => document(ui, core.mold.name(), core.mold.is_unsaved()),
-        Workspace::Flank => document(ui, core.flank.name(), core.flank.is_unsaved()),
-    }
+    document(ui, workspaces[shown].name(), workspaces[shown].is_unsaved());
 }
 
 fn document(ui: &mut Ui, name: String, is_unsaved: bool) {
@@ -114,40 +83,40 @@ fn document(ui: &mut Ui, name: String, is_unsaved: bool) {
     ui.add(label).on_hover_text(if is_unsaved { "There is unsaved work" } else { "Saved" });
 }
 
-fn recent(ui: &mut Ui, core: &mut Core, open: &mut Option<std::path::PathBuf>) {
+fn recent(ui: &mut Ui, cx: &mut Context, open: &mut Option<std::path::PathBuf>) {
     ui.menu_button("Open recent", |ui| {
-        for path in core.preferences.recent.iter() {
+        for path in cx.preferences.recent.iter() {
             let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
             if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
                 *open = Some(path.to_owned());
             }
         }
-        if core.preferences.recent.iter().len() == 0 {
+        if cx.preferences.recent.iter().len() == 0 {
             ui.weak("None yet");
         } else {
             ui.separator();
             if ui.button("Forget these").clicked() {
-                core.preferences.recent.clear();
+                cx.preferences.recent.clear();
             }
         }
     });
 }
 
-fn item(ui: &mut Ui, core: &mut Core, command: Command) {
-    named(ui, core, command, None);
+fn item(ui: &mut Ui, here: &dyn Workspace, cx: &mut Context, command: Command) {
+    named(ui, here, cx, command, None);
 }
 
-fn named(ui: &mut Ui, core: &mut Core, command: Command, name: Option<String>) {
-    let mut button = egui::Button::new(name.unwrap_or_else(|| command.name()));
-    if let Some(keys) = command.shortcut() {
+fn named(ui: &mut Ui, here: &dyn Workspace, cx: &mut Context, command: Command, name: Option<String>) {
+    let mut button = egui::Button::new(name.unwrap_or_else(|| command.info.name.to_owned()));
+    if let Some(keys) = command.info.keys {
         button = button.shortcut_text(ui.ctx().format_shortcut(&keys));
     }
-    let mut response = ui.add_enabled(command.is_enabled(core), button);
-    if let Some(why) = command.needs() {
+    let mut response = ui.add_enabled(here.is_enabled(command), button);
+    if let Some(why) = command.info.needs {
         response = response.on_disabled_hover_text(why);
     }
     if response.clicked() {
-        core.push(command);
+        cx.push(command);
         ui.close();
     }
 }

@@ -2,9 +2,9 @@
 
 use egui::{Align2, Key, RichText, Ui, vec2};
 
-use super::commands::Command;
-use super::core::Core;
 use crate::widgets::theme::palette;
+use crate::workspaces::commands::Command;
+use crate::workspaces::context::Context;
 
 /// What is typed and chosen; open while it is some.
 #[derive(Debug, Default)]
@@ -25,14 +25,21 @@ impl CommandPalette {
         self.open
     }
 
-    /// Draws it if it is open.
-    pub fn show(&mut self, ctx: &egui::Context, core: &mut Core) {
+    /// Draws it with `commands` if it is open.
+    pub fn show(
+        &mut self,
+        ctx: &egui::Context,
+        cx: &mut Context,
+        commands: Vec<Command>,
+        is_enabled: impl Fn(Command) -> bool,
+    ) {
         if !self.open {
             return;
         }
-        let mut found: Vec<Command> = Command::all().into_iter().filter(|c| matches(&c.name(), &self.text)).collect();
+        let mut found = commands;
+        found.retain(|c| matches(c.info.name, &self.text));
         // What can be done comes first, and of that what holds the letters as one word.
-        found.sort_by_key(|c| (!c.is_enabled(core), !holds(&c.name(), &self.text)));
+        found.sort_by_key(|c| (!is_enabled(*c), !holds(c.info.name, &self.text)));
         self.chosen = self.chosen.min(found.len().saturating_sub(1));
         let [up, down, enter, escape] = [Key::ArrowUp, Key::ArrowDown, Key::Enter, Key::Escape]
             .map(|key| ctx.input_mut(|i| i.consume_key(egui::Modifiers::NONE, key)));
@@ -44,10 +51,10 @@ impl CommandPalette {
             .resizable(false)
             .anchor(Align2::CENTER_TOP, vec2(0.0, 90.0))
             .fixed_size(vec2(440.0, 340.0));
-        let shown = window.show(ctx, |ui| self.list(ui, core, &found).or(run.take()));
+        let shown = window.show(ctx, |ui| self.list(ui, &found, &is_enabled).or(run.take()));
         let run = shown.and_then(|s| s.inner.flatten());
-        if let Some(command) = run.filter(|c| c.is_enabled(core)) {
-            core.push(command);
+        if let Some(command) = run.filter(|c| is_enabled(*c)) {
+            cx.push(command);
             self.open = false;
         }
         if escape {
@@ -55,7 +62,7 @@ impl CommandPalette {
         }
     }
 
-    fn list(&mut self, ui: &mut Ui, core: &Core, found: &[Command]) -> Option<Command> {
+    fn list(&mut self, ui: &mut Ui, found: &[Command], is_enabled: &impl Fn(Command) -> bool) -> Option<Command> {
         let field = egui::TextEdit::singleline(&mut self.text).hint_text("Type a command").desired_width(f32::INFINITY);
         let typed = ui.add(field);
         typed.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Command"));
@@ -67,9 +74,10 @@ impl CommandPalette {
         let mut run = None;
         egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
             for (i, command) in found.iter().enumerate() {
-                let enabled = command.is_enabled(core);
+                let enabled = is_enabled(*command);
                 ui.horizontal(|ui| {
-                    let response = ui.add_enabled(enabled, egui::Button::selectable(i == self.chosen, command.name()));
+                    let response =
+                        ui.add_enabled(enabled, egui::Button::selectable(i == self.chosen, command.info.name));
                     if response.clicked() {
                         run = Some(*command);
                     }
@@ -77,7 +85,7 @@ impl CommandPalette {
                         response.scroll_to_me(None);
                     }
                     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                        if let Some(keys) = command.shortcut() {
+                        if let Some(keys) = command.info.keys {
                             let text = ui.ctx().format_shortcut(&keys);
                             ui.label(RichText::new(text).small().color(palette(ui).faint));
                         }

@@ -1,7 +1,7 @@
 //! Opens the window, and says in plain words what stands in its way.
 
-use super::preferences::Preferences;
 use super::run::{Folders, Opening, SparkpathApp};
+use crate::workspaces::preferences::Preferences;
 
 /// What there is to open a window with.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -3,25 +3,37 @@
 use egui::{Align2, FontId, Rect, Role, Sense, Ui, WidgetInfo, vec2};
 
 use super::theme::palette;
-use crate::shell::commands::Command;
-use crate::shell::core::Core;
 
-/// Draws them over the view in `rect`, with whether the panel on the left is there, and that on the right if it has one
-/// of its own.
-pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core, shows_panel: bool, shows_list: Option<bool>) {
-    const SIZE: egui::Vec2 = vec2(12.0, 46.0);
-    let [left, right] = [rect.left_center(), rect.right_center()];
-    let inwards = vec2(0.5 * SIZE.x, 0.0);
-    handle(ui, Rect::from_center_size(left + inwards, SIZE), core, Command::FoldPanel, !shows_panel);
-    if let Some(shows_list) = shows_list {
-        handle(ui, Rect::from_center_size(right - inwards, SIZE), core, Command::FoldList, shows_list);
-    }
+/// A panel beside the view that folds.
+pub struct Folding<'a> {
+    /// Whether it is on the left.
+    pub is_left: bool,
+    /// Whether it is there.
+    pub is_there: bool,
+    /// The name of its handle.
+    pub name: &'a str,
+    /// The name with the keys, if there are any.
+    pub hint: String,
 }
 
-/// One of them, which points to the right or to the left.
-fn handle(ui: &mut Ui, rect: Rect, core: &mut Core, command: Command, points_right: bool) {
-    let response = ui.interact(rect, ui.scope_id().with(("fold", command.name())), Sense::click());
-    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, command.name()));
+/// Draws the handles over the view in `rect`. Answers the number of the one that was clicked.
+pub fn show(ui: &mut Ui, rect: Rect, panels: &[Folding]) -> Option<usize> {
+    const SIZE: egui::Vec2 = vec2(12.0, 46.0);
+    let inwards = vec2(0.5 * SIZE.x, 0.0);
+    let mut clicked = None;
+    for (i, panel) in panels.iter().enumerate() {
+        let at = if panel.is_left { rect.left_center() + inwards } else { rect.right_center() - inwards };
+        if handle(ui, Rect::from_center_size(at, SIZE), panel) {
+            clicked = Some(i);
+        }
+    }
+    clicked
+}
+
+/// One of them, which points to where its panel goes.
+fn handle(ui: &mut Ui, rect: Rect, panel: &Folding) -> bool {
+    let response = ui.interact(rect, ui.scope_id().with(("fold", panel.name)), Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, panel.name));
     let visuals = ui.visuals();
     let (fill, ink) = if response.hovered() {
         (visuals.widgets.hovered.weak_bg_fill, visuals.strong_text_color())
@@ -29,9 +41,8 @@ fn handle(ui: &mut Ui, rect: Rect, core: &mut Core, command: Command, points_rig
         (visuals.window_fill.gamma_multiply(0.88), palette(ui).faint)
     };
     ui.painter().rect_filled(rect, 3.0, fill);
+    let points_right = panel.is_left != panel.is_there;
     let sign = if points_right { "\u{23f5}" } else { "\u{23f4}" };
     ui.painter().text(rect.center(), Align2::CENTER_CENTER, sign, FontId::proportional(10.0), ink);
-    if response.on_hover_text(command.hint(ui.ctx())).clicked() {
-        core.push(command);
-    }
+    response.on_hover_text(&panel.hint).clicked()
 }

@@ -3,7 +3,9 @@
 pub mod camera;
 pub mod colours;
 pub mod folds;
+pub mod overlay;
 pub mod panel_parts;
-pub mod pictures;
+pub mod plot_parts;
 pub mod theme;
+pub mod viewport;
 pub mod viewport_gpu;

@@ -12,6 +12,7 @@ use sparkpath::shell::run::{Folders, Opening, SparkpathApp};
 use sparkpath::workspaces::blisk::document::job_file::PlanJob;
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use sparkpath::workspaces::blisk::pipeline::StageState;
+use sparkpath::workspaces::blisk::{BliskDesk, BliskWorkspace};
 use tempfile::TempDir;
 use wheel::electrode::EnterSide;
 use wheel::parametric::ParametricBlisk;
@@ -77,8 +78,16 @@ impl Desk {
         self.window.state()
     }
 
+    pub fn blisk(&self) -> &BliskDesk {
+        &self.app().workspace::<BliskWorkspace>().unwrap().desk
+    }
+
+    pub fn blisk_mut(&mut self) -> &mut BliskDesk {
+        &mut self.window.state_mut().workspace_mut::<BliskWorkspace>().unwrap().desk
+    }
+
     pub fn state(&self, stage: Stage) -> StageState {
-        self.app().core().pipeline.state(stage)
+        self.blisk().pipeline.state(stage)
     }
 
     /// Goes on until `is` holds, at the pace of the real program.
@@ -95,8 +104,8 @@ impl Desk {
     /// A few frames, so that everything shows what is known; what is opened is open then.
     pub fn settle(&mut self) {
         self.window.run_steps(4);
-        if self.app().core().opening.is_busy() {
-            while self.app().core().opening.is_busy() {
+        if self.app().is_opening() {
+            while self.app().is_opening() {
                 std::thread::sleep(Duration::from_millis(2));
                 self.window.step();
             }
@@ -107,15 +116,15 @@ impl Desk {
     /// Until nothing is worked on.
     pub fn until_idle(&mut self) {
         self.settle();
-        self.until("all work is done", |desk| !desk.app().core().pipeline.is_busy());
+        self.until("all work is done", |desk| !desk.blisk().pipeline.is_busy());
         // The end of one step may be the beginning of the next.
-        while self.app().core().pipeline.is_busy() {
-            self.until("all work is done", |desk| !desk.app().core().pipeline.is_busy());
+        while self.blisk().pipeline.is_busy() {
+            self.until("all work is done", |desk| !desk.blisk().pipeline.is_busy());
         }
     }
 
     pub fn log(&self) -> Vec<String> {
-        self.app().core().log.iter().map(|line| line.text.clone()).collect()
+        self.app().context().log.iter().map(|line| line.text.clone()).collect()
     }
 
     /// Whether a text that contains `text` is anywhere in the window.
@@ -213,7 +222,7 @@ impl Desk {
 
     /// Makes the search a small one, as a user would who types the numbers in.
     pub fn quicken(&mut self) {
-        let core = self.window.state_mut().core_mut();
+        let core = self.blisk_mut();
         let job = quick(core.document.job().clone());
         core.edit("Small search", job, false);
         self.until_idle();

@@ -12,11 +12,11 @@ use mold::cutter::{Cutter, CutterLibrary};
 use mold::electrode::design::{Burn, ElectrodeSet};
 use mold::electrode::params::{Edit, Method};
 use nc::burn_template::BurnSheet;
-use sparkpath::shell::commands::Command;
 use sparkpath::shell::run::Opening;
-use sparkpath::shell::workspace::Workspace;
+use sparkpath::workspaces::commands::{CommandSet as _, Commanded as _};
 use sparkpath::workspaces::flank::document::FlankSource;
 use sparkpath::workspaces::flank::document::flank_file::read_flank;
+use sparkpath::workspaces::mold::commands::MoldCommand;
 use sparkpath::workspaces::mold::scene::electrodes::BurnOf;
 use task::State;
 
@@ -24,7 +24,7 @@ use crate::desk::{Desk, Home};
 
 /// A window on the stepped mold with electrodes, for which nothing but Design was pressed.
 fn designed(home: &Home, pixels: [u16; 2]) -> Desk {
-    let mut desk = home.start_in(Opening::Mold(Some(home.mold())), pixels, 1.0);
+    let mut desk = home.start_in(Opening::In("mold", Some(home.mold())), pixels, 1.0);
     desk.take_cutters(&[Cutter::flat(3.0)]);
     let mut params = desk.mold().params.clone();
     params.electrodes.cutters = Some(CutterLibrary { cutter: vec![Cutter::flat(1.0)] });
@@ -199,19 +199,19 @@ fn the_flanks_of_a_designed_electrode_are_milled_without_a_file() {
     let mut desk = designed(&home, [1280, 720]);
     let made = desk.mold().electrodes.designed().unwrap().clone();
     let first = &made.set.electrodes[0];
-    let mill = |desk: &Desk| Command::MillFlanks.is_enabled(desk.app().core());
+    let mill = |desk: &Desk| desk.mold().is_enabled(MoldCommand::MillFlanks.command());
     assert!(!mill(&desk), "none is selected");
     desk.press_role(Role::Row, &format!("Electrode {}", first.name));
     desk.press("Mill its flanks");
-    assert_eq!(desk.app().core().workspace, Workspace::Flank);
-    let flank = |desk: &Desk| desk.app().core().flank.params.clone();
+    assert_eq!(desk.app().shown(), "flank");
+    let flank = |desk: &Desk| desk.flank().params.clone();
     let volume = desk.until_faces();
     assert!((volume / first.mesh.volume() - 1.0).abs() < 1e-9, "{volume}");
     let FlankSource::Mesh(source) = flank(&desk).source else { panic!("no face of a part") };
     assert_eq!((source.part(), source.fit.up), (format!("{} of stepped", first.name), DVec3::NEG_Z));
     // It is clamped as it burns no more: tips to the spindle.
     assert_eq!(flank(&desk).milling.workpiece.unwrap().z_axis, DVec3::NEG_Z);
-    assert!(!desk.app().core().flank.is_unsaved());
+    assert!(!desk.flank().is_unsaved());
 
     // The mesh goes along with the flank's file.
     desk.enter("Radius", "0.75");
@@ -227,7 +227,7 @@ fn the_flanks_of_a_designed_electrode_are_milled_without_a_file() {
     desk.press("Mill its flanks");
     desk.assert_shows("Unsaved work");
     desk.press("Don't save");
-    assert_eq!((flank(&desk).source, desk.app().core().flank.record.file.clone()), (before.source, None));
+    assert_eq!((flank(&desk).source, desk.flank().record.file.clone()), (before.source, None));
 }
 
 impl Desk {
@@ -244,7 +244,7 @@ impl Desk {
 #[test]
 fn every_parameter_of_electrodes_has_a_field() {
     let home = Home::new();
-    let mut desk = home.start(Opening::Mold(None));
+    let mut desk = home.start(Opening::In("mold", None));
     desk.press_role(Role::DisclosureTriangle, "Electrodes");
     let before = desk.mold().params.electrodes.clone();
     for (name, text, step) in [
@@ -374,7 +374,7 @@ fn two_parts_of_a_region_are_merged_and_one_is_split_along_a_drawn_line() {
     let home = Home::new();
     let file = home.path("bent.stl");
     write_stl(&file, &bent_slot()).unwrap();
-    let mut desk = home.start_in(Opening::Mold(Some(file)), [1280, 720], 1.0);
+    let mut desk = home.start_in(Opening::In("mold", Some(file)), [1280, 720], 1.0);
     desk.take_cutters(&[Cutter::flat(2.0)]);
     let mut params = desk.mold().params.clone();
     params.electrodes.cutters = Some(CutterLibrary { cutter: vec![Cutter::flat(0.5)] });

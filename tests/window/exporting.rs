@@ -1,5 +1,6 @@
 //! What is exported is what was chosen, in the frame that was chosen.
 
+use sparkpath::workspaces::blisk::BliskWorkspace;
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -18,7 +19,7 @@ use crate::desk::{Desk, Home, quick};
 
 /// A window with a released plan that was not finished, for a channel that stands askew to the axes of the mesh.
 pub fn released(home: &Home) -> Desk {
-    released_after(home, &|desk| desk.window.state_mut().core_mut().pipeline.cancel())
+    released_after(home, &|desk| desk.blisk_mut().pipeline.cancel())
 }
 
 /// The same with all that follows the plan.
@@ -30,7 +31,7 @@ fn released_whole(home: &Home) -> Desk {
 fn released_after(home: &Home, planned: &dyn Fn(&mut Desk)) -> Desk {
     let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
     desk.until_idle();
-    let core = desk.window.state_mut().core_mut();
+    let core = desk.blisk_mut();
     let mut job = quick(core.document.job().clone());
     job.blisk.options.channel = 5;
     job.electrode.circumferential_reduction_deg = [3.0, 3.0];
@@ -48,7 +49,7 @@ fn released_after(home: &Home, planned: &dyn Fn(&mut Desk)) -> Desk {
 
 /// Exports into `folder` and answers the names of what is there beside the manifest.
 pub fn export(desk: &mut Desk, folder: &Path) -> BTreeSet<String> {
-    desk.window.state_mut().export(folder);
+    desk.window.state_mut().act(|blisk: &mut BliskWorkspace, cx| blisk.export(folder, cx));
     desk.until_idle();
     assert_eq!(desk.state(Stage::Export), StageState::Done, "{:#?}", desk.log());
     let files = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().to_string_lossy().into_owned());
@@ -102,10 +103,7 @@ fn what_is_written_is_what_was_ticked() {
         desk.press_role(Role::CheckBox, file);
     }
     desk.press_role(Role::Button, "Cancel");
-    assert!(
-        desk.app().core().pipeline.released().is_some(),
-        "what is written has nothing to do with what was released"
-    );
+    assert!(desk.blisk().pipeline.released().is_some(), "what is written has nothing to do with what was released");
     let left = names(&["electrode_1.stl", "report.html", "report.json"]);
     assert_eq!(export(&mut desk, &folder), left, "what an earlier export wrote is not left beside");
     let html = std::fs::read_to_string(folder.join("report.html")).unwrap();
@@ -125,7 +123,7 @@ fn an_electrode_in_w_is_that_of_the_mesh_seen_from_w() {
     let mut desk = released(&home);
     let [in_mesh, in_w] = [home.path("mesh"), home.path("w")];
     export(&mut desk, &in_mesh);
-    let core = desk.window.state_mut().core_mut();
+    let core = desk.blisk_mut();
     let mut job = core.document.job().clone();
     job.export.frame = MeshFrame::W;
     core.edit("Frame", job, false);
@@ -152,14 +150,15 @@ fn a_post_of_ones_own_is_taken_by_its_file() {
     let mut desk = released(&home);
     let post = home.path("mine.toml");
     std::fs::write(&post, BUILT_IN[0].1.replace("extension = \"nc\"", "extension = \"ngc\"")).unwrap();
-    desk.window.state_mut().take_post(&post);
+    desk.window.state_mut().act(|blisk: &mut BliskWorkspace, cx| blisk.take_post(&post, cx));
     desk.settle();
-    assert_eq!(desk.app().core().document.job().export.post, post.to_string_lossy());
+    assert_eq!(desk.blisk().document.job().export.post, post.to_string_lossy());
     let files = export(&mut desk, &home.path("out"));
     assert!(files.contains("path_1.ngc") && !files.contains("path_1.nc"), "{files:?}");
     std::fs::write(home.path("broken.toml"), "title = 3").unwrap();
-    desk.window.state_mut().take_post(&home.path("broken.toml"));
+    let broken = home.path("broken.toml");
+    desk.window.state_mut().act(|blisk: &mut BliskWorkspace, cx| blisk.take_post(&broken, cx));
     desk.settle();
     desk.assert_shows("This is no post");
-    assert_eq!(desk.app().core().document.job().export.post, post.to_string_lossy());
+    assert_eq!(desk.blisk().document.job().export.post, post.to_string_lossy());
 }

@@ -19,7 +19,7 @@ fn a_wrong_number_is_told_beside_its_field() {
     desk.open_step(Stage::Electrode);
     desk.enter("Spark gap", "abc");
     desk.assert_shows("Spark gap: \"abc\" is not a number; enter a number from 0.005 to 2 mm; it stays 0.1 mm");
-    assert_eq!(desk.app().core().document.job().electrode.spark_gap_mm, 0.1);
+    assert_eq!(desk.blisk().document.job().electrode.spark_gap_mm, 0.1);
     desk.enter("Spark gap", "9");
     desk.until_idle();
     desk.assert_shows("Spark gap must be from 0.005 to 2 mm");
@@ -67,14 +67,14 @@ fn a_project_whose_mesh_has_changed_asks() {
     let mut desk = home.start(Opening::File(part.clone()));
     desk.until_idle();
     let project = home.path("job.sparkpath");
-    desk.window.state_mut().core_mut().document.save_as(&project).unwrap();
+    desk.blisk_mut().document.save_as(&project).unwrap();
     home.part(&curved_blisk());
     desk.window.state_mut().open(&project);
     desk.settle();
     desk.assert_shows("has changed since the project was saved");
     desk.press("Use as it is now");
     desk.until_idle();
-    assert_eq!(desk.app().core().document.file(), Some(project.as_path()));
+    assert_eq!(desk.blisk().document.file(), Some(project.as_path()));
     std::fs::remove_file(&part).unwrap();
     desk.window.state_mut().open(&project);
     desk.settle();
@@ -109,7 +109,7 @@ fn a_failed_open_changes_nothing() {
     std::fs::write(&broken, b"this is not a mesh").unwrap();
     // A file that is well in itself, but names a mesh that cannot be read.
     std::fs::write(&kept, "mesh = \"broken.stl\"").unwrap();
-    let mut desk = home.start(Opening::Mold(Some(home.mold())));
+    let mut desk = home.start(Opening::In("mold", Some(home.mold())));
     desk.until_loaded();
     let fails = |desk: &mut Desk, file: &std::path::Path| {
         let title = desk.app().title().to_owned();
@@ -129,16 +129,16 @@ fn a_failed_open_changes_nothing() {
 
     desk.press_role(Role::Tab, "Flank workspace");
     fails(&mut desk, &broken);
-    assert!(matches!(desk.app().core().flank.params.source, FlankSource::Demonstration { .. }));
+    assert!(matches!(desk.flank().params.source, FlankSource::Demonstration { .. }));
     // A mold that fails is not gone to either.
     fails(&mut desk, &kept);
     desk.press_role(Role::Tab, "Blisk workspace");
     desk.until_idle();
-    let core = desk.app().core();
+    let core = desk.blisk();
     let (job, part) = (core.document.job().clone(), core.pipeline.part().unwrap().clone());
     fails(&mut desk, &broken);
     desk.until_idle();
-    let core = desk.app().core();
+    let core = desk.blisk();
     assert!(*core.document.job() == job && Arc::ptr_eq(core.pipeline.part().unwrap(), &part));
     assert!(desk.step_says(Stage::Part, "done"));
 }

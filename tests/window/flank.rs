@@ -12,8 +12,8 @@ use nc::approved_flank::ApprovedFlank;
 use nc::flank_job::LoadedSurface;
 use nc::flank_program::{FlankNc, TipControl};
 use sparkpath::shell::run::Opening;
-use sparkpath::shell::workspace::Workspace;
 use sparkpath::workspaces::blisk::document::stage::Stage;
+use sparkpath::workspaces::flank::FlankWorkspace;
 use sparkpath::workspaces::flank::document::flank_file::{read_flank, write_flank};
 use sparkpath::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, PathChoice};
 use sparkpath::workspaces::flank::panels::FlankDesk;
@@ -40,8 +40,8 @@ impl Home {
 }
 
 impl Desk {
-    fn flank(&self) -> &FlankDesk {
-        &self.app().core().flank
+    pub fn flank(&self) -> &FlankDesk {
+        &self.app().workspace::<FlankWorkspace>().unwrap().desk
     }
 
     fn until_planned(&mut self) {
@@ -61,7 +61,7 @@ impl Desk {
 fn a_flank_is_planned_looked_at_and_exported() {
     let home = Home::new();
     let mut desk = home.start(home.flank());
-    assert_eq!(desk.app().core().workspace, Workspace::Flank);
+    assert_eq!(desk.app().shown(), "flank");
     desk.until("it is looked at quickly", |desk| desk.flank().planned().is_some());
     assert_eq!((desk.flank().is_planned(), desk.coloured()), (false, 1));
     desk.assert_shows("Preview");
@@ -171,14 +171,14 @@ fn of_a_blocked_path_the_report_is_written_and_words_are_of_what_is_there() {
     desk.until_planned();
     desk.assert_shows("total absolute deviation");
     // Another workspace has words of its own.
-    desk.window.state_mut().core_mut().workspace = Workspace::Mold;
+    desk.window.state_mut().show("mold");
     desk.settle();
     assert!(!desk.shows("total absolute deviation"));
-    desk.window.state_mut().core_mut().workspace = Workspace::Flank;
+    desk.window.state_mut().show("flank");
     desk.settle();
-    assert!(desk.app().core().last_said().is_some_and(|(_, is_stale)| !is_stale));
+    assert!(desk.app().last_said().is_some_and(|(_, is_stale)| !is_stale));
     desk.enter("Flutes", "5");
-    assert!(desk.app().core().last_said().is_none_or(|(_, is_stale)| is_stale), "it is of longer flutes");
+    assert!(desk.app().last_said().is_none_or(|(_, is_stale)| is_stale), "it is of longer flutes");
     desk.until("it is looked at", |desk| desk.flank().planned().is_some());
     desk.until_planned();
     let folder = home.path("out");
@@ -367,9 +367,9 @@ fn a_blisks_electrode_is_milled_without_a_file() {
     let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
     desk.until_idle();
     desk.open_step(Stage::Electrode);
-    let volume = desk.app().core().pipeline.electrodes().unwrap().electrodes[0].volume_mm3;
+    let volume = desk.blisk().pipeline.electrodes().unwrap().electrodes[0].volume_mm3;
     desk.press("Mill its flanks");
-    assert_eq!(desk.app().core().workspace, Workspace::Flank);
+    assert_eq!(desk.app().shown(), "flank");
     let part = desk.until_faces();
     assert!((part / volume - 1.0).abs() < 1e-9, "{part} {volume}");
     assert_eq!(desk.flank().name(), "electrode 1 flank 1");

@@ -4,11 +4,12 @@ use egui::accesskit::Toggled;
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::{AccessKitNode, By, Queryable as _};
 use glam::DVec3;
-use sparkpath::shell::preferences::ThemeChoice;
 use sparkpath::shell::run::Opening;
+use sparkpath::workspaces::blisk::BliskWorkspace;
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use sparkpath::workspaces::blisk::pipeline::StageState;
 use sparkpath::workspaces::blisk::scene::{Layer, layer_id};
+use sparkpath::workspaces::preferences::ThemeChoice;
 
 use crate::common::easy_blisk;
 use crate::desk::{Desk, Home, holds};
@@ -31,11 +32,11 @@ fn from_a_mesh_to_an_nc_program() {
 }
 
 fn volume(desk: &Desk) -> f64 {
-    desk.app().core().pipeline.electrodes().unwrap().electrodes[0].volume_mm3
+    desk.blisk().pipeline.electrodes().unwrap().electrodes[0].volume_mm3
 }
 
 fn low_reduction(desk: &Desk) -> f64 {
-    desk.app().core().document.job().electrode.circumferential_reduction_deg[0]
+    desk.blisk().document.job().electrode.circumferential_reduction_deg[0]
 }
 
 /// The electrode follows the slider; undo takes the whole drag back and nothing else.
@@ -55,26 +56,26 @@ fn a_drag_is_one_step(desk: &mut Desk) {
     for (name, value) in [("Reduction, low wall", "3"), ("Reduction, high wall", "3"), ("Radial reduction", "1")] {
         desk.enter(name, value);
     }
-    let electrode = &desk.app().core().document.job().electrode;
+    let electrode = &desk.blisk().document.job().electrode;
     assert_eq!((electrode.circumferential_reduction_deg, electrode.radial_reduction_mm), ([3.0, 3.0], 1.0));
     desk.until_idle();
 }
 
 fn plan_cancel_and_plan_again(desk: &mut Desk) {
     // A search that no machine ends before it is cancelled.
-    let core = desk.window.state_mut().core_mut();
+    let core = desk.blisk_mut();
     let mut long = core.document.job().clone();
     long.genetic.generations = 10_000;
     core.edit("Long search", long, false);
     desk.until_idle();
     desk.press("Go on to Plan");
     desk.press("Plan feed path");
-    desk.until("the plan is under way", |d| d.app().core().pipeline.running().is_some_and(|r| r.stage == Stage::Plan));
+    desk.until("the plan is under way", |d| d.blisk().pipeline.running().is_some_and(|r| r.stage == Stage::Plan));
     assert!(desk.step_says(Stage::Plan, "working"));
     desk.press("Cancel");
     desk.until("the plan has stopped", |d| d.state(Stage::Plan) != StageState::Running);
     desk.assert_shows("Plan: cancelled");
-    assert!(desk.app().core().pipeline.plan().is_none());
+    assert!(desk.blisk().pipeline.plan().is_none());
     desk.key_with(Modifiers::COMMAND, Key::Z);
     desk.until_idle();
     desk.key(Key::F5);
@@ -86,7 +87,7 @@ fn plan_cancel_and_plan_again(desk: &mut Desk) {
 /// The cursor, the row of the table, the inspector and the electrode in the view are in the same place.
 #[track_caller]
 fn assert_together(desk: &Desk) {
-    let core = desk.app().core();
+    let core = desk.blisk();
     let station = core.track().at(core.cursor.s).unwrap();
     let node = station.node.expect("the cursor is on a node");
     let name = format!("Node {node}");
@@ -108,9 +109,9 @@ fn assert_together(desk: &Desk) {
 
 fn everything_follows_the_cursor(desk: &mut Desk) {
     desk.press("Nodes");
-    let nodes: Vec<f64> = desk.app().core().track().nodes().map(|n| n.s).collect();
+    let nodes: Vec<f64> = desk.blisk().track().nodes().map(|n| n.s).collect();
     assert!(nodes.len() > 10);
-    let s = |desk: &Desk| desk.app().core().cursor.s;
+    let s = |desk: &Desk| desk.blisk().cursor.s;
     desk.key(Key::Home);
     assert_eq!(s(desk), nodes[0]);
     assert_together(desk);
@@ -135,16 +136,16 @@ fn verify_and_release(desk: &mut Desk) {
     desk.open_step(Stage::Verify);
     desk.assert_shows("Certified: the whole motion keeps the spark gap, within the tolerance.");
     let least = {
-        let outcome = desk.app().core().outcome().unwrap();
+        let outcome = desk.blisk().outcome().unwrap();
         let certificate = &outcome.plan.path.as_ref().unwrap().certificate;
         desk.assert_shows(&format!("{:.4} mm", certificate.certified()));
         certificate.least().s
     };
     desk.press("Go to the closest point");
-    assert_eq!(desk.app().core().cursor.s, least);
+    assert_eq!(desk.blisk().cursor.s, least);
     desk.until_idle();
     desk.press("Show the residual stock");
-    let core = desk.app().core();
+    let core = desk.blisk();
     assert!(core.leftover_values().is_some() && !core.layers.get(Layer::Electrode).visible);
     let (legend, left) = (core.leftover_legend().unwrap(), core.pipeline.plan().unwrap().leftover().unwrap());
     let thickest = left.surfaces.iter().map(|s| s.left.depth_mm.max(s.overcut.depth_mm)).fold(0.0, f64::max);
@@ -155,16 +156,17 @@ fn verify_and_release(desk: &mut Desk) {
     let from = walls.center().distance(desk.app().camera().target);
     assert!(from < 0.5 * walls.size().length(), "the view went to the walls, {from} mm off");
     desk.press("Show the electrode");
-    assert!(desk.app().core().leftover_values().is_none());
+    assert!(desk.blisk().leftover_values().is_none());
     desk.open_step(Stage::Export);
     let folder = tempfile::tempdir().unwrap();
-    desk.window.state_mut().export(&folder.path().join("early"));
+    let early = folder.path().join("early");
+    desk.window.state_mut().act(|blisk: &mut BliskWorkspace, cx| blisk.export(&early, cx));
     desk.until_idle();
     desk.assert_shows("release the plan first");
     desk.press("Close");
     assert!(!folder.path().join("early").exists());
     desk.press("Release for export");
-    assert!(desk.app().core().pipeline.released().is_some());
+    assert!(desk.blisk().pipeline.released().is_some());
     desk.assert_shows(
         "Released: this path. A change of the path withdraws the release; feed and post do not change it.",
     );
@@ -175,7 +177,7 @@ fn export(desk: &mut Desk, home: &Home) {
     desk.assert_shows("Results of an earlier plan in the folder are replaced.");
     desk.press_role(Role::Button, "Cancel");
     let folder = home.path("out");
-    desk.window.state_mut().export(&folder);
+    desk.window.state_mut().act(|blisk: &mut BliskWorkspace, cx| blisk.export(&folder, cx));
     desk.until("the files are written", |d| d.state(Stage::Export) == StageState::Done);
     for name in ["path_1.nc", "path_1.csv", "electrode_1.stl", "report.html", "report.json"] {
         assert!(folder.join(name).is_file(), "{name}");
@@ -184,7 +186,7 @@ fn export(desk: &mut Desk, home: &Home) {
     let program = std::fs::read_to_string(folder.join("path_1.nc")).unwrap();
     assert!(program.starts_with("%\n"), "{program}");
     assert!(program.lines().nth(1).is_some_and(|line| line.starts_with("(Sparkpath")), "{program}");
-    let digest = desk.app().core().outcome().unwrap().plan.path.as_ref().unwrap().path.digest();
+    let digest = desk.blisk().outcome().unwrap().plan.path.as_ref().unwrap().path.digest();
     assert!(program.contains(&digest[..16]), "the program names the path that was released");
 }
 
@@ -194,7 +196,7 @@ fn an_edit_withdraws_the_release(desk: &mut Desk) {
     desk.open_step(Stage::Electrode);
     desk.enter("Radial reduction", "1.2");
     desk.until_idle();
-    let core = desk.app().core();
+    let core = desk.blisk();
     assert!(!core.leftover && core.layers.get(Layer::Electrode).visible, "of this electrode there is no map");
     assert!(core.pipeline.released().is_none());
     assert!(desk.step_says(Stage::Plan, "out of date") && desk.step_says(Stage::Export, "out of date"));
@@ -203,7 +205,7 @@ fn an_edit_withdraws_the_release(desk: &mut Desk) {
     desk.key_with(Modifiers::COMMAND, Key::Z);
     desk.until_idle();
     assert!(desk.step_says(Stage::Plan, "done"), "the plan is of these parameters again");
-    assert!(desk.app().core().pipeline.released().is_none(), "but a release does not come back by itself");
+    assert!(desk.blisk().pipeline.released().is_none(), "but a release does not come back by itself");
 }
 
 #[test]
@@ -211,7 +213,7 @@ fn commands_are_found_by_a_few_of_their_letters() {
     let home = Home::new();
     let mut desk = home.start(Opening::Demonstration);
     desk.settle();
-    assert_eq!(desk.app().core().preferences.theme, ThemeChoice::Dark);
+    assert_eq!(desk.app().context().preferences.theme, ThemeChoice::Dark);
     let field = |desk: &Desk| desk.window.query(By::new().role(Role::TextInput).label("Command")).is_some();
     desk.key_with(Modifiers::COMMAND, Key::K);
     assert!(field(&desk));
@@ -221,11 +223,11 @@ fn commands_are_found_by_a_few_of_their_letters() {
     desk.window.event(egui::Event::Text("dk light".to_owned()));
     desk.settle();
     desk.key(Key::Enter);
-    assert_eq!(desk.app().core().preferences.theme, ThemeChoice::Light);
+    assert_eq!(desk.app().context().preferences.theme, ThemeChoice::Light);
     assert!(!desk.window.ctx.global_style().visuals.dark_mode);
     drop(desk);
     let desk = home.start(Opening::Demonstration);
-    assert_eq!(desk.app().core().preferences.theme, ThemeChoice::Light, "preferences are kept");
+    assert_eq!(desk.app().context().preferences.theme, ThemeChoice::Light, "preferences are kept");
 }
 
 #[test]
@@ -237,7 +239,7 @@ fn unsaved_work_survives_a_kill() {
     desk.open_step(Stage::Electrode);
     desk.enter("Spark gap", "0.123");
     desk.until("a copy is kept", |_| holds(&home.folders().autosave, ".sparkpath"));
-    let job = desk.app().core().document.job().clone();
+    let job = desk.blisk().document.job().clone();
     // Nothing of the program runs any more, neither its saving nor its end.
     drop(desk);
     let mut desk = home.start(Opening::Demonstration);
@@ -245,7 +247,7 @@ fn unsaved_work_survives_a_kill() {
     desk.assert_shows("The program ended without saving.");
     desk.press("Recover");
     desk.until_idle();
-    let document = &desk.app().core().document;
+    let document = &desk.blisk().document;
     assert_eq!((document.job(), document.job().electrode.spark_gap_mm), (&job, 0.123));
     assert!(document.is_unsaved() && document.job().blisk.mesh.as_ref() == Some(&part));
     assert!(desk.step_says(Stage::Electrode, "done"));

@@ -13,12 +13,12 @@ use crate::desk::{Desk, Home};
 
 /// Plans by `strategy` with reductions that let the electrode out.
 fn plan(desk: &mut Desk, strategy: Strategy) {
-    let core = desk.window.state_mut().core_mut();
+    desk.window.state_mut().context_mut().preferences.live = false;
+    let core = desk.blisk_mut();
     let mut job = core.document.job().clone();
     job.electrode.circumferential_reduction_deg = [3.0, 3.0];
     job.electrode.radial_reduction_mm = 1.0;
     job.plan.strategy = strategy;
-    core.preferences.live = false;
     core.edit("Strategy", job, false);
     desk.until_idle();
     desk.key(Key::F5);
@@ -36,7 +36,7 @@ fn has(desk: &Desk, role: Role, name: &str) -> bool {
 
 /// What the certificate of the present plan says, as it is shown.
 fn certified(desk: &Desk) -> String {
-    let planned = desk.app().core().outcome().unwrap().plan.path.as_ref().unwrap();
+    let planned = desk.blisk().outcome().unwrap().plan.path.as_ref().unwrap();
     format!("{:.4}", planned.certificate.certified())
 }
 
@@ -63,29 +63,27 @@ fn a_kept_run_stands_in_the_comparison_until_it_is_removed() {
     desk.assert_shows("1 genetic");
     desk.assert_shows("2 max-min-distance");
     // What is kept is in the project, and made anew from it.
-    assert!(desk.app().core().document.is_unsaved());
+    assert!(desk.blisk().document.is_unsaved());
     let project = home.path("kept.sparkpath");
-    desk.window.state_mut().core_mut().document.save_as(&project).unwrap();
-    assert!(!desk.app().core().document.is_unsaved());
+    desk.blisk_mut().document.save_as(&project).unwrap();
+    assert!(!desk.blisk().document.is_unsaved());
     desk.window.state_mut().open(&project);
-    desk.until("the runs are there again", |d| {
-        d.app().core().document.runs().len() == 2 && d.shows("2 max-min-distance")
-    });
+    desk.until("the runs are there again", |d| d.blisk().document.runs().len() == 2 && d.shows("2 max-min-distance"));
     desk.until_idle();
-    assert!(!desk.app().core().document.is_unsaved() && !desk.app().core().can_keep(), "{:#?}", desk.log());
+    assert!(!desk.blisk().document.is_unsaved() && !desk.blisk().can_keep(), "{:#?}", desk.log());
     desk.open_step(Stage::Plan);
     desk.pictures("kept_axes");
     desk.press("Comparison");
     desk.pictures("comparison");
     // One of another part takes a place too: it is there to be removed.
-    let document = &mut desk.window.state_mut().core_mut().document;
+    let document = &mut desk.blisk_mut().document;
     let mut foreign = document.runs()[0].clone();
     (foreign.number, foreign.plan.inputs) = (7, "another part".to_owned());
     document.keep_run(foreign);
     desk.until("it is refused", |d| d.shows("not compared: it is of another part or channel"));
     desk.picture("comparison_foreign_dark");
     desk.press("Remove 7 genetic");
-    assert!(!desk.shows("7 genetic") && desk.app().core().document.runs().len() == 2);
+    assert!(!desk.shows("7 genetic") && desk.blisk().document.runs().len() == 2);
     let before = count(&desk, Role::Label, &genetic);
     desk.press("Remove 1 genetic");
     assert!(!has(&desk, Role::Label, "1 genetic"));
@@ -101,7 +99,7 @@ fn sizes_are_of_the_parameters_that_they_were_found_with() {
     let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
     desk.until_idle();
     let edit = |desk: &mut Desk, change: &dyn Fn(&mut sparkpath::workspaces::blisk::document::job_file::PlanJob)| {
-        let core = desk.window.state_mut().core_mut();
+        let core = desk.blisk_mut();
         let mut job = core.document.job().clone();
         change(&mut job);
         core.edit("Job", job, false);
@@ -117,17 +115,17 @@ fn sizes_are_of_the_parameters_that_they_were_found_with() {
     desk.open_step(Stage::Verify);
     desk.assert_shows("Sizes: ");
     desk.open_step(Stage::Electrode);
-    desk.until("there is a size", |d| !d.app().core().tuning.sizes().0.is_empty());
+    desk.until("there is a size", |d| !d.blisk().tuning.sizes().0.is_empty());
     desk.press("Stop sizing");
     desk.press("Take size 1");
     desk.until_idle();
-    let row = desk.app().core().tuning.sizes().0[0].clone();
+    let row = desk.blisk().tuning.sizes().0[0].clone();
     let limit = row.limit.as_ref().unwrap();
     assert_eq!((limit.electrode, limit.electrodes), (1, 1));
     assert!(limit.clause().starts_with(&format!("limited at node {}, ", limit.node)), "{}", limit.clause());
     assert!(limit.surface.contains("wall") || limit.surface == "hub", "{}", limit.clause());
     let of_other = "These sizes are out of date; find them again to take one.";
-    let electrode = desk.app().core().document.job().electrode.clone();
+    let electrode = desk.blisk().document.job().electrode.clone();
     assert_eq!(electrode.circumferential_reduction_deg, row.reduction_deg);
     assert!(!has(&desk, Role::Label, of_other), "what is taken is of these parameters");
     edit(&mut desk, &|job| job.electrode.radial_reduction_mm = 1.1);
@@ -135,5 +133,5 @@ fn sizes_are_of_the_parameters_that_they_were_found_with() {
     let file = home.part(&easy_blisk());
     desk.window.state_mut().open(&file);
     desk.until_idle();
-    assert!(desk.app().core().tuning.sizes().0.is_empty(), "another document has no sizes yet");
+    assert!(desk.blisk().tuning.sizes().0.is_empty(), "another document has no sizes yet");
 }

@@ -4,12 +4,12 @@ use std::time::Duration;
 
 use egui::{Key, Role};
 use egui_kittest::SnapshotOptions;
-use sparkpath::shell::preferences::ThemeChoice;
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::blisk::document::job_file::PlanJob;
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use sparkpath::workspaces::blisk::pipeline::StageState;
 use sparkpath::workspaces::blisk::scene::Layer;
+use sparkpath::workspaces::preferences::ThemeChoice;
 
 use crate::common::{curved_blisk, easy_blisk};
 use crate::desk::{Desk, Home, quick};
@@ -33,7 +33,7 @@ impl Desk {
     /// The picture `name` in dark and in light.
     pub fn pictures(&mut self, name: &str) {
         for (theme, choice) in [("light", ThemeChoice::Light), ("dark", ThemeChoice::Dark)] {
-            self.window.state_mut().core_mut().preferences.theme = choice;
+            self.window.state_mut().context_mut().preferences.theme = choice;
             self.settle();
             self.picture(&format!("{name}_{theme}"));
         }
@@ -61,7 +61,7 @@ fn planned(home: &Home) -> Desk {
 fn planned_in(home: &Home, pixels: [u16; 2], scale: f32) -> Desk {
     let mut desk = home.start_in(Opening::File(home.part(&easy_blisk())), pixels, scale);
     desk.until_idle();
-    let mut job = quick(desk.app().core().document.job().clone());
+    let mut job = quick(desk.blisk().document.job().clone());
     job.electrode.circumferential_reduction_deg = [3.0, 3.0];
     job.electrode.radial_reduction_mm = 1.0;
     plan(&mut desk, job);
@@ -69,7 +69,7 @@ fn planned_in(home: &Home, pixels: [u16; 2], scale: f32) -> Desk {
 }
 
 fn plan(desk: &mut Desk, job: PlanJob) {
-    desk.window.state_mut().core_mut().edit("Job", job, false);
+    desk.blisk_mut().edit("Job", job, false);
     desk.until_idle();
     desk.key(Key::F5);
     desk.until("the plan has ended", |d| matches!(d.state(Stage::Plan), StageState::Done | StageState::Failed(_)));
@@ -82,8 +82,8 @@ fn a_plan_until_it_is_stale() {
     let mut desk = planned(&home);
     desk.press("Channel");
     desk.open_step(Stage::Verify);
-    let node = desk.app().core().track().nodes().nth(9).unwrap().s;
-    desk.window.state_mut().core_mut().cursor.s = node;
+    let node = desk.blisk().track().nodes().nth(9).unwrap().s;
+    desk.blisk_mut().cursor.s = node;
     desk.settle();
     desk.pictures("planned");
     desk.press("Nodes");
@@ -105,8 +105,8 @@ fn a_plan_until_it_is_stale() {
 fn cut_and_coloured(desk: &mut Desk) {
     desk.key(Key::End);
     desk.key(Key::X);
-    desk.window.state_mut().core_mut().colours = true;
-    desk.until("the colours are there", |d| d.app().core().colour_values().is_some());
+    desk.blisk_mut().colours = true;
+    desk.until("the colours are there", |d| d.blisk().colour_values().is_some());
 }
 
 #[test]
@@ -140,9 +140,9 @@ fn a_window_of_1280_by_720_at_200_percent() {
     cut_and_coloured(&mut desk);
     desk.picture("small_section_dark");
     desk.key(Key::X);
-    desk.window.state_mut().core_mut().colours = false;
+    desk.blisk_mut().colours = false;
     desk.open_step(Stage::Verify);
-    desk.window.state_mut().core_mut().preferences.theme = ThemeChoice::Light;
+    desk.window.state_mut().context_mut().preferences.theme = ThemeChoice::Light;
     desk.settle();
     desk.picture("small_verify_light");
     desk.open_step(Stage::Export);
@@ -161,9 +161,9 @@ fn a_window_of_1920_by_1080() {
     let mut desk = planned_in(&home, [1920, 1080], 1.0);
     desk.press("Channel");
     desk.open_step(Stage::Verify);
-    let node = desk.app().core().track().nodes().nth(4).unwrap().s;
-    desk.window.state_mut().core_mut().cursor.s = node;
-    desk.window.state_mut().core_mut().selected = Some(Layer::Electrode);
+    let node = desk.blisk().track().nodes().nth(4).unwrap().s;
+    desk.blisk_mut().cursor.s = node;
+    desk.blisk_mut().selected = Some(Layer::Electrode);
     desk.settle();
     assert!(desk.shows("Axes") && desk.shows("clearance mm"), "plots and table at once");
     desk.picture("wide_dark");
@@ -174,18 +174,18 @@ fn an_electrode_that_cannot_come_out_jams_at_a_node() {
     let home = Home::new();
     let mut desk = home.start(Opening::File(home.part(&curved_blisk())));
     desk.until_idle();
-    let mut job = quick(desk.app().core().document.job().clone());
+    let mut job = quick(desk.blisk().document.job().clone());
     job.electrode.circumferential_reduction_deg = [1.5, 1.5];
     (job.genetic.population, job.genetic.generations) = (8, 3);
     plan(&mut desk, job);
     desk.assert_shows("jams at node");
-    assert!(desk.step_says(Stage::Plan, "failed") && !desk.app().core().pipeline.can_release());
-    let jam = desk.app().core().outcome().unwrap().plan.jam.unwrap();
+    assert!(desk.step_says(Stage::Plan, "failed") && !desk.blisk().pipeline.can_release());
+    let jam = desk.blisk().outcome().unwrap().plan.jam.unwrap();
     desk.assert_shows(&format!("Jams at node {}", jam.node));
     desk.press("Channel");
     desk.open_step(Stage::Plan);
     desk.press("Go there");
-    let core = desk.app().core();
+    let core = desk.blisk();
     assert_eq!(core.cursor.s, jam.s, "the cursor stands where it jams");
     desk.pictures("jam");
     desk.open_step(Stage::Export);

@@ -5,11 +5,12 @@ use egui_kittest::kittest::Queryable as _;
 use feed::simulation::Phase;
 use glam::DVec3;
 use render::scene::Object;
-use sparkpath::shell::preferences::ThemeChoice;
 use sparkpath::shell::run::Opening;
+use sparkpath::workspaces::blisk::BliskWorkspace;
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use sparkpath::workspaces::blisk::pipeline::StageState;
 use sparkpath::workspaces::blisk::scene::{Layer, layer_of};
+use sparkpath::workspaces::preferences::ThemeChoice;
 
 use crate::common::easy_blisk;
 use crate::desk::{Desk, Home, quick};
@@ -49,15 +50,16 @@ fn a_machine_is_seen_from_its_choice_to_its_collision() {
     let home = Home::new();
     let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
     desk.until_idle();
-    let mut job = quick(desk.app().core().document.job().clone());
+    let mut job = quick(desk.blisk().document.job().clone());
     job.electrode.circumferential_reduction_deg = [3.0, 3.0];
-    desk.window.state_mut().core_mut().edit("Job", job.clone(), false);
+    desk.blisk_mut().edit("Job", job.clone(), false);
     desk.until_idle();
     assert!(bodies(&desk).is_empty(), "no machine is chosen");
-    desk.window.state_mut().take_machine(machine_with_a_post(&home).as_ref());
+    let machine = machine_with_a_post(&home);
+    desk.window.state_mut().act(|blisk: &mut BliskWorkspace, cx| blisk.take_machine(machine.as_ref(), cx));
     desk.until("the machine is seen", |d| !bodies(d).is_empty());
     let chosen = bodies(&desk);
-    assert!(chosen.len() > 3 && desk.app().core().pipeline.plan().is_none(), "before anything is planned");
+    assert!(chosen.len() > 3 && desk.blisk().pipeline.plan().is_none(), "before anything is planned");
     desk.window.get_by_label("Show Machine").click();
     desk.settle();
     assert!(bodies(&desk).is_empty());
@@ -69,7 +71,7 @@ fn a_machine_is_seen_from_its_choice_to_its_collision() {
     desk.key(Key::F5);
     until_checked(&mut desk);
     // Nobody has touched the strip of the whole motion.
-    let core = desk.app().core();
+    let core = desk.blisk();
     assert!(core.moment().is_none() && core.outcome().unwrap().plan.is_verified() && !core.pipeline.can_release());
     assert_eq!(bodies(&desk).len(), chosen.len());
     assert!(bodies(&desk).iter().any(|body| body.colour != chosen[0].colour), "what is in the way is marked");
@@ -83,7 +85,7 @@ fn a_machine_is_seen_from_its_choice_to_its_collision() {
 /// The mark is where the bodies meet, on the surface of the post that the chuck runs into.
 fn the_collision(desk: &mut Desk) {
     desk.press("Go to the collision");
-    let core = desk.app().core();
+    let core = desk.blisk();
     let moment = core.moment().unwrap();
     desk.assert_shows(&format!("{}, channel {}", moment.phase.name(), moment.channel));
     let [half, centre] = POST.map(DVec3::from_array);
@@ -96,19 +98,19 @@ fn the_collision(desk: &mut Desk) {
     let off = mark.map(|p| ((p.abs() - half).max_element()).abs()).fold(f64::INFINITY, f64::min);
     assert!(off < 0.01, "the mark is {off} mm off the post");
     desk.open_step(Stage::Verify);
-    desk.window.state_mut().core_mut().preferences.theme = ThemeChoice::Dark;
+    desk.window.state_mut().context_mut().preferences.theme = ThemeChoice::Dark;
     desk.press("Fit");
     desk.picture("machine_dark");
     desk.key(Key::End);
-    assert!(desk.app().core().moment().is_none(), "the timeline above has the word again");
+    assert!(desk.blisk().moment().is_none(), "the timeline above has the word again");
 }
 
 /// Panels and cursors are in the moment that is shown: on the feed where the electrode is, else nowhere.
 fn the_whole_motion(desk: &mut Desk) {
     let mut seen = Vec::new();
     for way in (0..500).step_by(10) {
-        desk.window.state_mut().core_mut().go_to_moment(f64::from(way));
-        let core = desk.app().core();
+        desk.blisk_mut().go_to_moment(f64::from(way));
+        let core = desk.blisk();
         let moment = core.moment().unwrap();
         // A withdrawal is a motion of X.
         match core.feed_cursor() {
@@ -130,7 +132,7 @@ fn the_whole_motion(desk: &mut Desk) {
         seen.contains(&Phase::Approach) && seen.contains(&Phase::Feed) && seen.contains(&Phase::Retract),
         "{seen:?}"
     );
-    desk.window.state_mut().core_mut().go_to_moment(0.0);
+    desk.blisk_mut().go_to_moment(0.0);
     desk.settle();
     desk.picture("moment_dark");
     desk.key(Key::End);
@@ -139,8 +141,8 @@ fn the_whole_motion(desk: &mut Desk) {
 /// A stale answer still says that it was a collision; an opened project is checked before it counts.
 fn stale_and_opened_again(desk: &mut Desk, home: &Home) {
     let project = home.path("machine.sparkpath");
-    desk.window.state_mut().core_mut().document.save_as(&project).unwrap();
-    let core = desk.window.state_mut().core_mut();
+    desk.blisk_mut().document.save_as(&project).unwrap();
+    let core = desk.blisk_mut();
     let mut job = core.document.job().clone();
     job.electrode.radial_reduction_mm += 0.2;
     core.edit("Radial reduction", job, false);

@@ -1,5 +1,6 @@
 //! The workspace of molds: from a mesh to what is left of it, and what other cutters would take away.
 
+use sparkpath::workspaces::flank::FlankWorkspace;
 use std::f64::consts::FRAC_PI_4;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -16,6 +17,7 @@ use mold::electrode::overrides::Override;
 use mold::electrode::params::Edit;
 use mold::opening::Opening::MinusX;
 use sparkpath::shell::run::Opening;
+use sparkpath::workspaces::mold::MoldWorkspace;
 use sparkpath::workspaces::mold::document::MoldParams;
 use sparkpath::workspaces::mold::document::mold_file::read_mold;
 use sparkpath::workspaces::mold::panels::MoldDesk;
@@ -65,11 +67,11 @@ impl Home {
 
 impl Desk {
     pub fn mold(&self) -> &MoldDesk {
-        &self.app().core().mold
+        &self.app().workspace::<MoldWorkspace>().unwrap().desk
     }
 
     pub fn take_cutters(&mut self, cutters: &[Cutter]) {
-        let mold = &mut self.window.state_mut().core_mut().mold;
+        let mold = self.mold_mut();
         let mut params = mold.params.clone();
         params.library = CutterLibrary { cutter: cutters.to_vec() };
         params.units = Units::Mm;
@@ -103,7 +105,7 @@ impl Desk {
 
 /// A window on the mold with one flat cutter of 6 mm, and what it leaves found.
 pub fn found(home: &Home) -> Desk {
-    let mut desk = home.start(Opening::Mold(Some(home.mold())));
+    let mut desk = home.start(Opening::In("mold", Some(home.mold())));
     desk.take_cutters(&[Cutter::flat(3.0)]);
     desk.until_loaded();
     desk.press("Find rest material");
@@ -119,7 +121,7 @@ fn what_is_left_is_found_listed_selected_and_cut_into_layers() {
     let exact = 4.0 * corner(3.0, 5.0) + 4.0 * corner(3.0, 4.0);
     assert!((desk.volume() / exact - 1.0).abs() < 1e-3, "{} {exact}", desk.volume());
     // The blisk was not worked on behind it.
-    assert!(desk.app().core().pipeline.part().is_none());
+    assert!(desk.blisk().pipeline.part().is_none());
 
     desk.press_role(Role::Row, "Region 3");
     assert_eq!(desk.mold().selected, Some(2));
@@ -144,7 +146,7 @@ fn what_is_left_is_found_listed_selected_and_cut_into_layers() {
     assert_eq!(desk.mold().selected, Some(6));
 
     // Four corners lie in the lower pocket and four in the upper one.
-    desk.window.state_mut().core_mut().mold.least_volume = 0.5 * (corner(3.0, 5.0) + corner(3.0, 4.0));
+    desk.mold_mut().least_volume = 0.5 * (corner(3.0, 5.0) + corner(3.0, 4.0));
     desk.settle();
     assert_eq!((desk.visible(), desk.shows("4 of 8")), (4, true));
 
@@ -160,7 +162,7 @@ fn what_is_left_is_found_listed_selected_and_cut_into_layers() {
 
     // The other workspace, and back: everything is as it was.
     desk.press_role(Role::Tab, "Blisk workspace");
-    desk.until("the blisk is begun", |d| d.app().core().pipeline.part().is_some());
+    desk.until("the blisk is begun", |d| d.blisk().pipeline.part().is_some());
     assert!(!desk.shows("Regions"));
     desk.press_role(Role::Tab, "Mold workspace");
     assert_eq!((desk.mold().selected, desk.mold().layer), (Some(6), Some(number)));
@@ -194,7 +196,7 @@ fn a_change_of_a_cutter_is_seen_at_a_glance_and_found_exactly_at_rest() {
 #[test]
 fn what_is_done_to_cutters_is_undone_step_by_step() {
     let home = Home::new();
-    let mut desk = home.start(Opening::Mold(None));
+    let mut desk = home.start(Opening::In("mold", None));
     let start = desk.mold().params.clone();
     desk.enter("Diameter of cutter 2", "7");
     let wide = desk.mold().params.clone();
@@ -217,13 +219,13 @@ fn what_is_done_to_cutters_is_undone_step_by_step() {
     }
     assert_eq!((&desk.mold().params, desk.mold().undo_label(true)), (&end, None));
     // Nothing of it was done to the blisk.
-    assert!(!desk.app().core().document.is_unsaved());
+    assert!(!desk.blisk().document.is_unsaved());
 }
 
 #[test]
 fn a_search_goes_on_while_the_same_mesh_is_read_again() {
     let home = Home::new();
-    let mut desk = home.start(Opening::Mold(Some(home.mold())));
+    let mut desk = home.start(Opening::In("mold", Some(home.mold())));
     desk.take_cutters(&[Cutter::flat(3.0)]);
     desk.until_loaded();
     let loads = |desk: &Desk| desk.log().iter().filter(|line| line.starts_with("Mold: ")).count();
@@ -298,7 +300,7 @@ fn other_cutters_are_compared_region_by_region() {
 #[test]
 fn cutters_are_added_saved_and_loaded() {
     let home = Home::new();
-    let mut desk = home.start(Opening::Mold(None));
+    let mut desk = home.start(Opening::In("mold", None));
     assert!(desk.app().scene().objects.is_empty());
     let standard = desk.mold().params.library.clone();
     desk.press("Add");
@@ -320,7 +322,7 @@ fn cutters_are_added_saved_and_loaded() {
 #[test]
 fn a_mold_is_saved_and_dropped_on_either_workspace() {
     let home = Home::new();
-    let mut desk = home.start(Opening::Mold(Some(home.mold())));
+    let mut desk = home.start(Opening::In("mold", Some(home.mold())));
     desk.take_cutters(&[Cutter::flat(1.5)]);
     let saved = desk.mold().params.clone();
     desk.key_with(Modifiers::COMMAND, Key::S);
@@ -333,11 +335,7 @@ fn a_mold_is_saved_and_dropped_on_either_workspace() {
     let app = desk.window.state_mut();
     app.open(&home.path("mine.sparkmold"));
     desk.until_loaded();
-    assert!(
-        desk.app().core().workspace == sparkpath::shell::workspace::Workspace::Mold
-            && desk.mold().params == saved
-            && desk.mold().name() == "mine"
-    );
+    assert!(desk.app().shown() == "mold" && desk.mold().params == saved && desk.mold().name() == "mine");
     assert!(!desk.mold().is_unsaved());
     // While molds are shown a mesh is one, whatever blisk there is.
     let other = home.path("other.stl");
@@ -345,7 +343,7 @@ fn a_mold_is_saved_and_dropped_on_either_workspace() {
     desk.window.input_mut().dropped_files.push(Arc::new(Dropped(other.clone())));
     desk.settle();
     assert_eq!(desk.mold().params.mesh.as_deref(), Some(&*other));
-    assert!(desk.app().core().document.job().blisk.mesh.is_none());
+    assert!(desk.blisk().document.job().blisk.mesh.is_none());
 }
 
 #[test]
@@ -354,7 +352,7 @@ fn changes_of_a_mold_are_not_lost_without_a_word() {
     let home = Home::new();
     let [mold, other, file] = [home.mold(), home.path("other.stl"), home.path("mine.sparkmold")];
     write_stl(&other, &stepped()).unwrap();
-    let mut desk = home.start(Opening::Mold(None));
+    let mut desk = home.start(Opening::In("mold", None));
     // Cutters that are chosen first stay when the mold comes, and are unsaved all along.
     desk.take_cutters(&[Cutter::flat(1.5)]);
     let drop_on = |desk: &mut Desk, path: &Path| {
@@ -392,7 +390,7 @@ fn what_is_unsaved_is_asked_about_before_the_path() {
     let home = Home::new();
     let other = home.path("other.stl");
     write_stl(&other, &moved()).unwrap();
-    let mut desk = home.start(Opening::Mold(Some(home.mold())));
+    let mut desk = home.start(Opening::In("mold", Some(home.mold())));
     desk.until_loaded();
     desk.take_cutters(&[Cutter::flat(1.5)]);
     desk.key_with(Modifiers::COMMAND, Key::O);
@@ -402,7 +400,7 @@ fn what_is_unsaved_is_asked_about_before_the_path() {
     desk.type_path(&other);
     assert!(!desk.shows(UNSAVED) && desk.mold().params.mesh.as_ref() == Some(&other));
     desk.press_role(Role::Tab, "Flank workspace");
-    let flank = &mut desk.window.state_mut().core_mut().flank;
+    let flank = &mut desk.window.state_mut().workspace_mut::<FlankWorkspace>().unwrap().desk;
     let mut params = flank.params.clone();
     params.cutter.radius_mm += 1.0;
     flank.edit(params);
@@ -436,7 +434,7 @@ fn what_is_decided_for_one_mold_holds_for_no_other() {
     let home = Home::new();
     let other = home.path("other.stl");
     write_stl(&other, &moved()).unwrap();
-    let mut desk = home.start(Opening::Mold(Some(home.mold())));
+    let mut desk = home.start(Opening::In("mold", Some(home.mold())));
     desk.take_cutters(&[Cutter::flat(3.0)]);
     desk.until_loaded();
     let standard = desk.mold().params.electrodes.clone();
@@ -470,7 +468,7 @@ fn what_is_decided_for_one_mold_holds_for_no_other() {
 fn decisions_do_not_pass_to_another_mesh_in_the_same_file() {
     let home = Home::new();
     let (mesh, file) = (home.mold(), home.path("mine.sparkmold"));
-    let mut desk = home.start(Opening::Mold(Some(mesh.clone())));
+    let mut desk = home.start(Opening::In("mold", Some(mesh.clone())));
     desk.until_loaded();
     let params = decided(&desk.mold().params);
     desk.mold_mut().edit(params.clone());
@@ -480,7 +478,7 @@ fn decisions_do_not_pass_to_another_mesh_in_the_same_file() {
     desk.key_with(Modifiers::COMMAND, Key::R);
     desk.until_loaded();
     assert_eq!(desk.mold().params, params);
-    let mut desk = home.start(Opening::Mold(Some(file.clone())));
+    let mut desk = home.start(Opening::In("mold", Some(file.clone())));
     desk.until_loaded();
     assert!(desk.mold().params == params && !desk.mold().is_unsaved());
 
@@ -494,7 +492,7 @@ fn decisions_do_not_pass_to_another_mesh_in_the_same_file() {
     assert!(is_clean(&desk) && desk.mold().is_unsaved());
     assert!(desk.log().iter().any(|line| line.contains("overrides") && line.contains("dropped")), "{:?}", desk.log());
     // Nor by way of the file, nor by undo.
-    let mut desk = home.start(Opening::Mold(Some(file)));
+    let mut desk = home.start(Opening::In("mold", Some(file)));
     desk.until_loaded();
     assert!(is_clean(&desk));
     let tolerant = MoldParams { tolerance_mm: 0.05, ..desk.mold().params.clone() };
@@ -520,7 +518,7 @@ fn how_a_mold_looks() {
 #[test]
 fn a_mold_in_a_window_of_1000_by_700() {
     let home = Home::new();
-    let mut desk = home.start_in(Opening::Mold(Some(home.mold())), [1000, 700], 1.0);
+    let mut desk = home.start_in(Opening::In("mold", Some(home.mold())), [1000, 700], 1.0);
     desk.take_cutters(&[Cutter::flat(3.0), Cutter { reach_mm: Some(4.0), ..Cutter::ball(1.5) }]);
     desk.until_loaded();
     desk.key(Key::F6);
@@ -543,7 +541,7 @@ fn a_mold_in_a_window_of_1000_by_700() {
 #[test]
 fn a_mold_in_a_window_of_1280_by_720_at_200_percent() {
     let home = Home::new();
-    let mut desk = home.start_in(Opening::Mold(Some(home.mold())), [1280, 720], 2.0);
+    let mut desk = home.start_in(Opening::In("mold", Some(home.mold())), [1280, 720], 2.0);
     desk.take_cutters(&[Cutter::flat(3.0)]);
     desk.until_loaded();
     desk.key(Key::F6);
@@ -555,6 +553,6 @@ fn a_mold_in_a_window_of_1280_by_720_at_200_percent() {
 
 impl Desk {
     pub fn mold_mut(&mut self) -> &mut MoldDesk {
-        &mut self.window.state_mut().core_mut().mold
+        &mut self.window.state_mut().workspace_mut::<MoldWorkspace>().unwrap().desk
     }
 }

@@ -16,19 +16,19 @@ use crate::exporting::released;
 fn a_plan_that_is_being_made_again_cannot_be_released_and_its_successor_is_not() {
     let home = Home::new();
     let mut desk = released(&home);
-    let before = desk.app().core().pipeline.plan().unwrap().clone();
-    let pipeline = &mut desk.window.state_mut().core_mut().pipeline;
+    let before = desk.blisk().pipeline.plan().unwrap().clone();
+    let pipeline = &mut desk.blisk_mut().pipeline;
     pipeline.start_plan().unwrap();
     assert!(!pipeline.can_release() && pipeline.release().is_err(), "nobody has seen what will come out");
     desk.until_idle();
-    let pipeline = &desk.app().core().pipeline;
+    let pipeline = &desk.blisk().pipeline;
     assert!(!Arc::ptr_eq(&before, pipeline.plan().unwrap()) && pipeline.can_release() && pipeline.released().is_none());
     // A plan that was given up leaves the one that was seen, which may be released.
     desk.key(Key::F5);
-    desk.window.state_mut().core_mut().pipeline.cancel();
+    desk.blisk_mut().pipeline.cancel();
     desk.until_idle();
-    desk.window.state_mut().core_mut().pipeline.release().unwrap();
-    assert!(desk.app().core().pipeline.released().is_some());
+    desk.blisk_mut().pipeline.release().unwrap();
+    assert!(desk.blisk().pipeline.released().is_some());
 }
 
 #[test]
@@ -36,9 +36,9 @@ fn nothing_is_released_before_its_copying_motions_are_known_or_given_up() {
     let home = Home::new();
     let mut desk = released(&home);
     // Another plan of the same parameters is finished anew.
-    desk.window.state_mut().core_mut().pipeline.start_plan().unwrap();
+    desk.blisk_mut().pipeline.start_plan().unwrap();
     desk.until("the plan is done", |d| d.state(Stage::Plan) == StageState::Done);
-    let pipeline = &mut desk.window.state_mut().core_mut().pipeline;
+    let pipeline = &mut desk.blisk_mut().pipeline;
     let plan = pipeline.plan().unwrap().clone();
     assert!(plan.finishing().is_none(), "the verdict does not wait for the stock that is left");
     assert!(pipeline.leftover_shape().is_none() && !pipeline.can_release() && pipeline.release().is_err());
@@ -46,11 +46,11 @@ fn nothing_is_released_before_its_copying_motions_are_known_or_given_up() {
     desk.until_idle();
     desk.open_step(Stage::Verify);
     desk.assert_shows("No residual stock and no copying motions: stopped.");
-    desk.window.state_mut().core_mut().pipeline.release().unwrap();
+    desk.blisk_mut().pipeline.release().unwrap();
     // What becomes known later was not released.
     desk.press("Compute the residual stock");
     desk.until_idle();
-    let pipeline = &desk.app().core().pipeline;
+    let pipeline = &desk.blisk().pipeline;
     assert!(Arc::ptr_eq(&plan, pipeline.plan().unwrap()) && pipeline.can_release() && pipeline.released().is_none());
     assert!(plan.leftover().is_some() && pipeline.leftover_shape().is_some());
     assert!(desk.log().iter().any(|line| line.contains("remain in the channel")), "{:#?}", desk.log());
@@ -69,12 +69,12 @@ fn an_export_stops_when_its_release_is_taken_back() {
             Ok(vec!["written without a release".to_owned()])
         })
     };
-    let pipeline = &mut desk.window.state_mut().core_mut().pipeline;
+    let pipeline = &mut desk.blisk_mut().pipeline;
     pipeline.start_export(&home.path("out"), until_told()).unwrap();
     pipeline.withdraw();
     desk.until_idle();
     assert_eq!(desk.state(Stage::Export), StageState::Missing, "{:#?}", desk.log());
-    let core = desk.window.state_mut().core_mut();
+    let core = desk.blisk_mut();
     core.pipeline.release().unwrap();
     core.pipeline.start_export(&home.path("out"), until_told()).unwrap();
     let mut job = core.document.job().clone();
@@ -89,15 +89,15 @@ fn an_export_stops_when_its_release_is_taken_back() {
 fn a_plan_is_kept_for_the_mesh_that_it_was_made_from() {
     let home = Home::new();
     let mut desk = released(&home);
-    let kept = desk.app().core().document.plan().unwrap().clone();
+    let kept = desk.blisk().document.plan().unwrap().clone();
     home.part(&ParametricBlisk { width_mm: 20.5, ..easy_blisk() });
-    desk.window.state_mut().core_mut().pipeline.reload();
+    desk.blisk_mut().pipeline.reload();
     desk.until_idle();
     assert_eq!(desk.state(Stage::Plan), StageState::Stale, "the mesh is another one");
-    let pipeline = &mut desk.window.state_mut().core_mut().pipeline;
+    let pipeline = &mut desk.blisk_mut().pipeline;
     pipeline.start_plan().unwrap();
     pipeline.cancel();
     desk.until_idle();
     assert_eq!(desk.state(Stage::Plan), StageState::Stale, "{:#?}", desk.log());
-    assert_eq!(desk.app().core().document.plan(), Some(&kept));
+    assert_eq!(desk.blisk().document.plan(), Some(&kept));
 }

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use eframe::App as _;
 use egui::{Key, Modifiers};
-use sparkpath::shell::autosave::{Recovered, Recovery};
+use sparkpath::shell::autosave::Recovery;
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::blisk::document::Document;
 use sparkpath::workspaces::blisk::document::project_file::ProjectFile;
@@ -16,13 +16,16 @@ use crate::desk::{Desk, Home, holds};
 const UNSAVED: &str = "has unsaved changes";
 const OPEN: &str = "Open a project or a mesh";
 
+/// The endings of documents, in the order of the workspaces.
+const ENDINGS: [&str; 3] = [".sparkpath", ".sparkmold", ".sparkflank"];
+
 fn seed(desk: &Desk) -> u64 {
-    desk.app().core().document.job().genetic.seed
+    desk.blisk().document.job().genetic.seed
 }
 
 /// Work that no file holds.
 fn work(desk: &mut Desk, seed: u64) {
-    let core = desk.window.state_mut().core_mut();
+    let core = desk.blisk_mut();
     let mut job = core.document.job().clone();
     job.genetic.seed = seed;
     core.edit("Seed", job, false);
@@ -82,7 +85,7 @@ fn what_was_to_follow_a_save_is_off_when_nothing_is_saved() {
     desk.press("Cancel");
     control(&mut desk, Key::S);
     desk.type_path(&home.path("a.sparkpath"));
-    assert!(!desk.app().core().document.is_unsaved());
+    assert!(!desk.blisk().document.is_unsaved());
     assert!(!desk.shows(OPEN), "the user had taken that back");
     drop(desk);
     let mut desk = home.start(Opening::Demonstration);
@@ -98,7 +101,7 @@ fn what_was_to_follow_a_save_is_off_when_nothing_is_saved() {
     assert!(!desk.shows("The project was not saved"), "Return closes what only tells");
     control(&mut desk, Key::S);
     desk.type_path(&home.path("b.sparkpath"));
-    assert!(!desk.app().core().document.is_unsaved() && !desk.shows(OPEN));
+    assert!(!desk.blisk().document.is_unsaved() && !desk.shows(OPEN));
     // While what follows a save does follow.
     work(&mut desk, 53);
     control(&mut desk, Key::O);
@@ -114,7 +117,7 @@ fn a_project_is_saved_under_a_name_that_opens_and_over_nothing_unasked() {
     control(&mut desk, Key::S);
     desk.type_path(&home.path("blisk v1.5"));
     let file = home.path("blisk v1.5.sparkpath");
-    assert_eq!(desk.app().core().document.file(), Some(&*file));
+    assert_eq!(desk.blisk().document.file(), Some(&*file));
     assert_eq!(Document::open(&file).unwrap().job().genetic.seed, 61);
     let other = home.path("other.sparkpath");
     std::fs::write(&other, "precious").unwrap();
@@ -124,7 +127,7 @@ fn a_project_is_saved_under_a_name_that_opens_and_over_nothing_unasked() {
         desk.assert_shows("exists already");
         desk.press("Cancel");
         assert_eq!(std::fs::read_to_string(&other).unwrap(), "precious");
-        assert_eq!(desk.app().core().document.file(), Some(&*file));
+        assert_eq!(desk.blisk().document.file(), Some(&*file));
     }
     desk.key_with(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
     desk.type_path(&other);
@@ -137,7 +140,7 @@ fn a_project_is_saved_under_a_name_that_opens_and_over_nothing_unasked() {
 
 /// Whether a program that ended left a copy.
 fn is_left(home: &Home) -> bool {
-    !Recovery::find(&home.folders().autosave).is_empty()
+    !Recovery::find(&home.folders().autosave, &ENDINGS).is_empty()
 }
 
 fn until_kept(desk: &mut Desk, home: &Home) {
@@ -194,10 +197,10 @@ fn recovered_work_keeps_its_copy_until_there_is_another() {
     desk.press("Recover");
     assert_eq!(seed(&desk), 81);
     drop(desk);
-    let kept = Recovery::find(&home.folders().autosave);
-    let readable: Vec<Recovered> = kept.iter().filter_map(|copy| copy.work().ok()).collect();
-    let [Recovered::Blisk(document)] = &readable[..] else { panic!("{readable:?}") };
-    assert_eq!(document.job().genetic.seed, 81);
+    let kept = Recovery::find(&home.folders().autosave, &ENDINGS);
+    let readable: Vec<ProjectFile> = kept.iter().filter_map(|copy| ProjectFile::read(&copy.copy).ok()).collect();
+    let [project] = &readable[..] else { panic!("{readable:?}") };
+    assert_eq!(project.job.genetic.seed, 81);
 }
 
 #[test]
@@ -205,7 +208,7 @@ fn a_mold_and_a_blisk_of_one_program_are_both_recovered() {
     let home = Home::new();
     let mut desk = home.start(Opening::Demonstration);
     work(&mut desk, 91);
-    let mold = &mut desk.window.state_mut().core_mut().mold;
+    let mold = desk.mold_mut();
     let params = MoldParams { tolerance_mm: 0.07, ..mold.params.clone() };
     mold.edit(params.clone());
     desk.until("both are kept", |_| {
@@ -217,8 +220,8 @@ fn a_mold_and_a_blisk_of_one_program_are_both_recovered() {
     desk.press("Recover");
     desk.assert_shows("Recovered work");
     desk.press("Recover");
-    let core = desk.app().core();
-    assert!(seed(&desk) == 91 && core.mold.params == params && core.mold.is_unsaved());
+    let mold = desk.mold();
+    assert!(seed(&desk) == 91 && mold.params == params && mold.is_unsaved());
     control(&mut desk, Key::Q);
     desk.press("Don't save");
     desk.press("Don't save");

@@ -1,5 +1,7 @@
 //! Feed paths of electrodes into the channels of a blisk.
 
+pub mod commands;
+pub mod desk;
 pub mod document;
 pub mod export;
 pub mod job;
@@ -7,3 +9,7 @@ pub mod panels;
 pub mod pipeline;
 pub mod report;
 pub mod scene;
+pub mod workspace;
+
+pub use desk::BliskDesk;
+pub use workspace::BliskWorkspace;

@@ -2,82 +2,34 @@
 
 use glam::DVec3;
 
-use crate::workspaces::blisk::document::choice::MeshFrame;
 use crate::workspaces::flank::document::kept_mesh::KeptMesh;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, MeshFlank};
 use crate::workspaces::flank::inputs::{FlankLoadError, load_machine};
+use crate::workspaces::message::ElectrodePart;
 use files::user_folder::user_folder;
 use flank::fit_ruled::RuledFitParams;
 use flank::machine::milling_machine::Workpiece;
 use flank::params::FlankParams;
-use geometry::frame::Frame;
-use geometry::mesh::Mesh;
-use mold::electrode::design::Electrode as MoldElectrode;
-use wheel::electrode::Electrode as BliskElectrode;
 
-/// Which way is up on electrodes of molds, whose files have their tips along -Z.
-pub const UP_OF_MOLDS: DVec3 = DVec3::NEG_Z;
-
-/// An electrode, and how it stands while its flanks are milled.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FlankElectrode {
-    /// What it is called.
-    pub name: String,
-    /// What it burns: the name of a mold or a blisk.
-    pub of: String,
-    /// It, in the axes of its file (mm).
-    pub mesh: Mesh,
-    /// Which way the cutter's axis points on it.
-    pub up: DVec3,
-    /// Whether it is clamped upside down: its base on the table, its tips to the spindle.
-    pub is_upside_down: bool,
+/// The flank of `part` that is milled first, with the cutter, the plan and the machine of `before`.
+///
+/// # Errors
+/// [`FlankLoadError`] if the machine cannot be read, or the mesh is none.
+pub fn flank_of(part: &ElectrodePart, before: &FlankDocument) -> Result<FlankDocument, FlankLoadError> {
+    let kept = KeptMesh::new(&part.name, &part.of, &part.mesh).map_err(FlankLoadError)?;
+    let fit = fit_of(part);
+    let mut document =
+        before.of_another(FlankSource::Mesh(MeshFlank { fit, kept: Some(kept), ..MeshFlank::default() }));
+    if part.is_upside_down {
+        keep_off_base(&mut document);
+        turn_over(&mut document)?;
+    }
+    Ok(document)
 }
 
-impl FlankElectrode {
-    /// One of a `mold`: as in its file, tips down.
-    pub fn of_mold(electrode: &MoldElectrode, mold: &str) -> Self {
-        Self {
-            name: electrode.name.clone(),
-            of: mold.to_owned(),
-            mesh: electrode.mesh.clone(),
-            up: UP_OF_MOLDS,
-            is_upside_down: true,
-        }
-    }
-
-    /// Number `number` (from 1) of a blisk whose W is `frame`, in the axes in which it is exported. Up is outwards.
-    pub fn of_blisk(
-        electrode: &BliskElectrode,
-        (number, blisk): (usize, &str),
-        (frame, exported): (&Frame, MeshFrame),
-    ) -> Self {
-        let (mesh, up) = match exported {
-            MeshFrame::Mesh => (electrode.mesh.in_parent_of(frame), frame.z),
-            MeshFrame::W => (electrode.mesh.clone(), DVec3::Z),
-        };
-        Self { name: format!("electrode {number}"), of: blisk.to_owned(), mesh, up, is_upside_down: false }
-    }
-
-    /// The flank of it that is milled first, with the cutter, the plan and the machine of `before`.
-    ///
-    /// # Errors
-    /// [`FlankLoadError`] if the machine cannot be read, or the mesh is none.
-    pub fn document(&self, before: &FlankDocument) -> Result<FlankDocument, FlankLoadError> {
-        let kept = KeptMesh::new(&self.name, &self.of, &self.mesh).map_err(FlankLoadError)?;
-        let fit = self.fit();
-        let mut document =
-            before.of_another(FlankSource::Mesh(MeshFlank { fit, kept: Some(kept), ..MeshFlank::default() }));
-        if self.is_upside_down {
-            keep_off_base(&mut document);
-            turn_over(&mut document)?;
-        }
-        Ok(document)
-    }
-
-    /// How ruled surfaces are fitted to its faces: the blank of one of a mold is under its tips.
-    pub fn fit(&self) -> RuledFitParams {
-        RuledFitParams { up: self.up, stands_on_base: self.is_upside_down, ..RuledFitParams::default() }
-    }
+/// How ruled surfaces are fitted to the faces of `part`: the blank of one of a mold is under its tips.
+pub fn fit_of(part: &ElectrodePart) -> RuledFitParams {
+    RuledFitParams { up: part.up, stands_on_base: part.is_upside_down, ..RuledFitParams::default() }
 }
 
 /// Has the cutter's bottom end at the lower guide unless it was told where to: under an electrode's tips its base goes on,
@@ -103,7 +55,9 @@ pub fn turn_over(document: &mut FlankDocument) -> Result<(), FlankLoadError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::workspaces::message::UP_OF_MOLDS;
     use flank::fit_ruled::flank_candidates;
+    use geometry::mesh::Mesh;
     use task::Cancel;
 
     /// A box (mm) from `low` to `high`, outwards.
@@ -122,21 +76,21 @@ mod tests {
         mesh.triangles.extend(tip.triangles.iter().map(|t| t.map(|v| v + 8)));
         mesh.vertices.extend(tip.vertices);
         let electrode =
-            FlankElectrode { name: "E1".into(), of: "mold".into(), mesh, up: UP_OF_MOLDS, is_upside_down: true };
-        let found = flank_candidates(&electrode.mesh, &electrode.fit(), &Cancel::default()).unwrap();
+            ElectrodePart { name: "E1".into(), of: "mold".into(), mesh, up: UP_OF_MOLDS, is_upside_down: true };
+        let found = flank_candidates(&electrode.mesh, &fit_of(&electrode), &Cancel::default()).unwrap();
         assert!((found[0].area_mm2 - 96.0).abs() < 1e-6 && found[0].is_millable(), "{}", found[0].summary());
         let lies = |c: &flank::fit_ruled::Candidate| c.outwards.z.abs() > 0.99;
         let first = found.iter().position(lies).unwrap();
         assert!(first == 8 && found[first..].iter().all(lies) && found[4].area_mm2 > 500.0);
         // Without a base the largest that stands is first.
-        let plain = RuledFitParams { stands_on_base: false, ..electrode.fit() };
+        let plain = RuledFitParams { stands_on_base: false, ..fit_of(&electrode) };
         let plain = flank_candidates(&electrode.mesh, &plain, &Cancel::default()).unwrap();
         assert!((plain[0].area_mm2 - 800.0).abs() < 1e-6, "{}", plain[0].summary());
 
         let mut before = FlankDocument::default();
         before.milling.machine = String::new();
-        assert_eq!(electrode.document(&before).unwrap().plan.below_mm, 0.0);
+        assert_eq!(flank_of(&electrode, &before).unwrap().plan.below_mm, 0.0);
         before.plan.below_mm = 0.3;
-        assert_eq!(electrode.document(&before).unwrap().plan.below_mm, 0.3);
+        assert_eq!(flank_of(&electrode, &before).unwrap().plan.below_mm, 0.3);
     }
 }

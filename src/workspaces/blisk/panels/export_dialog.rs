@@ -1,11 +1,11 @@
 //! What is exported: files, the frame of the electrode meshes, the post, and pictures. Every choice is a parameter of the
 //! job like any other.
 
+use crate::workspaces::blisk::desk::BliskDesk;
 use egui::{ComboBox, RichText, Ui};
 
 use super::forms::shown_choice;
-use crate::shell::core::Core;
-use crate::shell::dialogs::{Answer, from_right};
+use crate::widgets::panel_parts::from_right;
 use crate::widgets::theme::{palette, tick};
 use crate::workspaces::blisk::document::choice::{DrawnPictures, MeshFrame};
 use crate::workspaces::blisk::document::fields::{Field, Kind};
@@ -15,9 +15,20 @@ use crate::workspaces::blisk::document::stage::Stage;
 /// Room for the names of files (points).
 const NAMES: f32 = 150.0;
 
+/// What the user answered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Answer {
+    /// Choose the folder and export.
+    Folder,
+    /// Choose an NC post of one's own, and go on with the export.
+    OwnPost,
+    /// Close the dialog.
+    Close,
+}
+
 /// Draws it. Choices go into the document at once.
-pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Answer> {
-    let mut export = core.document.job().export.clone();
+pub fn show(ui: &mut Ui, desk: &mut BliskDesk) -> Option<Answer> {
+    let mut export = desk.document.job().export.clone();
     let mut answer = files(ui, &mut export);
     ui.add_space(8.0);
     ui.label(RichText::new("Pictures").small().color(palette(ui).faint));
@@ -35,15 +46,15 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Answer> {
     ui.add_space(10.0);
     from_right(ui, |ui| {
         if ui.add_enabled(problem.is_none(), egui::Button::new("Choose folder…")).clicked() {
-            answer = Some(Answer::ExportTo);
+            answer = Some(Answer::Folder);
         }
         if ui.button("Cancel").clicked() {
             answer = Some(Answer::Close);
         }
     });
-    let mut job = core.document.job().clone();
+    let mut job = desk.document.job().clone();
     job.export = export;
-    core.edit("Export choices", job, false);
+    desk.edit("Export choices", job, false);
     answer
 }
 

@@ -1,11 +1,13 @@
 //! The form of a step, made from the table of parameters: label, value, unit, default, and what is wrong in place.
 
+use crate::widgets::panel_parts::{file_name, parsed_or, short};
+use crate::workspaces::blisk::desk::BliskDesk;
+use crate::workspaces::context::Context;
 use std::cell::RefCell;
 
 use egui::{DragValue, Response, RichText, Slider, SliderClamping, Ui, vec2};
 use serde_json::Value;
 
-use crate::shell::core::Core;
 use crate::widgets::theme::{palette, tick};
 use crate::workspaces::blisk::document::fields::{Field, Kind, Range, job_as_json, with_value};
 use crate::workspaces::blisk::document::job_file::PlanJob;
@@ -69,9 +71,9 @@ pub enum Request {
 }
 
 /// Draws the fields of `stage`. Changes go into the document at once.
-pub fn show(ui: &mut Ui, core: &mut Core, stage: Stage) -> Option<Request> {
-    let job = job_as_json(core.document.job());
-    let defaults = job_as_json(&defaults(core.document.job()));
+pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, stage: Stage) -> Option<Request> {
+    let job = job_as_json(desk.document.job());
+    let defaults = job_as_json(&defaults(desk.document.job()));
     let mut group = "";
     let mut request = None;
     let groups = groups(stage);
@@ -86,10 +88,10 @@ pub fn show(ui: &mut Ui, core: &mut Core, stage: Stage) -> Option<Request> {
             let columns = Columns::of(ui, stage);
             for field in &fields {
                 match row(ui, field, &job, &defaults, columns) {
-                    Some(Change::To(value)) => change(core, field, &job, value, false),
-                    Some(Change::Along(value)) => change(core, field, &job, value, true),
+                    Some(Change::To(value)) => change(desk, field, &job, value, false),
+                    Some(Change::Along(value)) => change(desk, field, &job, value, true),
                     Some(Change::Choose) => request = Some(request_of(field)),
-                    Some(Change::NoNumber(text)) => core.say_in_passing(no_number(field, field.get(&job), &text)),
+                    Some(Change::NoNumber(text)) => cx.say_in_passing(no_number(field, field.get(&job), &text)),
                     None => {}
                 }
             }
@@ -105,14 +107,14 @@ pub fn show(ui: &mut Ui, core: &mut Core, stage: Stage) -> Option<Request> {
         }
     }
     if ui.input(|i| i.pointer.any_released()) {
-        core.end_gesture();
+        desk.end_gesture();
     }
     request
 }
 
 /// Whether a field of `stage` says that its value cannot be taken.
-pub fn has_problem(core: &Core, stage: Stage) -> bool {
-    let job = job_as_json(core.document.job());
+pub fn has_problem(desk: &BliskDesk, stage: Stage) -> bool {
+    let job = job_as_json(desk.document.job());
     Field::of(stage).any(|f| f.problem(f.get(&job)).is_some())
 }
 
@@ -157,10 +159,10 @@ fn groups(stage: Stage) -> Vec<(&'static str, bool)> {
     groups
 }
 
-fn change(core: &mut Core, field: &Field, job: &Value, value: Value, dragging: bool) {
+fn change(desk: &mut BliskDesk, field: &Field, job: &Value, value: Value, dragging: bool) {
     // A value that the struct itself cannot hold never leaves its field.
     if let Ok(job) = with_value(job, field, value) {
-        core.edit(&format!("{} {}", field.group, field.label), job, dragging);
+        desk.edit(&format!("{} {}", field.group, field.label), job, dragging);
     }
 }
 
@@ -326,31 +328,6 @@ fn number(ui: &mut Ui, value: &Value, decimals: usize, label: egui::Id) -> Optio
     wrong.into_inner().map(Change::NoNumber).or(along(&response, number.into()))
 }
 
-/// A typed number; what is none goes into `wrong`.
-pub fn parsed_or(text: &str, wrong: &RefCell<Option<String>>) -> Option<f64> {
-    let number = parsed(text);
-    if number.is_none() && !text.trim().is_empty() {
-        *wrong.borrow_mut() = Some(text.to_owned());
-    }
-    number
-}
-
-/// A number in the room that a field has: one that is far out of every range is written with an exponent.
-pub fn short(number: f64, decimals: std::ops::RangeInclusive<usize>) -> String {
-    const LARGE: f64 = 1e6;
-    if number.abs() < LARGE {
-        egui::emath::format_with_decimals_in_range(number, decimals)
-    } else {
-        format!("{number:.2e}")
-    }
-}
-
-/// A typed number; its decimals may stand behind a comma.
-fn parsed(text: &str) -> Option<f64> {
-    let plain: String = text.chars().filter(|c| !c.is_whitespace()).collect();
-    plain.replace(',', ".").replace('\u{2212}', "-").parse().ok().filter(|n: &f64| n.is_finite())
-}
-
 fn whole(ui: &mut Ui, value: &Value, label: egui::Id) -> Option<Change> {
     let mut number = value.as_u64().unwrap_or_default();
     let wrong = RefCell::default();
@@ -423,10 +400,6 @@ pub fn shown_choice(words: &[(&str, &str)], now: &str) -> String {
     shown.unwrap_or_else(|| file_name(now))
 }
 
-pub fn file_name(path: &str) -> String {
-    std::path::Path::new(path).file_name().map_or(path.to_owned(), |n| n.to_string_lossy().into_owned())
-}
-
 fn file(ui: &mut Ui, value: &Value, width: f32) -> Option<Change> {
     let mut change = None;
     let name = value.as_str().map(file_name);
@@ -440,28 +413,4 @@ fn file(ui: &mut Ui, value: &Value, width: f32) -> Option<Change> {
         change = Some(Change::To(Value::Null));
     }
     change
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_comma_is_a_point_and_words_are_no_number() {
-        for (text, number) in
-            [("1,3", Some(1.3)), (" 0.25 ", Some(0.25)), ("\u{2212}2", Some(-2.0)), ("1e-3", Some(0.001))]
-        {
-            assert_eq!(parsed(text), number, "{text}");
-        }
-        for text in ["abc", "", "1,234.5", "inf", "1e999"] {
-            assert_eq!(parsed(text), None, "{text}");
-        }
-    }
-
-    #[test]
-    fn no_number_is_too_long_for_its_field() {
-        for number in [1e9, -1e300, 123456.0, 0.000123] {
-            assert!(short(number, 3..=6).len() <= 11, "{}", short(number, 3..=6));
-        }
-    }
 }

@@ -1,25 +1,26 @@
 //! The right panel: the pose at the cursor, the closest place, and what is selected or was clicked.
 
+use crate::workspaces::blisk::desk::BliskDesk;
+use crate::workspaces::context::Context;
 use egui::{RichText, Ui};
 
-use super::stepper::fact;
-use super::viewport::{Probe, Viewport};
-use crate::shell::core::Core;
-use crate::shell::status::grouped;
+use super::view::{BliskView, Probe};
+use crate::widgets::panel_parts::fact;
+use crate::widgets::panel_parts::grouped;
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::scene::Layer;
 use feed::pose::Axis;
 use geometry::frame::Cylindrical;
 
 /// Draws it.
-pub fn show(ui: &mut Ui, core: &mut Core, viewport: &mut Viewport) {
+pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, view: &mut BliskView) {
     egui::ScrollArea::vertical().id_salt("inspector").auto_shrink([false, false]).show(ui, |ui| {
-        super::scene_tree::show(ui, core);
-        selected(ui, core);
-        pose(ui, core);
-        contact(ui, core);
-        super::machine_motion::facts(ui, core);
-        probe(ui, core, viewport);
+        super::scene_tree::show(ui, desk);
+        selected(ui, desk, cx);
+        pose(ui, desk, cx);
+        contact(ui, desk, cx);
+        super::machine_motion::facts(ui, desk);
+        probe(ui, desk, cx, view);
     });
 }
 
@@ -30,22 +31,22 @@ fn heading(ui: &mut Ui, text: &str) {
 }
 
 /// What is known of the body that is selected.
-fn selected(ui: &mut Ui, core: &Core) {
-    let Some(layer) = core.selected else { return };
-    let (length, size) = (core.preferences.length, |ui: &mut Ui, size: glam::DVec3, frame: &str| {
+fn selected(ui: &mut Ui, desk: &BliskDesk, cx: &mut Context) {
+    let Some(layer) = desk.selected else { return };
+    let (length, size) = (cx.preferences.length, |ui: &mut Ui, size: glam::DVec3, frame: &str| {
         for (axis, extent) in [Axis::X, Axis::Y, Axis::Z].into_iter().zip(size.to_array()) {
-            fact(ui, &format!("Along {}{frame}", axis.letter()), core.preferences.length.show(extent, 3));
+            fact(ui, &format!("Along {}{frame}", axis.letter()), cx.preferences.length.show(extent, 3));
         }
     });
     match layer {
         Layer::Blisk => {
-            let Some(part) = core.pipeline.part() else { return };
+            let Some(part) = desk.pipeline.part() else { return };
             heading(ui, layer.name());
             fact(ui, "Triangles", grouped(part.mesh.triangles.len()));
             size(ui, part.shape.bounds().size(), "");
         }
         Layer::Electrode => {
-            let Some((electrode, _)) = core.shown_electrode() else { return };
+            let Some((electrode, _)) = desk.shown_electrode() else { return };
             heading(ui, layer.name());
             size(ui, electrode.mesh.bounds().size(), " of W");
             fact(ui, "Volume", format!("{:.1} mm³", electrode.volume_mm3));
@@ -55,13 +56,13 @@ fn selected(ui: &mut Ui, core: &Core) {
         }
         Layer::LowWall | Layer::HighWall => {
             use wheel::channel::Surface;
-            let Some(found) = core.pipeline.channel() else { return };
+            let Some(found) = desk.pipeline.channel() else { return };
             let surface = if layer == Layer::LowWall { Surface::LowWall } else { Surface::HighWall };
             heading(ui, layer.name());
             fact(ui, "Surface", found.channel.surface_name(surface));
         }
         Layer::Centreline => {
-            let Some(line) = core.pipeline.channel().and_then(|found| found.centreline.as_ref()) else { return };
+            let Some(line) = desk.pipeline.channel().and_then(|found| found.centreline.as_ref()) else { return };
             heading(ui, layer.name());
             let [least, greatest] = line.diameters();
             fact(ui, "Length", length.show(line.length(), 3));
@@ -72,13 +73,13 @@ fn selected(ui: &mut Ui, core: &Core) {
     }
 }
 
-fn pose(ui: &mut Ui, core: &Core) {
-    let moment = core.moment();
-    let station = core.feed_cursor().and_then(|s| core.track().at(s));
+fn pose(ui: &mut Ui, desk: &BliskDesk, cx: &mut Context) {
+    let moment = desk.moment();
+    let station = desk.feed_cursor().and_then(|s| desk.track().at(s));
     let Some(pose) = moment.map(|moment| moment.pose).or(station.map(|station| station.pose)) else { return };
-    let length = core.preferences.length;
+    let length = cx.preferences.length;
     heading(ui, "Pose of the electrode");
-    if core.plan_is_stale() {
+    if desk.plan_is_stale() {
         ui.label(RichText::new("of a plan that is out of date").small().color(palette(ui).warning));
     }
     if let Some(moment) = moment {
@@ -90,7 +91,7 @@ fn pose(ui: &mut Ui, core: &Core) {
         fact(ui, "Retracted", length.show(station.s, 3));
     }
     // A table turns to other channels even where the feed does not need it.
-    let moves = core.document.job().machine.axes.axes();
+    let moves = desk.document.job().machine.axes.axes();
     let shown = |axis: &Axis| moves.contains(axis) || pose.get(*axis) != 0.0;
     for axis in Axis::ALL.into_iter().filter(shown) {
         let value = pose.get(axis);
@@ -98,15 +99,15 @@ fn pose(ui: &mut Ui, core: &Core) {
         fact(ui, &axis.letter().to_string(), text);
     }
     if let Some(station) = station {
-        let name = if core.track().is_path { "Clearance" } else { "Clearance (search)" };
+        let name = if desk.track().is_path { "Clearance" } else { "Clearance (search)" };
         fact(ui, name, length.show(station.clearance, 4));
     }
 }
 
-fn contact(ui: &mut Ui, core: &mut Core) {
-    let (Some([_, on_blisk]), Some(s)) = (core.contact(), core.contact_s()) else { return };
-    let Some(outcome) = core.outcome() else { return };
-    let Some(plan) = core.pipeline.plan() else { return };
+fn contact(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
+    let (Some([_, on_blisk]), Some(s)) = (desk.contact(), desk.contact_s()) else { return };
+    let Some(outcome) = desk.outcome() else { return };
+    let Some(plan) = desk.pipeline.plan() else { return };
     let jammed = outcome.plan.jam.as_ref().and_then(|jam| Some((jam.node, jam.contact()?)));
     let (title, surface) = match (jammed, &outcome.plan.path) {
         (Some((node, contact)), _) => (format!("Jams at node {node}"), contact.surface),
@@ -115,22 +116,22 @@ fn contact(ui: &mut Ui, core: &mut Core) {
     };
     let lack = jammed.map(|(_, contact)| contact.lack);
     let against = plan.channel.surface_name(surface);
-    let length = core.preferences.length;
+    let length = cx.preferences.length;
     heading(ui, &title);
     fact(ui, "Against", against);
     fact(ui, "Retracted", length.show(s, 3));
     if let Some(lack) = lack {
         fact(ui, "Short by", length.show(lack, 4));
     }
-    point(ui, core, on_blisk);
+    point(ui, desk, cx, on_blisk);
     if ui.button("Go there").clicked() {
-        core.go_to(s);
+        desk.go_to(s);
     }
 }
 
 /// A point of W in both its coordinates.
-fn point(ui: &mut Ui, core: &Core, p: glam::DVec3) {
-    let (length, c) = (core.preferences.length, Cylindrical::from_point(p));
+fn point(ui: &mut Ui, desk: &BliskDesk, cx: &mut Context, p: glam::DVec3) {
+    let (length, c) = (cx.preferences.length, Cylindrical::from_point(p));
     for (axis, value) in [Axis::X, Axis::Y, Axis::Z].into_iter().zip(p.to_array()) {
         fact(ui, &format!("{} in W", axis.letter()), length.show(value, 3));
     }
@@ -138,11 +139,11 @@ fn point(ui: &mut Ui, core: &Core, p: glam::DVec3) {
     fact(ui, "Angle about X", format!("{:.3} deg", c.theta.to_degrees()));
 }
 
-fn probe(ui: &mut Ui, core: &mut Core, viewport: &mut Viewport) {
-    let to_w = |p: glam::DVec3| core.pipeline.channel().map_or(p, |f| f.channel.frame.from_parent(p));
-    let length = core.preferences.length;
-    match viewport.probe().cloned() {
-        None if core.measuring => {
+fn probe(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, view: &mut BliskView) {
+    let to_w = |p: glam::DVec3| desk.pipeline.channel().map_or(p, |f| f.channel.frame.from_parent(p));
+    let length = cx.preferences.length;
+    match view.probe().cloned() {
+        None if desk.measuring => {
             heading(ui, "Measure");
             ui.label("Click two points in the view.");
         }
@@ -150,8 +151,8 @@ fn probe(ui: &mut Ui, core: &mut Core, viewport: &mut Viewport) {
         Some(Probe::Point { layer, at, normal }) => {
             heading(ui, "Picked");
             fact(ui, "On", layer.map_or("part", crate::workspaces::blisk::scene::Layer::name));
-            point(ui, core, to_w(at));
-            let n = core.pipeline.channel().map_or(normal, |f| f.channel.frame.direction_from_parent(normal));
+            point(ui, desk, cx, to_w(at));
+            let n = desk.pipeline.channel().map_or(normal, |f| f.channel.frame.direction_from_parent(normal));
             fact(ui, "Normal", format!("{:.3}  {:.3}  {:.3}", n.x, n.y, n.z));
         }
         Some(Probe::Distance { from, to }) => {
@@ -162,7 +163,7 @@ fn probe(ui: &mut Ui, core: &mut Core, viewport: &mut Viewport) {
                 fact(ui, &format!("{} in W", axis.letter()), length.show(value, 4));
             }
             if ui.button("Clear").clicked() {
-                viewport.clear_probe();
+                view.clear_probe();
             }
         }
     }

@@ -1,11 +1,11 @@
 //! Plans that the user keeps beside the present one: their figures and the curves of their axes.
 
+use crate::workspaces::blisk::desk::BliskDesk;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use egui::{Color32, RichText, Role, Ui, WidgetInfo};
 
-use crate::shell::core::Core;
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::job::compare::{kept_run, run_of};
 use crate::workspaces::blisk::job::plan::{PlanOutcome, kept};
@@ -210,9 +210,9 @@ fn paths(plan: &PlanOutcome) -> impl Iterator<Item = &str> {
 }
 
 /// Draws the figures of the kept runs for the electrode that is looked at, with a button to remove each.
-pub fn show(ui: &mut Ui, core: &mut Core) {
-    let axes: Vec<Axis> = core.document.job().machine.axes.axes().iter().copied().filter(|a| *a != Axis::X).collect();
-    let (electrode, step) = (core.cursor.electrode, step_of(&core.document));
+pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
+    let axes: Vec<Axis> = desk.document.job().machine.axes.axes().iter().copied().filter(|a| *a != Axis::X).collect();
+    let (electrode, step) = (desk.cursor.electrode, step_of(&desk.document));
     let mut removed = None;
     let caption = format!(
         "Second differences over steps of {step:.2} mm, RMS and greatest; linear axes in mm, rotary axes in deg"
@@ -221,7 +221,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
         ui.label(RichText::new(caption).small().color(palette(ui).faint));
         egui::Grid::new("kept runs").spacing([9.0, 3.0]).striped(true).show(ui, |ui| {
             heads(ui, &axes);
-            for run in core.kept.all() {
+            for run in desk.kept.all() {
                 if named(ui, run) {
                     removed = Some(run.number);
                 }
@@ -230,7 +230,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
             }
         });
         // They count towards the most that can be kept: one must be able to make room.
-        for (number, name, reason) in core.kept.absent(&core.document) {
+        for (number, name, reason) in desk.kept.absent(&desk.document) {
             ui.horizontal(|ui| {
                 ui.add_space(20.0);
                 ui.label(RichText::new(&name).color(palette(ui).faint));
@@ -242,7 +242,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
         }
     });
     if let Some(number) = removed {
-        core.kept.remove(number, &mut core.document);
+        desk.kept.remove(number, &mut desk.document);
     }
 }
 

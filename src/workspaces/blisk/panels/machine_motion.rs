@@ -1,11 +1,11 @@
 //! The whole motion on the machine: its strip below the timeline, and where it stands.
 
+use crate::workspaces::blisk::desk::BliskDesk;
 use std::sync::Arc;
 
 use egui::{Align2, FontId, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 use glam::DVec3;
 
-use crate::shell::core::Core;
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::job::plan::PlanOutcome;
 use crate::workspaces::blisk::scene::machine::{Moment, WholeMotion, meeting};
@@ -85,11 +85,11 @@ impl MachineMotion {
 }
 
 /// A strip with a part for everything that the machine does; a drag moves it.
-pub fn strip(ui: &mut Ui, core: &mut Core) {
-    let Some((_, motion)) = &core.machine.motion else { return };
+pub fn strip(ui: &mut Ui, desk: &mut BliskDesk) {
+    let Some((_, motion)) = &desk.machine.motion else { return };
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 18.0), Sense::click_and_drag());
     let length = motion.length();
-    response.widget_info(|| WidgetInfo::slider(length > 0.0, core.machine.way.unwrap_or(0.0), "Whole motion"));
+    response.widget_info(|| WidgetInfo::slider(length > 0.0, desk.machine.way.unwrap_or(0.0), "Whole motion"));
     let colours = palette(ui);
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
@@ -104,30 +104,30 @@ pub fn strip(ui: &mut Ui, core: &mut Core) {
             painter.text(part.center(), Align2::CENTER_CENTER, phase.name(), font, ui.visuals().text_color());
         }
     }
-    if let Some(trouble) = core.machine.trouble() {
+    if let Some(trouble) = desk.machine.trouble() {
         painter.vline(x_of(trouble.way), rect.y_range(), egui::Stroke::new(2.0, colours.bad));
     }
-    if let Some(way) = core.machine.way {
+    if let Some(way) = desk.machine.way {
         painter.vline(x_of(way), rect.y_range(), egui::Stroke::new(2.0, colours.accent));
         painter.circle_filled(pos2(x_of(way), rect.center().y), 4.0, colours.accent);
     }
     if let Some(pointer) = response.interact_pointer_pos() {
         let t = f64::from((pointer.x - inner.left()) / inner.width()).clamp(0.0, 1.0);
-        core.go_to_moment(length * t);
+        desk.go_to_moment(length * t);
     }
 }
 
 /// What was found out about the whole motion.
-pub fn facts(ui: &mut Ui, core: &mut Core) {
-    let Some(simulation) = core.machine.simulation() else { return };
+pub fn facts(ui: &mut Ui, desk: &mut BliskDesk) {
+    let Some(simulation) = desk.machine.simulation() else { return };
     ui.add_space(6.0);
     ui.separator();
     ui.label(egui::RichText::new("Whole motion on the machine").small().color(palette(ui).faint));
     let colour = if simulation.holds() { ui.visuals().text_color() } else { palette(ui).bad };
     ui.add(egui::Label::new(egui::RichText::new(simulation.sentence()).color(colour)).wrap());
-    if let Some(way) = core.machine.trouble().map(|trouble| trouble.way)
+    if let Some(way) = desk.machine.trouble().map(|trouble| trouble.way)
         && ui.button("Go to the collision").clicked()
     {
-        core.go_to_moment(way);
+        desk.go_to_moment(way);
     }
 }

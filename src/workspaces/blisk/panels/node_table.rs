@@ -1,21 +1,21 @@
 //! The nodes of the track as a table; a click moves the cursor.
 
+use crate::workspaces::blisk::desk::BliskDesk;
 use egui::{Align, Color32, Layout, RichText, Role, Ui, WidgetInfo};
 use egui_extras::{Column, TableBuilder, TableRow};
 
-use crate::shell::core::Core;
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::scene::track::Station;
 use feed::pose::Axis;
 
 /// Draws it.
-pub fn show(ui: &mut Ui, core: &mut Core) {
-    let track = core.shared_track();
+pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
+    let track = desk.shared_track();
     let nodes: Vec<_> = track.nodes().copied().collect();
-    let current = core.feed_cursor().and_then(|s| track.nearest_node(s));
-    let gap = core.least_wanted();
+    let current = desk.feed_cursor().and_then(|s| track.nearest_node(s));
+    let gap = desk.least_wanted();
     let colours = palette(ui);
-    let axes = core.document.job().machine.axes.axes();
+    let axes = desk.document.job().machine.axes.axes();
     let head = |axis: &Axis| format!("{} {}", axis.letter(), if axis.is_rotary() { "deg" } else { "mm" });
     let mut heads = vec!["node".to_owned(), "s mm".to_owned()];
     heads.extend(axes.iter().map(head));
@@ -57,7 +57,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
         });
     });
     if let Some(s) = chosen {
-        core.go_to(s);
+        desk.go_to(s);
     }
 }
 

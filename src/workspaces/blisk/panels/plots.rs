@@ -1,13 +1,14 @@
 //! Plots over the withdrawn distance, all with the cursor of the 3-D view: axes, their derivatives, clearance, and how
 //! the search converged.
 
+use crate::widgets::plot_parts::{legend, round_steps, round_text};
+use crate::workspaces::blisk::desk::BliskDesk;
 use std::sync::Arc;
 
 use egui::{Color32, RichText, Ui, Vec2b};
-use egui_plot::{GridInput, GridMark, HLine, Line, LineStyle, Plot, PlotPoint, PlotPoints, VLine};
+use egui_plot::{HLine, Line, LineStyle, Plot, PlotPoint, PlotPoints, VLine};
 
 use super::kept_runs::KeptRun;
-use crate::shell::core::Core;
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::scene::track::Track;
 use feed::pose::Axis;
@@ -61,14 +62,14 @@ pub struct Curves {
 
 impl Curves {
     /// Samples `core`'s track anew if it is another than before.
-    pub fn follow(&mut self, core: &Core) {
-        let track = core.shared_track();
+    pub fn follow(&mut self, desk: &BliskDesk) {
+        let track = desk.shared_track();
         if self.of.as_ref().is_some_and(|of| Arc::ptr_eq(of, &track)) {
             return;
         }
         self.clearance = track.stations().iter().map(|p| PlotPoint::new(p.s, p.clearance)).collect();
         let shown = |axis: Axis, v: f64| if axis.is_rotary() { v.to_degrees() } else { v };
-        let curves = core.outcome().filter(|_| track.is_path).and_then(|o| o.plan.path.as_ref()).map(|p| &p.curves);
+        let curves = desk.outcome().filter(|_| track.is_path).and_then(|o| o.plan.path.as_ref()).map(|p| &p.curves);
         self.axes = std::array::from_fn(|order| {
             std::array::from_fn(|i| {
                 let axis = Axis::ALL[i];
@@ -94,22 +95,22 @@ impl Curves {
 const BESIDE_TABLE: f32 = 600.0;
 
 /// Draws the table of nodes on the right where there is room for it and the plots, and tells whether there is.
-pub fn table_beside(ui: &mut Ui, core: &mut Core) -> bool {
-    let width = 170.0 + 70.0 * core.document.job().machine.axes.axes().len() as f32 + 70.0;
-    let is_beside = ui.available_width() > width + BESIDE_TABLE && !core.track().is_empty();
+pub fn table_beside(ui: &mut Ui, desk: &mut BliskDesk) -> bool {
+    let width = 170.0 + 70.0 * desk.document.job().machine.axes.axes().len() as f32 + 70.0;
+    let is_beside = ui.available_width() > width + BESIDE_TABLE && !desk.track().is_empty();
     if is_beside {
         let panel = egui::Panel::right("nodes").exact_size(width).resizable(false);
-        panel.show(ui, |ui| super::node_table::show(ui, core));
+        panel.show(ui, |ui| super::node_table::show(ui, desk));
     }
     is_beside
 }
 
 /// Draws tabs and the chosen plot; `is_beside` tells that the table of nodes is shown already.
-pub fn show(ui: &mut Ui, core: &mut Core, tab: &mut Tab, curves: &mut Curves, is_beside: bool) {
-    curves.follow(core);
+pub fn show(ui: &mut Ui, desk: &mut BliskDesk, tab: &mut Tab, curves: &mut Curves, is_beside: bool) {
+    curves.follow(desk);
     let is_there = |tab: Tab| match tab {
         Tab::Table => !is_beside,
-        Tab::Comparison => !core.document.runs().is_empty(),
+        Tab::Comparison => !desk.document.runs().is_empty(),
         _ => true,
     };
     if !is_there(*tab) {
@@ -124,13 +125,13 @@ pub fn show(ui: &mut Ui, core: &mut Core, tab: &mut Tab, curves: &mut Curves, is
         });
     });
     match *tab {
-        Tab::Table => super::node_table::show(ui, core),
-        Tab::Comparison => super::kept_runs::show(ui, core),
-        Tab::Convergence => convergence(ui, core),
-        Tab::Clearance => clearance(ui, core, curves),
-        Tab::Positions => axes(ui, core, curves, 0),
-        Tab::Velocities => axes(ui, core, curves, 1),
-        Tab::Accelerations => axes(ui, core, curves, 2),
+        Tab::Table => super::node_table::show(ui, desk),
+        Tab::Comparison => super::kept_runs::show(ui, desk),
+        Tab::Convergence => convergence(ui, desk),
+        Tab::Clearance => clearance(ui, desk, curves),
+        Tab::Positions => axes(ui, desk, curves, 0),
+        Tab::Velocities => axes(ui, desk, curves, 1),
+        Tab::Accelerations => axes(ui, desk, curves, 2),
     }
 }
 
@@ -142,29 +143,15 @@ fn unit_note(tab: Tab) -> &'static str {
     }
 }
 
-/// What the lines of a plot are, above it: over it they would hide each other.
-pub fn legend<'a>(ui: &mut Ui, entries: impl IntoIterator<Item = (Color32, &'a str)>) {
-    ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing = egui::vec2(4.0, 0.0);
-        ui.add_space(4.0);
-        for (colour, name) in entries {
-            let (rect, _) = ui.allocate_exact_size(egui::vec2(12.0, 14.0), egui::Sense::hover());
-            ui.painter().hline(rect.x_range(), rect.center().y, egui::Stroke::new(2.0, colour));
-            ui.label(RichText::new(name).small());
-            ui.add_space(10.0);
-        }
-    });
-}
-
 /// A plot over the withdrawn distance; outside is on the left, as in the timeline.
 fn over_distance<'a>(
     ui: &mut Ui,
-    core: &mut Core,
+    desk: &mut BliskDesk,
     name: &'static str,
     build: impl FnOnce(&mut egui_plot::PlotUi<'a>) + 'a,
 ) {
     let (colour, grid) = (palette(ui).accent, palette(ui).faint.gamma_multiply(0.35));
-    let cursor = core.feed_cursor();
+    let cursor = desk.feed_cursor();
     let plot = Plot::new(name)
         .invert_x(true)
         .allow_drag(false)
@@ -188,50 +175,30 @@ fn over_distance<'a>(
     });
     response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Plot {name}")));
     let place = |s: f64| response.transform.position_from_point_x(s);
-    core.span = Some([place(core.track().length()), place(0.0)]);
+    desk.span = Some([place(desk.track().length()), place(0.0)]);
     let pressed = response.response.dragged() || response.response.clicked();
     if let (true, Some(point)) = (pressed || response.response.is_pointer_button_down_on(), response.inner) {
-        core.cursor.playing = false;
-        core.cursor.s = point.x.clamp(0.0, core.track().length());
-        core.machine.go_to(None);
+        desk.cursor.playing = false;
+        desk.cursor.s = point.x.clamp(0.0, desk.track().length());
+        desk.machine.go_to(None);
     }
 }
 
-/// The number of a line, with as many decimals as its step has.
-pub fn round_text(mark: GridMark) -> String {
-    let decimals = (-mark.step_size.log10()).ceil().clamp(0.0, 9.0) as usize;
-    // `+ 0.0` takes the sign from a zero.
-    format!("{:.decimals$}", (mark.value / mark.step_size).round() * mark.step_size + 0.0)
-}
-
-/// About `count` lines at round values, each with its number.
-pub fn round_steps(input: GridInput, count: f64) -> Vec<GridMark> {
-    let (low, high) = input.bounds;
-    let rough = (high - low) / count;
-    if !(rough > 0.0 && rough.is_finite()) {
-        return Vec::new();
-    }
-    let decade = 10f64.powf(rough.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0].map(|s| s * decade).into_iter().find(|s| *s >= rough).unwrap_or(rough);
-    let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
-    (first..=last).map(|i| GridMark { value: i as f64 * step, step_size: step }).collect()
-}
-
-fn axes(ui: &mut Ui, core: &mut Core, curves: &Curves, order: usize) {
-    if nothing(ui, core) {
+fn axes(ui: &mut Ui, desk: &mut BliskDesk, curves: &Curves, order: usize) {
+    if nothing(ui, desk) {
         return;
     }
     let colours = palette(ui).axes;
     let name = ["axes", "speed", "acceleration"][order];
     // X runs far beyond the others and says nothing that the abscissa does not.
-    let moving = || core.document.job().machine.axes.axes().iter().filter(|axis| **axis != Axis::X);
+    let moving = || desk.document.job().machine.axes.axes().iter().filter(|axis| **axis != Axis::X);
     let names: Vec<(Axis, String)> = moving().map(|axis| (*axis, axis_name(*axis, order))).collect();
-    let others = if order == 0 { kept_lines(ui, core, moving()) } else { Vec::new() };
-    let kept: Vec<(Color32, String)> = core.kept.all().iter().map(|run| (run.colour(ui), run.name())).collect();
+    let others = if order == 0 { kept_lines(ui, desk, moving()) } else { Vec::new() };
+    let kept: Vec<(Color32, String)> = desk.kept.all().iter().map(|run| (run.colour(ui), run.name())).collect();
     let of_axes = names.iter().map(|(axis, name)| (colours[*axis as usize], name.as_str()));
     let of_runs = kept.iter().filter(|_| order == 0).map(|(colour, name)| (*colour, name.as_str()));
     legend(ui, of_axes.chain(of_runs));
-    over_distance(ui, core, name, |plot| {
+    over_distance(ui, desk, name, |plot| {
         others.into_iter().for_each(|line| plot.line(line));
         for (axis, name) in names {
             let points = &curves.axes[order][axis as usize];
@@ -247,27 +214,27 @@ fn axis_name(axis: Axis, order: usize) -> String {
 }
 
 /// The axes of kept runs as thin lines, below those of the track.
-fn kept_lines<'a>(ui: &Ui, core: &Core, axes: impl Iterator<Item = &'a Axis> + Clone) -> Vec<Line<'static>> {
+fn kept_lines<'a>(ui: &Ui, desk: &BliskDesk, axes: impl Iterator<Item = &'a Axis> + Clone) -> Vec<Line<'static>> {
     let line = |run: &KeptRun, axis: &Axis| {
-        let course = run.course(core.cursor.electrode, *axis)?;
+        let course = run.course(desk.cursor.electrode, *axis)?;
         let name = format!("{}, {}", run.name(), axis_name(*axis, 0));
         Some(Line::new(name, PlotPoints::from(course.curve.clone())).color(run.colour(ui)).width(1.0))
     };
     let of = |run: &'_ KeptRun| axes.clone().filter_map(|axis| line(run, axis)).collect::<Vec<_>>();
-    core.kept.all().iter().flat_map(of).collect()
+    desk.kept.all().iter().flat_map(of).collect()
 }
 
-fn clearance(ui: &mut Ui, core: &mut Core, curves: &Curves) {
-    if nothing(ui, core) {
+fn clearance(ui: &mut Ui, desk: &mut BliskDesk, curves: &Curves) {
+    if nothing(ui, desk) {
         return;
     }
-    let ([gap, _], least) = (core.required(), core.least_wanted());
+    let ([gap, _], least) = (desk.required(), desk.least_wanted());
     let (line, required) = (palette(ui).good, palette(ui).bad);
     let wanted = format!("required {gap:.4} mm, dashed with tolerance");
     legend(ui, [(line, "clearance mm"), (required, wanted.as_str())]);
     // Far out everything is free: what is looked for lies near the gap.
     let top = 6.0 * gap;
-    over_distance(ui, core, "clearance", |plot| {
+    over_distance(ui, desk, "clearance", |plot| {
         plot.line(Line::new("clearance", PlotPoints::Borrowed(&curves.clearance)).color(line).width(1.6));
         plot.hline(HLine::new("required", gap).color(required).width(1.0));
         plot.hline(HLine::new("with tolerance", least).color(required).style(LineStyle::dashed_loose()).width(1.0));
@@ -275,13 +242,13 @@ fn clearance(ui: &mut Ui, core: &mut Core, curves: &Curves) {
     });
 }
 
-fn convergence(ui: &mut Ui, core: &mut Core) {
-    let running = core.pipeline.partial_plan().map(|p| &p.convergence);
-    let Some(traces) = running.filter(|t| !t.is_empty()).or(core.outcome().map(|o| &o.plan.convergence)) else {
-        nothing(ui, core);
+fn convergence(ui: &mut Ui, desk: &mut BliskDesk) {
+    let running = desk.pipeline.partial_plan().map(|p| &p.convergence);
+    let Some(traces) = running.filter(|t| !t.is_empty()).or(desk.outcome().map(|o| &o.plan.convergence)) else {
+        nothing(ui, desk);
         return;
     };
-    let nearest = |t: &&Convergence| (t.s - core.cursor.s).abs();
+    let nearest = |t: &&Convergence| (t.s - desk.cursor.s).abs();
     let Some(trace) = traces.iter().min_by(|a, b| nearest(a).total_cmp(&nearest(b))) else {
         says(ui, "A plan that was opened has no convergence data: plan again (F5) to see it.");
         return;
@@ -317,8 +284,8 @@ fn convergence(ui: &mut Ui, core: &mut Core) {
 }
 
 /// Says that there is nothing to plot, if so.
-fn nothing(ui: &mut Ui, core: &Core) -> bool {
-    let empty = core.track().is_empty();
+fn nothing(ui: &mut Ui, desk: &BliskDesk) -> bool {
+    let empty = desk.track().is_empty();
     if empty {
         says(ui, "Plan a feed path to see its curves.");
     }
@@ -327,21 +294,4 @@ fn nothing(ui: &mut Ui, core: &Core) -> bool {
 
 fn says(ui: &mut Ui, text: &str) {
     ui.centered_and_justified(|ui| ui.add(egui::Label::new(RichText::new(text).color(palette(ui).faint)).wrap()));
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lines_stand_at_round_values_and_say_them_in_full() {
-        let texts = |low: f64, high: f64, count| {
-            let input = GridInput { bounds: (low, high), base_step_size: 1.0 };
-            round_steps(input, count).into_iter().map(round_text).collect::<Vec<_>>()
-        };
-        assert_eq!(texts(-0.1, 4.4, 10.0), ["0.0", "0.5", "1.0", "1.5", "2.0", "2.5", "3.0", "3.5", "4.0"]);
-        assert_eq!(texts(0.0, 29.0, 10.0), ["0", "5", "10", "15", "20", "25"]);
-        assert_eq!(texts(-0.02, 0.021, 4.0), ["-0.02", "0.00", "0.02"]);
-        assert!(texts(1.0, 1.0, 4.0).is_empty() && texts(f64::NAN, 1.0, 4.0).is_empty());
-    }
 }

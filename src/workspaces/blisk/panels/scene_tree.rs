@@ -1,50 +1,50 @@
 //! What is in the scene: an eye, a colour, an opacity and "only this" for every body.
 
+use crate::workspaces::blisk::desk::BliskDesk;
 use egui::{Color32, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 
-use crate::shell::core::Core;
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::scene::Layer;
 use render::colour::Colour;
 
 /// Draws it.
-pub fn show(ui: &mut Ui, core: &mut Core) {
+pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
     ui.horizontal(|ui| {
         ui.label(RichText::new("Scene").small().color(palette(ui).faint));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if ui.small_button("Reset").on_hover_text("Reset colour and opacity of every layer").clicked() {
-                core.layers = Default::default();
+                desk.layers = Default::default();
             }
         });
     });
     for layer in Layer::ALL {
-        if exists(core, layer) {
-            row(ui, core, layer);
+        if exists(desk, layer) {
+            row(ui, desk, layer);
         }
     }
 }
 
 /// Whether there is anything in the layer yet.
-fn exists(core: &Core, layer: Layer) -> bool {
+fn exists(desk: &BliskDesk, layer: Layer) -> bool {
     match layer {
-        Layer::Blisk | Layer::Grid => core.pipeline.part().is_some(),
-        Layer::Unshrouded | Layer::LowWall | Layer::HighWall => core.pipeline.channel().is_some(),
-        Layer::Centreline => core.pipeline.channel().is_some_and(|found| found.centreline.is_some()),
-        Layer::Machine => !core.machine_bodies().is_empty(),
-        Layer::Electrode => core.pipeline.electrodes().is_some(),
-        Layer::Ghosts | Layer::Sweep | Layer::Paths => !core.track().is_empty(),
+        Layer::Blisk | Layer::Grid => desk.pipeline.part().is_some(),
+        Layer::Unshrouded | Layer::LowWall | Layer::HighWall => desk.pipeline.channel().is_some(),
+        Layer::Centreline => desk.pipeline.channel().is_some_and(|found| found.centreline.is_some()),
+        Layer::Machine => !desk.machine_bodies().is_empty(),
+        Layer::Electrode => desk.pipeline.electrodes().is_some(),
+        Layer::Ghosts | Layer::Sweep | Layer::Paths => !desk.track().is_empty(),
         Layer::Contact => {
-            (core.contact().is_some() || core.trouble().is_some())
-                && core.pipeline.state(Stage::Plan) != crate::workspaces::blisk::pipeline::StageState::Missing
+            (desk.contact().is_some() || desk.trouble().is_some())
+                && desk.pipeline.state(Stage::Plan) != crate::workspaces::blisk::pipeline::StageState::Missing
         }
     }
 }
 
-fn row(ui: &mut Ui, core: &mut Core, layer: Layer) {
+fn row(ui: &mut Ui, desk: &mut BliskDesk, layer: Layer) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
-        let look = core.layers.get_mut(layer);
+        let look = desk.layers.get_mut(layer);
         if eye(ui, look.visible, layer.name()).clicked() {
             look.visible = !look.visible;
         }
@@ -55,19 +55,19 @@ fn row(ui: &mut Ui, core: &mut Core, layer: Layer) {
             look.colour = Colour::rgb(rgb[0], rgb[1], rgb[2]);
         }
         let visible = look.visible;
-        let selected = core.selected == Some(layer);
+        let selected = desk.selected == Some(layer);
         let mut text = RichText::new(layer.name());
         if !visible {
             text = text.color(palette(ui).faint);
         }
         let name = ui.selectable_label(selected, text);
         if name.clicked() {
-            core.selected = (!selected).then_some(layer);
+            desk.selected = (!selected).then_some(layer);
         }
-        name.context_menu(|ui| menu(ui, core, layer));
+        name.context_menu(|ui| menu(ui, desk, layer));
         if layer.is_body() {
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                let look = core.layers.get_mut(layer);
+                let look = desk.layers.get_mut(layer);
                 let opacity = egui::DragValue::from_get_set(|v| {
                     if let Some(v) = v {
                         look.opacity = (v / 100.0).clamp(0.02, 1.0) as f32;
@@ -81,12 +81,12 @@ fn row(ui: &mut Ui, core: &mut Core, layer: Layer) {
     });
 }
 
-fn menu(ui: &mut Ui, core: &mut Core, layer: Layer) {
+fn menu(ui: &mut Ui, desk: &mut BliskDesk, layer: Layer) {
     if layer.is_body() && ui.button("Show only this").clicked() {
-        core.layers.isolate(layer);
+        desk.layers.isolate(layer);
     }
     if ui.button("Reset colour and opacity").clicked() {
-        *core.layers.get_mut(layer) = *crate::workspaces::blisk::scene::Layers::default().get(layer);
+        *desk.layers.get_mut(layer) = *crate::workspaces::blisk::scene::Layers::default().get(layer);
     }
 }
 

@@ -1,11 +1,11 @@
 //! The table and plot of sizes below the form of the electrode, and what the quick look found.
 
+use crate::workspaces::blisk::desk::BliskDesk;
 use egui::{Rangef, RichText, Ui, Vec2b};
 use egui_plot::{AxisHints, GridInput, GridMark, Plot, PlotPoints, Points};
 
-use super::plots::{legend, round_steps, round_text};
-use super::stepper::notice;
-use crate::shell::core::Core;
+use crate::widgets::panel_parts::notice;
+use crate::widgets::plot_parts::{legend, round_steps, round_text};
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::stage::Stage;
@@ -16,38 +16,38 @@ use crate::workspaces::blisk::pipeline::StageState;
 const ROOMY: f32 = 300.0;
 
 /// What a quick look says of the electrode as it is tuned.
-pub fn live(ui: &mut Ui, core: &Core) {
-    if let Some(why) = core.tuning.blind() {
+pub fn live(ui: &mut Ui, desk: &BliskDesk) {
+    if let Some(why) = desk.tuning.blind() {
         notice(ui, palette(ui).warning, &format!("No preview of the extraction path: {why}"));
-    } else if core.tuning.is_looking() {
+    } else if desk.tuning.is_looking() {
         notice(ui, palette(ui).faint, "Searching the extraction path…");
-    } else if let Some((sentence, took)) = core.tuning.sentence() {
-        let out = core.tuning.way().is_some_and(|(_, way)| way.way.margin.is_some());
+    } else if let Some((sentence, took)) = desk.tuning.sentence() {
+        let out = desk.tuning.way().is_some_and(|(_, way)| way.way.margin.is_some());
         let colour = if out { palette(ui).good } else { palette(ui).warning };
         notice(ui, colour, &format!("Preview: {sentence} ({:.2} s; not verified)", took.as_secs_f64()));
     }
 }
 
 /// Sizing: its button, its table, its plot.
-pub fn show(ui: &mut Ui, core: &mut Core) {
+pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
     ui.add_space(8.0);
     ui.strong("Thickest electrodes with an extraction path");
-    let sizing = core.tuning.sizing().map(str::to_owned);
+    let sizing = desk.tuning.sizing().map(str::to_owned);
     ui.horizontal(|ui| {
         if let Some(doing) = &sizing {
             if ui.button("Stop sizing").clicked() {
-                core.tuning.stop_sizing();
+                desk.tuning.stop_sizing();
             }
             ui.label(RichText::new(doing).small().color(palette(ui).faint));
         } else {
             let hint = "Finds the least reductions for 1, 2 and 3 parts, from either side of entry, each certified";
-            let ready = core.pipeline.state(Stage::Channel) == StageState::Done;
+            let ready = desk.pipeline.state(Stage::Channel) == StageState::Done;
             if ui.add_enabled(ready, egui::Button::new("Find sizes")).on_hover_text(hint).clicked() {
-                core.find_sizes();
+                desk.find_sizes();
             }
         }
     });
-    let (rows, failure) = core.tuning.sizes();
+    let (rows, failure) = desk.tuning.sizes();
     let (rows, failure) = (rows.to_vec(), failure.map(str::to_owned));
     if let Some(why) = failure {
         notice(ui, palette(ui).bad, &why);
@@ -55,18 +55,18 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
     if rows.is_empty() {
         return;
     }
-    let current = core.tuning.sizes_are_of(core.pipeline.of_size());
+    let current = desk.tuning.sizes_are_of(desk.pipeline.of_size());
     if !current {
         notice(ui, palette(ui).warning, "These sizes are out of date; find them again to take one.");
     }
-    if let Some(row) = table(ui, core, &rows, current) {
-        apply(core, &row);
+    if let Some(row) = table(ui, desk, &rows, current) {
+        apply(desk, &row);
     }
     plot(ui, &rows);
 }
 
 /// The rows; answers the one that is to be applied.
-fn table(ui: &mut Ui, core: &Core, rows: &[SizeRow], current: bool) -> Option<SizeRow> {
+fn table(ui: &mut Ui, desk: &BliskDesk, rows: &[SizeRow], current: bool) -> Option<SizeRow> {
     let mut chosen = None;
     // The bar of a scrolled form, and the button of a narrow one, must have room.
     let gap = if ui.available_width() < ROOMY { 5.0 } else { 10.0 };
@@ -84,7 +84,7 @@ fn table(ui: &mut Ui, core: &Core, rows: &[SizeRow], current: bool) -> Option<Si
             told(ui.label(RichText::new(format!("{low:.3}")).monospace()));
             told(ui.label(RichText::new(format!("{high:.3}")).monospace()));
             told(ui.label(RichText::new(format!("{:.3}", row.least_thickness_mm)).monospace()));
-            let applied = current && is_applied(core.document.job(), row);
+            let applied = current && is_applied(desk.document.job(), row);
             let response =
                 ui.add_enabled(current && !applied, egui::Button::new(if applied { "Taken" } else { "Take" }).small());
             let name = format!("Take size {}", i + 1);
@@ -115,14 +115,14 @@ fn is_applied(job: &PlanJob, row: &SizeRow) -> bool {
 }
 
 /// Puts a row's reductions, parts and side into the parameters, and the strategy that found them.
-fn apply(core: &mut Core, row: &SizeRow) {
-    let mut job = core.document.job().clone();
+fn apply(desk: &mut BliskDesk, row: &SizeRow) {
+    let mut job = desk.document.job().clone();
     job.electrode.parts = row.parts;
     job.electrode.enter = row.enter;
     job.electrode.size = wheel::electrode::Sizing::Given;
     job.electrode.circumferential_reduction_deg = row.reduction_deg;
     job.plan.strategy = feed::plan_params::Strategy::Global;
-    core.edit("Take a size", job, false);
+    desk.edit("Take a size", job, false);
 }
 
 /// Thickness over the greater reduction, a colour for each number of parts.

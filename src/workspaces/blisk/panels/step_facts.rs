@@ -1,11 +1,14 @@
 //! What is known of a step, below its form, with the button that goes on.
 
+use crate::workspaces::blisk::commands::BliskCommand;
+use crate::workspaces::blisk::desk::BliskDesk;
+use crate::workspaces::commands::FrameCommand;
+use crate::workspaces::context::Context;
 use egui::{RichText, Ui};
 
-use super::stepper::{Standing, command_button, fact, notice, sentence};
-use crate::shell::commands::Command;
-use crate::shell::core::Core;
-use crate::shell::status::grouped;
+use super::stepper::Standing;
+use crate::widgets::panel_parts::grouped;
+use crate::widgets::panel_parts::{fact, notice, sentence};
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::job::plan::PlanOutcome;
@@ -16,31 +19,31 @@ use wheel::channel::Channel;
 use wheel::electrode::EntrySide;
 
 /// Draws them.
-pub fn show(ui: &mut Ui, core: &mut Core, stage: Stage) {
+pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, stage: Stage) {
     match stage {
-        Stage::Part => part(ui, core),
-        Stage::Channel => channel(ui, core),
-        Stage::Electrode => electrode(ui, core),
-        Stage::Plan => plan(ui, core),
-        Stage::Verify => verify(ui, core),
-        Stage::Export => export(ui, core),
+        Stage::Part => part(ui, desk, cx),
+        Stage::Channel => channel(ui, desk, cx),
+        Stage::Electrode => electrode(ui, desk, cx),
+        Stage::Plan => plan(ui, desk, cx),
+        Stage::Verify => verify(ui, desk, cx),
+        Stage::Export => export(ui, desk, cx),
     }
 }
 
-fn next(ui: &mut Ui, core: &mut Core, stage: Stage) {
+fn next(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, stage: Stage) {
     ui.add_space(8.0);
     let text = format!("Go on to {}", stage.name());
-    command_button(ui, core, Command::Step(stage), &text, true);
+    cx.button(ui, desk, BliskCommand::Step(stage), &text, true);
 }
 
-fn part(ui: &mut Ui, core: &mut Core) {
+fn part(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     ui.horizontal(|ui| {
-        command_button(ui, core, Command::Open, "Open…", core.pipeline.part().is_none());
-        command_button(ui, core, Command::NewDemonstration, "Demonstration", false);
+        cx.button(ui, desk, FrameCommand::Open, "Open…", desk.pipeline.part().is_none());
+        cx.button(ui, desk, BliskCommand::NewDemonstration, "Demonstration", false);
     });
     ui.add_space(4.0);
-    let Some(part) = core.pipeline.part().cloned() else { return };
-    let length = core.preferences.length;
+    let Some(part) = desk.pipeline.part().cloned() else { return };
+    let length = cx.preferences.length;
     fact(ui, "File", &part.name);
     fact(ui, "Triangles", grouped(part.mesh.triangles.len()));
     let size = part.shape.bounds().size();
@@ -55,17 +58,17 @@ fn part(ui: &mut Ui, core: &mut Core) {
             notice(ui, palette(ui).warning, warning);
         }
     }
-    if core.pipeline.state(Stage::Part) == StageState::Done {
-        next(ui, core, Stage::Channel);
+    if desk.pipeline.state(Stage::Part) == StageState::Done {
+        next(ui, desk, cx, Stage::Channel);
     }
 }
 
-fn channel(ui: &mut Ui, core: &mut Core) {
-    let Some(found) = core.pipeline.channel().cloned() else { return };
-    if matches!(core.pipeline.state(Stage::Channel), StageState::Failed(_)) {
+fn channel(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
+    let Some(found) = desk.pipeline.channel().cloned() else { return };
+    if matches!(desk.pipeline.state(Stage::Channel), StageState::Failed(_)) {
         return;
     }
-    let (channel, length) = (&found.channel, core.preferences.length);
+    let (channel, length) = (&found.channel, cx.preferences.length);
     let [low, high] = channel.span_x();
     let (hub, shroud) = channel.radii_at(0.5 * (low + high));
     fact(ui, "Blades", channel.blades.to_string());
@@ -78,19 +81,19 @@ fn channel(ui: &mut Ui, core: &mut Core) {
     for assumed in &channel.assumed {
         notice(ui, palette(ui).faint, assumed);
     }
-    if core.pipeline.state(Stage::Channel) == StageState::Done {
-        next(ui, core, Stage::Electrode);
+    if desk.pipeline.state(Stage::Channel) == StageState::Done {
+        next(ui, desk, cx, Stage::Electrode);
     }
 }
 
-fn electrode(ui: &mut Ui, core: &mut Core) {
-    super::sizes::live(ui, core);
-    let Some(made) = core.pipeline.electrodes().cloned() else { return };
+fn electrode(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
+    super::sizes::live(ui, desk);
+    let Some(made) = desk.pipeline.electrodes().cloned() else { return };
     // Figures of what was made before would pass for those of what could not be made.
-    if matches!(core.pipeline.state(Stage::Electrode), StageState::Failed(_)) {
+    if matches!(desk.pipeline.state(Stage::Electrode), StageState::Failed(_)) {
         return;
     }
-    let length = core.preferences.length;
+    let length = cx.preferences.length;
     for (i, electrode) in made.electrodes.iter().enumerate() {
         if made.electrodes.len() > 1 {
             ui.strong(format!("Electrode {}", i + 1));
@@ -104,38 +107,38 @@ fn electrode(ui: &mut Ui, core: &mut Core) {
             notice(ui, palette(ui).faint, assumed);
         }
     }
-    if core.pipeline.state(Stage::Electrode) == StageState::Done {
+    if desk.pipeline.state(Stage::Electrode) == StageState::Done {
         ui.add_space(4.0);
-        command_button(ui, core, Command::MillFlanks, "Mill its flanks", false);
-        next(ui, core, Stage::Plan);
+        cx.button(ui, desk, BliskCommand::MillFlanks, "Mill its flanks", false);
+        next(ui, desk, cx, Stage::Plan);
     }
-    super::sizes::show(ui, core);
+    super::sizes::show(ui, desk);
 }
 
-fn plan(ui: &mut Ui, core: &mut Core) {
-    let running = core.pipeline.state(Stage::Plan) == StageState::Running;
+fn plan(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
+    let running = desk.pipeline.state(Stage::Plan) == StageState::Running;
     ui.horizontal(|ui| {
         if running {
-            command_button(ui, core, Command::Cancel, "Cancel", false);
+            cx.button(ui, desk, FrameCommand::Cancel, "Cancel", false);
         } else {
-            let text = if core.pipeline.plan().is_some() { "Plan again" } else { "Plan feed path" };
-            let is_next = core.pipeline.state(Stage::Plan) != StageState::Done;
-            command_button(ui, core, Command::Plan, text, is_next);
+            let text = if desk.pipeline.plan().is_some() { "Plan again" } else { "Plan feed path" };
+            let is_next = desk.pipeline.state(Stage::Plan) != StageState::Done;
+            cx.button(ui, desk, BliskCommand::Plan, text, is_next);
         }
     });
     ui.add_space(4.0);
     if running {
-        if let Some(partial) = core.pipeline.partial_plan() {
+        if let Some(partial) = desk.pipeline.partial_plan() {
             fact(ui, "Nodes so far", partial.nodes.len().to_string());
             let withdrawn = partial.nodes.last().map_or(0.0, |n| n.s);
-            fact(ui, "Retracted", core.preferences.length.show(withdrawn, 2));
+            fact(ui, "Retracted", cx.preferences.length.show(withdrawn, 2));
         }
         return;
     }
-    super::sizes::live(ui, core);
-    let Some(plan) = core.pipeline.plan().cloned() else { return };
+    super::sizes::live(ui, desk);
+    let Some(plan) = desk.pipeline.plan().cloned() else { return };
     for (i, outcome) in plan.electrodes.iter().enumerate() {
-        let colour = match Standing::of(core, Stage::Plan) {
+        let colour = match Standing::of(desk, Stage::Plan) {
             Standing::Done => palette(ui).good,
             Standing::Working => palette(ui).accent,
             Standing::Stale | Standing::Unchecked => palette(ui).warning,
@@ -164,19 +167,19 @@ fn plan(ui: &mut Ui, core: &mut Core) {
             ui.label(RichText::new(format!("From {side}: {why}")).small().color(palette(ui).faint));
         }
     }
-    if plan.is_verified() && core.pipeline.state(Stage::Plan) == StageState::Done {
+    if plan.is_verified() && desk.pipeline.state(Stage::Plan) == StageState::Done {
         ui.add_space(4.0);
-        command_button(ui, core, Command::Keep, "Keep for comparison", false);
-        next(ui, core, Stage::Verify);
+        cx.button(ui, desk, BliskCommand::Keep, "Keep for comparison", false);
+        next(ui, desk, cx, Stage::Verify);
     }
 }
 
-fn verify(ui: &mut Ui, core: &mut Core) {
-    let Some(plan) = core.pipeline.plan().cloned() else {
+fn verify(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
+    let Some(plan) = desk.pipeline.plan().cloned() else {
         ui.label("No path yet: plan one first (F5).");
         return;
     };
-    let length = core.preferences.length;
+    let length = cx.preferences.length;
     for (index, outcome) in plan.electrodes.iter().enumerate() {
         let Some(planned) = &outcome.plan.path else {
             // What a single electrode fails at is said above the form already.
@@ -186,7 +189,7 @@ fn verify(ui: &mut Ui, core: &mut Core) {
             continue;
         };
         let c = &planned.certificate;
-        let (colour, text) = if core.plan_is_stale() {
+        let (colour, text) = if desk.plan_is_stale() {
             (palette(ui).warning, "This certificate is out of date: plan again (F5).".to_owned())
         } else if c.holds() && plan.simulation(index).is_some_and(|simulation| !simulation.holds()) {
             let text =
@@ -206,21 +209,21 @@ fn verify(ui: &mut Ui, core: &mut Core) {
         fact(ui, "Rows", planned.path.rows.len().to_string());
         fact(ui, "Violations", c.violations().len().to_string());
         if ui.button("Go to the closest point").clicked() {
-            core.go_to(c.least().s);
+            desk.go_to(c.least().s);
         }
         if let Some(copying) = plan.copying(index) {
             notice(ui, palette(ui).faint, &copying.sentence());
         }
     }
-    finishing(ui, core, &plan);
-    if core.pipeline.can_release() {
-        next(ui, core, Stage::Export);
+    finishing(ui, desk, cx, &plan);
+    if desk.pipeline.can_release() {
+        next(ui, desk, cx, Stage::Export);
     }
 }
 
 /// What is being worked on before a certified plan can be released.
-fn awaited(core: &Core) -> &'static str {
-    match core.pipeline.running().filter(|running| running.stage == Stage::Verify).map(|running| &*running.doing) {
+fn awaited(desk: &BliskDesk) -> &'static str {
+    match desk.pipeline.running().filter(|running| running.stage == Stage::Verify).map(|running| &*running.doing) {
         Some("simulation") => "the whole motion is being simulated on the machine",
         Some("leftover") => "the residual stock is being computed",
         _ => "the copying motions are being computed",
@@ -228,31 +231,31 @@ fn awaited(core: &Core) -> &'static str {
 }
 
 /// How the electrodes finish the channel, or how far that is known.
-fn finishing(ui: &mut Ui, core: &mut Core, plan: &PlanOutcome) {
-    match core.pipeline.finishing() {
+fn finishing(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, plan: &PlanOutcome) {
+    match desk.pipeline.finishing() {
         StageState::Running => {
-            notice(ui, palette(ui).faint, &format!("{}\u{2026}", sentence(awaited(core))));
+            notice(ui, palette(ui).faint, &format!("{}\u{2026}", sentence(awaited(desk))));
         }
         StageState::Failed(why) => {
             let text = format!("No residual stock and no copying motions: {why}.");
             notice(ui, palette(ui).warning, &text);
             if ui.button("Compute the residual stock").clicked() {
-                core.pipeline.resume_finishing();
+                desk.pipeline.resume_finishing();
             }
         }
         _ => {
             if let Some(left) = plan.leftover() {
-                leftover(ui, core, left, &plan.channel);
+                leftover(ui, desk, cx, left, &plan.channel);
             }
         }
     }
 }
 
 /// What stock is left, surface by surface.
-fn leftover(ui: &mut Ui, core: &mut Core, left: &Leftover, channel: &Channel) {
-    let length = core.preferences.length;
+fn leftover(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, left: &Leftover, channel: &Channel) {
+    let length = cx.preferences.length;
     ui.add_space(6.0);
-    ui.strong(if core.plan_is_stale() { "Residual stock, out of date" } else { "Residual stock" });
+    ui.strong(if desk.plan_is_stale() { "Residual stock, out of date" } else { "Residual stock" });
     let stock = &left.stock;
     fact(ui, "In the channel", format!("{:.2} of {:.0} mm³", stock.left_mm3, stock.channel_mm3));
     for figures in &left.surfaces {
@@ -262,21 +265,21 @@ fn leftover(ui: &mut Ui, core: &mut Core, left: &Leftover, channel: &Channel) {
             fact(ui, &format!("Overcut, {name}"), length.show(figures.overcut.depth_mm, 3));
         }
     }
-    let text = if core.leftover { "Show the electrode" } else { "Show the residual stock" };
-    command_button(ui, core, Command::Leftover, text, false);
+    let text = if desk.leftover { "Show the electrode" } else { "Show the residual stock" };
+    cx.button(ui, desk, BliskCommand::Leftover, text, false);
 }
 
-fn export(ui: &mut Ui, core: &mut Core) {
-    let released = core.pipeline.released().is_some();
-    if !released && core.pipeline.finishing() == StageState::Running {
-        let unless = if simulate::is_needed(core.document.job()) { ", unless something collides" } else { "" };
+fn export(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
+    let released = desk.pipeline.released().is_some();
+    if !released && desk.pipeline.finishing() == StageState::Running {
+        let unless = if simulate::is_needed(desk.document.job()) { ", unless something collides" } else { "" };
         let text = format!(
             "{}. The plan can be released once its copying motions and its residual stock are computed{unless}.",
-            sentence(awaited(core))
+            sentence(awaited(desk))
         );
         notice(ui, palette(ui).faint, &text);
-    } else if !released && !core.pipeline.can_release() {
-        let collides = core.pipeline.plan().and_then(|plan| plan.finishing()).is_some_and(|f| f.collision().is_some());
+    } else if !released && !desk.pipeline.can_release() {
+        let collides = desk.pipeline.plan().and_then(|plan| plan.finishing()).is_some_and(|f| f.collision().is_some());
         let why = if collides {
             "A plan with a collision on the machine cannot be released; step Verify shows where."
         } else {
@@ -285,10 +288,10 @@ fn export(ui: &mut Ui, core: &mut Core) {
         notice(ui, palette(ui).warning, why);
     }
     ui.horizontal(|ui| {
-        command_button(ui, core, Command::Release, "Release for export", !released);
-        command_button(ui, core, Command::Export, "Export…", released);
+        cx.button(ui, desk, BliskCommand::Release, "Release for export", !released);
+        cx.button(ui, desk, FrameCommand::Export, "Export…", released);
         if released {
-            command_button(ui, core, Command::Withdraw, "Withdraw", false);
+            cx.button(ui, desk, BliskCommand::Withdraw, "Withdraw", false);
         }
     });
     if released {
@@ -296,7 +299,7 @@ fn export(ui: &mut Ui, core: &mut Core) {
         let text = "Released: this path. A change of the path withdraws the release; feed and post do not change it.";
         notice(ui, palette(ui).good, text);
     }
-    let Some(exported) = core.pipeline.exported().cloned() else { return };
+    let Some(exported) = desk.pipeline.exported().cloned() else { return };
     ui.add_space(6.0);
     ui.strong("Written");
     ui.add(egui::Label::new(RichText::new(exported.folder.display().to_string()).small()).wrap());

@@ -1,11 +1,14 @@
 //! The left panel: the six steps with their state, the form of the open one, and what is known of it.
 
+use crate::widgets::panel_parts::notice;
+use crate::workspaces::blisk::commands::BliskCommand;
+use crate::workspaces::blisk::desk::BliskDesk;
+use crate::workspaces::commands::CommandSet;
+use crate::workspaces::context::Context;
 use egui::{Align2, Color32, FontId, Rect, RichText, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::forms::{self, Request};
 use super::step_facts;
-use crate::shell::commands::Command;
-use crate::shell::core::Core;
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::pipeline::StageState;
@@ -14,64 +17,64 @@ use crate::workspaces::blisk::pipeline::StageState;
 const LOW: f32 = 420.0;
 
 /// Draws stepper and form.
-pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Request> {
+pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) -> Option<Request> {
     ui.add_space(2.0);
     if ui.available_height() < LOW {
-        row_of_steps(ui, core)
+        row_of_steps(ui, desk)
     } else {
-        list_of_steps(ui, core)
+        list_of_steps(ui, desk)
     }
     ui.add_space(4.0);
     ui.separator();
     let mut request = None;
     egui::ScrollArea::vertical().id_salt("form").auto_shrink([false, false]).show(ui, |ui| {
-        introduction(ui, core.step);
+        introduction(ui, desk.step);
         // What a field says of itself need not be said twice.
-        if let StageState::Failed(why) = core.pipeline.state(core.step)
-            && !forms::has_problem(core, core.step)
+        if let StageState::Failed(why) = desk.pipeline.state(desk.step)
+            && !forms::has_problem(desk, desk.step)
         {
             notice(ui, palette(ui).bad, &why);
         }
-        if core.pipeline.state(core.step) == StageState::Stale {
-            notice(ui, palette(ui).warning, stale_text(core.step));
+        if desk.pipeline.state(desk.step) == StageState::Stale {
+            notice(ui, palette(ui).warning, stale_text(desk.step));
         }
-        request = forms::show(ui, core, core.step);
+        request = forms::show(ui, desk, cx, desk.step);
         ui.add_space(8.0);
-        step_facts::show(ui, core, core.step);
+        step_facts::show(ui, desk, cx, desk.step);
     });
     request
 }
 
-fn list_of_steps(ui: &mut Ui, core: &mut Core) {
+fn list_of_steps(ui: &mut Ui, desk: &mut BliskDesk) {
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
         for stage in Stage::ALL {
-            if step(ui, stage, Standing::of(core, stage), core.step == stage).clicked() {
-                core.step = stage;
+            if step(ui, stage, Standing::of(desk, stage), desk.step == stage).clicked() {
+                desk.step = stage;
             }
         }
     });
 }
 
 /// The steps side by side, and the name of the open one below.
-fn row_of_steps(ui: &mut Ui, core: &mut Core) {
+fn row_of_steps(ui: &mut Ui, desk: &mut BliskDesk) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
         let width = (ui.available_width() - 10.0) / Stage::ALL.len() as f32;
         for stage in Stage::ALL {
-            let (state, open) = (Standing::of(core, stage), core.step == stage);
+            let (state, open) = (Standing::of(desk, stage), desk.step == stage);
             let (rect, response) = ui.allocate_exact_size(vec2(width, 26.0), Sense::click());
             background(ui, rect, open, &response);
             let (_, colour) = word(ui, state);
             badge(ui, rect.center(), stage, state, colour);
             if told(response, stage, state, open).clicked() {
-                core.step = stage;
+                desk.step = stage;
             }
         }
     });
-    let (word, colour) = word(ui, Standing::of(core, core.step));
+    let (word, colour) = word(ui, Standing::of(desk, desk.step));
     ui.horizontal(|ui| {
-        ui.strong(format!("{} {}", core.step.number(), core.step.name()));
+        ui.strong(format!("{} {}", desk.step.number(), desk.step.name()));
         ui.label(RichText::new(word).color(colour));
     });
 }
@@ -98,21 +101,6 @@ fn introduction(ui: &mut Ui, stage: Stage) {
     };
     ui.label(RichText::new(text).color(palette(ui).faint));
     ui.add_space(2.0);
-}
-
-/// A framed sentence with a coloured edge.
-pub fn notice(ui: &mut Ui, colour: Color32, text: &str) {
-    let fill = colour.gamma_multiply(0.14);
-    egui::Frame::new()
-        .fill(fill)
-        .corner_radius(4)
-        .inner_margin(8)
-        .stroke(egui::Stroke::new(1.0, colour.gamma_multiply(0.6)))
-        .show(ui, |ui| {
-            ui.set_width(ui.available_width());
-            ui.add(egui::Label::new(sentence(text)).wrap());
-        });
-    ui.add_space(4.0);
 }
 
 /// One line of the stepper.
@@ -151,10 +139,10 @@ pub enum Standing {
 
 impl Standing {
     /// How `stage` stands.
-    pub fn of(core: &Core, stage: Stage) -> Self {
-        let may_be_driven = || core.pipeline.plan().is_some_and(|plan| plan.may_be_approved());
-        match (core.pipeline.state(stage), stage) {
-            (StageState::Done, Stage::Plan) => match core.pipeline.state(Stage::Verify) {
+    pub fn of(desk: &BliskDesk, stage: Stage) -> Self {
+        let may_be_driven = || desk.pipeline.plan().is_some_and(|plan| plan.may_be_approved());
+        match (desk.pipeline.state(stage), stage) {
+            (StageState::Done, Stage::Plan) => match desk.pipeline.state(Stage::Verify) {
                 StageState::Running => Self::Working,
                 StageState::Failed(_) if may_be_driven() => Self::Unchecked,
                 StageState::Failed(_) => Self::Unsafe,
@@ -211,7 +199,7 @@ fn told(response: egui::Response, stage: Stage, state: Standing, open: bool) -> 
         word => format!("{name}, {word}"),
     };
     response.widget_info(|| WidgetInfo::selected(Role::Tab, true, open, &said));
-    response.on_hover_text(Command::Step(stage).name())
+    response.on_hover_text(BliskCommand::Step(stage).command().info.name)
 }
 
 /// The number of a step in a circle that shows its state; a hook when it is done.
@@ -234,93 +222,5 @@ fn badge(ui: &Ui, centre: egui::Pos2, stage: Stage, state: Standing, colour: Col
         painter.circle_filled(point, 2.5, colour);
         // Twenty a second are enough for a dot that goes round.
         ui.ctx().request_repaint_after(std::time::Duration::from_millis(50));
-    }
-}
-
-/// A button for a command, greyed while it cannot be done.
-pub fn command_button(ui: &mut Ui, core: &mut Core, command: Command, text: &str, primary: bool) {
-    let enabled = command.is_enabled(core);
-    let mut button = egui::Button::new(RichText::new(text).strong()).min_size(vec2(0.0, 26.0));
-    if primary && enabled {
-        let accent = palette(ui).accent;
-        let ink = if ui.visuals().dark_mode { Color32::BLACK } else { Color32::WHITE };
-        button = egui::Button::new(RichText::new(text).strong().color(ink)).fill(accent).min_size(vec2(0.0, 26.0));
-    }
-    let mut response = ui.add_enabled(enabled, button).on_hover_text(command.hint(ui.ctx()));
-    if let Some(why) = command.needs() {
-        response = response.on_disabled_hover_text(why);
-    }
-    if response.clicked() {
-        core.push(command);
-    }
-}
-
-/// A name on the left and its value on the right: words end at the edge, numbers stand below each other with their
-/// units in a column of their own. A long value takes from the name's room, but not all of it.
-pub fn fact(ui: &mut Ui, name: &str, value: impl Into<String>) {
-    const UNITS: f32 = 36.0;
-    let width = ui.available_width();
-    let (rect, _) = ui.allocate_exact_size(vec2(width, 18.0), Sense::hover());
-    let value = value.into();
-    let (value, unit) = number_and_unit(&value).map_or((value.as_str(), None), |(n, unit)| (n, Some(unit)));
-    let end = rect.right() - unit.map_or(0.0, |_| UNITS);
-    let font = egui::TextStyle::Body.resolve(ui.style());
-    let needed = ui.painter().layout_no_wrap(value.to_owned(), font, Color32::WHITE).size().x;
-    let border = end - (needed + 8.0).clamp(0.0, 0.75 * width);
-    let left = Rect::from_min_max(rect.min, pos2(border, rect.bottom()));
-    let right = Rect::from_min_max(pos2(border, rect.top()), pos2(end, rect.bottom()));
-    let faint = palette(ui).faint;
-    let put = |ui: &mut Ui, at: Rect, text: RichText, layout: egui::Layout| {
-        let mut child = ui.new_child(egui::UiBuilder::new().max_rect(at).layout(layout));
-        child.add(egui::Label::new(text).truncate());
-    };
-    put(ui, left, RichText::new(name).color(faint), egui::Layout::left_to_right(egui::Align::Center));
-    put(ui, right, RichText::new(value), egui::Layout::right_to_left(egui::Align::Center));
-    if let Some(unit) = unit.filter(|unit| !unit.is_empty()) {
-        let at = Rect::from_min_max(pos2(end + 4.0, rect.top()), rect.max);
-        put(ui, at, RichText::new(unit).color(faint), egui::Layout::left_to_right(egui::Align::Center));
-    }
-}
-
-/// The number that `value` is, and its unit, which may be empty; none if it is words.
-fn number_and_unit(value: &str) -> Option<(&str, &str)> {
-    let is_number = |text: &str| text.chars().all(|c| c.is_ascii_digit() || "+-. ".contains(c)) && !text.is_empty();
-    if is_number(value) {
-        return Some((value, ""));
-    }
-    let (number, unit) = value.rsplit_once(' ')?;
-    (is_number(number) && ["mm", "in", "deg", "s", "mm²", "mm³"].contains(&unit)).then_some((number, unit))
-}
-
-/// A sentence as it begins where it stands by itself; names of files and keys stay as they are.
-pub fn sentence(text: &str) -> String {
-    let first = text.split(' ').next().unwrap_or_default();
-    if !first.chars().all(|c| c.is_ascii_lowercase() || ",:".contains(c)) {
-        return text.to_owned();
-    }
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_number_is_told_from_its_unit_and_from_words() {
-        assert_eq!(number_and_unit("-1.4874 deg"), Some(("-1.4874", "deg")));
-        assert_eq!(number_and_unit("24 288"), Some(("24 288", "")));
-        assert_eq!(number_and_unit("10788.4 mm³"), Some(("10788.4", "mm³")));
-        for words in ["hub", "node 7 from the final pose", "part.stl", ""] {
-            assert_eq!(number_and_unit(words), None, "{words}");
-        }
-    }
-
-    #[test]
-    fn a_sentence_begins_with_a_capital_and_a_name_stays_as_it_is() {
-        assert_eq!(sentence("jams at node 7"), "Jams at node 7");
-        for name in ["part.stl: not closed", "[plan] step_mm: too large", "x_1 is wrong", ""] {
-            assert_eq!(sentence(name), name);
-        }
     }
 }

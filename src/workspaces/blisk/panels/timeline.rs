@@ -1,9 +1,11 @@
 //! The timeline: the nodes of the track from outside to the final pose, the cursor, and how it is played.
 
+use crate::workspaces::blisk::commands::BliskCommand;
+use crate::workspaces::blisk::desk::BliskDesk;
+use crate::workspaces::commands::{CommandSet, Commanded, FrameCommand};
+use crate::workspaces::context::Context;
 use egui::{Align2, FontId, Key, Rect, RichText, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use crate::shell::commands::Command;
-use crate::shell::core::Core;
 use crate::widgets::theme::palette;
 
 /// Least room for the figures beside the buttons (points): the clearance, where it is, and what all of it is.
@@ -12,57 +14,57 @@ const READOUT: [f32; 3] = [90.0, 200.0, 325.0];
 const PLAYING: f32 = 320.0;
 
 /// Draws it.
-pub fn show(ui: &mut Ui, core: &mut Core) {
+pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     ui.horizontal(|ui| {
-        controls(ui, core);
-        readout(ui, core);
+        controls(ui, desk, cx);
+        readout(ui, desk, cx);
     });
-    strip(ui, core);
-    super::machine_motion::strip(ui, core);
+    strip(ui, desk);
+    super::machine_motion::strip(ui, desk);
 }
 
-fn controls(ui: &mut Ui, core: &mut Core) {
-    let play = if core.cursor.playing { "⏸" } else { "▶" };
+fn controls(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
+    let play = if desk.cursor.playing { "⏸" } else { "▶" };
     let buttons = [
-        (Command::FirstNode, "⏮", "First node"),
-        (Command::PreviousNode, "⏴", "Previous node"),
-        (Command::Play, play, "Play"),
-        (Command::NextNode, "⏵", "Next node"),
-        (Command::LastNode, "⏭", "Final pose"),
+        (FrameCommand::FirstNode, "⏮", "First node"),
+        (FrameCommand::PreviousNode, "⏴", "Previous node"),
+        (FrameCommand::Play, play, "Play"),
+        (FrameCommand::NextNode, "⏵", "Next node"),
+        (FrameCommand::LastNode, "⏭", "Final pose"),
     ];
     for (command, sign, name) in buttons {
         let button = egui::Button::new(RichText::new(sign).size(13.0)).min_size(vec2(28.0, 22.0));
-        let response = ui.add_enabled(command.is_enabled(core), button).on_hover_text(command.hint(ui.ctx()));
+        let response = ui.add_enabled(desk.is_enabled(command.into()), button).on_hover_text(command.hint(ui.ctx()));
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
         if response.clicked() {
-            core.push(command);
+            cx.push(command);
         }
     }
     // Where there is little room, what is looked at comes before how it is played.
     if ui.available_width() > PLAYING {
-        playing(ui, core);
+        playing(ui, desk, cx);
     }
-    which_electrode(ui, core);
+    which_electrode(ui, desk);
 }
 
 /// How it is played.
-fn playing(ui: &mut Ui, core: &mut Core) {
+fn playing(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     let speed =
-        egui::DragValue::new(&mut core.cursor.speed).range(0.1..=200.0).speed(0.2).suffix(" mm/s").max_decimals(1);
+        egui::DragValue::new(&mut desk.cursor.speed).range(0.1..=200.0).speed(0.2).suffix(" mm/s").max_decimals(1);
     let response = ui.add_sized(vec2(78.0, 22.0), speed).on_hover_text("Speed of playing along the path");
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_label("Speed of playing"));
-    let ghost = ui.add_enabled(Command::Ghost.is_enabled(core), egui::Button::new("Previous position"));
-    if ghost.on_hover_text(Command::Ghost.hint(ui.ctx())).clicked() {
-        core.push(Command::Ghost);
+    let ghost = ui.add_enabled(desk.is_enabled(BliskCommand::Ghost.into()), egui::Button::new("Previous position"));
+    if ghost.on_hover_text(BliskCommand::Ghost.hint(ui.ctx())).clicked() {
+        cx.push(BliskCommand::Ghost);
     }
 }
 
 /// Which electrode is looked at, if there are several.
-fn which_electrode(ui: &mut Ui, core: &mut Core) {
-    let count = core.electrode_count();
+fn which_electrode(ui: &mut Ui, desk: &mut BliskDesk) {
+    let count = desk.electrode_count();
     if count > 1 {
         let label = ui.label(RichText::new("Electrode").color(palette(ui).faint));
-        let mut chosen = core.cursor.electrode;
+        let mut chosen = desk.cursor.electrode;
         let combo = egui::ComboBox::from_id_salt("electrode").width(48.0).selected_text((chosen + 1).to_string());
         let response = combo.show_ui(ui, |ui| {
             for i in 0..count {
@@ -70,30 +72,30 @@ fn which_electrode(ui: &mut Ui, core: &mut Core) {
             }
         });
         response.response.labelled_by(label.id);
-        core.cursor.electrode = chosen;
+        desk.cursor.electrode = chosen;
     }
 }
 
-fn readout(ui: &mut Ui, core: &Core) {
-    let Some(s) = core.feed_cursor() else {
-        let name = core.moment().map(|moment| moment.name()).unwrap_or_default();
+fn readout(ui: &mut Ui, desk: &BliskDesk, cx: &mut Context) {
+    let Some(s) = desk.feed_cursor() else {
+        let name = desk.moment().map(|moment| moment.name()).unwrap_or_default();
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             ui.add(egui::Label::new(RichText::new(name).color(palette(ui).accent)).truncate());
         });
         return;
     };
-    let Some(station) = core.track().at(s) else { return };
-    let length = core.preferences.length;
+    let Some(station) = desk.track().at(s) else { return };
+    let length = cx.preferences.length;
     // Numbers count from the final pose, which is node 0, as in verdicts and files.
-    let nodes: Vec<_> = core.track().nodes().map(|n| n.node.unwrap_or_default()).collect();
-    let node = core.track().nearest_node(s).map_or(0, |i| nodes[i]);
+    let nodes: Vec<_> = desk.track().nodes().map(|n| n.node.unwrap_or_default()).collect();
+    let node = desk.track().nearest_node(s).map_or(0, |i| nodes[i]);
     let last = nodes.iter().copied().max().unwrap_or_default();
     let room = ui.available_width();
     let [with_clearance, with_place, with_words] = READOUT.map(|least| room > least);
     let faint = palette(ui).faint;
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         if with_clearance {
-            let colour = if station.clearance < core.least_wanted() { palette(ui).bad } else { palette(ui).good };
+            let colour = if station.clearance < desk.least_wanted() { palette(ui).bad } else { palette(ui).good };
             let text = RichText::new(length.show(station.clearance, 4)).color(colour).monospace();
             ui.label(text).on_hover_text("Clearance at the cursor");
         }
@@ -112,15 +114,15 @@ fn readout(ui: &mut Ui, core: &Core) {
 }
 
 /// The strip with a tick for every node, coloured by its clearance; a drag moves the cursor.
-fn strip(ui: &mut Ui, core: &mut Core) {
+fn strip(ui: &mut Ui, desk: &mut BliskDesk) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 30.0), Sense::click_and_drag());
-    let length = core.track().length();
-    response.widget_info(|| WidgetInfo::slider(length > 0.0, core.cursor.s, "Timeline"));
+    let length = desk.track().length();
+    response.widget_info(|| WidgetInfo::slider(length > 0.0, desk.cursor.s, "Timeline"));
     let colours = palette(ui);
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
-    if core.track().is_empty() || length <= 0.0 {
-        let text = match core.track().is_empty() {
+    if desk.track().is_empty() || length <= 0.0 {
+        let text = match desk.track().is_empty() {
             true => "No path yet: plan one (F5) to see its nodes.",
             false => "Only the final pose was found to be free.",
         };
@@ -128,30 +130,30 @@ fn strip(ui: &mut Ui, core: &mut Core) {
         return;
     }
     // The same place as in the plots below, where they can be seen.
-    let inner = match core.span {
+    let inner = match desk.span {
         Some([left, right]) if rect.left() <= left && left < right && right <= rect.right() => {
             Rect::from_x_y_ranges(left..=right, rect.y_range())
         }
         _ => rect.shrink2(vec2(12.0, 0.0)),
     };
     let x_of = |s: f64| inner.left() + inner.width() * (1.0 - (s / length) as f32);
-    let gap = core.least_wanted();
-    for node in core.track().nodes() {
+    let gap = desk.least_wanted();
+    for node in desk.track().nodes() {
         let colour = if node.clearance < gap { colours.bad } else { colours.faint };
         let x = x_of(node.s);
         painter.vline(x, rect.bottom() - 10.0..=rect.bottom() - 3.0, egui::Stroke::new(1.0, colour));
     }
-    let pin = core.feed_cursor().map(|s| x_of(s.clamp(0.0, length)));
+    let pin = desk.feed_cursor().map(|s| x_of(s.clamp(0.0, length)));
     scale(&painter, inner, rect, length, colours.faint, pin);
-    for s in &core.ghosts {
+    for s in &desk.ghosts {
         painter.circle_stroke(pos2(x_of(*s), rect.bottom() - 7.0), 3.5, egui::Stroke::new(1.5, colours.accent));
     }
     // Where the machine collides off the feed the strip below has the mark.
-    let mark = core.trouble().map_or_else(|| core.contact_s(), |trouble| trouble.s);
+    let mark = desk.trouble().map_or_else(|| desk.contact_s(), |trouble| trouble.s);
     if let Some(s) = mark {
         let tip = pos2(x_of(s), rect.bottom() - 10.0);
         let triangle = vec![tip, tip + vec2(-4.0, -6.0), tip + vec2(4.0, -6.0)];
-        let holds = core.trouble().is_none() && core.outcome().is_some_and(|o| o.plan.is_verified());
+        let holds = desk.trouble().is_none() && desk.outcome().is_some_and(|o| o.plan.is_verified());
         let colour = if holds { colours.warning } else { colours.bad };
         painter.add(egui::Shape::convex_polygon(triangle, colour, egui::Stroke::NONE));
     }
@@ -160,10 +162,10 @@ fn strip(ui: &mut Ui, core: &mut Core) {
         painter.circle_filled(pos2(x, rect.top() + 5.0), 5.0, colours.accent);
     }
     if let Some(pointer) = response.interact_pointer_pos() {
-        core.cursor.playing = false;
+        desk.cursor.playing = false;
         let t = f64::from((pointer.x - inner.left()) / inner.width()).clamp(0.0, 1.0);
-        core.cursor.s = length * (1.0 - t);
-        core.machine.go_to(None);
+        desk.cursor.s = length * (1.0 - t);
+        desk.machine.go_to(None);
     }
     if response.has_focus() {
         // The keys that step would otherwise move the focus.

@@ -1,24 +1,24 @@
 //! The parts of the form on how the workpiece is clamped and how the program is written.
 
+use crate::workspaces::flank::panels::FlankDesk;
 use egui::{ComboBox, RichText, Ui};
 use glam::DVec3;
 
 use super::fields::{self, Number};
-use crate::shell::core::Core;
-use crate::shell::files::{FlankPurpose, Purpose};
+use crate::widgets::panel_parts::file_name;
 use crate::widgets::panel_parts::named;
 use crate::widgets::theme::{palette, tick};
-use crate::workspaces::blisk::panels::forms::file_name;
 use crate::workspaces::flank::document::MillingSettings;
+use crate::workspaces::flank::paths::FlankPath;
 use flank::machine::milling_machine::Workpiece;
 use nc::flank_program::{FlankNcSettings, TipControl, milling_posts};
 
 /// Where the workpiece stands on the machine, and the directions in which it is clamped.
-pub fn workpiece(ui: &mut Ui, core: &Core, milling: &mut MillingSettings, wrong: &mut Option<String>) {
+pub fn workpiece(ui: &mut Ui, desk: &FlankDesk, milling: &mut MillingSettings, wrong: &mut Option<String>) {
     if milling.machine.is_empty() {
         return;
     }
-    let of_machine = core.flank.workpiece_of_machine();
+    let of_machine = desk.workpiece_of_machine();
     named(ui, "Clamped", |ui, _| {
         let mut is_own = milling.workpiece.is_some();
         let hint = "Off: as in the machine's file";
@@ -53,7 +53,7 @@ fn words(place: &Workpiece) -> String {
 }
 
 /// The post, what X Y Z of the program mean, and the number of the tool. Answers what a path is wanted for.
-pub fn program(ui: &mut Ui, milling: &mut MillingSettings, wrong: &mut Option<String>) -> Option<Purpose> {
+pub fn program(ui: &mut Ui, milling: &mut MillingSettings, wrong: &mut Option<String>) -> Option<FlankPath> {
     let mut asked = None;
     named(ui, "Post", |ui, label| {
         let combo = ComboBox::from_id_salt("milling post").selected_text(file_name(&milling.post)).width(160.0);
@@ -62,7 +62,7 @@ pub fn program(ui: &mut Ui, milling: &mut MillingSettings, wrong: &mut Option<St
                 ui.selectable_value(&mut milling.post, name.to_owned(), name);
             }
             if ui.selectable_label(false, "Own file\u{2026}").clicked() {
-                asked = Some(Purpose::Flank(FlankPurpose::Post));
+                asked = Some(FlankPath::Post);
             }
         });
         shown.response.on_hover_text("The control for which the program is written").labelled_by(label);

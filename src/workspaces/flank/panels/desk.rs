@@ -7,12 +7,12 @@ use std::time::{Duration, Instant};
 use glam::DVec3;
 
 use super::plots::Tab;
-use crate::shell::record::{Hands, Record};
 use crate::workspaces::flank::document::milling_machine_file::{load_milling_machines, milling_machine};
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, PathChoice};
 use crate::workspaces::flank::work::{ExportChoice, FlankWork, Planned, Sketch};
 use crate::workspaces::news::EventKind;
 use crate::workspaces::news::WorkEvent;
+use crate::workspaces::record::{Hands, Record};
 use files::Validate;
 use files::user_folder::user_folder;
 use flank::machine::milling_machine::Workpiece;

@@ -1,24 +1,34 @@
 //! What is exported of a flank, and what stands in its way.
 
+use crate::workspaces::commands::FrameCommand;
+use crate::workspaces::context::Context;
+use crate::workspaces::flank::panels::FlankDesk;
 use egui::{RichText, Ui};
 
 use super::results;
-use crate::shell::commands::Command;
-use crate::shell::core::Core;
-use crate::shell::dialogs::{Answer, from_right};
+use crate::widgets::panel_parts::file_name;
+use crate::widgets::panel_parts::from_right;
 use crate::widgets::theme::{palette, tick};
-use crate::workspaces::blisk::panels::forms::file_name;
 use nc::flank_program::milling_post;
 
+/// What the user answered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Answer {
+    /// Choose the folder and export.
+    Folder,
+    /// Close the dialog.
+    Close,
+}
+
 /// Draws it.
-pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Answer> {
+pub fn show(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context) -> Option<Answer> {
     let mut answer = None;
-    let planned = core.flank.work.to_export(&core.flank.params);
-    let post = milling_post(&core.flank.params.milling.post);
+    let planned = desk.work.to_export(&desk.params);
+    let post = milling_post(&desk.params.milling.post);
     let ending = post.map_or_else(|_| "nc".to_owned(), |post| post.extension);
     let has_machine = planned.as_ref().is_ok_and(|result| result.milled().is_some());
     egui::Grid::new("flank files").num_columns(2).min_col_width(150.0).spacing([12.0, 6.0]).show(ui, |ui| {
-        let choice = &mut core.flank.choice;
+        let choice = &mut desk.choice;
         let says = |ui: &mut Ui, text: &str| drop(ui.label(RichText::new(text).color(palette(ui).faint)));
         tick(ui, &mut choice.cl, RichText::new("flank.cl").monospace());
         says(ui, "cutter locations, APT");
@@ -39,7 +49,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Answer> {
         ui.end_row();
     });
     ui.add_space(8.0);
-    changed(ui, core);
+    changed(ui, desk, cx);
     let blocked = planned.as_ref().ok().and_then(|result| result.why_blocked());
     let text = match (&planned, &blocked) {
         (Err(why), _) => RichText::new(format!("Blocked: {why}")).color(palette(ui).bad),
@@ -47,9 +57,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Answer> {
             let text = format!("Blocked: {why}. Only the report is written.");
             RichText::new(text).color(palette(ui).bad)
         }
-        _ if !core.flank.choice.any() => {
-            RichText::new("No file is chosen: nothing would be written.").color(palette(ui).bad)
-        }
+        _ if !desk.choice.any() => RichText::new("No file is chosen: nothing would be written.").color(palette(ui).bad),
         _ => {
             let text = "Files of an earlier path in the folder are removed; those that were changed since are renamed to .old.";
             RichText::new(text).color(palette(ui).warning)
@@ -58,15 +66,15 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Answer> {
     ui.add(egui::Label::new(text).wrap());
     if let Ok(result) = &planned {
         for check in result.checks.iter().filter(|check| !check.holds) {
-            results::let_pass(ui, core, check, check.is_overridden);
+            results::let_pass(ui, desk, check, check.is_overridden);
         }
     }
     ui.add_space(10.0);
     from_right(ui, |ui| {
-        let is_possible = planned.is_ok() && core.flank.choice.any();
+        let is_possible = planned.is_ok() && desk.choice.any();
         let name = if blocked.is_some() { "Report to folder…" } else { "Choose folder…" };
         if ui.add_enabled(is_possible, egui::Button::new(name)).clicked() {
-            answer = Some(Answer::ExportFlankTo);
+            answer = Some(Answer::Folder);
         }
         if ui.button("Cancel").clicked() {
             answer = Some(Answer::Close);
@@ -76,17 +84,17 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Answer> {
 }
 
 /// What is said of files that have changed since they were read.
-fn changed(ui: &mut Ui, core: &mut Core) {
-    if core.flank.changed_files.is_empty() {
+fn changed(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context) {
+    if desk.changed_files.is_empty() {
         return;
     }
-    let names: Vec<String> = core.flank.changed_files.iter().map(|file| file_name(&file.to_string_lossy())).collect();
+    let names: Vec<String> = desk.changed_files.iter().map(|file| file_name(&file.to_string_lossy())).collect();
     let text =
         format!("Changed or gone since read: {}. What is exported was planned for what was read.", names.join(", "));
     ui.add(egui::Label::new(RichText::new(text).color(palette(ui).warning)).wrap());
     if ui.button("Reload").on_hover_text("Reads all files again; then plan again").clicked() {
-        core.push(Command::Reload);
-        core.flank.changed_files.clear();
+        cx.push(FrameCommand::Reload);
+        desk.changed_files.clear();
     }
     ui.add_space(4.0);
 }

@@ -7,8 +7,8 @@ use egui::{ComboBox, DragValue, Response, RichText, Slider, SliderClamping, Text
 use glam::DVec3;
 
 use crate::widgets::panel_parts::named;
+use crate::widgets::panel_parts::{parsed_or, short};
 use crate::widgets::theme::palette;
-use crate::workspaces::blisk::panels::forms::{parsed_or, short};
 
 /// Height of a row, and width of a number (points).
 const HEIGHT: f32 = 22.0;

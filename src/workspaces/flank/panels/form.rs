@@ -1,18 +1,20 @@
 //! The left panel: the surface, the cutter, how its path is planned, what must not be cut, and the machine.
 
+use crate::workspaces::commands::{CommandSet, FrameCommand};
+use crate::workspaces::context::Context;
+use crate::workspaces::flank::commands::FlankCommand;
+use crate::workspaces::flank::panels::FlankDesk;
 use egui::{ComboBox, ProgressBar, RichText, Ui, vec2};
 
 use super::desk::Standing;
 use super::fields::{self, Number};
 use super::{clamping, results, source};
-use crate::shell::commands::Command;
-use crate::shell::core::Core;
-use crate::shell::files::{FlankPurpose, Purpose};
+use crate::widgets::panel_parts::file_name;
 use crate::widgets::panel_parts::{named, section};
+use crate::widgets::panel_parts::{notice, sentence};
 use crate::widgets::theme::{palette, tick};
-use crate::workspaces::blisk::panels::forms::file_name;
-use crate::workspaces::blisk::panels::stepper::{command_button, notice, sentence};
 use crate::workspaces::flank::document::{CutDirection, FlankDocument, FlankSource, PathChoice};
+use crate::workspaces::flank::paths::FlankPath;
 use files::Validate;
 use flank::cutter::{FlankCutter, HolderPart};
 use flank::params::{Objective, OffsetMethod};
@@ -25,68 +27,68 @@ const ROW: f32 = 22.0;
 const FIRST_BOUND: f64 = 0.01;
 
 /// Draws it, `with_results` also what came out. Answers what a path is wanted for.
-pub fn show(ui: &mut Ui, core: &mut Core, with_results: bool) -> Option<Purpose> {
+pub fn show(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context, with_results: bool) -> Option<FlankPath> {
     let mut asked = None;
     ui.add_space(2.0);
-    plan(ui, core);
+    plan(ui, desk, cx);
     if with_results {
         ui.horizontal(|ui| {
-            ui.selectable_value(&mut core.flank.shows_figures, false, "Parameters");
-            ui.selectable_value(&mut core.flank.shows_figures, true, "Results");
+            ui.selectable_value(&mut desk.shows_figures, false, "Parameters");
+            ui.selectable_value(&mut desk.shows_figures, true, "Results");
         });
     }
-    if with_results && core.flank.shows_figures {
-        results::show(ui, core);
+    if with_results && desk.shows_figures {
+        results::show(ui, desk);
         return None;
     }
     egui::ScrollArea::vertical().id_salt("flank form").auto_shrink([false, false]).show(ui, |ui| {
-        let mut params = core.flank.params.clone();
+        let mut params = desk.params.clone();
         let mut wrong = None;
-        section(ui, "Surface", true, |ui| asked = source::show(ui, core, &mut params, &mut wrong));
+        section(ui, "Surface", true, |ui| asked = source::show(ui, desk, &mut params, &mut wrong));
         section(ui, "Cutter", true, |ui| cutter(ui, &mut params.cutter, &mut wrong));
         section(ui, "Path", true, |ui| path(ui, &mut params, &mut wrong));
-        section(ui, "Walls", false, |ui| asked = walls(ui, core, &mut params).or(asked.take()));
+        section(ui, "Walls", false, |ui| asked = walls(ui, desk, &mut params).or(asked.take()));
         section(ui, "Checks", false, |ui| checks(ui, &mut params, &mut wrong));
-        section(ui, "Machine", false, |ui| asked = machine(ui, core, &mut params, &mut wrong).or(asked.take()));
-        core.flank.edit(params);
+        section(ui, "Machine", false, |ui| asked = machine(ui, desk, &mut params, &mut wrong).or(asked.take()));
+        desk.edit(params);
         if let Some(wrong) = wrong {
-            core.say_in_passing(wrong);
+            cx.say_in_passing(wrong);
         }
     });
     asked
 }
 
 /// The button that plans, and what is being done.
-fn plan(ui: &mut Ui, core: &mut Core) {
-    let state = core.flank.state();
+fn plan(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context) {
+    let state = desk.state();
     ui.horizontal(|ui| {
-        command_button(ui, core, Command::PlanFlank, "Plan", state != State::Ready);
-        command_button(ui, core, Command::Export, "Export\u{2026}", false);
-        tick(ui, &mut core.flank.follows, "update automatically").on_hover_text("After the first plan");
+        cx.button(ui, desk, FlankCommand::PlanFlank, "Plan", state != State::Ready);
+        cx.button(ui, desk, FrameCommand::Export, "Export\u{2026}", false);
+        tick(ui, &mut desk.follows, "update automatically").on_hover_text("After the first plan");
     });
     // Always as high: the fields below must not move away from the hand that drags them.
     ui.allocate_ui(vec2(ui.available_width(), ROW), |ui| {
         ui.set_min_height(ROW);
-        ui.horizontal(|ui| standing(ui, core));
+        ui.horizontal(|ui| standing(ui, desk, cx));
     });
 }
 
 /// What is being done, what is wrong, or what is known, in one line.
-fn standing(ui: &mut Ui, core: &mut Core) {
+fn standing(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context) {
     let colours = palette(ui);
-    let is_possible = core.flank.params.validate().is_ok();
-    if let Some(doing) = core.flank.work.doing().filter(|_| is_possible).cloned() {
+    let is_possible = desk.params.validate().is_ok();
+    if let Some(doing) = desk.work.doing().filter(|_| is_possible).cloned() {
         let bar = ui.add(ProgressBar::new(doing.fraction as f32).desired_width(110.0).desired_height(8.0));
         let percent = format!("{} {:.0} %", doing.stage, 100.0 * doing.fraction);
         bar.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &percent));
-        if ui.small_button("Cancel").on_hover_text(Command::Cancel.hint(ui.ctx())).clicked() {
-            core.push(Command::Cancel);
+        if ui.small_button("Cancel").on_hover_text(FrameCommand::Cancel.hint(ui.ctx())).clicked() {
+            cx.push(FrameCommand::Cancel);
         }
         ui.add(egui::Label::new(RichText::new(&doing.stage).color(palette(ui).faint)).truncate());
         return;
     }
-    let (colour, text) = match (core.flank.why_not(), core.flank.standing()) {
-        _ if core.flank.open_side().is_some() => (colours.accent, CHOOSE_SIDE.to_owned()),
+    let (colour, text) = match (desk.why_not(), desk.standing()) {
+        _ if desk.open_side().is_some() => (colours.accent, CHOOSE_SIDE.to_owned()),
         (Some(why), _) => (colours.bad, labelled(&sentence(&why))),
         (None, Standing::Planned) => (colours.faint, "Planned".to_owned()),
         (None, Standing::Sketch) => (colours.accent, "Preview on a coarse grid, not yet planned".to_owned()),
@@ -311,7 +313,7 @@ fn bound(ui: &mut Ui, name: &str, bound: &mut Option<f64>, hint: &str, wrong: &m
 }
 
 /// What must not be cut.
-fn walls(ui: &mut Ui, core: &Core, params: &mut FlankDocument) -> Option<Purpose> {
+fn walls(ui: &mut Ui, desk: &FlankDesk, params: &mut FlankDocument) -> Option<FlankPath> {
     let mut asked = None;
     named(ui, "Mesh", |ui, _| {
         let name = params.walls.as_ref().map(|walls| file_name(&walls.file.to_string_lossy()));
@@ -319,16 +321,16 @@ fn walls(ui: &mut Ui, core: &Core, params: &mut FlankDocument) -> Option<Purpose
         let response = ui.add_sized(vec2(130.0, 22.0), button);
         let hint = "Walls beside the flank that neither flutes nor holder may touch";
         if response.on_hover_text(hint).clicked() {
-            asked = Some(Purpose::Flank(FlankPurpose::Walls));
+            asked = Some(FlankPath::Walls);
         }
         if params.walls.is_some() && ui.button("None").on_hover_text("No walls besides the part itself").clicked() {
             params.walls = None;
         }
     });
-    if let Some(why) = core.flank.work.walls_state(&core.flank.params).why_not() {
+    if let Some(why) = desk.work.walls_state(&desk.params).why_not() {
         notice(ui, palette(ui).bad, why);
     }
-    for doubt in core.flank.work.walls(&core.flank.params).iter().flat_map(|walls| &walls.doubts) {
+    for doubt in desk.work.walls(&desk.params).iter().flat_map(|walls| &walls.doubts) {
         notice(ui, palette(ui).warning, doubt);
     }
     asked
@@ -347,7 +349,7 @@ fn checks(ui: &mut Ui, params: &mut FlankDocument, wrong: &mut Option<String>) {
     fields::number(ui, &mut params.undercut_tolerance_mm, Number { speed: 0.001, ..undercut }, wrong);
 }
 
-fn machine(ui: &mut Ui, core: &Core, params: &mut FlankDocument, wrong: &mut Option<String>) -> Option<Purpose> {
+fn machine(ui: &mut Ui, desk: &FlankDesk, params: &mut FlankDocument, wrong: &mut Option<String>) -> Option<FlankPath> {
     let mut asked = None;
     let milling = &mut params.milling;
     named(ui, "Machine", |ui, label| {
@@ -356,19 +358,19 @@ fn machine(ui: &mut Ui, core: &Core, params: &mut FlankDocument, wrong: &mut Opt
         let shown = combo.show_ui(ui, |ui| {
             let mut chosen = milling.machine.clone();
             ui.selectable_value(&mut chosen, String::new(), "none").on_hover_text("Cutter locations only");
-            for [name, title] in &core.flank.machines {
+            for [name, title] in &desk.machines {
                 ui.selectable_value(&mut chosen, name.clone(), file_name(name)).on_hover_text(title);
             }
             if let Some(forgotten) = milling.take_machine(&chosen) {
                 *wrong = Some(forgotten);
             }
             if ui.selectable_label(false, "Own file\u{2026}").clicked() {
-                asked = Some(Purpose::Flank(FlankPurpose::Machine));
+                asked = Some(FlankPath::Machine);
             }
         });
         shown.response.labelled_by(label);
     });
-    clamping::workpiece(ui, core, milling, wrong);
+    clamping::workpiece(ui, desk, milling, wrong);
     asked = clamping::program(ui, milling, wrong).or(asked);
     if !milling.machine.is_empty() {
         let hint = "From the spindle nose to the tip; otherwise as the machine's file says";

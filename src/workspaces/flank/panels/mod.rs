@@ -14,15 +14,17 @@ mod timeline;
 mod view;
 
 pub use desk::{FlankDesk, Fly};
-pub use export::show as export_dialog;
+pub use export::{Answer, show as export_dialog};
 pub use guides::{is_points_file, pair as pair_of_guides};
 pub use view::FlankView;
 
+use crate::workspaces::context::Context;
 use egui::{Panel, Ui};
 
-use crate::shell::core::Core;
-use crate::shell::files::Purpose;
-use crate::widgets::folds;
+use crate::widgets::folds::{self, Folding};
+use crate::workspaces::commands::CommandSet;
+use crate::workspaces::flank::commands::FlankCommand;
+use crate::workspaces::flank::paths::FlankPath;
 
 /// Height of the panel of timeline and plots (points).
 const PLOTS: f32 = 236.0;
@@ -30,43 +32,58 @@ const PLOTS: f32 = 236.0;
 const TIMELINE: f32 = 74.0;
 
 /// Draws the workspace. Answers what a path is wanted for.
-pub fn show(ui: &mut Ui, core: &mut Core, view: &mut FlankView) -> Option<Purpose> {
+pub fn show(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context, view: &mut FlankView) -> Option<FlankPath> {
     let room = ui.available_size();
     // In a small window the view comes first: panels get narrower, and the results have none of their own.
     let (wide, tall) = (room.x > 900.0, room.y > 480.0);
-    let asked = if core.flank.shows_panel {
+    let asked = if desk.shows_panel {
         let (least, width) = if wide { (300.0, 0.26 * room.x) } else { (290.0, 0.5 * room.x) };
         let width = width.clamp(least, 380.0);
         let panel = Panel::left("flank").default_size(width).size_range(least..=(0.45 * room.x).clamp(width, 480.0));
-        panel.show(ui, |ui| form::show(ui, core, !wide)).inner
+        panel.show(ui, |ui| form::show(ui, desk, cx, !wide)).inner
     } else {
         None
     };
-    if wide && core.flank.shows_list {
+    if wide && desk.shows_list {
         let width = (0.32 * room.x - 100.0).clamp(262.0, 340.0);
         let panel = Panel::right("flank results").default_size(width);
         let panel = panel.size_range(240.0..=(0.4 * room.x).clamp(width, 460.0));
-        panel.show(ui, |ui| results::show(ui, core));
+        panel.show(ui, |ui| results::show(ui, desk));
     }
     // A low window has room for the plots or for the view.
     let low = PLOTS.min(0.6 * room.y).max(TIMELINE);
-    let (name, height, heights) = match (tall, core.flank.shows_plots) {
+    let (name, height, heights) = match (tall, desk.shows_plots) {
         (true, _) => ("flank plots", PLOTS, 150.0..=460.0),
         (false, true) => ("flank low plots", low, low..=low),
         (false, false) => ("flank timeline", TIMELINE, TIMELINE..=TIMELINE),
     };
     Panel::bottom(name).default_size(height).size_range(heights).resizable(tall).show(ui, |ui| {
-        timeline::show(ui, core, !tall);
-        if tall || core.flank.shows_plots {
-            plots::show(ui, core);
+        timeline::show(ui, desk, cx, !tall);
+        if tall || desk.shows_plots {
+            plots::show(ui, desk);
         }
         // The panel keeps its height whatever it shows.
         ui.take_available_space();
     });
     egui::CentralPanel::no_frame().show(ui, |ui| {
         let rect = ui.available_rect_before_wrap();
-        view.show(ui, core);
-        folds::show(ui, rect, core, core.flank.shows_panel, wide.then_some(core.flank.shows_list));
+        view.show(ui, desk, cx);
+        fold(ui, rect, cx, desk.shows_panel, wide.then_some(desk.shows_list));
     });
     asked
+}
+
+/// The handles that fold the panels, with whether the one on the left is there, and that on the right if it has one.
+fn fold(ui: &mut Ui, rect: egui::Rect, cx: &mut Context, shows_panel: bool, shows_list: Option<bool>) {
+    let folding = |command: FlankCommand, is_left, is_there| {
+        let info = command.command().info;
+        Folding { is_left, is_there, name: info.name, hint: info.hint(ui.ctx()) }
+    };
+    let mut panels = vec![folding(FlankCommand::FoldPanel, true, shows_panel)];
+    panels.extend(shows_list.map(|shows_list| folding(FlankCommand::FoldList, false, shows_list)));
+    match folds::show(ui, rect, &panels) {
+        Some(0) => cx.push(FlankCommand::FoldPanel),
+        Some(_) => cx.push(FlankCommand::FoldList),
+        None => {}
+    }
 }

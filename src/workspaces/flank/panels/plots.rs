@@ -1,13 +1,13 @@
 //! Plots of a flank: the sum of deviations over the rank, deviations along the guides and where the cutter stands, and the
 //! axes of the machine.
 
+use crate::workspaces::flank::panels::FlankDesk;
 use egui::{Align2, Color32, FontId, Rect, RichText, Role, Sense, Stroke, Ui, Vec2b, WidgetInfo, pos2, vec2};
 use egui_plot::{GridInput, GridMark, HLine, Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints, Points, VLine};
 
-use crate::shell::core::Core;
+use crate::widgets::panel_parts::file_name;
+use crate::widgets::plot_parts::{legend, round_steps, round_text};
 use crate::widgets::theme::{palette, tick};
-use crate::workspaces::blisk::panels::forms::file_name;
-use crate::workspaces::blisk::panels::plots::{legend, round_steps, round_text};
 use crate::workspaces::flank::document::PathChoice;
 use crate::workspaces::flank::scene::contact_line;
 use crate::workspaces::flank::work::{AxisCurve, MachineCurves, Planned};
@@ -42,26 +42,26 @@ impl Tab {
 }
 
 /// Draws the tabs and the chosen plot.
-pub fn show(ui: &mut Ui, core: &mut Core) {
+pub fn show(ui: &mut Ui, desk: &mut FlankDesk) {
     ui.horizontal(|ui| {
         for tab in Tab::ALL {
-            ui.selectable_value(&mut core.flank.tab, tab, tab.name());
+            ui.selectable_value(&mut desk.tab, tab, tab.name());
         }
-        if core.flank.tab == Tab::Machine {
-            tick(ui, &mut core.flank.shows_limits, "limits").on_hover_text("Draw each axis with all of its travel");
+        if desk.tab == Tab::Machine {
+            tick(ui, &mut desk.shows_limits, "limits").on_hover_text("Draw each axis with all of its travel");
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let note = RichText::new(core.flank.tab.note()).small().color(palette(ui).faint);
+            let note = RichText::new(desk.tab.note()).small().color(palette(ui).faint);
             ui.add(egui::Label::new(note).truncate());
         });
     });
-    let Some(planned) = core.flank.planned().cloned() else {
+    let Some(planned) = desk.planned().cloned() else {
         return says(ui, "Plan the flank's path to see its curves.");
     };
-    match core.flank.tab {
-        Tab::Ranks => ranks(ui, core, &planned.result.plan),
-        Tab::Deviation => deviation(ui, core, &planned),
-        Tab::Machine => machine(ui, core, &planned),
+    match desk.tab {
+        Tab::Ranks => ranks(ui, desk, &planned.result.plan),
+        Tab::Deviation => deviation(ui, desk, &planned),
+        Tab::Machine => machine(ui, desk, &planned),
     }
 }
 
@@ -117,7 +117,7 @@ fn of_decade(mark: GridMark) -> String {
 }
 
 /// The sum that each rank leads to, on a scale that shows the ranks which lead nowhere as well; a click tells one.
-fn ranks(ui: &mut Ui, core: &mut Core, plan: &FlankPlan) {
+fn ranks(ui: &mut Ui, desk: &mut FlankDesk, plan: &FlankPlan) {
     let ranks = &plan.ranks;
     let known: Vec<(usize, f64)> =
         ranks.sums.iter().enumerate().filter_map(|(i, sum)| Some((i + 1, (*sum)?))).filter(|(_, s)| *s > 0.0).collect();
@@ -138,13 +138,13 @@ fn ranks(ui: &mut Ui, core: &mut Core, plan: &FlankPlan) {
             let text = RichText::new(text).small().color(palette(ui).faint);
             ui.add(egui::Label::new(text).truncate()).on_hover_text(hint);
         }
-        if let Some(text) = core.flank.rank.and_then(|rank| rank_words(plan, rank)) {
+        if let Some(text) = desk.rank.and_then(|rank| rank_words(plan, rank)) {
             ui.add(egui::Label::new(RichText::new(text).strong()).truncate());
         }
     });
     let line: Vec<PlotPoint> = known.iter().map(|(k, sum)| PlotPoint::new(*k as f64, sum.log10())).collect();
     let at = |rank: usize| known.iter().find(|(k, _)| *k == rank).map(|(k, sum)| [*k as f64, sum.log10()]);
-    let (best, selected) = (at(ranks.best), core.flank.rank.and_then(at));
+    let (best, selected) = (at(ranks.best), desk.rank.and_then(at));
     let (text, accent) = (ui.visuals().text_color(), palette(ui).accent);
     let plot = still(ui, "ranks").y_grid_spacer(decades).y_axis_formatter(|mark, _| of_decade(mark));
     let response = plot.show(ui, |plot| {
@@ -166,7 +166,7 @@ fn ranks(ui: &mut Ui, core: &mut Core, plan: &FlankPlan) {
     plotted.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Plot of ranks"));
     if let (true, Some(point)) = (plotted.clicked(), response.inner) {
         let nearest = known.iter().min_by(|a, b| (a.0 as f64 - point.x).abs().total_cmp(&(b.0 as f64 - point.x).abs()));
-        core.flank.rank = nearest.map(|(rank, _)| *rank).filter(|rank| core.flank.rank != Some(*rank));
+        desk.rank = nearest.map(|(rank, _)| *rank).filter(|rank| desk.rank != Some(*rank));
     }
 }
 
@@ -182,17 +182,17 @@ fn rank_words(plan: &FlankPlan, rank: usize) -> Option<String> {
 }
 
 /// On the left least and greatest deviation along the guides, on the right all along the line where the cutter stands.
-fn deviation(ui: &mut Ui, core: &mut Core, planned: &Planned) {
+fn deviation(ui: &mut Ui, desk: &mut FlankDesk, planned: &Planned) {
     let colours = colours(ui);
     let names = PathChoice::ALL.map(PathChoice::name);
     let plan = &planned.result.plan;
-    let lines = PathChoice::ALL.map(|choice| contact_line(path_of(plan, choice), core.flank.t));
-    let u = lines[core.flank.path as usize].iter().map(|[u, ..]| *u).collect::<Vec<_>>();
+    let lines = PathChoice::ALL.map(|choice| contact_line(path_of(plan, choice), desk.t));
+    let u = lines[desk.path as usize].iter().map(|[u, ..]| *u).collect::<Vec<_>>();
     let mean_u = (!u.is_empty()).then(|| u.iter().sum::<f64>() / u.len() as f64);
     ui.horizontal(|ui| {
         legend(ui, colours.into_iter().zip(names));
     });
-    let (accent, shown) = (palette(ui).accent, core.flank.path as usize);
+    let (accent, shown) = (palette(ui).accent, desk.path as usize);
     let (mut clicked, height) = (None, ui.available_height());
     ui.columns(2, |columns| {
         let [left, right] = columns else { return };
@@ -231,23 +231,21 @@ fn deviation(ui: &mut Ui, core: &mut Core, planned: &Planned) {
         });
         response.response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Plot along the ruling"));
     });
-    if let (Some(u), Some(path)) = (clicked, core.flank.shown_path()) {
+    if let (Some(u), Some(path)) = (clicked, desk.shown_path()) {
         let [from, to] = path.axis.u0_range;
         let t = (u - from) / (to - from);
-        core.flank.go_to(t);
+        desk.go_to(t);
     }
 }
 
 /// The machine's axes below each other, each on a scale of its own, over the cut.
-fn machine(ui: &mut Ui, core: &mut Core, planned: &Planned) {
+fn machine(ui: &mut Ui, desk: &mut FlankDesk, planned: &Planned) {
     let why = planned.result.milled.as_ref().and_then(|milled| milled.as_ref().err());
     let Some(curves) = &planned.machine else {
         let text = match why {
             Some(why) => format!("The machine cannot follow the path: {why}"),
-            None if core.flank.params.milling.machine.is_empty() => {
-                "Choose a machine and plan to see its axes.".to_owned()
-            }
-            None => format!("Plan to see the axes of {}.", file_name(&core.flank.params.milling.machine)),
+            None if desk.params.milling.machine.is_empty() => "Choose a machine and plan to see its axes.".to_owned(),
+            None => format!("Plan to see the axes of {}.", file_name(&desk.params.milling.machine)),
         };
         return says(ui, &text);
     };
@@ -264,7 +262,7 @@ fn machine(ui: &mut Ui, core: &mut Core, planned: &Planned) {
     for (i, axis) in curves.axes.iter().enumerate() {
         let top = rect.top() + height * i as f32;
         let row = Rect::from_min_max(pos2(inner.left(), top + 2.0), pos2(inner.right(), top + height - 2.0));
-        axis_row(ui, &painter, row, (curves, axis, i), core.flank.shows_limits);
+        axis_row(ui, &painter, row, (curves, axis, i), desk.shows_limits);
     }
     let colours = palette(ui);
     for (t, words) in &curves.singular {
@@ -274,9 +272,9 @@ fn machine(ui: &mut Ui, core: &mut Core, planned: &Planned) {
             response.clone().on_hover_text(words);
         }
     }
-    painter.vline(x_of(core.flank.t), rect.y_range(), Stroke::new(1.5, colours.accent));
+    painter.vline(x_of(desk.t), rect.y_range(), Stroke::new(1.5, colours.accent));
     if let Some(pointer) = response.interact_pointer_pos() {
-        core.flank.go_to(f64::from((pointer.x - inner.left()) / inner.width()));
+        desk.go_to(f64::from((pointer.x - inner.left()) / inner.width()));
     }
 }
 

@@ -1,11 +1,11 @@
 //! The right panel: the figures of the three paths, what was checked, and what the reader must know.
 
+use crate::workspaces::flank::panels::FlankDesk;
 use egui::{Grid, Label, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 
 use super::desk::Standing;
-use crate::shell::core::Core;
+use crate::widgets::panel_parts::{fact, notice, sentence};
 use crate::widgets::theme::{palette, tick};
-use crate::workspaces::blisk::panels::stepper::{fact, notice, sentence};
 use crate::workspaces::flank::document::PathChoice;
 use crate::workspaces::flank::work::Planned;
 use flank::deviation::Deviation;
@@ -16,40 +16,40 @@ use nc::flank_job::{FlankCheck, path_of};
 const COLUMN: f32 = 56.0;
 
 /// Draws it.
-pub fn show(ui: &mut Ui, core: &mut Core) {
+pub fn show(ui: &mut Ui, desk: &mut FlankDesk) {
     ui.add_space(4.0);
-    egui::ScrollArea::vertical().id_salt("flank results").auto_shrink([false, false]).show(ui, |ui| body(ui, core));
+    egui::ScrollArea::vertical().id_salt("flank results").auto_shrink([false, false]).show(ui, |ui| body(ui, desk));
 }
 
 /// The same without a frame of its own.
-pub fn body(ui: &mut Ui, core: &mut Core) {
-    let Some(planned) = core.flank.planned().cloned() else {
+pub fn body(ui: &mut Ui, desk: &mut FlankDesk) {
+    let Some(planned) = desk.planned().cloned() else {
         let text = "No path yet: plan one (F8) to see its figures.";
         ui.add(Label::new(RichText::new(text).color(palette(ui).faint)).wrap());
         return;
     };
-    heading(ui, core);
+    heading(ui, desk);
     ui.scope(|ui| {
-        if core.flank.standing() == Standing::Stale {
+        if desk.standing() == Standing::Stale {
             ui.multiply_opacity(0.55);
         }
-        figures(ui, core, &planned);
+        figures(ui, desk, &planned);
         ui.add_space(6.0);
-        if core.flank.standing() == Standing::Sketch {
+        if desk.standing() == Standing::Sketch {
             let text = "Checks follow with the plan.";
             ui.add(Label::new(RichText::new(text).small().color(palette(ui).faint)).wrap());
             return;
         }
         ui.strong("Checks");
         ui.label(RichText::new(format!("of the {} path", planned.result.path.name())).small().color(palette(ui).faint));
-        checks(ui, core, &planned);
+        checks(ui, desk, &planned);
         warnings(ui, &planned);
     });
 }
 
-fn heading(ui: &mut Ui, core: &Core) {
+fn heading(ui: &mut Ui, desk: &FlankDesk) {
     let colours = palette(ui);
-    let (text, colour) = match core.flank.standing() {
+    let (text, colour) = match desk.standing() {
         Standing::Sketch => ("preview", colours.accent),
         Standing::Stale => ("out of date", colours.warning),
         _ => return drop(ui.strong("Deviations")),
@@ -72,7 +72,7 @@ const FIGURES: [Figure; 5] = [
 ];
 
 /// Sums and extremes of the three paths, of the standing cutter and of the moving one.
-fn figures(ui: &mut Ui, core: &mut Core, planned: &Planned) {
+fn figures(ui: &mut Ui, desk: &mut FlankDesk, planned: &Planned) {
     let plan = &planned.result.plan;
     let [nu, nv] = plan.initial.deviation.counted_grid();
     let text = format!("mm, over {nu} × {nv} samples");
@@ -81,7 +81,7 @@ fn figures(ui: &mut Ui, core: &mut Core, planned: &Planned) {
     Grid::new("flank figures").num_columns(4).striped(true).spacing([8.0, 2.0]).min_col_width(40.0).show(ui, |ui| {
         ui.label("");
         for choice in PathChoice::ALL {
-            head(ui, core, choice);
+            head(ui, desk, choice);
         }
         ui.end_row();
         for moving in [false, true] {
@@ -138,8 +138,8 @@ fn cell(ui: &mut Ui, text: String) {
 }
 
 /// The head of a path's column, which shows it.
-fn head(ui: &mut Ui, core: &mut Core, choice: PathChoice) {
-    let is_on = core.flank.path == choice;
+fn head(ui: &mut Ui, desk: &mut FlankDesk, choice: PathChoice) {
+    let is_on = desk.path == choice;
     let hint = match choice {
         PathChoice::Initial => "The path of the offset",
         PathChoice::Chosen => "The path of the best rank",
@@ -149,15 +149,15 @@ fn head(ui: &mut Ui, core: &mut Core, choice: PathChoice) {
     let response = ui.add_sized(vec2(COLUMN, 20.0), button).on_hover_text(hint);
     response.widget_info(|| WidgetInfo::selected(Role::Tab, true, is_on, format!("Path {}", choice.name())));
     if response.clicked() {
-        core.flank.path = choice;
+        desk.path = choice;
     }
 }
 
 /// What was checked, in words; what fails can be shown, and overridden by its name.
-fn checks(ui: &mut Ui, core: &mut Core, planned: &Planned) {
+fn checks(ui: &mut Ui, desk: &mut FlankDesk, planned: &Planned) {
     for check in &planned.result.checks {
         let mut check = check.clone();
-        check.decide(&core.flank.params.overrides);
+        check.decide(&desk.params.overrides);
         let (check, is_overridden) = (&check, check.is_overridden);
         let colours = palette(ui);
         let (sign, colour) = match (check.holds, is_overridden) {
@@ -173,7 +173,7 @@ fn checks(ui: &mut Ui, core: &mut Core, planned: &Planned) {
                 let response = ui.small_button("Show").on_hover_text(&hint);
                 response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &hint));
                 if response.clicked() {
-                    core.flank.point_at(place, check.t);
+                    desk.point_at(place, check.t);
                 }
             }
             let text = RichText::new(format!("{}: {}", check.kind.name(), check.text)).small();
@@ -181,22 +181,22 @@ fn checks(ui: &mut Ui, core: &mut Core, planned: &Planned) {
             ui.add(Label::new(text).wrap());
         });
         if !check.holds {
-            let_pass(ui, core, check, is_overridden);
+            let_pass(ui, desk, check, is_overridden);
         }
     }
 }
 
 /// Lets what fails be exported all the same.
-pub fn let_pass(ui: &mut Ui, core: &mut Core, check: &FlankCheck, is_overridden: bool) {
+pub fn let_pass(ui: &mut Ui, desk: &mut FlankDesk, check: &FlankCheck, is_overridden: bool) {
     let mut passes = is_overridden;
     if tick(ui, &mut passes, format!("Release despite failed check: {}", check.kind.name())).changed() {
-        let mut params = core.flank.params.clone();
+        let mut params = desk.params.clone();
         // What was decided for other figures is over with a new decision.
         params.overrides.retain(|other| other.check != check.kind.name());
         if passes {
             params.overrides.push(check.let_pass());
         }
-        core.flank.edit(params);
+        desk.edit(params);
     } else if let Some(why) = &check.lapsed {
         let text = format!("Override of {}: {why}.", check.kind.name());
         ui.add(Label::new(RichText::new(text).small().color(palette(ui).warning)).wrap());

@@ -1,17 +1,17 @@
 //! Where the surface comes from: the program itself, two guide curves, or a face of a part.
 
+use crate::workspaces::flank::panels::FlankDesk;
 use egui::{Align, ComboBox, Label, Layout, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 use egui_extras::{Column, TableBuilder};
 
 use super::fields::{self, Number};
 use super::form;
-use crate::shell::core::Core;
-use crate::shell::files::{FlankPurpose, Purpose};
+use crate::widgets::panel_parts::fact;
+use crate::widgets::panel_parts::file_name;
 use crate::widgets::panel_parts::named;
 use crate::widgets::theme::{palette, tick};
-use crate::workspaces::blisk::panels::forms::file_name;
-use crate::workspaces::blisk::panels::stepper::fact;
 use crate::workspaces::flank::document::{DemonstrationSurface, FlankDocument, FlankSource, GuideSource, MeshFlank};
+use crate::workspaces::flank::paths::FlankPath;
 use flank::fit_ruled::{Candidate, CandidateFit};
 use import::Units;
 use nc::flank_job::LoadedSurface;
@@ -46,7 +46,12 @@ impl Kind {
 }
 
 /// Draws it. Answers what a path is wanted for.
-pub fn show(ui: &mut Ui, core: &Core, params: &mut FlankDocument, wrong: &mut Option<String>) -> Option<Purpose> {
+pub fn show(
+    ui: &mut Ui,
+    desk: &FlankDesk,
+    params: &mut FlankDocument,
+    wrong: &mut Option<String>,
+) -> Option<FlankPath> {
     let mut asked = None;
     let now = Kind::of(&params.source);
     named(ui, "From", |ui, label| {
@@ -63,7 +68,7 @@ pub fn show(ui: &mut Ui, core: &Core, params: &mut FlankDocument, wrong: &mut Op
     match &mut params.source {
         FlankSource::Demonstration { .. } => {}
         FlankSource::Guides { lower, upper } => {
-            for (name, guide, what) in [("Lower", lower, FlankPurpose::Lower), ("Upper", upper, FlankPurpose::Upper)] {
+            for (name, guide, what) in [("Lower", lower, FlankPath::Lower), ("Upper", upper, FlankPath::Upper)] {
                 named(ui, name, |ui, _| {
                     let text = match guide {
                         GuideSource::File(file) => file_name(&file.to_string_lossy()),
@@ -72,36 +77,36 @@ pub fn show(ui: &mut Ui, core: &Core, params: &mut FlankDocument, wrong: &mut Op
                     let response = ui.add_sized(vec2(176.0, 22.0), egui::Button::new(text).truncate());
                     if response.on_hover_text("Points of the curve: x, y, z in mm on each line of a CSV file").clicked()
                     {
-                        asked = Some(Purpose::Flank(what));
+                        asked = Some(what);
                     }
                 });
             }
         }
-        FlankSource::Mesh(mesh) => asked = face(ui, core, mesh, wrong).or(asked),
+        FlankSource::Mesh(mesh) => asked = face(ui, desk, mesh, wrong).or(asked),
     }
     form::side(ui, &params.source, &mut params.side);
     asked
 }
 
 /// Changes the source. Answers what a path is wanted for: what needs files is only taken once they are named.
-fn take(params: &mut FlankDocument, kind: Kind) -> Option<Purpose> {
+fn take(params: &mut FlankDocument, kind: Kind) -> Option<FlankPath> {
     let surface = match kind {
         Kind::A => DemonstrationSurface::A,
         Kind::B => DemonstrationSurface::B,
-        Kind::Guides => return Some(Purpose::Flank(FlankPurpose::Lower)),
-        Kind::Mesh => return Some(Purpose::Flank(FlankPurpose::Mesh)),
+        Kind::Guides => return Some(FlankPath::Lower),
+        Kind::Mesh => return Some(FlankPath::Mesh),
     };
     *params = params.of_another(FlankSource::Demonstration { surface });
     None
 }
 
-fn face(ui: &mut Ui, core: &Core, mesh: &mut MeshFlank, wrong: &mut Option<String>) -> Option<Purpose> {
+fn face(ui: &mut Ui, desk: &FlankDesk, mesh: &mut MeshFlank, wrong: &mut Option<String>) -> Option<FlankPath> {
     let mut asked = None;
     named(ui, "Part", |ui, _| {
         let text = mesh.part();
         let response = ui.add_sized(vec2(110.0, 22.0), egui::Button::new(text).truncate());
         if response.on_hover_text("Another mesh with the flank").clicked() {
-            asked = Some(Purpose::Flank(FlankPurpose::Mesh));
+            asked = Some(FlankPath::Mesh);
         }
         if mesh.kept.is_some() {
             // An electrode of ours is in mm.
@@ -122,7 +127,7 @@ fn face(ui: &mut Ui, core: &Core, mesh: &mut MeshFlank, wrong: &mut Option<Strin
     fields::number(ui, &mut mesh.fit.tolerance_mm, tolerance, wrong);
     tick(ui, &mut mesh.is_own_wall, "the rest of the part must not be cut")
         .on_hover_text("Flutes and holder are checked against the part's other faces");
-    let loaded = core.flank.work.loaded(&core.flank.params);
+    let loaded = desk.work.loaded(&desk.params);
     for doubt in loaded.iter().flat_map(|loaded| &loaded.doubts) {
         ui.add(Label::new(RichText::new(doubt).small().color(palette(ui).warning)).wrap());
     }
@@ -213,8 +218,5 @@ fn words(ui: &mut Ui, candidate: &Candidate) {
         CandidateFit::NotTried => "face too small".to_owned(),
     };
     let colour = if candidate.is_ruled() { palette(ui).faint } else { palette(ui).warning };
-    ui.add(
-        Label::new(RichText::new(crate::workspaces::blisk::panels::stepper::sentence(&text)).small().color(colour))
-            .wrap(),
-    );
+    ui.add(Label::new(RichText::new(crate::widgets::panel_parts::sentence(&text)).small().color(colour)).wrap());
 }

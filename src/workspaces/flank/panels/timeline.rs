@@ -1,54 +1,59 @@
 //! The timeline: the locations of the path from its start to its end, where the cutter stands, and how it is played.
 
+use crate::workspaces::commands::{CommandSet, Commanded, FrameCommand};
+use crate::workspaces::context::Context;
+use crate::workspaces::flank::panels::FlankDesk;
 use egui::{Align2, FontId, Key, RichText, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use crate::shell::commands::Command;
-use crate::shell::core::Core;
 use crate::widgets::theme::palette;
 use crate::workspaces::flank::scene::contact_line;
 
 /// Draws it, `with_handle` that opens the plots below where they have no room of their own.
-pub fn show(ui: &mut Ui, core: &mut Core, with_handle: bool) {
+pub fn show(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context, with_handle: bool) {
     ui.horizontal(|ui| {
-        controls(ui, core);
+        controls(ui, desk, cx);
         if with_handle {
-            let sign = if core.flank.shows_plots { "Plots \u{23f7}" } else { "Plots \u{23f6}" };
+            let sign = if desk.shows_plots { "Plots \u{23f7}" } else { "Plots \u{23f6}" };
             let hint = "Show the plots in place of a part of the view, or hide them";
-            let response = ui.selectable_label(core.flank.shows_plots, sign).on_hover_text(hint);
-            response.widget_info(|| WidgetInfo::selected(Role::Button, true, core.flank.shows_plots, "Plots"));
+            let response = ui.selectable_label(desk.shows_plots, sign).on_hover_text(hint);
+            response.widget_info(|| WidgetInfo::selected(Role::Button, true, desk.shows_plots, "Plots"));
             if response.clicked() {
-                core.flank.shows_plots = !core.flank.shows_plots;
+                desk.shows_plots = !desk.shows_plots;
             }
         }
-        readout(ui, core);
+        readout(ui, desk);
     });
-    strip(ui, core);
+    strip(ui, desk);
 }
 
-fn controls(ui: &mut Ui, core: &mut Core) {
-    let play = if core.flank.is_playing { "⏸" } else { "▶" };
+fn controls(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context) {
+    let play = if desk.is_playing { "⏸" } else { "▶" };
     let buttons = [
-        (Command::FirstNode, "⏮", "To the start"),
-        (Command::PreviousNode, "⏴", "Previous location"),
-        (Command::Play, play, "Play"),
-        (Command::NextNode, "⏵", "Next location"),
-        (Command::LastNode, "⏭", "To the end"),
+        (FrameCommand::FirstNode, "⏮", "To the start"),
+        (FrameCommand::PreviousNode, "⏴", "Previous location"),
+        (FrameCommand::Play, play, "Play"),
+        (FrameCommand::NextNode, "⏵", "Next location"),
+        (FrameCommand::LastNode, "⏭", "To the end"),
     ];
     for (command, sign, name) in buttons {
         let button = egui::Button::new(RichText::new(sign).size(13.0)).min_size(vec2(28.0, 22.0));
-        let keys =
-            command.shortcut().map(|keys| format!("  ({})", ui.ctx().format_shortcut(&keys))).unwrap_or_default();
-        let response = ui.add_enabled(command.is_enabled(core), button).on_hover_text(format!("{name}{keys}"));
+        let keys = command
+            .command()
+            .info
+            .keys
+            .map(|keys| format!("  ({})", ui.ctx().format_shortcut(&keys)))
+            .unwrap_or_default();
+        let response = ui.add_enabled(desk.is_enabled(command.into()), button).on_hover_text(format!("{name}{keys}"));
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
         if response.clicked() {
-            core.push(command);
+            cx.push(command);
         }
     }
 }
 
 /// Where the cutter stands and how far it is off there.
-fn readout(ui: &mut Ui, core: &Core) {
-    let flank = &core.flank;
+fn readout(ui: &mut Ui, desk: &FlankDesk) {
+    let flank = &*desk;
     let Some(path) = flank.shown_path() else { return };
     let pose = path.pose(flank.t);
     let line = contact_line(path, flank.t);
@@ -82,14 +87,14 @@ fn readout(ui: &mut Ui, core: &Core) {
 }
 
 /// The strip with a tick for every location; a drag moves the cutter.
-fn strip(ui: &mut Ui, core: &mut Core) {
+fn strip(ui: &mut Ui, desk: &mut FlankDesk) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 30.0), Sense::click_and_drag());
-    let planned = core.flank.planned().cloned();
-    response.widget_info(|| WidgetInfo::slider(planned.is_some(), core.flank.t, "Timeline"));
+    let planned = desk.planned().cloned();
+    response.widget_info(|| WidgetInfo::slider(planned.is_some(), desk.t, "Timeline"));
     let colours = palette(ui);
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
-    let (Some(planned), Some(path)) = (&planned, core.flank.shown_path()) else {
+    let (Some(planned), Some(path)) = (&planned, desk.shown_path()) else {
         let text = "No path yet: plan one (F8) to see its cutter locations.";
         painter.text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(12.0), colours.faint);
         return;
@@ -100,7 +105,7 @@ fn strip(ui: &mut Ui, core: &mut Core) {
         let mark = egui::Stroke::new(1.0, colours.faint.gamma_multiply(0.7));
         painter.vline(x_of(pose.t), rect.bottom() - 9.0..=rect.bottom() - 3.0, mark);
     }
-    let pin = x_of(core.flank.t);
+    let pin = x_of(desk.t);
     for i in 0..=10 {
         let x = x_of(f64::from(i) / 10.0);
         if (x - pin).abs() > 14.0 {
@@ -126,7 +131,7 @@ fn strip(ui: &mut Ui, core: &mut Core) {
     painter.vline(pin, rect.y_range(), egui::Stroke::new(2.0, colours.accent));
     painter.circle_filled(pos2(pin, rect.top() + 5.0), 5.0, colours.accent);
     if let Some(pointer) = response.interact_pointer_pos() {
-        core.flank.go_to(f64::from((pointer.x - inner.left()) / inner.width()));
+        desk.go_to(f64::from((pointer.x - inner.left()) / inner.width()));
     }
     if response.has_focus() {
         // The keys that step would otherwise move the focus.

@@ -1,5 +1,9 @@
 //! The 3-D view of a flank, and what is drawn over it.
 
+use crate::workspaces::commands::{Command, CommandSet, FrameCommand};
+use crate::workspaces::context::Context;
+use crate::workspaces::flank::commands::FlankCommand;
+use crate::workspaces::flank::panels::FlankDesk;
 use std::sync::Arc;
 
 use egui::{Align2, Color32, FontId, Rect, RichText, Role, Ui, WidgetInfo, pos2, vec2};
@@ -7,12 +11,10 @@ use glam::DVec3;
 
 use super::desk::{Fly, Standing};
 use super::form::{CHOOSE_SIDE, SIDES, labelled};
-use crate::shell::commands::Command;
-use crate::shell::core::Core;
 use crate::widgets::camera::bodies;
+use crate::widgets::overlay;
 use crate::widgets::theme::palette;
-use crate::workspaces::blisk::panels::overlay;
-use crate::workspaces::blisk::panels::viewport::{Source, Viewport};
+use crate::widgets::viewport::{Moves, Source, Viewport};
 use crate::workspaces::flank::document::PathChoice;
 use crate::workspaces::flank::scene::{FlankScene, FlankSurface, contact_line};
 use crate::workspaces::flank::work::{LoadedFlank, LoadedWalls, Planned, Sketch};
@@ -64,8 +66,8 @@ struct SceneKey {
 }
 
 impl SceneKey {
-    fn of(core: &Core, dark: bool) -> Self {
-        let flank = &core.flank;
+    fn of(desk: &FlankDesk, dark: bool) -> Self {
+        let flank = &*desk;
         let (known, sketch) = flank.surface_from();
         Self {
             planned: Source(flank.planned().cloned()),
@@ -125,39 +127,40 @@ impl SceneKey {
 
 impl FlankView {
     /// Draws it.
-    pub fn show(&mut self, ui: &mut Ui, core: &mut Core) {
+    pub fn show(&mut self, ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context) {
         let seconds = f64::from(ui.input(|i| i.stable_dt.clamp(0.0, 0.1)));
-        if core.flank.is_playing {
-            core.flank.advance(seconds);
+        if desk.is_playing {
+            desk.advance(seconds);
             ui.ctx().request_repaint();
         }
-        let key = SceneKey::of(core, ui.visuals().dark_mode);
+        let key = SceneKey::of(desk, ui.visuals().dark_mode);
         if self.key.as_ref() != Some(&key) {
             let (scene, names, sides) = key.scene();
             (self.scene, self.names, self.sides, self.key) = (Arc::new(scene), names, sides, Some(key));
         }
-        let navigation = core.preferences.navigation;
+        let navigation = cx.preferences.navigation;
+        let moves = if desk.is_playing { Moves::Playing } else { Moves::Nothing };
         let has_surface = self.key.as_ref().is_some_and(|key| key.surface().is_some());
         let fitted_to = usize::from(has_surface);
-        let (rect, _) = self.viewport.show_scene(ui, navigation, &self.scene, (fitted_to, core.flank.is_playing));
-        self.fly(core, ui);
-        overlay::buttons(ui, rect, core, &buttons(core));
+        let (rect, _) = self.viewport.show(ui, navigation, &self.scene, (fitted_to, moves));
+        self.fly(desk, ui);
+        cx.view_buttons(ui, rect, desk, &buttons(desk));
         overlay::gizmo(ui, rect, &mut self.viewport);
-        self.label(ui, rect, core);
-        self.choose_side(ui, rect, core);
-        if let Some(planned) = core.flank.planned() {
+        self.label(ui, rect, desk);
+        self.choose_side(ui, rect, desk);
+        if let Some(planned) = desk.planned() {
             legend(ui, rect, planned);
         }
-        if !has_surface && core.flank.why_not().is_none() {
-            empty(ui, rect, core);
+        if !has_surface && desk.why_not().is_none() {
+            empty(ui, rect, desk);
         }
-        caption(ui, rect, core);
+        caption(ui, rect, desk);
     }
 
     /// Goes where the workspace wants it.
-    fn fly(&mut self, core: &mut Core, ui: &Ui) {
+    fn fly(&mut self, desk: &mut FlankDesk, ui: &Ui) {
         let Some(surface) = self.key.as_ref().and_then(SceneKey::surface) else { return };
-        let Some(fly) = core.flank.fly.take() else { return };
+        let Some(fly) = desk.fly.take() else { return };
         let (now, (camera, [width, height])) = (ui.input(|i| i.time), self.viewport.camera());
         let aspect = f64::from(width) / f64::from(height.max(1));
         let all = bodies(&self.scene);
@@ -178,9 +181,9 @@ impl FlankView {
     }
 
     /// Both sides of the surface at the ends of their arrows, to be chosen.
-    fn choose_side(&self, ui: &mut Ui, rect: Rect, core: &mut Core) {
+    fn choose_side(&self, ui: &mut Ui, rect: Rect, desk: &mut FlankDesk) {
         let (camera, size) = self.viewport.camera();
-        let Some((tips, [from, _])) = self.sides.zip(core.flank.open_side()) else { return };
+        let Some((tips, [from, _])) = self.sides.zip(desk.open_side()) else { return };
         for (tip, (side, name, hint)) in tips.into_iter().zip(SIDES) {
             // Past the arrow's point, which is to be seen.
             let Some(seen) = camera.project(from.lerp(tip, BEYOND), size) else { continue };
@@ -194,15 +197,15 @@ impl FlankView {
             let response = ui.put(area, egui::Button::new(text)).on_hover_text(hint);
             response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Cutter on side {name}")));
             if response.clicked() {
-                core.flank.choose_side(side);
+                desk.choose_side(side);
             }
         }
     }
 
     /// Names the paths that are side by side, with their figures.
-    fn label(&self, ui: &Ui, rect: Rect, core: &Core) {
+    fn label(&self, ui: &Ui, rect: Rect, desk: &FlankDesk) {
         let (camera, size) = self.viewport.camera();
-        let Some(planned) = core.flank.planned().filter(|_| self.names.len() > 1) else { return };
+        let Some(planned) = desk.planned().filter(|_| self.names.len() > 1) else { return };
         let plan = &planned.result.plan;
         let mut placed: Vec<Rect> = Vec::new();
         for ((at, name), choice) in self.names.iter().zip(PathChoice::ALL) {
@@ -213,14 +216,14 @@ impl FlankView {
                 continue;
             }
             let path = path_of(plan, choice);
-            let deviation = if core.flank.is_moving { &path.envelope.deviation } else { &path.deviation };
+            let deviation = if desk.is_moving { &path.envelope.deviation } else { &path.deviation };
             let words = plan.ratio_words(deviation.sum);
-            let text = if core.flank.is_moving {
+            let text = if desk.is_moving {
                 format!("{name}   envelope \u{2211} {:.3} mm   {words} to initial, static", deviation.sum)
             } else {
                 format!("{name}   \u{2211} {:.3} mm   {words}", deviation.sum)
             };
-            let strong = choice == core.flank.path;
+            let strong = choice == desk.path;
             let colour = if strong { ui.visuals().strong_text_color() } else { ui.visuals().text_color() };
             let galley = ui.painter().layout_no_wrap(text, FontId::proportional(12.5), colour);
             let area = Rect::from_min_size(at - vec2(0.0, galley.size().y), galley.size()).expand2(vec2(6.0, 3.0));
@@ -257,23 +260,23 @@ fn legend(ui: &mut Ui, rect: Rect, planned: &Planned) {
     }
 }
 
-fn buttons(core: &Core) -> Vec<(&'static str, Command, bool)> {
-    let flank = &core.flank;
+fn buttons(desk: &FlankDesk) -> Vec<(&'static str, Command, bool)> {
+    let flank = &*desk;
     vec![
-        ("Fit", Command::Fit, false),
-        ("Face", Command::FaceFlank, false),
-        ("Iso", Command::View(StandardView::Isometric), false),
-        ("Side by side", Command::SideBySide, flank.is_side_by_side),
-        ("Envelope", Command::MovingCutter, flank.is_moving),
-        ("Cutter", Command::ShowCutter, flank.shows_cutter()),
-        ("Axis", Command::AxisSurface, flank.shows_axis),
-        ("Rulings", Command::Rulings, flank.shows_rulings),
+        ("Fit", FrameCommand::Fit.command(), false),
+        ("Face", FlankCommand::FaceFlank.command(), false),
+        ("Iso", FrameCommand::View(StandardView::Isometric).command(), false),
+        ("Side by side", FlankCommand::SideBySide.command(), flank.is_side_by_side),
+        ("Envelope", FlankCommand::MovingCutter.command(), flank.is_moving),
+        ("Cutter", FlankCommand::ShowCutter.command(), flank.shows_cutter()),
+        ("Axis", FlankCommand::AxisSurface.command(), flank.shows_axis),
+        ("Rulings", FlankCommand::Rulings.command(), flank.shows_rulings),
     ]
 }
 
 /// How what is shown stands, at the bottom of the view.
-fn caption(ui: &mut Ui, rect: Rect, core: &Core) {
-    let (flank, colours) = (&core.flank, palette(ui));
+fn caption(ui: &mut Ui, rect: Rect, desk: &FlankDesk) {
+    let (flank, colours) = (desk, palette(ui));
     let sentence = |planned: &Planned| {
         let plan = &planned.result.plan;
         let path = path_of(plan, flank.path);
@@ -289,17 +292,17 @@ fn caption(ui: &mut Ui, rect: Rect, core: &Core) {
         (Standing::Stale, Some(planned), None) => {
             (colours.warning, format!("Out of date, {} path: {}", flank.path.name(), sentence(planned)))
         }
-        (.., Some(why)) => (colours.bad, labelled(&crate::workspaces::blisk::panels::stepper::sentence(&why))),
+        (.., Some(why)) => (colours.bad, labelled(&crate::widgets::panel_parts::sentence(&why))),
         _ => return,
     };
     overlay::caption(ui, rect, 10.0, colour, &text);
 }
 
-fn empty(ui: &Ui, rect: Rect, core: &Core) {
-    let work = &core.flank.work;
-    let (title, line) = match work.source_state(&core.flank.params) {
+fn empty(ui: &Ui, rect: Rect, desk: &FlankDesk) {
+    let work = &desk.work;
+    let (title, line) = match work.source_state(&desk.params) {
         State::Running => ("Loading…", ""),
-        State::Ready if work.is_sketching() || core.flank.state() == State::Running => ("Looking at the surface…", ""),
+        State::Ready if work.is_sketching() || desk.state() == State::Running => ("Looking at the surface…", ""),
         _ => ("Drop a part or two guide curves here", "STL, OBJ, glTF or GLB; or points as CSV."),
     };
     let c = rect.center();

@@ -1,39 +1,39 @@
 //! What other cutters would leave.
 
+use crate::workspaces::context::Context;
+use crate::workspaces::mold::commands::MoldCommand;
+use crate::workspaces::mold::panels::MoldDesk;
 use egui::{Grid, RichText, Ui};
 
 use super::cutters;
-use crate::shell::commands::Command;
-use crate::shell::core::Core;
-use crate::shell::files::Purpose;
+use crate::widgets::panel_parts::notice;
 use crate::widgets::theme::palette;
-use crate::workspaces::blisk::panels::stepper::{command_button, notice};
 use crate::workspaces::mold::job::compare::Comparison;
+use crate::workspaces::mold::paths::MoldPath;
 use mold::cutter::Cutter;
 
 /// Draws it. Answers what a path is wanted for.
-pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
+pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> {
     let mut asked = None;
     ui.horizontal_wrapped(|ui| {
         if ui.button("Copy the present cutters").on_hover_text("Start the comparison from them").clicked() {
-            core.mold.other = core.mold.params.library.clone();
+            desk.other = desk.params.library.clone();
         }
         if ui.button("Load…").on_hover_text("Another library of cutters (TOML)").clicked() {
-            asked = Some(Purpose::OtherCutters);
+            asked = Some(MoldPath::OtherCutters);
         }
         // The question that is asked most.
         if ui.button("Add a ball of 1 mm").clicked() {
-            core.mold.other.cutter.push(Cutter::ball(0.5));
+            desk.other.cutter.push(Cutter::ball(0.5));
         }
     });
-    let mold = &mut core.mold;
-    cutters::table(ui, &mut mold.other, &mut mold.other_cutter, "other cutter");
+    cutters::table(ui, &mut desk.other, &mut desk.other_cutter, "other cutter");
     ui.horizontal(|ui| {
-        cutters::buttons(ui, &mut core.mold.other, &mut core.mold.other_cutter);
+        cutters::buttons(ui, &mut desk.other, &mut desk.other_cutter);
         ui.separator();
-        command_button(ui, core, Command::CompareCutters, "Compare", false);
+        cx.button(ui, desk, MoldCommand::CompareCutters, "Compare", false);
     });
-    let (mold, colours) = (&core.mold, palette(ui));
+    let (mold, colours) = (&*desk, palette(ui));
     if let Some(why) = mold.work.comparison_state(&mold.params, &mold.other).why_not() {
         notice(ui, colours.bad, why);
     }

@@ -39,7 +39,7 @@ pub fn table(ui: &mut Ui, library: &mut CutterLibrary, selected: &mut usize, of:
         });
     });
     if let Err(problem) = library.validate() {
-        let text = crate::workspaces::blisk::panels::stepper::sentence(&problem.to_string());
+        let text = crate::widgets::panel_parts::sentence(&problem.to_string());
         ui.add(egui::Label::new(RichText::new(text).small().color(palette(ui).bad)).wrap());
     }
 }

@@ -6,7 +6,6 @@ use std::time::{Duration, Instant};
 
 use super::electrode::ElectrodeDesk;
 use super::list::Column;
-use crate::shell::record::{Hands, Record};
 use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::document::electrode_file::load_electrodes;
 use crate::workspaces::mold::document::holder_files::load_holders;
@@ -14,6 +13,7 @@ use crate::workspaces::mold::job::uncut::LayerFound;
 use crate::workspaces::mold::scene::RegionColours;
 use crate::workspaces::mold::work::{FoundUncut, Glance, MoldWork};
 use crate::workspaces::news::{EventKind, WorkEvent};
+use crate::workspaces::record::{Hands, Record};
 use files::Validate;
 use geometry::mesh::Bounds;
 use mold::cutter::CutterLibrary;

@@ -1,13 +1,13 @@
 //! The list of regions: sorted, filtered, selected.
 
+use crate::workspaces::context::Context;
+use crate::workspaces::mold::commands::MoldCommand;
 use egui::{Align, Align2, DragValue, Layout, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, vec2};
 use egui_extras::{Column as Width, TableBuilder};
 
 use super::desk::MoldDesk;
-use crate::shell::commands::Command;
-use crate::shell::core::Core;
+use crate::widgets::panel_parts::fact;
 use crate::widgets::theme::{palette, tick};
-use crate::workspaces::blisk::panels::stepper::{command_button, fact};
 use crate::workspaces::mold::scene::region_colour;
 use mold::uncut_region::UncutRegion;
 
@@ -53,53 +53,53 @@ impl Column {
 const NARROW: f32 = 326.0;
 
 /// Draws it.
-pub fn show(ui: &mut Ui, core: &mut Core) {
+pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
     ui.add_space(4.0);
     let is_narrow = ui.available_width() < NARROW;
-    let listed = core.mold.listed();
-    let all = core.mold.regions().len();
+    let listed = desk.listed();
+    let all = desk.regions().len();
     ui.horizontal(|ui| {
         ui.strong("Regions");
         let count = if listed.len() == all { all.to_string() } else { format!("{} of {all}", listed.len()) };
         ui.label(RichText::new(count).color(palette(ui).faint));
-        stale(ui, core);
+        stale(ui, desk);
         let words = if is_narrow { "\u{2265}" } else { "not below" };
         let label = ui.label(RichText::new(words).color(palette(ui).faint)).on_hover_text("The least volume shown");
-        let least = DragValue::new(&mut core.mold.least_volume).range(0.0..=1e9).speed(0.01).max_decimals(3);
+        let least = DragValue::new(&mut desk.least_volume).range(0.0..=1e9).speed(0.01).max_decimals(3);
         ui.add_sized(vec2(58.0, 22.0), least).labelled_by(label.id);
         ui.label(RichText::new("mm³").color(palette(ui).faint));
     });
-    if core.mold.work.other().is_some() {
-        tick(ui, &mut core.mold.only_vanishing, "Only regions that the other cutters would remove");
+    if desk.work.other().is_some() {
+        tick(ui, &mut desk.only_vanishing, "Only regions that the other cutters would remove");
     }
     // What is known of the selected region stands below, whatever room the list takes.
-    let below = if core.mold.selected.is_some() { 264.0 } else { 0.0 };
+    let below = if desk.selected.is_some() { 264.0 } else { 0.0 };
     let room = vec2(ui.available_width(), (ui.available_height() - below).max(80.0));
     ui.allocate_ui(room, |ui| {
         ui.set_max_height(room.y);
-        dim(ui, core);
-        table(ui, &mut core.mold, &listed);
+        dim(ui, desk);
+        table(ui, desk, &listed);
     });
-    if let Some(selected) = core.mold.selected {
+    if let Some(selected) = desk.selected {
         ui.separator();
         ui.scope(|ui| {
-            dim(ui, core);
-            details(ui, core, selected);
+            dim(ui, desk);
+            details(ui, desk, cx, selected);
         });
     }
 }
 
 /// Says in a word that what is shown is not of the present question.
-pub(super) fn stale(ui: &mut Ui, core: &Core) {
-    if let Some(others) = core.mold.found_of_others() {
+pub(super) fn stale(ui: &mut Ui, desk: &MoldDesk) {
+    if let Some(others) = desk.found_of_others() {
         let text = RichText::new("out of date").color(palette(ui).warning);
         ui.label(text).on_hover_text(format!("{others}: these figures are out of date"));
     }
 }
 
 /// Lets what follows stand back if it is not of the present question.
-pub(super) fn dim(ui: &mut Ui, core: &Core) {
-    if core.mold.found_of_others().is_some() {
+pub(super) fn dim(ui: &mut Ui, desk: &MoldDesk) {
+    if desk.found_of_others().is_some() {
         ui.multiply_opacity(0.7);
     }
 }
@@ -202,28 +202,28 @@ fn cell(ui: &mut Ui, mold: &MoldDesk, column: Column, i: usize) {
 }
 
 /// What is known of the selected region.
-fn details(ui: &mut Ui, core: &mut Core, selected: usize) {
-    let Some(region) = core.mold.regions().get(selected).cloned() else { return };
-    let length = core.preferences.length;
+fn details(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, selected: usize) {
+    let Some(region) = desk.regions().get(selected).cloned() else { return };
+    let length = cx.preferences.length;
     ui.horizontal(|ui| {
         ui.strong(format!("Region {}", selected + 1));
-        command_button(ui, core, Command::FlyToRegion, "Fly to", false);
-        let text = if core.mold.isolated { "Show all" } else { "Isolate" };
-        command_button(ui, core, Command::Isolate, text, false);
+        cx.button(ui, desk, MoldCommand::FlyToRegion, "Fly to", false);
+        let text = if desk.isolated { "Show all" } else { "Isolate" };
+        cx.button(ui, desk, MoldCommand::Isolate, text, false);
     });
     fact(ui, "Volume", format!("{:.4} mm³", region.volume));
     fact(ui, "Plan area", format!("{:.4} mm²", region.plan_area));
     fact(ui, "Surface", format!("{:.4} mm²", region.surface_area));
     fact(ui, "Greatest height", length.show(region.depth, 3));
     fact(ui, "Thickness across the surface", length.show(region.thickness, 3));
-    let Some(bounds) = core.mold.bounds(selected) else { return };
+    let Some(bounds) = desk.bounds(selected) else { return };
     for (axis, name) in ["X", "Y", "Z"].into_iter().enumerate() {
         let [low, high] = [bounds.min, bounds.max].map(|p| p.to_array()[axis]);
         fact(ui, name, format!("{low:.2} to {high:.2} mm"));
     }
-    let remains = core.mold.work.other().and_then(|other| other.1.remains.get(selected).copied());
+    let remains = desk.work.other().and_then(|other| other.1.remains.get(selected).copied());
     match remains {
         Some(volume) => fact(ui, "With the other cutters", format!("{volume:.4} mm³")),
-        None => fact(ui, "Best cutter", core.mold.nearest(&region)),
+        None => fact(ui, "Best cutter", desk.nearest(&region)),
     }
 }

@@ -15,26 +15,27 @@ pub use electrode::ElectrodeDesk;
 pub use list::Column;
 pub use view::MoldView;
 
+use crate::workspaces::commands::CommandSet;
+use crate::workspaces::context::Context;
+use crate::workspaces::mold::commands::MoldCommand;
 use egui::{Panel, Role, Ui, WidgetInfo};
 
-use crate::shell::commands::Command;
-use crate::shell::core::Core;
-use crate::shell::files::Purpose;
-use crate::widgets::folds;
+use crate::widgets::folds::{self, Folding};
+use crate::workspaces::mold::paths::MoldPath;
 
 /// Draws the workspace. Answers what a path is wanted for.
-pub fn show(ui: &mut Ui, core: &mut Core, view: &mut MoldView) -> Option<Purpose> {
+pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, view: &mut MoldView) -> Option<MoldPath> {
     let room = ui.available_width();
     // In a small window the view comes first: panels get narrower, and the list has one only in the place of the other.
     let wide = room > 900.0;
-    core.mold.is_small = !wide;
-    let is_listed = if wide { core.mold.shows_list } else { core.mold.shows_list_instead };
-    let is_formed = core.mold.shows_panel && (wide || !is_listed);
+    desk.is_small = !wide;
+    let is_listed = if wide { desk.shows_list } else { desk.shows_list_instead };
+    let is_formed = desk.shows_panel && (wide || !is_listed);
     let asked = if is_formed {
         let (least, width) = if wide { (320.0, 0.32 * room) } else { (300.0, 0.5 * room) };
         let width = width.clamp(least, 412.0);
         let panel = Panel::left("mold").default_size(width).size_range(least..=(0.45 * room).clamp(width, 520.0));
-        panel.show(ui, |ui| panel::show(ui, core, !wide)).inner
+        panel.show(ui, |ui| panel::show(ui, desk, cx, !wide)).inner
     } else {
         None
     };
@@ -43,30 +44,45 @@ pub fn show(ui: &mut Ui, core: &mut Core, view: &mut MoldView) -> Option<Purpose
         let list = Panel::right(if wide { "regions" } else { "regions instead" })
             .default_size(width)
             .size_range(228.0..=(0.4 * room).clamp(width, 480.0));
-        list.show(ui, |ui| lists(ui, core));
+        list.show(ui, |ui| lists(ui, desk, cx));
     }
     egui::CentralPanel::no_frame().show(ui, |ui| {
         let rect = ui.available_rect_before_wrap();
-        view.show(ui, core);
-        folds::show(ui, rect, core, is_formed, Some(is_listed));
+        view.show(ui, desk, cx);
+        fold(ui, rect, cx, is_formed, Some(is_listed));
     });
     asked
 }
 
 /// The list of regions or that of electrodes.
-fn lists(ui: &mut Ui, core: &mut Core) {
-    if core.mold.electrodes.designed().is_some() {
+fn lists(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
+    if desk.electrodes.designed().is_some() {
         ui.add_space(2.0);
         ui.horizontal(|ui| {
             for (name, is_shown) in [("Regions", false), ("Electrodes", true)] {
-                let is_on = core.mold.electrodes.is_shown == is_shown;
-                let response = ui.selectable_label(is_on, name).on_hover_text(Command::Electrodes.hint(ui.ctx()));
+                let is_on = desk.electrodes.is_shown == is_shown;
+                let response = ui.selectable_label(is_on, name).on_hover_text(MoldCommand::Electrodes.hint(ui.ctx()));
                 response.widget_info(|| WidgetInfo::selected(Role::Tab, true, is_on, format!("List of {name}")));
                 if response.clicked() && !is_on {
-                    core.push(Command::Electrodes);
+                    cx.push(MoldCommand::Electrodes);
                 }
             }
         });
     }
-    if core.mold.electrodes.seen().is_some() { electrode::list(ui, core) } else { list::show(ui, core) }
+    if desk.electrodes.seen().is_some() { electrode::list(ui, desk, cx) } else { list::show(ui, desk, cx) }
+}
+
+/// The handles that fold the panels, with whether the one on the left is there, and that on the right if it has one.
+fn fold(ui: &mut Ui, rect: egui::Rect, cx: &mut Context, shows_panel: bool, shows_list: Option<bool>) {
+    let folding = |command: MoldCommand, is_left, is_there| {
+        let info = command.command().info;
+        Folding { is_left, is_there, name: info.name, hint: info.hint(ui.ctx()) }
+    };
+    let mut panels = vec![folding(MoldCommand::FoldPanel, true, shows_panel)];
+    panels.extend(shows_list.map(|shows_list| folding(MoldCommand::FoldList, false, shows_list)));
+    match folds::show(ui, rect, &panels) {
+        Some(0) => cx.push(MoldCommand::FoldPanel),
+        Some(_) => cx.push(MoldCommand::FoldList),
+        None => {}
+    }
 }

@@ -1,16 +1,18 @@
 //! The left panel: the mold, its cutters, what they leave, and what others would leave.
 
+use crate::workspaces::commands::{CommandSet, FrameCommand};
+use crate::workspaces::context::Context;
+use crate::workspaces::mold::commands::MoldCommand;
+use crate::workspaces::mold::panels::MoldDesk;
 use egui::{ComboBox, DragValue, ProgressBar, RichText, Ui, vec2};
 
 use super::{compare, cutters, electrode, list};
-use crate::shell::commands::Command;
-use crate::shell::core::Core;
-use crate::shell::files::Purpose;
-use crate::shell::status::grouped;
+use crate::widgets::panel_parts::grouped;
+use crate::widgets::panel_parts::{fact, notice};
 use crate::widgets::panel_parts::{named, section};
 use crate::widgets::theme::{palette, tick};
-use crate::workspaces::blisk::panels::stepper::{command_button, fact, notice};
 use crate::workspaces::mold::document::cutter_file::standard_cutters;
+use crate::workspaces::mold::paths::MoldPath;
 use crate::workspaces::mold::work::FoundUncut;
 use crate::workspaces::news::EventKind;
 use import::Units;
@@ -23,42 +25,42 @@ const LIST: f32 = 420.0;
 const BAR: f32 = 6.0;
 
 /// Draws it, `with_list` also the list of regions. Answers what a path is wanted for.
-pub fn show(ui: &mut Ui, core: &mut Core, with_list: bool) -> Option<Purpose> {
+pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, with_list: bool) -> Option<MoldPath> {
     let mut asked = None;
     egui::ScrollArea::vertical().id_salt("mold form").auto_shrink([false, false]).show(ui, |ui| {
         ui.add_space(2.0);
         // Nothing ends below the bar.
         ui.set_max_width(ui.available_width() - BAR);
-        section(ui, "Mold", true, |ui| asked = mold(ui, core));
-        section(ui, "Cutters", true, |ui| asked = library(ui, core).or(asked.take()));
-        section(ui, "Uncut", true, |ui| uncut(ui, core));
-        section(ui, "Electrodes", false, |ui| asked = electrode::form(ui, core).or(asked.take()));
+        section(ui, "Mold", true, |ui| asked = mold(ui, desk, cx));
+        section(ui, "Cutters", true, |ui| asked = library(ui, desk, cx).or(asked.take()));
+        section(ui, "Uncut", true, |ui| uncut(ui, desk, cx));
+        section(ui, "Electrodes", false, |ui| asked = electrode::form(ui, desk, cx).or(asked.take()));
         if with_list {
             section(ui, "List", true, |ui| {
-                ui.allocate_ui(vec2(ui.available_width(), LIST), |ui| super::lists(ui, core));
+                ui.allocate_ui(vec2(ui.available_width(), LIST), |ui| super::lists(ui, desk, cx));
             });
         }
-        section(ui, "Compare cutters", false, |ui| asked = compare::show(ui, core).or(asked.take()));
+        section(ui, "Compare cutters", false, |ui| asked = compare::show(ui, desk, cx).or(asked.take()));
     });
     asked
 }
 
-fn mold(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
+fn mold(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> {
     let mut asked = None;
-    let state = core.mold.work.mold_state(&core.mold.params);
+    let state = desk.work.mold_state(&desk.params);
     ui.horizontal(|ui| {
-        if ui.button("Open mold…").on_hover_text(Command::Open.hint(ui.ctx())).clicked() {
-            asked = Some(Purpose::Mold);
+        if ui.button("Open mold…").on_hover_text(FrameCommand::Open.hint(ui.ctx())).clicked() {
+            asked = Some(MoldPath::Open);
         }
         match &state {
             State::Missing => drop(ui.label(RichText::new("or drop a mesh here").color(palette(ui).faint))),
-            _ => drop(ui.add(egui::Label::new(RichText::new(core.mold.params.name()).strong()).truncate())),
+            _ => drop(ui.add(egui::Label::new(RichText::new(desk.params.name()).strong()).truncate())),
         }
     });
     if let Some(why) = state.why_not() {
         notice(ui, palette(ui).bad, why);
     }
-    let mut params = core.mold.params.clone();
+    let mut params = desk.params.clone();
     named(ui, "Unit", |ui, label| {
         let name = |units: Units| match units {
             Units::Auto => "automatic",
@@ -90,14 +92,14 @@ fn mold(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
         field.on_hover_text("Thickness of the residue across the mold's surface up to which it counts as cut");
         ui.label(RichText::new("mm").color(palette(ui).faint));
     });
-    core.mold.edit(params);
-    facts(ui, core);
+    desk.edit(params);
+    facts(ui, desk, cx);
     asked
 }
 
-fn facts(ui: &mut Ui, core: &Core) {
-    let Some(mold) = core.mold.work.mold() else { return };
-    let length = core.preferences.length;
+fn facts(ui: &mut Ui, desk: &MoldDesk, cx: &mut Context) {
+    let Some(mold) = desk.work.mold() else { return };
+    let length = cx.preferences.length;
     let size = mold.shape.bounds().size();
     fact(ui, "Size", format!("{:.2} × {:.2} × {}", size.x, size.y, length.show(size.z, 2)));
     fact(ui, "Volume", format!("{:.1} mm³", mold.volume));
@@ -113,47 +115,47 @@ fn facts(ui: &mut Ui, core: &Core) {
     }
 }
 
-fn library(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
+fn library(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> {
     let mut asked = None;
-    let mut params = core.mold.params.clone();
-    cutters::table(ui, &mut params.library, &mut core.mold.cutter, "cutter");
+    let mut params = desk.params.clone();
+    cutters::table(ui, &mut params.library, &mut desk.cutter, "cutter");
     ui.horizontal_wrapped(|ui| {
-        cutters::buttons(ui, &mut params.library, &mut core.mold.cutter);
+        cutters::buttons(ui, &mut params.library, &mut desk.cutter);
         ui.separator();
         if ui.button("Load…").on_hover_text("A library of cutters (TOML)").clicked() {
-            asked = Some(Purpose::Cutters);
+            asked = Some(MoldPath::Cutters);
         }
         let can_save = params.library.validate().is_ok();
         if ui.add_enabled(can_save, egui::Button::new("Save…")).on_hover_text("As a TOML file").clicked() {
-            asked = Some(Purpose::SaveCutters);
+            asked = Some(MoldPath::SaveCutters);
         }
         if ui.button("Standard").on_hover_text("The built-in library").clicked() {
             match standard_cutters() {
                 Ok(library) => params.library = library,
-                Err(error) => core.say(EventKind::Failed, error.to_string()),
+                Err(error) => cx.say(EventKind::Failed, error.to_string()),
             }
         }
     });
-    core.mold.edit(params);
+    desk.edit(params);
     asked
 }
 
-fn uncut(ui: &mut Ui, core: &mut Core) {
-    let state = core.mold.state();
+fn uncut(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
+    let state = desk.state();
     ui.horizontal_wrapped(|ui| {
-        command_button(ui, core, Command::FindUncut, "Find rest material", state != State::Ready);
-        let is_next = state == State::Ready && !core.mold.is_designed();
-        command_button(ui, core, Command::DesignElectrodes, "Create electrodes", is_next);
+        cx.button(ui, desk, MoldCommand::FindUncut, "Find rest material", state != State::Ready);
+        let is_next = state == State::Ready && !desk.is_designed();
+        cx.button(ui, desk, MoldCommand::DesignElectrodes, "Create electrodes", is_next);
         let hint = "Recomputes rest material and electrodes after each change";
-        tick(ui, &mut core.mold.follows, "update automatically").on_hover_text(hint);
+        tick(ui, &mut desk.follows, "update automatically").on_hover_text(hint);
     });
-    if let Some(doing) = core.mold.work.doing().cloned() {
+    if let Some(doing) = desk.work.doing().cloned() {
         ui.horizontal(|ui| {
             let bar = ui.add(ProgressBar::new(doing.fraction as f32).desired_width(150.0).desired_height(8.0));
             let percent = format!("{} {:.0} %", doing.stage, 100.0 * doing.fraction);
             bar.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &percent));
-            if ui.small_button("Cancel").on_hover_text(Command::Cancel.hint(ui.ctx())).clicked() {
-                core.push(Command::Cancel);
+            if ui.small_button("Cancel").on_hover_text(FrameCommand::Cancel.hint(ui.ctx())).clicked() {
+                cx.push(FrameCommand::Cancel);
             }
             // Last, as it takes what is left of the row: a panel grows with what does not fit, and stays so.
             ui.add(egui::Label::new(RichText::new(&doing.stage).color(palette(ui).faint)).truncate());
@@ -162,13 +164,13 @@ fn uncut(ui: &mut Ui, core: &mut Core) {
     if let Some(why) = state.why_not() {
         notice(ui, palette(ui).bad, why);
     }
-    if let Some(found) = core.mold.found().cloned() {
-        answer(ui, core, &found);
+    if let Some(found) = desk.found().cloned() {
+        answer(ui, desk, &found);
     }
 }
 
 /// What was found, in words and figures.
-fn answer(ui: &mut Ui, core: &mut Core, found: &FoundUncut) {
+fn answer(ui: &mut Ui, desk: &mut MoldDesk, found: &FoundUncut) {
     let report = &found.report;
     let colours = palette(ui);
     let colour = match (report.is_whole, report.regions.is_empty()) {
@@ -176,18 +178,18 @@ fn answer(ui: &mut Ui, core: &mut Core, found: &FoundUncut) {
         (true, true) => colours.good,
         (true, false) => colours.accent,
     };
-    match core.mold.found_of_others() {
+    match desk.found_of_others() {
         Some(others) => notice(ui, colours.warning, &format!("{others}: {}", found.sentence())),
         None => notice(ui, colour, &found.sentence()),
     }
     ui.scope(|ui| {
-        list::dim(ui, core);
+        list::dim(ui, desk);
         figures(ui, found);
     });
     if report.invert.faces > 0 {
         tick(
             ui,
-            &mut core.mold.shows_invert,
+            &mut desk.shows_invert,
             format!("{} undercut faces ({:.1} mm²), not reachable", report.invert.faces, report.invert.area_mm2),
         )
         .on_hover_text("They need another set-up or a slide, and have their own colour.");

@@ -1,15 +1,15 @@
 //! The strip over the view that goes through the layers.
 
+use crate::workspaces::mold::panels::MoldDesk;
 use egui::{Rect, RichText, Slider, Ui, UiBuilder, vec2};
 
 use super::list::{dim, stale};
-use crate::shell::core::Core;
 use crate::widgets::theme::palette;
 
 /// Draws it, if layers are looked at.
-pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core) {
-    let Some(found) = core.mold.found().cloned() else { return };
-    let (layers, Some(number)) = (&found.uncut.layers, core.mold.layer) else { return };
+pub fn show(ui: &mut Ui, rect: Rect, desk: &mut MoldDesk) {
+    let Some(found) = desk.found().cloned() else { return };
+    let (layers, Some(number)) = (&found.uncut.layers, desk.layer) else { return };
     let Some(layer) = layers.get(number) else { return };
     let width = (rect.width() - 16.0).min(620.0);
     let area = Rect::from_min_size(rect.left_bottom() + vec2(8.0, -40.0), vec2(width, 32.0));
@@ -27,9 +27,9 @@ pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core) {
     if child.add_enabled(at < last, egui::Button::new("\u{23f5}")).on_hover_text("The next one above").clicked() {
         at += 1;
     }
-    core.mold.layer = Some(at);
-    stale(&mut child, core);
-    dim(&mut child, core);
+    desk.layer = Some(at);
+    stale(&mut child, desk);
+    dim(&mut child, desk);
     child.label(RichText::new(format!("z {:.3} mm", layer.z)).monospace());
     if child.available_width() > 150.0 {
         let text = format!("{:.2} mm, {:.3} mm² uncut", layer.segment_length, layer.area);

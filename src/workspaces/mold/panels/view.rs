@@ -1,16 +1,18 @@
 //! The 3-D view of a mold, and what is drawn over it.
 
+use crate::workspaces::commands::{Command, CommandSet, FrameCommand};
+use crate::workspaces::context::Context;
+use crate::workspaces::mold::commands::MoldCommand;
+use crate::workspaces::mold::panels::MoldDesk;
 use std::sync::Arc;
 
 use egui::{Align2, FontId, Rect, Stroke, Ui, pos2, vec2};
 
 use super::electrode::{self, Fly, Look};
 use super::strip;
-use crate::shell::commands::Command;
-use crate::shell::core::Core;
+use crate::widgets::overlay;
 use crate::widgets::theme::palette;
-use crate::workspaces::blisk::panels::overlay;
-use crate::workspaces::blisk::panels::viewport::{Source, Viewport};
+use crate::widgets::viewport::{Moves, Source, Viewport};
 use crate::workspaces::mold::scene::{
     MoldLayer, MoldLook, MoldPart, MoldScene, RegionColours, build_mold, depth_legend, mold_part,
 };
@@ -54,8 +56,8 @@ struct SceneKey {
 }
 
 impl SceneKey {
-    fn of(core: &Core, dark: bool) -> Self {
-        let mold = &core.mold;
+    fn of(desk: &MoldDesk, dark: bool) -> Self {
+        let mold = &*desk;
         let electrodes = &mold.electrodes;
         let is_faint = mold.is_faint || (mold.isolated && mold.selected.is_some());
         let look = match electrodes.seen() {
@@ -71,7 +73,7 @@ impl SceneKey {
             mold: Source(mold.work.mold().cloned()),
             found: Source(mold.found().cloned()),
             glance: Source(mold.glanced().cloned()),
-            shown: shown(core),
+            shown: shown(desk),
             colours: mold.colours,
             selected: match electrodes.seen() {
                 // The one that is to be split, not what else is there.
@@ -87,13 +89,13 @@ impl SceneKey {
         }
     }
 
-    fn scene(&self, core: &Core) -> Scene {
+    fn scene(&self, desk: &MoldDesk) -> Scene {
         let theme = if self.dark { Theme::DARK } else { Theme::LIGHT };
-        let Some(loaded) = core.mold.work.mold() else { return Scene { triad: false, ..Scene::new(theme) } };
-        let found = core.mold.found();
-        let layer = core.mold.layer().filter(|_| self.layer.is_some());
+        let Some(loaded) = desk.work.mold() else { return Scene { triad: false, ..Scene::new(theme) } };
+        let found = desk.found();
+        let layer = desk.layer().filter(|_| self.layer.is_some());
         let segments = found.zip(layer).map_or_else(Vec::new, |(f, (layer, _))| f.uncut.segments(layer.z));
-        let opening = found.map_or(core.mold.params.opening, |f| f.uncut.params.opening);
+        let opening = found.map_or(desk.params.opening, |f| f.uncut.params.opening);
         let pieces: Vec<_> =
             found.zip(layer).map_or_else(Vec::new, |(f, (_, number))| f.uncut.pieces(number).collect());
         let mut scene = build_mold(&MoldScene {
@@ -105,7 +107,7 @@ impl SceneKey {
             selected: self.selected,
             look: self.look,
             invert: found.and_then(|f| f.invert.as_ref()).filter(|_| self.shows_invert),
-            glance: core.mold.glanced().map(|glance| &glance.shape),
+            glance: desk.glanced().map(|glance| &glance.shape),
             layer: found.zip(layer).map(|(found, (layer, number))| MoldLayer {
                 z: layer.z,
                 next: found.uncut.layers.get(number + 1).map(|next| next.z),
@@ -115,7 +117,7 @@ impl SceneKey {
             }),
             theme,
         });
-        let electrodes = &core.mold.electrodes;
+        let electrodes = &desk.electrodes;
         if let Some(burns) = electrodes.scene(loaded.shape.bounds()) {
             burns.add_to(&mut scene);
             scene.section = electrodes.plane();
@@ -130,8 +132,8 @@ impl SceneKey {
 
 impl MoldView {
     /// Goes where the electrodes want it.
-    fn fly(&mut self, core: &mut Core, ui: &Ui) {
-        let Some(fly) = core.mold.electrodes.fly.take() else { return };
+    fn fly(&mut self, desk: &mut MoldDesk, ui: &Ui) {
+        let Some(fly) = desk.electrodes.fly.take() else { return };
         let now = ui.input(|i| i.time);
         ui.ctx().request_repaint();
         match fly {
@@ -146,7 +148,7 @@ impl MoldView {
                 }
             }
             Fly::Above => {
-                let up = core.mold.params.opening.in_mesh(glam::DVec3::Z);
+                let up = desk.params.opening.in_mesh(glam::DVec3::Z);
                 self.viewport.turn_to(up, now);
             }
             Fly::All => self.viewport.fit(true),
@@ -154,8 +156,8 @@ impl MoldView {
     }
 
     /// The line that is being drawn, from where it begins to the pointer.
-    fn line(&self, ui: &Ui, rect: Rect, core: &Core) {
-        let (Some(Some(first)), Some(made)) = (core.mold.electrodes.split, core.mold.electrodes.seen()) else { return };
+    fn line(&self, ui: &Ui, rect: Rect, desk: &MoldDesk) {
+        let (Some(Some(first)), Some(made)) = (desk.electrodes.split, desk.electrodes.seen()) else { return };
         let (camera, size) = self.viewport.camera();
         let Some(seen) = camera.project(made.opening.in_mesh(first), size) else { return };
         let p = seen.pixel / f64::from(ui.pixels_per_point());
@@ -168,8 +170,8 @@ impl MoldView {
     }
 
     /// What is said of the place that is pointed at, beside it.
-    fn pointed(&self, ui: &mut Ui, rect: Rect, core: &Core) {
-        let electrodes = &core.mold.electrodes;
+    fn pointed(&self, ui: &mut Ui, rect: Rect, desk: &MoldDesk) {
+        let electrodes = &desk.electrodes;
         let (Some(place), Some(made)) = (&electrodes.place, electrodes.seen()) else { return };
         let (camera, size) = self.viewport.camera();
         let Some(seen) = camera.project(made.opening.in_mesh(place.at), size) else { return };
@@ -181,42 +183,42 @@ impl MoldView {
     }
 
     /// Draws it.
-    pub fn show(&mut self, ui: &mut Ui, core: &mut Core) {
-        let key = SceneKey::of(core, ui.visuals().dark_mode);
+    pub fn show(&mut self, ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
+        let key = SceneKey::of(desk, ui.visuals().dark_mode);
         if self.key.as_ref() != Some(&key) {
-            self.scene = Arc::new(key.scene(core));
+            self.scene = Arc::new(key.scene(desk));
             self.key = Some(key);
         }
-        if let Some(mold) = core.mold.work.mold().filter(|mold| self.part.as_ref() != Some(&mold.sha256)) {
+        if let Some(mold) = desk.work.mold().filter(|mold| self.part.as_ref() != Some(&mold.sha256)) {
             // Another part is looked at as the first one was.
             (self.viewport, self.before, self.part) = (Viewport::default(), None, Some(mold.sha256.clone()));
         }
-        if let Some(bounds) = core.mold.fly_to.take().and_then(|i| core.mold.bounds(i)) {
+        if let Some(bounds) = desk.fly_to.take().and_then(|i| desk.bounds(i)) {
             self.viewport.fly_into(&bounds.grown(0.6 * bounds.size().length()), ui.input(|i| i.time));
         }
-        let fitted_to = core.mold.work.mold().map_or(0, |mold| Arc::as_ptr(mold) as usize);
-        let navigation = core.preferences.navigation;
-        let (rect, clicked) =
-            self.viewport.show_scene(ui, navigation, &self.scene, (fitted_to, core.mold.electrodes.is_playing));
-        self.fly(core, ui);
+        let fitted_to = desk.work.mold().map_or(0, |mold| Arc::as_ptr(mold) as usize);
+        let navigation = cx.preferences.navigation;
+        let moves = if desk.electrodes.is_playing { Moves::Playing } else { Moves::Nothing };
+        let (rect, clicked) = self.viewport.show(ui, navigation, &self.scene, (fitted_to, moves));
+        self.fly(desk, ui);
         if let Some(picked) = clicked {
-            click(core, picked);
+            click(desk, picked);
         }
-        overlay::buttons(ui, rect, core, &buttons(core));
-        self.line(ui, rect, core);
-        self.pointed(ui, rect, core);
+        cx.view_buttons(ui, rect, desk, &buttons(desk));
+        self.line(ui, rect, desk);
+        self.pointed(ui, rect, desk);
         overlay::gizmo(ui, rect, &mut self.viewport);
-        electrode::strip(ui, rect, core);
-        if core.mold.electrodes.seen().is_none() {
-            strip::show(ui, rect, core);
+        electrode::strip(ui, rect, desk, cx);
+        if desk.electrodes.seen().is_none() {
+            strip::show(ui, rect, desk);
         }
-        if core.mold.work.mold().is_none() {
-            empty(ui, rect, core);
+        if desk.work.mold().is_none() {
+            empty(ui, rect, desk);
         }
-        caption(ui, rect, core);
-        if core.mold.colours == RegionColours::ByDepth
-            && core.mold.electrodes.seen().is_none()
-            && let Some(found) = core.mold.found()
+        caption(ui, rect, desk);
+        if desk.colours == RegionColours::ByDepth
+            && desk.electrodes.seen().is_none()
+            && let Some(found) = desk.found()
         {
             overlay::legend(ui, rect, &depth_legend(found.deepest));
         }
@@ -224,92 +226,92 @@ impl MoldView {
 }
 
 /// Whether each region is shown: while electrodes are, those that have none.
-fn shown(core: &Core) -> Vec<bool> {
-    let electrodes = &core.mold.electrodes;
+fn shown(desk: &MoldDesk) -> Vec<bool> {
+    let electrodes = &desk.electrodes;
     match electrodes.seen() {
         Some(made) if electrodes.split.is_none() => {
             let without = made.set.without_electrode();
-            (0..core.mold.regions().len()).map(|r| without.contains(&r)).collect()
+            (0..desk.regions().len()).map(|r| without.contains(&r)).collect()
         }
-        Some(_) => vec![true; core.mold.regions().len()],
-        None => core.mold.is_visible(),
+        Some(_) => vec![true; desk.regions().len()],
+        None => desk.is_visible(),
     }
 }
 
 /// Selects what was clicked, or takes it for an end of a line.
-fn click(core: &mut Core, picked: Option<Pick>) {
+fn click(desk: &mut MoldDesk, picked: Option<Pick>) {
     let part = picked.map(|p| mold_part(p.object));
-    let Some(made) = core.mold.electrodes.seen().cloned() else {
-        core.mold.selected = part.and_then(|part| if let MoldPart::Region(i) = part { Some(i) } else { None });
+    let Some(made) = desk.electrodes.seen().cloned() else {
+        desk.selected = part.and_then(|part| if let MoldPart::Region(i) = part { Some(i) } else { None });
         return;
     };
-    if core.mold.electrodes.split.is_some() {
-        let edit = picked.and_then(|p| core.mold.electrodes.click(made.opening.upright(p.point)));
+    if desk.electrodes.split.is_some() {
+        let edit = picked.and_then(|p| desk.electrodes.click(made.opening.upright(p.point)));
         if let Some(edit) = edit {
-            let mut params = core.mold.params.clone();
+            let mut params = desk.params.clone();
             params.electrodes.edits.push(edit);
-            core.mold.edit(params);
+            desk.edit(params);
         }
         return;
     }
     match part {
-        Some(MoldPart::Burn(at)) => core.mold.electrodes.select(at),
+        Some(MoldPart::Burn(at)) => desk.electrodes.select(at),
         // A cut leaves little to be hit.
-        _ if core.mold.electrodes.cut.is_some() => {}
-        _ => core.mold.electrodes.deselect(),
+        _ if desk.electrodes.cut.is_some() => {}
+        _ => desk.electrodes.deselect(),
     }
 }
 
-fn buttons(core: &Core) -> Vec<(&'static str, Command, bool)> {
-    let mold = &core.mold;
+fn buttons(desk: &MoldDesk) -> Vec<(&'static str, Command, bool)> {
+    let mold = &*desk;
     if mold.electrodes.seen().is_some() {
         return vec![
-            ("Fit", Command::Fit, false),
-            ("Iso", Command::View(StandardView::Isometric), false),
-            ("Front", Command::View(StandardView::Front), false),
-            ("Right", Command::View(StandardView::Right), false),
-            ("Top", Command::View(StandardView::Top), false),
-            ("Transparent", Command::FaintMold, mold.electrodes.look != MoldLook::Solid),
-            ("Cut", Command::Section, mold.electrodes.cut.is_some()),
-            ("Isolate", Command::Isolate, mold.electrodes.is_alone),
+            ("Fit", FrameCommand::Fit.command(), false),
+            ("Iso", FrameCommand::View(StandardView::Isometric).command(), false),
+            ("Front", FrameCommand::View(StandardView::Front).command(), false),
+            ("Right", FrameCommand::View(StandardView::Right).command(), false),
+            ("Top", FrameCommand::View(StandardView::Top).command(), false),
+            ("Transparent", MoldCommand::FaintMold.command(), mold.electrodes.look != MoldLook::Solid),
+            ("Cut", MoldCommand::Section.command(), mold.electrodes.cut.is_some()),
+            ("Isolate", MoldCommand::Isolate.command(), mold.electrodes.is_alone),
         ];
     }
     vec![
-        ("Fit", Command::Fit, false),
-        ("Iso", Command::View(StandardView::Isometric), false),
-        ("Front", Command::View(StandardView::Front), false),
-        ("Right", Command::View(StandardView::Right), false),
-        ("Top", Command::View(StandardView::Top), false),
-        ("Layers", Command::Layers, mold.layer.is_some()),
-        ("Depth", Command::DepthColours, mold.colours == RegionColours::ByDepth),
-        ("Transparent", Command::FaintMold, mold.is_faint),
-        ("Isolate", Command::Isolate, mold.isolated),
+        ("Fit", FrameCommand::Fit.command(), false),
+        ("Iso", FrameCommand::View(StandardView::Isometric).command(), false),
+        ("Front", FrameCommand::View(StandardView::Front).command(), false),
+        ("Right", FrameCommand::View(StandardView::Right).command(), false),
+        ("Top", FrameCommand::View(StandardView::Top).command(), false),
+        ("Layers", MoldCommand::Layers.command(), mold.layer.is_some()),
+        ("Depth", MoldCommand::DepthColours.command(), mold.colours == RegionColours::ByDepth),
+        ("Transparent", MoldCommand::FaintMold.command(), mold.is_faint),
+        ("Isolate", MoldCommand::Isolate.command(), mold.isolated),
     ]
 }
 
 /// How the answer stands, at the bottom of the view.
-fn caption(ui: &mut Ui, rect: Rect, core: &Core) {
+fn caption(ui: &mut Ui, rect: Rect, desk: &MoldDesk) {
     let colours = palette(ui);
-    if let Some(made) = core.mold.electrodes.seen() {
-        if !core.mold.is_designed() && core.mold.electrodes.split.is_none() {
-            let text = format!("Out of date: {}", made.sentence(&core.mold.params.electrodes.overrides));
+    if let Some(made) = desk.electrodes.seen() {
+        if !desk.is_designed() && desk.electrodes.split.is_none() {
+            let text = format!("Out of date: {}", made.sentence(&desk.params.electrodes.overrides));
             overlay::caption(ui, rect, 122.0, colours.warning, &text);
         }
         return;
     }
-    let others = core.mold.found_of_others().zip(core.mold.found());
-    let text = match (core.mold.glanced(), others) {
+    let others = desk.found_of_others().zip(desk.found());
+    let text = match (desk.glanced(), others) {
         (Some(glance), _) => glance.preview.sentence(),
         (None, Some((others, found))) => format!("{others}: {}", found.sentence()),
         // The panel says it.
         (None, None) => return,
     };
-    let above = if core.mold.layer.is_some() { 50.0 } else { 10.0 };
+    let above = if desk.layer.is_some() { 50.0 } else { 10.0 };
     overlay::caption(ui, rect, above, colours.warning, &text);
 }
 
-fn empty(ui: &Ui, rect: Rect, core: &Core) {
-    let (title, line) = match core.mold.work.mold_state(&core.mold.params) {
+fn empty(ui: &Ui, rect: Rect, desk: &MoldDesk) {
+    let (title, line) = match desk.work.mold_state(&desk.params) {
         State::Running => ("Loading…", ""),
         State::Failed(_) | State::Cancelled => ("This could not be loaded", "The panel on the left says why."),
         _ => ("Drop a mold here", "STL, OBJ, glTF or GLB. Then set the opening direction and find the rest material."),

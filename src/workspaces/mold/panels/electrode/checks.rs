@@ -1,10 +1,11 @@
 //! What was checked of the selected electrode, in words.
 
+use crate::workspaces::context::Context;
+use crate::workspaces::mold::panels::MoldDesk;
 use std::collections::BTreeSet;
 
 use egui::{RichText, Ui};
 
-use crate::shell::core::Core;
 use crate::widgets::theme::{palette, tick};
 use crate::workspaces::mold::work::Designed;
 use crate::workspaces::news::EventKind;
@@ -12,11 +13,11 @@ use mold::electrode::check::{CheckKind, Finding};
 use mold::electrode::overrides::{IdleOverride, Override};
 
 /// Draws it.
-pub fn show(ui: &mut Ui, core: &mut Core, made: &Designed, electrode: usize) {
+pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, made: &Designed, electrode: usize) {
     let Some(findings) = made.set.checks.get(electrode) else { return };
     for finding in findings {
         let colours = palette(ui);
-        let overrides = &core.mold.params.electrodes.overrides;
+        let overrides = &desk.params.electrodes.overrides;
         let is_decided = !finding.holds && made.set.is_overridden(electrode, finding.kind, overrides);
         let (sign, colour) = match (finding.holds, is_decided) {
             (true, _) => ("\u{2714}", colours.good),
@@ -28,10 +29,10 @@ pub fn show(ui: &mut Ui, core: &mut Core, made: &Designed, electrode: usize) {
             if let Some(place) = finding.place.filter(|_| !finding.holds) {
                 let name = format!("Show where: {}", finding.kind.name());
                 if show_button(ui, &name).clicked()
-                    && let Some(mold) = core.mold.work.mold()
+                    && let Some(mold) = desk.work.mold()
                 {
                     let (bounds, text) = (mold.shape.bounds(), in_words(finding));
-                    core.mold.electrodes.point_at_burn(electrode, (place, text), &bounds);
+                    desk.electrodes.point_at_burn(electrode, (place, text), &bounds);
                 }
             }
             let text = RichText::new(in_words(finding)).small();
@@ -44,7 +45,7 @@ pub fn show(ui: &mut Ui, core: &mut Core, made: &Designed, electrode: usize) {
         return;
     }
     let of = &made.set.electrodes[electrode];
-    let mut params = core.mold.params.clone();
+    let mut params = desk.params.clone();
     let overrides = &mut params.electrodes.overrides;
     let mut passes = !made.set.is_blocked_with(electrode, overrides);
     let has_lapsed = overrides.iter().any(|o| o.electrode == of.name && !o.is_for(of));
@@ -60,8 +61,8 @@ pub fn show(ui: &mut Ui, core: &mut Core, made: &Designed, electrode: usize) {
         }
         // What was said last speaks of decisions too.
         let said = made.sentence(overrides);
-        core.mold.edit(params);
-        core.say(EventKind::Done, format!("Electrodes: {said}"));
+        desk.edit(params);
+        cx.say(EventKind::Done, format!("Electrodes: {said}"));
     } else if has_lapsed {
         let text = format!("Override of {}: {}.", of.name, IdleOverride::OtherParts.text());
         ui.add(egui::Label::new(RichText::new(text).small().color(palette(ui).warning)).wrap());

@@ -1,11 +1,11 @@
 //! How regions are divided into parts, and what the user changes about that.
 
+use crate::workspaces::mold::panels::MoldDesk;
 use egui::{ComboBox, RichText, Ui};
 use glam::{DVec2, DVec3};
 
 use super::checks;
 use super::fields::{Figure, figure};
-use crate::shell::core::Core;
 use crate::widgets::theme::palette;
 use crate::workspaces::mold::report::Division;
 use crate::workspaces::mold::work::Designed;
@@ -13,51 +13,51 @@ use mold::electrode::check::LeftOfRegion;
 use mold::electrode::params::{Edit, Method};
 
 /// Draws it for these regions of an electrode, counted from 1.
-pub fn show(ui: &mut Ui, core: &mut Core, made: &Designed, (electrode, regions): (usize, &[usize])) {
+pub fn show(ui: &mut Ui, desk: &mut MoldDesk, made: &Designed, (electrode, regions): (usize, &[usize])) {
     for region in regions {
-        region_of(ui, core, made, (electrode, region - 1));
+        region_of(ui, desk, made, (electrode, region - 1));
     }
 }
 
-fn region_of(ui: &mut Ui, core: &mut Core, made: &Designed, (electrode, r): (usize, usize)) {
+fn region_of(ui: &mut Ui, desk: &mut MoldDesk, made: &Designed, (electrode, r): (usize, usize)) {
     let (Some(plan), Some(entry)) = (made.set.regions.get(r), made.report.regions.get(r)) else { return };
     ui.add_space(4.0);
     ui.horizontal_wrapped(|ui| {
         ui.label(RichText::new(format!("Region {}", r + 1)).strong());
         if let Some(place) = made.places.get(r).copied().flatten() {
-            method(ui, core, (r, place), plan.method);
-            let is_current = made.set.params.edits == core.mold.params.electrodes.edits;
-            direction(ui, core, (r, place), if is_current { plan.direction } else { DVec3::NEG_Z });
+            method(ui, desk, (r, place), plan.method);
+            let is_current = made.set.params.edits == desk.params.electrodes.edits;
+            direction(ui, desk, (r, place), if is_current { plan.direction } else { DVec3::NEG_Z });
         }
         if ui
             .small_button("Split\u{2026}")
             .on_hover_text("Along a line: two clicks on the mold, seen from above")
             .clicked()
         {
-            core.mold.electrodes.begin_split(r);
+            desk.electrodes.begin_split(r);
         }
     });
-    left(ui, core, &plan.left, (electrode, r));
+    left(ui, desk, &plan.left, (electrode, r));
     if let Some(division) = &entry.division {
         let (places, mut leaf) = (made.leaves(r), 0);
-        node(ui, core, division, (r, 0), &mut leaf, &places);
+        node(ui, desk, division, (r, 0), &mut leaf, &places);
         // Parts of a region that was divided otherwise in the meantime are chosen no more.
-        core.mold.electrodes.parts.retain(|part| part.0 != r || part.1 < leaf);
+        desk.electrodes.parts.retain(|part| part.0 != r || part.1 < leaf);
     }
 }
 
 /// What burns leave of a region, and where that is most.
-fn left(ui: &mut Ui, core: &mut Core, left: &LeftOfRegion, (electrode, r): (usize, usize)) {
+fn left(ui: &mut Ui, desk: &mut MoldDesk, left: &LeftOfRegion, (electrode, r): (usize, usize)) {
     ui.horizontal(|ui| {
         let is_somewhere = left.thickness > 0.0;
         let name = format!("Show the thickest residual stock of region {}", r + 1);
         let button = ui.add_enabled_ui(is_somewhere, |ui| checks::show_button(ui, &name)).inner;
         if button.clicked()
-            && let Some(mold) = core.mold.work.mold()
+            && let Some(mold) = desk.work.mold()
         {
             let bounds = mold.shape.bounds();
             let text = format!("region {}: {}", r + 1, in_words(left));
-            core.mold.electrodes.point_at_burn(electrode, (left.place, text), &bounds);
+            desk.electrodes.point_at_burn(electrode, (left.place, text), &bounds);
         }
         let text = format!("residual stock up to {:.4} mm, {:.4} mm³", left.thickness, left.volume);
         ui.label(RichText::new(text).small().color(palette(ui).faint));
@@ -77,9 +77,9 @@ fn in_words(left: &LeftOfRegion) -> String {
 }
 
 /// From where a region is burned: along `now`, unless a change says otherwise. Another direction than straight down is one.
-fn direction(ui: &mut Ui, core: &mut Core, (r, place): (usize, DVec3), now: DVec3) {
+fn direction(ui: &mut Ui, desk: &mut MoldDesk, (r, place): (usize, DVec3), now: DVec3) {
     let own = |edit: &Edit| matches!(edit, Edit::Burn { place: of, .. } if *of == place);
-    let mut params = core.mold.params.clone();
+    let mut params = desk.params.clone();
     let edits = &mut params.electrodes.edits;
     let asked = edits.iter().rev().find_map(|e| match e {
         Edit::Burn { direction, .. } if own(e) => direction.try_normalize(),
@@ -99,7 +99,7 @@ fn direction(ui: &mut Ui, core: &mut Core, (r, place): (usize, DVec3), now: DVec
         if tilt > 0.0 {
             edits.push(Edit::Burn { place, direction: along(tilt, towards) });
         }
-        core.mold.edit(params);
+        desk.edit(params);
     }
 }
 
@@ -118,9 +118,9 @@ fn along(tilt: f64, towards: f64) -> DVec3 {
 }
 
 /// How the tips of a region are made; another choice is a change.
-fn method(ui: &mut Ui, core: &mut Core, (r, place): (usize, DVec3), now: Method) {
+fn method(ui: &mut Ui, desk: &mut MoldDesk, (r, place): (usize, DVec3), now: Method) {
     let own = |edit: &Edit| matches!(edit, Edit::Make { place: of, .. } if *of == place);
-    let mut params = core.mold.params.clone();
+    let mut params = desk.params.clone();
     let edits = &mut params.electrodes.edits;
     let asked = edits
         .iter()
@@ -139,14 +139,14 @@ fn method(ui: &mut Ui, core: &mut Core, (r, place): (usize, DVec3), now: Method)
     if chosen != before {
         edits.retain(|edit| !own(edit));
         edits.push(Edit::Make { place, method: chosen });
-        core.mold.edit(params);
+        desk.edit(params);
     }
 }
 
 /// A part and what it is divided into; a part that is not divided can be chosen to be merged.
 fn node(
     ui: &mut Ui,
-    core: &mut Core,
+    desk: &mut MoldDesk,
     division: &Division,
     (r, depth): (usize, usize),
     leaf: &mut usize,
@@ -160,7 +160,7 @@ fn node(
             return;
         }
         let is_there = places.get(*leaf).is_some_and(Option::is_some) && places.len() > 1;
-        let parts = &mut core.mold.electrodes.parts;
+        let parts = &mut desk.electrodes.parts;
         let is_on = parts.contains(&part);
         let button = egui::Button::selectable(is_on, RichText::new(&division.text).small());
         let why_not = if places.len() > 1 {
@@ -183,24 +183,24 @@ fn node(
     });
     // Beside what was chosen last, where the hand is.
     if division.parts.is_empty()
-        && let [one, last] = core.mold.electrodes.parts[..]
+        && let [one, last] = desk.electrodes.parts[..]
         && last == part
     {
-        merge(ui, core, [one, last].map(|(_, part)| places.get(part).copied().flatten()));
+        merge(ui, desk, [one, last].map(|(_, part)| places.get(part).copied().flatten()));
     }
     for part in &division.parts {
-        node(ui, core, part, (r, depth + 1), leaf, places);
+        node(ui, desk, part, (r, depth + 1), leaf, places);
     }
 }
 
 /// Offers to make the parts at two places one.
-fn merge(ui: &mut Ui, core: &mut Core, places: [Option<DVec3>; 2]) {
+fn merge(ui: &mut Ui, desk: &mut MoldDesk, places: [Option<DVec3>; 2]) {
     let [Some(a), Some(b)] = places else { return };
     if ui.button("Merge the two parts").clicked() {
-        let mut params = core.mold.params.clone();
+        let mut params = desk.params.clone();
         params.electrodes.edits.push(Edit::Merge { places: [a, b] });
-        core.mold.electrodes.parts.clear();
-        core.mold.edit(params);
+        desk.electrodes.parts.clear();
+        desk.edit(params);
     }
 }
 

@@ -1,5 +1,8 @@
 //! What is asked of electrodes, what they came to, and their export.
 
+use crate::workspaces::commands::FrameCommand;
+use crate::workspaces::context::Context;
+use crate::workspaces::mold::panels::MoldDesk;
 use std::path::Path;
 
 use egui::{CollapsingHeader, RichText, TextEdit, Ui};
@@ -7,12 +10,10 @@ use egui::{CollapsingHeader, RichText, TextEdit, Ui};
 use super::super::cutters;
 use super::fields::{Figure, figure, measure, sizes};
 use super::stages;
-use crate::shell::commands::Command;
-use crate::shell::core::Core;
-use crate::shell::files::Purpose;
 use crate::widgets::panel_parts::named;
+use crate::widgets::panel_parts::{fact, notice, sentence};
 use crate::widgets::theme::{palette, tick};
-use crate::workspaces::blisk::panels::stepper::{command_button, fact, notice, sentence};
+use crate::workspaces::mold::paths::MoldPath;
 use crate::workspaces::mold::report::why_unmet;
 use mold::cutter::CutterLibrary;
 use mold::electrode::params::{ElectrodeParams, Holder, Removal, Shape};
@@ -20,8 +21,8 @@ use nc::burn_template::BurnSheet;
 use nc::electrode_files::ElectrodeFormat;
 
 /// Draws it. Answers what a path is wanted for.
-pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
-    let mut params = core.mold.params.clone();
+pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> {
+    let mut params = desk.params.clone();
     let asked = &mut params.electrodes;
     stages::show(ui, asked);
     tips(ui, asked);
@@ -30,10 +31,10 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
     files(ui, asked);
     folded(ui, "Blanks and holders", |ui| {
         blanks(ui, asked);
-        holders(ui, asked, &core.mold.electrodes.holders);
+        holders(ui, asked, &desk.electrodes.holders);
     });
     folded(ui, "Cutters for electrodes", |ui| {
-        own_cutters(ui, asked, &params.library, &mut core.mold.electrodes.cutter);
+        own_cutters(ui, asked, &params.library, &mut desk.electrodes.cutter);
     });
     folded(ui, "Burning times", |ui| removal(ui, &mut asked.removal));
     if let Err(problem) = asked.validate() {
@@ -41,10 +42,10 @@ pub fn show(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
         ui.add(egui::Label::new(text).wrap());
     }
     // Which meet nothing is known of what was made with them.
-    let made = core.mold.electrodes.designed().filter(|made| made.set.params.edits == asked.edits);
+    let made = desk.electrodes.designed().filter(|made| made.set.params.edits == asked.edits);
     edits(ui, asked, &made.map_or_else(Vec::new, |made| made.set.unmet_edits()));
-    core.mold.edit(params);
-    answer(ui, core)
+    desk.edit(params);
+    answer(ui, desk, cx)
 }
 
 /// The name of fields that belong together.
@@ -258,19 +259,19 @@ fn edits(ui: &mut Ui, asked: &mut ElectrodeParams, unmet: &[usize]) {
 }
 
 /// What they came to, and how it is written.
-fn answer(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
-    let state = core.mold.design_state();
+fn answer(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> {
+    let state = desk.design_state();
     if let Some(why) = state.why_not() {
         notice(ui, palette(ui).bad, why);
     }
-    let Some(made) = core.mold.electrodes.designed().cloned() else {
+    let Some(made) = desk.electrodes.designed().cloned() else {
         let text = "\"Create electrodes\" designs electrodes for the rest material; the rest material is found first if needed.";
         ui.add(egui::Label::new(RichText::new(text).small().color(palette(ui).faint)).wrap());
         return None;
     };
-    let said = made.sentence(&core.mold.params.electrodes.overrides);
+    let said = made.sentence(&desk.params.electrodes.overrides);
     let colours = palette(ui);
-    if core.mold.is_designed() {
+    if desk.is_designed() {
         let is_warned = made.report.table.electrodes.iter().any(|e| !e.warnings.is_empty());
         let is_good = made.report.holds && !is_warned && made.report.unmet_edits.is_empty();
         notice(ui, if is_good { colours.good } else { colours.warning }, &said);
@@ -278,14 +279,14 @@ fn answer(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
         notice(ui, colours.warning, &format!("Out of date: {said}"));
     }
     fact(ui, "All burns", format!("{:.0} min", made.set.minutes()));
-    let asked = burn_sheet(ui, core);
+    let asked = burn_sheet(ui, desk);
     ui.horizontal(|ui| {
-        for (format, is_on) in ElectrodeFormat::ALL.into_iter().zip(&mut core.mold.electrodes.formats) {
+        for (format, is_on) in ElectrodeFormat::ALL.into_iter().zip(&mut desk.electrodes.formats) {
             tick(ui, is_on, format.extension().to_uppercase());
         }
-        command_button(ui, core, Command::Export, "Export\u{2026}", false);
+        cx.button(ui, desk, FrameCommand::Export, "Export\u{2026}", false);
     });
-    let blocked = |e: &usize| !core.mold.electrodes.is_let_pass(*e, &core.mold.params.electrodes);
+    let blocked = |e: &usize| !desk.electrodes.is_let_pass(*e, &desk.params.electrodes);
     let names: Vec<&str> =
         (0..made.set.electrodes.len()).filter(blocked).map(|e| made.set.electrodes[e].name.as_str()).collect();
     if !names.is_empty() {
@@ -296,14 +297,14 @@ fn answer(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
 }
 
 /// The template of the burn sheet.
-fn burn_sheet(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
-    let sheet = &mut core.mold.electrodes.sheet;
+fn burn_sheet(ui: &mut Ui, desk: &mut MoldDesk) -> Option<MoldPath> {
+    let sheet = &mut desk.electrodes.sheet;
     let mut asked = None;
     ui.horizontal(|ui| {
         ui.label("Burn sheet");
         let hint = "Text template (Jinja) with the keys of burn_table.json";
         if ui.small_button("Template\u{2026}").on_hover_text(hint).clicked() {
-            asked = Some(Purpose::BurnSheet);
+            asked = Some(MoldPath::BurnSheet);
         }
         let is_standard = sheet.name() == BurnSheet::standard().name();
         if !is_standard && ui.small_button("Built-in").on_hover_text("Use the built-in template").clicked() {

@@ -1,13 +1,14 @@
 //! The list of electrodes, and what is known of the selected one.
 
+use crate::workspaces::context::Context;
+use crate::workspaces::mold::commands::MoldCommand;
+use crate::workspaces::mold::panels::MoldDesk;
 use egui::{Align, Layout, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 use egui_extras::{Column as Width, TableBuilder};
 
 use super::{checks, division};
-use crate::shell::commands::Command;
-use crate::shell::core::Core;
+use crate::widgets::panel_parts::{fact, notice};
 use crate::widgets::theme::palette;
-use crate::workspaces::blisk::panels::stepper::{command_button, fact, notice};
 use crate::workspaces::mold::scene::electrodes::{BurnOf, electrode_colour};
 use crate::workspaces::mold::work::Designed;
 use mold::electrode::overrides::Override;
@@ -24,9 +25,9 @@ const NARROW: f32 = 330.0;
 const NEEDED: [usize; 4] = [0, 1, 4, 5];
 
 /// Draws it.
-pub fn show(ui: &mut Ui, core: &mut Core) {
-    let Some(made) = core.mold.electrodes.designed().cloned() else { return };
-    let is_stale = !core.mold.is_designed();
+pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
+    let Some(made) = desk.electrodes.designed().cloned() else { return };
+    let is_stale = !desk.is_designed();
     ui.horizontal(|ui| {
         ui.strong("Electrodes");
         ui.label(RichText::new(made.set.electrodes.len().to_string()).color(palette(ui).faint));
@@ -34,7 +35,7 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
             let text = RichText::new("out of date").color(palette(ui).warning);
             ui.label(text).on_hover_text("Out of date");
         }
-        stages(ui, core, &made);
+        stages(ui, desk, &made);
     });
     let rows = made.set.electrodes.len() as f32;
     let room = vec2(ui.available_width(), (24.0 + 26.0 * rows).min(0.4 * ui.available_height()).max(96.0));
@@ -44,18 +45,18 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
         }
         ui.allocate_ui(room, |ui| {
             ui.set_max_height(room.y);
-            table(ui, core, &made);
+            table(ui, desk, cx, &made);
         });
         ui.separator();
         // Another electrode begins with its name, however far the last one was read.
-        let of = core.mold.electrodes.selected.map(|at| at.electrode);
+        let of = desk.electrodes.selected.map(|at| at.electrode);
         let scroll = egui::ScrollArea::vertical().id_salt(("electrode", of)).auto_shrink([false, false]);
         scroll.show(ui, |ui| {
             // Nothing ends below the bar.
             ui.set_max_width(ui.available_width() - BAR);
-            without(ui, core, &made);
-            match core.mold.electrodes.selected {
-                Some(at) => details(ui, core, &made, at),
+            without(ui, desk, &made);
+            match desk.electrodes.selected {
+                Some(at) => details(ui, desk, cx, &made, at),
                 None => {
                     drop(ui.label(RichText::new("Select an electrode here or in the view.").color(palette(ui).faint)))
                 }
@@ -65,22 +66,22 @@ pub fn show(ui: &mut Ui, core: &mut Core) {
 }
 
 /// The stage whose electrodes the view shows, where there are several.
-fn stages(ui: &mut Ui, core: &mut Core, made: &Designed) {
+fn stages(ui: &mut Ui, desk: &mut MoldDesk, made: &Designed) {
     if made.set.params.stages.len() < 2 {
         return;
     }
     for (i, stage) in made.set.params.stages.iter().enumerate() {
-        let is_on = core.mold.electrodes.stage == i;
+        let is_on = desk.electrodes.stage == i;
         if ui.selectable_label(is_on, &stage.name).on_hover_text("Show the electrodes of this stage").clicked() {
-            core.mold.electrodes.stage = i;
-            if core.mold.electrodes.chosen().is_some_and(|(e, _)| e.stage != i) {
-                core.mold.electrodes.deselect();
+            desk.electrodes.stage = i;
+            if desk.electrodes.chosen().is_some_and(|(e, _)| e.stage != i) {
+                desk.electrodes.deselect();
             }
         }
     }
 }
 
-fn table(ui: &mut Ui, core: &mut Core, made: &Designed) {
+fn table(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, made: &Designed) {
     ui.spacing_mut().item_spacing.x = 4.0;
     let is_narrow = ui.available_width() < NARROW;
     let columns: Vec<usize> = if is_narrow { NEEDED.to_vec() } else { (0..COLUMNS.len()).collect() };
@@ -95,8 +96,8 @@ fn table(ui: &mut Ui, core: &mut Core, made: &Designed) {
         let width = COLUMNS[*column].1;
         builder = builder.column(if width > 0.0 { Width::exact(width) } else { Width::remainder().clip(true) });
     }
-    let overrides = &core.mold.params.electrodes.overrides;
-    let desk = &mut core.mold.electrodes;
+    let overrides = &desk.params.electrodes.overrides;
+    let desk = &mut desk.electrodes;
     let selected = desk.selected.map(|at| at.electrode);
     if std::mem::replace(&mut desk.scrolled_to, selected) != selected
         && let Some(row) = selected
@@ -130,10 +131,10 @@ fn table(ui: &mut Ui, core: &mut Core, made: &Designed) {
     });
     if let Some((electrode, twice)) = clicked {
         if selected != Some(electrode) {
-            core.mold.electrodes.select(BurnOf { electrode, burn: 0 });
+            desk.select(BurnOf { electrode, burn: 0 });
         }
         if twice {
-            core.push(Command::FlyToRegion);
+            cx.push(MoldCommand::FlyToRegion);
         }
     }
 }
@@ -187,7 +188,7 @@ fn joined(numbers: &[usize]) -> String {
 }
 
 /// Regions that have no electrode for all of them, and why.
-fn without(ui: &mut Ui, core: &mut Core, made: &Designed) {
+fn without(ui: &mut Ui, desk: &mut MoldDesk, made: &Designed) {
     for region in made.set.without_electrode() {
         let why = made.set.regions[region].reason.clone().unwrap_or_default();
         ui.horizontal(|ui| {
@@ -196,11 +197,11 @@ fn without(ui: &mut Ui, core: &mut Core, made: &Designed) {
             let name = format!("Show region {}", region + 1);
             let button = ui.add_enabled_ui(place.is_some(), |ui| checks::show_button(ui, &name)).inner;
             if button.clicked()
-                && let (Some(place), Some(mold)) = (place, core.mold.work.mold())
+                && let (Some(place), Some(mold)) = (place, desk.work.mold())
             {
                 let bounds = mold.shape.bounds();
-                core.mold.electrodes.deselect();
-                core.mold.electrodes.point_at(place, text.clone(), &bounds);
+                desk.electrodes.deselect();
+                desk.electrodes.point_at(place, text.clone(), &bounds);
             }
             ui.add(egui::Label::new(RichText::new(text).color(palette(ui).bad)).wrap());
         });
@@ -208,23 +209,23 @@ fn without(ui: &mut Ui, core: &mut Core, made: &Designed) {
 }
 
 /// What is known of the selected electrode.
-fn details(ui: &mut Ui, core: &mut Core, made: &Designed, at: BurnOf) {
+fn details(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, made: &Designed, at: BurnOf) {
     let Some(entry) = made.report.table.electrodes.get(at.electrode) else { return };
     ui.horizontal(|ui| {
         ui.strong(&entry.name);
-        command_button(ui, core, Command::FlyToRegion, "Fly to", false);
-        let text = if core.mold.electrodes.is_alone { "Show all" } else { "Isolate" };
-        command_button(ui, core, Command::Isolate, text, false);
-        let text = if core.mold.electrodes.cut.is_some() { "No cut" } else { "Cut" };
-        command_button(ui, core, Command::Section, text, false);
-        command_button(ui, core, Command::MillFlanks, "Mill its flanks", false);
+        cx.button(ui, desk, MoldCommand::FlyToRegion, "Fly to", false);
+        let text = if desk.electrodes.is_alone { "Show all" } else { "Isolate" };
+        cx.button(ui, desk, MoldCommand::Isolate, text, false);
+        let text = if desk.electrodes.cut.is_some() { "No cut" } else { "Cut" };
+        cx.button(ui, desk, MoldCommand::Section, text, false);
+        cx.button(ui, desk, MoldCommand::MillFlanks, "Mill its flanks", false);
     });
     for warning in &entry.warnings {
         notice(ui, palette(ui).warning, warning);
     }
-    checks::show(ui, core, made, at.electrode);
+    checks::show(ui, desk, cx, made, at.electrode);
     if let Some(burn) = entry.burns.get(at.burn) {
-        burns(ui, core, (at, entry.burns.len()), burn);
+        burns(ui, desk, (at, entry.burns.len()), burn);
     }
     fact(ui, "Blank", format!("{} mm", entry.blank.text(" × ")));
     fact(ui, "Holder", entry.holder.as_ref().map_or("none large enough: add a holder".to_owned(), |h| h.name.clone()));
@@ -239,11 +240,11 @@ fn details(ui: &mut Ui, core: &mut Core, made: &Designed, at: BurnOf) {
     };
     fact(ui, "Gap", format!("{} mm{orbit}", entry.gap_mm));
     fact(ui, "Time", format!("{:.1} min", entry.minutes));
-    division::show(ui, core, made, (at.electrode, &regions(entry)));
+    division::show(ui, desk, made, (at.electrode, &regions(entry)));
 }
 
 /// The burn that is looked at.
-fn burns(ui: &mut Ui, core: &mut Core, (at, count): (BurnOf, usize), burn: &BurnEntry) {
+fn burns(ui: &mut Ui, desk: &mut MoldDesk, (at, count): (BurnOf, usize), burn: &BurnEntry) {
     ui.horizontal(|ui| {
         let mut chosen = at.burn;
         if ui.add_enabled(chosen > 0, egui::Button::new("\u{23f4}")).on_hover_text("Previous burn").clicked() {
@@ -254,7 +255,7 @@ fn burns(ui: &mut Ui, core: &mut Core, (at, count): (BurnOf, usize), burn: &Burn
             chosen += 1;
         }
         if chosen != at.burn {
-            core.mold.electrodes.select(BurnOf { burn: chosen, ..at });
+            desk.electrodes.select(BurnOf { burn: chosen, ..at });
         }
         ui.label(RichText::new(burn.parts.join(" ")).color(palette(ui).faint));
     });

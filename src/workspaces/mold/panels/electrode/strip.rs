@@ -1,10 +1,12 @@
 //! The strips over the view: how far electrodes are lifted out, the way of the selected one, and the cut through it.
 
+use crate::workspaces::commands::{CommandSet, FrameCommand};
+use crate::workspaces::context::Context;
+use crate::workspaces::mold::commands::MoldCommand;
+use crate::workspaces::mold::panels::MoldDesk;
 use egui::{Rect, RichText, Role, Slider, Ui, WidgetInfo, vec2};
 
 use super::desk::Fly;
-use crate::shell::commands::Command;
-use crate::shell::core::Core;
 use crate::widgets::panel_parts::row;
 use crate::widgets::theme::palette;
 use crate::workspaces::mold::scene::MoldLook;
@@ -14,29 +16,29 @@ use crate::workspaces::mold::scene::electrodes::{BurnCut, BurnPhase};
 const NARROW: f32 = 440.0;
 
 /// Draws them, if electrodes are looked at.
-pub fn show(ui: &mut Ui, rect: Rect, core: &mut Core) {
-    if core.mold.electrodes.split.is_some() {
-        return splitting(ui, rect, core);
+pub fn show(ui: &mut Ui, rect: Rect, desk: &mut MoldDesk, cx: &mut Context) {
+    if desk.electrodes.split.is_some() {
+        return splitting(ui, rect, desk);
     }
-    if core.mold.electrodes.seen().is_none() {
+    if desk.electrodes.seen().is_none() {
         return;
     }
-    if core.mold.electrodes.is_playing {
+    if desk.electrodes.is_playing {
         let seconds = f64::from(ui.input(|i| i.stable_dt.clamp(0.0, 0.1)));
-        core.mold.electrodes.advance(seconds);
+        desk.electrodes.advance(seconds);
         ui.ctx().request_repaint();
     }
-    row(ui, rect, 0, |ui| looks(ui, core));
-    if core.mold.electrodes.chosen().is_some() {
-        row(ui, rect, 1, |ui| way(ui, core));
+    row(ui, rect, 0, |ui| looks(ui, desk));
+    if desk.electrodes.chosen().is_some() {
+        row(ui, rect, 1, |ui| way(ui, desk, cx));
     }
-    if core.mold.electrodes.cut.is_some() {
-        row(ui, rect, 2, |ui| cut(ui, core));
+    if desk.electrodes.cut.is_some() {
+        row(ui, rect, 2, |ui| cut(ui, desk, cx));
     }
 }
 
-fn looks(ui: &mut Ui, core: &mut Core) {
-    let desk = &mut core.mold.electrodes;
+fn looks(ui: &mut Ui, desk: &mut MoldDesk) {
+    let desk = &mut desk.electrodes;
     ui.label(RichText::new("Mold").color(palette(ui).faint));
     for look in MoldLook::ALL {
         ui.selectable_value(&mut desk.look, look, look.name());
@@ -49,28 +51,28 @@ fn looks(ui: &mut Ui, core: &mut Core) {
     }
 }
 
-fn way(ui: &mut Ui, core: &mut Core) {
+fn way(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
     // Where there is no room for all phases the present one is named alone: the figure must not be cut off.
     let is_narrow = ui.available_width() < NARROW;
     if is_narrow {
         ui.spacing_mut().item_spacing.x = 4.0;
     }
-    let sign = if core.mold.electrodes.is_playing { "⏸" } else { "▶" };
+    let sign = if desk.electrodes.is_playing { "⏸" } else { "▶" };
     let buttons = [
-        (Command::FirstNode, "⏮", "To the start"),
-        (Command::PreviousNode, "⏴", "Step back"),
-        (Command::Play, sign, "Play"),
-        (Command::NextNode, "⏵", "Step forward"),
-        (Command::LastNode, "⏭", "Burn position"),
+        (FrameCommand::FirstNode, "⏮", "To the start"),
+        (FrameCommand::PreviousNode, "⏴", "Step back"),
+        (FrameCommand::Play, sign, "Play"),
+        (FrameCommand::NextNode, "⏵", "Step forward"),
+        (FrameCommand::LastNode, "⏭", "Burn position"),
     ];
     for (command, sign, name) in buttons {
         let response = ui.add_sized(vec2(26.0, 22.0), egui::Button::new(sign)).on_hover_text(command.hint(ui.ctx()));
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
         if response.clicked() {
-            core.push(command);
+            cx.push(command);
         }
     }
-    let desk = &mut core.mold.electrodes;
+    let desk = &mut desk.electrodes;
     let words = if is_narrow { 130.0 } else { 190.0 };
     ui.spacing_mut().slider_width = (ui.available_width() - words).clamp(50.0, 240.0);
     let mut time = desk.time.unwrap_or(2.0 / 3.0);
@@ -87,9 +89,9 @@ fn way(ui: &mut Ui, core: &mut Core) {
     ui.label(RichText::new(format!("{height:.2} mm")).small().monospace()).on_hover_text("Above the burn position");
 }
 
-fn cut(ui: &mut Ui, core: &mut Core) {
-    let bounds = core.mold.work.mold().map(|mold| mold.shape.bounds());
-    let desk = &mut core.mold.electrodes;
+fn cut(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
+    let bounds = desk.work.mold().map(|mold| mold.shape.bounds());
+    let desk = &mut desk.electrodes;
     let Some(now) = desk.cut else { return };
     ui.label(RichText::new("Cut along").color(palette(ui).faint));
     for (name, along_y) in [("X", false), ("Y", true)] {
@@ -110,23 +112,23 @@ fn cut(ui: &mut Ui, core: &mut Core) {
         ui.label(RichText::new(format!("gap {} mm", stage.gap_mm)).color(palette(ui).accent));
     }
     if ui.button("Close").clicked() {
-        core.push(Command::Section);
+        cx.push(MoldCommand::Section);
     }
 }
 
 /// What is to be clicked for a line.
-fn splitting(ui: &mut Ui, rect: Rect, core: &mut Core) {
-    let first = core.mold.electrodes.split.flatten();
+fn splitting(ui: &mut Ui, rect: Rect, desk: &mut MoldDesk) {
+    let first = desk.electrodes.split.flatten();
     row(ui, rect, 0, |ui| {
         let text = match first {
             None => "click on the mold where the line begins".to_owned(),
             Some(p) => format!("from {:.2}, {:.2}: click where the line ends", p.x, p.y),
         };
-        let what = core.mold.electrodes.split_region.map_or("Split".to_owned(), |r| format!("Split region {}", r + 1));
+        let what = desk.electrodes.split_region.map_or("Split".to_owned(), |r| format!("Split region {}", r + 1));
         let text = format!("{what}: {text}");
         ui.label(text);
-        if ui.button("Cancel split").on_hover_text(Command::Cancel.hint(ui.ctx())).clicked() {
-            core.mold.electrodes.give_up_split();
+        if ui.button("Cancel split").on_hover_text(FrameCommand::Cancel.hint(ui.ctx())).clicked() {
+            desk.electrodes.give_up_split();
         }
     });
 }

@@ -4,15 +4,17 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{Core, TrackSource};
-use crate::shell::workspace::Workspace;
+use super::{BliskDesk, TrackSource};
+use crate::workspaces::blisk::document::choice::MeshFrame;
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::panels::machine_motion::Trouble;
-use crate::workspaces::blisk::pipeline::{EventKind, PartialPlan, StageState};
+use crate::workspaces::blisk::pipeline::{PartialPlan, StageState};
 use crate::workspaces::blisk::scene::Layer;
 use crate::workspaces::blisk::scene::leftover::{LeftoverShape, colour_limit, leftover_legend};
 use crate::workspaces::blisk::scene::machine::{MachineBody, Moment};
-use crate::workspaces::flank::electrode_part::FlankElectrode;
+use crate::workspaces::context::Context;
+use crate::workspaces::message::ElectrodePart;
+use crate::workspaces::news::EventKind;
 use feed::pose::Pose;
 use geometry::distance_field::DistanceField;
 use render::colour_map::{ColourMap, Legend};
@@ -20,7 +22,7 @@ use render::mesh::RenderMesh;
 use render::scene::SurfaceValues;
 use wheel::electrode::Electrode;
 
-impl Core {
+impl BliskDesk {
     /// The moment of the whole motion on the machine that is shown, if it is that and not a pose of the track.
     pub fn moment(&self) -> Option<Moment> {
         self.machine.shown().filter(|_| !self.is_tuning() && self.searched().is_none())
@@ -50,12 +52,12 @@ impl Core {
     }
 
     /// Keeps the bodies of the machine up with the parameters and with the electrode that is shown.
-    pub(super) fn follow_bodies(&mut self) {
+    pub(super) fn follow_bodies(&mut self, cx: &mut Context) {
         let machine = &self.document.job().machine;
         let wanted = machine.has_bodies().then(|| (machine.name.clone(), self.pipeline.reloads()));
         self.bodies.read(wanted);
         if let Some(why) = self.bodies.take_failure() {
-            self.say(EventKind::Failed, format!("the machine is not shown: {why}"));
+            cx.say(EventKind::Failed, format!("the machine is not shown: {why}"));
         }
         // What was in the way of an earlier electrode may not be in the way of this one.
         let is_current = self.pipeline.state(Stage::Plan) == StageState::Done;
@@ -158,22 +160,14 @@ impl Core {
         if self.is_tuning() { tuned.or(planned) } else { planned.or(tuned) }
     }
 
-    /// The electrode that is selected, or shown, as the part whose flanks are milled.
-    pub fn electrode_to_mill(&self) -> Option<FlankElectrode> {
-        match self.workspace {
-            Workspace::Flank => None,
-            Workspace::Mold => {
-                let (electrode, _) = self.mold.electrodes.chosen()?;
-                Some(FlankElectrode::of_mold(electrode, &self.mold.name()))
-            }
-            Workspace::Blisk => {
-                let (electrode, _) = self.shown_electrode()?;
-                let (part, channel) = (self.pipeline.part()?, &self.pipeline.channel()?.channel);
-                let named = (self.cursor.electrode + 1, part.name.as_str());
-                let frame = (&channel.frame, self.document.job().export.frame);
-                Some(FlankElectrode::of_blisk(electrode, named, frame))
-            }
-        }
+    /// The electrode that is shown as the part whose flanks are milled, in the axes in which it is exported. Up is
+    /// outwards.
+    pub fn electrode_to_mill(&self) -> Option<ElectrodePart> {
+        let (electrode, _) = self.shown_electrode()?;
+        let (part, channel) = (self.pipeline.part()?, &self.pipeline.channel()?.channel);
+        let is_of_mesh = self.document.job().export.frame == MeshFrame::Mesh;
+        let named = (self.cursor.electrode + 1, part.name.as_str());
+        Some(ElectrodePart::of_blisk(electrode, named, is_of_mesh.then_some(&channel.frame)))
     }
 
     /// The plan that is being made, if its nodes are those of the track.

@@ -1,17 +1,13 @@
-//! What every panel sees: the document, its steps, the cursor, and what is shown. Panels draw it and push
-//! [`Command`]s; nothing else changes it.
+//! The state of the workspace: the document, its steps, the cursor, and what is shown. Panels draw it and push commands.
 
 mod shown;
 
 use std::sync::Arc;
-use std::time::{Duration, Instant, SystemTime};
+use std::time::Duration;
 
-use super::commands::Command;
-use super::preferences::Preferences;
-use super::workspace::Workspace;
-use crate::shell::opening::Incoming;
 use crate::workspaces::blisk::document::Document;
 use crate::workspaces::blisk::document::job_file::PlanJob;
+use crate::workspaces::blisk::document::project_file::{MovedMesh, ProjectFile};
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::job::plan::ElectrodeOutcome;
 pub use crate::workspaces::blisk::panels::cursor::Cursor;
@@ -20,26 +16,33 @@ use crate::workspaces::blisk::panels::machine_bodies::MachineBodies;
 use crate::workspaces::blisk::panels::machine_motion::MachineMotion;
 use crate::workspaces::blisk::panels::swept::Swept;
 use crate::workspaces::blisk::panels::tuning::Tuning;
-use crate::workspaces::blisk::pipeline::{Event, EventKind, Pipeline, StageState};
+use crate::workspaces::blisk::pipeline::{Pipeline, StageState};
 use crate::workspaces::blisk::scene::track::Track;
 use crate::workspaces::blisk::scene::values::clearance_at_vertices;
 use crate::workspaces::blisk::scene::{Layer, Layers};
-use crate::workspaces::flank::panels::FlankDesk;
-use crate::workspaces::mold::panels::MoldDesk;
+use crate::workspaces::context::{Context, LogLine};
+use crate::workspaces::news::EventKind;
 use feed::plan_params::Strategy;
 use feed::pose::Pose;
 use render::mesh::RenderMesh;
 use render::scene::SectionPlane;
+use std::path::PathBuf;
 use task::{Lane, Memo, Priority, Same, Scheduler};
 
-/// See the module's page.
-pub struct Core {
+/// The dialogs of the workspace.
+pub enum BliskDialog {
+    /// What is exported and where.
+    Export,
+    /// Meshes of a project that are gone or have changed.
+    Moved(Box<ProjectFile>, Vec<MovedMesh>, PathBuf),
+}
+
+/// The document, what has been made of it, and how it is looked at.
+pub struct BliskDesk {
     /// The parameters.
     pub document: Document,
     /// What has been made of them.
     pub pipeline: Pipeline,
-    /// What the user prefers.
-    pub preferences: Preferences,
     /// The step whose form is open.
     pub step: Stage,
     /// Where the electrode stands.
@@ -63,16 +66,8 @@ pub struct Core {
     /// The whole motion on the machine.
     pub machine: MachineMotion,
     bodies: MachineBodies,
-    /// What is being opened: it takes the place of nothing before it was read.
-    pub opening: Memo<u64, Incoming>,
-    /// Does the work of the memos.
-    pub scheduler: Scheduler,
-    /// What the window shows.
-    pub workspace: Workspace,
-    /// The workspace of molds.
-    pub mold: MoldDesk,
-    /// That of flanks.
-    pub flank: FlankDesk,
+    /// The dialog that is open.
+    pub dialog: Option<BliskDialog>,
     /// Plans that are kept to compare with.
     pub kept: KeptRuns,
     /// Withdrawn distances at which ghosts of the electrode are pinned (mm).
@@ -81,19 +76,11 @@ pub struct Core {
     pub measuring: bool,
     /// Where the plots have the first pose and the final one on the screen (points), for the timeline above them.
     pub span: Option<[f32; 2]>,
-    /// Everything that has been said.
-    pub log: Vec<LogLine>,
-    /// A word that passes, and since when it is there.
-    passing: Option<(String, Workspace, Instant)>,
     /// The track of the electrode that is looked at; made again when its source changes.
     track: Arc<Track>,
     track_of: TrackSource,
-    commands: Vec<Command>,
     gesture: u64,
 }
-
-/// How long a word that passes is to be seen.
-const PASSING: Duration = Duration::from_secs(8);
 
 /// What colours were computed for.
 #[derive(Clone, PartialEq)]
@@ -101,25 +88,6 @@ struct ColourKey {
     /// The electrode's shape.
     shape: Same<RenderMesh>,
     pose: Pose,
-}
-
-/// A line of the log.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LogLine {
-    /// When.
-    pub at: SystemTime,
-    /// What kind of news.
-    pub kind: EventKind,
-    /// Of which step.
-    pub stage: Option<Stage>,
-    /// In one sentence.
-    pub text: String,
-    /// How long it took, if that is known.
-    pub took: Option<Duration>,
-    /// Where it was said, or what it is of.
-    pub workspace: Workspace,
-    /// How often the flank had been changed by then: what is said of one is of no other.
-    pub revision: u64,
 }
 
 /// What a track was made from: the plan's address, or the number of a partial plan.
@@ -132,32 +100,26 @@ enum TrackSource {
     Live(u64),
 }
 
-impl Core {
-    /// A window's state on `document`.
+impl BliskDesk {
+    /// The state of the workspace on `document`.
     ///
     /// # Errors
     /// If the system gives no thread to work on.
     pub fn new(
         document: Document,
-        preferences: Preferences,
+        scheduler: &Scheduler,
         wake: impl Fn() + Send + Sync + Clone + 'static,
     ) -> std::io::Result<Self> {
-        let scheduler = Scheduler::start(wake.clone())?;
         Ok(Self {
             document,
             pipeline: Pipeline::start(wake.clone())?,
-            coloured: Memo::new(&scheduler, Lane::Quick, "Clearance").letting_finish(),
+            coloured: Memo::new(scheduler, Lane::Quick, "Clearance").letting_finish(),
             swept: Swept::start(wake.clone())?,
             bodies: MachineBodies::start(wake.clone())?,
             kept: KeptRuns::start(wake.clone())?,
             tuning: Tuning::start(wake)?,
-            mold: MoldDesk::new(&scheduler),
-            flank: FlankDesk::new(&scheduler),
-            opening: Memo::new(&scheduler, Lane::Quick, "Open").remembering(1),
-            scheduler,
-            workspace: Workspace::default(),
             machine: MachineMotion::default(),
-            preferences,
+            dialog: None,
             step: Stage::Part,
             cursor: Cursor { electrode: 0, s: 0.0, playing: false, speed: 10.0 },
             layers: Layers::default(),
@@ -168,86 +130,28 @@ impl Core {
             ghosts: Vec::new(),
             measuring: false,
             span: None,
-            log: Vec::new(),
-            passing: None,
             track: Arc::default(),
             track_of: TrackSource::default(),
-            commands: Vec::new(),
             gesture: 0,
         })
     }
 
-    /// Asks for `command` at the end of the frame.
-    pub fn push(&mut self, command: Command) {
-        self.commands.push(command);
-    }
-
-    /// The commands asked for since the last call.
-    pub fn take_commands(&mut self) -> Vec<Command> {
-        std::mem::take(&mut self.commands)
-    }
-
-    /// Takes in what the worker has said. Answers what has happened.
-    pub fn follow(&mut self) -> Vec<Event> {
-        // Nothing is made of a blisk that nobody has looked at.
-        if self.workspace != Workspace::Blisk && self.pipeline.state(Stage::Part) == StageState::Missing {
-            return Vec::new();
-        }
-        let events = self.pipeline.follow(&mut self.document);
-        for event in &events {
+    /// Takes in what the worker has said.
+    pub fn follow(&mut self, cx: &mut Context) {
+        for event in self.pipeline.follow(&mut self.document) {
             let text = format!("{}: {}", event.stage.name(), event.text);
-            let (kind, stage, took) = (event.kind, Some(event.stage), event.took);
-            self.note(Workspace::Blisk, LogLine { stage, took, ..self.line(kind, text) });
+            let topic = Some(event.stage.number());
+            cx.note(LogLine { topic, took: event.took, ..LogLine::now(event.kind, text) });
         }
-        self.follow_tuning();
+        self.follow_tuning(cx.preferences.live);
         self.follow_track();
         self.machine.follow(self.pipeline.plan(), self.cursor.electrode);
         self.follow_moment();
         self.follow_leftover();
-        self.follow_kept();
-        self.follow_bodies();
+        self.follow_kept(cx);
+        self.follow_bodies(cx);
         self.follow_colours();
-        self.follow_swept();
-        events
-    }
-
-    /// Adds a line to the log.
-    pub fn say(&mut self, kind: EventKind, text: impl Into<String>) {
-        self.note(self.workspace, self.line(kind, text.into()));
-    }
-
-    /// A line that is said now.
-    pub fn line(&self, kind: EventKind, text: String) -> LogLine {
-        let (at, workspace, revision) = (SystemTime::now(), self.workspace, self.flank.revision());
-        LogLine { at, kind, stage: None, text, took: None, workspace, revision }
-    }
-
-    /// Adds a line of `workspace` to the log.
-    pub fn note(&mut self, workspace: Workspace, line: LogLine) {
-        self.log.push(LogLine { workspace, ..line });
-    }
-
-    /// Says `text` for a moment, in place of what was said last: it is no news that the log should hold.
-    pub fn say_in_passing(&mut self, text: impl Into<String>) {
-        self.passing = Some((text.into(), self.workspace, Instant::now()));
-    }
-
-    /// What was said in passing, and how long it is still to be seen.
-    pub fn passing(&self) -> Option<(&str, Duration)> {
-        let (text, _, since) = self.passing.as_ref().filter(|(_, of, _)| *of == self.workspace)?;
-        let left = PASSING.checked_sub(since.elapsed()).filter(|left| !left.is_zero())?;
-        Some((text, left))
-    }
-
-    /// What was said last in the workspace that is shown, unless it is of a failure that is none any more; and whether it
-    /// is of other parameters than the present ones.
-    pub fn last_said(&self) -> Option<(&LogLine, bool)> {
-        let line = self.log.iter().rev().find(|line| line.workspace == self.workspace)?;
-        let failed = |stage| matches!(self.pipeline.state(stage), StageState::Failed(_));
-        let is_stale = self.workspace == Workspace::Flank && line.revision != self.flank.revision();
-        let is_mended = line.kind == EventKind::Failed && line.stage.is_some_and(|stage| !failed(stage));
-        let is_over = is_mended || (is_stale && line.kind != EventKind::Done);
-        (!is_over).then_some((line, is_stale))
+        self.follow_swept(cx);
     }
 
     /// Moves the cursor to where `s` is withdrawn, or as far as there are poses.
@@ -285,19 +189,19 @@ impl Core {
     }
 
     /// Keeps the present plan, which [`can_keep`](Self::can_keep) says can be.
-    pub fn keep(&mut self) {
+    pub fn keep(&mut self, cx: &mut Context) {
         let (Some(plan), Some(part)) = (self.pipeline.plan(), self.pipeline.part()) else { return };
         if let Some(name) = self.kept.keep(plan, &mut self.document, &part.content()) {
-            self.say(EventKind::Done, format!("{name} is kept for comparison"));
+            cx.say(EventKind::Done, format!("{name} is kept for comparison"));
         }
     }
 
     /// Has the runs made that came with the document.
-    fn follow_kept(&mut self) {
+    fn follow_kept(&mut self, cx: &mut Context) {
         let p = &self.pipeline;
         let found = p.channel().filter(|_| p.state(Stage::Channel) == StageState::Done);
         for why in self.kept.follow(&self.document, (p.part(), found)) {
-            self.say(EventKind::Cancelled, why);
+            cx.say(EventKind::Cancelled, why);
         }
     }
 
@@ -324,11 +228,11 @@ impl Core {
 
     /// Keeps the quick look up with the parameters, as long as there is no plan of theirs. What it found stays while
     /// that is made.
-    fn follow_tuning(&mut self) {
-        if self.pipeline.state(Stage::Plan) == StageState::Running && self.preferences.live {
+    fn follow_tuning(&mut self, is_live: bool) {
+        if self.pipeline.state(Stage::Plan) == StageState::Running && is_live {
             return;
         }
-        let wanted = self.preferences.live
+        let wanted = is_live
             && self.document.job().plan.strategy == Strategy::Global
             && matches!(self.pipeline.state(Stage::Plan), StageState::Missing | StageState::Stale);
         let inputs = wanted.then(|| self.pipeline.tuning_inputs()).flatten();
@@ -390,12 +294,12 @@ impl Core {
     }
 
     /// Has the room made that the electrode passes through, if it is to be seen and all its poses are known.
-    fn follow_swept(&mut self) {
+    fn follow_swept(&mut self, cx: &mut Context) {
         let seen = self.layers.get(Layer::Sweep).visible && !self.is_tuning() && self.pipeline.partial_plan().is_none();
         let track = self.track.clone();
         let lacks = self.swept.lacks((seen && !track.is_empty()).then_some(&track));
         if let Some(why) = self.swept.take_failure() {
-            self.say(EventKind::Failed, format!("the swept volume is drawn as poses: {why}"));
+            cx.say(EventKind::Failed, format!("the swept volume is drawn as poses: {why}"));
         }
         if let (true, Some((electrode, _))) = (lacks, self.shown_electrode()) {
             let electrode = electrode.clone();

@@ -28,7 +28,7 @@ impl Hands {
     }
 }
 
-/// See the module's page. `P` are the parameters.
+/// The file of a document, its steps that can be undone, and what the hands do. `P` are the parameters.
 #[derive(Debug, Clone)]
 pub struct Record<P> {
     /// The file of the document.

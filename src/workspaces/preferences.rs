@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::shell::recent::RecentFiles;
+use super::recent::RecentFiles;
+pub use crate::widgets::viewport::Navigation;
 use files::atomic::atomic_write;
 
 /// Preferences and the files opened last.
@@ -76,26 +77,6 @@ impl LengthUnit {
     }
 }
 
-/// Which mouse button does what in the 3-D view; the wheel zooms to the cursor in every preset.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Navigation {
-    /// Left turns, middle or Shift + left moves.
-    Cad,
-    /// Middle turns, Shift + middle moves.
-    Blender,
-}
-
-impl Navigation {
-    /// The preset in words.
-    pub fn describe(self) -> &'static str {
-        match self {
-            Self::Cad => "left turns, middle or Shift + left moves, wheel zooms",
-            Self::Blender => "middle turns, Shift + middle moves, wheel zooms",
-        }
-    }
-}
-
 impl Preferences {
     /// The scales that can be chosen.
     pub const SCALES: [f32; 6] = [0.8, 1.0, 1.25, 1.5, 1.75, 2.0];
@@ -121,7 +102,7 @@ impl Preferences {
     }
 
     /// What egui calls the theme.
-    pub(super) fn egui_theme(&self) -> egui::ThemePreference {
+    pub fn egui_theme(&self) -> egui::ThemePreference {
         match self.theme {
             ThemeChoice::Dark => egui::ThemePreference::Dark,
             ThemeChoice::Light => egui::ThemePreference::Light,

@@ -1,0 +1,720 @@
+//! The window as a whole: its state, and what is done every frame.
+
+use std::any::Any;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use egui::{Panel, Ui};
+
+use super::autosave::{Autosave, Recovery};
+use super::dialogs::{self, Answer, Dialog, Intent};
+use super::files::{Asking, Chosen, FileDialogs, Opened, PICTURE, Purpose};
+use super::palette::CommandPalette;
+use super::pictures::Pictures;
+use super::{menu, status};
+use crate::widgets::theme;
+use crate::workspaces::commands::{Command, CommandSet, FrameCommand, Scope, pressed};
+use crate::workspaces::context::{Context, LogLine, Request, has_ending};
+use crate::workspaces::news::EventKind;
+use crate::workspaces::preferences::{Preferences, ThemeChoice};
+use crate::workspaces::record::Hands;
+use crate::workspaces::registry::workspaces;
+use crate::workspaces::workspace::Workspace;
+use files::user_folder::user_folder;
+use render::camera::Camera;
+use render::scene::Scene;
+use task::Scheduler;
+
+/// Where the program keeps what is its own.
+#[derive(Debug, Clone)]
+pub struct Folders {
+    /// Preferences, and the user's own lists.
+    pub config: PathBuf,
+    /// Copies of unsaved work.
+    pub autosave: PathBuf,
+}
+
+impl Folders {
+    /// Those of the user, if the system has any.
+    pub fn of_user() -> Option<Self> {
+        let dirs = directories::ProjectDirs::from("", "", "sparkpath")?;
+        Some(Self { config: user_folder()?, autosave: dirs.data_local_dir().join("autosave") })
+    }
+}
+
+/// What the window opens on.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub enum Opening {
+    /// The built-in demonstration blisk.
+    #[default]
+    Demonstration,
+    /// A project file or a mesh.
+    File(PathBuf),
+    /// The workspace with this name, on this file if there is one.
+    In(&'static str, Option<PathBuf>),
+}
+
+/// What is said when a dialog of the system is closed: some close without ever having been seen.
+const NOTHING_CHOSEN: &str =
+    "No file was chosen. If no dialog appeared: Edit, Preferences, File dialogs, Type paths in this window";
+
+/// How long unsaved work may be without a copy.
+const AUTOSAVE: Duration = Duration::from_secs(2);
+
+/// How a path was named.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Named {
+    /// In a dialog of the system, which asks before a file is overwritten.
+    Chosen,
+    /// Typed.
+    Typed,
+}
+
+/// The window.
+pub struct SparkpathApp {
+    workspaces: Vec<Box<dyn Workspace>>,
+    /// The number of the one that is shown.
+    shown: usize,
+    cx: Context,
+    /// Does the work of the workspaces.
+    _scheduler: Scheduler,
+    palette: CommandPalette,
+    dialog: Dialog,
+    /// What was asked before the present dialog, and is asked again after it.
+    behind: Dialog,
+    files: FileDialogs,
+    pictures: Pictures,
+    log_open: bool,
+    folders: Option<Folders>,
+    autosave: Option<Autosave>,
+    autosaved: Instant,
+    saved_preferences: Preferences,
+    /// What the user wants done once this workspace's document is saved.
+    after_save: Option<(usize, Intent)>,
+    /// Of each workspace what the user would not save on the way to what is opened: it is not asked about again as long as
+    /// nothing of it is changed.
+    given_up: Vec<Option<Box<dyn Any>>>,
+    adapter: String,
+    quitting: bool,
+    title: String,
+    /// Longest time that a frame took to lay out, without drawing (s); for tests and benchmarks.
+    slowest_frame: f64,
+}
+
+impl SparkpathApp {
+    /// The window's state. `folders` is where preferences and copies are kept, if anywhere.
+    ///
+    /// # Errors
+    /// If there is no GPU state to draw with or no thread to work on.
+    pub fn new(cc: &eframe::CreationContext, opening: &Opening, folders: Option<Folders>) -> Result<Self, String> {
+        let ctx = cc.egui_ctx.clone();
+        let wake = move || ctx.request_repaint();
+        let no_thread = |e| format!("no thread could be started to work on: {e}");
+        let scheduler = Scheduler::start(wake.clone()).map_err(no_thread)?;
+        let list = workspaces(&scheduler, wake).map_err(no_thread)?;
+        Self::with_workspaces(cc, (opening, folders), list, scheduler)
+    }
+
+    /// The window's state with these workspaces, of which there is one at least.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_workspaces(
+        cc: &eframe::CreationContext,
+        (opening, folders): (&Opening, Option<Folders>),
+        workspaces: Vec<Box<dyn Workspace>>,
+        scheduler: Scheduler,
+    ) -> Result<Self, String> {
+        let state = cc.wgpu_render_state.as_ref().ok_or("the window has no wgpu device to draw with")?;
+        crate::widgets::viewport_gpu::install(state);
+        let info = state.adapter.get_info();
+        let preferences = folders.as_ref().map(|f| Preferences::read(&f.config)).unwrap_or_default();
+        theme::install(&cc.egui_ctx);
+        let ctx = cc.egui_ctx.clone();
+        let no_thread = |e| format!("no thread could be started to work on: {e}");
+        let pictures = Pictures::start(move || ctx.request_repaint()).map_err(no_thread)?;
+        let endings: Vec<&str> = workspaces.iter().map(|workspace| workspace.about().ending).collect();
+        let copies = folders.as_ref().map(|f| Recovery::find(&f.autosave, &endings)).unwrap_or_default();
+        let autosave = folders.as_ref().and_then(|f| Autosave::start(&f.autosave, &endings).ok());
+        let mut app = Self {
+            workspaces,
+            shown: 0,
+            cx: Context::new(preferences.clone()),
+            _scheduler: scheduler,
+            palette: CommandPalette::default(),
+            dialog: if copies.is_empty() { Dialog::None } else { Dialog::Recover(copies) },
+            behind: Dialog::None,
+            files: FileDialogs::default(),
+            pictures,
+            log_open: false,
+            folders,
+            autosave,
+            autosaved: Instant::now(),
+            saved_preferences: preferences,
+            after_save: None,
+            given_up: Vec::new(),
+            adapter: format!("Drawn by {} ({:?}, {:?})", info.name, info.device_type, info.backend),
+            quitting: false,
+            title: String::new(),
+            slowest_frame: 0.0,
+        };
+        if info.device_type == wgpu::DeviceType::Cpu {
+            let text = format!("{} draws in software: moving views are drawn lighter and sharpen at rest", info.name);
+            app.say(EventKind::Done, text);
+        }
+        if let Some(folder) = app.folders.as_ref().map(|f| f.config.clone()) {
+            // What is wrong with the user's lists is said in the workspace that is seen first.
+            app.workspaces.iter_mut().for_each(|workspace| workspace.take_user_files(&folder, &mut app.cx));
+        }
+        match opening {
+            Opening::Demonstration => {}
+            Opening::File(path) => app.open(path),
+            Opening::In(id, path) => {
+                app.show(id);
+                let shown = app.shown;
+                path.iter().for_each(|path| app.with(shown, |workspace, cx| workspace.open(path, cx)));
+            }
+        }
+        app.attend(&cc.egui_ctx);
+        app.apply_preferences(&cc.egui_ctx);
+        Ok(app)
+    }
+
+    /// The title of the window.
+    pub fn title(&self) -> &str {
+        &self.title
+    }
+
+    /// Preferences, the log, and what is asked of the window.
+    pub fn context(&self) -> &Context {
+        &self.cx
+    }
+
+    /// The same, to be changed: for tests and pictures.
+    pub fn context_mut(&mut self) -> &mut Context {
+        &mut self.cx
+    }
+
+    /// The name in files of the workspace that is shown.
+    pub fn shown(&self) -> &'static str {
+        self.workspaces[self.shown].about().id
+    }
+
+    /// Shows the workspace with this name in files.
+    pub fn show(&mut self, id: &str) {
+        self.shown = self.workspaces.iter().position(|one| one.about().id == id).unwrap_or(self.shown);
+        self.cx.take_turn(self.shown);
+    }
+
+    /// The workspace of this type: for tests and benchmarks.
+    pub fn workspace<W: Workspace>(&self) -> Option<&W> {
+        self.workspaces.iter().find_map(|one| (&**one as &dyn Any).downcast_ref())
+    }
+
+    /// The same, to be changed.
+    pub fn workspace_mut<W: Workspace>(&mut self) -> Option<&mut W> {
+        self.workspaces.iter_mut().find_map(|one| (&mut **one as &mut dyn Any).downcast_mut())
+    }
+
+    /// Has the workspace of this type do something, if there is one: for tests and benchmarks.
+    pub fn act<W: Workspace, R>(&mut self, act: impl FnOnce(&mut W, &mut Context) -> R) -> Option<R> {
+        let i = self.workspaces.iter().position(|one| (&**one as &dyn Any).is::<W>())?;
+        self.with(i, |workspace, cx| (workspace as &mut dyn Any).downcast_mut().map(|workspace| act(workspace, cx)))
+    }
+
+    /// Whether a document is being read.
+    pub fn is_opening(&self) -> bool {
+        self.workspaces.iter().any(|one| one.is_opening())
+    }
+
+    /// What was said last in the workspace that is shown, unless it is of a failure that is none any more; and whether it
+    /// is of other parameters than the present ones.
+    pub fn last_said(&self) -> Option<(&LogLine, bool)> {
+        status::last_said(&*self.workspaces[self.shown], self.shown, &self.cx)
+    }
+
+    /// Has paths typed even where the system has file dialogs: for tests.
+    pub fn type_paths(&mut self) {
+        self.files.typed = true;
+    }
+
+    /// What the 3-D view shows.
+    pub fn scene(&self) -> &Scene {
+        self.workspaces[self.shown].viewport().picture().0
+    }
+
+    /// From where it is seen.
+    pub fn camera(&self) -> &Camera {
+        self.workspaces[self.shown].viewport().picture().1
+    }
+
+    /// Longest time that a frame has taken to lay out since the last call, drawing apart (s).
+    pub fn take_slowest_frame(&mut self) -> f64 {
+        std::mem::take(&mut self.slowest_frame)
+    }
+
+    /// Opens a document or a mesh, in whose place there was no unsaved work.
+    pub fn open(&mut self, path: &Path) {
+        let owner = self.owner(path);
+        self.with(owner, |workspace, cx| workspace.open(path, cx));
+    }
+
+    /// The workspace whose documents end as `path` does, or else the one that is shown.
+    fn owner(&self, path: &Path) -> usize {
+        self.workspaces.iter().position(|one| has_ending(path, one.about().ending)).unwrap_or(self.shown)
+    }
+
+    /// Gives workspace number `i` its turn.
+    fn with<R>(&mut self, i: usize, act: impl FnOnce(&mut dyn Workspace, &mut Context) -> R) -> R {
+        self.cx.take_turn(i);
+        let answer = act(&mut *self.workspaces[i], &mut self.cx);
+        self.cx.take_turn(self.shown);
+        answer
+    }
+
+    /// Adds a line to the log of the workspace that is shown.
+    fn say(&mut self, kind: EventKind, text: impl Into<String>) {
+        let revision = self.workspaces[self.shown].revision();
+        self.cx.note(LogLine { revision, ..LogLine::now(kind, text) });
+    }
+
+    /// Tells of something that went wrong; what was asked before is asked again after that.
+    fn error(&mut self, title: impl Into<String>, text: impl Into<String>) {
+        let before = std::mem::replace(&mut self.dialog, Dialog::Error(title.into(), text.into()));
+        if !matches!(before, Dialog::None) {
+            self.behind = before;
+        }
+    }
+
+    /// Does what workspaces have asked of the window.
+    fn attend(&mut self, ctx: &egui::Context) {
+        loop {
+            let requests = self.cx.take_requests();
+            if requests.is_empty() {
+                return;
+            }
+            for (i, request) in requests {
+                match request {
+                    Request::Path(number, info, name) => {
+                        self.ask(Purpose { of: Asking::Workspace(i, number), info }, &name, ctx);
+                    }
+                    Request::Error(title, text) => self.error(title, text),
+                    Request::Dialog => self.dialog = Dialog::Workspace(i),
+                    Request::CloseDialog if matches!(self.dialog, Dialog::Workspace(_)) => self.dialog = Dialog::None,
+                    Request::CloseDialog => self.behind = Dialog::None,
+                    Request::Replace => self.intend(Intent::Replace(i), ctx),
+                    Request::GoOn => self.intend_from(0, Intent::Replace(i), ctx),
+                    Request::Show => {
+                        self.shown = i;
+                        self.cx.take_turn(i);
+                    }
+                    Request::Send(message) => {
+                        let all = 0..self.workspaces.len();
+                        all.into_iter().any(|i| self.with(i, |workspace, cx| workspace.receive(&message, cx)));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Opens files in the workspace where they belong.
+    fn open_here(&mut self, mut files: Vec<PathBuf>) {
+        let Some(first) = files.first() else { return };
+        self.given_up.clear();
+        let owner = self.owner(first);
+        if owner != self.shown || files.len() > 2 {
+            files.truncate(1);
+        }
+        self.with(owner, |workspace, cx| workspace.take_files(&files, cx));
+    }
+
+    /// Does `intent`, after asking about unsaved work.
+    fn intend(&mut self, intent: Intent, ctx: &egui::Context) {
+        // What was to be done before is not wanted any more, nor what was answered for it.
+        self.after_save = None;
+        self.given_up.clear();
+        self.intend_from(0, intent, ctx);
+    }
+
+    /// Does `intent`, after asking about what is unsaved from workspace number `first` on.
+    fn intend_from(&mut self, first: usize, intent: Intent, ctx: &egui::Context) {
+        let mut asked = first..self.workspaces.len();
+        match asked.find(|i| intent.endangers(*i) && self.workspaces[*i].is_unsaved() && !self.is_given_up(*i)) {
+            Some(i) => self.dialog = Dialog::Unsaved(i, intent),
+            None => self.carry_out(intent, ctx),
+        }
+    }
+
+    /// Whether the user has said that the document of workspace number `i` may be lost as it is now.
+    fn is_given_up(&self, i: usize) -> bool {
+        let snapshot = self.given_up.get(i).and_then(|one| one.as_deref());
+        snapshot.is_some() && self.workspaces[i].is_at(snapshot)
+    }
+
+    /// Goes on with what was to be done once the document of workspace number `i` was saved.
+    fn saved(&mut self, i: usize, ctx: &egui::Context) {
+        if let Some((_, intent)) = self.after_save.take_if(|(of, _)| *of == i) {
+            self.intend_from(i + 1, intent, ctx);
+        }
+    }
+
+    fn carry_out(&mut self, intent: Intent, ctx: &egui::Context) {
+        match intent {
+            Intent::Quit => {
+                self.quitting = true;
+                self.autosave.iter_mut().for_each(Autosave::discard);
+                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+            }
+            Intent::Replace(i) => self.with(i, |workspace, cx| workspace.proceed(cx)),
+        }
+    }
+
+    /// The folder that a file dialog starts in.
+    fn folder(&self) -> Option<PathBuf> {
+        self.workspaces[self.shown].near().and_then(Path::parent).map(Path::to_owned)
+    }
+
+    /// Saves the document of workspace number `i`, in its file if it has one and that will do.
+    fn save(&mut self, i: usize, in_its_file: bool, ctx: &egui::Context) {
+        let workspace = &self.workspaces[i];
+        match workspace.file().map(Path::to_owned).filter(|_| in_its_file) {
+            Some(file) => self.save_as(i, &file, ctx),
+            None => {
+                let about = workspace.about();
+                let name = format!("{}{}", workspace.name(), about.ending);
+                self.ask(Purpose { of: Asking::Document(i), info: &about.save }, &name, ctx);
+            }
+        }
+    }
+
+    fn save_as(&mut self, i: usize, file: &Path, ctx: &egui::Context) {
+        match self.workspaces[i].save_as(file) {
+            Ok(()) => {
+                self.cx.opened(file);
+                self.say(EventKind::Done, format!("saved as {}", file.display()));
+                self.saved(i, ctx);
+            }
+            Err(why) => {
+                self.after_save.take_if(|(of, _)| *of == i);
+                self.error(self.workspaces[i].about().not_saved, why);
+            }
+        }
+    }
+
+    /// Asks for a path, unless one is being asked for.
+    fn ask(&mut self, purpose: Purpose, name: &str, ctx: &egui::Context) {
+        self.files.is_typing_preferred = self.cx.preferences.types_paths;
+        let why = match self.files.ask(purpose, name, self.folder().as_deref(), ctx) {
+            Opened::Asked => return,
+            Opened::Busy => "Another file dialog is open: close it first",
+            Opened::Failed => "No thread could be started for the file dialog: close other programs and try again",
+        };
+        self.cancelled(purpose);
+        self.say(EventKind::Failed, why);
+    }
+
+    /// No path was given for `purpose`: what would have followed is off.
+    fn cancelled(&mut self, purpose: Purpose) {
+        match purpose.of {
+            Asking::Picture => {}
+            Asking::Document(i) => drop(self.after_save.take_if(|(of, _)| *of == i)),
+            Asking::Workspace(i, number) => {
+                self.given_up.clear();
+                self.with(i, |workspace, cx| workspace.no_path(number, cx));
+            }
+        }
+    }
+
+    /// Goes on with a path that was named for `purpose`, unless that would overwrite a file which nobody was asked
+    /// about.
+    fn named(&mut self, purpose: Purpose, path: PathBuf, how: Named, ctx: &egui::Context) {
+        let title = purpose.info.title;
+        if purpose.ending().is_some() && path.is_dir() {
+            self.cancelled(purpose);
+            return self.error(title, format!("{} is a folder. Add the name of a file to it.", path.display()));
+        }
+        if purpose.is_missing(&path) {
+            match how {
+                Named::Chosen => self.cancelled(purpose),
+                // The path can be mended.
+                Named::Typed => self.dialog = Dialog::Path(purpose, path.display().to_string()),
+            }
+            let text = format!("There is no file {}. Check its name and its folder.", path.display());
+            return self.error(title, text);
+        }
+        let whole = purpose.with_ending(path.clone());
+        let is_asked_about = how == Named::Chosen && whole == path;
+        if purpose.ending().is_some() && !is_asked_about && whole.exists() {
+            self.dialog = Dialog::Overwrite(purpose, whole);
+        } else {
+            self.chosen(purpose, whole, ctx);
+        }
+    }
+
+    fn chosen(&mut self, purpose: Purpose, path: PathBuf, ctx: &egui::Context) {
+        match purpose.of {
+            Asking::Picture => self.write_picture(&path),
+            Asking::Document(i) => self.save_as(i, &path, ctx),
+            Asking::Workspace(i, number) => {
+                let of_another = self.workspaces.iter().position(|one| has_ending(&path, one.about().ending));
+                match of_another.filter(|other| purpose.info.opens && *other != i) {
+                    Some(other) => self.with(other, |workspace, cx| workspace.take_files(&[path], cx)),
+                    None => self.with(i, |workspace, cx| workspace.take_path(number, path, cx)),
+                }
+            }
+        }
+    }
+
+    fn answer(&mut self, answer: Answer, ctx: &egui::Context) {
+        let dialog = std::mem::take(&mut self.dialog);
+        match (answer, dialog) {
+            (Answer::SaveThen(intent), Dialog::Unsaved(i, _)) => {
+                self.after_save = Some((i, intent));
+                self.save(i, true, ctx);
+            }
+            (Answer::Discard(intent), Dialog::Unsaved(i, _)) => {
+                self.given_up.resize_with(self.workspaces.len(), || None);
+                self.given_up[i] = Some(self.workspaces[i].snapshot());
+                self.intend_from(i + 1, intent, ctx);
+            }
+            (Answer::Recover(i), Dialog::Recover(copies)) => self.recover(i, copies),
+            (Answer::ForgetCopies, Dialog::Recover(copies)) => copies.iter().for_each(Recovery::discard),
+            (Answer::Path(purpose, path), _) => {
+                self.dialog = std::mem::take(&mut self.behind);
+                self.named(purpose, path, Named::Typed, ctx);
+            }
+            (Answer::Overwrite, Dialog::Overwrite(purpose, path)) => self.chosen(purpose, path, ctx),
+            (Answer::Close, Dialog::Overwrite(purpose, _)) => self.cancelled(purpose),
+            (Answer::Close, Dialog::Path(purpose, _)) => {
+                self.cancelled(purpose);
+                self.dialog = std::mem::take(&mut self.behind);
+            }
+            (Answer::Close, Dialog::Error(..)) => self.dialog = std::mem::take(&mut self.behind),
+            _ => {}
+        }
+    }
+
+    /// Takes up the work of copy number `i`; those of other workspaces can still be taken up beside it.
+    fn recover(&mut self, i: usize, mut copies: Vec<Recovery>) {
+        let copy = copies.remove(i);
+        let file = copy.file.clone();
+        if let Err(why) = self.with(copy.workspace, |workspace, cx| workspace.recover(&copy.copy, file, cx)) {
+            return self.error("The copy cannot be read", why);
+        }
+        if self.autosave_now() {
+            copy.discard();
+        }
+        self.shown = copy.workspace;
+        self.cx.take_turn(self.shown);
+        self.say(EventKind::Done, "unsaved work was recovered");
+        copies.retain(|other| other.workspace != copy.workspace);
+        if !copies.is_empty() {
+            self.dialog = Dialog::Recover(copies);
+        }
+    }
+
+    /// Brings the copies of unsaved work up to date. Tells whether there are as many as are needed.
+    fn autosave_now(&mut self) -> bool {
+        self.autosaved = Instant::now();
+        let Some(autosave) = &mut self.autosave else { return false };
+        let updated = autosave.update(&self.workspaces);
+        if let Err(e) = &updated {
+            self.say(EventKind::Failed, format!("the unsaved work could not be copied: {e}"));
+            self.autosave = None;
+        }
+        updated.is_ok()
+    }
+
+    fn write_picture(&mut self, path: &Path) {
+        let (scene, camera) = self.workspaces[self.shown].viewport().picture();
+        // A picture has nothing else that tells the axes.
+        let scene = Scene { triad: true, ..(**scene).clone() };
+        self.pictures.write(path, scene, *camera);
+    }
+
+    /// Says what became of the pictures that were asked for.
+    fn follow_pictures(&mut self) {
+        for written in self.pictures.written() {
+            match written {
+                Ok(path) => self.say(EventKind::Done, format!("picture written to {}", path.display())),
+                Err(why) => self.say(EventKind::Failed, format!("the picture was not written: {why}")),
+            }
+        }
+    }
+
+    /// The commands that mean something now, and those that show a workspace.
+    fn commands(&self) -> Vec<Command> {
+        let mut all = FrameCommand::all();
+        all.extend(self.workspaces[self.shown].commands());
+        all.extend(self.workspaces.iter().enumerate().map(|(i, one)| Command::switch(i, &one.about().switch)));
+        all
+    }
+
+    fn run(&mut self, command: Command, ctx: &egui::Context) {
+        let (now, shown) = (ctx.input(|i| i.time), self.shown);
+        if command.scope == Scope::Switch {
+            self.shown = command.index;
+            return self.cx.take_turn(self.shown);
+        }
+        if !self.workspaces[shown].is_enabled(command) {
+            return;
+        }
+        use FrameCommand as F;
+        match F::of(command) {
+            Some(F::Save) => self.save(shown, true, ctx),
+            Some(F::SaveAs) => self.save(shown, false, ctx),
+            Some(F::Undo) => self.workspaces[shown].undo(false),
+            Some(F::Redo) => self.workspaces[shown].undo(true),
+            Some(F::Quit) => self.intend(Intent::Quit, ctx),
+            Some(F::Screenshot) => {
+                let name = format!("{}.png", self.workspaces[shown].name());
+                self.ask(Purpose { of: Asking::Picture, info: &PICTURE }, &name, ctx);
+            }
+            Some(F::Fit) => self.workspaces[shown].viewport_mut().fit(false),
+            Some(F::View(view)) => self.workspaces[shown].viewport_mut().look(view, now),
+            Some(F::Projection) => self.workspaces[shown].viewport_mut().toggle_projection(),
+            Some(F::Preferences) => self.dialog = Dialog::Preferences,
+            Some(F::Theme) => {
+                let dark = ctx.theme() == egui::Theme::Dark;
+                self.cx.preferences.theme = if dark { ThemeChoice::Light } else { ThemeChoice::Dark };
+            }
+            Some(F::Palette) => self.palette.toggle(),
+            Some(F::Log) => self.log_open = !self.log_open,
+            Some(F::About) => self.dialog = Dialog::About,
+            _ => self.with(shown, |workspace, cx| workspace.run(command, cx, now)),
+        }
+    }
+
+    fn apply_preferences(&mut self, ctx: &egui::Context) {
+        let preferences = &self.cx.preferences;
+        ctx.set_theme(preferences.egui_theme());
+        if (ctx.zoom_factor() - preferences.scale).abs() > 1e-3 {
+            ctx.set_zoom_factor(preferences.scale);
+        }
+        if *preferences != self.saved_preferences {
+            self.saved_preferences = preferences.clone();
+            if let Some(folders) = &self.folders
+                && let Err(e) = self.saved_preferences.write(&folders.config)
+            {
+                self.say(EventKind::Failed, format!("preferences could not be saved: {e}"));
+            }
+        }
+    }
+
+    fn follow(&mut self, ctx: &egui::Context) {
+        let hands = Hands::of(ctx);
+        let seconds = f64::from(ctx.input(|i| i.stable_dt).clamp(0.0, 0.1));
+        let shown = self.shown;
+        for i in 0..self.workspaces.len() {
+            self.with(i, |workspace, cx| workspace.follow(cx, hands, seconds, i == shown));
+        }
+        self.follow_pictures();
+    }
+
+    fn inputs(&mut self, ctx: &egui::Context) {
+        self.open_here(ctx.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_owned()).collect()));
+        match self.files.chosen() {
+            Some(Chosen::Path(purpose, path)) => self.named(purpose, path, Named::Chosen, ctx),
+            Some(Chosen::Cancelled(purpose)) => {
+                self.cx.say_in_passing(NOTHING_CHOSEN);
+                self.cancelled(purpose);
+            }
+            Some(Chosen::ToType(purpose, name)) => {
+                let name = if purpose.ending().is_some() { &*name } else { "" };
+                let start = self.folder().unwrap_or_default().join(name).display().to_string();
+                self.behind = std::mem::replace(&mut self.dialog, Dialog::Path(purpose, start));
+            }
+            None => {}
+        }
+        let is_unsaved = self.workspaces.iter().any(|one| one.is_unsaved());
+        if ctx.input(|i| i.viewport().close_requested()) && !self.quitting && is_unsaved {
+            ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+            self.intend(Intent::Quit, ctx);
+        }
+        if matches!(self.dialog, Dialog::None) {
+            // The field that is typed in gives up the focus with Escape before anyone hears of it.
+            let commands = pressed(ctx, self.commands(), self.palette.is_open());
+            commands.into_iter().for_each(|command| self.cx.push(command));
+        }
+    }
+
+    fn panels(&mut self, ui: &mut Ui) {
+        let shown = self.shown;
+        let opened = Panel::top("menu").show(ui, |ui| menu::show(ui, (&self.workspaces, shown), &mut self.cx)).inner;
+        self.open_here(opened.into_iter().collect());
+        Panel::bottom("status")
+            .exact_size(26.0)
+            .show(ui, |ui| status::show(ui, (&mut self.workspaces, shown), &mut self.cx));
+        self.with(shown, |workspace, cx| workspace.ui(ui, cx));
+    }
+
+    fn windows(&mut self, ctx: &egui::Context) {
+        let (commands, here) = (self.commands(), &self.workspaces[self.shown]);
+        let is_enabled = |command: Command| command.scope == Scope::Switch || here.is_enabled(command);
+        self.palette.show(ctx, &mut self.cx, commands, is_enabled);
+        dialogs::log(ctx, &self.cx, &mut self.log_open);
+        let answer = dialogs::show(ctx, (&mut self.workspaces, &mut self.cx), &mut self.dialog, &self.adapter);
+        self.cx.take_turn(self.shown);
+        if let Some(answer) = answer {
+            self.answer(answer, ctx);
+        }
+    }
+
+    fn retitle(&mut self, ctx: &egui::Context) {
+        let here = &self.workspaces[self.shown];
+        let mark = if here.is_unsaved() { "*" } else { "" };
+        let title = format!("{}{mark} - Sparkpath", here.name());
+        if title != self.title {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+    }
+
+    /// Keeps the copies of unsaved work up, and has frames drawn for that and while something is worked on.
+    fn keep_up(&mut self, ctx: &egui::Context) {
+        // What was given up on purpose is not kept again while the window closes.
+        if !self.quitting && self.autosaved.elapsed() > AUTOSAVE {
+            self.autosave_now();
+        }
+        if let Some(autosave) = &mut self.autosave {
+            autosave.discard_saved(&self.workspaces);
+        }
+        if self.workspaces.iter().any(|one| one.is_unsaved()) {
+            ctx.request_repaint_after(AUTOSAVE);
+        }
+        if self.workspaces.iter().any(|one| one.is_busy()) {
+            // Time left and elapsed go on even while nothing is reported.
+            ctx.request_repaint_after(Duration::from_millis(250));
+        }
+        self.cx.take_wake().into_iter().for_each(|wait| ctx.request_repaint_after(wait));
+    }
+}
+
+impl eframe::App for SparkpathApp {
+    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+        let started = Instant::now();
+        let ctx = ui.ctx().clone();
+        self.follow(&ctx);
+        self.inputs(&ctx);
+        self.attend(&ctx);
+        self.panels(ui);
+        self.windows(&ctx);
+        self.attend(&ctx);
+        for command in self.cx.take_commands() {
+            self.run(command, &ctx);
+            self.attend(&ctx);
+            ctx.request_repaint();
+        }
+        self.apply_preferences(&ctx);
+        self.retitle(&ctx);
+        self.keep_up(&ctx);
+        self.slowest_frame = self.slowest_frame.max(started.elapsed().as_secs_f64());
+    }
+
+    fn on_exit(&mut self) {
+        // Of saved work this removes the copy.
+        if !self.quitting {
+            self.autosave_now();
+        }
+    }
+}

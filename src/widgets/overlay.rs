@@ -1,0 +1,203 @@
+//! What is drawn over every 3-D view: a row of buttons, the three axes, the bar of colours, captions.
+
+use egui::{Align2, Color32, FontId, Rect, RichText, Role, Sense, Ui, UiBuilder, WidgetInfo, pos2, vec2};
+use glam::DVec3;
+
+use super::theme::palette;
+use super::viewport::Viewport;
+use render::colour_map::{ColourMap, Legend};
+
+/// The bar of colours with round values beside it and a mark at the value that counts, or at the middle of a map that has
+/// one. Answers where it is.
+pub fn legend(ui: &Ui, rect: Rect, legend: &Legend) -> Rect {
+    let size = vec2(14.0, (rect.height() - 150.0).clamp(50.0, 180.0));
+    let bar = Rect::from_min_size(pos2(rect.left() + 18.0, rect.top() + 78.0), size);
+    let colours = palette(ui);
+    let painter = ui.painter();
+    let back = Rect::from_min_max(bar.min - vec2(8.0, 28.0), bar.max + vec2(74.0, 12.0));
+    painter.rect_filled(back, 6.0, ui.visuals().window_fill.gamma_multiply(0.88));
+    let title = format!("{} {}", legend.title, legend.unit);
+    painter.text(
+        bar.left_top() - vec2(0.0, 16.0),
+        Align2::LEFT_CENTER,
+        title,
+        FontId::proportional(12.0),
+        colours.faint,
+    );
+    let steps = 60;
+    for i in 0..steps {
+        let t = f64::from(i) / f64::from(steps - 1);
+        let c = legend.map.at(t);
+        let top = bar.bottom() - size.y * (i + 1) as f32 / steps as f32;
+        let cell = Rect::from_min_size(pos2(bar.left(), top), vec2(size.x, size.y / steps as f32 + 0.5));
+        painter.rect_filled(cell, 0.0, Color32::from_rgb(c.r, c.g, c.b));
+    }
+    let y = |value: f64| bar.bottom() - size.y * legend.place(value) as f32;
+    // Enough decimals for a hundredth of the range.
+    let decimals = (2.0 - (legend.max - legend.min).abs().max(1e-6).log10().ceil()).clamp(2.0, 5.0) as usize;
+    for value in legend.ticks(if size.y < 100.0 { 2 } else { 5 }) {
+        let at = pos2(bar.right() + 6.0, y(value));
+        painter.text(
+            at,
+            Align2::LEFT_CENTER,
+            format!("{value:.decimals$}"),
+            FontId::monospace(11.0),
+            ui.visuals().text_color(),
+        );
+    }
+    if let Some(value) = legend.threshold {
+        let line = egui::Stroke::new(2.0, ui.visuals().strong_text_color());
+        painter.hline(bar.left() - 3.0..=bar.right() + 3.0, y(value), line);
+        painter.text(
+            pos2(bar.right() + 40.0, y(value)),
+            Align2::LEFT_CENTER,
+            "gap",
+            FontId::proportional(11.0),
+            colours.faint,
+        );
+    }
+    if legend.map == ColourMap::Diverging {
+        let line = egui::Stroke::new(1.5, Color32::from_gray(40));
+        painter.hline(bar.left() - 3.0..=bar.right() + 3.0, y(0.5 * (legend.min + legend.max)), line);
+    }
+    back
+}
+
+/// A button over the view.
+pub struct ViewButton {
+    /// Its short name.
+    pub name: &'static str,
+    /// What it does, with its keys.
+    pub hint: String,
+    /// Whether it can be pressed.
+    pub is_enabled: bool,
+    /// Whether what it shows is on.
+    pub is_on: bool,
+}
+
+/// A row of buttons. Answers the number of the one that was pressed.
+pub fn buttons(ui: &mut Ui, rect: Rect, views: &[ViewButton]) -> Option<usize> {
+    let area = Rect::from_min_size(rect.min + vec2(8.0, 8.0), vec2((rect.width() - 120.0).max(60.0), 26.0));
+    let mut child =
+        ui.new_child(UiBuilder::new().max_rect(area).layout(egui::Layout::left_to_right(egui::Align::Center)));
+    child.spacing_mut().item_spacing.x = 3.0;
+    child.set_clip_rect(rect.intersect(ui.clip_rect()));
+    let last = views.len().saturating_sub(1);
+    let mut left = views.iter().enumerate().peekable();
+    let mut pressed = None;
+    // What finds no room beside the axes is in a menu behind the rest.
+    let needed = |name: &str, rest: f32| 12.0 + 8.0 * name.len() as f32 + rest;
+    while let Some((i, view)) =
+        left.next_if(|(i, view)| child.available_width() > needed(view.name, if *i == last { 0.0 } else { 30.0 }))
+    {
+        pressed = view_button(&mut child, view).then_some(i).or(pressed);
+    }
+    if left.peek().is_some() {
+        child.menu_button(RichText::new("…").size(12.0), |ui| {
+            for (i, view) in left {
+                pressed = view_button(ui, view).then_some(i).or(pressed);
+            }
+        });
+    }
+    pressed
+}
+
+fn view_button(ui: &mut Ui, view: &ViewButton) -> bool {
+    let button = egui::Button::new(RichText::new(view.name).size(12.0)).selected(view.is_on);
+    ui.add_enabled(view.is_enabled, button).on_hover_text(&view.hint).clicked()
+}
+
+/// Middle of the three axes in the corner of a view.
+fn gizmo_centre(rect: Rect) -> egui::Pos2 {
+    pos2(rect.right() - 52.0, rect.top() + 52.0)
+}
+
+/// What the three axes cover of a view.
+pub fn gizmo_area(rect: Rect) -> Rect {
+    Rect::from_center_size(gizmo_centre(rect), vec2(92.0, 92.0))
+}
+
+/// Three axes that turn with the view; a click on an end looks from there.
+pub fn gizmo(ui: &mut Ui, rect: Rect, viewport: &mut Viewport) {
+    const RADIUS: f32 = 34.0;
+    let centre = gizmo_centre(rect);
+    let rotation = viewport.camera().0.view_rotation();
+    let colours = palette(ui).axes;
+    let mut ends: Vec<(DVec3, &str, Color32)> = Vec::new();
+    for (i, (axis, name)) in [(DVec3::X, "X"), (DVec3::Y, "Y"), (DVec3::Z, "Z")].into_iter().enumerate() {
+        ends.push((axis, name, colours[i]));
+        ends.push((-axis, "", colours[i]));
+    }
+    ends.sort_by(|a, b| (rotation * a.0).z.total_cmp(&(rotation * b.0).z));
+    for (axis, name, colour) in ends {
+        let seen = rotation * axis;
+        let at = centre + RADIUS * vec2(seen.x as f32, -seen.y as f32);
+        let size = if name.is_empty() { 6.0 } else { 8.5 };
+        let hit = Rect::from_center_size(at, vec2(18.0, 18.0));
+        let label = format!("View from {}{}", if name.is_empty() { "-" } else { "+" }, letter(axis));
+        let response = ui.interact(hit, ui.scope_id().with(("gizmo", &label)), Sense::click());
+        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &label));
+        let strength = if response.hovered() { 1.0 } else { (0.55 + 0.45 * seen.z).clamp(0.35, 1.0) as f32 };
+        if name.is_empty() {
+            ui.painter().circle(
+                at,
+                size,
+                ui.visuals().panel_fill,
+                egui::Stroke::new(1.5, colour.gamma_multiply(strength)),
+            );
+        } else {
+            ui.painter().line_segment([centre, at], egui::Stroke::new(2.0, colour.gamma_multiply(strength)));
+            ui.painter().circle_filled(at, size, colour.gamma_multiply(strength));
+            let ink = if ui.visuals().dark_mode { Color32::BLACK } else { Color32::WHITE };
+            ui.painter().text(at, Align2::CENTER_CENTER, name, FontId::proportional(11.0), ink);
+        }
+        if response.on_hover_text(label).clicked() {
+            viewport.turn_to(axis, ui.input(|i| i.time));
+        }
+    }
+}
+
+fn letter(axis: DVec3) -> char {
+    let i = axis.abs().to_array().iter().position(|v| *v > 0.5).unwrap_or(0);
+    ['X', 'Y', 'Z'][i]
+}
+
+/// A framed sentence so far `above` the bottom of the view (points).
+pub fn caption(ui: &mut Ui, rect: Rect, above: f32, colour: Color32, text: &str) {
+    let width = (rect.width() - 140.0).max(120.0);
+    let galley = ui.painter().layout(text.to_owned(), FontId::proportional(13.0), colour, width);
+    let size = galley.size() + vec2(20.0, 10.0);
+    let area = Rect::from_min_size(pos2(rect.center().x - 0.5 * size.x, rect.bottom() - size.y - above), size);
+    ui.painter().rect_filled(area, 6.0, ui.visuals().window_fill.gamma_multiply(0.92));
+    ui.painter().rect_stroke(area, 6.0, egui::Stroke::new(1.0, colour), egui::StrokeKind::Inside);
+    ui.painter().galley(area.min + vec2(10.0, 5.0), galley, colour);
+    let response = ui.interact(area, ui.scope_id().with("verdict"), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, text));
+}
+
+/// A ring around a place in the view at `at`, and what is said of it beside, where there is room.
+pub fn callout(ui: &mut Ui, rect: Rect, at: egui::Pos2, colour: Color32, text: &str) {
+    /// Radius of the ring, and how far off the words are (points).
+    const RING: f32 = 12.0;
+    const OFF: egui::Vec2 = vec2(30.0, -34.0);
+    let ink = ui.visuals().strong_text_color();
+    let width = (0.5 * rect.width() - 40.0).clamp(100.0, 260.0);
+    let galley = ui.painter().layout(text.to_owned(), FontId::proportional(12.0), ink, width);
+    let size = galley.size() + vec2(16.0, 8.0);
+    // Beside the handles at the edges.
+    let is_right = at.x + OFF.x + size.x < rect.right() - 16.0;
+    let corner = if is_right { at + OFF } else { at + vec2(-OFF.x - size.x, OFF.y) };
+    // Below the row of buttons and above the strips.
+    let [top, bottom] = [rect.top() + 44.0, rect.bottom() - size.y - 120.0];
+    let area = Rect::from_min_size(pos2(corner.x.max(rect.left() + 16.0), corner.y.clamp(top, bottom.max(top))), size);
+    let painter = ui.painter_at(rect);
+    let edge = pos2(if is_right { area.left() } else { area.right() }, area.center().y);
+    let stroke = egui::Stroke::new(1.5, colour);
+    painter.line_segment([at + RING * (edge - at).normalized(), edge], stroke);
+    painter.circle_stroke(at, RING, egui::Stroke::new(2.0, colour));
+    painter.rect_filled(area, 4.0, ui.visuals().window_fill.gamma_multiply(0.94));
+    painter.rect_stroke(area, 4.0, stroke, egui::StrokeKind::Inside);
+    painter.galley(area.min + vec2(8.0, 4.0), galley, ink);
+    let response = ui.interact(area, ui.scope_id().with("callout"), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, text));
+}

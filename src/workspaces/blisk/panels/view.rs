@@ -1,0 +1,252 @@
+//! The 3-D view of a blisk, and what a click in it means.
+
+use std::sync::Arc;
+
+use egui::{Align2, Color32, FontId, Rect, Ui, pos2, vec2};
+use glam::DVec3;
+
+use crate::widgets::camera::into_channel;
+use crate::widgets::theme::palette;
+use crate::widgets::viewport::{Moves, Viewport};
+use crate::workspaces::blisk::desk::BliskDesk;
+use crate::workspaces::blisk::document::stage::Stage;
+use crate::workspaces::blisk::pipeline::StageState;
+use crate::workspaces::blisk::scene::{Layer, Layers, SceneInputs, build, layer_of};
+use crate::workspaces::context::Context;
+use feed::pose::Pose;
+use render::colour::Theme;
+use render::pick::Pick;
+use render::scene::{LineSet, Marker, Scene, SectionPlane};
+use wheel::electrode::EntrySide;
+
+/// What was clicked, in the coordinates of the loaded mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Probe {
+    /// A point of a surface.
+    Point {
+        /// On which layer.
+        layer: Option<Layer>,
+        /// Where.
+        at: DVec3,
+        /// The surface's unit normal there.
+        normal: DVec3,
+    },
+    /// Two points with a distance.
+    Distance {
+        /// The first.
+        from: DVec3,
+        /// The second.
+        to: DVec3,
+    },
+}
+
+/// State of the view.
+#[derive(Default)]
+pub struct BliskView {
+    /// The camera and the hands that move it.
+    pub viewport: Viewport,
+    probe: Option<Probe>,
+    first_point: Option<DVec3>,
+    scene: Arc<Scene>,
+    /// What `scene` was made from, to know when to make it again.
+    scene_key: Option<SceneKey>,
+}
+
+/// Everything that the scene depends on.
+#[derive(Debug, Clone, PartialEq)]
+struct SceneKey {
+    sources: [usize; 9],
+    s: f64,
+    pose: Option<Pose>,
+    ghosts: Vec<f64>,
+    layers: Layers,
+    selected: Option<Layer>,
+    section: Option<SectionPlane>,
+    dark: bool,
+    tuning: bool,
+    contact: Option<[DVec3; 2]>,
+    trouble: Option<[DVec3; 2]>,
+    probe: Option<Probe>,
+    first_point: Option<DVec3>,
+}
+
+impl BliskView {
+    /// What was clicked.
+    pub fn probe(&self) -> Option<&Probe> {
+        self.probe.as_ref()
+    }
+
+    /// Forgets what was clicked.
+    pub fn clear_probe(&mut self) {
+        (self.probe, self.first_point) = (None, None);
+    }
+
+    /// Draws the view.
+    pub fn show(&mut self, ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
+        self.follow(ui, desk);
+        let moves = match (desk.pipeline.partial_plan().is_some(), desk.cursor.playing) {
+            (true, _) => Moves::Searching,
+            (false, true) => Moves::Playing,
+            (false, false) => Moves::Nothing,
+        };
+        let fitted_to = desk.pipeline.part().map_or(0, |part| Arc::as_ptr(part) as usize);
+        let navigation = cx.preferences.navigation;
+        let (rect, clicked) = self.viewport.show(ui, navigation, &self.scene, (fitted_to, moves));
+        if let Some(picked) = clicked {
+            self.click(desk, picked);
+            // What was clicked is marked in the next frame.
+            ui.ctx().request_repaint();
+        }
+        super::overlay::show(ui, rect, desk, cx, self);
+        if desk.pipeline.part().is_none() {
+            empty(ui, rect, &desk.pipeline.state(Stage::Part));
+        }
+    }
+
+    fn click(&mut self, desk: &mut BliskDesk, picked: Option<Pick>) {
+        let Some(picked) = picked else {
+            self.clear_probe();
+            desk.selected = None;
+            return;
+        };
+        let layer = layer_of(picked.object);
+        if !desk.measuring {
+            desk.selected = layer;
+            self.first_point = None;
+            self.probe = Some(Probe::Point { layer, at: picked.point, normal: picked.normal });
+            return;
+        }
+        match self.first_point.take() {
+            Some(from) => self.probe = Some(Probe::Distance { from, to: picked.point }),
+            None => (self.first_point, self.probe) = (Some(picked.point), None),
+        }
+    }
+
+    /// Looks along the channel's radius into it.
+    pub fn look_into_channel(&mut self, desk: &BliskDesk, now: f64) {
+        let Some(found) = desk.pipeline.channel() else { return };
+        let planned = desk.outcome().map(|o| &o.electrode);
+        let electrode = planned.or(desk.pipeline.electrodes().and_then(|e| e.electrodes.first()));
+        let side = electrode.map_or(EntrySide::MinusX, |e| e.enters_from);
+        let camera = into_channel(&found.channel, side, *self.viewport.camera().0, self.viewport.aspect());
+        self.viewport.fly_onto(camera, now);
+    }
+
+    /// Makes the scene again if anything it depends on has changed.
+    fn follow(&mut self, ui: &Ui, desk: &BliskDesk) {
+        let key = self.key(ui, desk);
+        if self.scene_key.as_ref() == Some(&key) {
+            return;
+        }
+        let mut scene = scene(desk, if key.dark { Theme::DARK } else { Theme::LIGHT });
+        self.mark(&mut scene, ui);
+        self.scene = Arc::new(scene);
+        self.scene_key = Some(key);
+    }
+
+    fn key(&self, ui: &Ui, desk: &BliskDesk) -> SceneKey {
+        fn address<T>(value: Option<&Arc<T>>) -> usize {
+            value.map_or(0, |v| Arc::as_ptr(v) as usize)
+        }
+        let p = &desk.pipeline;
+        let sources = [
+            address(p.part()),
+            address(p.channel()),
+            address(p.electrodes()),
+            address(p.plan()) ^ desk.cursor.electrode,
+            Arc::as_ptr(&desk.shared_track()) as usize,
+            desk.colour_values().map_or(0, |v| Arc::as_ptr(&v.values) as usize),
+            address(desk.swept.shape(&desk.shared_track())),
+            desk.leftover_values().map_or(0, |(_, v)| Arc::as_ptr(&v.values) as usize),
+            Arc::as_ptr(desk.machine_bodies()) as usize,
+        ];
+        SceneKey {
+            sources,
+            s: desk.cursor.s,
+            pose: desk.moment().map(|moment| moment.pose),
+            ghosts: desk.ghosts.clone(),
+            layers: desk.layers.clone(),
+            selected: desk.selected,
+            section: desk.section,
+            dark: ui.visuals().dark_mode,
+            tuning: desk.is_tuning(),
+            contact: desk.contact(),
+            trouble: desk.trouble().map(|trouble| trouble.points),
+            probe: self.probe.clone(),
+            first_point: self.first_point,
+        }
+    }
+
+    /// Adds what was clicked.
+    fn mark(&self, scene: &mut Scene, ui: &Ui) {
+        let c = palette(ui).accent;
+        let colour = render::colour::Colour::rgb(c.r(), c.g(), c.b());
+        let mut dot = |at: DVec3| scene.markers.push(Marker { at, colour, radius_px: 4.5 });
+        match &self.probe {
+            Some(Probe::Point { at, .. }) => dot(*at),
+            Some(Probe::Distance { from, to }) => {
+                dot(*from);
+                dot(*to);
+                scene.lines.push(LineSet { on_top: true, ..LineSet::new(vec![vec![*from, *to]], colour) });
+            }
+            None => {}
+        }
+        if let Some(at) = self.first_point {
+            scene.markers.push(Marker { at, colour, radius_px: 4.5 });
+        }
+    }
+}
+
+/// The scene of the present state.
+pub fn scene(desk: &BliskDesk, theme: Theme) -> Scene {
+    let p = &desk.pipeline;
+    let fresh = desk.is_tuning();
+    let values = desk.colour_values();
+    let leftover = desk.leftover_values();
+    let track = desk.shared_track();
+    build(&SceneInputs {
+        blisk: p.part().map(|part| &part.shape),
+        channel: p.channel().map(|f| (&*f.channel, &f.shapes)),
+        electrode: desk.shown_electrode(),
+        track: (!track.is_empty() && (desk.is_live() || !fresh)).then_some(&*track),
+        machine: desk.machine_bodies(),
+        pose: desk.moment().map(|moment| moment.pose),
+        s: desk.cursor.s,
+        ghosts: &desk.ghosts,
+        swept: desk.swept.shape(&track),
+        contact: desk.contact().filter(|_| !fresh),
+        trouble: desk.trouble().filter(|_| !fresh).map(|trouble| trouble.points),
+        values: values.as_ref(),
+        leftover: leftover.as_ref().map(|(shape, values)| (*shape, values)),
+        layers: &desk.layers,
+        selected: desk.selected,
+        section: desk.section,
+        theme,
+        triad: false,
+    })
+}
+
+fn empty(ui: &Ui, rect: Rect, state: &StageState) {
+    let colours = palette(ui);
+    let (title, lines) = match state {
+        StageState::Running => ("Loading…", ["", "", ""]),
+        StageState::Failed(_) => {
+            ("This could not be loaded", ["The form on the left says why.", "Drop another mesh here, or open one.", ""])
+        }
+        _ => (
+            "Drop a blisk here",
+            [
+                "STL, OBJ, glTF or GLB, or a Sparkpath project.",
+                "Then follow the steps on the left, from part to export.",
+                "Ctrl+K finds every command.",
+            ],
+        ),
+    };
+    let c = rect.center();
+    ui.painter().text(c - vec2(0.0, 40.0), Align2::CENTER_CENTER, title, FontId::proportional(22.0), colours.accent);
+    for (i, line) in lines.into_iter().enumerate() {
+        let at = pos2(c.x, c.y + 20.0 * i as f32);
+        let colour = Color32::from_gray(150);
+        ui.painter().text(at, Align2::CENTER_CENTER, line, FontId::proportional(13.5), colour);
+    }
+}

@@ -1,0 +1,260 @@
+//! What a workspace sees of the window: preferences, the log, and what it asks the window to do.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant, SystemTime};
+
+use egui::{Color32, RichText, Ui, vec2};
+
+use super::commands::{Command, CommandSet, Commanded};
+use super::message::Message;
+use super::news::{EventKind, WorkEvent};
+use super::preferences::Preferences;
+use crate::widgets::overlay::{self, ViewButton};
+use crate::widgets::theme::palette;
+
+/// How long a sentence that passes is to be seen.
+const PASSING: Duration = Duration::from_secs(8);
+
+/// A line of the log.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LogLine {
+    /// When.
+    pub at: SystemTime,
+    /// What kind of news.
+    pub kind: EventKind,
+    /// In one sentence.
+    pub text: String,
+    /// How long it took, if that is known.
+    pub took: Option<Duration>,
+    /// The number of the workspace that said it.
+    pub workspace: usize,
+    /// What it is of, as the workspace numbers it: a step of the plan.
+    pub topic: Option<usize>,
+    /// How often the document had been changed by then, where the workspace counts that.
+    pub revision: u64,
+}
+
+impl LogLine {
+    /// A line that is said now.
+    pub fn now(kind: EventKind, text: impl Into<String>) -> Self {
+        let (at, text) = (SystemTime::now(), text.into());
+        Self { at, kind, text, took: None, workspace: 0, topic: None, revision: 0 }
+    }
+}
+
+/// What a path is wanted for.
+#[derive(Debug, PartialEq, Eq)]
+pub struct PathInfo {
+    /// The title of the dialog.
+    pub title: &'static str,
+    /// What is chosen.
+    pub kind: PathKind,
+    /// Whether the file is opened in place of the document.
+    pub opens: bool,
+}
+
+/// What is chosen in a file dialog.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PathKind {
+    /// A file to read: what such files are called, their endings (all files without), and whether one that is not there
+    /// is refused at once.
+    Read(&'static str, &'static [&'static str], bool),
+    /// A file to write: what such files are called, and their ending with its dot.
+    Write(&'static str, &'static str),
+    /// A folder.
+    Folder,
+}
+
+/// Paths that a workspace asks for, with a table of their own.
+pub trait PathSet: Copy + PartialEq + 'static {
+    /// All of them.
+    fn table() -> &'static [(Self, PathInfo)];
+
+    /// What number `number` of the table is.
+    fn at(number: usize) -> Option<Self> {
+        Self::table().get(number).map(|(path, _)| *path)
+    }
+}
+
+/// Endings of meshes.
+pub const MESHES: &[&str] = &["stl", "STL", "obj", "OBJ", "gltf", "glb", "GLTF", "GLB"];
+
+/// What a workspace asks of the window.
+pub enum Request {
+    /// A path: its number in the workspace's table, what it is for, and the name that is proposed.
+    Path(usize, &'static PathInfo, String),
+    /// To tell of something that went wrong: title and text.
+    Error(String, String),
+    /// To show the workspace's own dialog.
+    Dialog,
+    /// To close it.
+    CloseDialog,
+    /// To go on with what takes the place of the document, after asking about unsaved work.
+    Replace,
+    /// The same on the way to what was asked for before: what the user has given up for it is not asked about again.
+    GoOn,
+    /// To show the workspace.
+    Show,
+    /// To give this to the workspace that takes it.
+    Send(Message),
+}
+
+/// The window as a workspace sees it.
+pub struct Context {
+    /// What the user prefers.
+    pub preferences: Preferences,
+    /// Everything that has been said.
+    pub log: Vec<LogLine>,
+    /// A sentence that passes, who said it and when.
+    passing: Option<(String, usize, Instant)>,
+    commands: Vec<Command>,
+    requests: Vec<(usize, Request)>,
+    wake: Option<Duration>,
+    /// The number of the workspace whose turn it is.
+    turn: usize,
+}
+
+impl Context {
+    /// A window in which nothing was said.
+    pub fn new(preferences: Preferences) -> Self {
+        let (log, commands, requests) = (Vec::new(), Vec::new(), Vec::new());
+        Self { preferences, log, passing: None, commands, requests, wake: None, turn: 0 }
+    }
+
+    /// Asks for `command` at the end of the frame.
+    pub fn push(&mut self, command: impl Into<Command>) {
+        self.commands.push(command.into());
+    }
+
+    /// A button for a command of `desk`, greyed while it cannot be done.
+    pub fn button(&mut self, ui: &mut Ui, desk: &impl Commanded, command: impl CommandSet, text: &str, primary: bool) {
+        let command = command.command();
+        let enabled = desk.is_enabled(command);
+        let mut button = egui::Button::new(RichText::new(text).strong()).min_size(vec2(0.0, 26.0));
+        if primary && enabled {
+            let accent = palette(ui).accent;
+            let ink = if ui.visuals().dark_mode { Color32::BLACK } else { Color32::WHITE };
+            button = egui::Button::new(RichText::new(text).strong().color(ink)).fill(accent).min_size(vec2(0.0, 26.0));
+        }
+        let mut response = ui.add_enabled(enabled, button).on_hover_text(command.info.hint(ui.ctx()));
+        if let Some(why) = command.info.needs {
+            response = response.on_disabled_hover_text(why);
+        }
+        if response.clicked() {
+            self.push(command);
+        }
+    }
+
+    /// The row of buttons over a view: short names, commands, and whether what they show is on.
+    pub fn view_buttons(
+        &mut self,
+        ui: &mut Ui,
+        rect: egui::Rect,
+        desk: &impl Commanded,
+        views: &[(&'static str, Command, bool)],
+    ) {
+        let button = |(name, command, is_on): &(&'static str, Command, bool)| ViewButton {
+            name,
+            hint: command.info.hint(ui.ctx()),
+            is_enabled: desk.is_enabled(*command),
+            is_on: *is_on,
+        };
+        let buttons: Vec<ViewButton> = views.iter().map(button).collect();
+        if let Some((_, command, _)) = overlay::buttons(ui, rect, &buttons).and_then(|i| views.get(i)) {
+            self.push(*command);
+        }
+    }
+
+    /// Adds a line to the log.
+    pub fn say(&mut self, kind: EventKind, text: impl Into<String>) {
+        self.note(LogLine::now(kind, text));
+    }
+
+    /// Adds a line of the workspace whose turn it is.
+    pub fn note(&mut self, line: LogLine) {
+        self.log.push(LogLine { workspace: self.turn, ..line });
+    }
+
+    /// Adds what became of work on revision `revision` of the document, and comes back after `wait`.
+    pub fn note_events(&mut self, (events, wait): (Vec<WorkEvent>, Option<Duration>), revision: u64) {
+        for WorkEvent { kind, text, took } in events {
+            self.note(LogLine { took, revision, ..LogLine::now(kind, text) });
+        }
+        wait.into_iter().for_each(|wait| self.wake_after(wait));
+    }
+
+    /// Says `text` for a moment, in place of what was said last: it is no news that the log should hold.
+    pub fn say_in_passing(&mut self, text: impl Into<String>) {
+        self.passing = Some((text.into(), self.turn, Instant::now()));
+    }
+
+    /// What workspace number `workspace` said in passing, and how long it is still to be seen.
+    pub fn passing(&self, workspace: usize) -> Option<(&str, Duration)> {
+        let (text, _, since) = self.passing.as_ref().filter(|(_, of, _)| *of == workspace)?;
+        let left = PASSING.checked_sub(since.elapsed()).filter(|left| !left.is_zero())?;
+        Some((text, left))
+    }
+
+    /// Asks for a path; `name` is proposed where a file is written.
+    pub fn ask<P: PathSet>(&mut self, path: P, name: &str) {
+        let found = P::table().iter().enumerate().find(|(_, (one, _))| *one == path);
+        if let Some((number, (_, info))) = found {
+            self.request(Request::Path(number, info, name.to_owned()));
+        }
+    }
+
+    /// Tells of something that went wrong.
+    pub fn error(&mut self, title: impl Into<String>, text: impl Into<String>) {
+        self.request(Request::Error(title.into(), text.into()));
+    }
+
+    /// Asks something of the window.
+    pub fn request(&mut self, request: Request) {
+        self.requests.push((self.turn, request));
+    }
+
+    /// Has a frame drawn after `wait` at the latest.
+    pub fn wake_after(&mut self, wait: Duration) {
+        self.wake = Some(self.wake.map_or(wait, |before| before.min(wait)));
+    }
+
+    /// Puts a file in front of those opened last.
+    pub fn opened(&mut self, file: &Path) {
+        self.preferences.recent.add(file);
+    }
+
+    /// Forgets a file that cannot be opened.
+    pub fn not_opened(&mut self, file: &Path) {
+        self.preferences.recent.remove(file);
+    }
+
+    /// Gives workspace number `turn` its turn.
+    pub fn take_turn(&mut self, turn: usize) {
+        self.turn = turn;
+    }
+
+    /// The commands asked for since the last call.
+    pub fn take_commands(&mut self) -> Vec<Command> {
+        std::mem::take(&mut self.commands)
+    }
+
+    /// What was asked of the window since the last call, with the number of the workspace that did.
+    pub fn take_requests(&mut self) -> Vec<(usize, Request)> {
+        std::mem::take(&mut self.requests)
+    }
+
+    /// After how long a frame is wanted.
+    pub fn take_wake(&mut self) -> Option<Duration> {
+        self.wake.take()
+    }
+}
+
+/// Whether the name of `path` ends with `ending`, whatever its case.
+pub fn has_ending(path: &Path, ending: &str) -> bool {
+    path.as_os_str().to_string_lossy().to_lowercase().ends_with(ending)
+}
+
+/// The first of `files`, which there is where any were dropped.
+pub fn first(files: &[PathBuf]) -> &Path {
+    files.first().map_or(Path::new(""), PathBuf::as_path)
+}

@@ -1,0 +1,47 @@
+//! The paths that the workspace asks for.
+
+use crate::workspaces::context::{MESHES, PathInfo, PathKind, PathSet};
+
+/// What the workspace asks paths for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FlankPath {
+    /// A flank that was saved, or a mesh with one.
+    Open,
+    /// Points of the lower guide curve.
+    Lower,
+    /// Of the upper one.
+    Upper,
+    /// A mesh with the flank.
+    Mesh,
+    /// Walls that must not be cut.
+    Walls,
+    /// A machine of one's own.
+    Machine,
+    /// A post of one's own.
+    Post,
+    /// Folder for the exported files.
+    Folder,
+}
+
+impl PathSet for FlankPath {
+    fn table() -> &'static [(Self, PathInfo)] {
+        use FlankPath as P;
+        const TOML: &[&str] = &["toml"];
+        const POINTS: &[&str] = &["csv", "txt"];
+        const OPEN: &[&str] = &["stl", "STL", "obj", "OBJ", "gltf", "glb", "GLTF", "GLB", "sparkflank", "csv", "txt"];
+        const fn file(title: &'static str, what: &'static str, endings: &'static [&'static str]) -> PathInfo {
+            PathInfo { title, kind: PathKind::Read(what, endings, true), opens: false }
+        }
+        static TABLE: [(P, PathInfo); 8] = [
+            (P::Open, PathInfo { opens: true, ..file("Open a flank", "Flanks, meshes and points", OPEN) }),
+            (P::Lower, file("Points of the lower guide curve", "Points", POINTS)),
+            (P::Upper, file("Points of the upper guide curve", "Points", POINTS)),
+            (P::Mesh, file("Mesh with the flank", "Meshes", MESHES)),
+            (P::Walls, file("Neighbouring walls", "Meshes", MESHES)),
+            (P::Machine, file("Your own milling machine", "Machine", TOML)),
+            (P::Post, file("Your own post for milling", "Post", TOML)),
+            (P::Folder, PathInfo { title: "Folder for the flank's files", kind: PathKind::Folder, opens: false }),
+        ];
+        &TABLE
+    }
+}

@@ -1,0 +1,546 @@
+//! The workspace of flanks as the window knows it.
+
+use std::any::Any;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use egui::Ui;
+
+use crate::widgets::panel_parts::doing;
+use crate::widgets::viewport::Viewport;
+use crate::workspaces::commands::{Command, CommandInfo, CommandSet, Commanded, FrameCommand, Groups};
+use crate::workspaces::context::{Context, LogLine, PathInfo, PathKind, PathSet, Request, first};
+use crate::workspaces::flank::commands::FlankCommand;
+use crate::workspaces::flank::document::flank_file::{ENDING, is_flank_file, read_flank, write_flank};
+use crate::workspaces::flank::document::milling_machine_file::read_milling_machines;
+use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, MeshFlank, PathChoice, WallsFile};
+use crate::workspaces::flank::electrode_part::flank_of;
+use crate::workspaces::flank::panels::{self, FlankDesk, FlankView, Fly, is_points_file, pair_of_guides};
+use crate::workspaces::flank::paths::FlankPath;
+use crate::workspaces::flank::work::{FlankWork, LoadedFlank};
+use crate::workspaces::message::{ElectrodePart, Message};
+use crate::workspaces::news::EventKind;
+use crate::workspaces::opening::Opening;
+use crate::workspaces::record::Hands;
+use crate::workspaces::workspace::{About, Menu, Standing, Workspace};
+use files::Validate;
+use flank::machine::milling_machine::MillingMachine;
+use flank::ruled_surface::Side;
+use nc::flank_program::milling_post;
+use task::Scheduler;
+
+static ABOUT: About = About {
+    id: "flank",
+    name: "Flank",
+    switch: CommandInfo::new("Workspace: flank milling"),
+    menu: "Flank",
+    save: PathInfo { title: "Save flank", kind: PathKind::Write("Flank", ENDING), opens: false },
+    ending: ENDING,
+    article: "The flank ",
+    kind: "Flank, ",
+    not_saved: "The flank was not saved",
+};
+
+/// What takes the place of the flank once nothing stands in the way.
+enum Pending {
+    Open(PathBuf),
+    /// Another surface to be milled.
+    Surface(FlankSource),
+    /// An electrode whose flanks are to be milled.
+    Electrode(Arc<ElectrodePart>),
+    /// A path that is named for this.
+    Ask(FlankPath),
+    /// A flank that was read.
+    Take(Arc<Incoming>),
+}
+
+/// A flank, the file that holds it if there is one, and what the files of its surface hold.
+struct Incoming {
+    document: FlankDocument,
+    file: Option<PathBuf>,
+    loaded: Arc<LoadedFlank>,
+}
+
+/// The workspace of flanks.
+pub struct FlankWorkspace {
+    /// The flank and what has been made of it.
+    pub desk: FlankDesk,
+    view: FlankView,
+    pending: Option<Pending>,
+    opening: Opening<Incoming>,
+}
+
+impl FlankWorkspace {
+    /// The workspace with a surface that comes with the program.
+    pub fn new(scheduler: &Scheduler) -> Self {
+        Self {
+            desk: FlankDesk::new(scheduler),
+            view: FlankView::default(),
+            pending: None,
+            opening: Opening::new(scheduler),
+        }
+    }
+
+    /// Goes on with `pending`, after asking about unsaved work.
+    fn intend(&mut self, pending: Pending, cx: &mut Context) {
+        self.opening.stop();
+        self.pending = Some(pending);
+        cx.request(Request::Replace);
+    }
+
+    /// Goes on with `pending` on the way to what was asked for before.
+    fn go_on(&mut self, pending: Pending, cx: &mut Context) {
+        self.pending = Some(pending);
+        cx.request(Request::GoOn);
+    }
+
+    /// Reads the files of `document`, which then takes the place of the present flank.
+    fn begin(&mut self, document: FlankDocument, file: Option<PathBuf>) {
+        self.opening.begin(move |progress, cancel| {
+            let loaded = Arc::new(FlankWork::read(&document, progress, cancel)?);
+            Ok(Incoming { document: document.clone(), file: file.clone(), loaded })
+        });
+    }
+
+    /// Puts `opened` in the place of the present flank.
+    fn put(&mut self, opened: &Incoming, cx: &mut Context) {
+        self.desk.replace(opened.document.clone(), opened.file.as_deref());
+        self.desk.work.put(&opened.document, opened.loaded.clone());
+        cx.request(Request::Show);
+        opened.file.iter().for_each(|file| cx.opened(file));
+        self.say(cx, EventKind::Done, format!("{} opened", self.desk.name()));
+    }
+
+    /// Whether a path that is named for this takes the place of the whole flank.
+    fn is_another(&self, what: FlankPath) -> bool {
+        let source = &self.desk.params.source;
+        match what {
+            FlankPath::Open => true,
+            FlankPath::Mesh => !matches!(source, FlankSource::Mesh(_)),
+            FlankPath::Lower | FlankPath::Upper => !matches!(source, FlankSource::Guides { .. }),
+            _ => false,
+        }
+    }
+
+    /// Takes another guide curve: the surface is another one, and what was decided on the former one does not hold for it.
+    fn take_guide(&mut self, change: impl FnOnce(&mut GuideSource, &mut GuideSource)) {
+        self.edit_flank(|params| {
+            if let FlankSource::Guides { lower, upper } = &mut params.source {
+                change(lower, upper);
+                params.overrides.clear();
+            }
+        });
+    }
+
+    /// Adds a line to the log that is of the present flank.
+    fn say(&self, cx: &mut Context, kind: EventKind, text: impl Into<String>) {
+        cx.note(LogLine { revision: self.desk.revision(), ..LogLine::now(kind, text) });
+    }
+
+    /// Takes an electrode in the place of a flank of which nothing is unsaved. The cutter and the machine stay.
+    fn take_electrode(&mut self, electrode: &ElectrodePart, cx: &mut Context) {
+        match flank_of(electrode, &self.desk.params) {
+            Ok(document) => {
+                self.desk.replace(document, None);
+                cx.request(Request::Show);
+                self.say(cx, EventKind::Done, format!("flanks of {} of {}", electrode.name, electrode.of));
+            }
+            Err(e) => cx.error("Its flanks cannot be milled", e.to_string()),
+        }
+    }
+
+    /// Takes a file that was dropped or opened: the points of a guide curve, or else a part with the flank.
+    fn take_file(&mut self, path: &Path, cx: &mut Context) {
+        if !is_points_file(path) {
+            let mesh = FlankSource::Mesh(MeshFlank::of(path));
+            return self.go_on(Pending::Surface(mesh), cx);
+        }
+        let both = match self.desk.first_guide.take() {
+            // Of two after each other the first is the lower one.
+            Some(lower) if lower != path => Some([lower, path.to_owned()]),
+            _ => pair_of_guides(path),
+        };
+        match both {
+            Some(both) => self.go_on(Pending::Surface(FlankSource::guides(both)), cx),
+            None => self.ask_for_upper(path, cx),
+        }
+    }
+
+    /// Takes two guides that were dropped together: the lower one is told by its name, or else comes first.
+    fn take_guides(&mut self, files: [PathBuf; 2], cx: &mut Context) {
+        let named = pair_of_guides(&files[0]).filter(|pair| pair.iter().all(|file| files.contains(file)));
+        let source = FlankSource::guides(named.unwrap_or(files));
+        self.go_on(Pending::Surface(source), cx);
+    }
+
+    /// Keeps the lower guide until the upper one is named: one alone is no surface.
+    fn ask_for_upper(&mut self, lower: &Path, cx: &mut Context) {
+        self.desk.first_guide = Some(lower.to_owned());
+        cx.say_in_passing("This is the lower guide: choose or drop the upper one");
+        cx.ask(FlankPath::Upper, "");
+    }
+
+    /// No upper guide was named: the lower one that waited for it is not taken.
+    fn forget_first_guide(&mut self, cx: &mut Context) {
+        if self.desk.first_guide.take().is_some() {
+            cx.say_in_passing("No upper guide was named: the lower one is not taken either");
+        }
+    }
+
+    /// The flank in the file `path`; says why there is none.
+    fn document_at(path: &Path, cx: &mut Context) -> Option<FlankDocument> {
+        match read_flank(path) {
+            Ok(document) => Some(document),
+            Err(e) => {
+                cx.not_opened(path);
+                cx.error("This flank cannot be opened", e.to_string());
+                None
+            }
+        }
+    }
+
+    /// Takes another mesh, in place of one as what the user goes on with.
+    fn take_mesh(&mut self, path: PathBuf, cx: &mut Context) {
+        let FlankSource::Mesh(mesh) = &self.desk.params.source else {
+            return self.go_on(Pending::Surface(FlankSource::Mesh(MeshFlank::of(&path))), cx);
+        };
+        let source = FlankSource::Mesh(MeshFlank { file: path, candidate: 1, kept: None, ..mesh.clone() });
+        self.edit_flank(|params| {
+            (params.source, params.side) = (source, Side::Automatic);
+            params.overrides.clear();
+        });
+    }
+
+    fn edit_flank(&mut self, change: impl FnOnce(&mut FlankDocument)) {
+        let mut params = self.desk.params.clone();
+        change(&mut params);
+        self.desk.edit(params);
+    }
+
+    /// Goes on with a path that was named for something of the flank.
+    fn take(&mut self, what: FlankPath, path: PathBuf, cx: &mut Context) {
+        match what {
+            FlankPath::Open if is_flank_file(&path) => self.go_on(Pending::Open(path), cx),
+            FlankPath::Open => self.take_file(&path, cx),
+            FlankPath::Mesh => self.take_mesh(path, cx),
+            FlankPath::Lower => match (&self.desk.params.source, pair_of_guides(&path)) {
+                (FlankSource::Guides { .. }, _) => self.take_guide(|lower, _| *lower = GuideSource::File(path)),
+                (_, Some(both)) => self.go_on(Pending::Surface(FlankSource::guides(both)), cx),
+                // One alone is no surface.
+                (_, None) => self.ask_for_upper(&path, cx),
+            },
+            FlankPath::Upper => match (self.desk.first_guide.take(), &self.desk.params.source) {
+                (Some(lower), _) => {
+                    let source = FlankSource::guides([lower, path]);
+                    self.go_on(Pending::Surface(source), cx);
+                }
+                (None, FlankSource::Guides { .. }) => self.take_guide(|_, upper| *upper = GuideSource::File(path)),
+                (None, _) => {}
+            },
+            FlankPath::Walls => {
+                self.edit_flank(|params| params.walls = Some(WallsFile { file: path, units: Default::default() }));
+            }
+            FlankPath::Machine => self.take_milling_machine(&path, cx),
+            FlankPath::Post => match milling_post(&path.to_string_lossy()) {
+                Ok(_) => self.edit_flank(|params| params.milling.post = path.to_string_lossy().into_owned()),
+                Err(e) => cx.error("This is no post", e.to_string()),
+            },
+            FlankPath::Folder => self.export(&path, cx),
+        }
+    }
+
+    /// Takes the machine in this file; of several the first one, and the others are in the list.
+    fn take_milling_machine(&mut self, file: &Path, cx: &mut Context) {
+        let machines = match read_milling_machines(file) {
+            Ok(machines) => machines,
+            Err(e) => {
+                cx.error("This is no milling machine", e.to_string());
+                return;
+            }
+        };
+        let name = file.to_string_lossy().into_owned();
+        let is_one = machines.len() == 1;
+        let named = |machine: &MillingMachine| if is_one { name.clone() } else { format!("{name}#{}", machine.name) };
+        let Some(first) = machines.first().map(named) else { return };
+        let listed = &mut self.desk.machines;
+        for machine in machines.iter().filter(|_| !is_one) {
+            let name = named(machine);
+            if listed.iter().all(|[other, _]| *other != name) {
+                listed.push([name, machine.title.clone()]);
+            }
+        }
+        let mut forgotten = None;
+        self.edit_flank(|params| forgotten = params.milling.take_machine(&first));
+        if let Some(forgotten) = forgotten {
+            cx.say_in_passing(forgotten);
+        }
+    }
+
+    /// Writes the files of the plan into `folder`; says why not if it cannot.
+    pub fn export(&mut self, folder: &Path, cx: &mut Context) {
+        let desk = &mut self.desk;
+        if let Err(why) = desk.work.export(&desk.params, folder, desk.choice) {
+            cx.error("Nothing was exported", why);
+        }
+    }
+
+    fn run_own(&mut self, command: FlankCommand, cx: &mut Context) {
+        let desk = &mut self.desk;
+        match command {
+            FlankCommand::PlanFlank => {
+                if let Err(why) = desk.plan() {
+                    self.say(cx, EventKind::Failed, why);
+                }
+            }
+            FlankCommand::NextPath => desk.path = PathChoice::ALL[(desk.path as usize + 1) % PathChoice::ALL.len()],
+            FlankCommand::SideBySide => {
+                desk.is_side_by_side = !desk.is_side_by_side;
+                desk.fly = Some(if desk.is_side_by_side { Fly::Square } else { Fly::Onto });
+            }
+            FlankCommand::FaceFlank => desk.fly = Some(Fly::Square),
+            FlankCommand::ShowCutter => desk.toggle_cutter(),
+            FlankCommand::AxisSurface => desk.shows_axis = !desk.shows_axis,
+            FlankCommand::Rulings => desk.shows_rulings = !desk.shows_rulings,
+            FlankCommand::MovingCutter => desk.is_moving = !desk.is_moving,
+            FlankCommand::FoldPanel => desk.shows_panel = !desk.shows_panel,
+            FlankCommand::FoldList => desk.shows_list = !desk.shows_list,
+        }
+    }
+}
+
+impl Commanded for FlankDesk {
+    fn is_enabled(&self, command: Command) -> bool {
+        use FrameCommand as F;
+        if let Some(command) = F::of(command) {
+            return match command {
+                F::Undo | F::Redo => self.record.undo_label(command == F::Redo).is_some(),
+                F::Cancel => self.work.is_busy(),
+                F::Export => self.is_planned(),
+                F::Play | F::NextNode | F::PreviousNode | F::FirstNode | F::LastNode => self.planned().is_some(),
+                _ => true,
+            };
+        }
+        use FlankCommand as C;
+        match C::of(command) {
+            Some(C::PlanFlank) => self.can_plan(),
+            Some(C::NextPath | C::SideBySide | C::AxisSurface | C::MovingCutter) => self.planned().is_some(),
+            other => other.is_some(),
+        }
+    }
+}
+
+impl Commanded for FlankWorkspace {
+    fn is_enabled(&self, command: Command) -> bool {
+        let is_opening = FrameCommand::of(command) == Some(FrameCommand::Cancel) && self.opening.is_busy();
+        is_opening || self.desk.is_enabled(command)
+    }
+}
+
+impl Workspace for FlankWorkspace {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn commands(&self) -> Vec<Command> {
+        FlankCommand::all()
+    }
+
+    fn menu(&self, menu: Menu) -> Groups {
+        use FlankCommand as C;
+        let of = |all: &[C]| all.iter().map(|command| command.command()).collect::<Vec<_>>();
+        match menu {
+            Menu::New | Menu::Save | Menu::View => Vec::new(),
+            Menu::Own => vec![
+                vec![C::PlanFlank.into(), FrameCommand::Cancel.into()],
+                of(&[C::NextPath, C::SideBySide, C::FaceFlank, C::MovingCutter]),
+                of(&[C::ShowCutter, C::AxisSurface, C::Rulings]),
+                of(&[C::FoldPanel, C::FoldList]),
+            ],
+        }
+    }
+
+    fn run(&mut self, command: Command, cx: &mut Context, _now: f64) {
+        use FrameCommand as F;
+        if let Some(command) = FlankCommand::of(command) {
+            return self.run_own(command, cx);
+        }
+        let desk = &mut self.desk;
+        match F::of(command) {
+            Some(F::Open) => self.intend(Pending::Ask(FlankPath::Open), cx),
+            Some(F::Cancel) if self.opening.is_busy() => self.opening.cancel(),
+            Some(F::Reload) => desk.work.reload(),
+            Some(F::Cancel) => desk.work.cancel(),
+            Some(F::Export) => {
+                desk.changed_files = desk.work.changed_files(&desk.params);
+                cx.request(Request::Dialog);
+            }
+            Some(F::Play) => desk.play(),
+            Some(F::NextNode) => desk.step(true),
+            Some(F::PreviousNode) => desk.step(false),
+            Some(F::FirstNode) => desk.go_to(0.0),
+            Some(F::LastNode) => desk.go_to(1.0),
+            _ => {}
+        }
+    }
+
+    fn ui(&mut self, ui: &mut Ui, cx: &mut Context) {
+        if let Some(path) = panels::show(ui, &mut self.desk, cx, &mut self.view) {
+            if self.is_another(path) { self.intend(Pending::Ask(path), cx) } else { cx.ask(path, "") }
+        }
+    }
+
+    fn status(&mut self, ui: &mut Ui, _cx: &mut Context, is_shown: bool) {
+        if let Some(now) = self.opening.doing().or(self.desk.work.doing()).filter(|_| is_shown) {
+            doing(ui, now);
+        }
+    }
+
+    fn follow(&mut self, cx: &mut Context, hands: Hands, _seconds: f64, is_shown: bool) {
+        if let Some(opened) = self.opening.take(cx) {
+            self.go_on(Pending::Take(opened), cx);
+        }
+        let news = self.desk.follow(hands, is_shown);
+        cx.note_events(news, self.desk.revision());
+    }
+
+    fn is_busy(&self) -> bool {
+        self.opening.is_busy() || self.desk.work.is_busy()
+    }
+
+    fn is_opening(&self) -> bool {
+        self.opening.is_busy()
+    }
+
+    fn viewport(&self) -> &Viewport {
+        &self.view.viewport
+    }
+
+    fn viewport_mut(&mut self) -> &mut Viewport {
+        &mut self.view.viewport
+    }
+
+    fn name(&self) -> String {
+        self.desk.name()
+    }
+
+    fn is_unsaved(&self) -> bool {
+        self.desk.is_unsaved()
+    }
+
+    fn file(&self) -> Option<&Path> {
+        self.desk.record.file.as_deref()
+    }
+
+    fn near(&self) -> Option<&Path> {
+        self.desk.file()
+    }
+
+    fn undo_label(&self, again: bool) -> Option<&str> {
+        self.desk.record.undo_label(again)
+    }
+
+    fn undo(&mut self, again: bool) {
+        self.desk.undo(again);
+    }
+
+    fn open(&mut self, path: &Path, cx: &mut Context) {
+        if let Some(document) = Self::document_at(path, cx) {
+            self.desk.replace(document, Some(path));
+            cx.request(Request::Show);
+            cx.opened(path);
+            self.say(cx, EventKind::Done, format!("{} opened", self.desk.name()));
+        }
+    }
+
+    fn take_files(&mut self, files: &[PathBuf], cx: &mut Context) {
+        self.opening.stop();
+        match files {
+            [one, other] if files.iter().all(|file| is_points_file(file)) => {
+                self.take_guides([one.clone(), other.clone()], cx);
+            }
+            _ if is_flank_file(first(files)) => self.go_on(Pending::Open(first(files).to_owned()), cx),
+            _ => self.take_file(first(files), cx),
+        }
+    }
+
+    fn proceed(&mut self, cx: &mut Context) {
+        match self.pending.take() {
+            Some(Pending::Open(path)) => {
+                if let Some(document) = Self::document_at(&path, cx) {
+                    self.begin(document, Some(path));
+                }
+            }
+            Some(Pending::Surface(source)) => self.begin(self.desk.params.of_another(source), None),
+            Some(Pending::Ask(what)) => cx.ask(what, ""),
+            Some(Pending::Take(opened)) => self.put(&opened, cx),
+            Some(Pending::Electrode(part)) => self.take_electrode(&part, cx),
+            None => {}
+        }
+    }
+
+    fn write(&self, file: &Path) -> Result<(), String> {
+        write_flank(file, &self.desk.params).map_err(|e| e.to_string())
+    }
+
+    fn save_as(&mut self, file: &Path) -> Result<(), String> {
+        self.write(file)?;
+        self.desk.record.saved_as(file, &self.desk.params);
+        Ok(())
+    }
+
+    fn recover(&mut self, copy: &Path, file: Option<PathBuf>, cx: &mut Context) -> Result<(), String> {
+        let document = read_flank(copy).map_err(|e| e.to_string())?;
+        self.desk.recover(document, file.as_deref());
+        cx.request(Request::Show);
+        Ok(())
+    }
+
+    fn snapshot(&self) -> Box<dyn Any> {
+        Box::new(self.desk.params.clone())
+    }
+
+    fn is_at(&self, snapshot: Option<&dyn Any>) -> bool {
+        let params = &self.desk.params;
+        snapshot.and_then(|s| s.downcast_ref::<FlankDocument>()) == Some(params) || params.validate().is_err()
+    }
+
+    fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context) {
+        if let Some(what) = FlankPath::at(number) {
+            self.take(what, path, cx);
+        }
+    }
+
+    fn no_path(&mut self, number: usize, cx: &mut Context) {
+        if FlankPath::at(number) == Some(FlankPath::Upper) {
+            self.forget_first_guide(cx);
+        }
+    }
+
+    fn dialog(&mut self, ui: &mut Ui, cx: &mut Context) -> bool {
+        match panels::export_dialog(ui, &mut self.desk, cx) {
+            Some(panels::Answer::Folder) => {
+                cx.ask(FlankPath::Folder, "");
+                true
+            }
+            answer => answer.is_some(),
+        }
+    }
+
+    fn receive(&mut self, message: &Message, cx: &mut Context) -> bool {
+        let Message::MillFlanks(part) = message;
+        self.intend(Pending::Electrode(part.clone()), cx);
+        true
+    }
+
+    fn revision(&self) -> u64 {
+        self.desk.revision()
+    }
+
+    fn standing(&self, line: &LogLine) -> Standing {
+        match (line.revision == self.desk.revision(), line.kind) {
+            (true, _) => Standing::Current,
+            (false, EventKind::Done) => Standing::Stale,
+            (false, _) => Standing::Over,
+        }
+    }
+}

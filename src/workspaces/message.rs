@@ -1,0 +1,52 @@
+//! What one workspace gives to another through the window.
+
+use std::sync::Arc;
+
+use geometry::frame::Frame;
+use geometry::mesh::Mesh;
+use glam::DVec3;
+use mold::electrode::design::Electrode as MoldElectrode;
+use wheel::electrode::Electrode as BliskElectrode;
+
+/// A plain value for whichever workspace takes it.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Message {
+    /// An electrode whose flanks are to be milled.
+    MillFlanks(Arc<ElectrodePart>),
+}
+
+/// An electrode, and how it stands while its flanks are milled.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ElectrodePart {
+    /// What it is called.
+    pub name: String,
+    /// What it burns: the name of a mold or a blisk.
+    pub of: String,
+    /// It, in the axes of its file (mm).
+    pub mesh: Mesh,
+    /// Which way the cutter's axis points on it.
+    pub up: DVec3,
+    /// Whether it is clamped upside down: its base on the table, its tips to the spindle.
+    pub is_upside_down: bool,
+}
+
+/// Which way is up on electrodes of molds, whose files have their tips along -Z.
+pub const UP_OF_MOLDS: DVec3 = DVec3::NEG_Z;
+
+impl ElectrodePart {
+    /// One of a `mold`: as in its file, tips down.
+    pub fn of_mold(electrode: &MoldElectrode, mold: &str) -> Self {
+        let (name, mesh) = (electrode.name.clone(), electrode.mesh.clone());
+        Self { name, of: mold.to_owned(), mesh, up: UP_OF_MOLDS, is_upside_down: true }
+    }
+
+    /// Number `number` (from 1) of a blisk, in its own axes or, given the `frame` of these, in those of the blisk's mesh.
+    /// Up is outwards.
+    pub fn of_blisk(electrode: &BliskElectrode, (number, blisk): (usize, &str), frame: Option<&Frame>) -> Self {
+        let (mesh, up) = match frame {
+            Some(frame) => (electrode.mesh.in_parent_of(frame), frame.z),
+            None => (electrode.mesh.clone(), DVec3::Z),
+        };
+        Self { name: format!("electrode {number}"), of: blisk.to_owned(), mesh, up, is_upside_down: false }
+    }
+}

@@ -1,0 +1,458 @@
+//! The workspace of molds as the window knows it.
+
+use std::any::Any;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use egui::Ui;
+
+use crate::widgets::panel_parts::doing;
+use crate::widgets::viewport::Viewport;
+use crate::workspaces::commands::{Command, CommandInfo, CommandSet, Commanded, FrameCommand, Groups};
+use crate::workspaces::context::{Context, PathInfo, PathKind, PathSet, Request, first, has_ending};
+use crate::workspaces::message::{ElectrodePart, Message};
+use crate::workspaces::mold::commands::MoldCommand;
+use crate::workspaces::mold::document::MoldParams;
+use crate::workspaces::mold::document::cutter_file::CUTTERS;
+use crate::workspaces::mold::document::mold_file::{ENDING, is_mold_file, read_mold, write_mold};
+use crate::workspaces::mold::panels::{self, MoldDesk, MoldView};
+use crate::workspaces::mold::paths::MoldPath;
+use crate::workspaces::mold::scene::{MoldLook, RegionColours};
+use crate::workspaces::mold::work::{LoadedMold, read_part};
+use crate::workspaces::news::EventKind;
+use crate::workspaces::opening::Opening;
+use crate::workspaces::record::Hands;
+use crate::workspaces::workspace::{About, Menu, Workspace};
+use files::Validate;
+use nc::burn_template::BurnSheet;
+use task::{Scheduler, State};
+
+static ABOUT: About = About {
+    id: "mold",
+    name: "Mold",
+    switch: CommandInfo::new("Workspace: mold"),
+    menu: "Mold",
+    save: PathInfo { title: "Save mold", kind: PathKind::Write("Mold", ENDING), opens: false },
+    ending: ENDING,
+    article: "The mold ",
+    kind: "Mold, ",
+    not_saved: "The mold was not saved",
+};
+
+/// The workspace of molds.
+pub struct MoldWorkspace {
+    /// The mold, what is asked about it and what was found.
+    pub desk: MoldDesk,
+    view: MoldView,
+    pending: Option<Pending>,
+    opening: Opening<Incoming>,
+}
+
+/// What takes the place of the mold once nothing stands in the way.
+enum Pending {
+    Open(PathBuf),
+    Ask,
+    /// A mold that was read.
+    Take(Arc<Incoming>),
+}
+
+/// Parameters of a mold, the file that holds them unless they are those of a bare mesh, and the mesh once it was read.
+struct Incoming {
+    params: MoldParams,
+    file: Option<PathBuf>,
+    part: Option<Arc<LoadedMold>>,
+}
+
+impl MoldWorkspace {
+    /// An empty workspace.
+    pub fn new(scheduler: &Scheduler) -> Self {
+        Self {
+            desk: MoldDesk::new(scheduler),
+            view: MoldView::default(),
+            pending: None,
+            opening: Opening::new(scheduler),
+        }
+    }
+
+    /// Whether `pending` loses nothing: the cutters that were chosen before there was a mold stay.
+    fn is_harmless(&self, pending: &Pending) -> bool {
+        self.desk.params.mesh.is_none()
+            && match pending {
+                Pending::Open(path) => !is_mold_file(path),
+                Pending::Ask => true,
+                Pending::Take(opened) => opened.file.is_none(),
+            }
+    }
+
+    /// Goes on with `pending`, after asking about unsaved work.
+    fn intend(&mut self, pending: Pending, cx: &mut Context) {
+        self.opening.stop();
+        self.request(pending, Request::Replace, cx);
+    }
+
+    /// Goes on with `pending` on the way to what was asked for before.
+    fn go_on(&mut self, pending: Pending, cx: &mut Context) {
+        self.request(pending, Request::GoOn, cx);
+    }
+
+    fn request(&mut self, pending: Pending, request: Request, cx: &mut Context) {
+        let is_harmless = self.is_harmless(&pending);
+        self.pending = Some(pending);
+        if is_harmless { self.proceed(cx) } else { cx.request(request) }
+    }
+
+    /// The mold at `path`, a file of one or a mesh, which is not read yet; says why there is none.
+    fn mold_at(&self, path: &Path, cx: &mut Context) -> Option<Incoming> {
+        if !is_mold_file(path) {
+            return Some(Incoming { params: self.desk.begun(path), file: None, part: None });
+        }
+        match read_mold(path) {
+            Ok(params) => Some(Incoming { params, file: Some(path.to_owned()), part: None }),
+            Err(e) => {
+                cx.not_opened(path);
+                cx.error("This mold cannot be opened", e.to_string());
+                None
+            }
+        }
+    }
+
+    /// Puts `opened` in the place of the present mold.
+    fn take(&mut self, opened: &Incoming, cx: &mut Context) {
+        match (&opened.file, &opened.params.mesh) {
+            (None, Some(mesh)) => self.desk.open(mesh),
+            _ => self.desk.replace(opened.params.clone(), opened.file.as_deref()),
+        }
+        if let Some(part) = &opened.part {
+            self.desk.work.put(&opened.params, part.clone());
+        }
+        cx.request(Request::Show);
+        if let Some(path) = opened.file.as_deref().or(opened.params.mesh.as_deref()) {
+            cx.opened(path);
+        }
+        cx.say(EventKind::Done, format!("{} opened", self.desk.name()));
+    }
+
+    fn load_cutters(&mut self, path: &Path, are_others: bool, cx: &mut Context) {
+        match CUTTERS.read(path) {
+            Ok(library) if are_others => self.desk.other = library,
+            Ok(library) => {
+                let mut params = self.desk.params.clone();
+                params.library = library;
+                self.desk.edit(params);
+            }
+            Err(error) => cx.error("This is no library of cutters", error.to_string()),
+        }
+    }
+
+    /// A template that is wrong changes nothing.
+    fn take_burn_sheet(&mut self, path: &Path, cx: &mut Context) {
+        match BurnSheet::read(path) {
+            Ok(sheet) => self.desk.electrodes.sheet = sheet,
+            Err(error) => cx.error("This is no template of a burn sheet", error.to_string()),
+        }
+    }
+
+    fn save_cutters(&mut self, path: &Path, cx: &mut Context) {
+        match CUTTERS.write(path, &self.desk.params.library) {
+            Ok(()) => cx.say(EventKind::Done, format!("cutters saved as {}", path.display())),
+            Err(e) => cx.error("The cutters were not saved", e.to_string()),
+        }
+    }
+
+    /// Writes the files of the electrodes into `folder`; says why not if it cannot.
+    pub fn export(&mut self, folder: &Path, cx: &mut Context) {
+        let desk = &mut self.desk;
+        let formats = desk.electrodes.formats();
+        if let Err(why) = desk.work.export_electrodes(&desk.params, folder, (&formats, &desk.electrodes.sheet)) {
+            cx.error("Nothing was exported", why);
+        }
+    }
+
+    /// Along the way of the electrode that is selected.
+    fn step_along_burn(&mut self, command: FrameCommand) {
+        let burns = &mut self.desk.electrodes;
+        match command {
+            FrameCommand::Play => burns.play(),
+            FrameCommand::NextNode | FrameCommand::PreviousNode => burns.step(command == FrameCommand::NextNode),
+            FrameCommand::FirstNode => (burns.time, burns.is_playing) = (Some(0.0), false),
+            _ => (burns.time, burns.is_playing) = (None, false),
+        }
+    }
+
+    fn mill_flanks(&self, cx: &mut Context) {
+        let Some((electrode, _)) = self.desk.electrodes.chosen() else { return };
+        let part = ElectrodePart::of_mold(electrode, &self.desk.name());
+        cx.request(Request::Send(Message::MillFlanks(part.into())));
+    }
+
+    fn run_own(&mut self, command: MoldCommand, cx: &mut Context) {
+        let desk = &mut self.desk;
+        let bounds = desk.work.mold().map(|mold| mold.shape.bounds());
+        let burns = &mut desk.electrodes;
+        let mut done = Ok(());
+        match command {
+            MoldCommand::FindUncut => {
+                burns.is_shown = false;
+                done = desk.find();
+            }
+            MoldCommand::DesignElectrodes => done = desk.design(),
+            MoldCommand::CompareCutters => done = desk.work.compare(&desk.params, &desk.other),
+            MoldCommand::Electrodes => burns.is_shown = !burns.is_shown,
+            MoldCommand::FlyToRegion if burns.seen().is_some() => {
+                bounds.into_iter().for_each(|bounds| burns.fly_to_selected(bounds));
+            }
+            MoldCommand::Isolate if burns.seen().is_some() => burns.is_alone = !burns.is_alone,
+            MoldCommand::FaintMold if burns.seen().is_some() => {
+                burns.look = MoldLook::ALL[(burns.look as usize + 1) % MoldLook::ALL.len()];
+            }
+            MoldCommand::FlyToRegion => desk.fly_to = desk.selected,
+            MoldCommand::Isolate => desk.isolated = !desk.isolated,
+            MoldCommand::FaintMold => desk.is_faint = !desk.is_faint,
+            MoldCommand::Layers => desk.toggle_layers(),
+            MoldCommand::Section => burns.toggle_cut(),
+            MoldCommand::MillFlanks => self.mill_flanks(cx),
+            MoldCommand::FoldPanel => desk.fold_panel(),
+            MoldCommand::FoldList if desk.is_small => desk.shows_list_instead = !desk.shows_list_instead,
+            MoldCommand::FoldList => desk.shows_list = !desk.shows_list,
+            MoldCommand::DepthColours => {
+                desk.colours = match desk.colours {
+                    RegionColours::ByRegion => RegionColours::ByDepth,
+                    RegionColours::ByDepth => RegionColours::ByRegion,
+                }
+            }
+        }
+        if let Err(why) = done {
+            cx.say(EventKind::Failed, why);
+        }
+    }
+}
+
+impl Commanded for MoldDesk {
+    fn is_enabled(&self, command: Command) -> bool {
+        use FrameCommand as F;
+        let burns = &self.electrodes;
+        let is_one_seen = burns.seen().is_some() && burns.chosen().is_some();
+        if let Some(command) = F::of(command) {
+            return match command {
+                F::Undo | F::Redo => self.undo_label(command == F::Redo).is_some(),
+                F::Cancel => self.work.is_busy() || burns.split.is_some(),
+                F::Export => self.is_designed(),
+                F::Play | F::NextNode | F::PreviousNode | F::FirstNode | F::LastNode => is_one_seen,
+                _ => true,
+            };
+        }
+        let Some(command) = MoldCommand::of(command) else { return false };
+        match command {
+            MoldCommand::FindUncut | MoldCommand::DesignElectrodes => {
+                self.work.mold_state(&self.params) == State::Ready
+            }
+            MoldCommand::Electrodes => burns.designed().is_some(),
+            MoldCommand::FlyToRegion | MoldCommand::Isolate if burns.seen().is_some() => burns.chosen().is_some(),
+            MoldCommand::FlyToRegion | MoldCommand::Isolate => self.selected.is_some(),
+            MoldCommand::Section => is_one_seen,
+            MoldCommand::CompareCutters => self.state() == State::Ready,
+            MoldCommand::Layers if burns.seen().is_some() => false,
+            MoldCommand::Layers => self.found().is_some_and(|found| !found.uncut.layers.is_empty()),
+            MoldCommand::MillFlanks => self.is_designed() && burns.chosen().is_some(),
+            _ => true,
+        }
+    }
+}
+
+impl Commanded for MoldWorkspace {
+    fn is_enabled(&self, command: Command) -> bool {
+        let is_opening = FrameCommand::of(command) == Some(FrameCommand::Cancel) && self.opening.is_busy();
+        is_opening || self.desk.is_enabled(command)
+    }
+}
+
+impl Workspace for MoldWorkspace {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn commands(&self) -> Vec<Command> {
+        MoldCommand::all()
+    }
+
+    fn menu(&self, menu: Menu) -> Groups {
+        use MoldCommand as C;
+        let of = |all: &[C]| all.iter().map(|command| command.command()).collect::<Vec<_>>();
+        match menu {
+            Menu::New | Menu::Save => Vec::new(),
+            Menu::Own => vec![
+                [of(&[C::FindUncut, C::DesignElectrodes, C::CompareCutters]), vec![FrameCommand::Cancel.into()]]
+                    .concat(),
+                of(&[C::Electrodes, C::Layers, C::DepthColours, C::FaintMold]),
+                of(&[C::FoldPanel, C::FoldList]),
+                of(&[C::FlyToRegion, C::Isolate, C::MillFlanks]),
+            ],
+            Menu::View => vec![of(&[C::Section])],
+        }
+    }
+
+    fn run(&mut self, command: Command, cx: &mut Context, _now: f64) {
+        use FrameCommand as F;
+        if let Some(command) = MoldCommand::of(command) {
+            return self.run_own(command, cx);
+        }
+        match F::of(command) {
+            Some(F::Open) => self.intend(Pending::Ask, cx),
+            Some(F::Reload) => self.desk.work.reload(),
+            Some(F::Cancel) if self.opening.is_busy() => self.opening.cancel(),
+            // What is being drawn is given up first.
+            Some(F::Cancel) if self.desk.electrodes.split.is_some() => self.desk.electrodes.give_up_split(),
+            Some(F::Cancel) => self.desk.cancel(),
+            Some(F::Export) => cx.ask(MoldPath::ElectrodeFolder, ""),
+            Some(along @ (F::Play | F::NextNode | F::PreviousNode | F::FirstNode | F::LastNode)) => {
+                self.step_along_burn(along);
+            }
+            _ => {}
+        }
+    }
+
+    fn ui(&mut self, ui: &mut Ui, cx: &mut Context) {
+        match panels::show(ui, &mut self.desk, cx, &mut self.view) {
+            Some(MoldPath::Open) => self.intend(Pending::Ask, cx),
+            Some(path) => cx.ask(path, "cutters.toml"),
+            None => {}
+        }
+    }
+
+    fn status(&mut self, ui: &mut Ui, _cx: &mut Context, is_shown: bool) {
+        if let Some(now) = self.opening.doing().or(self.desk.work.doing()).filter(|_| is_shown) {
+            doing(ui, now);
+        }
+    }
+
+    fn triangles(&self) -> Option<usize> {
+        self.desk.work.mold().map(|mold| mold.mesh.triangles.len())
+    }
+
+    fn follow(&mut self, cx: &mut Context, hands: Hands, _seconds: f64, is_shown: bool) {
+        if let Some(opened) = self.opening.take(cx) {
+            self.go_on(Pending::Take(opened), cx);
+        }
+        let news = self.desk.follow(hands, is_shown);
+        cx.note_events(news, 0);
+    }
+
+    fn is_busy(&self) -> bool {
+        self.opening.is_busy() || self.desk.work.is_busy()
+    }
+
+    fn is_opening(&self) -> bool {
+        self.opening.is_busy()
+    }
+
+    fn viewport(&self) -> &Viewport {
+        &self.view.viewport
+    }
+
+    fn viewport_mut(&mut self) -> &mut Viewport {
+        &mut self.view.viewport
+    }
+
+    fn name(&self) -> String {
+        self.desk.name()
+    }
+
+    fn is_unsaved(&self) -> bool {
+        self.desk.is_unsaved()
+    }
+
+    fn file(&self) -> Option<&Path> {
+        self.desk.record.file.as_deref()
+    }
+
+    fn near(&self) -> Option<&Path> {
+        self.desk.params.mesh.as_deref()
+    }
+
+    fn part(&self) -> Option<String> {
+        self.desk.params.mesh.is_some().then(|| self.desk.name())
+    }
+
+    fn undo_label(&self, again: bool) -> Option<&str> {
+        self.desk.undo_label(again)
+    }
+
+    fn undo(&mut self, again: bool) {
+        self.desk.undo(again);
+    }
+
+    fn open(&mut self, path: &Path, cx: &mut Context) {
+        if let Some(opened) = self.mold_at(path, cx) {
+            self.take(&opened, cx);
+        }
+    }
+
+    fn take_files(&mut self, files: &[PathBuf], cx: &mut Context) {
+        let path = first(files);
+        if has_ending(path, ".toml") {
+            self.load_cutters(path, false, cx)
+        } else {
+            self.intend(Pending::Open(path.to_owned()), cx)
+        }
+    }
+
+    fn proceed(&mut self, cx: &mut Context) {
+        match self.pending.take() {
+            Some(Pending::Open(path)) => {
+                let Some(Incoming { params, file, .. }) = self.mold_at(&path, cx) else { return };
+                self.opening.begin(move |progress, cancel| {
+                    let part = params.mesh.as_ref().map(|mesh| read_part(mesh, params.units, progress, cancel));
+                    let part = part.transpose()?.map(Arc::new);
+                    Ok(Incoming { params: params.clone(), file: file.clone(), part })
+                });
+            }
+            Some(Pending::Ask) => cx.ask(MoldPath::Open, ""),
+            Some(Pending::Take(opened)) => self.take(&opened, cx),
+            None => {}
+        }
+    }
+
+    fn write(&self, file: &Path) -> Result<(), String> {
+        write_mold(file, &self.desk.params).map_err(|e| e.to_string())
+    }
+
+    fn save_as(&mut self, file: &Path) -> Result<(), String> {
+        self.write(file)?;
+        self.desk.saved_as(file);
+        Ok(())
+    }
+
+    fn recover(&mut self, copy: &Path, file: Option<PathBuf>, cx: &mut Context) -> Result<(), String> {
+        let params = read_mold(copy).map_err(|e| e.to_string())?;
+        self.desk.recover(params, file.as_deref());
+        cx.request(Request::Show);
+        Ok(())
+    }
+
+    fn snapshot(&self) -> Box<dyn Any> {
+        Box::new(self.desk.params.clone())
+    }
+
+    fn is_at(&self, snapshot: Option<&dyn Any>) -> bool {
+        let params = &self.desk.params;
+        snapshot.and_then(|s| s.downcast_ref::<MoldParams>()) == Some(params) || params.validate().is_err()
+    }
+
+    fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context) {
+        match MoldPath::at(number) {
+            Some(MoldPath::Open) => self.go_on(Pending::Open(path), cx),
+            Some(MoldPath::Cutters) => self.load_cutters(&path, false, cx),
+            Some(MoldPath::OtherCutters) => self.load_cutters(&path, true, cx),
+            Some(MoldPath::SaveCutters) => self.save_cutters(&path, cx),
+            Some(MoldPath::BurnSheet) => self.take_burn_sheet(&path, cx),
+            Some(MoldPath::ElectrodeFolder) => self.export(&path, cx),
+            None => {}
+        }
+    }
+
+    fn take_user_files(&mut self, folder: &Path, cx: &mut Context) {
+        for wrong in self.desk.take_user_files(folder) {
+            cx.say(EventKind::Failed, wrong);
+        }
+    }
+}

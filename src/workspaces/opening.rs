@@ -1,0 +1,64 @@
+//! Documents that are read in the background, before they take the place of what is open.
+
+use std::sync::Arc;
+
+use task::{Cancel, Doing, Lane, Memo, Priority, Progress, Refusal, Scheduler};
+
+use super::context::Context;
+use super::news::EventKind;
+
+/// A document that is being read with its part. A part that cannot be read takes the place of nothing.
+pub struct Opening<T> {
+    memo: Memo<u64, T>,
+    /// How often something was opened.
+    number: u64,
+}
+
+impl<T: Send + Sync + 'static> Opening<T> {
+    /// Nothing is being opened.
+    pub fn new(scheduler: &Scheduler) -> Self {
+        Self { memo: Memo::new(scheduler, Lane::Quick, "Open").remembering(1), number: 0 }
+    }
+
+    /// Reads a document; what was being read is given up.
+    pub fn begin(&mut self, read: impl Fn(&Progress, &Cancel) -> Result<T, String> + Send + 'static) {
+        self.number += 1;
+        self.memo.restart(&self.number, Priority::Shown, move |work| read(&work.progress, &work.cancel));
+    }
+
+    /// What has been read; says why something was not.
+    pub fn take(&mut self, cx: &mut Context) -> Option<Arc<T>> {
+        let ended = self.memo.take()?;
+        // What was read is held by who takes it.
+        self.memo.clear();
+        match ended.result {
+            Ok(opened) => return Some(opened),
+            Err(Refusal::Cancelled) => cx.say(EventKind::Cancelled, "Open: cancelled"),
+            Err(Refusal::Failed(why)) => {
+                cx.say(EventKind::Failed, format!("Open: {why}"));
+                cx.error("The file cannot be opened", why);
+            }
+        }
+        None
+    }
+
+    /// What is being read, and how far it is.
+    pub fn doing(&self) -> Option<&Doing> {
+        self.memo.doing()
+    }
+
+    /// Whether something is being read.
+    pub fn is_busy(&self) -> bool {
+        self.memo.is_busy()
+    }
+
+    /// Cancels it, as the user asked.
+    pub fn cancel(&mut self) {
+        self.memo.cancel();
+    }
+
+    /// Gives it up: something else is wanted now.
+    pub fn stop(&mut self) {
+        self.memo.stop();
+    }
+}
