@@ -5,9 +5,9 @@ use glam::{DVec2, DVec3};
 use geometry::mesh::Mesh;
 use mold::electrode::base::Base;
 use mold::electrode::check::{CheckKind, Finding, LeftOfRegion};
+use mold::electrode::design::Family;
 use mold::electrode::design::{Burn, Electrode, ElectrodeSet, PartId, PartNode, RegionPlan};
 use mold::electrode::division::Cut;
-use mold::electrode::family::Family;
 use mold::electrode::overrides::Override;
 use mold::electrode::params::{ElectrodeParams, Holder, Method, Orbit, Stage};
 

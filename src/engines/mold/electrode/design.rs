@@ -8,9 +8,8 @@ use serde::Serialize;
 use super::base::Base;
 use super::check::{CheckKind, Finding, LeftOfRegion};
 use super::division::Cut;
-use super::names::GivenName;
 use super::overrides::{IdleOverride, Override};
-use super::params::{ElectrodeParams, Method};
+use super::params::{ElectrodeParams, GivenName, Method};
 use geometry::mesh::{Bounds, Mesh};
 
 /// Where a part of a region is: the region's place in the list, and the part's number, which is the same for the same place

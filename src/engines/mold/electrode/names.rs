@@ -6,27 +6,16 @@ use std::cmp::Reverse;
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
-use super::design::{Electrode, PartId, RegionPlan};
+use super::design::{Electrode, Family, PartId, RegionPlan};
 use super::edits::TOUCHES;
 use super::edits::off_in_plan;
-use super::family::{Family, parts};
-use super::params::ElectrodeParams;
+use super::family::parts;
+use super::params::{ElectrodeParams, GivenName};
 use super::part_numbers::{Numbered, Parts};
 use super::setting::{RegionToBurn, to_burn_frame};
 use crate::outline::Outline;
 use crate::plane;
-
-/// A number that was given to an electrode, and what it burned then.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct GivenName {
-    /// The number: 4 of `E04`.
-    pub number: usize,
-    /// A place of each part of a region that it burned, in the upright mold (mm).
-    pub places: Vec<DVec3>,
-}
 
 /// What is burned: the regions, how, and their parts.
 pub(super) type Burned<'a> = (&'a [RegionToBurn], &'a [RegionPlan], &'a Parts);

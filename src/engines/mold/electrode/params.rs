@@ -6,7 +6,6 @@ use files::{Invalid, Validate};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-use super::names::GivenName;
 use super::overrides::Override;
 use crate::cutter::CutterLibrary;
 
@@ -278,6 +277,16 @@ impl std::fmt::Display for Edit {
             Self::Burn { direction: d, .. } => write!(f, "burned along {:.2}, {:.2}, {:.2}", d.x, d.y, d.z),
         }
     }
+}
+
+/// A number that was given to an electrode, and what it burned then.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GivenName {
+    /// The number: 4 of `E04`.
+    pub number: usize,
+    /// A place of each part of a region that it burned, in the upright mold (mm).
+    pub places: Vec<DVec3>,
 }
 
 /// Parameters of electrodes.

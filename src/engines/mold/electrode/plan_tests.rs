@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use glam::{DMat3, DVec2, DVec3};
 
+use super::design::Family;
 use super::design::{Electrode, ElectrodeSet, PartId, PartNode};
-use super::family::Family;
 use super::params::{Edit, ElectrodeParams, ElectrodeParamsError, Method, Shape, Stage};
 use super::setting::RegionToBurn;
 use super::tests::{GAP, mold, params, planned, region, ring};

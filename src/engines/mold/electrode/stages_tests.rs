@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec2, DVec3};
 
 use super::design::ElectrodeSet;
-use super::family::Family;
+use super::design::Family;
 use super::params::{ElectrodeParams, Holder, Shape, Stage};
 use super::setting::RegionToBurn;
 use super::tests::{GAP, mold, params, planned, region, ring};

@@ -9,8 +9,8 @@ use serde::Serialize;
 
 use mold::electrode::base::round_blank;
 use mold::electrode::check::CheckKind;
+use mold::electrode::design::Family;
 use mold::electrode::design::{Burn, Electrode, ElectrodeSet};
-use mold::electrode::family::Family;
 use mold::electrode::overrides::Override;
 use mold::electrode::params::{Method, Orbit, Shape};
 use mold::electrode::setting::to_burn_frame;

@@ -17,7 +17,7 @@ use crate::workspaces::record::{Hands, Record};
 use files::Validate;
 use geometry::mesh::Bounds;
 use mold::cutter::CutterLibrary;
-use mold::electrode::names::GivenName;
+use mold::electrode::params::GivenName;
 use mold::electrode::params::{ElectrodeParams, Holder};
 use mold::uncut_region::UncutRegion;
 use task::{Priority, Scheduler, State};
