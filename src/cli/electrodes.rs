@@ -215,7 +215,7 @@ fn lines(set: &ElectrodeSet, report: &ElectrodesReport) -> Vec<String> {
     for (number, region) in set.regions.iter().enumerate() {
         let is_burned = |e: &Electrode| e.burns.iter().flat_map(|b| &b.parts).any(|part| part.region == number);
         let what = if set.electrodes.iter().any(is_burned) { "" } else { " has no electrode" };
-        lines.extend(region.trouble.as_ref().map(|t| format!("region {}{what}: {t}", number + 1)));
+        lines.extend(region.reason.as_ref().map(|t| format!("region {}{what}: {t}", number + 1)));
     }
     lines.extend(corners(set));
     let idle = set.idle_overrides();

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use egui::{Key, Modifiers, Role, pos2, vec2};
 use egui_kittest::kittest::{By, Queryable as _};
 use egui_kittest::{Harness, Node};
-use feed::strategy::Strategy;
+use feed::plan_params::Strategy;
 use import::write_stl;
 use sparkpath::shell::run::{Folders, Opening, SparkpathApp};
 use sparkpath::workspaces::blisk::document::job_file::PlanJob;

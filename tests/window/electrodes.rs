@@ -325,7 +325,7 @@ fn the_place_where_most_is_left_is_flown_to_and_marked() {
     assert_eq!((burns.selected, burns.is_alone), (Some(BurnOf { electrode, burn }), true));
     assert_eq!(burns.place.as_ref().map(|place| place.at), Some(left.place));
     let most = if left.excess > 0.0 { left.excess } else { left.thickness };
-    desk.assert_shows(&format!("region {}: {most:.4} mm left", region + 1));
+    desk.assert_shows(&format!("region {}: residual stock {most:.4} mm", region + 1));
     let marker = desk.app().scene().markers[0].at;
     assert_eq!(marker, made.opening.in_mesh(left.place));
     std::thread::sleep(std::time::Duration::from_millis(600));

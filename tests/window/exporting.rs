@@ -98,7 +98,7 @@ fn what_is_written_is_what_was_ticked() {
     assert_eq!(written["not_asked_for"], serde_json::json!([]));
 
     desk.press("Export…");
-    for file in ["path_K.nc", "path_K.csv", "leftover.ply, copying_K.csv", "*.png", "On its path"] {
+    for file in ["path_K.nc", "path_K.csv", "leftover.ply, copying_K.csv", "*.png", "Sweep"] {
         desk.press_role(Role::CheckBox, file);
     }
     desk.press_role(Role::Button, "Cancel");

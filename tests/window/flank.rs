@@ -64,7 +64,7 @@ fn a_flank_is_planned_looked_at_and_exported() {
     assert_eq!(desk.app().core().workspace, Workspace::Flank);
     desk.until("it is looked at quickly", |desk| desk.flank().planned().is_some());
     assert_eq!((desk.flank().is_planned(), desk.coloured()), (false, 1));
-    desk.assert_shows("Quick look");
+    desk.assert_shows("Preview");
     desk.press("Plan");
     desk.until_planned();
     let planned = desk.flank().planned().unwrap().clone();

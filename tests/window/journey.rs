@@ -199,7 +199,7 @@ fn an_edit_withdraws_the_release(desk: &mut Desk) {
     assert!(core.pipeline.released().is_none());
     assert!(desk.step_says(Stage::Plan, "out of date") && desk.step_says(Stage::Export, "out of date"));
     assert!(desk.log().iter().any(|line| line.contains("release withdrawn: an input changed")));
-    desk.assert_shows("Stale: comes out");
+    desk.assert_shows("Out of date: has an extraction path");
     desk.key_with(Modifiers::COMMAND, Key::Z);
     desk.until_idle();
     assert!(desk.step_says(Stage::Plan, "done"), "the plan is of these parameters again");

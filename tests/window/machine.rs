@@ -145,7 +145,7 @@ fn stale_and_opened_again(desk: &mut Desk, home: &Home) {
     job.electrode.radial_reduction_mm += 0.2;
     core.edit("Radial reduction", job, false);
     desk.until_idle();
-    desk.assert_shows("Stale: COLLISION: ");
+    desk.assert_shows("Out of date: COLLISION: ");
     assert!(desk.step_says(Stage::Plan, "out of date"));
     desk.window.state_mut().open(&project);
     until_checked(desk);

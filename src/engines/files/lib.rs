@@ -17,7 +17,6 @@ mod fields;
 pub mod old_history;
 pub mod paths;
 pub mod report;
-pub mod svg_plot;
 mod toml_file;
 pub mod user_folder;
 pub mod word_or_table;

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cutter {
-    /// Its name in lists; empty to be called after its shape.
+    /// Name in lists; empty to be called after its shape.
     #[serde(default)]
     pub name: String,
     /// Diameter of the cutting part (mm).
@@ -23,7 +23,7 @@ pub struct Cutter {
     pub holder_diameter_mm: Option<f64>,
 }
 
-/// What the edge of a cutter is like.
+/// Shape of the edge of a cutter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CutterKind {
@@ -35,7 +35,7 @@ pub enum CutterKind {
     BullNose,
 }
 
-/// What is wrong with a cutter.
+/// Invalid cutter.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CutterError {
     /// A length that no cutter has.
@@ -43,9 +43,9 @@ pub enum CutterError {
     OutOfRange {
         /// The cutter.
         cutter: String,
-        /// Which length.
+        /// Name of the length.
         name: &'static str,
-        /// What it is (mm).
+        /// Value of the length (mm).
         value: f64,
         /// Least that it may be (mm).
         from: f64,
@@ -62,7 +62,7 @@ pub enum CutterError {
         cutter: String,
         /// Radius of its rounded edge (mm).
         corner: f64,
-        /// Its own (mm).
+        /// Radius of the cutter (mm).
         radius: f64,
     },
     /// Text that names no cutter.
@@ -99,7 +99,7 @@ impl Cutter {
         0.5 * self.diameter_mm
     }
 
-    /// What its edge is like.
+    /// Shape of the edge.
     pub fn kind(&self) -> CutterKind {
         if self.corner_mm <= 0.0 {
             CutterKind::Flat
@@ -122,7 +122,7 @@ impl Cutter {
         self.reach_mm.map(|reach| (0.5 * self.holder_diameter_mm.unwrap_or(self.diameter_mm), reach))
     }
 
-    /// Its name, or what its shape is called.
+    /// Name, or the name of the shape.
     pub fn label(&self) -> String {
         if !self.name.is_empty() {
             return self.name.clone();
@@ -225,7 +225,7 @@ impl Validate for CutterLibrary {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CutterLibrary {
-    /// They, in any order.
+    /// The cutters, in any order.
     pub cutter: Vec<Cutter>,
 }
 

@@ -23,11 +23,17 @@ const OTHER_RESULTS: [&str; 12] =
 
 /// Why a post cannot be used.
 #[derive(Debug, thiserror::Error)]
-#[allow(missing_docs)]
 pub enum PostError {
+    /// No post has this name.
     #[error("there is no post {name:?}; built in are {}, and one of your own is given by the path of its .toml file",
             known.join(", "))]
-    Unknown { name: String, known: Vec<&'static str> },
+    Unknown {
+        /// Name asked for.
+        name: String,
+        /// Names of the built-in posts.
+        known: Vec<&'static str>,
+    },
+    /// Its file cannot be read, or is none of a post.
     #[error(transparent)]
     File(#[from] FileError),
 }
@@ -51,7 +57,7 @@ pub enum FeedMode {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FeedWords {
-    /// What F means.
+    /// Meaning of F.
     pub mode: FeedMode,
     /// The word that switches this mode on, e.g. `G94`.
     pub word: String,
@@ -66,9 +72,9 @@ pub struct FeedWords {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CommentStyle {
-    /// What starts a comment.
+    /// Start of a comment.
     pub open: String,
-    /// What ends it; empty when the end of the line does.
+    /// End of a comment; empty when the end of the line ends it.
     pub close: String,
 }
 
@@ -100,7 +106,7 @@ pub struct BlockNumbers {
 pub struct AxisWord {
     /// The axis of the pose.
     pub axis: Axis,
-    /// Its address on the control, e.g. `X`.
+    /// Address on the control, e.g. `X`.
     pub word: String,
     /// Whether the machine counts this axis the other way round.
     #[serde(default)]
@@ -128,7 +134,7 @@ pub struct TipWords {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Post {
-    /// What the post is for, in a few words.
+    /// Purpose of the post, in a few words.
     pub title: String,
     /// File name extension without the dot.
     pub extension: String,

@@ -86,7 +86,7 @@ pub fn input(
         overcut_tolerance_mm: document.overcut_tolerance_mm,
         undercut_tolerance_mm: document.undercut_tolerance_mm,
         overrides: document.overrides.clone(),
-        is_quick_look: false,
+        is_preview: false,
     }
 }
 

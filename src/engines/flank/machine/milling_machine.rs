@@ -27,9 +27,9 @@ pub enum MachineError {
         machine: String,
         /// The key.
         key: String,
-        /// What it is.
+        /// Value found.
         value: String,
-        /// What to do.
+        /// Remedy.
         remedy: String,
     },
     /// A tool direction that no position of the rotary axes gives.
@@ -53,10 +53,12 @@ fn direction_words(direction: DVec3) -> String {
 
 /// The letter of a rotary axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[allow(missing_docs)]
 pub enum RotaryLetter {
+    /// Rotation about X.
     A,
+    /// Rotation about Y.
     B,
+    /// Rotation about Z.
     C,
 }
 
@@ -71,7 +73,7 @@ impl RotaryLetter {
     }
 }
 
-/// What a rotary axis turns.
+/// Body that a rotary axis carries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CarriedBy {
@@ -85,12 +87,12 @@ pub enum CarriedBy {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RotaryAxis {
-    /// Its letter.
+    /// Letter.
     pub letter: RotaryLetter,
     /// Whether it turns the tool or the workpiece.
     pub carried_by: CarriedBy,
-    /// What it turns goes right-handed about this direction when its value rises. A table that is counted as the tool
-    /// moves relative to the workpiece (ISO 841) turns the other way round: give the opposite direction.
+    /// Direction about which the carried body turns right-handed when the axis value rises. A table that is counted as
+    /// the tool moves relative to the workpiece (ISO 841) turns the other way round: give the opposite direction.
     pub direction: DVec3,
     /// A point that it goes through, with every rotary axis at zero (mm): of a table in machine coordinates, of a head
     /// from the spindle nose (the pivot).
@@ -128,7 +130,7 @@ pub struct LinearAxes {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Workpiece {
-    /// Its zero in machine coordinates (mm).
+    /// Zero in machine coordinates (mm).
     pub zero_mm: DVec3,
     /// Machine direction of its X; what of it lies along `z_axis` is taken off.
     pub x_axis: DVec3,
@@ -146,9 +148,9 @@ impl Default for Workpiece {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MillingMachine {
-    /// Its name: letters, digits, `-` and `_`.
+    /// Name: letters, digits, `-` and `_`.
     pub name: String,
-    /// What it is, in a few words.
+    /// Short description.
     #[serde(default)]
     pub title: String,
     /// Direction from the tool's tip to the spindle with every rotary axis at zero.

@@ -1,4 +1,4 @@
-//! What is asked of electrodes.
+//! Parameters of electrodes.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -13,12 +13,12 @@ use crate::cutter::CutterLibrary;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "pattern", deny_unknown_fields)]
 pub enum Orbit {
-    /// None.
+    /// No orbit.
     #[default]
     None,
     /// A circle.
     Circular {
-        /// Its radius (mm).
+        /// Radius (mm).
         radius_mm: f64,
     },
     /// A square with its sides along X and Y.
@@ -41,7 +41,7 @@ impl Orbit {
     /// Whether an electrode that was made for it is right for it turned about the burn direction, too (radians): the
     /// machine does not turn the orbit with it.
     pub fn fits_turned(self, turn: f64) -> bool {
-        /// What rounding makes of a quarter turn (radians).
+        /// Rounding of a quarter turn (rad).
         const HAIR: f64 = 1e-6;
         let quarters = turn / std::f64::consts::FRAC_PI_2;
         !matches!(self, Self::Square { .. }) || (quarters - quarters.round()).abs() < HAIR
@@ -56,7 +56,7 @@ impl Orbit {
         }
     }
 
-    /// Its radius or half side (mm).
+    /// Radius or half side (mm).
     pub fn radius_mm(self) -> f64 {
         match self {
             Self::None => 0.0,
@@ -69,11 +69,11 @@ impl Orbit {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stage {
-    /// Its name: rough, finish.
+    /// Name: rough, finish.
     pub name: String,
     /// Spark gap (mm): how far from the electrode material is taken.
     pub gap_mm: f64,
-    /// What it leaves for the stages after it (mm), on every face.
+    /// Stock left for the stages after this one (mm), on every face.
     #[serde(default)]
     pub stock_mm: f64,
     /// The orbit.
@@ -120,7 +120,7 @@ impl Stage {
     }
 }
 
-/// What the electrode files hold.
+/// Shape that electrode files hold.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Shape {
@@ -145,11 +145,11 @@ pub enum Method {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Holder {
-    /// Its name.
+    /// Name.
     pub name: String,
     /// Largest blank that it holds, along X and Y (mm).
     pub size_mm: [f64; 2],
-    /// Its height above the blank (mm).
+    /// Height above the blank (mm).
     pub height_mm: f64,
 }
 
@@ -162,7 +162,7 @@ pub struct Blanks {
     /// Diameters that round blanks come in (mm), rising. One is taken where it is less than the rectangular blank; none where
     /// the list is empty.
     pub diameters_mm: Vec<f64>,
-    /// What lengths, and sides beyond the list, are rounded up to (mm).
+    /// Step to which lengths, and sides beyond the list, are rounded up (mm).
     pub increment_mm: f64,
 }
 
@@ -176,7 +176,7 @@ impl Default for Blanks {
 impl Blanks {
     /// The least side that holds `length` (mm).
     pub fn side(&self, length: f64) -> f64 {
-        /// What rounding makes of a length (mm).
+        /// Rounding of a length (mm).
         const HAIR: f64 = 1e-6;
         let known = self.sides_mm.iter().copied().find(|side| *side >= length - HAIR);
         known.unwrap_or_else(|| self.rounded_up(length))
@@ -279,13 +279,13 @@ impl std::fmt::Display for Edit {
     }
 }
 
-/// What is asked.
+/// Parameters of electrodes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ElectrodeParams {
     /// The burns.
     pub stages: Vec<Stage>,
-    /// What files hold.
+    /// Shape that files hold.
     pub shape: Shape,
     /// How far tips reach beyond what is left, where the mold leaves room (mm).
     pub margin_mm: f64,
@@ -311,10 +311,10 @@ pub struct ElectrodeParams {
     pub family_spacing_mm: f64,
     /// How far an electrode is lifted (mm).
     pub lift_mm: f64,
-    /// What is left, across the surface, up to which it counts as burned (mm), beyond what the gap's radius leaves in
-    /// edges.
+    /// Tolerance of residual stock (mm): thickness across the surface up to which a place counts as burned, beyond what
+    /// the gap's radius leaves in edges.
     pub tolerance_mm: f64,
-    /// What they are made of.
+    /// Material of the electrodes.
     pub material: String,
     /// The cutters that mill them; none for the library that mills the mold.
     pub cutters: Option<CutterLibrary>,
@@ -325,7 +325,7 @@ pub struct ElectrodeParams {
     pub holders: Vec<Holder>,
     /// Burning times.
     pub removal: Removal,
-    /// What the user changed.
+    /// Changes by the user.
     pub edits: Vec<Edit>,
     /// Electrodes that are exported although a check fails.
     pub overrides: Vec<Override>,
@@ -366,9 +366,9 @@ pub enum ElectrodeParamsError {
     /// A length outside what makes sense.
     #[error("{name} is {value} mm: it must be from {least} to {most} mm")]
     Length {
-        /// Which.
+        /// Name of the parameter.
         name: String,
-        /// What it is (mm).
+        /// Value of the parameter (mm).
         value: f64,
         /// The least (mm).
         least: f64,
@@ -378,7 +378,7 @@ pub enum ElectrodeParamsError {
     /// No burn at all.
     #[error("there is no stage: give at least one burn, with its gap")]
     NoStage,
-    /// Stages that cannot be told apart.
+    /// Stages that cannot be distinguished.
     #[error(
         "two stages are called {0:?}, or a name is empty or holds more than letters, digits, - and _: file names carry it"
     )]
@@ -393,11 +393,11 @@ pub enum ElectrodeParamsError {
     StageOrder {
         /// The earlier one.
         earlier: String,
-        /// Its undersize at walls (mm).
+        /// Undersize at walls (mm).
         earlier_mm: f64,
         /// The later one.
         later: String,
-        /// Its undersize at walls (mm).
+        /// Undersize at walls (mm).
         later_mm: f64,
     },
     /// A holder that takes nothing.

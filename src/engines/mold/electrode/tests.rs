@@ -12,8 +12,9 @@ use super::footprint::{grown, hull, shrunk};
 use super::h_edge::h_edges;
 use super::leftover::{Burns, Looked, left_by, leftover};
 use super::params::{Edit, ElectrodeParams, ElectrodeParamsError, Method, Orbit, Removal, Shape, Stage};
-use super::plan::{RegionToBurn, plan};
+use super::plan::plan;
 use super::plan_checks::check_own;
+use super::setting::RegionToBurn;
 use crate::cutter::{Cutter, CutterLibrary};
 use crate::fixtures::rectangle;
 use crate::outline::Outline;
@@ -123,7 +124,7 @@ fn a_net_electrode_fills_the_slot_and_leaves_nothing() {
     let wide = params(0.45);
     let set = planned(&mold, &[slot], &wide);
     assert!(!set.holds() && set.electrodes.is_empty());
-    assert!(set.regions[0].trouble.as_ref().unwrap().contains("gap"), "{:?}", set.regions[0].trouble);
+    assert!(set.regions[0].reason.as_ref().unwrap().contains("gap"), "{:?}", set.regions[0].reason);
 }
 
 #[test]
@@ -484,7 +485,7 @@ fn a_slot_in_a_side_is_burned_from_that_side() {
     let own = RegionToBurn { corners, depths, ..own };
     let sideways = Edit::Burn { place, direction: DVec3::new(-2.0, 0.0, 0.0) };
     let set = planned(&mold, &[own], &ElectrodeParams { edits: vec![sideways], ..params(GAP) });
-    assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].trouble);
+    assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].reason);
     let [electrode] = &set.electrodes[..] else { panic!("one electrode") };
     assert!(electrode.direction.distance(DVec3::NEG_X) < 1e-9, "{}", electrode.direction);
     let burn = &electrode.burns[0];

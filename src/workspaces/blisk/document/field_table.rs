@@ -77,7 +77,7 @@ pub(super) const FIELDS: &[Field] = &[
     field(Stage::Plan, "Path", "/plan/strategy", "Strategy", "", "", Choice(STRATEGIES), "Search for the extraction path. Global: path of greatest clearance, with the reason where there is none. Genetic: the algorithm of the papers. Centreline: along the middle of the channel. The other two are for comparison."),
     field(Stage::Plan, "Path", "/plan/step_mm", "Step", "k", "mm", Number(Range(0.01, 10.0), 2), "Distance between nodes along X, or along the centreline if that is followed; halved where no free pose is found."),
     field(Stage::Plan, "Path", "/plan/exit_clearance_mm", "Exit clearance", "", "mm", Number(Range(0.1, 200.0), 1), "Distance by which the electrode is retracted out of the blisk."),
-    field(Stage::Plan, "Path", "/plan/margin_mm", "Side extension", "", "mm", Slider(Range(0.0, 5.0), Range(0.0, 0.5), 3), "Clearance wanted beyond the spark gap as soon as the electrode has left its final pose."),
+    field(Stage::Plan, "Path", "/plan/margin_mm", "Margin", "", "mm", Slider(Range(0.0, 5.0), Range(0.0, 0.5), 3), "Clearance wanted beyond the spark gap as soon as the electrode has left its final pose."),
     field(Stage::Plan, "Path", "/plan/constraint", "Constraint", "", "", Choice(CONSTRAINTS), "What a pose must meet during the search: the distance to the surface, or the paper's comparison of angles. The verifier has the last word either way."),
     field(Stage::Plan, "Global search", "/plan/global/poses", "Poses", "", "", Integer(Range(2.0, 1000.0)), "Poses kept for each node; three times as many are tried before it is given up."),
     field(Stage::Plan, "Global search", "/plan/global/room_mm", "Clearance margin", "", "mm", Number(Range(0.0, 5.0), 2), "Clearance beyond the required one up to which a wider path counts as better."),
@@ -128,7 +128,7 @@ pub(super) const FIELDS: &[Field] = &[
     field(Stage::Export, "Files", "/export/files/pictures", "Pictures", "", "", Flag, "The pictures as PNG files. The page of the report holds them in any case."),
     field(Stage::Export, "Pictures", "/export/pictures/whole", "Whole blisk", "", "", Flag, "The whole blisk with its electrodes before it."),
     field(Stage::Export, "Pictures", "/export/pictures/final_pose", "Final pose", "", "", Flag, "Each electrode in its final pose in the channel."),
-    field(Stage::Export, "Pictures", "/export/pictures/sweep", "On its path", "", "", Flag, "Each electrode in many poses along its path."),
+    field(Stage::Export, "Pictures", "/export/pictures/sweep", "Sweep", "", "", Flag, "Each electrode in many poses along its path."),
     field(Stage::Export, "Pictures", "/export/pictures/closest", "Closest point", "", "", Flag, "A section where each electrode comes closest, or jams."),
     field(Stage::Export, "Pictures", "/export/pictures/leftover", "Residual stock", "", "", Flag, "The residual stock on the surfaces of the channel, as colours."),
 ];

@@ -125,7 +125,7 @@ fn pictures(ui: &mut Ui, drawn: &mut DrawnPictures) {
         ui.spacing_mut().item_spacing.x = 16.0;
         tick(ui, &mut drawn.whole, "Whole blisk");
         tick(ui, &mut drawn.final_pose, "Final pose");
-        tick(ui, &mut drawn.sweep, "On its path");
+        tick(ui, &mut drawn.sweep, "Sweep");
         tick(ui, &mut drawn.closest, "Closest point");
         tick(ui, &mut drawn.leftover, "Residual stock");
     });

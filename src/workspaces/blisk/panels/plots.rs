@@ -11,7 +11,7 @@ use crate::shell::core::Core;
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::scene::track::Track;
 use feed::pose::Axis;
-use feed::search::Convergence;
+use feed::problem::Convergence;
 
 /// Which plot is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -136,7 +136,7 @@ pub fn show(ui: &mut Ui, core: &mut Core, tab: &mut Tab, curves: &mut Curves, is
 
 fn unit_note(tab: Tab) -> &'static str {
     match tab {
-        Tab::Positions | Tab::Velocities | Tab::Accelerations | Tab::Clearance => "over the distance retracted (mm)",
+        Tab::Positions | Tab::Velocities | Tab::Accelerations | Tab::Clearance => "over mm retracted",
         Tab::Convergence => "objective over generations",
         Tab::Table | Tab::Comparison => "",
     }

@@ -37,7 +37,7 @@ use crate::workspaces::blisk::job::stages::{Electrodes, FoundChannel, Part};
 use crate::workspaces::blisk::report::InputFile;
 use crate::workspaces::blisk::scene::leftover::LeftoverShape;
 use crate::workspaces::worker::{Reporter, Worker};
-use feed::search::{Convergence, Node};
+use feed::problem::{Convergence, Node};
 use render::mesh::RenderMesh;
 use task::{Cancel, Progress};
 use wheel::channel::Channel;

@@ -188,7 +188,7 @@ fn sized(ui: &mut Ui, value: &mut f64, what: Number, width: f32, wrong: &mut Opt
     if let Some(text) = typed.into_inner() {
         let text: String = text.trim().chars().take(24).collect();
         let unit = if what.unit.is_empty() { String::new() } else { format!(" {}", what.unit) };
-        *wrong = Some(format!("{}: \"{text}\" is no number; it stays {before}{unit}", what.name));
+        *wrong = Some(format!("{}: \"{text}\" is not a number; it stays {before}{unit}", what.name));
     }
     response
 }

@@ -34,7 +34,7 @@ impl Tab {
 
     fn note(self) -> &'static str {
         [
-            "total absolute deviation (mm) over the rank of the solution",
+            "total absolute deviation (mm) over the rank",
             "left: least, greatest and mean (mm) along the guides; right: along the line of contact, up the ruling",
             "over the cut; spindle nose in machine coordinates",
         ][self as usize]

@@ -140,7 +140,7 @@ fn library(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
 
 fn uncut(ui: &mut Ui, core: &mut Core) {
     let state = core.mold.state();
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         command_button(ui, core, Command::FindUncut, "Find rest material", state != State::Ready);
         let is_next = state == State::Ready && !core.mold.is_designed();
         command_button(ui, core, Command::DesignElectrodes, "Create electrodes", is_next);

@@ -1,11 +1,12 @@
 //! The report on a mold's electrodes, as `electrodes.json` for programs and `report.html` for people.
 
-pub mod html;
+mod page;
 pub mod uncut;
 pub mod uncut_ply;
 
 use serde::Serialize;
 
+use files::report::PageError;
 use mold::electrode::design::{Electrode, ElectrodeSet, PartNode, RegionPlan};
 use mold::electrode::overrides::{IdleOverride, Override};
 use mold::opening::Opening;
@@ -155,8 +156,11 @@ impl ElectrodesReport {
     }
 
     /// The report as one self-contained page with pictures, each a caption and PNG bytes.
-    pub fn html(&self, pictures: &[(String, Vec<u8>)]) -> String {
-        html::page(self, pictures)
+    ///
+    /// # Errors
+    /// [`PageError`], which a test of the template keeps from happening.
+    pub fn html(&self, pictures: &[(String, Vec<u8>)]) -> Result<String, PageError> {
+        page::page(self, pictures)
     }
 }
 
@@ -228,7 +232,7 @@ fn region(set: &ElectrodeSet, r: usize, plan: &RegionPlan) -> RegionEntry {
         left_thickness_mm: plan.left.thickness,
         left_at_mm: plan.left.place.to_array().map(|v| rounded(v, 1e6)),
         left_volume_mm3: plan.left.volume,
-        trouble: plan.trouble.clone(),
+        trouble: plan.reason.clone(),
         left_out: plan.left_out.iter().map(|left| left.text.clone()).collect(),
     }
 }

@@ -10,7 +10,7 @@ use crate::workspaces::blisk::document::choice::{Channels, DrawnPictures, MeshFr
 use feed::genetic::{GeneticParams, ReductionMode};
 use feed::machine::MachineParams;
 use feed::plan_params::PlanParams;
-use feed::search::{Constraint, Strategy};
+use feed::plan_params::{Constraint, Strategy};
 use feed::verify::VerifyOptions;
 use files::paths::{absolute, relative};
 use files::{FileError, Invalid, TomlFile, read_text};
