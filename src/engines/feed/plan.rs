@@ -30,7 +30,7 @@ pub struct FeedPlan {
     pub h: f64,
     /// The electrode, if h made it another than the given one.
     pub remade: Option<Arc<Electrode>>,
-    /// Full ranges of motion by (7), in the order of [`Axis`] (mm, rad).
+    /// Full ranges of motion by (7), in the order of [`Axis`](crate::pose::Axis) (mm, rad).
     pub ranges: [f64; 6],
     /// Points tested for clearance in the last search.
     pub probes: usize,
@@ -55,7 +55,7 @@ pub struct PlannedPath {
     pub path: FeedPath,
     /// Certificate of the rows.
     pub certificate: Certificate,
-    /// Smoothness of each axis, in the order of [`Axis`].
+    /// Smoothness of each axis, in the order of [`Axis`](crate::pose::Axis).
     pub smoothness: [AxisSmoothness; 6],
 }
 

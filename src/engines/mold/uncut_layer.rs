@@ -1,6 +1,6 @@
 //! Uncut stock of a flat cutter in one layer (P3, section 4.1).
 //!
-//! The way of the cutter's centre around the outlines (see [`super::centre_path`]) ends at critical points, from which the
+//! The way of the cutter's centre around the outlines (module `centre_path`) ends at critical points, from which the
 //! cutter touches two places at once. Between these two the outline is uncut, and the cutter's own arc bounds the stock
 //! that is left.
 //!

@@ -127,5 +127,6 @@ pub fn set() -> ElectrodeSet {
             region(Some(leaf(0)), None, 0.0),
             region(None, Some("no room for a tip <of 0.3 mm>"), 0.9),
         ],
+        names: Vec::new(),
     }
 }

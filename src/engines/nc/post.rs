@@ -33,7 +33,7 @@ pub enum PostError {
         /// Names of the built-in posts.
         known: Vec<&'static str>,
     },
-    /// Its file cannot be read, or is none of a post.
+    /// The file of a post cannot be read, is not valid TOML, or holds a value out of range.
     #[error(transparent)]
     File(#[from] FileError),
 }

@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::base::Base;
 use super::check::{CheckKind, Finding, LeftOfRegion};
 use super::division::Cut;
+use super::names::GivenName;
 use super::overrides::{IdleOverride, Override};
 use super::params::{ElectrodeParams, Method};
 use geometry::mesh::{Bounds, Mesh};
@@ -201,6 +202,8 @@ pub struct ElectrodeSet {
     pub checks: Vec<Vec<Finding>>,
     /// How each region is burned, in the order of the regions.
     pub regions: Vec<RegionPlan>,
+    /// The names that were ever given, with what they were given for.
+    pub names: Vec<GivenName>,
 }
 
 impl ElectrodeSet {

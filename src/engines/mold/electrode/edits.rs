@@ -13,7 +13,7 @@ use geometry::exact::ExactMesh;
 use geometry::mesh::Mesh;
 
 /// How far a place of an edit may be from a region's surface, or from a part in plan (mm).
-const TOUCHES: f64 = 0.5;
+pub(super) const TOUCHES: f64 = 0.5;
 
 /// Greatest gap that a cut leaves between two parts (mm).
 const HAIR: f64 = 1e-3;
@@ -172,7 +172,7 @@ fn off_in_space(region: &RegionToBurn, p: DVec3) -> f64 {
 }
 
 /// How far a point is from a region in plan (mm).
-fn off_in_plan(region: &RegionToBurn, plan: impl Fn(DVec3) -> DVec2, p: DVec2) -> f64 {
+pub(super) fn off_in_plan(region: &RegionToBurn, plan: impl Fn(DVec3) -> DVec2, p: DVec2) -> f64 {
     let of = |corners: &[DVec3; 3]| {
         let sides = [0, 1, 2].map(|i| [plan(corners[i]), plan(corners[(i + 1) % 3])]);
         let turns = sides.map(|[a, b]| (b - a).perp_dot(p - a));

@@ -15,6 +15,7 @@ pub mod family;
 pub mod footprint;
 pub mod h_edge;
 pub mod leftover;
+pub mod names;
 pub mod overrides;
 pub mod params;
 pub mod plan;

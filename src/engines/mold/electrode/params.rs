@@ -6,6 +6,7 @@ use files::{Invalid, Validate};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
+use super::names::GivenName;
 use super::overrides::Override;
 use crate::cutter::CutterLibrary;
 
@@ -329,6 +330,9 @@ pub struct ElectrodeParams {
     pub edits: Vec<Edit>,
     /// Electrodes that are exported although a check fails.
     pub overrides: Vec<Override>,
+    /// The names that were given to electrodes before: they keep them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub names: Vec<GivenName>,
 }
 
 impl Default for ElectrodeParams {
@@ -356,6 +360,7 @@ impl Default for ElectrodeParams {
             removal: Removal::default(),
             edits: Vec::new(),
             overrides: Vec::new(),
+            names: Vec::new(),
         }
     }
 }

@@ -8,11 +8,12 @@ use rayon::prelude::*;
 use super::base::placed;
 use super::check::{LeftOfRegion, Milled};
 use super::combine::Form;
-use super::design::{Burn, Electrode, ElectrodeSet, Family, PartId, PartNode, RegionPlan};
+use super::design::{Burn, Electrode, ElectrodeSet, PartId, PartNode, RegionPlan};
 use super::division::{DivisionSettings, Part, divide};
 use super::earlier::{is_nothing, left_to_later, no_room, nothing, thick_only};
 use super::edits::{apply, named as named_by_edits, places, pointed_at};
-use super::family::{into_families, parts};
+use super::family::into_families;
+use super::names::named;
 use super::net_shape::{net, told_of_real};
 use super::params::{Edit, ElectrodeParams, Method, Shape, Stage};
 use super::part_numbers::{Numbered, Parts, numbers, renumber, shape, volumes};
@@ -100,11 +101,11 @@ fn plan_stages(
     plans.iter_mut().for_each(|plan| plan.left_out.sort_by_key(|left| left.stage));
     with_volumes(&mut electrodes, &volumes(regions, &plans, &parts, params, &made), (&parts, params));
     into_families(mold, &mut electrodes, like.map(|(real, _)| real), (cutters, params, stages), cancel)?;
-    named(&mut electrodes, params);
+    let names = named(&mut electrodes, params, (regions, &plans, &parts));
     progress.report("checks", 0.7, "");
     let checks = checked((mold, milled), &electrodes, &mut plans, regions, (cutters, params, stages), cancel)?;
     progress.report("checks", 1.0, "");
-    Ok((ElectrodeSet { params: params.clone(), electrodes, checks, regions: plans }, parts))
+    Ok((ElectrodeSet { params: params.clone(), electrodes, checks, regions: plans, names }, parts))
 }
 
 /// Tells the burns what they take and how long.
@@ -310,27 +311,6 @@ fn node(part: &Part, places: &[Option<DVec2>], count: &mut usize) -> PartNode {
     let place = number.and_then(|number| places.get(number).copied().flatten());
     *count += usize::from(number.is_some());
     PartNode { cut, h_edges, outlines, parts, lacks_thin: part.lacks_thin, part: number, place }
-}
-
-/// Names: numbers by design, the same for all stages where they burn the same parts.
-fn named(electrodes: &mut [Electrode], params: &ElectrodeParams) {
-    let mut known: Vec<Vec<PartId>> = Vec::new();
-    for electrode in electrodes.iter_mut() {
-        let parts = parts(electrode);
-        let number = known.iter().position(|k| *k == parts).unwrap_or_else(|| {
-            known.push(parts);
-            known.len() - 1
-        });
-        let stage = &params.stages[electrode.stage].name;
-        electrode.name = if params.stages.len() == 1 {
-            format!("E{:02}", number + 1)
-        } else {
-            format!("E{:02}-{stage}", number + 1)
-        };
-        if let Family::Member { name, .. } = &mut electrode.family {
-            *name = format!("E{:02}", number + 1);
-        }
-    }
 }
 
 impl Electrode {

@@ -7,10 +7,11 @@ use glam::{DVec2, DVec3};
 use super::base::{on_plate, placed};
 use super::check::{CheckKind, Finding, Milled, machinable, watertight};
 use super::combine::{Form, near};
-use super::design::ElectrodeSet;
+use super::design::{Electrode, ElectrodeSet};
 use super::footprint::{grown, hull, shrunk};
 use super::h_edge::h_edges;
 use super::leftover::{Burns, Looked, left_by, leftover};
+use super::names::GivenName;
 use super::params::{Edit, ElectrodeParams, ElectrodeParamsError, Method, Orbit, Removal, Shape, Stage};
 use super::plan::plan;
 use super::plan_checks::check_own;
@@ -414,6 +415,56 @@ fn the_user_splits_merges_and_chooses_the_method() {
         let set = with(vec![Edit::Make { place, method }]);
         assert!(set.holds() && set.electrodes[0].method == method && set.regions[0].method == method);
     }
+}
+
+/// A name belongs to what the electrode burned when it was given.
+#[test]
+fn names_once_given_never_move_and_gaps_stay() {
+    let mold = mold([30.0, 20.0, 10.0], &[(&rectangle(8.0, 0.8), 5.0)]);
+    let slot = [region(&mold, DVec2::new(-4.1, -0.5), DVec2::new(4.1, 0.5))];
+    let with = |edits: &[Edit], names: &[GivenName]| {
+        let (edits, names) = (edits.to_vec(), names.to_vec());
+        let apart = ElectrodeParams { share: false, together_mm: 0.0, edits, names, ..params(GAP) };
+        planned(&mold, &slot, &apart)
+    };
+    let split = |x: f64| Edit::Split { line: [DVec3::new(x, -1.0, 0.0), DVec3::new(x, 1.0, 0.0)] };
+    // Each with the middle of what it burns along the slot.
+    let names = |set: &ElectrodeSet| -> Vec<String> {
+        let mut all: Vec<&Electrode> = set.electrodes.iter().collect();
+        all.sort_by(|a, b| a.burns[0].position.x.total_cmp(&b.burns[0].position.x));
+        all.iter().map(|e| e.name.clone()).collect()
+    };
+    let thirds = [split(-1.5), split(1.5)];
+    let first = with(&thirds, &[]);
+    let at_first = names(&first);
+    let sorted = |mut names: Vec<String>| {
+        names.sort();
+        names
+    };
+    assert_eq!(sorted(at_first.clone()), ["E01", "E02", "E03"], "a first run numbers them one after the other");
+    for merged in [[-2.75, 0.0], [0.0, 2.75]] {
+        let merge = Edit::Merge { places: merged.map(|x| DVec3::new(x, 0.0, -5.0)) };
+        let joined = with(&[&thirds[..], &[merge]].concat(), &first.names);
+        let [left, right] = &names(&joined)[..] else { panic!("{:?}", names(&joined)) };
+        let (other, before) = if merged[1] == 0.0 { (right, &at_first[2]) } else { (left, &at_first[0]) };
+        assert_eq!(other, before, "what was not merged is called as before");
+        let one = if merged[1] == 0.0 { left } else { right };
+        let both: Vec<&String> = at_first.iter().filter(|name| *name != other).collect();
+        assert!(both.contains(&one), "{one} {both:?}");
+        // What is divided anew gets a new name, not the one that has become free.
+        let apart =
+            with(&[&thirds[..], &[merge, split(if merged[1] == 0.0 { 3.1 } else { -3.1 })]].concat(), &joined.names);
+        assert_eq!(apart.electrodes.len(), 3);
+        assert!(
+            names(&apart).contains(other) && names(&apart).contains(one) && names(&apart).contains(&"E04".to_owned())
+        );
+        assert_eq!(names(&with(&thirds, &apart.names)), at_first, "taken back");
+    }
+    assert_eq!(names(&with(&thirds, &[])), at_first);
+    // Names of a file that says the same number twice, or a place that is nowhere, are given once.
+    let far = GivenName { number: usize::MAX, places: vec![DVec3::NAN, DVec3::splat(1e9)] };
+    let twice = [first.names.clone(), first.names.clone(), vec![far]].concat();
+    assert_eq!(names(&with(&thirds, &twice)), at_first);
 }
 
 #[test]

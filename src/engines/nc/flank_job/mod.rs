@@ -223,7 +223,7 @@ pub struct FlankFacts {
     pub is_preview: bool,
 }
 
-/// A planned flank with its checks. Only [`flank`] makes one, and its facts can be read but not changed, so that no check
+/// A planned flank with its checks. Only [`flank()`] makes one, and its facts can be read but not changed, so that no check
 /// can be taken away and no path be exchanged for another one.
 ///
 /// ```compile_fail,E0596
@@ -411,7 +411,7 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
 /// The surface, with u along the cutter's travel, and the fit that it is from.
 ///
 /// # Errors
-/// As [`flank`].
+/// As [`flank()`].
 pub fn surface(input: &FlankInput) -> Result<(RuledSurface, Option<RuledFit>), FlankJobError> {
     let (surface, fit) = surface_as_given(input)?;
     // Along u with the rulings upwards the cutter goes on the right of the surface if it stands where R_u x R_v points to.

@@ -250,7 +250,18 @@ fn depth_stencil(kind: Kind) -> wgpu::DepthStencilState {
         depth_write_enabled: Some(write),
         depth_compare: Some(compare),
         stencil: stencil(kind),
-        bias: Default::default(),
+        bias: bias(kind),
+    }
+}
+
+/// What is seen through is drawn as if it lay a little behind where it is: where it coincides with a solid body, such as a
+/// swept volume with the body that sweeps it, the solid one is seen, and not specks of both.
+fn bias(kind: Kind) -> wgpu::DepthBiasState {
+    match kind {
+        Kind::SurfaceDepth | Kind::SurfaceBlended => {
+            wgpu::DepthBiasState { constant: 2048, slope_scale: 2.0, clamp: 0.0 }
+        }
+        _ => wgpu::DepthBiasState::default(),
     }
 }
 

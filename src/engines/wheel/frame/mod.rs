@@ -1,8 +1,8 @@
 //! The axis and the period of a blisk, from its mesh alone.
 //!
-//! Candidate axes come from [`axis`]; about each, circles are cut with the mesh ([`slices`]) and the part of the
+//! Candidate axes come from `axis`; about each, circles are cut with the mesh (`slices`) and the part of the
 //! meridional plane is sought where every circle passes the same number of even gaps whose walls face each
-//! other ([`period`]). The axis is then moved until the walls repeat best: every blade against the mean blade.
+//! other (`period`). The axis is then moved until the walls repeat best: every blade against the mean blade.
 
 mod axis;
 mod period;

@@ -175,6 +175,8 @@ pub struct Pipeline {
     running: Option<Running>,
     now: Option<(PlanJob, Now)>,
     reloads: u64,
+    /// The part of a document that was opened, which has been read already.
+    given: Option<Arc<Part>>,
 }
 
 impl Pipeline {
@@ -201,6 +203,7 @@ impl Pipeline {
             running: None,
             now: None,
             reloads: 0,
+            given: None,
         })
     }
 
@@ -252,8 +255,9 @@ impl Pipeline {
         }
     }
 
-    /// Forgets everything: another document is there.
-    pub fn reset(&mut self) {
+    /// Forgets everything: another document is there, with this part if it has been read already.
+    pub fn reset(&mut self, part: Option<Arc<Part>>) {
+        self.given = part;
         self.worker.cancel_from(0);
         (self.part, self.channel, self.electrode) = Default::default();
         (self.plan, self.finish, self.export) = Default::default();

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use files::Validate;
-use task::{Doing, Lane, Memo, Priority, Scheduler, State};
+use task::{Cancel, Doing, Lane, Memo, Priority, Progress, Scheduler, State};
 
 use stamps::Stamp;
 
@@ -118,13 +118,22 @@ impl FlankWork {
         self.walls.ask(&key, self.priority, move |work| steps::load_walls(&walls, unit, &work.progress, &work.cancel));
     }
 
-    /// What of the source has to be read: not which of its faces is chosen.
     fn source_key(&self, document: &FlankDocument) -> SourceKey {
-        let source = match &document.source {
-            FlankSource::Mesh(mesh) => FlankSource::Mesh(MeshFlank { candidate: 1, is_own_wall: true, ..mesh.clone() }),
-            other => other.clone(),
-        };
-        (source, self.reloads)
+        (source_to_read(&document.source), self.reloads)
+    }
+
+    /// Reads the source of `document`.
+    ///
+    /// # Errors
+    /// One line naming file, place and remedy.
+    pub fn read(document: &FlankDocument, progress: &Progress, cancel: &Cancel) -> Result<LoadedFlank, String> {
+        steps::load(&source_to_read(&document.source), progress, cancel)
+    }
+
+    /// Takes `loaded` for what the files of the source of `document` hold.
+    pub fn put(&mut self, document: &FlankDocument, loaded: Arc<LoadedFlank>) {
+        let key = self.source_key(document);
+        self.source.put(&key, loaded);
     }
 
     fn walls_key(&self, document: &FlankDocument) -> Option<WallsKey> {
@@ -311,5 +320,13 @@ impl FlankWork {
             export::export(&folder, (&result, &document), choice, &work.progress, &work.cancel)
         });
         Ok(())
+    }
+}
+
+/// What of a source has to be read: not which of its faces is chosen.
+fn source_to_read(source: &FlankSource) -> FlankSource {
+    match source {
+        FlankSource::Mesh(mesh) => FlankSource::Mesh(MeshFlank { candidate: 1, is_own_wall: true, ..mesh.clone() }),
+        other => other.clone(),
     }
 }

@@ -9,6 +9,7 @@ use serde::Serialize;
 use files::report::PageError;
 use mold::electrode::design::{Electrode, ElectrodeSet, PartNode, RegionPlan};
 use mold::electrode::overrides::{IdleOverride, Override};
+use mold::electrode::params::Edit;
 use mold::opening::Opening;
 use nc::burn_table::{BurnTable, ElectrodeState, method_name};
 use nc::electrode_files::why_blocked;
@@ -206,17 +207,26 @@ fn sentence(set: &ElectrodeSet, table: &BurnTable, overrides: &[Override]) -> St
     if warnings > 0 {
         text += &format!(" {} of electrodes.", counted(warnings, "warning"));
     }
-    let unmet = set.unmet_edits().len();
-    if unmet > 0 {
-        text += &format!(
-            " {} no region, or nothing in it.",
-            counted(unmet, "change") + if unmet == 1 { " meets" } else { " meet" }
-        );
+    for edit in set.unmet_edits() {
+        text += &format!(" Change {} has no effect: {}.", edit + 1, why_unmet(&set.params.edits[edit]));
     }
     if set.holds() {
         text += " Every check holds.";
     }
     text
+}
+
+/// Which change to the division does nothing, where, and what to do.
+pub fn why_unmet(edit: &Edit) -> String {
+    let remedy = match edit {
+        Edit::Split { .. } => {
+            "the middle of the line lies in no part of a region, or all of the part lies on one side of it: remove the \
+             change and draw a line across the part, with its middle inside"
+        }
+        Edit::Merge { .. } => "the places lie in one part, or not in two parts of one region: remove the change",
+        Edit::Make { .. } | Edit::Burn { .. } => "no region is at this place any more: remove the change",
+    };
+    format!("{edit}: {remedy}")
 }
 
 fn region(set: &ElectrodeSet, r: usize, plan: &RegionPlan) -> RegionEntry {

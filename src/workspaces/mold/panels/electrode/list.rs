@@ -129,9 +129,7 @@ fn table(ui: &mut Ui, core: &mut Core, made: &Designed) {
         });
     });
     if let Some((electrode, twice)) = clicked {
-        if selected == Some(electrode) && !twice {
-            core.mold.electrodes.deselect();
-        } else {
+        if selected != Some(electrode) {
             core.mold.electrodes.select(BurnOf { electrode, burn: 0 });
         }
         if twice {
