@@ -232,7 +232,7 @@ impl FlankArguments {
         self.cutter.apply(&mut document);
         self.plan.apply(&mut document)?;
         let notes = self.milling.apply(&mut document).into_iter().collect();
-        document.validate().map_err(anyhow::Error::msg)?;
+        document.validate()?;
         if let (Some(name), Some(of)) = (&self.surface.electrode, &self.surface.of) {
             let found = flank_electrode::find(name, of, session)?;
             // What a file says of another part is not meant for this one, what is asked now is.
@@ -246,7 +246,7 @@ impl FlankArguments {
             }
         }
         self.surface.apply(&mut document)?;
-        document.validate().map_err(anyhow::Error::msg)?;
+        document.validate()?;
         self.milling.clamp(&mut document)?;
         Ok(Asked { document, notes })
     }
