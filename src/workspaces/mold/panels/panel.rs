@@ -140,13 +140,13 @@ fn library(ui: &mut Ui, core: &mut Core) -> Option<Purpose> {
 
 fn uncut(ui: &mut Ui, core: &mut Core) {
     let state = core.mold.state();
-    ui.horizontal_wrapped(|ui| {
+    ui.horizontal(|ui| {
         command_button(ui, core, Command::FindUncut, "Find rest material", state != State::Ready);
         let is_next = state == State::Ready && !core.mold.is_designed();
         command_button(ui, core, Command::DesignElectrodes, "Create electrodes", is_next);
-        let hint = "Recomputes rest material and electrodes after each change";
-        tick(ui, &mut core.mold.follows, "update automatically").on_hover_text(hint);
     });
+    let hint = "Recomputes rest material and electrodes after each change";
+    tick(ui, &mut core.mold.follows, "update automatically").on_hover_text(hint);
     if let Some(doing) = core.mold.work.doing().cloned() {
         ui.horizontal(|ui| {
             let bar = ui.add(ProgressBar::new(doing.fraction as f32).desired_width(150.0).desired_height(8.0));
