@@ -11,8 +11,8 @@ mod files;
 mod global;
 #[path = "feed/machines.rs"]
 mod machines;
-#[path = "feed/mend.rs"]
-mod mend;
+#[path = "feed/path_repair.rs"]
+mod path_repair;
 #[path = "feed/random.rs"]
 mod random;
 #[path = "feed/replay.rs"]
@@ -24,9 +24,11 @@ use common::{curved_blisk, easy_blisk, mesh};
 use feed::certificate::TravelVerdict;
 use feed::genetic::ReductionMode;
 use feed::jam::JamCause;
-use feed::plan::{PlanSettings, PlanningSpace, plan_feed};
+use feed::plan::PlanSettings;
+use feed::plan_params::{Constraint, Strategy};
+use feed::planner::plan_feed;
 use feed::pose::{Axis, Pose};
-use feed::search::{Constraint, Strategy};
+use feed::prepared::PlanningSpace;
 use feed::verify::{Verifier, VerifyOptions};
 use geometry::exact::ExactMesh;
 use geometry::frame::Cylindrical;
@@ -108,7 +110,7 @@ fn one_plan_seen_from_all_sides() {
     another_seed_gives_another_path();
     moving_and_scaling_the_mesh_changes_nothing_in_w();
     every_row_is_within_the_travel_of_its_axis();
-    mend::a_spoiled_path_is_mended_without_another_search();
+    path_repair::a_spoiled_path_is_repaired_without_another_search();
     replay::the_plan_itself_is_taken_up_with_the_same_path();
     replay::a_kept_plan_that_no_search_makes_is_refused();
     replay::a_job_that_cannot_be_planned_can_neither_be_taken_up();

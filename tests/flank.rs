@@ -166,10 +166,10 @@ fn a_flank_is_approved_by_checks_that_hold_or_were_overridden_and_never_by_a_qui
         result.decide(&[FlankOverride { most: less, ..FlankOverride::whatever(wrong) }]);
         assert!(ApprovedFlank::new(&result).is_err(), "{wrong}");
     }
-    let quick = FlankInput { is_quick_look: true, ..loaded(&quick()) };
+    let quick = FlankInput { is_preview: true, ..loaded(&quick()) };
     let mut looked = run(&quick);
     looked.decide(&CheckKind::ALL.map(|kind| FlankOverride::whatever(kind.name())));
-    assert_eq!(ApprovedFlank::new(&looked).err(), Some(NotApprovedFlank::QuickLook));
+    assert_eq!(ApprovedFlank::new(&looked).err(), Some(NotApprovedFlank::Preview));
 }
 
 #[test]
@@ -204,8 +204,16 @@ fn a_path_that_is_off_more_than_is_allowed_is_no_program() {
     assert!(planned <= most && (planned / most - 1.0).abs() < 0.02, "on 30 x 12 places {planned}, checked {most}");
     assert!(most > document.overcut_tolerance_mm && !off.holds && result.why_blocked().is_some(), "{}", off.text);
     // Straight moves leave it by what they may, no more.
-    assert!(result.stray_mm > 0.0 && result.stray_mm <= document.milling.linearisation_mm, "{}", result.stray_mm);
-    assert!(off.place.is_some() && off.text.contains(&format!("{:.4}", most + result.stray_mm)), "{}", off.text);
+    assert!(
+        result.chordal_deviation_mm > 0.0 && result.chordal_deviation_mm <= document.milling.linearisation_mm,
+        "{}",
+        result.chordal_deviation_mm
+    );
+    assert!(
+        off.place.is_some() && off.text.contains(&format!("{:.4}", most + result.chordal_deviation_mm)),
+        "{}",
+        off.text
+    );
     // Only what was not done yet is advised, and the cutter can be shown where it is.
     assert!(off.text.contains("mill the refined path, bound it"), "{}", off.text);
     let (place, pose) = (off.place.unwrap(), result.path().pose(off.t.unwrap()));
@@ -222,7 +230,7 @@ fn a_path_that_is_off_more_than_is_allowed_is_no_program() {
     let again = refined.checks.iter().filter(|c| !c.holds).find(|c| c.text.contains("mill the refined path"));
     assert!(again.is_none(), "{again:?}");
     (document.path, document.plan.objective) = (PathChoice::Initial, Objective::Sum);
-    document.overcut_tolerance_mm = most + result.stray_mm + 1e-3;
+    document.overcut_tolerance_mm = most + result.chordal_deviation_mm + 1e-3;
     document.undercut_tolerance_mm = 1.0;
     assert!(check(&run(&loaded(&document)), CheckKind::Deviation).holds);
     // A grid on which nothing is seen of it does not help.
@@ -513,11 +521,11 @@ fn a_flank_of_a_mesh_is_milled_as_the_surface_that_it_was_made_from() {
     let off_mm = fit.error.greatest_mm;
     let both = [&result.checked.deviation, &result.checked.envelope.deviation];
     let most = both.iter().fold(0.0, |most: f64, d| most.max(-d.most_overcut));
-    input.overcut_tolerance_mm = most + result.stray_mm + 0.5 * off_mm;
+    input.overcut_tolerance_mm = most + result.chordal_deviation_mm + 0.5 * off_mm;
     let deviation = run(&input);
     let deviation = check(&deviation, CheckKind::Deviation);
     assert!(off_mm > 1e-6 && !deviation.holds, "{off_mm} {}", deviation.text);
-    let most = most + off_mm + result.stray_mm;
+    let most = most + off_mm + result.chordal_deviation_mm;
     assert!(deviation.text.contains(&format!("overcut up to {most:.4} mm")), "{}", deviation.text);
     // One that there is not.
     let nc::flank_job::LoadedSurface::Face { number, .. } = &mut input.surface else { return };

@@ -5,8 +5,8 @@ use std::path::Path;
 use super::{Answer, Session};
 use crate::workspaces::blisk::job::compare as job;
 use crate::workspaces::blisk::report::comparison::{Comparison, Run};
+use feed::plan_params::Strategy;
 use feed::pose::Axis;
-use feed::strategy::Strategy;
 use files::ExportFolder;
 
 /// The strategy called `name`.

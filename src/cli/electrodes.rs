@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use super::uncut::MoldArguments;
 use super::{Answer, Session};
 use crate::workspaces::blisk::scene::pictures::PICTURE_SIZE;
-use crate::workspaces::mold::document::cutter_file::read_cutters;
+use crate::workspaces::mold::document::cutter_file::CUTTERS;
 use crate::workspaces::mold::document::electrode_file::{load_electrodes, read_electrodes};
 use crate::workspaces::mold::document::holder_files::read_holders;
 use crate::workspaces::mold::export::{EXPORT, export_electrodes};
@@ -158,7 +158,7 @@ fn params(arguments: &ElectrodesArguments) -> anyhow::Result<ElectrodeParams> {
         params.shape = Shape::Net;
     }
     if let Some(file) = &arguments.electrode_library {
-        params.cutters = Some(read_cutters(file)?);
+        params.cutters = Some(CUTTERS.read(file)?);
     } else if !arguments.electrode_cutters.is_empty() {
         params.cutters = Some(CutterLibrary { cutter: arguments.electrode_cutters.clone() });
     }
@@ -215,7 +215,7 @@ fn lines(set: &ElectrodeSet, report: &ElectrodesReport) -> Vec<String> {
     for (number, region) in set.regions.iter().enumerate() {
         let is_burned = |e: &Electrode| e.burns.iter().flat_map(|b| &b.parts).any(|part| part.region == number);
         let what = if set.electrodes.iter().any(is_burned) { "" } else { " has no electrode" };
-        lines.extend(region.trouble.as_ref().map(|t| format!("region {}{what}: {t}", number + 1)));
+        lines.extend(region.reason.as_ref().map(|t| format!("region {}{what}: {t}", number + 1)));
     }
     lines.extend(corners(set));
     let idle = set.idle_overrides();

@@ -14,6 +14,7 @@ use crate::workspaces::flank::document::flank_file::{ENDING, is_flank_file, read
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, MeshFlank, WallsFile};
 use crate::workspaces::flank::electrode_part::{keep_off_base, turn_over};
 use crate::workspaces::flank::inputs::load_machine;
+use files::Validate;
 use files::user_folder::user_folder;
 use flank::cutter::HolderPart;
 use flank::params::Objective;

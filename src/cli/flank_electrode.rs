@@ -11,6 +11,7 @@ use crate::workspaces::flank::document::kept_mesh::KeptMesh;
 use crate::workspaces::flank::document::{FlankSource, MeshFlank};
 use crate::workspaces::flank::electrode_part::{FlankElectrode, UP_OF_MOLDS};
 use crate::workspaces::mold::document::mold_file::{is_mold_file, read_mold};
+use crate::workspaces::mold::document::part_of;
 use crate::workspaces::mold::job::electrodes::electrodes;
 use crate::workspaces::mold::job::uncut::{UncutParams, uncut};
 use flank::fit_ruled::RuledFitParams;
@@ -80,7 +81,8 @@ fn kept(electrode: FlankElectrode) -> anyhow::Result<FoundElectrode> {
 fn of_mold(name: &str, file: &Path, session: &Session) -> anyhow::Result<FlankElectrode> {
     let asked = read_mold(file)?;
     let Some(mesh) = &asked.mesh else { anyhow::bail!("{}: it names no mesh; choose one and save it", file.display()) };
-    let mold = session.import(mesh, asked.units)?.mesh;
+    let imported = session.import(mesh, asked.units)?;
+    let (asked, mold) = (asked.of_part(&part_of(&imported)), imported.mesh);
     let (progress, cancel) = (&session.progress, &session.cancel);
     let question = UncutParams {
         opening: asked.opening,

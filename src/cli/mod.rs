@@ -39,8 +39,8 @@ use crate::shell::startup::run_window;
 use crate::widgets::camera::NamedView;
 use crate::workspaces::blisk::document::choice::Channels;
 use ::render::colour::Theme;
+use feed::plan_params::Strategy;
 use feed::pose::Axis;
-use feed::strategy::Strategy;
 use import::{ImportOptions, Imported, Units, import_file};
 use task::{Cancel, Progress};
 

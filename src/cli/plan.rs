@@ -142,7 +142,7 @@ fn print_summary(report: &Report, outcome: &PlanOutcome, written: &[String], out
             o.electrode.least_thickness_mm,
             o.electrode.burn_area_mm2
         );
-        let [nodes, searches, mends, points] = [e.nodes.len(), o.plan.rounds, o.plan.mends, o.plan.probes];
+        let [nodes, searches, mends, points] = [e.nodes.len(), o.plan.rounds, o.plan.repairs, o.plan.probes];
         say!("           {nodes} nodes, {searches} searches, {mends} path repairs, {points} points tested");
     }
     for symbol in &report.symbols {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{Answer, Session, unit};
-use crate::workspaces::mold::document::cutter_file::{read_cutters, standard_cutters};
+use crate::workspaces::mold::document::cutter_file::{CUTTERS, standard_cutters};
 use crate::workspaces::mold::job::uncut::{UncutParams, uncut as find_uncut};
 use crate::workspaces::mold::report::uncut::UncutReport;
 use crate::workspaces::mold::report::uncut_ply::surface_as_ply;
@@ -57,7 +57,7 @@ impl MoldArguments {
     pub(super) fn params(&self) -> anyhow::Result<UncutParams> {
         let library = match &self.library {
             _ if !self.cutters.is_empty() => CutterLibrary { cutter: self.cutters.clone() },
-            Some(file) => read_cutters(file)?,
+            Some(file) => CUTTERS.read(file)?,
             None => standard_cutters()?,
         };
         let mut params = UncutParams { opening: self.opening, ..UncutParams::of(library) };
@@ -87,7 +87,8 @@ pub(super) fn uncut(arguments: &UncutArguments, session: &Session) -> anyhow::Re
     }))?;
     if let Some(folder) = &arguments.out {
         let surface = surface_as_ply(&found.surface, params.opening);
-        let files = [("uncut.json", json.as_bytes()), ("uncut.txt", text.as_bytes()), ("uncut.ply", &surface)];
+        let files =
+            [("uncut.json", json.as_bytes()), ("uncut.txt", text.as_bytes()), ("uncut.ply", surface.as_slice())];
         ExportFolder::write_all(folder, "uncut", &files)?;
     }
     super::terminal::finish();

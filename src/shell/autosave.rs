@@ -14,6 +14,7 @@ use crate::workspaces::flank::document::FlankDocument;
 use crate::workspaces::flank::document::flank_file::{is_flank_file, read_flank, write_flank};
 use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::document::mold_file::{is_mold_file, read_mold, write_mold};
+use files::Validate;
 use files::atomic::atomic_write;
 
 /// How the names of copies end, in the order of [`CopyKind`].
@@ -105,6 +106,8 @@ pub struct Recovery {
     lock: PathBuf,
     /// The project file it was to be saved in, if it had one.
     pub file: Option<PathBuf>,
+    /// What to call its part, if it has one that can be told.
+    pub part: Option<String>,
 }
 
 /// What stands beside a copy.
@@ -234,7 +237,13 @@ impl Recovery {
         }
         let known: Note =
             std::fs::read(&note).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok()).unwrap_or_default();
-        Some(Self { copy, note, lock, file: known.file })
+        let mut found = Self { copy, note, lock, file: known.file, part: None };
+        found.part = found.work().ok().and_then(|work| match work {
+            Recovered::Blisk(document) => Some(document.name()),
+            Recovered::Mold(params, _) => params.mesh.is_some().then(|| params.name()),
+            Recovered::Flank(document, _) => Some(document.name()),
+        });
+        Some(found)
     }
 
     /// What it is of.
@@ -312,6 +321,13 @@ mod tests {
         mold.discard();
         assert_eq!(Recovery::find(&copies).as_slice(), std::slice::from_ref(blisk), "the one leaves the other alone");
         blisk.discard();
+        let mut autosave = Autosave::start(&copies).unwrap();
+        autosave.update_mold(Some(&params), None).unwrap();
+        let part = |copies: &[Recovery]| copies.first().and_then(|copy| copy.part.clone());
+        drop(autosave);
+        let found = Recovery::find(&copies);
+        assert_eq!(part(&found).as_deref(), Some("part"), "what has no file is told by its part");
+        found.iter().for_each(Recovery::discard);
         let mut autosave = Autosave::start(&copies).unwrap();
         autosave.update_mold(Some(&params), None).unwrap();
         autosave.update_mold(None, None).unwrap();

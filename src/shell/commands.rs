@@ -286,6 +286,7 @@ impl Command {
         let (mold, is_of_mold) = (&core.mold, core.workspace == Workspace::Mold);
         match self {
             _ if !self.is_of_workspace(core.workspace) => false,
+            Self::Cancel if core.opening.is_busy() => true,
             _ if core.workspace == Workspace::Flank => self.is_enabled_for_flank(&core.flank),
             Self::MillFlanks if is_of_mold => mold.is_designed() && mold.electrodes.chosen().is_some(),
             Self::MillFlanks => {

@@ -7,8 +7,10 @@ use egui::{Align2, Id, Modal, RichText, Ui};
 
 use super::core::Core;
 use super::files::Purpose;
+use super::opening::Incoming;
 use super::preferences::{LengthUnit, Navigation, Preferences, ThemeChoice};
 use super::status::colour_of;
+use super::workspace::Workspace;
 use crate::shell::autosave::{CopyKind, Recovery};
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::document::project_file::{MovedMesh, ProjectFile};
@@ -16,6 +18,7 @@ use crate::workspaces::blisk::panels::export_dialog;
 use crate::workspaces::blisk::panels::stepper::sentence;
 use crate::workspaces::flank::document::FlankSource;
 use crate::workspaces::flank::electrode_part::FlankElectrode;
+use task::Same;
 
 /// What the user is asked, one thing at a time.
 #[derive(Default)]
@@ -85,8 +88,10 @@ pub enum Intent {
     TakeSurface(Box<FlankSource>),
     /// Mills the flanks of this electrode.
     MillFlanks(Arc<FlankElectrode>),
-    /// Asks for a file to open.
-    AskOpen,
+    /// Asks for a file that takes the place of what is open.
+    Ask(Purpose),
+    /// Takes this, which was read, in the place of what is open.
+    Take(Same<Incoming>),
     /// Starts from the demonstration blisk.
     Demonstration,
 }
@@ -96,9 +101,16 @@ impl Intent {
     pub fn endangers(&self, work: Work) -> bool {
         match self {
             Self::Quit => true,
+            Self::Ask(Purpose::Flank(_)) => work == Work::Flank,
+            Self::Ask(Purpose::Mold) => work == Work::Mold,
+            Self::Take(opened) => match opened.0.workspace() {
+                Workspace::Blisk => work == Work::Blisk,
+                Workspace::Mold => work == Work::Mold,
+                Workspace::Flank => work == Work::Flank,
+            },
             Self::OpenMold(_) => work == Work::Mold,
             Self::OpenFlank(_) | Self::TakeSurface(_) | Self::MillFlanks(_) => work == Work::Flank,
-            Self::Open(_) | Self::AskOpen | Self::Demonstration => work == Work::Blisk,
+            Self::Open(_) | Self::Ask(_) | Self::Demonstration => work == Work::Blisk,
         }
     }
 }
@@ -231,7 +243,9 @@ fn recover(ui: &mut Ui, copies: &[Recovery]) -> Option<Answer> {
     let mut answer = None;
     for (i, copy) in copies.iter().enumerate() {
         ui.horizontal(|ui| {
-            let name = copy.file.as_ref().map_or("not saved yet".to_owned(), |f| f.display().to_string());
+            let unsaved =
+                copy.part.as_ref().map_or("not saved yet".to_owned(), |part| format!("{part}, not saved yet"));
+            let name = copy.file.as_ref().map_or(unsaved, |file| file.display().to_string());
             let age = copy.written().and_then(|t| t.elapsed().ok()).map(|d| d.as_secs() / 60);
             let age = age.map(|m| format!("{m} min ago")).unwrap_or_default();
             if ui.button("Recover").clicked() {

@@ -7,6 +7,7 @@ pub mod core;
 pub mod dialogs;
 pub mod files;
 pub mod menu;
+pub mod opening;
 pub mod palette;
 pub mod preferences;
 pub mod recent;

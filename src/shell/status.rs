@@ -13,11 +13,12 @@ use task::Doing;
 /// Draws it.
 pub fn show(ui: &mut Ui, core: &mut Core) {
     ui.horizontal(|ui| {
-        let doing = match core.workspace {
+        let of_workspace = match core.workspace {
             Workspace::Blisk => None,
             Workspace::Mold => core.mold.work.doing(),
             Workspace::Flank => core.flank.work.doing(),
         };
+        let doing = core.opening.doing().or(of_workspace);
         if let Some(doing) = doing.cloned() {
             other(ui, &doing);
         } else if core.workspace != Workspace::Blisk {

@@ -4,8 +4,8 @@ use std::sync::OnceLock;
 
 use feed::axis_curve::CurveKind;
 use feed::jam::JamCause;
+use feed::plan_params::Strategy;
 use feed::pose::Pose;
-use feed::search::Strategy;
 use geometry::exact::ExactMesh;
 use sparkpath::workspaces::blisk::document::job_file::PlanJob;
 use sparkpath::workspaces::blisk::document::kept_plan::KeptPlan;
@@ -33,7 +33,7 @@ fn one_path_along_the_centreline_seen_from_all_sides() {
     the_electrode_comes_out_along_the_centreline_in_steps_of_arc_length();
     a_path_of_nurbs_is_taken_up_again_with_the_same_path();
     the_same_job_gives_the_same_path_on_one_thread();
-    a_report_gives_the_four_distances_at_every_node();
+    a_report_gives_the_wall_clearances_at_every_node();
 }
 
 fn the_electrode_comes_out_along_the_centreline_in_steps_of_arc_length() {
@@ -75,7 +75,7 @@ fn the_same_job_gives_the_same_path_on_one_thread() {
     assert_eq!(digest(&alone), digest(centreline_plan()));
 }
 
-fn a_report_gives_the_four_distances_at_every_node() {
+fn a_report_gives_the_wall_clearances_at_every_node() {
     let told = report(centreline_plan(), &job(), Vec::new());
     let nodes = &told.electrodes[0].nodes;
     let four = |i: usize| nodes[i].distances_mm.unwrap();

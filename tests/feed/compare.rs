@@ -2,8 +2,8 @@
 
 use std::sync::Mutex;
 
+use feed::plan_params::Strategy;
 use feed::pose::Axis;
-use feed::strategy::Strategy;
 use sparkpath::workspaces::blisk::job::compare::{compare, comparison};
 use sparkpath::workspaces::blisk::job::plan::{PlanInputs, PlanJobError, prepare, run_prepared};
 use sparkpath::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
@@ -82,7 +82,7 @@ fn figures_are_those_of_a_plan(prepared: &PreparedBlisk, inputs: &PlanInputs, ru
 }
 
 fn files_name_every_strategy(comparison: &Comparison) {
-    let (html, csv) = (comparison.html(), comparison.csv());
+    let (html, csv) = (comparison.html().unwrap(), comparison.csv());
     let json: serde_json::Value = serde_json::from_str(&comparison.json().unwrap()).unwrap();
     for (i, strategy) in Strategy::ALL.into_iter().enumerate() {
         // Names are not broken at their hyphens.

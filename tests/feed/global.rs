@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use super::*;
 use feed::jam::JamCause;
-use feed::search::Strategy;
+use feed::plan_params::Strategy;
 use sparkpath::workspaces::blisk::job::plan::{ElectrodeOutcome, run_prepared};
 use sparkpath::workspaces::blisk::job::preview::live_way;
 use sparkpath::workspaces::blisk::job::sizing::{SizingRange, size};
@@ -138,11 +138,11 @@ fn a_glance_tells_what_the_plan_will_say_where_that_is_clear() {
         live_way(ready(), &inputs, 0, &Progress::silent(), &Cancel::default()).unwrap()
     };
     let out = look(2.0);
-    assert!(out.way.width.is_some_and(|w| w > 0.0) && out.way.jam.is_none());
+    assert!(out.way.margin.is_some_and(|w| w > 0.0) && out.way.jam.is_none());
     assert!(out.sentence(&global_plan().channel).contains("extraction path towards -X probable"));
     cancelling_ends_a_global_plan();
     let stuck = look(0.05);
-    assert!(stuck.way.width.is_none() && stuck.way.jam.is_some());
+    assert!(stuck.way.margin.is_none() && stuck.way.jam.is_some());
 }
 
 fn cancelling_ends_a_global_plan() {

@@ -3,7 +3,7 @@
 use super::common::{easy_blisk, mesh};
 use super::{easy_job, plan};
 use feed::machine::MachineParams;
-use feed::search::Strategy;
+use feed::plan_params::Strategy;
 use feed::simulation::{Scenario, Simulation, SimulationOptions, simulate};
 use geometry::mesh::Mesh;
 use sparkpath::workspaces::blisk::document::job_file::PlanJob;

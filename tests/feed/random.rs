@@ -1,7 +1,7 @@
 //! Blisks at random: where the searches of the papers find a way, the global one does.
 
 use super::*;
-use feed::search::Strategy;
+use feed::plan_params::Strategy;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use std::ops::Range;

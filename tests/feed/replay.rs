@@ -1,6 +1,6 @@
 //! A kept plan is taken up only if the job can have had it.
 
-use feed::search::Node;
+use feed::problem::Node;
 use geometry::exact::ExactMesh;
 use sparkpath::workspaces::blisk::document::job_file::PlanJob;
 use sparkpath::workspaces::blisk::document::kept_plan::{KeptElectrode, KeptPlan};

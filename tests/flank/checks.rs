@@ -97,14 +97,22 @@ fn what_straight_moves_cut_between_the_records_is_checked() {
         input.side = side;
         input.milling.linearisation_mm = 0.002;
         let close = run(&input);
-        assert!(check(&close, CheckKind::Deviation).holds && close.stray_mm <= 0.002, "{}", close.stray_mm);
+        assert!(
+            check(&close, CheckKind::Deviation).holds && close.chordal_deviation_mm <= 0.002,
+            "{}",
+            close.chordal_deviation_mm
+        );
         // Ten locations on 90 degrees are 10 degrees apart: the axis goes 53 (1 - cos 5 deg) mm inwards between them.
         input.milling.linearisation_mm = 0.3;
         let coarse = run(&input);
         let pose = coarse.path().pose(0.5);
         let distance = pose.tip.truncate().length();
         let sagitta = distance * (1.0 - 5f64.to_radians().cos());
-        assert!((coarse.stray_mm / sagitta - 1.0).abs() < 0.03, "{} {sagitta}", coarse.stray_mm);
+        assert!(
+            (coarse.chordal_deviation_mm / sagitta - 1.0).abs() < 0.03,
+            "{} {sagitta}",
+            coarse.chordal_deviation_mm
+        );
         let deviation = check(&coarse, CheckKind::Deviation);
         assert!(!deviation.holds && deviation.text.contains("mm chordal deviation"), "{}", deviation.text);
         assert!(deviation.text.contains("--tolerance"), "{}", deviation.text);
@@ -122,13 +130,13 @@ fn walls_are_nearer_by_what_straight_moves_leave_the_path() {
     (input.surface, input.params.locations) = (upright_arc(50.0, 90.0), 10);
     input.milling.linearisation_mm = 0.3;
     let free = run(&input);
-    let away = 0.5 * free.stray_mm;
+    let away = 0.5 * free.chordal_deviation_mm;
     input.walls = Some(needle(&free, (0.5, 6.0, away)).1);
     let result = run(&input);
     let gouge = check(&result, CheckKind::Gouge);
     let distance = result.gouge.unwrap().cutter.unwrap().distance_mm;
     assert!((distance - away).abs() < 0.02 && !gouge.holds, "{distance} {}", gouge.text);
-    assert!((gouge.figures["depth_mm"] - (free.stray_mm - distance)).abs() < 1e-9, "{:?}", gouge.figures);
+    assert!((gouge.figures["depth_mm"] - (free.chordal_deviation_mm - distance)).abs() < 1e-9, "{:?}", gouge.figures);
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use egui::{Key, Modifiers, Role, pos2, vec2};
 use egui_kittest::kittest::{By, Queryable as _};
 use egui_kittest::{Harness, Node};
-use feed::strategy::Strategy;
+use feed::plan_params::Strategy;
 use import::write_stl;
 use sparkpath::shell::run::{Folders, Opening, SparkpathApp};
 use sparkpath::workspaces::blisk::document::job_file::PlanJob;
@@ -92,9 +92,16 @@ impl Desk {
         self.settle();
     }
 
-    /// A few frames, so that everything shows what is known.
+    /// A few frames, so that everything shows what is known; what is opened is open then.
     pub fn settle(&mut self) {
         self.window.run_steps(4);
+        if self.app().core().opening.is_busy() {
+            while self.app().core().opening.is_busy() {
+                std::thread::sleep(Duration::from_millis(2));
+                self.window.step();
+            }
+            self.window.run_steps(4);
+        }
     }
 
     /// Until nothing is worked on.

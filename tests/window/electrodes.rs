@@ -54,6 +54,8 @@ fn electrodes_are_designed_looked_at_changed_and_exported() {
     let first = made.set.electrodes[0].name.clone();
     desk.press_role(Role::Row, &format!("Electrode {first}"));
     assert_eq!(desk.mold().electrodes.selected, Some(BurnOf { electrode: 0, burn: 0 }));
+    desk.press_role(Role::Row, &format!("Electrode {first}"));
+    assert_eq!(desk.mold().electrodes.selected, Some(BurnOf { electrode: 0, burn: 0 }), "a second click keeps it");
     desk.pictures("electrodes");
 
     // Lifted out they are higher and further apart.
@@ -170,6 +172,12 @@ fn a_change_that_meets_nothing_is_said_and_a_line_is_given_up_with_escape() {
     desk.mold_mut().electrodes.begin_split(0);
     desk.settle();
     desk.assert_shows("Split region 1: click on the mold where the line begins");
+    // Electrodes that are made again in the meantime do not end it.
+    let before = desk.mold().electrodes.designed().unwrap().clone();
+    desk.mold_mut().design().unwrap();
+    until_designed(&mut desk);
+    assert!(!Arc::ptr_eq(&before, desk.mold().electrodes.designed().unwrap()));
+    assert_eq!((desk.mold().electrodes.split, desk.mold().electrodes.split_region), (Some(None), Some(0)));
     desk.key(Key::Escape);
     let burns = &desk.mold().electrodes;
     assert_eq!((burns.split, burns.split_region), (None, None));
@@ -180,7 +188,9 @@ fn a_change_that_meets_nothing_is_said_and_a_line_is_given_up_with_escape() {
     desk.press("Create electrodes");
     until_designed(&mut desk);
     assert_eq!(desk.mold().electrodes.designed().unwrap().set.unmet_edits(), [0]);
-    desk.assert_shows("1 change meets no region");
+    // Which, where, and what to do.
+    desk.assert_shows("Change 1 has no effect: split from 900.00, 0.00 to 900.00, 1.00");
+    desk.assert_shows("draw a line across the part");
 }
 
 #[test]
@@ -385,6 +395,10 @@ fn two_parts_of_a_region_are_merged_and_one_is_split_along_a_drawn_line() {
     select(&mut desk);
     desk.press("part R1.1");
     desk.press("part R1.2");
+    let [part, merge] = ["part R1.2", "Merge the two parts"]
+        .map(|name| desk.window.get(By::new().role(Role::Button).label(name)).rect());
+    let below = merge.top() - part.bottom();
+    assert!((0.0..12.0).contains(&below), "merging is offered where the hand is: {below} points below");
     desk.press("Merge the two parts");
     assert_eq!(desk.mold().undo_label(false), Some("Merged parts"));
     until_made(&mut desk);

@@ -1,12 +1,15 @@
 //! What goes wrong is said where it went wrong, in words.
 
-use egui::Key;
+use std::sync::Arc;
+
+use egui::{Key, Role};
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use sparkpath::workspaces::blisk::pipeline::StageState;
+use sparkpath::workspaces::flank::document::FlankSource;
 
 use crate::common::{curved_blisk, easy_blisk};
-use crate::desk::Home;
+use crate::desk::{Desk, Home};
 
 #[test]
 fn a_wrong_number_is_told_beside_its_field() {
@@ -95,4 +98,47 @@ fn a_broken_project_is_said_to_be_broken_and_what_was_open_stays() {
     desk.press("Close");
     desk.until_idle();
     assert!(desk.step_says(Stage::Electrode, "done") && !desk.shows("This project cannot be opened"));
+}
+
+/// What cannot be read takes the place of nothing: neither its name nor its parameters, nor those of the workspace.
+#[test]
+fn a_failed_open_changes_nothing() {
+    const FAILED: &str = "cannot be opened";
+    let home = Home::new();
+    let [broken, kept] = [home.path("broken.stl"), home.path("kept.sparkmold")];
+    std::fs::write(&broken, b"this is not a mesh").unwrap();
+    // A file that is well in itself, but names a mesh that cannot be read.
+    std::fs::write(&kept, "mesh = \"broken.stl\"").unwrap();
+    let mut desk = home.start(Opening::Mold(Some(home.mold())));
+    desk.until_loaded();
+    let fails = |desk: &mut Desk, file: &std::path::Path| {
+        let title = desk.app().title().to_owned();
+        desk.drop_file(file);
+        desk.assert_shows(FAILED);
+        desk.assert_shows("broken.stl");
+        desk.press("Close");
+        assert!(!desk.shows(FAILED) && desk.app().title() == title, "{title} {}", desk.app().title());
+    };
+    let (params, mold) = (desk.mold().params.clone(), desk.mold().work.mold().unwrap().clone());
+    for file in [&broken, &kept] {
+        fails(&mut desk, file);
+        let now = desk.mold();
+        assert!(now.params == params && Arc::ptr_eq(now.work.mold().unwrap(), &mold) && !now.is_unsaved());
+        assert!(now.name() == "stepped" && now.record.file.is_none());
+    }
+
+    desk.press_role(Role::Tab, "Flank workspace");
+    fails(&mut desk, &broken);
+    assert!(matches!(desk.app().core().flank.params.source, FlankSource::Demonstration { .. }));
+    // A mold that fails is not gone to either.
+    fails(&mut desk, &kept);
+    desk.press_role(Role::Tab, "Blisk workspace");
+    desk.until_idle();
+    let core = desk.app().core();
+    let (job, part) = (core.document.job().clone(), core.pipeline.part().unwrap().clone());
+    fails(&mut desk, &broken);
+    desk.until_idle();
+    let core = desk.app().core();
+    assert!(*core.document.job() == job && Arc::ptr_eq(core.pipeline.part().unwrap(), &part));
+    assert!(desk.step_says(Stage::Part, "done"));
 }

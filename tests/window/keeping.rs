@@ -2,7 +2,7 @@
 
 use egui::{Key, Role};
 use egui_kittest::kittest::{By, Queryable as _};
-use feed::strategy::Strategy;
+use feed::plan_params::Strategy;
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use sparkpath::workspaces::blisk::pipeline::StageState;

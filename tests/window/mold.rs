@@ -11,7 +11,13 @@ use geometry::mesh::Mesh;
 use glam::DVec3;
 use import::{Units, write_stl};
 use mold::cutter::{Cutter, CutterLibrary};
+use mold::electrode::check::CheckKind;
+use mold::electrode::overrides::Override;
+use mold::electrode::params::Edit;
+use mold::opening::Opening::MinusX;
 use sparkpath::shell::run::Opening;
+use sparkpath::workspaces::mold::document::MoldParams;
+use sparkpath::workspaces::mold::document::mold_file::read_mold;
 use sparkpath::workspaces::mold::panels::MoldDesk;
 
 use crate::desk::{Desk, Home};
@@ -74,6 +80,12 @@ impl Desk {
     fn until_found(&mut self) {
         self.until("what is left is found", |d| d.mold().state() == State::Ready);
         self.until("the mold is at rest", |d| !d.mold().work.is_busy());
+    }
+
+    /// Drops a file on the window.
+    pub fn drop_file(&mut self, path: &Path) {
+        self.window.input_mut().dropped_files.push(Arc::new(Dropped(path.to_owned())));
+        self.settle();
     }
 
     pub fn until_loaded(&mut self) {
@@ -371,6 +383,126 @@ fn changes_of_a_mold_are_not_lost_without_a_word() {
     assert_eq!((desk.mold().params.mesh.as_ref(), desk.mold().name().as_str()), (Some(&mold), "mine"));
     drop_on(&mut desk, &other);
     assert!(!desk.shows(UNSAVED) && desk.mold().params.mesh.as_ref() == Some(&other), "nothing was changed");
+}
+
+/// Unsaved work is asked about before a path is, in every workspace, and once.
+#[test]
+fn what_is_unsaved_is_asked_about_before_the_path() {
+    const UNSAVED: &str = "has unsaved changes";
+    let home = Home::new();
+    let other = home.path("other.stl");
+    write_stl(&other, &moved()).unwrap();
+    let mut desk = home.start(Opening::Mold(Some(home.mold())));
+    desk.until_loaded();
+    desk.take_cutters(&[Cutter::flat(1.5)]);
+    desk.key_with(Modifiers::COMMAND, Key::O);
+    assert!(desk.shows(UNSAVED) && !desk.shows("Type or paste the path"));
+    desk.press("Don't save");
+    assert!(!desk.shows(UNSAVED));
+    desk.type_path(&other);
+    assert!(!desk.shows(UNSAVED) && desk.mold().params.mesh.as_ref() == Some(&other));
+    desk.press_role(Role::Tab, "Flank workspace");
+    let flank = &mut desk.window.state_mut().core_mut().flank;
+    let mut params = flank.params.clone();
+    params.cutter.radius_mm += 1.0;
+    flank.edit(params);
+    desk.settle();
+    desk.key_with(Modifiers::COMMAND, Key::O);
+    assert!(desk.shows(UNSAVED) && !desk.shows("Type or paste the path"));
+    desk.press("Cancel");
+    assert!(!desk.shows(UNSAVED) && !desk.shows("Type or paste the path"));
+}
+
+/// The stepped mold a millimetre aside: another part, with parts of regions of the same names.
+fn moved() -> Mesh {
+    let mesh = stepped();
+    Mesh { vertices: mesh.vertices.iter().map(|p| *p + DVec3::X).collect(), ..mesh }
+}
+
+/// `params` with everything that is decided for one part only.
+fn decided(params: &MoldParams) -> MoldParams {
+    let mut decided = params.clone();
+    decided.opening = MinusX;
+    decided.electrodes.edits.push(Edit::Split { line: [DVec3::X, DVec3::Y] });
+    let parts = vec!["R1.1".to_owned()];
+    let check = Some(CheckKind::Approach);
+    decided.electrodes.overrides.push(Override { electrode: "E01".to_owned(), check, parts });
+    decided
+}
+
+/// Electrodes and parts of regions have the same names on every mold: what was decided on one holds for no other.
+#[test]
+fn what_is_decided_for_one_mold_holds_for_no_other() {
+    let home = Home::new();
+    let other = home.path("other.stl");
+    write_stl(&other, &moved()).unwrap();
+    let mut desk = home.start(Opening::Mold(Some(home.mold())));
+    desk.take_cutters(&[Cutter::flat(3.0)]);
+    desk.until_loaded();
+    let standard = desk.mold().params.electrodes.clone();
+    let mut params = decided(&desk.mold().params);
+    (params.tolerance_mm, params.electrodes.lift_mm) = (0.05, 2.0);
+    desk.mold_mut().edit(params);
+    (desk.mold_mut().electrodes.exploded, desk.mold_mut().least_volume) = (0.5, 100.0);
+    let before = desk.app().camera().backward();
+    desk.key(Key::Num7);
+    desk.until("the view has turned", |d| d.app().camera().backward().z > 0.9999);
+
+    desk.drop_file(&other);
+    desk.press("Don't save");
+    desk.until_loaded();
+    let now = desk.mold();
+    assert_eq!(now.params.mesh.as_ref(), Some(&other));
+    assert_eq!((&now.params.electrodes, now.params.opening), (&standard, MoldParams::default().opening));
+    assert_eq!(now.params.tolerance_mm, MoldParams::default().tolerance_mm);
+    assert_eq!(now.params.library.cutter, [Cutter::flat(3.0)], "a shop has its cutters for every mold");
+    assert_eq!((now.electrodes.exploded, now.least_volume), (0.0, 0.0));
+    assert!(desk.app().camera().backward().distance(before) < 1e-9, "{}", desk.app().camera().backward());
+    let file = home.path("other.sparkmold");
+    desk.key_with(Modifiers::COMMAND, Key::S);
+    desk.type_path(&file);
+    let saved = read_mold(&file).unwrap();
+    assert!(saved.electrodes.edits.is_empty() && saved.electrodes.overrides.is_empty());
+}
+
+/// A file that has another content is another part, whatever it is called.
+#[test]
+fn decisions_do_not_pass_to_another_mesh_in_the_same_file() {
+    let home = Home::new();
+    let (mesh, file) = (home.mold(), home.path("mine.sparkmold"));
+    let mut desk = home.start(Opening::Mold(Some(mesh.clone())));
+    desk.until_loaded();
+    let params = decided(&desk.mold().params);
+    desk.mold_mut().edit(params.clone());
+    desk.key_with(Modifiers::COMMAND, Key::S);
+    desk.type_path(&file);
+    // Read again from the same file, and opened again: they hold.
+    desk.key_with(Modifiers::COMMAND, Key::R);
+    desk.until_loaded();
+    assert_eq!(desk.mold().params, params);
+    let mut desk = home.start(Opening::Mold(Some(file.clone())));
+    desk.until_loaded();
+    assert!(desk.mold().params == params && !desk.mold().is_unsaved());
+
+    write_stl(&mesh, &moved()).unwrap();
+    desk.key_with(Modifiers::COMMAND, Key::R);
+    desk.until_loaded();
+    let is_clean = |desk: &Desk| {
+        let MoldParams { opening, electrodes, .. } = &desk.mold().params;
+        *opening == MoldParams::default().opening && electrodes.edits.is_empty() && electrodes.overrides.is_empty()
+    };
+    assert!(is_clean(&desk) && desk.mold().is_unsaved());
+    assert!(desk.log().iter().any(|line| line.contains("overrides") && line.contains("dropped")), "{:?}", desk.log());
+    // Nor by way of the file, nor by undo.
+    let mut desk = home.start(Opening::Mold(Some(file)));
+    desk.until_loaded();
+    assert!(is_clean(&desk));
+    let tolerant = MoldParams { tolerance_mm: 0.05, ..desk.mold().params.clone() };
+    desk.mold_mut().edit(tolerant);
+    for _ in 0..3 {
+        desk.key_with(Modifiers::COMMAND, Key::Z);
+        assert!(is_clean(&desk));
+    }
 }
 
 #[test]

@@ -23,7 +23,7 @@ use wheel::channel::{Channel, ChannelWall};
 pub struct AngleParams {
     /// Delta1: distance kept from hub and shroud beyond spark gap and margin (mm).
     pub delta1_mm: f64,
-    /// Delta2: how much smaller than theta alpha must be (deg).
+    /// Delta2: least difference theta - alpha (deg).
     pub delta2_deg: f64,
 }
 

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use geometry::nurbs::{BSpline, NurbsError};
 use geometry::spline::{CubicSpline, EndCondition, SplineError};
 
-/// What kind of curve joins the nodes.
+/// Kind of curve that joins the nodes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CurveKind {
@@ -17,12 +17,12 @@ pub enum CurveKind {
     Nurbs,
 }
 
-/// How nodes are joined.
+/// Curve through the nodes with its parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Joining {
-    /// See [`CurveKind::Spline`].
+    /// Cubic spline with this end condition.
     Spline(EndCondition),
-    /// See [`CurveKind::Nurbs`], of this degree.
+    /// NURBS curve of this degree.
     Nurbs(usize),
 }
 
@@ -32,7 +32,7 @@ impl From<EndCondition> for Joining {
     }
 }
 
-/// Why nodes cannot be joined.
+/// Reason why nodes cannot be joined.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum CurveError {
     /// By a cubic spline.

@@ -1,5 +1,5 @@
-//! The two methods that the papers measure themselves against, as strategies of their own: what they optimise is taken
-//! from their descriptions, how they search is ours.
+//! The two methods that the papers compare themselves with, as strategies: their objectives are those of the papers,
+//! the search is our own.
 //!
 //! - Free travel (Kang et al. 2018, P0's reference 11): the electrode goes straight on along the main direction as long
 //!   as it is free; where it is stopped, the other axes are set so that it can go straight on furthest.
@@ -10,22 +10,20 @@
 
 use rayon::prelude::*;
 
-use super::climb::mobility;
-use super::even::even;
-use super::pose::{Axis, Pose};
+use super::pose::Pose;
 use super::probes::Demand;
-use super::search::{Candidate, NodeTask, SearchProblem};
+use super::problem::{Candidate, NodeTask, SearchProblem};
 use task::{Cancel, Cancelled};
 
 /// Poses that are tried for a node.
 const SEEDS: usize = 24;
-/// How far they are strewn about the pose before (mm), by turns.
+/// Spread of those poses about the pose before (mm), by turns.
 const SPREADS: [f64; 3] = [0.3, 1.0, 3.0];
 /// Steps of ascent for each.
 const ASCENT: usize = 16;
 
 impl SearchProblem<'_> {
-    /// The pose before if it is free at the node; else free poses, first those that can go straight on furthest.
+    /// The pose before if it is free at the node; otherwise free poses, first those that can go straight on furthest.
     pub(super) fn furthest_travelling(&self, task: &NodeTask, cancel: &Cancel) -> Result<Vec<Candidate>, Cancelled> {
         let straight = Pose { x: task.x, ..task.from };
         if self.is_free(&straight, task.s, task.h_so_far, &mut 0) {
@@ -33,22 +31,22 @@ impl SearchProblem<'_> {
         }
         let one = |i: usize| {
             cancel.check()?;
-            let (pose, lacking) = self.climb(strewn(self, task, i), task.s, task.h_so_far);
+            let (pose, lacking) = self.climb(start_of(self, task, i), task.s, task.h_so_far);
             let free = lacking.is_none() && self.is_free(&pose, task.s, task.h_so_far, &mut 0);
             Ok(free.then(|| (self.free_travel(&pose, task), self.valued_candidate(pose, task))))
         };
         sorted((0..SEEDS).into_par_iter().map(one).collect())
     }
 
-    /// Free poses, those with the greatest least distance first.
-    pub(super) fn roomiest(&self, task: &NodeTask, cancel: &Cancel) -> Result<Vec<Candidate>, Cancelled> {
-        /// Room beyond which more is not looked for (mm).
+    /// Free poses, those with the greatest least clearance first.
+    pub(super) fn greatest_clearance(&self, task: &NodeTask, cancel: &Cancel) -> Result<Vec<Candidate>, Cancelled> {
+        /// Clearance beyond which more does not count (mm).
         const ROOM: f64 = 3.0;
         let wide = Demand { room: ROOM, ..self.demand };
         let one = |i: usize| {
             cancel.check()?;
             let at = (task.s, self.turned(task.h_so_far));
-            let pose = self.model.ascend(strewn(self, task, i), at, &wide, self.free_axes(), ASCENT).pose;
+            let pose = self.model.ascend(start_of(self, task, i), at, &wide, self.free_axes(), ASCENT).pose;
             let free = self.is_free(&pose, task.s, task.h_so_far, &mut 0);
             let distance = || self.model.least_clearance(&pose, self.turned(task.h_so_far));
             Ok(free.then(|| (distance(), self.valued_candidate(pose, task))))
@@ -56,7 +54,7 @@ impl SearchProblem<'_> {
         sorted((0..SEEDS).into_par_iter().map(one).collect())
     }
 
-    /// How far the electrode can go on from `pose` along the main direction alone (mm), as far as that matters.
+    /// Distance that the electrode can go on from `pose` along the main direction alone (mm), as far as that matters.
     fn free_travel(&self, pose: &Pose, task: &NodeTask) -> f64 {
         const STRIDE: f64 = 0.25;
         const MOST: usize = 200;
@@ -82,20 +80,17 @@ fn sorted(found: Result<Vec<Option<(f64, Candidate)>>, Cancelled>) -> Result<Vec
     Ok(found.into_iter().map(|(_, candidate)| candidate).collect())
 }
 
-/// Start number `i` of a node: the pose before, going on as before, and strewn about the former.
-fn strewn(problem: &SearchProblem, task: &NodeTask, i: usize) -> Pose {
-    let mut q = task.from.to_array();
+/// Start number `i` of a node: the pose before, the motion as before, or scattered about the pose before.
+fn start_of(problem: &SearchProblem, task: &NodeTask, i: usize) -> Pose {
+    let mut pose = task.from;
     if i == 1 {
         let ratio = task.duration / task.before.duration;
+        let mut q = pose.to_array();
         q.iter_mut().zip(task.before.increments).for_each(|(value, rate)| *value += rate * ratio);
+        pose = Pose::from_array(q);
     }
     if i > 1 {
-        let spread = SPREADS[i % SPREADS.len()];
-        for (k, &axis) in problem.free_axes().iter().enumerate() {
-            let shift = 2.0 * even(i as f64 + task.s, k) - 1.0;
-            q[axis as usize] += spread * mobility(axis) * shift;
-        }
+        pose = problem.scattered(&pose, SPREADS[i % SPREADS.len()], i as f64 + task.s);
     }
-    q[Axis::X as usize] = task.x;
-    Pose::from_array(q)
+    Pose { x: task.x, ..pose }
 }

@@ -4,11 +4,11 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
+use super::clearance_cache::ClearanceCache;
 use super::outside::Outside;
 use super::pose::Pose;
 use super::probes::{Demand, Instant, Probes, Turns, group};
 use super::samples::{Sample, thinned};
-use super::watch::Watch;
 use geometry::distance_field::DistanceField;
 use geometry::mesh::Bounds;
 use wheel::electrode::{ElectrodeFace, EntrySide};
@@ -23,7 +23,7 @@ pub struct ClearanceModel<'a> {
     levers: [f64; 2],
 }
 
-/// What the model is made of.
+/// The distance fields and measures that a clearance model is made of.
 #[derive(Clone, Copy)]
 pub struct Bodies<'a> {
     /// Distance field of the finished blisk, in W.
@@ -32,22 +32,22 @@ pub struct Bodies<'a> {
     pub electrode: &'a DistanceField,
     /// X extent of the blisk at the channel's radii (mm): beyond it, outside the field, there is nothing to meet.
     pub faces_x: [f64; 2],
-    /// Where the electrode is out of the blisk.
+    /// Extent of the blisk beyond which the electrode is outside.
     pub outside: &'a Outside,
     /// Electrode reference point O in W (mm).
     pub reference_point: DVec3,
     /// The side that the electrode is withdrawn to.
     pub side: EntrySide,
-    /// Which electrode the samples lie on.
+    /// Electrode that the samples lie on.
     pub samples: SamplesOf,
 }
 
-/// Which electrode samples lie on, where walls are drawn in.
+/// Electrode that samples lie on, where walls are drawn in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SamplesOf {
-    /// The one whose field it is: samples on its walls are turned with them.
+    /// The electrode whose distance field is used: samples on its walls are turned with them.
     Prepared,
-    /// The one with its walls drawn in.
+    /// The electrode made with its walls drawn in.
     DrawnIn,
 }
 
@@ -56,9 +56,10 @@ pub enum SamplesOf {
 pub(super) struct Placed {
     /// The electrode as it is and with each of its walls turned.
     parts: [DAffine3; 3],
-    /// For points of the electrode of each group.
+    /// Transforms of the electrode's points into W, by their [`group`].
     to_blisk: [DAffine3; 3],
-    /// For points of the blisk: where they are seen from the electrode, and from its two walls if they are turned.
+    /// Transforms of the blisk's points into the frame of the electrode and, where they are turned, of each of its
+    /// walls.
     to_electrode: [DAffine3; 3],
     turns: Turns,
 }
@@ -73,8 +74,7 @@ impl Placed {
         Self { parts, to_blisk, to_electrode: parts.map(|t| t.inverse()), turns }
     }
 
-    /// How far the points of a body within `bounds` are from where they are at `other`, at most (mm): the distance is
-    /// greatest at a corner.
+    /// Greatest distance between the points of a body within `bounds` here and at `other` (mm): reached at a corner.
     fn motion_from(&self, other: &Self, bounds: Bounds) -> f64 {
         let ends = [bounds.min, bounds.max];
         let parts = if self.turns.is_none() { &self.parts[..1] } else { &self.parts };
@@ -88,18 +88,18 @@ impl Placed {
     }
 }
 
-/// What looks at poses near to each other have told, all of them with the same demand but for the room, and with the walls
-/// equally turned.
-pub(super) struct Lookout {
-    electrode: Watch,
-    blisk: Watch,
-    /// The pose looked at last, and how far it was withdrawn (mm).
+/// Motion-bound clearance caches of both bodies for tests at poses near to each other, all with the same demand but for
+/// its room and with the walls equally turned.
+pub(super) struct NearbyPoses {
+    electrode: ClearanceCache,
+    blisk: ClearanceCache,
+    /// Last pose tested, with its withdrawn distance (mm).
     last: Option<(Placed, f64)>,
 }
 
-impl Lookout {
+impl NearbyPoses {
     fn new(model: &ClearanceModel) -> Self {
-        Self { electrode: model.electrode.watch(), blisk: model.blisk.watch(), last: None }
+        Self { electrode: model.electrode.clearance_cache(), blisk: model.blisk.clearance_cache(), last: None }
     }
 
     fn advance(&mut self, model: &ClearanceModel, placed: &Placed, s: f64) {
@@ -123,11 +123,11 @@ pub(super) struct Lacking {
 /// A probe that lacks clearance.
 #[derive(Debug, Clone, Copy)]
 pub struct Shortfall {
-    /// A number of its own for each probe.
+    /// Number of the probe.
     pub probe: usize,
     /// Clearance it lacks (mm).
     pub lack: f64,
-    /// Where the electrode's surface is at this pose, in W (mm).
+    /// Point of the electrode's surface at this pose, in W (mm).
     pub at: DVec3,
     /// The direction in which the electrode would have to move there.
     pub away: DVec3,
@@ -138,7 +138,7 @@ pub struct Shortfall {
 }
 
 impl Bodies<'_> {
-    /// How far beyond the wanted clearance the electrode's field reaches around it (mm): what is further away has room.
+    /// Reach of the electrode's field beyond the clearance wanted (mm): whatever is further away is free.
     pub const AROUND: f64 = 1.0;
 
     /// Clearance at a point of W from the blisk (mm), negative inside it. Outside the field it is a lower bound:
@@ -148,7 +148,7 @@ impl Bodies<'_> {
         self.clearance_or_enough(p, f64::INFINITY)
     }
 
-    /// The same, or any value that is no less than `enough` (mm) if that is less.
+    /// Clearance at `p` (mm), or any value of at least `enough` (mm) where the clearance is greater than that.
     #[inline]
     fn clearance_or_enough(&self, p: DVec3, enough: f64) -> f64 {
         self.blisk.value_or_enough(p, enough).unwrap_or_else(|| self.clearance_outside(p))
@@ -177,8 +177,8 @@ impl Bodies<'_> {
         self.clearance_or_enough(placed.to_blisk[group].transform_point3(p), enough)
     }
 
-    /// Clearance of the point `p` of the blisk. With walls drawn in the electrode is what is left of it then, the
-    /// intersection of three: no nearer than any of them.
+    /// Clearance of the point `p` of the blisk. An electrode with its walls drawn in is the intersection of three
+    /// bodies, and so no nearer than any of them.
     #[inline]
     fn blisk_clearance(&self, placed: &Placed, p: DVec3, enough: f64) -> f64 {
         let seen = |i: usize| self.distance_to_electrode(placed.to_electrode[i].transform_point3(p), enough);
@@ -231,14 +231,14 @@ impl<'a> ClearanceModel<'a> {
         self.bodies.side
     }
 
-    /// About how far the electrode's points move from one pose to another, at most (mm).
+    /// Upper estimate of the motion of the electrode's points from one pose to another (mm).
     pub fn motion_between(&self, from: &Pose, to: &Pose) -> f64 {
         let (p, q) = (from.to_array(), to.to_array());
         let [x, y, z, a, b, c] = std::array::from_fn(|i| (q[i] - p[i]).abs());
         DVec3::new(x, y, z).length() + self.levers[0] * a + self.levers[1] * (b + c)
     }
 
-    /// For a point of the electrode with its walls drawn in by `turns`: where it was before, and on which face.
+    /// Point of the prepared electrode, and its face, for a point of the electrode with its walls drawn in by `turns`.
     pub fn before_turning(&self, p: DVec3, turns: Turns) -> (DVec3, ElectrodeFace) {
         let placed = self.placed(&Pose::FINAL, turns);
         let distance = |s: &Sample| placed.to_blisk[group(s.face)].transform_point3(s.point).distance_squared(p);
@@ -248,19 +248,19 @@ impl<'a> ClearanceModel<'a> {
         (placed.to_blisk[group(face)].inverse().transform_point3(p), face)
     }
 
-    /// The same model with probes no nearer to each other than `spacing` (mm), and all those of which more is asked.
+    /// Model with probes no nearer to each other than `spacing` (mm), and with all probes that have an extra demand.
     pub fn thinned(&self, spacing: f64) -> Self {
         let [electrode, blisk] = [&self.electrode, &self.blisk].map(|probes| thinned(probes.samples(), spacing));
         Self::new(self.bodies, electrode, blisk)
     }
 
-    /// The same model with further probes, or more demanding ones where it had them already.
+    /// Model with further probes; a probe that exists already takes the greater demand.
     pub fn with_probes(&self, electrode_samples: &[Sample], blisk_points: &[Sample]) -> Self {
         Self::new(self.bodies, self.electrode.joined(electrode_samples), self.blisk.joined(blisk_points))
     }
 
-    /// Whether every probe has the clearance demanded of it at `pose`, withdrawn by `s`, with the walls drawn in
-    /// by `turns`. Tests cluster `hint` first and leaves there the one that failed.
+    /// Whether every probe has the clearance demanded of it at `pose`, withdrawn by `s`, with the walls drawn in by
+    /// `turns`. Cluster `hint` is tested first; the cluster that failed is left there.
     pub fn is_free(&self, pose: &Pose, s: f64, turns: Turns, demand: &Demand, hint: &mut usize) -> bool {
         let placed = Placed::new(pose, turns, self.bodies.reference_point, self.bodies.samples);
         let at = Instant { s, turns };
@@ -294,59 +294,59 @@ impl<'a> ClearanceModel<'a> {
         }
     }
 
-    /// For looks at poses near to each other.
-    pub(super) fn lookout(&self) -> Lookout {
-        Lookout::new(self)
+    /// New caches for tests at poses near to each other.
+    pub(super) fn nearby(&self) -> NearbyPoses {
+        NearbyPoses::new(self)
     }
 
     /// The probes that lack clearance, in order; of each cluster only the one that lacks most, if `one_each`.
     pub(super) fn lacking(
         &self,
-        lookout: &mut Lookout,
+        nearby: &mut NearbyPoses,
         placed: &Placed,
         at: &Instant,
         demand: &Demand,
         one_each: bool,
     ) -> Vec<Lacking> {
         let mut found = Vec::new();
-        self.look(lookout, placed, at, demand, one_each, |lacking| {
+        self.look(nearby, placed, at, demand, one_each, |lacking| {
             found.push(lacking);
             true
         });
         found
     }
 
-    /// Whether every probe has the clearance demanded of it at `pose`, withdrawn by `s`, with the walls drawn in by `turns`,
-    /// where `lookout` was used for poses near to it.
+    /// Whether every probe has the clearance demanded of it at `pose`, withdrawn by `s`, with the walls drawn in by
+    /// `turns`; `nearby` holds the caches of earlier tests at poses near this one.
     pub(super) fn stays_free(
         &self,
-        lookout: &mut Lookout,
+        nearby: &mut NearbyPoses,
         pose: &Pose,
         (s, turns): (f64, Turns),
         demand: &Demand,
     ) -> bool {
         let mut free = true;
-        self.look(lookout, &self.placed(pose, turns), &Instant { s, turns }, demand, false, |_| {
+        self.look(nearby, &self.placed(pose, turns), &Instant { s, turns }, demand, false, |_| {
             free = false;
             free
         });
         free
     }
 
-    /// Calls `found` with the probes that lack clearance until it answers false.
+    /// Calls `found` with the probes that lack clearance until it returns false.
     fn look(
         &self,
-        lookout: &mut Lookout,
+        nearby: &mut NearbyPoses,
         placed: &Placed,
         at: &Instant,
         demand: &Demand,
         one_each: bool,
         mut found: impl FnMut(Lacking) -> bool,
     ) {
-        lookout.advance(self, placed, at.s);
+        nearby.advance(self, placed, at.s);
         let mut going = true;
         let clearance = |p: DVec3, group, enough: f64| self.bodies.electrode_clearance(placed, p, group, enough);
-        self.electrode.lacking(at, demand, &clearance, &mut lookout.electrode, one_each, |probe, lack| {
+        self.electrode.lacking(at, demand, &clearance, &mut nearby.electrode, one_each, |probe, lack| {
             going = found(Lacking { probe, lack });
             going
         });
@@ -355,12 +355,12 @@ impl<'a> ClearanceModel<'a> {
         }
         let first = self.samples().len();
         let clearance = |p: DVec3, _, enough: f64| self.bodies.blisk_clearance(placed, p, enough);
-        self.blisk.lacking(at, demand, &clearance, &mut lookout.blisk, one_each, |k, lack| {
+        self.blisk.lacking(at, demand, &clearance, &mut nearby.blisk, one_each, |k, lack| {
             found(Lacking { probe: first + k, lack })
         });
     }
 
-    /// Where a probe lacks clearance.
+    /// Contact of a probe that lacks clearance.
     pub(super) fn shortfall(&self, lacking: Lacking, placed: &Placed) -> Shortfall {
         match lacking.probe.checked_sub(self.samples().len()) {
             None => self.electrode_shortfall(lacking.probe, lacking.lack, placed),

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::clearance::{ClearanceModel, Lacking, Lookout, Shortfall};
+use super::clearance::{ClearanceModel, Lacking, NearbyPoses, Shortfall};
 use super::pose::{Axis, Pose};
 use super::probes::{Demand, Instant, Turns};
 
@@ -36,12 +36,12 @@ impl ClearanceModel<'_> {
         /// Rounds without getting nearer to freedom after which it is given up.
         const PATIENCE: usize = 3;
         const WORST: usize = 24;
-        let mut lookout = self.lookout();
+        let mut nearby = self.nearby();
         let mut pose = start;
         let mut best: Option<(Pose, Shortfall)> = None;
         let mut since_best = 0;
         for _ in 0..ROUNDS {
-            let lacking = self.worst_lacking(&mut lookout, &pose, (s, turns), demand, false, WORST);
+            let lacking = self.worst_lacking(&mut nearby, &pose, (s, turns), demand, false, WORST);
             let Some(&worst) = lacking.first() else { return (pose, None) };
             if best.is_none_or(|(_, known)| worst.lack < known.lack) {
                 best = Some((pose, worst));
@@ -59,7 +59,7 @@ impl ClearanceModel<'_> {
     /// The probes that lack most clearance, worst first, at most `most` of them.
     fn worst_lacking(
         &self,
-        lookout: &mut Lookout,
+        nearby: &mut NearbyPoses,
         pose: &Pose,
         (s, turns): (f64, Turns),
         demand: &Demand,
@@ -67,7 +67,7 @@ impl ClearanceModel<'_> {
         most: usize,
     ) -> Vec<Shortfall> {
         let placed = self.placed(pose, turns);
-        let mut lacking = self.lacking(lookout, &placed, &Instant { s, turns }, demand, one_each);
+        let mut lacking = self.lacking(nearby, &placed, &Instant { s, turns }, demand, one_each);
         let worse = |a: &Lacking, b: &Lacking| b.lack.total_cmp(&a.lack).then(a.probe.cmp(&b.probe));
         if lacking.len() > most {
             lacking.select_nth_unstable_by(most, worse);
@@ -107,7 +107,7 @@ impl ClearanceModel<'_> {
         self.ascend_from(start, at, demand, axes, |_| steps)
     }
 
-    /// The same by as many steps as `steps` answers when it is told what the worst probe lacks at `start` (mm).
+    /// [`ascend`](Self::ascend) by as many steps as `steps` returns for what the worst probe lacks at `start` (mm).
     pub(super) fn ascend_from(
         &self,
         start: Pose,
@@ -121,8 +121,8 @@ impl ClearanceModel<'_> {
         const TRUST: [f64; 2] = [0.4, 0.004];
         /// Share of the expected gain with which a step is a good one.
         const GOOD: f64 = 0.5;
-        let mut lookout = self.lookout();
-        let mut look = |pose: &Pose| self.worst_lacking(&mut lookout, pose, at, demand, true, WORST);
+        let mut nearby = self.nearby();
+        let mut look = |pose: &Pose| self.worst_lacking(&mut nearby, pose, at, demand, true, WORST);
         let lack_of = |lacking: &[Shortfall]| lacking.first().map_or(0.0, |w| w.lack);
         let (mut pose, mut lacking, mut trust) = (start, look(&start), TRUST[0]);
         for _ in 0..steps(lack_of(&lacking)) {
@@ -181,8 +181,8 @@ impl ClearanceModel<'_> {
         (Pose::from_array(q), lacking[0].lack - worst_left)
     }
 
-    /// What stands about a pose nearer than is demanded: for the worst probe of each cluster how fast its clearance grows
-    /// along each axis, in steps of the axis's mobility, and what it lacks (mm).
+    /// Constraints near a pose: for the worst probe of each cluster that lacks clearance, the slopes of its clearance
+    /// along the axes, in steps of each axis's [`mobility`], and the clearance it lacks (mm).
     pub(super) fn walls_about(
         &self,
         pose: &Pose,
@@ -191,7 +191,7 @@ impl ClearanceModel<'_> {
         axes: &[Axis],
     ) -> Vec<(Slopes, f64)> {
         const WORST: usize = 64;
-        let near = self.worst_lacking(&mut self.lookout(), pose, at, demand, true, WORST);
+        let near = self.worst_lacking(&mut self.nearby(), pose, at, demand, true, WORST);
         near.iter().map(|short| (self.scaled_slopes(pose, short, axes), short.lack)).collect()
     }
 

@@ -5,9 +5,9 @@
 //! to the other, until each burning wall is a spark gap from its blade, and Z moves it outwards by the radial
 //! reduction. It turns at several heights, up to the greatest, so that the corners at the shroud are burnt too.
 //!
-//! It is modelled as the machine does it. Z is the direction of the channel's middle, so that a point at the angle
-//! `phi` from the middle moves outwards by `cos(phi)` of it and sideways by `sin(phi)`, and a leaning wall that is
-//! moved outwards comes nearer to its blade or farther from it. A turned hub side meets fillets, and the facets of a
+//! The motion is modelled as the machine makes it. Z is the direction of the channel's middle, so that a point at the
+//! angle `phi` from the middle moves outwards by `cos(phi)` of it and sideways by `sin(phi)`, and a leaning wall that
+//! is moved outwards comes nearer to its blade or farther from it. A turned hub side meets fillets, and the facets of a
 //! round hub, that it does not meet in the final pose. So the lowest turn is at the least height that lets it go
 //! (nearly) furthest, the highest one at the greatest such height. Each turn goes only as far as the electrode keeps
 //! its clearance and the axes go, and the whole is certified by the same verifier as the feed.
@@ -43,7 +43,7 @@ const LOOKS: usize = 8;
 /// Moves shorter than this are none: of A in rad and of Z in mm, steps of the files both.
 const LEAST_MOVE: f64 = 1e-6;
 
-/// How far a copying motion shall go, or goes: all not negative.
+/// Extent of a copying motion; no value is negative.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct CopyingExtent {
     /// Turn of A towards the low wall (rad).
@@ -57,22 +57,22 @@ pub struct CopyingExtent {
 /// A turn of A from 0 at a height and back.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Turn {
-    /// Where Z is (mm).
+    /// Position of Z (mm).
     pub z: f64,
-    /// How far A turns (rad): towards the low wall it is negative, since the low wall is the one of smaller theta.
+    /// Angle of A (rad); negative towards the low wall, which is the one of smaller theta.
     pub a: f64,
 }
 
 impl CopyingExtent {
-    /// What undoes the reductions of `electrode`, which was made by `params` with its walls drawn in by a further `h`
-    /// (rad). A column of a channel that is divided left and right goes to its own wall only.
+    /// Copying motion that undoes the reductions of `electrode`, made by `params` with its walls drawn in by a further
+    /// `h` (rad). A column of a channel that is divided left and right copies to its own wall only.
     pub fn of(electrode: &Electrode, params: &ElectrodeParams, h: f64) -> Self {
         let [low, high] = params.circumferential_reduction_deg.map(|deg| deg.to_radians() + h);
         let only = |column, value: f64| if electrode.column.is_none_or(|c| c == column) { value } else { 0.0 };
         Self { low: only(Column::Low, low), high: only(Column::High, high), outwards: params.radial_reduction_mm }
     }
 
-    /// Whether it moves anything.
+    /// Whether there is no motion.
     pub fn is_none(&self) -> bool {
         [self.low, self.high, self.outwards].iter().all(|v| *v < LEAST_MOVE)
     }
@@ -85,22 +85,22 @@ pub struct CopyingMotion {
     pub path: FeedPath,
     /// The verifier's word on them.
     pub certificate: Certificate,
-    /// How far it would have to go to undo the reductions.
+    /// Extent that would undo the reductions.
     pub wanted: CopyingExtent,
-    /// How far it goes.
+    /// Extent reached.
     pub reached: CopyingExtent,
     /// The turns that it is made of.
     pub turns: Vec<Turn>,
 }
 
-/// What became of the copying motion of an electrode.
+/// Result of planning the copying motion of an electrode.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Copying {
     /// There are no reductions to be undone.
     NotNeeded,
     /// The machine cannot make it: it has no axis A.
     NoTable,
-    /// There is one.
+    /// The copying motion.
     Made(Box<CopyingMotion>),
 }
 
@@ -113,7 +113,7 @@ impl Copying {
         }
     }
 
-    /// What became of it, in a sentence.
+    /// The result in one sentence.
     pub fn sentence(&self) -> String {
         match self {
             Self::NotNeeded => "No copying motion: there are no reductions.".to_owned(),
@@ -134,7 +134,7 @@ impl CopyingMotion {
             && !matches!(c.travel(), TravelVerdict::Beyond(_))
     }
 
-    /// Whether it undoes the reductions, to a hundredth of each.
+    /// Whether the reductions are undone, to a hundredth of each.
     pub fn is_whole(&self) -> bool {
         let (w, r) = (&self.wanted, &self.reached);
         r.low >= 0.99 * w.low && r.high >= 0.99 * w.high && r.outwards >= 0.99 * w.outwards
@@ -162,7 +162,7 @@ impl CopyingMotion {
     }
 }
 
-/// What a copying motion is made and judged with.
+/// Settings that a copying motion is made and judged with.
 pub struct CopyingSettings<'a> {
     /// The machine.
     pub machine: &'a MachineParams,
@@ -211,7 +211,7 @@ pub fn copying_motion(
     Ok(Copying::Made(Box::new(CopyingMotion { path, certificate, wanted, reached, turns })))
 }
 
-/// How far `wanted` can be gone while `keeps` says yes, and the turns that do it.
+/// Part of `wanted` that can be reached while `keeps` holds, and the turns that reach it.
 fn reachable(
     wanted: &CopyingExtent,
     keeps: &dyn Fn(&Pose) -> bool,
@@ -267,7 +267,7 @@ fn first_good_turn(
     Ok(tried.into_iter().find(|t| t.a.abs() >= furthest - slack))
 }
 
-/// How much of the way between two poses can be gone while `keeps` says yes.
+/// Share of the motion between two poses that can be made while `keeps` holds.
 fn share_of_move(from: &Pose, to: &Pose, keeps: &dyn Fn(&Pose) -> bool, cancel: &Cancel) -> Result<f64, VerifyError> {
     let good = |t: f64| cancel.check().map(|()| keeps(&from.lerp(to, t)));
     let (mut reached, mut blocked) = (0.0, None);

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use super::axis_curve::{AxisCurve, CurveError, CurveKind, Joining};
 use super::path::{FeedPath, PathRow};
 use super::pose::{Axis, Pose};
+use super::problem::Node;
 use super::quantise::{DEG_DECIMALS, MM_DECIMALS, quantise_path};
-use super::search::Node;
 use geometry::frame::Frame;
 use geometry::spline::EndCondition;
 use glam::DVec3;
@@ -16,13 +16,14 @@ use glam::DVec3;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct InterpolationParams {
-    /// What kind of curve joins them.
+    /// Kind of curve that joins the nodes.
     pub kind: CurveKind,
-    /// What cubic splines do at the two ends of the path.
+    /// End condition of cubic splines at both ends of the path.
     pub ends: EndCondition,
     /// Degree of NURBS.
     pub degree: usize,
-    /// How far linear motion between rows may be from the curve, at any point of the electrode (mm).
+    /// Chordal deviation: greatest distance between linear motion from row to row and the curve, at any point of the
+    /// electrode (mm).
     pub chord_error_mm: f64,
 }
 
@@ -76,9 +77,9 @@ pub enum InterpolationError {
          mm; allow more"
     )]
     Rounding {
-        /// What is allowed (mm).
+        /// Chordal deviation allowed (mm).
         chord_error: f64,
-        /// What rounding takes (mm).
+        /// Part of it that rounding takes (mm).
         rounding: f64,
     },
     /// The curve bends so much that it would take too many rows to follow it.
@@ -165,7 +166,7 @@ impl Lever {
     }
 }
 
-/// What a path is given in.
+/// Frame, reference point and spark gap that a path is given with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PathFrame {
     /// W in the coordinates of the loaded mesh.

@@ -1,54 +1,53 @@
-//! Where a search came to its end, and what stopped it.
+//! End of a search without a path, and its cause.
 
 use glam::DVec3;
 use serde::Serialize;
 
 use super::machine::BeyondTravel;
 use super::pose::{Axis, Pose};
-use super::sizing::Opening;
 use geometry::frame::Cylindrical;
 use wheel::channel::{Channel, Surface};
 
-/// Where a search came to its end.
+/// End of a search without a path.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Jam {
     /// The node that could not be reached, counted from the final pose.
     pub node: usize,
-    /// Its withdrawn distance (mm).
+    /// Withdrawn distance of that node (mm).
     pub s: f64,
     /// The pose that came nearest to being free.
     pub pose: Pose,
-    /// What stops the electrode there.
+    /// Cause of the jam.
     pub cause: JamCause,
-    /// How much more reduction would open a way, where that was looked for.
-    pub opening: Option<Opening>,
+    /// Further reduction that would open a path, where that was searched for.
+    pub opening: Option<FurtherReduction>,
 }
 
-/// What stops an electrode.
+/// Cause of a jam.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum JamCause {
-    /// Metal, or the spark gap around it.
+    /// Contact with metal, or with the spark gap around it.
     Contact(JamContact),
-    /// The machine: an axis cannot go where the way out leads (mm or rad).
+    /// Travel of the machine: an axis cannot go where the path leads (mm or rad).
     Travel {
         /// The axis.
         axis: Axis,
-        /// Where it would have to go.
+        /// Axis value that the path needs.
         value: f64,
-        /// Where its travel ends.
+        /// End of its travel.
         limit: f64,
     },
-    /// The way out that was found takes so much additional reduction h (rad) that nothing is left of the electrode.
+    /// The path found takes so much additional reduction h (rad) that nothing is left of the electrode.
     NothingLeft {
         /// h (rad).
         h: f64,
     },
-    /// Nothing that could be named: there was no place to look at.
+    /// No cause could be determined.
     Unknown,
 }
 
-/// The place that lacks most room where an electrode jams.
+/// Point with the greatest lack of clearance where an electrode jams.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct JamContact {
     /// The point of the electrode, in its final pose in W (mm).
@@ -61,13 +60,25 @@ pub struct JamContact {
     pub lack: f64,
 }
 
+/// Further reduction (rad) that would let an electrode come out, by the walls drawn in; none where even the greatest
+/// tried is not enough.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FurtherReduction {
+    /// Both walls by the same angle.
+    pub both: Option<f64>,
+    /// The low wall alone.
+    pub low: Option<f64>,
+    /// The high wall alone.
+    pub high: Option<f64>,
+}
+
 impl Jam {
-    /// The place that stops the electrode, if it is one.
+    /// Contact that stops the electrode, if a contact is the cause.
     pub fn contact(&self) -> Option<&JamContact> {
         if let JamCause::Contact(contact) = &self.cause { Some(contact) } else { None }
     }
 
-    /// Whether so little is missing that another try may come through.
+    /// Whether so little clearance is missing (up to `nearly`, mm) that another attempt may succeed.
     pub(super) fn is_near(&self, nearly: f64) -> bool {
         match self.cause {
             JamCause::Contact(contact) => contact.lack <= nearly,
@@ -76,7 +87,7 @@ impl Jam {
         }
     }
 
-    /// Where and why the search ended, and what would help, in one sentence.
+    /// Place and cause of the jam, and the remedy, in one sentence.
     pub fn sentence(&self, channel: &Channel) -> String {
         let help = self.opening.map(|opening| opening_sentence(&opening, channel)).unwrap_or_default();
         format!("{}{help}", self.where_and_why(channel))
@@ -116,8 +127,8 @@ impl Jam {
     }
 }
 
-/// What would open a way, to follow a verdict.
-fn opening_sentence(opening: &Opening, channel: &Channel) -> String {
+/// Sentence on the further reductions that would open a path, to follow a verdict.
+fn opening_sentence(opening: &FurtherReduction, channel: &Channel) -> String {
     let deg = |angle: f64| format!("{:.2} deg", angle.to_degrees());
     let wall = |surface, angle: Option<f64>| {
         angle.map(|a| format!("{} on the side of the {} alone", deg(a), channel.surface_name(surface)))

@@ -77,7 +77,7 @@ impl Default for MachineParams {
     }
 }
 
-/// What of [`MachineParams`] a search depends on: all but the bodies.
+/// The part of [`MachineParams`] that a search depends on: all but the bodies.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SearchedMachine {
     axes: AxisSet,
@@ -91,7 +91,7 @@ pub struct SearchedMachine {
     speed_deg_min: f64,
 }
 
-/// What is wrong with machine parameters, or with a path on that machine.
+/// Invalid machine parameter, or a path that the machine cannot follow.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MachineError {
     /// A travel that does not hold the final pose.
@@ -125,9 +125,9 @@ pub struct BeyondTravel {
     pub axis: Axis,
     /// Index of the row in feed order.
     pub row: usize,
-    /// Where the axis would have to go (mm or rad).
+    /// Axis value needed (mm or rad).
     pub value: f64,
-    /// Where its travel ends (mm or rad).
+    /// End of its travel (mm or rad).
     pub limit: f64,
 }
 
@@ -151,13 +151,13 @@ impl std::fmt::Display for BeyondTravel {
 }
 
 impl TravelLimits {
-    /// What rounding may add (mm or rad).
+    /// Tolerance for rounding (mm or rad).
     const ROUNDING: f64 = 1e-9;
 
     /// Axes that go as far as they like.
     pub const UNLIMITED: Self = Self([[f64::NEG_INFINITY, f64::INFINITY]; 6]);
 
-    /// The same with `axis` kept within `[least, greatest]` (mm or rad).
+    /// Limits with `axis` kept within `[least, greatest]` (mm or rad).
     pub fn with(mut self, axis: Axis, travel: [f64; 2]) -> Self {
         self.0[axis as usize] = travel;
         self
@@ -206,12 +206,12 @@ impl MachineParams {
         Ok(())
     }
 
-    /// Whether it has bodies that a motion has to be simulated with.
+    /// Whether the machine has bodies that a motion has to be simulated with.
     pub fn has_bodies(&self) -> bool {
         !self.name.is_empty()
     }
 
-    /// What of it a search depends on.
+    /// The part of the parameters that a search depends on.
     pub fn searched(&self) -> SearchedMachine {
         let Self { travel_x_mm, travel_y_mm, travel_z_mm, travel_a_deg, travel_b_deg, travel_c_deg, .. } = *self;
         let Self { axes, speed_mm_min, speed_deg_min, .. } = *self;
@@ -242,7 +242,7 @@ impl MachineParams {
         self.has_bodies() && side == EntrySide::MinusX
     }
 
-    /// The same machine with its travels in the directions of W, for an electrode that enters from `side`.
+    /// Machine with its travels in the directions of W, for an electrode that enters from `side`.
     pub fn seen_from_w(&self, side: EntrySide) -> Self {
         let mut seen = self.clone();
         if self.is_turned(side) {

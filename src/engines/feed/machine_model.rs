@@ -22,7 +22,7 @@ use sha2::{Digest, Sha256};
 use geometry::mesh::Mesh;
 use wheel::electrode::EntrySide;
 
-/// What a body goes with.
+/// Part of the machine that carries a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Carrier {
@@ -46,11 +46,11 @@ impl Carrier {
 /// A body in the coordinates of its carrier.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
-    /// What it is called.
+    /// Name of the body.
     pub name: String,
-    /// What it goes with.
+    /// Part of the machine that carries the body.
     pub carrier: Carrier,
-    /// Its closed surface (mm). A cylinder is a prism around it, never smaller than the cylinder.
+    /// Closed surface of the body (mm). A cylinder is a prism around it, never smaller than the cylinder.
     pub mesh: Mesh,
 }
 

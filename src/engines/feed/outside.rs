@@ -1,4 +1,4 @@
-//! Where a blisk ends: the one place that says when an electrode is outside, for the search and the verifier alike.
+//! Extent of a blisk: the one definition of an electrode being outside, for the search and the verifier alike.
 
 use glam::DVec3;
 
@@ -19,7 +19,7 @@ pub struct Outside {
 }
 
 impl Outside {
-    /// For a blisk and an electrode in its final pose, both in W, with the electrode's reference point O.
+    /// Extent of `blisk` around `electrode` in its final pose, both in W, with the electrode's reference point O.
     pub fn new(blisk: &Mesh, electrode: &Mesh, reference_point: DVec3) -> Self {
         let radius = |p: &DVec3| p.y.hypot(p.z);
         // Vertices that no triangle uses are no part of the surface.
@@ -33,8 +33,9 @@ impl Outside {
         Self { faces_x, points, reference_point }
     }
 
-    /// How far the whole electrode at `pose` is beyond the metal on `side`: negative while some point is not (mm).
-    pub fn way_out(&self, pose: &Pose, side: EntrySide) -> f64 {
+    /// Distance of the whole electrode beyond the metal on `side` at `pose` (mm); negative while some point is not
+    /// beyond it.
+    pub fn distance_outside(&self, pose: &Pose, side: EntrySide) -> f64 {
         let place = pose.placement(self.reference_point);
         let [least, most] = extent(self.points.iter().map(|&p| place.transform_point3(p).x));
         match side {
@@ -45,7 +46,7 @@ impl Outside {
 
     /// The side on which the whole electrode at `pose` is beyond the metal; none while some of it is not.
     pub fn side_of(&self, pose: &Pose) -> Option<EntrySide> {
-        [EntrySide::MinusX, EntrySide::PlusX].into_iter().find(|&side| self.way_out(pose, side) > 0.0)
+        [EntrySide::MinusX, EntrySide::PlusX].into_iter().find(|&side| self.distance_outside(pose, side) > 0.0)
     }
 
     /// Whether the whole electrode at `pose` is beyond the metal on one side or the other.
@@ -81,8 +82,8 @@ mod tests {
             let outside = Outside::new(&blisk, &tool, DVec3::new(3.0, 2.0, 50.0));
             // The tool begins 4 mm inside: it lacks its place less the end of the metal.
             let moved = Pose { x: -5.0, ..Pose::FINAL };
-            assert!((outside.way_out(&moved, EntrySide::PlusX) - way).abs() < 1e-12, "{top}");
-            assert!((outside.way_out(&moved, EntrySide::MinusX) - 0.0).abs() < 1e-12);
+            assert!((outside.distance_outside(&moved, EntrySide::PlusX) - way).abs() < 1e-12, "{top}");
+            assert!((outside.distance_outside(&moved, EntrySide::MinusX) - 0.0).abs() < 1e-12);
             assert!(!outside.is_outside(&moved), "touching the plane of the face is not outside");
             assert!(outside.is_outside(&Pose { x: -5.1, ..moved }));
             assert_eq!(outside.is_outside(&Pose { x: 7.0, ..moved }), top < 45.0);

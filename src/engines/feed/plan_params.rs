@@ -10,7 +10,6 @@ use super::global::{GlobalParams, GlobalParamsError};
 use super::interpolation::{InterpolationError, InterpolationParams, InterpolationParamsError};
 use super::machine::MachineError;
 use super::objective::{Weights, WeightsError};
-use super::search::{Constraint, Strategy};
 use super::verify::VerifyError;
 use geometry::distance_field::FieldError;
 use geometry::exact::ExactMeshError;
@@ -18,13 +17,56 @@ use task::Cancelled;
 use wheel::centreline::CentrelineError;
 use wheel::electrode::ElectrodeError;
 
+/// Strategy by which a path is searched for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Strategy {
+    /// The adaptive genetic algorithm of P0.
+    Genetic,
+    /// The widest path over many poses for each node, then polished as a whole.
+    #[default]
+    Global,
+    /// Straight on along the main direction as far as it goes (Kang et al. 2018); to compare with.
+    FreeTravel,
+    /// The greatest least distance at every node (Ayesta et al. 2016); to compare with.
+    MaxMinDistance,
+    /// Along the centreline of the channel, P1.
+    Centreline,
+}
+
+impl Strategy {
+    /// Every strategy in the order of declaration.
+    pub const ALL: [Self; 5] = [Self::Genetic, Self::Global, Self::FreeTravel, Self::MaxMinDistance, Self::Centreline];
+
+    /// Name of the strategy in project files.
+    pub fn name(self) -> &'static str {
+        ["genetic", "global", "free-travel", "max-min-distance", "centreline"][self as usize]
+    }
+
+    /// Strategy with this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|strategy| strategy.name() == name)
+    }
+}
+
+/// Constraint that a pose must meet to count as free during the search. The verifier decides in the end.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Constraint {
+    /// Signed distance to the finished surface of at least spark gap and margin at every sample.
+    #[default]
+    Distance,
+    /// P0's comparison of the angles alpha and theta at the nearest wall point.
+    Angle,
+}
+
 /// Parameters of a plan beyond those of its strategy.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PlanParams {
     /// How the path is searched for.
     pub strategy: Strategy,
-    /// What a pose must meet during the search.
+    /// Constraint that a pose must meet during the search.
     pub constraint: Constraint,
     /// Distance between nodes along the main direction (mm).
     pub step_mm: f64,
@@ -64,38 +106,59 @@ impl Default for PlanParams {
     }
 }
 
-/// Why a plan cannot be made at all. That no path was found is not an error but an answer.
+/// Reason why a plan cannot be made. A search without a path is a result, not an error.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[allow(missing_docs)]
 pub enum PlanError {
+    /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+    /// A plan parameter is out of range.
     #[error("[plan] {key} = {value}: must be {range}")]
-    Parameter { key: &'static str, value: f64, range: &'static str },
+    Parameter {
+        /// Key.
+        key: &'static str,
+        /// Value found.
+        value: f64,
+        /// Range of valid values.
+        range: &'static str,
+    },
+    /// The weights of the objective cannot be used.
     #[error(transparent)]
     Weights(#[from] WeightsError),
+    /// The safety factors of the angle constraint cannot be used.
     #[error(transparent)]
     Angle(#[from] AngleParamsError),
+    /// An interpolation parameter is out of range.
     #[error(transparent)]
     Interpolation(#[from] InterpolationParamsError),
+    /// A parameter of the global strategy is out of range.
     #[error(transparent)]
     Global(#[from] GlobalParamsError),
+    /// No rows can be made that keep to the curve.
     #[error(transparent)]
     Rows(#[from] InterpolationError),
+    /// A parameter of the genetic strategy is out of range.
     #[error(transparent)]
     Genetic(#[from] GeneticParamsError),
+    /// A machine parameter cannot be used.
     #[error(transparent)]
     Machine(#[from] MachineError),
+    /// A distance field cannot be built.
     #[error(transparent)]
     Field(FieldError),
+    /// A mesh cannot be searched.
     #[error(transparent)]
     Mesh(#[from] ExactMeshError),
+    /// The electrode cannot be made.
     #[error(transparent)]
     Electrode(ElectrodeError),
+    /// The nodes cannot be joined.
     #[error(transparent)]
     Curve(#[from] CurveError),
+    /// The channel has no centreline.
     #[error(transparent)]
     Centreline(CentrelineError),
+    /// The path cannot be verified.
     #[error(transparent)]
     Verify(VerifyError),
 }
@@ -153,5 +216,19 @@ impl PlanParams {
         self.angle.validate()?;
         self.global.validate()?;
         Ok(self.interpolation.validate()?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_those_of_job_files() {
+        for strategy in Strategy::ALL {
+            assert_eq!(serde_json::to_value(strategy).unwrap(), strategy.name());
+            assert_eq!(Strategy::named(strategy.name()), Some(strategy));
+        }
+        assert_eq!(Strategy::named("Genetic"), None);
     }
 }

@@ -23,13 +23,18 @@ pub struct Pose {
 /// The machine's axes, in the order of [`Pose::to_array`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-#[allow(missing_docs)]
 pub enum Axis {
+    /// Along the blisk axis (mm).
     X,
+    /// Across the channel (mm).
     Y,
+    /// Radial (mm).
     Z,
+    /// Rotation of the blisk about X (rad).
     A,
+    /// Tilt of the electrode about its Y (rad).
     B,
+    /// Rotation of the electrode about its Z (rad).
     C,
 }
 

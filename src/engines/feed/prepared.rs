@@ -1,21 +1,78 @@
-//! An electrode made ready for searches: its distance field, and points on it and on the blisk.
+//! Input of searches: the channel and an electrode, with their distance fields and points on both.
 //!
-//! Searches with the walls drawn in further need no other electrode: the walls are turned, and points that a drawn-in
+//! A search with the walls drawn in further needs no other electrode: the walls are turned, and points that a drawn-in
 //! wall takes away are left out. That makes sizing, and planning while a reduction is tuned, fast.
 
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use super::clearance::{Bodies, ClearanceModel, SamplesOf};
+use super::objective::WallDistances;
 use super::outside::Outside;
-use super::plan::PlanningSpace;
 use super::plan_params::PlanError;
-use super::samples::{Sample, SampleSpacing, limit_to_reduced, sample_electrode};
+use super::samples::{Sample, SampleSpacing, limit_to_reduced, sample_convex_edges, sample_electrode};
 use geometry::distance_field::DistanceField;
 use geometry::exact::ExactMesh;
+use geometry::mesh::{Bounds, Mesh};
 use task::{Cancel, Cancelled, Progress};
+use wheel::channel::Channel;
 use wheel::electrode::Electrode;
+use wheel::surface_finder::SurfaceFinder;
 
-/// See the module's text.
+/// Data that all electrodes of one channel share: the blisk's surface in W, its distance field, and the walls.
+pub struct PlanningSpace {
+    /// The finished blisk in W.
+    pub blisk: Arc<Mesh>,
+    /// The channel.
+    pub channel: Arc<Channel>,
+    /// The surfaces of the channel.
+    pub finder: SurfaceFinder,
+    /// Signed distance around the channel.
+    pub field: DistanceField,
+    /// Distances to the two walls there.
+    pub walls: WallDistances,
+    /// Points along the blisk's edges there.
+    pub edges: Vec<Sample>,
+}
+
+impl PlanningSpace {
+    /// Reach of the field beside the channel's walls, as a share of the pitch: the electrode swings there.
+    const BESIDE: f64 = 0.75;
+    /// Distance beyond the field up to which the blisk's edges are sampled (mm): shank and holder pass there.
+    const RIMS: f64 = 25.0;
+    /// Distance between points along the blisk's edges (mm).
+    const EDGE_SPACING: f64 = 0.4;
+
+    /// Builds the distance field with cells of `cell` mm over the channel and its surroundings.
+    pub fn new(
+        blisk: Arc<Mesh>,
+        exact: &ExactMesh,
+        channel: Arc<Channel>,
+        cell: f64,
+        progress: &Progress,
+        cancel: &Cancel,
+    ) -> Result<Self, PlanError> {
+        let finder = SurfaceFinder::new(channel.clone())?;
+        let field = DistanceField::build(&blisk, exact, Self::region(&channel), cell, progress, cancel)?;
+        let edges = sample_convex_edges(&blisk, field.bounds().grown(Self::RIMS), Self::EDGE_SPACING, cancel)?;
+        let walls = WallDistances::new(&finder, field.bounds(), cancel)?;
+        Ok(Self { blisk, channel, finder, field, walls, edges })
+    }
+
+    fn region(channel: &Channel) -> Bounds {
+        let walls = Bounds::of(channel.low.points.iter().chain(&channel.high.points).copied());
+        let [front, back] = channel.faces_x;
+        let beside = Self::BESIDE * std::f64::consts::TAU / channel.blades as f64 * walls.max.z;
+        let shroud = channel.meridian.iter().map(|m| m.shroud).fold(walls.max.z, f64::max);
+        Bounds {
+            min: DVec3::new(front - 1.0, walls.min.y - beside, walls.min.z - 3.0),
+            max: DVec3::new(back + 1.0, walls.max.y + beside, shroud + 2.0),
+        }
+    }
+}
+
+/// An electrode with its distance field and the points on it that are tested for clearance.
 pub struct PreparedElectrode {
     electrode: Arc<Electrode>,
     distance: DistanceField,
@@ -30,7 +87,7 @@ impl PreparedElectrode {
     /// Prepares `electrode` for searches that want `clearance` (mm) and draw its walls in by up to `most` (rad).
     ///
     /// # Errors
-    /// If the field gets too large, or when told to stop.
+    /// If the field gets too large, or when cancelled.
     pub fn new(
         space: &PlanningSpace,
         electrode: Arc<Electrode>,
@@ -62,8 +119,8 @@ impl PreparedElectrode {
         ClearanceModel::new(self.bodies(space), self.samples.clone(), space.edges.clone())
     }
 
-    /// The same for `drawn_in`, an electrode made with its walls drawn in: its own points are tested, and only for the
-    /// blisk's edges its walls are taken from the prepared one.
+    /// Clearance model of `drawn_in`, an electrode made with its walls drawn in: its own points are tested, and only
+    /// for the blisk's edges its walls are taken from the prepared one.
     ///
     /// # Errors
     /// [`Cancelled`].

@@ -3,13 +3,13 @@
 
 use glam::DVec3;
 
+use super::clearance_cache::{ClearanceCache, MotionBound};
 use super::samples::{Cluster, Sample, cluster};
-use super::watch::{Rest, Watch};
 use geometry::distance_field::DistanceField;
 use geometry::mesh::Bounds;
 use wheel::electrode::ElectrodeFace;
 
-/// How much clearance the search demands.
+/// Clearance that the search demands.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Demand {
     /// The spark gap (mm).
@@ -18,7 +18,7 @@ pub struct Demand {
     pub margin: f64,
     /// Allowance for the error of the fields (mm).
     pub guard: f64,
-    /// Room wanted beyond all that, also near the final pose (mm).
+    /// Clearance margin wanted beyond all that, also near the final pose (mm).
     pub room: f64,
 }
 
@@ -28,7 +28,7 @@ impl Demand {
         self.needed() + self.room
     }
 
-    /// The same without the room beyond it (mm).
+    /// Clearance demanded without the clearance margin (mm).
     fn needed(&self) -> f64 {
         self.spark_gap + self.margin + self.guard
     }
@@ -53,12 +53,12 @@ impl Turns {
     }
 }
 
-/// What is the same for all points at one moment of the search.
+/// Withdrawn distance and wall turns, common to all points at one moment of the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instant {
     /// Withdrawn distance (mm).
     pub s: f64,
-    /// How far the walls are drawn in.
+    /// Angles by which the walls are drawn in (rad).
     pub turns: Turns,
 }
 
@@ -71,7 +71,7 @@ impl Instant {
     }
 }
 
-/// Which way a point follows the additional circumferential reduction h of P0: 0 not at all, 1 with the low
+/// Direction in which a point follows the additional circumferential reduction h of P0: 0 not at all, 1 with the low
 /// wall, 2 with the high wall.
 pub fn group(face: ElectrodeFace) -> usize {
     match face {
@@ -81,7 +81,7 @@ pub fn group(face: ElectrodeFace) -> usize {
     }
 }
 
-/// How much too great a field may read for something `distance` away (mm).
+/// Error bound of a distance field at `distance` (mm): the most that its value may exceed the distance.
 fn doubt(distance: f64) -> f64 {
     DistanceField::ACCURACY + 0.05 * (distance - DistanceField::NEAR).max(0.0)
 }
@@ -102,15 +102,15 @@ pub struct Probes {
 }
 
 impl Probes {
-    /// How much more than in the final pose a point must have for every mm withdrawn, until it has what is
-    /// wanted. In the final pose itself only the spark gap is open.
+    /// Growth of the demand per mm withdrawn, from the clearance in the final pose to the demand. In the final pose
+    /// only the spark gap is open.
     const OPENING: f64 = 0.05;
-    /// Distance withdrawn from which on all that was learned of a point is asked for (mm).
+    /// Withdrawn distance from which on the extra demand of a point counts in full (mm).
     const LEARNED: f64 = 0.25;
-    /// Points in a cluster, a balance between tests saved and balls that are too wide to decide.
+    /// Points in a cluster: a balance between tests saved and balls too wide to decide.
     const CLUSTER: usize = 12;
 
-    /// Probes at `samples`, whose clearance in the final pose `clearance` tells.
+    /// Probes at `samples`; `clearance` returns the clearance of each in the final pose.
     pub fn new(mut samples: Vec<Sample>, clearance: impl Fn(DVec3) -> f64) -> Self {
         let clusters = cluster(&mut samples, Self::CLUSTER, |face| group(face) as u8);
         let at_final = samples.iter().map(|s| clearance(s.point)).collect();
@@ -132,8 +132,8 @@ impl Probes {
         self.samples.iter().enumerate().filter(move |(_, sample)| at.holds(sample))
     }
 
-    /// The first cluster that lacks clearance at an instant. `clearance` tells the clearance of a point of a group, or
-    /// any that is no less than its last argument if that is less.
+    /// First cluster that lacks clearance at an instant. `clearance` returns the clearance of a point of a group, or
+    /// any value of at least its last argument where the clearance is greater.
     pub fn first_blocked(
         &self,
         at: &Instant,
@@ -147,8 +147,8 @@ impl Probes {
         crowded.flat_map(|block| block.start..block.end).find(|&i| !self.cluster_is_free(i, at, demand, clearance))
     }
 
-    /// How much more clearance than its points need, without any room, a ball of points of one group surely has (mm), or
-    /// what is no less than the room that is demanded.
+    /// Lower bound of the spare clearance of a ball of points of one group, without any margin (mm), or any value of at
+    /// least the margin demanded.
     #[inline]
     fn spare(
         &self,
@@ -164,31 +164,31 @@ impl Probes {
         if clearance.is_finite() { clearance - doubt(clearance) - needed } else { clearance }
     }
 
-    /// A watch over these points.
-    pub fn watch(&self) -> Watch {
-        Watch::new([self.blocks.len(), self.clusters.len(), self.samples.len()])
+    /// A clearance cache for these points.
+    pub fn clearance_cache(&self) -> ClearanceCache {
+        ClearanceCache::new([self.blocks.len(), self.clusters.len(), self.samples.len()])
     }
 
-    /// How much more may be demanded of a point after a further withdrawal by `further` (mm).
+    /// Bound on the growth of a point's demand over a further withdrawal by `further` (mm).
     pub fn rise(&self, further: f64) -> f64 {
         let further = further.max(0.0);
         Self::OPENING * further + self.greatest_extra * (further / Self::LEARNED).min(1.0)
     }
 
-    /// Calls `found` with every point that lacks clearance and how much it lacks (mm), in order, until it answers false; of
-    /// each cluster only with the one that lacks most, if `one_each`. Points that rest by what `watch` knows are passed
-    /// over.
+    /// Calls `found` with every point that lacks clearance and the clearance it lacks (mm), in order, until `found`
+    /// returns false; of each cluster only with the point that lacks most, if `one_each`. Points whose motion bound in
+    /// `cache` still holds are skipped.
     pub fn lacking(
         &self,
         at: &Instant,
         demand: &Demand,
         clearance: &impl Fn(DVec3, usize, f64) -> f64,
-        watch: &mut Watch,
+        cache: &mut ClearanceCache,
         one_each: bool,
         mut found: impl FnMut(usize, f64) -> bool,
     ) {
-        let (moved, room) = (watch.moved(), demand.room);
-        for (block, rest) in self.blocks.iter().zip(&mut watch.blocks) {
+        let (moved, room) = (cache.moved(), demand.room);
+        for (block, rest) in self.blocks.iter().zip(&mut cache.blocks) {
             let group = self.group_of(&self.clusters[block.start]);
             let spare = |ball, extra| self.spare(ball, group, extra, demand, clearance);
             if !rest.opens(moved, room, || spare(block, self.greatest_extra)) {
@@ -196,16 +196,16 @@ impl Probes {
             }
             for i in block.start..block.end {
                 let cluster = &self.clusters[i];
-                if !watch.clusters[i].opens(moved, room, || spare(cluster, self.cluster_extra[i])) {
+                if !cache.clusters[i].opens(moved, room, || spare(cluster, self.cluster_extra[i])) {
                     continue;
                 }
                 let mut worst: Option<(usize, f64)> = None;
                 for k in cluster.start..cluster.end {
-                    if watch.points[k].lasts(moved, room) {
+                    if cache.points[k].lasts(moved, room) {
                         continue;
                     }
                     let (lack, rest) = self.lack(k, at, demand, clearance, moved);
-                    watch.points[k] = rest;
+                    cache.points[k] = rest;
                     if lack > 0.0 && !one_each {
                         if !found(k, lack) {
                             return;
@@ -221,7 +221,7 @@ impl Probes {
         }
     }
 
-    /// What point `k` lacks (mm), and how long it rests if it lacks nothing.
+    /// Clearance that point `k` lacks (mm), and its motion bound if it lacks nothing.
     #[inline]
     fn lack(
         &self,
@@ -230,14 +230,14 @@ impl Probes {
         demand: &Demand,
         clearance: &impl Fn(DVec3, usize, f64) -> f64,
         moved: f64,
-    ) -> (f64, Rest) {
+    ) -> (f64, MotionBound) {
         let sample = &self.samples[k];
         if !at.holds(sample) {
-            return (0.0, Rest::FOR_EVER);
+            return (0.0, MotionBound::FOR_EVER);
         }
         let demanded = self.demanded(k, at.s, demand);
         let clearance = clearance(sample.point, group(sample.face), demanded);
-        (demanded - clearance, Rest::of(clearance - doubt(clearance) - demanded + demand.room, moved))
+        (demanded - clearance, MotionBound::of(clearance - doubt(clearance) - demanded + demand.room, moved))
     }
 
     fn group_of(&self, cluster: &Cluster) -> usize {
@@ -249,7 +249,7 @@ impl Probes {
         self.clusters.len()
     }
 
-    /// The same points and `more`; a point that is known already is asked for that much more.
+    /// These points and `more`; a point that exists already takes the greater demand.
     pub fn joined(&self, more: &[Sample]) -> Vec<Sample> {
         let mut samples = self.samples.clone();
         for new in more {
@@ -261,7 +261,8 @@ impl Probes {
         samples
     }
 
-    /// Whether every point of cluster `i` has what is demanded of it; see [`first_blocked`](Self::first_blocked).
+    /// Whether every point of cluster `i` has the clearance demanded of it; `clearance` is that of
+    /// [`first_blocked`](Self::first_blocked).
     #[inline]
     pub fn cluster_is_free(
         &self,

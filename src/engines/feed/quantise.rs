@@ -1,7 +1,7 @@
 //! Rounding of poses to the decimals that files carry.
 //!
-//! A path is rounded once, before it is verified. Text made from a rounded value and read back gives the same
-//! bits, so the motion in a file is the motion that was proven, not one near it.
+//! A path is rounded once, before it is verified. Text made from a rounded value and read back gives the same bits, so
+//! the motion in a file is exactly the motion that was proven.
 
 use crate::path::{FeedPath, PathRow};
 use crate::pose::Pose;
@@ -61,7 +61,7 @@ pub fn deg_text(angle: f64, decimals: usize) -> String {
     format!("{:.decimals$}", to_decimals(angle.to_degrees(), DEG_DECIMALS))
 }
 
-/// `value` rounded down to [`MM_DECIMALS`]: for proven clearances, which must not be flattered.
+/// `value` rounded down to [`MM_DECIMALS`], for proven clearances, which rounding must not increase.
 pub fn floor_mm_text(value: f64) -> String {
     let step = 10f64.powi(MM_DECIMALS as i32);
     // A value that is a step to within its own rounding error stays that step.

@@ -1,5 +1,5 @@
-//! A plan from nodes that were found before: joined and verified anew, not searched. Whatever the nodes are, what comes
-//! out is as certain as a plan that has just been made, because only the verifier makes certificates.
+//! Replay: a plan from nodes found before, joined and verified anew without a search. The result is as certain as a new
+//! plan, because only the verifier makes certificates.
 
 use std::time::Instant;
 
@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::plan::{FeedPlan, PlanSettings};
 use super::plan_params::PlanError;
 use super::planner::{interpolated, planned_path};
-use super::search::Node;
+use super::problem::Node;
 use super::verify::Verifier;
 use geometry::frame::Frame;
 use geometry::mesh::Mesh;
@@ -16,7 +16,7 @@ use task::{Cancel, Progress};
 use wheel::electrode::Electrode;
 use wheel::surface_finder::SurfaceFinder;
 
-/// Where a replay takes place.
+/// Blisk and channel of a replay.
 #[derive(Clone, Copy)]
 pub struct Surroundings<'a> {
     /// The finished blisk in W.
@@ -31,7 +31,7 @@ pub struct Surroundings<'a> {
 /// reduction `h` (rad).
 ///
 /// # Errors
-/// If the nodes cannot be joined, or when told to stop. That the path does not hold is an answer, not an error.
+/// If the nodes cannot be joined, or when cancelled. That the path does not hold is an answer, not an error.
 pub fn replay_feed(
     around: &Surroundings,
     electrode: &Electrode,
@@ -59,7 +59,7 @@ pub fn replay_feed(
         ranges: [0.0; 6],
         probes: 0,
         rounds: 0,
-        mends: 0,
+        repairs: 0,
         field_seconds: 0.0,
         search_seconds: 0.0,
         verify_seconds: started.elapsed().as_secs_f64(),

@@ -13,12 +13,12 @@ use wheel::electrode::ElectrodeFace;
 /// A point on the electrode in its final pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
-    /// Where it is in W (mm).
+    /// Position in W (mm).
     pub point: DVec3,
     /// The face it lies on.
     pub face: ElectrodeFace,
-    /// Clearance demanded here beyond what all samples must have (mm): raised where the verifier found the
-    /// search too trusting.
+    /// Extra clearance demanded beyond that of all samples (mm), where the verifier found less clearance than the
+    /// search.
     pub extra: f64,
     /// Greatest angles by which the low and the high wall can be drawn in with the point still part of the electrode (rad).
     pub stays_to: [f64; 2],
@@ -29,7 +29,7 @@ impl Sample {
     pub const ALWAYS: [f64; 2] = [f64::INFINITY; 2];
 }
 
-/// How densely an electrode is sampled.
+/// Sampling density of an electrode.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SampleSpacing {
     /// Between points on faces (mm).
@@ -106,9 +106,9 @@ pub fn sample_electrode(
     Ok(sieve.kept)
 }
 
-/// Finds how far, at most by `most` (rad), each wall can be drawn in with each sample still part of the electrode: as
-/// long as it is inside the electrode turned about X as that wall is. `field` is that of the electrode. The walls
-/// themselves follow and the holder does not change.
+/// Sets the greatest angle, at most `most` (rad), by which each wall can be drawn in with each sample still part of the
+/// electrode: a sample is, as long as it is inside the electrode turned about X as that wall is. `field` is that of the
+/// electrode. Samples on the walls themselves follow them, and the holder does not change.
 pub fn limit_to_reduced(samples: &mut [Sample], field: &DistanceField, most: f64) {
     const STEPS: u32 = 64;
     const HALVINGS: u32 = 5;
@@ -166,7 +166,7 @@ pub fn sample_convex_edges(
 /// An edge where the surface bends.
 struct BentEdge {
     ends: [u32; 2],
-    /// Its triangles.
+    /// Range of its triangles.
     triangles: [usize; 2],
     /// Whether the solid is on the inside of the bend.
     convex: bool,
@@ -230,7 +230,7 @@ impl Sieve {
     }
 }
 
-/// Those of `samples` that are no nearer than `spacing` (mm) to each other, and all of which more is asked.
+/// Subset of `samples` no nearer to each other than `spacing` (mm), with all samples that have an extra demand.
 pub fn thinned(samples: &[Sample], spacing: f64) -> Vec<Sample> {
     let mut sieve = Sieve { kept: Vec::new(), grid: HashMap::new(), size: spacing };
     for sample in samples {
@@ -245,7 +245,7 @@ pub fn thinned(samples: &[Sample], spacing: f64) -> Vec<Sample> {
 pub struct Cluster {
     /// Centre of a ball around the samples, in W at the final pose (mm).
     pub center: DVec3,
-    /// Its radius (mm).
+    /// Radius of the ball around the samples (mm).
     pub radius: f64,
     /// First sample.
     pub start: usize,

@@ -56,7 +56,7 @@ mod tests {
     use super::*;
     use crate::objective::ObjectiveValue;
     use crate::pose::Pose;
-    use crate::search::Node;
+    use crate::problem::Node;
     use geometry::spline::EndCondition;
 
     #[test]

@@ -23,6 +23,16 @@ pub fn without_detours(path: &Path) -> PathBuf {
     short
 }
 
+/// The folder that files named in `file` are seen from.
+pub fn folder_of(file: &Path) -> PathBuf {
+    absolute(file.parent().unwrap_or(Path::new("")))
+}
+
+/// Whether the name of `path` ends with `ending`, a point and letters of any case.
+pub fn has_ending(path: &Path, ending: &str) -> bool {
+    path.extension().is_some_and(|e| ending.strip_prefix('.').is_some_and(|own| e.eq_ignore_ascii_case(own)))
+}
+
 /// `path` as seen from the absolute `folder`, with `..` where it lies beside it; absolute where they share no root.
 pub fn relative(path: &Path, folder: &Path) -> PathBuf {
     let path = absolute(path);

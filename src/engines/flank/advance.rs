@@ -1,5 +1,5 @@
-//! What keeps a path from turning back while it is made better: sliding its control points along it changes deviations so
-//! little that, left free, the end ones change places, and the path goes forward, then back.
+//! Cost that keeps a path from turning back during refinement: sliding its control points along it changes deviations
+//! so little that, left free, the end ones change places, and the path goes forward, then back.
 
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
@@ -14,7 +14,7 @@ pub(super) struct Advance {
     by_share: f64,
 }
 
-/// What is kept of one leg.
+/// Bound on one leg.
 #[derive(Debug, Clone, Copy)]
 struct Leg {
     /// Whether it is one of C_t.
@@ -50,7 +50,7 @@ impl Advance {
         self.legs.iter().map(move |leg| (leg, KEPT - leg.share(axis))).filter(|(_, short)| *short > 0.0)
     }
 
-    /// What a path costs for legs that are too short.
+    /// Cost of legs that are too short.
     pub fn cost(&self, axis: &AxisSurface) -> f64 {
         self.short(axis).map(|(_, short)| 0.5 * self.by_share * short * short).sum()
     }

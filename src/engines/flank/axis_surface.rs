@@ -19,9 +19,9 @@ pub struct CubicBasis {
 /// The four functions that are not zero at a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BasisAt {
-    /// Their numbers.
+    /// Numbers.
     pub numbers: [usize; 4],
-    /// Their values.
+    /// Values.
     pub values: [f64; 4],
 }
 
@@ -215,7 +215,7 @@ impl AxisSurface {
         self.basis.is_closed
     }
 
-    /// Its basis functions.
+    /// Basis functions.
     pub fn basis(&self) -> &CubicBasis {
         &self.basis
     }

@@ -31,7 +31,7 @@ impl CheckGrid {
         Self::along(surface, (surface.places_along(even), across), even)
     }
 
-    /// A grid of `size` places along u and v, for a quick look.
+    /// A grid of `size` samples along u and v, for a preview.
     pub fn even(surface: &RuledSurface, size: [usize; 2]) -> Self {
         let along = (0..size[0]).map(|i| i as f64 / (size[0].max(2) - 1) as f64).collect();
         Self::along(surface, (along, size[1]), size[0])
@@ -48,8 +48,8 @@ impl CheckGrid {
         Self { places, spacing_mm: [by_u, by_v], along, is_even }
     }
 
-    /// The same rulings for the check of the whole tool all along the path, which takes its time at each place. Where they
-    /// are many there are fewer places on each: the flutes are as straight as the rulings.
+    /// Grid with the same rulings for the check of the whole tool all along the path, which takes its time at each
+    /// place. Where rulings are many there are fewer places on each: the flutes are as straight as the rulings.
     pub fn for_whole_tool(&self, surface: &RuledSurface) -> DesignGrid {
         const USUAL: usize = 10_000;
         const LEAST: usize = 15;
@@ -58,13 +58,13 @@ impl CheckGrid {
         if fewer >= across { self.places.clone() } else { DesignGrid::along(surface, &self.along, fewer) }
     }
 
-    /// What it is, in words.
+    /// Description of the grid in words.
     pub fn words(&self) -> String {
         let ([nu, nv], [by_u, by_v]) = (self.places.counted_size(), self.spacing_mm);
         format!("{nu} x {nv} samples, at most {by_u:.3} x {by_v:.3} mm apart")
     }
 
-    /// What `path` does over this grid. `touching` is what touches: the cutter above the path's `below_mm`.
+    /// Results of `path` over this grid. `touching` is the part that touches: the cutter above the path's `below_mm`.
     ///
     /// # Errors
     /// [`FlankError::Unmeasured`] if no place of the axis stands over some place.
@@ -80,7 +80,7 @@ impl CheckGrid {
     }
 }
 
-/// What a path does over a grid for checks.
+/// Results of a path over a grid for checks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CheckedPath {
     /// The grid, in words.
@@ -89,7 +89,7 @@ pub struct CheckedPath {
     pub deviation: Deviation,
     /// Where the axis stands over the places of the grid.
     pub feet: Feet,
-    /// What is covered.
+    /// Coverage of the surface.
     pub coverage: Coverage,
     /// Deviation of the moving cutter.
     pub envelope: EnvelopeCheck,

@@ -33,12 +33,12 @@ pub struct RankCurve {
     pub grid: [usize; 2],
 }
 
-/// What a change of the control points is taken to do.
+/// Model of the effect of a change of the control points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Model {
-    /// It shifts each place of the axis along the normal; P4's.
+    /// Shift of each place of the axis along the normal; P4's model.
     Shift,
-    /// It also changes the height of the place, and so the radius of a cone there.
+    /// Shift, and change of the height of the place, and so of the radius of a cone there.
     Height,
     /// And another place of the axis then stands over the same place of the surface: the exact derivative.
     Moving,
@@ -49,7 +49,7 @@ pub enum Model {
 pub(super) struct Row {
     /// Numbers of four control points.
     pub numbers: [usize; 4],
-    /// Its basis functions.
+    /// Basis functions.
     pub values: [f64; 4],
     /// By a change of C_b and of C_t.
     pub by: [DVec3; 2],
@@ -80,7 +80,7 @@ impl Row {
         Self { numbers: basis.numbers, values: basis.values, by: [(1.0 - a) * shift + taller, a * shift - taller] }
     }
 
-    /// Its entries that are not zero: number of the unknown, rising, and value. Unknowns are x, y, z of all of C_b, then of
+    /// Entries that are not zero: number of the unknown, rising, and value. Unknowns are x, y, z of all of C_b, then of
     /// C_t.
     pub fn entries(&self, control_points: usize) -> [(usize, f64); 24] {
         let mut entries = [(0, 0.0); 24];
@@ -199,7 +199,7 @@ fn triangle(
 pub struct Measured {
     /// The surface that its axis sweeps.
     pub axis: AxisSurface,
-    /// Its deviation over the design surface.
+    /// Deviation over the design surface.
     pub deviation: Deviation,
     /// Where the axis stands over the places of the grid.
     pub feet: Feet,

@@ -9,7 +9,7 @@ use super::ruled_surface::RuledSurface;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FlankCutter {
-    /// Its name in lists; may be empty.
+    /// Name in lists; may be empty.
     #[serde(default)]
     pub name: String,
     /// Radius of the bottom circle (mm), P4's r0.
@@ -19,7 +19,7 @@ pub struct FlankCutter {
     pub taper_deg: f64,
     /// Length of the flutes (mm).
     pub length_mm: f64,
-    /// What is above the flutes, from below upwards: shank, holder, spindle nose; empty if nothing is known of it.
+    /// Shank, holder and spindle nose above the flutes, from below upwards; empty if unknown.
     #[serde(default)]
     pub holder: Vec<HolderPart>,
 }
@@ -28,7 +28,7 @@ pub struct FlankCutter {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HolderPart {
-    /// Its length along the axis (mm).
+    /// Length along the axis (mm).
     pub length_mm: f64,
     /// Radius of its lower end (mm).
     pub lower_radius_mm: f64,
@@ -68,7 +68,7 @@ impl FlankCutter {
         self.taper_deg.to_radians()
     }
 
-    /// What is left of it above a height (mm): the cutter that touches with that height as its bottom.
+    /// Cutter above a height (mm): the one that touches with that height as its bottom.
     ///
     /// # Errors
     /// [`FlankError::Parameter`] if there are no flutes above it.

@@ -31,7 +31,7 @@ pub struct Deviation {
     pub values: Vec<f64>,
     /// Sum of the absolute values (mm).
     pub sum: f64,
-    /// Their mean (mm).
+    /// Mean (mm).
     pub mean: f64,
     /// Root of the mean of the squares (mm).
     pub rms: f64,
@@ -114,7 +114,7 @@ pub(super) struct GridPlace {
     pub tangents: [DVec3; 2],
 }
 
-/// Which places of the axis stand over the places of a grid.
+/// Feet: the places of the axis that stand over the places of a grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Feet {
     /// For each place (t, a) of the axis surface.
@@ -161,12 +161,12 @@ impl DesignGrid {
         self.size
     }
 
-    /// Those that count: around a closed surface the last rulings are the first ones again.
+    /// Size of the grid that counts: around a closed surface the last rulings are the first ones again.
     pub fn counted_size(&self) -> [usize; 2] {
         [self.counted_places().len() / self.size[1].max(1), self.size[1]]
     }
 
-    /// Its places, row by row: v runs faster.
+    /// Places, row by row: v runs faster.
     pub fn places(&self) -> impl ExactSizeIterator<Item = &SurfacePlace> {
         self.places.iter().map(|place| &place.at)
     }
@@ -175,7 +175,7 @@ impl DesignGrid {
         &self.places
     }
 
-    /// Those that count: around a closed surface the rulings of the seam once.
+    /// Places that count: around a closed surface the rulings of the seam once.
     pub(super) fn counted_places(&self) -> &[GridPlace] {
         &self.places[..self.places.len() - repeated(self.size, self.is_closed)]
     }

@@ -1,4 +1,4 @@
-//! What keeps a path on the surface's edges while it is refined: sliding along the path or along the axis changes
+//! Cost that keeps a path on the surface's edges during refinement: sliding along the path or along the axis changes
 //! deviations so little that, left free, it carries the path's ends or the cutter's bottom off the surface.
 
 use glam::DVec3;
@@ -65,7 +65,7 @@ impl Edges {
         at_ends.chain(at_bottom)
     }
 
-    /// What a path costs for what is beyond its bounds.
+    /// Cost of exceeding the bounds.
     pub fn cost(&self, grid: &DesignGrid, path: &Measured) -> f64 {
         self.beyond(grid, path).map(|(beyond, cost, _)| 0.5 * cost * beyond * beyond).sum()
     }

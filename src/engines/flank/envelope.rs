@@ -1,4 +1,4 @@
-//! What the moving cutter leaves: its true envelope, and a brute-force sweep to check it.
+//! Swept envelope of the moving cutter, and a brute-force sweep to check it.
 //!
 //! The cutter is the hull of spheres around the places of its axis. A sphere at a fixed height touches the envelope
 //! where its normal is square to its own motion, and the cone where the normal leans by the half-angle: both together

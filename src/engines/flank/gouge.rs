@@ -22,7 +22,7 @@ use task::{Cancel, Progress};
 /// How exact clearances are near a touch (mm).
 pub const TOLERANCE: f64 = 1e-3;
 
-/// Which part of the tool comes near.
+/// Part of the tool that comes near.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ToolPart {
@@ -35,7 +35,7 @@ pub enum ToolPart {
 /// The place of a path where a part of the tool is nearest to a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Clearance {
-    /// Which part.
+    /// Part of the tool.
     pub part: ToolPart,
     /// Distance (mm), to within [`slack`]; negative by the depth where it gouges, less what is allowed at the border of
     /// the milled face.
@@ -99,7 +99,7 @@ impl Frustum {
 }
 
 impl GougeCheck {
-    /// What is farther than this from the tool is not looked for (mm).
+    /// Distance from the tool beyond which nothing is searched for (mm).
     pub const FAR: f64 = 50.0;
 
     /// The worse of both clearances that is below `-tolerance` (mm): a gouge.
@@ -108,7 +108,7 @@ impl GougeCheck {
         both.min_by(|a, b| a.distance_mm.total_cmp(&b.distance_mm))
     }
 
-    /// What gouges by more than `tolerance` (mm), in words.
+    /// Gouges deeper than `tolerance` (mm), in words.
     pub fn warnings(&self, tolerance: f64) -> Vec<String> {
         let gouges = [self.cutter, self.holder].into_iter().flatten().filter(|c| c.distance_mm < -tolerance);
         let words = |c: Clearance| {

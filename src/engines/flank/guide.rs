@@ -12,18 +12,18 @@ use geometry::nurbs::{KnotVector, NurbsCurve, NurbsError, chord_parameters};
 pub enum GuideCurve {
     /// A Bezier curve, of a degree one less than its points.
     Bezier {
-        /// Its control points (mm), 2 to 8.
+        /// Control points (mm), 2 to 8.
         points: Vec<DVec3>,
     },
     /// A B-spline.
     BSpline {
-        /// Its degree, 1 to 7.
+        /// Degree, 1 to 7.
         degree: usize,
-        /// Its knots, both ends repeated `degree + 1` times.
+        /// Knots, both ends repeated `degree + 1` times.
         knots: Vec<f64>,
-        /// Its control points (mm).
+        /// Control points (mm).
         points: Vec<DVec3>,
-        /// Their weights; empty for all the same.
+        /// Weights; empty for all the same.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         weights: Vec<f64>,
     },
@@ -86,7 +86,7 @@ pub(super) fn row_parameters(lower: &GuideCurve, upper: &GuideCurve) -> Result<[
     Ok([Some(shared.clone()), Some(shared)])
 }
 
-/// What the reader must know of how two guides are joined: rows of points with different counts have no fellows.
+/// Warning on the joining of two guides: rows of points with different counts have no counterparts.
 pub fn pairing_warning(lower: &GuideCurve, upper: &GuideCurve) -> Option<String> {
     let (GuideCurve::Points { points: low, .. }, GuideCurve::Points { points: high, .. }) = (lower, upper) else {
         return None;
@@ -213,7 +213,7 @@ fn through_at(parameters: &[f64], points: &[DVec3], degree: usize) -> Result<Nur
 /// Whether points end where they begin without a corner there: the line through them does not turn much more than at the
 /// points beside.
 fn is_ring(points: &[DVec3]) -> bool {
-    /// What the seam may turn more than the points beside it: a factor, and an angle (rad).
+    /// Allowance for the turn of the seam over that of the points beside it: a factor, and an angle (rad).
     const MORE: [f64; 2] = [1.5, 0.1];
     let [first, second, third, .., before, behind, last] = points else { return false };
     if !is_near(points, *first, *last) || points.len() < 7 {
@@ -232,7 +232,7 @@ pub(super) fn is_near(points: &[DVec3], a: DVec3, b: DVec3) -> bool {
     a.distance(b) <= NEAR * extent
 }
 
-/// The same knots, stretched so that they run from 0 to 1.
+/// Knots stretched to run from 0 to 1.
 fn from_zero_to_one(knots: &KnotVector) -> Result<KnotVector, NurbsError> {
     let [start, end] = knots.domain();
     let stretched = knots.knots().iter().map(|k| (k - start) / (end - start)).collect();

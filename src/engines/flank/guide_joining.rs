@@ -11,7 +11,7 @@ use geometry::nurbs::NurbsCurve;
 /// for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joining {
-    /// Which guide: lower, upper.
+    /// Name of the guide: lower, upper.
     pub which: &'static str,
     /// The first of the two points between which that is, counted from 1.
     pub point: usize,
@@ -28,8 +28,8 @@ pub struct Joining {
 impl Joining {
     /// Departures up to this are of no account (mm).
     const LEAST_MM: f64 = 0.05;
-    /// What the line may turn at a point of a curve (rad), 30 degrees: a circle has twelve points then. One that turns
-    /// more has a corner, or is measured too coarsely to tell.
+    /// Greatest turn of the line at a point of a curve (rad), 30 degrees: a circle has twelve points then. A line that
+    /// turns more has a corner, or is measured too coarsely to tell.
     const SHARP: f64 = 30.5 * std::f64::consts::PI / 180.0;
     /// How many times the departure of the circle that turns as the points do there a curve may have: twice where
     /// points stand at uneven distances, twice where the curvature changes.

@@ -25,7 +25,7 @@ impl Heights {
     /// How far beyond them a path may go (mm): half of what the bottom is usually below the lower guide.
     pub const BEYOND_MM: f64 = 0.05;
 
-    /// Those of a first path, whose cutter touches the lower guide with its rim.
+    /// Heights of a first path, whose cutter touches the lower guide with its rim.
     pub fn of(first: &Measured, cutter: &FlankCutter) -> Self {
         // The contact on the rim has its sphere this high.
         let rim = cutter.radius_mm * cutter.half_angle().tan();
@@ -56,7 +56,7 @@ impl Heights {
 
     /// The axis surface moved along itself so that it stands at the floor over the lower guide, by least squares.
     fn slid(&self, grid: &DesignGrid, path: &Measured) -> Option<AxisSurface> {
-        /// What keeps control points that no place tells anything of, as a share of what one place tells.
+        /// Stiffness of control points that no place determines, as a share of the weight of one place.
         const STIFF: f64 = 1e-6;
         let n = path.axis.lower().len();
         let (mut matrix, mut right) = (DMatrix::identity(n, n) * STIFF, DMatrix::zeros(n, 3));

@@ -12,9 +12,9 @@ use geometry::solid::open_edges;
 /// Vertices of a wall that lie as near to each other (mm) are one.
 const WELDED: f64 = 1e-6;
 
-/// Which parts of the tool at `pose` have their middle within `wall`, and how deep that lies in them. A tool that meets no
-/// triangle of a wall is inside of it or outside all along its way, so that one place of the way tells. In an open wall is
-/// what it is seen from behind of in more than half of all directions.
+/// Parts of the tool at `pose` whose middle lies within `wall`, and their depth in it. A tool that meets no triangle of
+/// a wall is inside of it or outside all along its path, so that one place of the path is enough. An open wall counts
+/// as inside where it is seen from behind in more than half of the directions.
 pub fn within(pose: &FlankPose, cutter: &FlankCutter, wall: &Mesh) -> GougeCheck {
     let (flutes, holder) = tool_of(cutter);
     let bounds = wall.bounds();

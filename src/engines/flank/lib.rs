@@ -48,7 +48,7 @@ pub enum FlankError {
     /// A guide curve that cannot be made.
     #[error("the {which} guide curve: {reason}")]
     Guide {
-        /// Which one: lower, upper.
+        /// Name of the guide: lower, upper.
         which: &'static str,
         /// Why not.
         reason: NurbsError,
@@ -56,9 +56,9 @@ pub enum FlankError {
     /// A row of points that is no curve.
     #[error("the {which} guide curve: {problem}")]
     Points {
-        /// Which one: lower, upper.
+        /// Name of the guide: lower, upper.
         which: &'static str,
-        /// What is wrong with which point, counted from 1.
+        /// Problem, with the number of the point, counted from 1.
         problem: String,
     },
     /// Too few points in a file.
@@ -72,7 +72,7 @@ pub enum FlankError {
     SamePoint {
         /// Number of the line, from 1.
         line: usize,
-        /// The one before.
+        /// Number of the point before.
         before: usize,
     },
     /// A line of points that cannot be read.
@@ -83,7 +83,7 @@ pub enum FlankError {
     Unreadable {
         /// Number of the line, from 1.
         line: usize,
-        /// What stands there.
+        /// Text found.
         text: String,
     },
     /// A row with more points than a guide needs.
@@ -143,11 +143,11 @@ pub enum FlankError {
     /// A parameter that is not usable.
     #[error("{name} is {value}: it must be {wanted}")]
     Parameter {
-        /// Its name.
+        /// Name.
         name: &'static str,
-        /// What it is.
+        /// Value.
         value: f64,
-        /// What it must be.
+        /// Range of valid values.
         wanted: &'static str,
     },
     /// A cutter whose flutes end below the upper guide.
@@ -158,7 +158,7 @@ pub enum FlankError {
     CutterTooShort {
         /// Length of the flutes (mm).
         length_mm: f64,
-        /// What is needed (mm).
+        /// Length needed (mm).
         needed_mm: f64,
         /// Where along the guides.
         u: f64,
@@ -205,7 +205,7 @@ pub enum FlankError {
     /// A system that has no solution.
     #[error("{0} has no solution in finite numbers")]
     Singular(&'static str),
-    /// The work was told to stop.
+    /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }

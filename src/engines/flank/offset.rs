@@ -10,13 +10,13 @@ use super::FlankError;
 use super::cutter::FlankCutter;
 use super::ruled_surface::{RuledSurface, SurfacePlace};
 
-/// What a location was made to do.
+/// Contact that a location was made for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Touch {
-    /// It touches both guides, as it was asked to.
+    /// Both guides, as was asked for.
     TwoPoints,
-    /// It touches both guides and the surface midway.
+    /// Both guides and the surface midway.
     ThreePoints,
     /// No slide along the upper guide makes it touch midway: it is the one that comes nearest to it.
     NearestToThree,
@@ -45,7 +45,7 @@ pub struct CutterLocation {
     pub axis: DVec3,
     /// Deviation midway between the guides (mm), where it can be measured.
     pub middle_mm: Option<f64>,
-    /// What it touches.
+    /// Contact of the location.
     pub touch: Touch,
 }
 
@@ -136,8 +136,8 @@ pub fn three_point(
     u0: f64,
     slide: f64,
 ) -> Result<CutterLocation, FlankError> {
-    /// What counts as touching (mm), where no slide is needed and where the deviation has no change of sign. On a surface
-    /// that is flat but for the digits of its guides a slide would follow these.
+    /// Distance that counts as touching (mm), where no slide is needed and where the deviation has no change of sign.
+    /// On a surface that is flat but for the digits of its guides a slide would follow these.
     const TOUCHING: f64 = 1e-7;
     let plain = two_point(surface, cutter, u0, u0)?;
     if plain.middle_mm.is_some_and(|m| m.abs() < TOUCHING) {

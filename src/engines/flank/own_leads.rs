@@ -1,4 +1,4 @@
-//! What the whole tool does to the design surface itself on the straight moves that lead to a path and away from it.
+//! Effect of the whole tool on the design surface itself on the straight moves that lead to a path and away from it.
 //!
 //! Guaranteed: no place of the grid is cut deeper than said, by more than [`EXACT`]. Not guaranteed: what happens between
 //! places of the grid.

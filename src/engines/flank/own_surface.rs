@@ -1,4 +1,4 @@
-//! What the whole tool does to the design surface itself, all along the path.
+//! Effect of the whole tool on the design surface itself, all along the path.
 //!
 //! Deviation and envelope are taken where the cutter stands over a place. Elsewhere on the path it may come back to that
 //! place from aside: the other lip of a groove, the other leg of a corner. So every place of a grid is held against
@@ -31,7 +31,7 @@ pub struct OwnGouge {
     pub v: f64,
     /// Where it is (mm).
     pub point: DVec3,
-    /// Which part of the tool cuts it.
+    /// Part of the tool that cuts the surface.
     pub part: ToolPart,
     /// At which t of the path.
     pub t: f64,
@@ -53,11 +53,11 @@ impl OwnGouge {
 pub struct OwnSurfaceCheck {
     /// Places along u and v.
     pub grid: [usize; 2],
-    /// What is allowed beyond what the moving cutter does where it stands (mm).
+    /// Tolerance beyond the cut of the moving cutter where it stands (mm).
     pub tolerance_mm: f64,
     /// Places that are cut deeper than that.
     pub count: usize,
-    /// The one that is cut deepest beyond what is expected.
+    /// Place that is cut deepest beyond what is expected.
     pub worst: Option<OwnGouge>,
 }
 
@@ -67,7 +67,7 @@ impl OwnSurfaceCheck {
         self.worst.is_none()
     }
 
-    /// What was found, in words.
+    /// Result in words.
     pub fn text(&self) -> String {
         let [nu, nv] = self.grid;
         let Some(worst) = &self.worst else {

@@ -1,4 +1,4 @@
-//! What is asked of a flank path.
+//! Parameters of a flank path.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,7 +15,7 @@ pub enum OffsetMethod {
     ThreePoint,
 }
 
-/// What a path is made best in.
+/// Objective that a path minimises.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "least")]
 pub enum Objective {
@@ -56,7 +56,7 @@ pub struct FlankParams {
     pub below_mm: f64,
     /// How far the upper contact may slide away from the lower, in u.
     pub slide_u: f64,
-    /// What the refined path is made best in.
+    /// Objective that the refined path minimises.
     pub objective: Objective,
     /// Most rounds of refinement; 0 for none.
     pub rounds: usize,

@@ -21,7 +21,7 @@ pub struct FlankPose {
     pub axis: DVec3,
 }
 
-/// What a path covers.
+/// Coverage of the surface by a path.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Coverage {
     /// Least and greatest parameter of the path where it stands over the surface or, moving, grazes it; 0 and 1 of a
@@ -46,7 +46,7 @@ pub struct FlankPath {
     pub deviation: Deviation,
     /// Where the axis stands over the places of the grid.
     pub feet: Feet,
-    /// What it covers.
+    /// Coverage of the surface.
     pub coverage: Coverage,
     /// Deviation of the moving cutter.
     pub envelope: EnvelopeCheck,
@@ -63,8 +63,8 @@ impl FlankPath {
         Self { axis, below_mm, poses, deviation, feet, coverage, envelope }
     }
 
-    /// What it does over another grid: deviation of the standing cutter and where it stands, coverage, and the moving cutter.
-    /// `cutter` is what touches.
+    /// Results over another grid: deviation of the static cutter and where it stands, coverage, and the moving cutter.
+    /// `cutter` is the part that touches.
     ///
     /// # Errors
     /// [`FlankError::Unmeasured`] if no place of the axis stands over some place.
@@ -85,7 +85,7 @@ impl FlankPath {
     }
 }
 
-/// What a path covers whose axis stands at `feet` over the surface.
+/// Coverage by a path whose axis stands at `feet` over the surface.
 fn coverage(
     (axis, below_mm): (&AxisSurface, f64),
     cutter: &FlankCutter,

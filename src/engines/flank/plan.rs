@@ -16,7 +16,7 @@ use super::ruled_surface::RuledSurface;
 use super::warning::{self, PlanWarning};
 use task::{Cancel, Progress};
 
-/// What is said where the cutter touches all of the surface from the start.
+/// Remark where the cutter touches all of the surface from the start.
 pub const WITHIN_ROUNDING: &str = "touches within rounding";
 
 /// A path and those that it came from.
@@ -24,7 +24,7 @@ pub const WITHIN_ROUNDING: &str = "touches within rounding";
 pub struct FlankPlan {
     /// The cutter, whole.
     pub cutter: FlankCutter,
-    /// What was asked.
+    /// Parameters of the plan.
     pub params: FlankParams,
     /// The locations by offset.
     pub locations: Vec<CutterLocation>,
@@ -38,7 +38,7 @@ pub struct FlankPlan {
     pub chosen: FlankPath,
     /// The path made best in the objective; the chosen one again if no rounds were asked for.
     pub refined: FlankPath,
-    /// What the reader must know.
+    /// Warnings on the plan.
     pub warnings: Vec<PlanWarning>,
 }
 
@@ -48,7 +48,7 @@ impl FlankPlan {
         [("initial", &self.initial), ("chosen", &self.chosen), ("refined", &self.refined)]
     }
 
-    /// What the reader of one of the paths must know, in words: what is of the plan, and of this path.
+    /// Warnings on one of the paths, in words: those of the plan, and of this path.
     pub fn warnings_of<'a>(&'a self, path: &'a str) -> impl Iterator<Item = &'a str> {
         let of_it = self.warnings.iter().filter(move |warning| warning.path.is_none_or(|of| of == path));
         of_it.map(|warning| warning.text.as_str())
@@ -70,7 +70,7 @@ impl FlankPlan {
         self.has_deviation().then(|| sum / self.initial.deviation.sum)
     }
 
-    /// The same of the moving cutter: its sum on a path as a share of its sum on the initial one.
+    /// Sum of the moving cutter on a path as a share of its sum on the initial one.
     pub fn moving_share(&self, path: &FlankPath) -> Option<f64> {
         let [sum, first] = [path, &self.initial].map(|path| path.envelope.deviation.sum);
         self.has_deviation().then(|| sum / first.max(f64::MIN_POSITIVE))

@@ -20,7 +20,7 @@ use super::params::Objective;
 use super::path::FlankPath;
 use task::{Cancel, Progress};
 
-/// What a step makes smaller: the sum over places of a function that nears the objective.
+/// Merit function of a step: the sum over places of a function that approximates the objective.
 #[derive(Debug, Clone, Copy)]
 struct Merit {
     /// Whether squares are summed, not absolute values.
@@ -71,7 +71,7 @@ fn bounds_of(objective: Objective) -> [f64; 2] {
 
 /// Whether `a` is a better answer than `b`: nearer to the bounds first, then by what is summed.
 pub(super) fn is_better(objective: Objective, a: &Deviation, b: &Deviation) -> bool {
-    /// What is beyond a bound by less counts as within (mm).
+    /// Excess over a bound that still counts as within (mm).
     const NOTHING: f64 = 1e-7;
     let beyond = [a, b].map(|d| beyond_bounds(objective, d).max(NOTHING));
     let of = |d: &Deviation| if objective == Objective::Rms { d.rms } else { d.sum };
@@ -98,7 +98,7 @@ pub fn refine(
     control: (&Progress, &Cancel),
 ) -> Result<Measured, FlankError> {
     const TRIES: usize = 3;
-    /// What is beyond a bound by less counts as within (mm).
+    /// Excess over a bound that still counts as within (mm).
     const KEPT: f64 = 1e-6;
     let mut answer = refine_standing(grid, start, (cutter, heights), (objective, rounds, soft), control)?;
     let Objective::Bounded { mut overcut_mm, mut undercut_mm } = objective else { return Ok(answer) };

@@ -100,7 +100,7 @@ impl RuledSurface {
         Self::new(lower, upper, side)
     }
 
-    /// The same surface and the same side with u run the other way.
+    /// Surface with the same side and u reversed.
     pub fn reversed(&self) -> Self {
         let (lower, upper) = (self.lower.reversed(), self.upper.reversed());
         Self { lower, upper, sign: -self.sign, is_reversed: !self.is_reversed, is_closed: self.is_closed }

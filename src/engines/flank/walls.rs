@@ -1,4 +1,4 @@
-//! What of a mesh the flutes must keep off while they mill a surface of it.
+//! Walls: the parts of a mesh that the flutes must keep off while they mill a surface of it.
 //!
 //! The law:
 //! - The triangles of the milled face itself are no walls. What is done to them is told by deviation and by
@@ -29,14 +29,14 @@ use task::{Cancel, Cancelled};
 /// of one curved surface turn.
 const SMOOTH_DEG: f64 = 20.0;
 
-/// Which triangles of a mesh are those of the milled face.
+/// Triangles of a mesh that belong to the milled face.
 #[derive(Debug, Clone, Copy)]
 pub enum OwnTriangles<'a> {
-    /// Those with these numbers.
+    /// Triangles with these numbers.
     Listed(&'a [u32]),
-    /// Those that lie on triangles of another mesh, to within a distance (mm): a second copy of the part.
+    /// Triangles that lie on triangles of another mesh, to within a distance (mm): a second copy of the part.
     On(&'a Mesh, &'a [u32], f64),
-    /// Those that lie on the surface, to within a distance (mm): where nothing else is known.
+    /// Triangles that lie on the surface, to within a distance (mm): where nothing else is known.
     Near(f64),
 }
 

@@ -1,4 +1,4 @@
-//! What the reader of a plan must know, in words.
+//! Warnings on a plan, in words.
 
 use super::FlankError;
 use super::offset::Touch;
@@ -7,7 +7,7 @@ use super::plan::{FlankPlan, RING_FIT_MM};
 use super::refine::path_beyond_bounds;
 use super::ruled_surface::RuledSurface;
 
-/// What the reader of a plan must know.
+/// Warning on a plan.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PlanWarning {
     /// Of which path alone: see [`FlankPlan::paths`]. None if it is of the whole plan.
@@ -28,7 +28,7 @@ pub(super) fn of_plan(surface: &RuledSurface, plan: &FlankPlan) -> Vec<PlanWarni
     warnings
 }
 
-/// Those of the plan as a whole.
+/// Warnings on the plan as a whole.
 fn of_whole(surface: &RuledSurface, plan: &FlankPlan) -> Vec<PlanWarning> {
     let mut warnings = Vec::new();
     if let Err(error) = plan.cutter.fits(surface, plan.params.below_mm) {
@@ -59,7 +59,7 @@ fn of_whole(surface: &RuledSurface, plan: &FlankPlan) -> Vec<PlanWarning> {
     warnings.into_iter().map(|text| PlanWarning { path: None, text }).collect()
 }
 
-/// What the refined path is worse in than the first one.
+/// Figures in which the refined path is worse than the first one.
 fn of_refined(plan: &FlankPlan) -> Vec<String> {
     let mut warnings = Vec::new();
     let (before, after) = (&plan.initial.deviation, &plan.refined.deviation);
@@ -117,7 +117,7 @@ fn of_ring(plan: &FlankPlan) -> Option<String> {
 }
 
 fn of_bounds(plan: &FlankPlan) -> Option<String> {
-    /// What counts as kept (mm).
+    /// Tolerance of kept bounds (mm).
     const KEPT: f64 = 1e-4;
     let both = [&plan.refined.deviation, &plan.refined.envelope.deviation];
     let overcut = both.iter().fold(0.0, |most: f64, d| most.max(-d.most_overcut));

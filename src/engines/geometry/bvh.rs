@@ -87,7 +87,7 @@ impl OrientedBox {
     }
 }
 
-/// What is left of `between`, axis by axis, after taking off `extent` on either side.
+/// Gap that remains of `between`, axis by axis, after taking off `extent` on either side.
 fn gap(between: DVec3, extent: DVec3) -> DVec3 {
     (between.abs() - extent).max(DVec3::ZERO) * between.signum()
 }

@@ -30,7 +30,7 @@ pub enum ExactMeshError {
 pub struct Nearest {
     /// The nearest point of the surface.
     pub point: DVec3,
-    /// Its distance, negative when the query point is inside the (closed, oriented) mesh.
+    /// Distance, negative when the query point is inside the (closed, oriented) mesh.
     pub signed_distance: f64,
     /// The triangle it lies on.
     pub triangle: u32,

@@ -130,7 +130,7 @@ impl Mesh {
             && edges.iter().all(|(&(a, b), &n)| n == 1 && a != b && edges.get(&(b, a)) == Some(&1))
     }
 
-    /// The same mesh with its vertices mapped by `f`, which must keep orientation.
+    /// Mesh with its vertices mapped by `f`, which must keep orientation.
     pub fn mapped(&self, f: impl Fn(DVec3) -> DVec3) -> Self {
         Self { vertices: self.vertices.iter().map(|&p| f(p)).collect(), triangles: self.triangles.clone() }
     }

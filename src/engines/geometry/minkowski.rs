@@ -1,4 +1,4 @@
-//! What a solid sweeps when it is moved along a segment, or along the sides of a rectangle: its Minkowski sum with them.
+//! Sweep of a solid along a segment, or along the sides of a rectangle: its Minkowski sum with them.
 //!
 //! Every face is moved to the end of the segment that it looks to, and where faces that look to different ends meet, the
 //! edge between them sweeps a parallelogram. This surface is closed. It winds around a point as often as the solid meets
@@ -21,7 +21,7 @@ use super::solid::{SolidError, wound};
 /// the slope times the segment.
 const PARALLEL: f64 = 1e-9;
 
-/// What coordinates are rounded to by [`on_grid`] (mm): exact in binary, so that shifts by multiples of it are exact too.
+/// Step to which [`on_grid`] rounds coordinates (mm): exact in binary, so that shifts by multiples of it are exact too.
 const GRID: f64 = 1.0 / (1u64 << 30) as f64;
 
 /// A length rounded up to the grid (mm).

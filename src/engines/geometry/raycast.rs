@@ -20,7 +20,7 @@ pub struct RayHit {
     pub distance: f64,
     /// The triangle.
     pub triangle: u32,
-    /// Its unit normal, by the order of its vertices.
+    /// Unit normal, by the order of its vertices.
     pub normal: DVec3,
 }
 

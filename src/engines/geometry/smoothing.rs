@@ -11,7 +11,7 @@ pub struct Smoother {
     /// `L` one and two places left of the diagonal.
     first: Vec<f64>,
     second: Vec<f64>,
-    /// What the fixed first value adds to the right-hand sides of the first unknowns.
+    /// Contribution of the fixed first value to the right-hand sides of the first unknowns.
     fixed: [f64; 2],
 }
 
@@ -99,7 +99,7 @@ mod tests {
 
     use super::*;
 
-    /// What is minimised.
+    /// Cost to be minimised.
     fn cost(s: &[f64], length: f64, f: &[f64], q: &[f64]) -> f64 {
         let near: f64 = f.iter().zip(q).map(|(f, q)| (f - q).powi(2)).sum();
         let slope = |i: usize| (q[i + 1] - q[i]) / (s[i + 1] - s[i]);

@@ -8,16 +8,16 @@ use super::edges::{EdgeTable, NONE, half_ends};
 use geometry::mesh::{Mesh, normal_times_two_areas};
 use task::{Cancel, Cancelled, Progress};
 
-/// Removes triangles that have a vertex twice; answers how many.
+/// Removes triangles that have a vertex twice; returns their number.
 ///
-/// Their two other edges are one and the same, run through both ways, so the neighbours meet there: no hole opens.
+/// Two other edges are one and the same, run through both ways, so the neighbours meet there: no hole opens.
 pub(super) fn drop_collapsed(mesh: &mut Mesh) -> usize {
     let before = mesh.triangles.len();
     mesh.triangles.retain(|&[a, b, c]| a != b && b != c && c != a);
     before - mesh.triangles.len()
 }
 
-/// Removes triangles that lie on others with the same three vertices; answers how many.
+/// Removes triangles that lie on others with the same three vertices; returns their number.
 ///
 /// Usually one of each set stays. Where that would open the surface, as at a fin without thickness or between two
 /// bodies that touch, those that face each other are removed together, which leaves its boundary as it is. If neither
@@ -55,7 +55,7 @@ fn all_but_first(_: &Mesh, set: &[u32]) -> Vec<u32> {
     set[1..].to_vec()
 }
 
-/// As many that face one way as face the other, and of what is left all but the first.
+/// Triangles to remove so that as many face one way as the other, and of the rest all but the first.
 fn facing_each_other(mesh: &Mesh, set: &[u32]) -> Vec<u32> {
     let (even, odd): (Vec<u32>, Vec<u32>) = set.iter().partition(|&&t| is_even(mesh.triangles[t as usize]));
     match even.len().cmp(&odd.len()) {
@@ -97,7 +97,7 @@ fn without(mesh: &Mesh, dropped: impl Iterator<Item = u32>) -> Mesh {
     Mesh { vertices: mesh.vertices.clone(), triangles }
 }
 
-/// What became of the triangles without height.
+/// Result of removing the triangles without height.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Slivers {
     /// How many were given a height by exchanging an edge with a neighbour.

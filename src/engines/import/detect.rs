@@ -80,7 +80,7 @@ fn unknown(name: &str, found: String) -> ImportError {
     ImportError::UnknownFormat { file: name.to_owned(), found }
 }
 
-/// What a text is that is no mesh for this program but has a familiar beginning.
+/// Name of a known format that is no mesh for this program, by the beginning of its text.
 fn foreign(text: &[u8]) -> Option<&'static str> {
     let known: [(&[u8], &str); 5] = [
         (b"ISO-10303-21", "the file is a STEP file"),

@@ -1,4 +1,4 @@
-//! Which triangles meet at which edge.
+//! Edges and the triangles that meet at them.
 
 use super::source::tick;
 use geometry::mesh::Mesh;

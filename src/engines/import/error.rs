@@ -1,4 +1,4 @@
-//! What can be wrong with a mesh file, in one line: file, place, remedy.
+//! Errors of mesh files, in one line: file, place, remedy.
 
 use std::io;
 
@@ -12,7 +12,7 @@ pub enum ImportError {
     Unreadable {
         /// Path as given.
         file: String,
-        /// What the system says.
+        /// Error of the system.
         source: io::Error,
     },
     /// The path leads to a folder or a device.
@@ -20,7 +20,7 @@ pub enum ImportError {
     NotAFile {
         /// Path as given.
         file: String,
-        /// What it is instead.
+        /// Kind of file found.
         kind: &'static str,
     },
     /// The content is of no format that can be read.
@@ -30,7 +30,7 @@ pub enum ImportError {
     UnknownFormat {
         /// Path as given.
         file: String,
-        /// What the content looks like.
+        /// Apparent content.
         found: String,
     },
     /// The content breaks the rules of its format.
@@ -40,9 +40,9 @@ pub enum ImportError {
         file: String,
         /// Line, triangle, vertex or element.
         place: String,
-        /// What is wrong there.
+        /// Problem found there.
         problem: String,
-        /// What to do about it.
+        /// Remedy.
         remedy: &'static str,
     },
     /// The file would take more than the limits allow.
@@ -50,7 +50,7 @@ pub enum ImportError {
     TooLarge {
         /// Path as given.
         file: String,
-        /// What there is too much of.
+        /// Quantity that exceeds the limit.
         what: &'static str,
         /// How much the file asks for.
         found: u64,
@@ -73,16 +73,16 @@ pub enum ImportError {
     UnitOpen {
         /// Path as given.
         file: String,
-        /// What would be guessed, and why.
+        /// Unit that would be guessed, and the reason.
         guess: String,
     },
     /// The options themselves make no sense.
     #[error("import options: {problem}")]
     BadOption {
-        /// What is wrong and what to give instead.
+        /// Problem and remedy.
         problem: String,
     },
-    /// The import was told to stop.
+    /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }

@@ -12,7 +12,7 @@ use gltf::json::{Root, buffer};
 use super::error::{ImportError, excerpt};
 use super::source::Source;
 
-/// What helps against a broken glTF file.
+/// Remedy for a broken glTF file.
 pub(super) const REMEDY: &str = "export the file again, as GLB if possible";
 
 /// The parts of a glTF or GLB file.
@@ -64,7 +64,7 @@ pub(super) fn split<'a>(source: &Source<'a>) -> Result<Container<'a>, ImportErro
 /// The content of every buffer of a document.
 pub(super) struct Buffers<'a> {
     contents: Vec<Cow<'a, [u8]>>,
-    /// Which of them came from files of their own.
+    /// Whether each buffer came from a file of its own.
     external: Vec<bool>,
 }
 

@@ -13,14 +13,14 @@ pub struct Hole {
     pub edges: usize,
     /// Length of the chain (mm).
     pub length_mm: f64,
-    /// Its centre of gravity (mm).
+    /// Centre of gravity (mm).
     pub center_mm: DVec3,
 }
 
 /// The boundary of a mesh.
 #[derive(Debug, Default)]
 pub(super) struct Boundary {
-    /// Its loops, in the order of their lowest edges.
+    /// Loops, in the order of their lowest edges.
     pub holes: Vec<Hole>,
     /// Half-edges without a neighbour, in order of edges.
     pub halves: Vec<u32>,
@@ -30,7 +30,7 @@ pub(super) struct Boundary {
 
 /// Follows the boundary of `mesh` round its holes.
 ///
-/// The direction of the triangles does not matter. Where loops touch in a vertex they are told apart arbitrarily but
+/// The direction of the triangles does not matter. Where loops touch in a vertex they are distinguished arbitrarily but
 /// always in the same way.
 pub(super) fn trace(mesh: &Mesh, table: &EdgeTable) -> Boundary {
     let halves: Vec<u32> =

@@ -1,7 +1,7 @@
 //! Floor 1: mesh files to meshes in millimetres, and back. Knows no blisk.
 //!
-//! [`import_file`] reads STL (binary and ASCII), OBJ, glTF and GLB, told apart by their content. Whatever the bytes,
-//! it answers either a mesh and a report on it, or one clear line that names the file, the place and the remedy; it
+//! [`import_file`] reads STL (binary and ASCII), OBJ, glTF and GLB, distinguished by their content. Whatever the bytes,
+//! it returns either a mesh and a report on it, or one clear line that names the file, the place and the remedy; it
 //! neither panics nor takes more memory than its [`ImportLimits`] allow.
 //!
 //! The mesh that comes out has one vertex for each point, no collapsed or doubled triangles, and its triangles are
@@ -66,7 +66,7 @@ use source::{RawMesh, Source};
 pub struct ImportOptions {
     /// Unit of the file's coordinates.
     pub units: Units,
-    /// What is done if that is to be guessed and the file says none.
+    /// Unit where none is given here or in the file.
     pub undeclared: Undeclared,
     /// Distance (mm) within which vertices are taken for one where a mesh does not close otherwise. By default a
     /// millionth of the diagonal, and no less than what `f32` coordinates resolve. 0 welds equal vertices only.
@@ -97,7 +97,7 @@ impl ImportOptions {
 pub struct Imported {
     /// The repaired mesh (mm), in the axes of the file.
     pub mesh: Mesh,
-    /// What was found and done.
+    /// Report of the import.
     pub report: ImportReport,
     /// SHA-256 of the file, and of its buffer files after it, in hexadecimal.
     pub sha256: String,

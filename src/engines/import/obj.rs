@@ -56,13 +56,13 @@ fn append(mesh: &mut Mesh, model: &Model) {
 /// numbers of its vertices, counted from 1.
 struct Lines<'a> {
     source: &'a Source<'a>,
-    /// What follows the current line.
+    /// Text after the current line.
     rest: &'a [u8],
-    /// What lines end with: "\n", also after "\r", or in very old files "\r" alone.
+    /// Line end: "\n", also after "\r", or in very old files "\r" alone.
     end: u8,
     /// Number of the current line, from 1.
     line: usize,
-    /// Its words after the first.
+    /// Words after the first.
     words: &'a [u8],
     vertices: usize,
     triangles: u64,
@@ -70,7 +70,7 @@ struct Lines<'a> {
     skipped: usize,
     /// The first comments: they may name the unit.
     note: String,
-    /// What is read next, and how much of it has been.
+    /// Buffer of the text that is read next, and the position in it.
     plain: Vec<u8>,
     read: usize,
     /// Why nothing more is read.

@@ -8,7 +8,7 @@ use super::source::tick;
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
 use task::{Cancel, Cancelled, Progress};
 
-/// What was found and done about orientation.
+/// Findings about orientation, and the corrections made.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Orientation {
     /// Triangles turned because they disagreed with most of their part.
@@ -42,7 +42,7 @@ struct Part {
     branched: bool,
 }
 
-/// How large the missing part of a surface may be, relative to the whole, for inside and outside to be told apart.
+/// How large the missing part of a surface may be, relative to the whole, for inside and outside to be distinguished.
 /// A box without one of its twelve triangles misses a twelfth; a lone pocket without a block around it misses more.
 const LARGEST_GAP: f64 = 0.1;
 

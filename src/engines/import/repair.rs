@@ -22,7 +22,7 @@ const HEIGHT_RELATIVE_TO_WELD: f64 = 0.25;
 /// How many places of edges with three or more triangles are reported.
 const PLACES: usize = 20;
 
-/// What was done to a mesh and what is left.
+/// Repairs made to a mesh, and the defects that remain.
 #[derive(Debug, Default)]
 pub(super) struct Repairs {
     /// Tolerance within which vertices count as one (mm).

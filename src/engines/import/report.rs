@@ -1,4 +1,4 @@
-//! What the import found, did and could not do, for the user to read.
+//! Report of an import for the user: findings, repairs and remaining defects.
 
 use glam::DVec3;
 use serde::Serialize;
@@ -9,7 +9,7 @@ use super::repair::Repairs;
 use super::units::{Unit, UnitChoice};
 use geometry::mesh::Mesh;
 
-/// What the import of a mesh found, did and could not do. Lengths are in mm after conversion.
+/// Report of the import of a mesh: findings, repairs and remaining defects. Lengths are in mm after conversion.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ImportReport {
     /// Format, told by the content.

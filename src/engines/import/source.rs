@@ -20,7 +20,7 @@ pub(super) struct Source<'a> {
     pub bytes: &'a [u8],
     /// Folder of the file; `None` for bytes that came from memory.
     pub folder: Option<&'a Path>,
-    /// What the import may take.
+    /// Limits of the import.
     pub limits: &'a ImportLimits,
     /// Where progress goes.
     pub progress: &'a Progress,
@@ -28,7 +28,7 @@ pub(super) struct Source<'a> {
     pub cancel: &'a Cancel,
 }
 
-/// What a reader makes of a file: coordinates as they stand in it, vertices as the format shares them.
+/// Content of a file: coordinates as they stand in it, vertices as the format shares them.
 #[derive(Debug, Default)]
 pub(super) struct RawMesh {
     /// Vertices in the file's unit, no two of them equal, and triangles.

@@ -76,16 +76,16 @@ impl Units {
     }
 }
 
-/// What is done where neither the user nor the file says the unit.
+/// Unit where neither the user nor the file names one.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Undeclared {
     /// The unit is guessed from the size.
     #[default]
     Guess,
-    /// The same, but a guess other than millimetres is refused: where a guess that is wrong would do damage.
+    /// Guess the unit, but refuse any guess other than millimetres: where a wrong guess would do damage.
     RefuseOthers,
-    /// This one is taken, as that of what the file belongs to.
+    /// Take this unit, as that of the part that the file belongs to.
     Take(Unit),
 }
 

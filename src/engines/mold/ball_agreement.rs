@@ -23,8 +23,9 @@ pub struct BallAgreement {
     pub ninetieth_mm: f64,
 }
 
-/// What balls leave of `mesh`, which opens along +Z, at places spread evenly over the regions of a grid: by the grid and
-/// by the exact search. Only places count where a ball without a limit of its reach leaves least; none if there are none.
+/// Residual stock of balls on `mesh`, which opens along +Z, at places spread evenly over the regions of a grid: by the
+/// grid and by the exact search. Only places count where a ball without a limit of its reach leaves least; none if
+/// there are none.
 ///
 /// # Errors
 /// [`Cancelled`].

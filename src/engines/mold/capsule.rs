@@ -86,7 +86,7 @@ fn collect(mut cuts: Vec<f64>, from: f64, to: f64, is_blocked: impl Fn(f64) -> b
     blocked.extend(between.filter(|[a, b]| b > a && is_blocked(0.5 * (a + b))));
 }
 
-/// What is left of `[0, length]` between the `blocked` intervals, touching ones joined, in order.
+/// Free parts of `[0, length]` between the `blocked` intervals, touching ones joined, in order.
 pub fn free_between(blocked: &mut [Interval], length: f64) -> Vec<Interval> {
     blocked.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let (mut free, mut at) = (Vec::new(), 0.0f64);

@@ -1,12 +1,13 @@
 //! Milling cutters: their shape, how far they reach, the library they stand in.
 
+use files::{Invalid, Validate};
 use serde::{Deserialize, Serialize};
 
 /// A milling cutter with its axis along Z, the tip downwards.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cutter {
-    /// Its name in lists; empty to be called after its shape.
+    /// Name in lists; empty to be called after its shape.
     #[serde(default)]
     pub name: String,
     /// Diameter of the cutting part (mm).
@@ -22,7 +23,7 @@ pub struct Cutter {
     pub holder_diameter_mm: Option<f64>,
 }
 
-/// What the edge of a cutter is like.
+/// Shape of the edge of a cutter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CutterKind {
@@ -34,7 +35,7 @@ pub enum CutterKind {
     BullNose,
 }
 
-/// What is wrong with a cutter.
+/// Invalid cutter.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CutterError {
     /// A length that no cutter has.
@@ -42,9 +43,9 @@ pub enum CutterError {
     OutOfRange {
         /// The cutter.
         cutter: String,
-        /// Which length.
+        /// Name of the length.
         name: &'static str,
-        /// What it is (mm).
+        /// Value of the length (mm).
         value: f64,
         /// Least that it may be (mm).
         from: f64,
@@ -61,7 +62,7 @@ pub enum CutterError {
         cutter: String,
         /// Radius of its rounded edge (mm).
         corner: f64,
-        /// Its own (mm).
+        /// Radius of the cutter (mm).
         radius: f64,
     },
     /// Text that names no cutter.
@@ -98,7 +99,7 @@ impl Cutter {
         0.5 * self.diameter_mm
     }
 
-    /// What its edge is like.
+    /// Shape of the edge.
     pub fn kind(&self) -> CutterKind {
         if self.corner_mm <= 0.0 {
             CutterKind::Flat
@@ -121,7 +122,7 @@ impl Cutter {
         self.reach_mm.map(|reach| (0.5 * self.holder_diameter_mm.unwrap_or(self.diameter_mm), reach))
     }
 
-    /// Its name, or what its shape is called.
+    /// Name, or the name of the shape.
     pub fn label(&self) -> String {
         if !self.name.is_empty() {
             return self.name.clone();
@@ -186,11 +187,45 @@ impl std::str::FromStr for Cutter {
     }
 }
 
+impl From<CutterError> for Invalid {
+    fn from(error: CutterError) -> Self {
+        match error {
+            CutterError::OutOfRange { name, value, from, to, .. } => {
+                Self::new(name, value, format!("must be from {from} to {to} mm"))
+            }
+            CutterError::CornerBeyondRadius { corner, radius, .. } => {
+                let remedy = format!("must be at most the cutter's radius of {radius} mm, which makes a ball");
+                Self::new("corner_mm", corner, remedy)
+            }
+            CutterError::Empty => Self::of("cutter", "there is no cutter; give at least one as [[cutter]]"),
+            other @ CutterError::Unreadable(_) => Self::of("", other.to_string()),
+        }
+    }
+}
+
+/// The most cutters of a library.
+const MOST_CUTTERS: usize = 256;
+
+impl Validate for CutterLibrary {
+    fn validate(&self) -> Result<(), Invalid> {
+        let count = self.cutter.len();
+        if count > MOST_CUTTERS {
+            return Err(Invalid::of(
+                "cutter",
+                format!("there are {count} cutters; at most {MOST_CUTTERS} are possible"),
+            ));
+        }
+        let place = |i: usize| move |error: CutterError| Invalid::from(error).within(&format!("cutter[{i}]"));
+        self.cutter.iter().enumerate().try_for_each(|(i, cutter)| cutter.validate().map_err(place(i)))?;
+        Ok(Self::validate(self)?)
+    }
+}
+
 /// The cutters of a shop.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CutterLibrary {
-    /// They, in any order.
+    /// The cutters, in any order.
     pub cutter: Vec<Cutter>,
 }
 

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use glam::{DVec2, IVec2};
 
-/// See the module's text.
+/// Grid over the edges of outlines, which finds those near a place.
 pub struct EdgeGrid {
     cell: f64,
     squares: HashMap<IVec2, Vec<u32>>,

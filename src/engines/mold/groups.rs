@@ -1,4 +1,4 @@
-//! Which of many things are connected, told pair by pair.
+//! Connected groups of many things, told pair by pair.
 
 /// Numbered things in groups, at first each in its own.
 pub(super) struct Groups {

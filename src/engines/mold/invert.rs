@@ -25,9 +25,9 @@ const GAP: f64 = 2e-5;
 /// The faces of a mold that no cutter from above reaches.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct InvertFaces {
-    /// Their indices in the mesh, in order.
+    /// Indices in the mesh, in order.
     pub triangles: Vec<u32>,
-    /// Their area (mm^2).
+    /// Area (mm^2).
     pub area: f64,
 }
 

@@ -56,13 +56,13 @@ impl Default for LayerSettings {
     }
 }
 
-/// What is wrong with the settings of layers.
+/// Invalid settings of layers.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{name} is {value}: it must be finite and from {from} to {to}")]
 pub struct LayerSettingsError {
-    /// Which setting.
+    /// Name of the setting.
     pub name: &'static str,
-    /// What it is.
+    /// Value of the setting.
     pub value: f64,
     /// Least that it may be.
     pub from: f64,
@@ -193,14 +193,14 @@ fn hollows(mesh: &Mesh) -> Vec<f64> {
     joined(heights.collect()).into_iter().map(|span| span[1]).collect()
 }
 
-/// What is left in a layer, in figures.
+/// Figures of the residual stock in a layer.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct LayerFigures {
     /// The height (mm).
     pub z: f64,
     /// Pieces.
     pub count: usize,
-    /// Their area (mm^2).
+    /// Area (mm^2).
     pub area: f64,
     /// Length of untouched outline (mm).
     pub length: f64,

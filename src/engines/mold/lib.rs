@@ -23,9 +23,9 @@ pub mod uncut_region;
 pub mod warning;
 
 mod capsule;
+mod centre_path;
 mod edge_grid;
 mod groups;
-mod way;
 
 #[cfg(any(test, feature = "fixtures"))]
 pub mod fixtures;

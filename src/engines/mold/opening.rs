@@ -1,4 +1,4 @@
-//! Which way a mold opens: from where cutters come.
+//! Opening direction of a mold: from where cutters come.
 
 use std::str::FromStr;
 
@@ -7,21 +7,26 @@ use serde::{Deserialize, Serialize};
 
 use geometry::mesh::Mesh;
 
-/// The direction in which the opening of a mold looks, in the axes of its mesh. Cutters come from there.
+/// Opening direction of a mold, in the axes of its mesh. Cutters come from there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[allow(missing_docs)]
 pub enum Opening {
+    /// Along +X of the file.
     #[serde(rename = "+x")]
     PlusX,
+    /// Along -X of the file.
     #[serde(rename = "-x")]
     MinusX,
+    /// Along +Y of the file.
     #[serde(rename = "+y")]
     PlusY,
+    /// Along -Y of the file.
     #[serde(rename = "-y")]
     MinusY,
+    /// Along +Z of the file.
     #[default]
     #[serde(rename = "+z")]
     PlusZ,
+    /// Along -Z of the file.
     #[serde(rename = "-z")]
     MinusZ,
 }

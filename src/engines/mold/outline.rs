@@ -18,12 +18,12 @@ impl Outline {
         (points.len() > 2).then_some(Self { points })
     }
 
-    /// Its corners in order.
+    /// Corners in order.
     pub fn points(&self) -> &[DVec2] {
         &self.points
     }
 
-    /// Its sides in order, each from corner to corner.
+    /// Sides in order, each from corner to corner.
     pub fn sides(&self) -> impl ExactSizeIterator<Item = [DVec2; 2]> + '_ {
         let n = self.points.len();
         (0..n).map(move |i| [self.points[i], self.points[(i + 1) % n]])

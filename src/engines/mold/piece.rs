@@ -18,7 +18,7 @@ const SHALLOW: f64 = 0.0437;
 /// A piece of the plane that the cutter leaves, connected.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UncutPiece {
-    /// Its boundary, arcs in short steps: first the outer one, counter-clockwise, then its holes.
+    /// Boundary, arcs in short steps: first the outer one, counter-clockwise, then its holes.
     pub boundary: Vec<Outline>,
     /// Area (mm^2), arcs taken as arcs.
     pub area: f64,
@@ -57,7 +57,7 @@ fn thickness(area: f64, boundary: &[Outline]) -> f64 {
     2.0 * area / boundary.iter().map(Outline::length).sum::<f64>().max(f64::MIN_POSITIVE)
 }
 
-/// What is left of a layer by every one of several cutters, from what each leaves.
+/// Residual stock of a layer after every one of several cutters, from the stock that each leaves.
 pub fn intersected(sets: impl IntoIterator<Item = Vec<UncutPiece>>) -> Vec<UncutPiece> {
     sets.into_iter().reduce(|a, b| pairs(&a, &b)).unwrap_or_default()
 }
@@ -80,7 +80,7 @@ pub fn clipped(pieces: Vec<UncutPiece>, to: &[Outline]) -> Vec<UncutPiece> {
     pieces.into_iter().flat_map(clip).collect()
 }
 
-/// What both sets share, without what only the grid's rounding leaves between outlines that they share.
+/// Intersection of both sets, without slivers from the grid's rounding between common outlines.
 fn shared(a: &[Outline], b: &[Outline]) -> Vec<Vec<Outline>> {
     let mut shapes = plane::intersection(a, b);
     shapes.retain(|shape| thickness(plane::area(shape), shape) > ON_OUTLINE);

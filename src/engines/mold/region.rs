@@ -21,7 +21,7 @@ const DRIFT: f64 = 0.15;
 /// A connected part of what the cutters leave.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayerRegion {
-    /// Its pieces: layer and place in the layer, in order.
+    /// Pieces: layer and place in the layer, in order.
     pub pieces: Vec<[usize; 2]>,
     /// Volume (mm^3).
     pub volume: f64,
@@ -100,7 +100,7 @@ fn region(layers: &[UncutLayer], pieces: Vec<[usize; 2]>) -> LayerRegion {
     region
 }
 
-/// Which pieces of one layer overlap which of the other, in order.
+/// Pairs of pieces of two layers that overlap, in order.
 fn overlaps(a: &[UncutPiece], b: &[UncutPiece]) -> Vec<[usize; 2]> {
     let extents: Vec<[DVec2; 2]> = b.iter().map(UncutPiece::extent).collect();
     let mut pairs = Vec::new();

@@ -16,7 +16,7 @@ use task::{Cancel, Cancelled};
 /// Deviation up to which a point counts as on a straight line (mm): what single precision makes of coordinates.
 const STRAIGHT: f64 = 6e-6;
 
-/// What a horizontal plane cuts out of a mold.
+/// Section of a mold by a horizontal plane.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Section {
     /// The height (mm).

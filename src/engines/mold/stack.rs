@@ -1,9 +1,10 @@
-//! What a library of flat cutters leaves of a mold, layer by layer.
+//! Residual stock of a mold after a library of flat cutters, layer by layer.
 
 use std::collections::HashMap;
 
 use rayon::prelude::*;
 
+use super::centre_path::Obstacle;
 use super::cutter::{Cutter, CutterKind};
 use super::invert::{InvertFaces, Shadows};
 use super::layers::{FirstLayers, LayerFigures, LayerSettings, first_layers, is_bent};
@@ -14,14 +15,13 @@ use super::region::have_partners;
 use super::section::{Section, sections};
 use super::uncut_layer::uncut_with_holder;
 use super::warning::MoldWarning;
-use super::way::Obstacle;
 use geometry::mesh::Mesh;
 use task::{Cancel, Cancelled, Progress};
 
 /// Share of an outline set's extent in area up to which two ways to reckon its area agree.
 const SAME_AREA: f64 = 1e-9;
 
-/// What is left just above one height.
+/// Residual stock just above one height.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UncutLayer {
     /// The height (mm).
@@ -30,22 +30,22 @@ pub struct UncutLayer {
     pub pieces: Vec<UncutPiece>,
 }
 
-/// What is left of a mold in all layers.
+/// Residual stock of a mold in all layers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UncutStack {
     /// Layers, rising.
     pub layers: Vec<UncutLayer>,
     /// The faces that no cutter from above reaches.
     pub invert: InvertFaces,
-    /// What is not as it should be.
+    /// Warnings on the mold.
     pub warnings: Vec<MoldWarning>,
 }
 
-/// What further cutters leave of a layer, from what is in their way there.
+/// Residual stock of a layer after further cutters, from the obstacles in their way there.
 pub type Others<'a> = &'a (dyn Fn(&Section) -> Vec<UncutPiece> + Sync);
 
-/// What every one of the flat cutters among `cutters`, and of `others` where there are any, leaves of `mesh`, whose
-/// opening looks along +Z. Without any cutter nothing is found. The settings must have been validated.
+/// Residual stock of `mesh`, whose opening looks along +Z, after every one of the flat cutters among `cutters`, and of
+/// `others` where there are any. Without any cutter nothing is found. The settings must have been validated.
 ///
 /// # Errors
 /// [`Cancelled`].
@@ -82,7 +82,7 @@ pub fn uncut_stack(
     Ok(UncutStack { warnings: seen.warnings(&layers), layers, invert: shadows.faces().clone() })
 }
 
-/// What the mold covers seen from above, holes through it included; outside there is nothing to cut.
+/// Silhouette of the mold seen from above, holes through it included; outside there is nothing to cut.
 fn silhouette(mesh: &Mesh, shadows: &mut Shadows, cancel: &Cancel) -> Result<Vec<Outline>, Cancelled> {
     let mut lowest = sections(mesh, &[mesh.bounds().min.z], cancel)?;
     shadows.cast(&mut lowest, cancel)?;
@@ -163,7 +163,7 @@ impl Work<'_> {
         heights.par_iter().map(left).collect()
     }
 
-    /// What all cutters leave of a layer.
+    /// Residual stock of a layer after all cutters.
     fn left<'s>(&self, own: &Section, section: &(impl Fn(f64) -> Option<&'s Section> + Sync)) -> Vec<UncutPiece> {
         let tolerance = self.settings.depth_tolerance_mm;
         let by_flat = |cutter: &&Cutter| {
@@ -193,7 +193,7 @@ fn uncross(section: &mut Section) -> bool {
     true
 }
 
-/// What was seen of the mold on the way.
+/// Observations of the mold on the way.
 #[derive(Default)]
 struct Seen {
     warnings: Vec<MoldWarning>,

@@ -35,7 +35,7 @@ const MOST_HALVINGS: usize = 60;
 /// Part of a mold's triangle that bounds what is left.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfacePiece {
-    /// Its corners, turning as those of the triangle do (mm).
+    /// Corners, turning as those of the triangle do (mm).
     pub corners: [DVec3; 3],
     /// The triangle of the mesh that it is of.
     pub face: u32,
@@ -46,13 +46,13 @@ pub struct SurfacePiece {
 }
 
 impl SurfacePiece {
-    /// Its least and greatest height (mm).
+    /// Least and greatest height (mm).
     pub fn span(&self) -> [f64; 2] {
         let heights = self.corners.map(|p| p.z);
         heights.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| [low.min(*z), high.max(*z)])
     }
 
-    /// Its area (mm^2).
+    /// Area (mm^2).
     pub fn area(&self) -> f64 {
         let [a, b, c] = self.corners;
         0.5 * (b - a).cross(c - a).length()
@@ -74,7 +74,7 @@ pub fn segments_at(pieces: &[SurfacePiece], z: f64) -> Vec<(u32, [DVec3; 2])> {
 /// The parts of a mold's surface that bound what is left.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UncutSurface {
-    /// They, in the order of the mold's triangles.
+    /// The pieces, in the order of the mold's triangles.
     pub pieces: Vec<SurfacePiece>,
     /// How far their boundary may be off (mm): the longest side of the smallest triangles.
     pub fineness: f64,
@@ -90,7 +90,7 @@ pub fn uncut_surface(mesh: &Mesh, covered: &Covered, cancel: &Cancel) -> Result<
     surface_within(mesh, covered, MOST_PIECES, cancel)
 }
 
-/// The same in no more pieces than `most` and one of each triangle.
+/// Surface pieces, at most `most` plus one for each triangle.
 fn surface_within(mesh: &Mesh, covered: &Covered, most: usize, cancel: &Cancel) -> Result<UncutSurface, Cancelled> {
     let finest = FINENESS * covered.step();
     let mut split = Split { mesh, covered, cancel, fineness: finest, most: most.saturating_add(mesh.triangles.len()) };
@@ -195,8 +195,8 @@ impl Face<'_> {
         pieces.push(piece);
     }
 
-    /// What is left beside or over a part of the face. A wall that is less than a cell wide in plan is a line there: its box
-    /// would hold what lies behind it.
+    /// Residual stock beside or over a part of the face. A wall that is less than a cell wide in plan is a line there:
+    /// its box would hold what lies behind it.
     fn cover(&self, corners: [DVec3; 3]) -> Cover {
         let plan = corners.map(|p| (p + self.beside).truncate());
         let across = self.normal.truncate().normalize_or_zero();

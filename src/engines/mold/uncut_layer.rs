@@ -1,6 +1,6 @@
-//! What the edge of a flat cutter cannot touch in one layer (P3, section 4.1).
+//! Uncut stock of a flat cutter in one layer (P3, section 4.1).
 //!
-//! The way of the cutter's centre around the outlines (module `way`) ends at critical points, from which the
+//! The way of the cutter's centre around the outlines (module `centre_path`) ends at critical points, from which the
 //! cutter touches two places at once. Between these two the outline is uncut, and the cutter's own arc bounds the stock
 //! that is left.
 //!
@@ -12,11 +12,11 @@ use std::f64::consts::TAU;
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::centre_path::{ARC_STEP, Chain, Layer, Obstacle, SAME_CENTER, segment_area};
 use super::outline::{Outline, off_segment};
 pub use super::piece::UncutPiece;
 use super::piece::runs;
 use super::plane;
-use super::way::{ARC_STEP, Chain, Layer, Obstacle, SAME_CENTER, segment_area};
 
 /// Parts of a side at whose ends its depth is taken.
 const DEPTH_STEPS: u8 = 8;
@@ -31,7 +31,7 @@ pub fn uncut_pieces(outlines: &[Outline], radius: f64, tolerance: f64) -> Vec<Un
     uncut_with_holder(outlines, radius, None, tolerance)
 }
 
-/// The same where the cutter's centre also keeps off what its holder would meet.
+/// Uncut stock of a cutter whose centre also keeps off the obstacles of its holder.
 pub fn uncut_with_holder(
     outlines: &[Outline],
     radius: f64,
@@ -461,7 +461,7 @@ mod tests {
         assert!((joined.area / sampled - 1.0).abs() < 0.04, "{} {sampled}", joined.area);
     }
 
-    /// As [`sampled_closing`], for a cutter whose centre keeps off the island by more.
+    /// Reference by sampling, as [`sampled_closing`], for a cutter whose centre keeps off the island by more.
     fn sampled_holder(outlines: &[Outline], high: &[Outline], keep: [f64; 2], min: [f64; 2], max: [f64; 2]) -> f64 {
         let step = 0.2;
         let in_material = |o: &[Outline], p: DVec2| o.iter().map(|o| o.winding(p)).sum::<i32>() > 0;

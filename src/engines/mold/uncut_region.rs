@@ -35,7 +35,7 @@ pub struct UncutRegion {
     pub faces: Vec<u32>,
     /// The cutter that leaves least in most of it: its place in the library.
     pub nearest_cutter: Option<usize>,
-    /// Its pieces in layers: layer and place in the layer; none where the region is one of the grid.
+    /// Pieces in layers: layer and place in the layer; none where the region is one of the grid.
     pub pieces: Vec<[usize; 2]>,
 }
 
@@ -82,7 +82,7 @@ impl UncutRegion {
 
 /// Regions, the largest volume first, and for each of the grid's which of them it is; none if it is in none.
 pub struct Regions {
-    /// They.
+    /// The regions.
     pub regions: Vec<UncutRegion>,
     /// Where those of the grid are.
     pub places: Vec<Option<usize>>,

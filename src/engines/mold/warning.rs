@@ -1,8 +1,8 @@
-//! What a user should know about an answer: where the mold is not what the answer presumes.
+//! Warnings to the user: where the mold is not what the computation presumes.
 
 use serde::Serialize;
 
-/// See the module's text.
+/// Warning on a mold.
 #[derive(Debug, Clone, PartialEq, Serialize, thiserror::Error)]
 #[serde(rename_all = "kebab-case", tag = "warning")]
 pub enum MoldWarning {
@@ -67,7 +67,7 @@ pub enum MoldWarning {
          what rounded cutters leave in corners may be missed; leave out the smallest cutters, or cut the mold in parts"
     )]
     CoarseGrid {
-        /// Its step (mm).
+        /// Step (mm).
         step: f64,
         /// The smallest radius (mm).
         radius: f64,

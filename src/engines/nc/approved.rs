@@ -49,40 +49,69 @@ pub struct Approved {
 
 /// Why a path cannot be exported as NC.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[allow(missing_docs)]
 pub enum NotApproved {
+    /// The certificate belongs to another path.
     #[error("the certificate belongs to another path; verify this path")]
     OtherPath,
+    /// The certificate belongs to another blisk.
     #[error("the certificate belongs to another blisk than the one at hand; verify the path against this blisk")]
     OtherBlisk,
+    /// The certificate belongs to another electrode.
     #[error(
         "the certificate belongs to another electrode than the one to be exported; verify the path with this electrode"
     )]
     OtherElectrode,
+    /// The certificate was made for another spark gap.
     #[error(
         "the certificate asks for {required} mm of clearance but the path for a spark gap of {spark_gap} mm; \
              verify the path with its own gap"
     )]
-    OtherGap { required: f64, spark_gap: f64 },
+    OtherGap {
+        /// Clearance of the certificate (mm).
+        required: f64,
+        /// Spark gap of the path (mm).
+        spark_gap: f64,
+    },
+    /// The path does not lead from outside the blisk to the final pose.
     #[error("the path does not lead from wholly outside the blisk to the final pose")]
     WrongEnds,
+    /// The proven clearance is too small.
     #[error(
         "the clearance is proven to be at least {certified:.5} mm only, where {required:.5} mm less {tolerance:.5} mm \
              are needed; the least clearance is near row {row:.2} (s = {s:.3} mm)"
     )]
-    TooClose { certified: f64, required: f64, tolerance: f64, row: f64, s: f64 },
+    TooClose {
+        /// Proven clearance (mm).
+        certified: f64,
+        /// Clearance required (mm).
+        required: f64,
+        /// Tolerance of the verification (mm).
+        tolerance: f64,
+        /// Row of the least clearance; a fraction is a share of the motion to the next row.
+        row: f64,
+        /// Withdrawn distance of the least clearance (mm).
+        s: f64,
+    },
+    /// The path leaves the travel of an axis.
     #[error("{0}; plan for the machine's travel, or correct its limits, and verify again")]
     BeyondTravel(BeyondTravel),
+    /// The simulation of the whole motion found a collision.
     #[error("{0}")]
     Collides(String),
+    /// The simulation was made with another object, which is named.
     #[error("the whole motion was simulated with another {0} than the one at hand; plan and simulate again")]
     OtherSimulated(&'static str),
+    /// The travel of the axes was not judged.
     #[error("the travel of the axes was not judged; verify the path for the machine that it is exported for")]
     TravelNotJudged,
+    /// A row is not rounded to the decimals of files.
     #[error(
         "row {row} was not rounded to the decimals of files before it was verified; round the path and verify again"
     )]
-    NotQuantised { row: usize },
+    NotQuantised {
+        /// Row, from 0.
+        row: usize,
+    },
 }
 
 impl Approved {
@@ -127,8 +156,8 @@ impl Approved {
         Ok(Self { path, certificate, enters_from, electrode, copying: None, simulation: None })
     }
 
-    /// The same with the copying motion that is to follow the feed, and without a simulation: one with this motion is to
-    /// be given afterwards.
+    /// Approval with the copying motion that is to follow the feed, and without a simulation: one with this motion is
+    /// to be given afterwards.
     ///
     /// # Errors
     /// [`NotApproved`] unless it is certified from the final pose back to the final pose, for the very meshes, the
@@ -169,7 +198,7 @@ impl Approved {
         Ok(Self { copying: Some(motion.clone()), simulation: None, ..self })
     }
 
-    /// The same with the whole motion on the machine `model`, approach and retraction and the other channels included.
+    /// Approval with the whole motion on the machine `model`, approach and retraction and the other channels included.
     ///
     /// # Errors
     /// [`NotApproved`] unless it is that of this very feed and copying motion, of these very meshes, and of these very

@@ -1,4 +1,5 @@
-//! The only door to programs and cutter locations of a flank: a result whose every check holds, or was overridden by name.
+//! The only door to programs and cutter locations of a flank: a result whose every check holds, or was overridden by
+//! name.
 
 use crate::flank_job::FlankResult;
 use flank::machine::tool_path::{ToolPath, ToolPathError};
@@ -36,13 +37,13 @@ pub struct ApprovedFlank<'a> {
 /// Why a flank may not be milled.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NotApprovedFlank {
-    /// Checks fail that were not overridden: their names and what they found.
+    /// Checks fail that were not overridden: their names and findings.
     #[error("{0}")]
     Checks(String),
-    /// Its checks were taken on a coarse grid.
-    #[error("the flank was checked on a coarse grid for a quick look only; plan it")]
-    QuickLook,
-    /// Its path cannot be told by poses of a tool.
+    /// Checks were taken on a coarse grid.
+    #[error("the flank was checked on a coarse grid for a preview only; plan it")]
+    Preview,
+    /// The path cannot be described by poses of a tool.
     #[error(transparent)]
     Path(#[from] ToolPathError),
 }
@@ -57,8 +58,8 @@ impl<'a> ApprovedFlank<'a> {
         if let Some(failed) = result.why_blocked() {
             return Err(NotApprovedFlank::Checks(failed));
         }
-        if result.is_quick_look {
-            return Err(NotApprovedFlank::QuickLook);
+        if result.is_preview {
+            return Err(NotApprovedFlank::Preview);
         }
         Ok(Self { result, path: result.tool_path()? })
     }
@@ -73,7 +74,7 @@ impl<'a> ApprovedFlank<'a> {
         &self.path
     }
 
-    /// What a program's reader should know of the path.
+    /// Notes on the path for the reader of a program.
     pub fn notes(&self) -> Vec<String> {
         let result = self.result;
         let standing = &result.path().deviation;
@@ -90,7 +91,7 @@ impl<'a> ApprovedFlank<'a> {
         ]
     }
 
-    /// What is to be heeded: checks that fail and were overridden, with what they found, come first.
+    /// Warnings: checks that fail and were overridden, with their findings, come first.
     pub fn warnings(&self) -> Vec<String> {
         let overridden = self.result.checks.iter().filter(|c| !c.holds);
         let overridden = overridden.map(|c| format!("check {} fails, overridden: {}", c.kind.name(), c.text));

@@ -14,10 +14,10 @@ const PIECES: usize = 8;
 /// Shortest time a block is given where F is a time (min): a block that moves nothing still needs one.
 pub const LEAST_BLOCK_MINUTES: f64 = 0.01 / 60.0;
 
-/// What F words are made from.
+/// Data that F words are computed from.
 #[derive(Debug, Clone, Copy)]
 pub struct Pace<'a> {
-    /// What F means.
+    /// Meaning of F.
     pub mode: FeedMode,
     /// Decimals of the F word.
     pub decimals: usize,
@@ -34,9 +34,9 @@ pub struct Pace<'a> {
 pub struct BlockFeed {
     /// The number, in decimals.
     pub text: String,
-    /// What is left of the speed that was asked for (1: all of it) and the axis that would go too fast with more.
+    /// Share of the programmed speed (1: all of it) and the axis that would be too fast with more.
     pub share: f64,
-    /// See `share`.
+    /// Axis that limits the speed.
     pub axis: Axis,
 }
 
@@ -136,8 +136,8 @@ pub fn fastest_point_travel(from: &Pose, to: &Pose, reference_point: DVec3, elec
     travel.into_iter().fold(0.0, f64::max)
 }
 
-/// What a control that feeds per minute takes F to be over in a block: the length of the way in X, Y and Z (mm)
-/// when any of them moves, else that in A, B and C (degrees), as RS-274/NGC has it.
+/// Length that a control with feed per minute refers F to in a block: the path length in X, Y and Z (mm) when any of
+/// them moves, else that in A, B and C (degrees), as in RS-274/NGC.
 pub fn programmed_length(from: &Pose, to: &Pose) -> f64 {
     let change = |axis: Axis| to.get(axis) - from.get(axis);
     let norm = |axes: [Axis; 3]| axes.map(change).iter().map(|d| d * d).sum::<f64>().sqrt();

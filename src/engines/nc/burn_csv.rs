@@ -56,7 +56,7 @@ const COLUMNS: [&str; 31] = [
     "state",
 ];
 
-/// Those behind the checks.
+/// Columns after the checks.
 const MORE_COLUMNS: [&str; 18] = [
     "opening",
     "x_axis_x",

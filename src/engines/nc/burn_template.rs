@@ -27,7 +27,7 @@ const MOST_DECIMALS: usize = 12;
 /// Why a template makes no text.
 #[derive(Debug, thiserror::Error)]
 pub enum TemplateError {
-    /// Its file cannot be read.
+    /// File cannot be read.
     #[error("{template}: cannot be read ({source}); check the path, and that it is text in UTF-8")]
     Unreadable {
         /// The file.
@@ -35,12 +35,12 @@ pub enum TemplateError {
         /// Why.
         source: std::io::Error,
     },
-    /// Its file is no template.
+    /// File is no template.
     #[error("{template}: it has {bytes} bytes; a template has at most {LARGEST_FILE}")]
     TooLarge {
         /// The file.
         template: String,
-        /// Its size.
+        /// Size.
         bytes: u64,
     },
     /// Something in it is wrong.
@@ -50,9 +50,9 @@ pub enum TemplateError {
         template: String,
         /// Where, counted from 1.
         line: Option<usize>,
-        /// What is wrong.
+        /// Problem.
         problem: String,
-        /// What to do.
+        /// Remedy.
         remedy: &'static str,
     },
 }
@@ -60,18 +60,18 @@ pub enum TemplateError {
 /// A template that makes a burn sheet.
 #[derive(Debug, Clone)]
 pub struct BurnSheet {
-    /// What errors call it.
+    /// Name of the template in errors.
     name: String,
     text: String,
 }
 
 impl BurnSheet {
-    /// The one that the program brings along.
+    /// The built-in template.
     pub fn standard() -> Self {
         Self { name: "the built-in burn sheet".to_owned(), text: BURN_SHEET.to_owned() }
     }
 
-    /// What it is called: that of the program, or its file.
+    /// Name of the template: the built-in name, or its file.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -143,7 +143,7 @@ fn fixed(value: &Value, decimals: Option<usize>) -> Result<String, Error> {
     Ok(if is_zero { text.trim_start_matches('-').to_owned() } else { text })
 }
 
-/// What stands in a range of a template; where that is a filter, with what it was given.
+/// Text in a range of a template; where that is a filter, with its input.
 fn expression(template: &str, range: std::ops::Range<usize>) -> Option<&str> {
     let before = template.get(..range.start)?;
     let opened = ["{{", "{%"].into_iter().filter_map(|sign| before.rfind(sign)).max().map_or(0, |at| at + 2);

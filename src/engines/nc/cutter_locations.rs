@@ -33,7 +33,7 @@ pub fn cl_text(approved: &ApprovedFlank) -> Result<String, ToolPathError> {
     text_of(approved.path(), &job)
 }
 
-/// What a cutter location file is for.
+/// Input of a cutter location file.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ClJob<'a> {
     /// Name of the part.
@@ -54,7 +54,7 @@ pub(super) struct ClJob<'a> {
     pub(super) tolerance_mm: f64,
     /// Remarks.
     pub(super) notes: &'a [String],
-    /// What is to be heeded.
+    /// Warnings.
     pub(super) warnings: &'a [String],
 }
 

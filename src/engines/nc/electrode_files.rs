@@ -63,7 +63,7 @@ pub enum ElectrodeExportError {
         electrode: String,
         /// The format.
         format: ElectrodeFormat,
-        /// What is wrong.
+        /// Error of the system.
         source: std::io::Error,
     },
     /// The file system's refusal.
@@ -72,9 +72,12 @@ pub enum ElectrodeExportError {
     /// The figures have no JSON.
     #[error("the burn table as JSON: {0}")]
     Json(#[from] serde_json::Error),
+    /// The report has no page.
+    #[error(transparent)]
+    Page(#[from] files::report::PageError),
 }
 
-/// What was written and what was not.
+/// Files written and electrodes left out.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct WrittenElectrodes {
     /// The files, in the order of the electrodes.
@@ -99,7 +102,7 @@ pub struct ElectrodeFile {
 pub struct LeftOut {
     /// The electrode.
     pub electrode: String,
-    /// Which checks fail, and what to do, in words.
+    /// Failing checks and the remedy, in words.
     pub why: String,
 }
 

@@ -64,14 +64,14 @@ fn leaf(part: usize) -> PartNode {
     }
 }
 
-fn region(tree: Option<PartNode>, trouble: Option<&str>, thickness: f64) -> RegionPlan {
+fn region(tree: Option<PartNode>, reason: Option<&str>, thickness: f64) -> RegionPlan {
     RegionPlan {
         edits: Vec::new(),
         tree,
         earlier: Vec::new(),
         method: Method::Cutting,
         direction: DVec3::NEG_Z,
-        trouble: trouble.map(str::to_owned),
+        reason: reason.map(str::to_owned),
         left_out: Vec::new(),
         left: LeftOfRegion { thickness, excess: 0.0, place: DVec3::new(5.0, 6.0, 7.0), volume: 0.125 },
     }
@@ -127,5 +127,6 @@ pub fn set() -> ElectrodeSet {
             region(Some(leaf(0)), None, 0.0),
             region(None, Some("no room for a tip <of 0.3 mm>"), 0.9),
         ],
+        names: Vec::new(),
     }
 }

@@ -115,7 +115,7 @@ impl Scene {
         if side == EntrySide::MinusX { from_minus } else { from_minus.turned() }
     }
 
-    /// The same turned by half a turn about Z.
+    /// Scene turned by half a turn about Z.
     fn turned(self) -> Self {
         let turned = |p: DVec3| DVec3::new(-p.x, -p.y, p.z);
         let pose = |p: Pose| Pose { x: -p.x, y: -p.y, a: -p.a, b: -p.b, ..p };
@@ -126,13 +126,13 @@ impl Scene {
         Self { side: EntrySide::PlusX, blisk, electrode, path: quantise_path(&path) }
     }
 
-    /// The same with the wall nearer to the electrode by `by` (mm).
+    /// Scene with the wall nearer to the electrode by `by` (mm).
     pub fn with_wall_nearer_by(&self, by: f64) -> Self {
         let by = if self.side == EntrySide::MinusX { by } else { -by };
         Self { blisk: self.blisk.mapped(|p| p + by * DVec3::Y), ..self.clone() }
     }
 
-    /// What the verifier says of `path` in this scene.
+    /// Certificate of `path` in this scene.
     pub fn verified(
         &self,
         path: &FeedPath,

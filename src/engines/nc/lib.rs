@@ -1,4 +1,4 @@
-//! What leaves the program for a machine: approval of paths, NC programs through posts, burn tables, electrode files.
+//! Output for machines: approval of paths, NC programs through posts, burn tables, electrode files.
 
 pub mod approved;
 pub mod approved_flank;

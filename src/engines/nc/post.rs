@@ -2,12 +2,13 @@
 //!
 //! Built-in posts are compiled in from `assets/posts`; a file of the same name in a user folder takes their place.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use feed::pose::Axis;
 use feed::quantise::{DEG_DECIMALS, MM_DECIMALS};
+use files::{FileError, Invalid, TomlFile, Validate};
 
 /// The posts that come with the program: name and text.
 pub const BUILT_IN: [(&str, &str); 2] = [
@@ -22,18 +23,23 @@ const OTHER_RESULTS: [&str; 12] =
 
 /// Why a post cannot be used.
 #[derive(Debug, thiserror::Error)]
-#[allow(missing_docs)]
 pub enum PostError {
+    /// No post has this name.
     #[error("there is no post {name:?}; built in are {}, and one of your own is given by the path of its .toml file",
             known.join(", "))]
-    Unknown { name: String, known: Vec<&'static str> },
-    #[error("cannot read the post {path}: {source}")]
-    Read { path: PathBuf, source: std::io::Error },
-    #[error("post {origin}: {problem}")]
-    Syntax { origin: String, problem: String },
-    #[error("post {origin}: {key} is {value}; {remedy}")]
-    Value { origin: String, key: &'static str, value: String, remedy: String },
+    Unknown {
+        /// Name asked for.
+        name: String,
+        /// Names of the built-in posts.
+        known: Vec<&'static str>,
+    },
+    /// The file of a post cannot be read, is not valid TOML, or holds a value out of range.
+    #[error(transparent)]
+    File(#[from] FileError),
 }
+
+/// Files of posts.
+const POST: TomlFile<Post> = TomlFile::new("post");
 
 /// How the F word gives the speed of a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -51,7 +57,7 @@ pub enum FeedMode {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FeedWords {
-    /// What F means.
+    /// Meaning of F.
     pub mode: FeedMode,
     /// The word that switches this mode on, e.g. `G94`.
     pub word: String,
@@ -66,9 +72,9 @@ pub struct FeedWords {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CommentStyle {
-    /// What starts a comment.
+    /// Start of a comment.
     pub open: String,
-    /// What ends it; empty when the end of the line does.
+    /// End of a comment; empty when the end of the line ends it.
     pub close: String,
 }
 
@@ -100,7 +106,7 @@ pub struct BlockNumbers {
 pub struct AxisWord {
     /// The axis of the pose.
     pub axis: Axis,
-    /// Its address on the control, e.g. `X`.
+    /// Address on the control, e.g. `X`.
     pub word: String,
     /// Whether the machine counts this axis the other way round.
     #[serde(default)]
@@ -128,7 +134,7 @@ pub struct TipWords {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Post {
-    /// What the post is for, in a few words.
+    /// Purpose of the post, in a few words.
     pub title: String,
     /// File name extension without the dot.
     pub extension: String,
@@ -179,8 +185,7 @@ impl Post {
         if !name.ends_with(".toml") {
             return Self::load(name, None);
         }
-        let text = std::fs::read_to_string(name).map_err(|source| PostError::Read { path: name.into(), source })?;
-        Self::from_toml(&text, name)
+        Ok(POST.read(Path::new(name))?)
     }
 
     /// The post called `name`: `NAME.toml` in `user_folder` if it is there, else the built-in one.
@@ -194,12 +199,9 @@ impl Post {
         if !plain {
             return Err(unknown());
         }
-        if let Some(path) = user_folder.map(|f| f.join(format!("{name}.toml"))) {
-            match std::fs::read_to_string(&path) {
-                Ok(text) => return Self::from_toml(&text, &path.display().to_string()),
-                Err(e) if e.kind() == std::io::ErrorKind::NotFound => {}
-                Err(source) => return Err(PostError::Read { path, source }),
-            }
+        let own = user_folder.map(|folder| POST.read_if_there(&folder.join(format!("{name}.toml")))).transpose()?;
+        if let Some(post) = own.flatten() {
+            return Ok(post);
         }
         let (_, text) = BUILT_IN.iter().find(|(n, _)| *n == name).ok_or_else(unknown)?;
         Self::from_toml(text, name)
@@ -210,20 +212,13 @@ impl Post {
     /// # Errors
     /// [`PostError`] naming the key.
     pub fn from_toml(text: &str, origin: &str) -> Result<Self, PostError> {
-        let syntax = |e: toml::de::Error| PostError::Syntax { origin: origin.to_owned(), problem: e.to_string() };
-        let post: Self = toml::from_str(text).map_err(syntax)?;
-        post.validate(origin)?;
-        Ok(post)
+        Ok(POST.parse(text, Path::new(origin))?)
     }
+}
 
-    /// Checks what the types cannot.
-    ///
-    /// # Errors
-    /// [`PostError::Value`] naming the key and the remedy.
-    pub fn validate(&self, origin: &str) -> Result<(), PostError> {
-        let bad = |key, value: String, remedy: &str| {
-            Err(PostError::Value { origin: origin.to_owned(), key, value, remedy: remedy.to_owned() })
-        };
+impl Validate for Post {
+    fn validate(&self) -> Result<(), Invalid> {
+        let bad = |key: &str, value: String, remedy: &str| Err(Invalid::new(key, value, remedy));
         for (key, found, least) in
             [("decimals.mm", self.decimals.mm, MM_DECIMALS), ("decimals.deg", self.decimals.deg, DEG_DECIMALS)]
         {
@@ -254,16 +249,15 @@ impl Post {
             let remedy = "it is the extension of another file of ours; give the one that the control expects";
             return bad("extension", format!("{:?}", self.extension), remedy);
         }
-        self.validate_axes(origin)?;
-        self.validate_lines(origin)
+        self.validate_axes()?;
+        self.validate_lines()
     }
+}
 
-    fn validate_axes(&self, origin: &str) -> Result<(), PostError> {
-        let bad = |value: &str, remedy: &str| {
-            let (value, remedy) = (format!("{value:?}"), remedy.to_owned());
-            Err(PostError::Value { origin: origin.to_owned(), key: "axes", value, remedy })
-        };
+impl Post {
+    fn validate_axes(&self) -> Result<(), Invalid> {
         for (i, a) in self.axes.iter().enumerate() {
+            let bad = |value: &str, remedy| Err(Invalid::new(format!("axes[{i}].word"), format!("{value:?}"), remedy));
             if !a.word.chars().next().is_some_and(|c| c.is_ascii_uppercase()) || a.word.len() > 4 || !a.word.is_ascii()
             {
                 return bad(&a.word, "an axis word is a capital letter, at most 4 characters long");
@@ -275,26 +269,43 @@ impl Post {
         Ok(())
     }
 
-    fn validate_lines(&self, origin: &str) -> Result<(), PostError> {
-        let bad = |key, value: &str, remedy: &str| {
-            let (value, remedy) = (format!("{value:?}"), remedy.to_owned());
-            Err(PostError::Value { origin: origin.to_owned(), key, value, remedy })
-        };
-        let blocks = [&self.program_start, &self.safe_start, &self.burn, &self.safe_end, &self.program_end];
-        let single =
-            [&self.modes, &self.exact_path, &self.dwell, &self.linear, &self.feed.word, &self.feed.approach_word];
-        let marks = [&self.comment.open, &self.comment.close];
-        let tip = self.tip_control.iter().flat_map(|t| [t.angles.as_ref(), t.vector.as_ref(), Some(&t.off)]).flatten();
-        if let Some(empty) = tip.clone().find(|word| word.trim().is_empty()) {
-            return bad("tip_control", empty, "give the control's word, or leave the key out");
+    fn validate_lines(&self) -> Result<(), Invalid> {
+        let bad = |key: &str, value: &str, remedy| Err(Invalid::new(key, format!("{value:?}"), remedy));
+        let blocks = [
+            ("program_start", &self.program_start),
+            ("safe_start", &self.safe_start),
+            ("burn", &self.burn),
+            ("safe_end", &self.safe_end),
+            ("program_end", &self.program_end),
+        ];
+        let single = [
+            ("modes", &self.modes),
+            ("exact_path", &self.exact_path),
+            ("dwell", &self.dwell),
+            ("linear", &self.linear),
+            ("feed.word", &self.feed.word),
+            ("feed.approach_word", &self.feed.approach_word),
+            ("comment.open", &self.comment.open),
+            ("comment.close", &self.comment.close),
+        ];
+        let tip = self.tip_control.iter().flat_map(|t| {
+            let words = [("angles", t.angles.as_ref()), ("vector", t.vector.as_ref()), ("off", Some(&t.off))];
+            words.into_iter().filter_map(|(key, word)| Some((format!("tip_control.{key}"), word?)))
+        });
+        if let Some((key, empty)) = tip.clone().find(|(_, word)| word.trim().is_empty()) {
+            return bad(&key, empty, "give the control's word, or leave the key out");
         }
-        for line in blocks.into_iter().flatten().chain(single).chain(marks).chain(tip) {
+        let lines = blocks
+            .into_iter()
+            .flat_map(|(key, lines)| lines.iter().enumerate().map(move |(i, line)| (format!("{key}[{i}]"), line)));
+        let single = single.into_iter().map(|(key, line)| (key.to_owned(), line));
+        for (key, line) in lines.chain(single).chain(tip) {
             if !line.chars().all(|c| c == ' ' || c.is_ascii_graphic()) {
-                return bad("a line", line, "use printable ASCII only");
+                return bad(&key, line, "use printable ASCII only");
             }
             let rest = line.replace("{program}", "").replace("{seconds}", "");
             if rest.contains(['{', '}']) {
-                return bad("a line", line, "the placeholders are {program} and {seconds}");
+                return bad(&key, line, "the placeholders are {program} and {seconds}");
             }
         }
         for (key, line) in [("modes", &self.modes), ("exact_path", &self.exact_path), ("linear", &self.linear)] {

@@ -1,4 +1,4 @@
-//! What a program says and does around the channel: the simulated way there, and from one channel to the next.
+//! Program parts around the channel: the simulated approach, and the motion from one channel to the next.
 
 use super::approved::Approved;
 use super::post::Post;
@@ -74,7 +74,7 @@ pub(super) fn check(approved: &Approved, post: &Post, job: &TurnedJob) -> Result
     legs.iter().try_for_each(|leg| check_axes(&rows(&leg.poses), post, machine))
 }
 
-/// What was simulated.
+/// Comments on the simulation.
 pub(super) fn header(w: &mut Writer, approved: &Approved) {
     let Some(simulation) = approved.simulation() else { return };
     if let Some(pair) = simulation.tightest() {

@@ -7,7 +7,7 @@ use super::colour::Colour;
 /// How many colours a map is tabulated with.
 pub const TABLE_SIZE: usize = 256;
 
-/// A way from numbers to colours. The maps are our own: a few control points in Oklab (B. Ottosson, A
+/// A map from numbers to colours. The maps are our own: a few control points in Oklab (B. Ottosson, A
 /// perceptual color space for image processing, 2020), between which lightness runs straight, so that equal
 /// steps of the quantity look like equal steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -26,12 +26,12 @@ pub enum ColourMap {
     Light,
 }
 
-/// What a legend shows beside its bar of colours.
+/// Content of a legend beside its bar of colours.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Legend {
     /// Name of the quantity.
     pub title: String,
-    /// Its unit.
+    /// Unit.
     pub unit: String,
     /// The colours.
     pub map: ColourMap,

@@ -19,7 +19,7 @@ const ROWS: usize = 32;
 /// Why there is no picture.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum RenderError {
-    /// The work was told to stop.
+    /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
     /// Neither a graphics card nor a software stand-in.
@@ -36,7 +36,7 @@ pub enum RenderError {
     Device {
         /// Name of the adapter.
         adapter: String,
-        /// What the driver said.
+        /// Message of the driver.
         reason: String,
     },
     /// A picture without pixels, or with more than the device can draw.
@@ -57,12 +57,12 @@ pub enum RenderError {
     Png(String),
 }
 
-/// What draws.
+/// Graphics adapter that draws.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AdapterInfo {
-    /// Its name, for the user.
+    /// Name, for the user.
     pub name: String,
-    /// Its interface and driver, for the user.
+    /// Interface and driver, for the user.
     pub driver: String,
     /// Whether it is the CPU that draws: right, but slow.
     pub is_software: bool,
@@ -74,7 +74,7 @@ pub struct Offscreen {
     queue: wgpu::Queue,
     renderer: Renderer,
     adapter: AdapterInfo,
-    /// What the driver refused since the last picture. Without somebody to tell, it would end the program.
+    /// Error of the driver since the last picture. Without a handler it would end the program.
     refused: Arc<Mutex<Option<String>>>,
 }
 
@@ -108,7 +108,7 @@ impl Offscreen {
         Ok(Self { renderer: Renderer::new(&device, &queue), device, queue, adapter, refused })
     }
 
-    /// What draws.
+    /// Graphics adapter that draws.
     pub fn adapter(&self) -> &AdapterInfo {
         &self.adapter
     }

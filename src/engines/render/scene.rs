@@ -1,5 +1,5 @@
-//! What is to be seen: bodies, lines, markers, and how they are cut and coloured. All positions are in one
-//! frame, the scene's, in millimetres; +Z is up.
+//! The scene: bodies, lines, markers, and how they are cut and coloured. All positions are in one frame, the scene's,
+//! in millimetres; +Z is up.
 
 use std::sync::Arc;
 
@@ -36,13 +36,13 @@ pub struct ObjectId(pub u32);
 /// One body in one place. Many may share a mesh, such as ghosts of an electrode along its path.
 #[derive(Debug, Clone)]
 pub struct Object {
-    /// Its name.
+    /// Name.
     pub id: ObjectId,
-    /// Its shape.
+    /// Shape.
     pub mesh: Arc<RenderMesh>,
     /// From the mesh's frame to the scene's; must not be singular.
     pub transform: DAffine3,
-    /// Its colour where `values` has none.
+    /// Colour where `values` has none.
     pub colour: Colour,
     /// 1 is solid; at 0 or less it is neither drawn nor picked; between, its nearest surface is blended over
     /// what is behind.
@@ -62,7 +62,7 @@ pub struct SurfaceValues {
     /// of, in its order. NaN and missing values show the object's own colour. The allocation is the key of
     /// the copy on the GPU: give the same `Arc` as long as the values are the same.
     pub values: Arc<Vec<f32>>,
-    /// Its colours.
+    /// Colours.
     pub map: ColourMap,
     /// The value at the start of the map and the one at its end; values beyond are shown as these.
     pub range: [f32; 2],
@@ -73,7 +73,7 @@ pub struct SurfaceValues {
 pub struct LineSet {
     /// Polylines, each through at least two points.
     pub polylines: Vec<Vec<DVec3>>,
-    /// Their colour.
+    /// Colour.
     pub colour: Colour,
     /// Width on the screen (pixels).
     pub width_px: f32,
@@ -86,7 +86,7 @@ pub struct LineSet {
 pub struct Marker {
     /// Where.
     pub at: DVec3,
-    /// Its colour.
+    /// Colour.
     pub colour: Colour,
     /// Radius on the screen (pixels).
     pub radius_px: f32,
@@ -98,14 +98,14 @@ pub struct Marker {
 pub struct SectionPlane {
     /// A point of the plane.
     pub point: DVec3,
-    /// Its normal, of any length but zero.
+    /// Normal, of any length but zero.
     pub normal: DVec3,
 }
 
 /// A square grid parallel to the XY plane, fading out from its centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
-    /// Its middle.
+    /// Middle.
     pub center: DVec3,
     /// Distance of its lines (mm); every tenth is stronger.
     pub spacing: f64,
@@ -144,12 +144,12 @@ impl Object {
         }
     }
 
-    /// The same object elsewhere.
+    /// Object placed by `transform`.
     pub fn at(self, transform: DAffine3) -> Self {
         Self { transform, ..self }
     }
 
-    /// The same object with this opacity.
+    /// Object with this opacity.
     pub fn with_opacity(self, opacity: f32) -> Self {
         Self { opacity, ..self }
     }

@@ -26,7 +26,7 @@ impl StandardView {
     pub const ALL: [Self; 7] =
         [Self::Front, Self::Back, Self::Left, Self::Right, Self::Top, Self::Bottom, Self::Isometric];
 
-    /// Its name in the window and on the command line.
+    /// Name in the window and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Front => "front",

@@ -29,7 +29,7 @@ pub enum State {
     Missing,
     /// Work for it waits or runs.
     Running,
-    /// Its value.
+    /// Value.
     Ready,
     /// Nothing; there is a value of another key.
     Stale,

@@ -9,7 +9,7 @@ use glam::DVec2;
 
 use super::profile::{EdgeCircle, EndCondition, Quintic};
 
-/// What determines a section at one of its edges.
+/// Parameters of a section at one of its edges.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BladeEdge {
     /// The edge circle.
@@ -20,7 +20,7 @@ pub struct BladeEdge {
     pub wedge: f64,
     /// Signed curvature of the suction side at its tangent point (1/mm), positive towards greater `y`.
     pub suction_curvature: f64,
-    /// The same of the pressure side.
+    /// Curvature of the pressure side (1/mm).
     pub pressure_curvature: f64,
 }
 

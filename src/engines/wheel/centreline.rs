@@ -19,9 +19,9 @@ use task::{Cancel, Cancelled};
 /// A circle between the walls, in W.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChannelCircle {
-    /// Its centre (mm).
+    /// Centre of the circle (mm).
     pub center: DVec3,
-    /// Its radius (mm).
+    /// Radius of the circle (mm).
     pub radius: f64,
     /// Where it touches the low and the high wall (mm).
     pub contacts: [DVec3; 2],
@@ -53,10 +53,10 @@ pub enum CentrelineError {
     NoPassage {
         /// Sections with circles.
         found: usize,
-        /// Sections looked at.
+        /// Sections tested.
         sections: usize,
     },
-    /// The computation was told to stop.
+    /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
@@ -121,7 +121,7 @@ impl Centreline {
         &self.curve
     }
 
-    /// Its length (mm).
+    /// Length of the centreline (mm).
     pub fn length(&self) -> f64 {
         self.lengths[Self::TABLE]
     }
@@ -339,7 +339,7 @@ fn parameter_at_x(line: &NurbsCurve, x: f64) -> f64 {
 /// The figures of a wall.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct WallFit {
-    /// Which face of its blade.
+    /// Face of the blade that the wall is.
     pub side: BladeSide,
     /// The surface against the points that it was made from.
     pub points: FitError,

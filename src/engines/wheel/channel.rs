@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use geometry::frame::{Cylindrical, Frame};
 
-/// Which face of its blade a channel wall is.
+/// Face of its blade that a channel wall is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BladeSide {
@@ -46,7 +46,7 @@ pub struct ChannelWall {
     pub points: Vec<DVec3>,
     /// Unit normals at the points, pointing into the channel.
     pub normals: Vec<DVec3>,
-    /// Which face of the blade it is.
+    /// Face of the blade that the wall is.
     pub side: BladeSide,
 }
 
@@ -83,9 +83,9 @@ pub struct MeridianSample {
 pub struct Throat {
     /// Least distance between the two walls (mm).
     pub width_mm: f64,
-    /// Its end on the low wall, in W (mm).
+    /// End on the low wall, in W (mm).
     pub on_low_wall: DVec3,
-    /// Its end on the high wall, in W (mm).
+    /// End on the high wall, in W (mm).
     pub on_high_wall: DVec3,
 }
 
@@ -96,7 +96,7 @@ pub struct Channel {
     pub frame: Frame,
     /// Number of blades around the blisk.
     pub blades: usize,
-    /// Which channel this is, counted from the mesh's own reference direction in the sense of theta.
+    /// Number of the channel, counted from the mesh's own reference direction in the sense of theta.
     pub index: usize,
     /// Whether the passage is closed by a shroud; if not, `shroud` radii are blade tip radii.
     pub shrouded: bool,
@@ -113,7 +113,7 @@ pub struct Channel {
     pub turning: f64,
     /// X extent of the blisk at the channel's radii: its two faces (mm).
     pub faces_x: [f64; 2],
-    /// What was assumed on the way, in plain sentences for the user.
+    /// Assumptions made in finding the channel, in plain sentences for the user.
     pub assumed: Vec<String>,
 }
 

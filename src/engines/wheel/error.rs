@@ -67,7 +67,7 @@ pub enum BliskError {
          about the axis); give its radius with the key [blisk] {key}"
     )]
     NoEndWall {
-        /// Which wall: `"hub"`.
+        /// Name of the wall: `"hub"`.
         wall: &'static str,
         /// The key that gives it by hand.
         key: &'static str,
@@ -98,7 +98,7 @@ pub enum BliskError {
         /// Where (mm from the axis).
         r: f64,
     },
-    /// The computation was told to stop.
+    /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }

@@ -7,9 +7,9 @@ use geometry::nurbs::{NearestOnCurve, NurbsCurve};
 /// A circle that touches both curves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct InscribedCircle {
-    /// Its centre.
+    /// Centre of the circle.
     pub center: DVec3,
-    /// Its radius.
+    /// Radius of the circle.
     pub radius: f64,
     /// Parameters of its points of contact on the low and on the high curve.
     pub contacts: [f64; 2],

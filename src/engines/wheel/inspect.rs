@@ -1,4 +1,4 @@
-//! What the channel finder makes of a mesh, as a table for a reader and as data for a report.
+//! Results of the channel finder for a mesh, as a table for a reader and as data for a report.
 
 use std::fmt;
 
@@ -34,18 +34,18 @@ pub struct Inspection {
     pub repetition: Option<Repetition>,
     /// The chosen channel.
     pub channel: Option<ChannelSummary>,
-    /// Its centreline, and its walls as NURBS.
+    /// Centreline of the channel, and its walls as NURBS.
     pub centreline: Option<CentrelineSummary>,
-    /// What was assumed, in plain sentences.
+    /// Assumptions made, in plain sentences.
     pub assumed: Vec<String>,
-    /// What was not found, why, and what to do about it.
+    /// Missing features, with reason and remedy.
     pub not_found: Vec<String>,
 }
 
 /// The figures of a channel, without its walls' points.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ChannelSummary {
-    /// Which channel.
+    /// Number of the channel.
     pub index: usize,
     /// W in the coordinates of the mesh (mm).
     pub frame: Frame,
@@ -55,7 +55,7 @@ pub struct ChannelSummary {
     pub meridian: Vec<MeridianSample>,
     /// Grid points of a wall along the chord and from hub to shroud.
     pub wall_grid: [usize; 2],
-    /// Which faces of their blades the low and the high wall are.
+    /// Faces of their blades that the low and the high wall are.
     pub sides: [BladeSide; 2],
     /// X between the blades' edges (mm).
     pub span_x_mm: [f64; 2],
@@ -89,10 +89,10 @@ impl ChannelSummary {
     }
 }
 
-/// Finds what can be found in `mesh` (mm); what cannot is told in [`Inspection::not_found`].
+/// Finds what can be found in `mesh` (mm); what cannot is listed in [`Inspection::not_found`].
 ///
 /// # Errors
-/// Only when told to stop.
+/// Only when cancelled.
 pub fn inspect(
     mesh: &Mesh,
     options: &BliskOptions,

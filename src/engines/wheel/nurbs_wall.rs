@@ -19,16 +19,17 @@ pub struct NurbsWall {
     pub u: Vec<f64>,
     /// Parameters of the sections.
     pub v: Vec<f64>,
-    /// How far the surface is from the points that it was made from.
+    /// Distances of the surface from `mesh`, which is in the same frame: at its points and half way between them.
     pub off_points: FitError,
 }
 
 /// Why there are no walls through measured sections.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[allow(missing_docs)]
 pub enum MeasuredError {
+    /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+    /// A wall cannot be approximated by NURBS.
     #[error(transparent)]
     Nurbs(#[from] NurbsError),
 }
@@ -50,7 +51,7 @@ impl NurbsWall {
     /// numbers of points, cubics through each of them take their place.
     ///
     /// # Errors
-    /// [`MeasuredError`] if neighbouring points or sections coincide, or when told to stop.
+    /// [`MeasuredError`] if neighbouring points or sections coincide, or when cancelled.
     pub fn of_measured(sections: &[MeasuredSection], cancel: &Cancel) -> Result<[Self; 2], MeasuredError> {
         let low: Vec<&[DVec3]> = sections.iter().map(|s| s.low.as_slice()).collect();
         let high: Vec<&[DVec3]> = sections.iter().map(|s| s.high.as_slice()).collect();

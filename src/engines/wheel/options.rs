@@ -1,4 +1,4 @@
-//! What a user may say about a blisk instead of leaving it to be found: the `[blisk]` keys of a job file.
+//! Options of a blisk that replace what would otherwise be found: the `[blisk]` keys of a project file.
 
 use glam::DVec3;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -94,7 +94,7 @@ pub struct BliskOptions {
     pub axis: AxisChoice,
     /// Number of blades around the axis.
     pub blades: Auto<usize>,
-    /// Which channel: 0 is the one nearest to the mesh's +Z (to its +X when the axis runs along Z), the others
+    /// Number of the channel: 0 is the one nearest to the mesh's +Z (to its +X when the axis runs along Z), the others
     /// follow in the sense of a right-handed turn about W's X.
     pub channel: usize,
     /// Radius of the hub along the whole channel (mm; P0: R_h).

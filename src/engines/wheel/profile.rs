@@ -8,7 +8,7 @@
 
 use glam::DVec2;
 
-/// What determines a section. Angles are measured from the blisk axis.
+/// Parameters of a section. Angles are measured from the blisk axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProfileParams {
     /// Axial distance between the tips of the edges (mm).
@@ -32,9 +32,9 @@ pub struct ProfileParams {
 /// An edge circle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EdgeCircle {
-    /// Its centre (mm).
+    /// Centre of the circle (mm).
     pub center: DVec2,
-    /// Its radius (mm).
+    /// Radius of the circle (mm).
     pub radius: f64,
 }
 
@@ -62,9 +62,9 @@ pub(super) struct EndCondition {
 /// A fifth-order polynomial between two abscissae.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quintic {
-    /// Its least abscissa (mm).
+    /// Least abscissa (mm).
     pub start: f64,
-    /// Its greatest abscissa (mm).
+    /// Greatest abscissa (mm).
     pub end: f64,
     coefficients: [f64; 6],
 }

@@ -23,7 +23,7 @@ use geometry::frame::Cylindrical;
 /// One measured section.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredSection {
-    /// Its name in the file.
+    /// Name of the section in the file.
     pub name: String,
     /// Points of the low wall in W from the -X edge to the +X edge (mm).
     pub low: Vec<DVec3>,
@@ -48,7 +48,7 @@ pub enum SectionsError {
     UnknownColumn {
         /// Counted from 1.
         line: usize,
-        /// As written.
+        /// Name as written.
         name: String,
     },
     /// A column is missing or there twice.
@@ -76,9 +76,9 @@ pub enum SectionsError {
         line: usize,
         /// The column.
         column: &'static str,
-        /// As written, shortened.
+        /// Text as written, shortened.
         text: String,
-        /// What belongs there.
+        /// Expected content.
         expected: &'static str,
     },
     /// A section without enough points on one side.

@@ -1,4 +1,4 @@
-//! Tells which surface of the blisk a point lies on, and how far the walls of the channel are.
+//! Classification of points by the surface of the blisk that they lie on, and distances to the walls of the channel.
 
 use std::sync::Arc;
 
@@ -17,8 +17,8 @@ pub struct SurfaceFinder {
 }
 
 impl SurfaceFinder {
-    /// How far from a surface a point may be and still count as lying on it (mm): above the chord error of the
-    /// wall grids, well below any spark gap's use.
+    /// Distance from a surface up to which a point lies on it (mm): above the chord error of the wall grids, well below
+    /// any spark gap.
     const ON_SURFACE: f64 = 0.2;
 
     /// Prepares the walls of `channel`.

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant, SystemTime};
 use super::commands::Command;
 use super::preferences::Preferences;
 use super::workspace::Workspace;
+use crate::shell::opening::Incoming;
 use crate::workspaces::blisk::document::Document;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::stage::Stage;
@@ -25,8 +26,8 @@ use crate::workspaces::blisk::scene::values::clearance_at_vertices;
 use crate::workspaces::blisk::scene::{Layer, Layers};
 use crate::workspaces::flank::panels::FlankDesk;
 use crate::workspaces::mold::panels::MoldDesk;
+use feed::plan_params::Strategy;
 use feed::pose::Pose;
-use feed::search::Strategy;
 use render::mesh::RenderMesh;
 use render::scene::SectionPlane;
 use task::{Lane, Memo, Priority, Same, Scheduler};
@@ -62,6 +63,8 @@ pub struct Core {
     /// The whole motion on the machine.
     pub machine: MachineMotion,
     bodies: MachineBodies,
+    /// What is being opened: it takes the place of nothing before it was read.
+    pub opening: Memo<u64, Incoming>,
     /// Does the work of the memos.
     pub scheduler: Scheduler,
     /// What the window shows.
@@ -150,6 +153,7 @@ impl Core {
             tuning: Tuning::start(wake)?,
             mold: MoldDesk::new(&scheduler),
             flank: FlankDesk::new(&scheduler),
+            opening: Memo::new(&scheduler, Lane::Quick, "Open").remembering(1),
             scheduler,
             workspace: Workspace::default(),
             machine: MachineMotion::default(),

@@ -19,6 +19,7 @@ impl SparkpathApp {
             return;
         }
         match command {
+            Command::Cancel if self.core.opening.is_busy() => self.core.opening.cancel(),
             Command::NewDemonstration => self.intend(Intent::Demonstration, ctx),
             _ if self.core.workspace == Workspace::Flank && self.run_on_flank(command, ctx) => {}
             Command::Open
@@ -91,8 +92,8 @@ impl SparkpathApp {
     fn run_on_document(&mut self, command: Command, ctx: &egui::Context) {
         let is_of_mold = self.is_of_mold();
         match command {
-            Command::Open if is_of_mold => self.ask(Purpose::Mold, "", ctx),
-            Command::Open => self.intend(Intent::AskOpen, ctx),
+            Command::Open if is_of_mold => self.intend(Intent::Ask(Purpose::Mold), ctx),
+            Command::Open => self.intend(Intent::Ask(Purpose::Open), ctx),
             Command::Quit => self.intend(Intent::Quit, ctx),
             Command::Reload if is_of_mold => self.core.mold.work.reload(),
             Command::Reload => self.core.pipeline.reload(),

@@ -1,18 +1,35 @@
 //! The document's comings and goings: opening, saving, recovering, and what is asked before work is lost.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::SparkpathApp;
 use crate::shell::autosave::{Recovered, Recovery};
 use crate::shell::dialogs::{Answer, Dialog, Intent, Work};
 use crate::shell::files::{FlankPurpose, Opened, Purpose};
+use crate::shell::opening::Incoming;
 use crate::shell::workspace::Workspace;
+use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::document::{Document, OpenError};
-use crate::workspaces::flank::document::flank_file::is_flank_file;
-use crate::workspaces::mold::document::mold_file::is_mold_file;
+use crate::workspaces::blisk::job::stages::Part;
+use crate::workspaces::blisk::panels::viewport::Viewport;
+use crate::workspaces::flank::document::flank_file::{is_flank_file, read_flank};
+use crate::workspaces::flank::document::{FlankDocument, FlankSource, MeshFlank};
+use crate::workspaces::mold::document::MoldParams;
+use crate::workspaces::mold::document::mold_file::{is_mold_file, read_mold};
 use crate::workspaces::news::EventKind;
+use task::{Priority, Refusal, Same};
+
+/// Parameters that the user would not save before opening something else. They are not asked about again as long as nothing
+/// of them is changed.
+#[derive(Default)]
+pub(super) struct GivenUp {
+    blisk: Option<PlanJob>,
+    mold: Option<MoldParams>,
+    flank: Option<FlankDocument>,
+}
 
 /// How a path was named.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,43 +41,131 @@ pub(super) enum Named {
 }
 
 impl SparkpathApp {
-    /// Opens a project or a mesh, in whose place there was no unsaved work.
+    /// Opens a document or a mesh where nothing is open that could be lost, at the start of the program.
     pub fn open(&mut self, path: &Path) {
-        if is_mold_file(path) {
-            self.core.workspace = Workspace::Mold;
-            return self.open_mold(path);
+        if let Some(opened) = self.document_at(path, Workspace::Blisk) {
+            self.take(opened);
         }
-        if is_flank_file(path) {
-            self.core.workspace = Workspace::Flank;
-            return self.open_flank(path);
-        }
-        if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("sparkpath")) {
-            match Document::open(path) {
-                Ok(document) => self.replace(document),
-                Err(OpenError::Moved(project, moved)) => {
-                    self.dialog = Dialog::Moved(project, moved, path.to_owned());
-                    return;
-                }
-                Err(OpenError::File(error)) => {
-                    self.core.preferences.recent.remove(path);
-                    self.dialog = Dialog::Error("This project cannot be opened".to_owned(), error.to_string());
-                    return;
-                }
-            }
-        } else {
-            self.replace(Document::for_mesh(path));
-        }
-        self.core.preferences.recent.add(path);
     }
 
-    pub(super) fn replace(&mut self, document: Document) {
+    /// The document at `path`, without its part; a mesh is one of `workspace`. Says why there is none.
+    pub(super) fn document_at(&mut self, path: &Path, workspace: Workspace) -> Option<Incoming> {
+        let file = Some(path.to_owned());
+        let read = if is_mold_file(path) {
+            let params = read_mold(path).map(|params| Incoming::Mold(Box::new(params), file, None));
+            params.map_err(|e| ("This mold cannot be opened", e.to_string()))
+        } else if is_flank_file(path) {
+            let document = read_flank(path).map(|document| Incoming::Flank(Box::new(document), file, None));
+            document.map_err(|e| ("This flank cannot be opened", e.to_string()))
+        } else if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("sparkpath")) {
+            match Document::open(path) {
+                Ok(document) => Ok(Incoming::Blisk(Box::new(document), None)),
+                Err(OpenError::Moved(project, moved)) => {
+                    self.dialog = Dialog::Moved(project, moved, path.to_owned());
+                    return None;
+                }
+                Err(OpenError::File(error)) => Err(("This project cannot be opened", error.to_string())),
+            }
+        } else {
+            Ok(match workspace {
+                Workspace::Blisk => Incoming::Blisk(Box::new(Document::for_mesh(path)), None),
+                Workspace::Mold => Incoming::Mold(Box::new(self.core.mold.begun(path)), None, None),
+                Workspace::Flank => {
+                    let source = FlankSource::Mesh(MeshFlank::of(path));
+                    Incoming::Flank(Box::new(self.core.flank.params.of_another(source)), None, None)
+                }
+            })
+        };
+        match read {
+            Ok(opened) => Some(opened),
+            Err((title, text)) => {
+                self.core.preferences.recent.remove(path);
+                self.dialog = Dialog::Error(title.to_owned(), text);
+                None
+            }
+        }
+    }
+
+    /// Reads the part of what is at `path`, which then takes the place of what is open.
+    fn begin_at(&mut self, path: &Path, workspace: Workspace) {
+        if let Some(opened) = self.document_at(path, workspace) {
+            self.begin(opened);
+        }
+    }
+
+    /// Reads the part of `opened`, which then takes the place of what is open.
+    pub(super) fn begin(&mut self, opened: Incoming) {
+        self.openings += 1;
+        self.core
+            .opening
+            .restart(&self.openings, Priority::Shown, move |work| opened.read(&work.progress, &work.cancel));
+    }
+
+    /// Takes what has been read; a part that cannot be read takes the place of nothing.
+    pub(super) fn follow_opening(&mut self, ctx: &egui::Context) {
+        while let Some(ended) = self.core.opening.take() {
+            // What was read is held by who takes it.
+            self.core.opening.clear();
+            match ended.result {
+                // What the user would not save is not asked about again, unless it was changed in the meantime.
+                Ok(opened) => self.go_on_to(Intent::Take(Same(opened)), ctx),
+                Err(Refusal::Cancelled) => self.core.say(EventKind::Cancelled, "Open: cancelled"),
+                Err(Refusal::Failed(why)) => {
+                    self.core.say(EventKind::Failed, format!("Open: {why}"));
+                    self.dialog = Dialog::Error("The file cannot be opened".to_owned(), why);
+                }
+            }
+        }
+    }
+
+    /// Puts a document in the place of what is open.
+    pub(super) fn take(&mut self, opened: Incoming) {
+        self.given_up = GivenUp::default();
+        let workspace = opened.workspace();
+        let recent = match opened {
+            Incoming::Blisk(document, part) => {
+                let recent = document.file().or(document.job().blisk.mesh.as_deref()).map(Path::to_owned);
+                self.replace(*document, part);
+                recent
+            }
+            Incoming::Mold(params, file, part) => {
+                match (&file, &params.mesh) {
+                    (None, Some(mesh)) => self.core.mold.open(mesh),
+                    _ => self.core.mold.replace(*params.clone(), file.as_deref()),
+                }
+                if let Some(part) = part {
+                    self.core.mold.work.put(&params, part);
+                }
+                file.or(params.mesh)
+            }
+            Incoming::Flank(document, file, part) => {
+                self.core.flank.replace(*document.clone(), file.as_deref());
+                if let Some(part) = part {
+                    self.core.flank.work.put(&document, part);
+                }
+                file
+            }
+        };
+        self.core.workspace = workspace;
+        if let Some(path) = recent {
+            self.core.preferences.recent.add(&path);
+        }
+        // What was said last is of another part.
+        let name = match workspace {
+            Workspace::Blisk => self.core.document.name(),
+            Workspace::Mold => self.core.mold.name(),
+            Workspace::Flank => self.core.flank.name(),
+        };
+        self.core.say(EventKind::Done, format!("{name} opened"));
+    }
+
+    pub(super) fn replace(&mut self, document: Document, part: Option<Arc<Part>>) {
         if let Some(autosave) = &mut self.autosave {
             autosave.discard();
         }
         self.core.document = document;
         self.core.workspace = Workspace::Blisk;
-        self.given_up = None;
-        self.core.pipeline.reset();
+        self.core.pipeline.reset(part);
         self.core.tuning.forget_sizes();
         self.core.step = Stage::Part;
         self.core.cursor.s = 0.0;
@@ -68,21 +173,50 @@ impl SparkpathApp {
         self.core.ghosts.clear();
         self.core.kept.forget();
         self.core.layers = Default::default();
-        self.viewport.clear_probe();
-        // What was said last is of another part.
-        self.core.say(EventKind::Done, format!("{} opened", self.core.document.name()));
+        // Another part is looked at as the first one was.
+        self.viewport = Viewport::default();
     }
 
     /// Does `intent`, after asking about unsaved work.
     pub(super) fn intend(&mut self, intent: Intent, ctx: &egui::Context) {
-        // What was to be done before is not wanted any more.
-        (self.after_save, self.given_up) = (None, None);
+        self.forget_intents();
+        self.go_on_to(intent, ctx);
+    }
+
+    /// What was to be done before is not wanted any more, nor what was answered for it.
+    pub(super) fn forget_intents(&mut self) {
+        (self.after_save, self.given_up) = (None, GivenUp::default());
+        self.core.opening.stop();
+    }
+
+    /// Does `intent`, after asking about unsaved work that was not asked about on the way to it.
+    pub(super) fn go_on_to(&mut self, intent: Intent, ctx: &egui::Context) {
         self.intend_past(&Work::ALL, intent, ctx);
+    }
+
+    /// Whether `intent` would lose `work` that nobody has said may be lost.
+    fn is_lost(&self, work: Work, intent: &Intent) -> bool {
+        let mold = &self.core.mold.params;
+        // The cutters that were chosen before there was a mold stay.
+        let goes_on = work == Work::Mold
+            && mold.mesh.is_none()
+            && match intent {
+                Intent::OpenMold(path) => !is_mold_file(path),
+                Intent::Take(opened) => opened.0.is_bare_mold(),
+                Intent::Ask(_) => true,
+                _ => false,
+            };
+        let is_given_up = match work {
+            Work::Blisk => self.given_up.blisk.as_ref() == Some(self.core.document.job()),
+            Work::Mold => self.given_up.mold.as_ref() == Some(mold),
+            Work::Flank => self.given_up.flank.as_ref() == Some(&self.core.flank.params),
+        };
+        intent.endangers(work) && work.is_unsaved(&self.core) && !goes_on && !is_given_up
     }
 
     /// Does `intent`, after asking about what is unsaved of `work`.
     fn intend_past(&mut self, work: &[Work], intent: Intent, ctx: &egui::Context) {
-        match work.iter().find(|work| intent.endangers(**work) && work.is_unsaved(&self.core)) {
+        match work.iter().find(|work| self.is_lost(**work, &intent)) {
             Some(work) => self.dialog = Dialog::Unsaved(*work, intent),
             None => self.carry_out(intent, ctx),
         }
@@ -117,19 +251,17 @@ impl SparkpathApp {
                 }
                 ctx.send_viewport_cmd(egui::ViewportCommand::Close);
             }
-            Intent::Open(path) => self.open(&path),
-            Intent::OpenMold(path) => {
-                self.core.workspace = Workspace::Mold;
-                self.open_mold(&path);
+            Intent::Open(path) => self.begin_at(&path, Workspace::Blisk),
+            Intent::OpenMold(path) => self.begin_at(&path, Workspace::Mold),
+            Intent::OpenFlank(path) => self.begin_at(&path, Workspace::Flank),
+            Intent::TakeSurface(source) => {
+                let document = self.core.flank.params.of_another(*source);
+                self.begin(Incoming::Flank(Box::new(document), None, None));
             }
-            Intent::OpenFlank(path) => {
-                self.core.workspace = Workspace::Flank;
-                self.open_flank(&path);
-            }
-            Intent::TakeSurface(source) => self.take_surface(&source),
             Intent::MillFlanks(electrode) => self.take_electrode(&electrode),
-            Intent::AskOpen => self.ask(Purpose::Open, "", ctx),
-            Intent::Demonstration => self.replace(Document::default()),
+            Intent::Ask(purpose) => self.ask(purpose, "", ctx),
+            Intent::Take(opened) => self.take(Incoming::clone(&opened.0)),
+            Intent::Demonstration => self.take(Incoming::Blisk(Box::default(), None)),
         }
     }
 
@@ -173,8 +305,13 @@ impl SparkpathApp {
             Purpose::SaveProject => self.not_saved(Work::Blisk),
             Purpose::SaveMold => self.not_saved(Work::Mold),
             Purpose::SaveFlank => self.not_saved(Work::Flank),
-            Purpose::Open => self.given_up = None,
-            Purpose::Flank(FlankPurpose::Upper) => self.forget_first_guide(),
+            Purpose::Open | Purpose::Mold => self.given_up = GivenUp::default(),
+            Purpose::Flank(what) => {
+                self.given_up = GivenUp::default();
+                if *what == FlankPurpose::Upper {
+                    self.forget_first_guide();
+                }
+            }
             _ => {}
         }
     }
@@ -226,18 +363,12 @@ impl SparkpathApp {
 
     fn chosen(&mut self, purpose: Purpose, path: PathBuf, ctx: &egui::Context) {
         match purpose {
-            Purpose::Open if is_mold_file(&path) => self.intend(Intent::OpenMold(path), ctx),
-            Purpose::Open if is_flank_file(&path) => self.intend(Intent::OpenFlank(path), ctx),
+            Purpose::Open if is_mold_file(&path) => self.go_on_to(Intent::OpenMold(path), ctx),
+            Purpose::Open if is_flank_file(&path) => self.go_on_to(Intent::OpenFlank(path), ctx),
+            Purpose::Open => self.go_on_to(Intent::Open(path), ctx),
+            Purpose::Mold => self.go_on_to(Intent::OpenMold(path), ctx),
             Purpose::Flank(what) => self.take_flank_path(what, path, ctx),
             Purpose::SaveFlank => self.write_flank(&path, ctx),
-            Purpose::Open => {
-                // The window went on while the dialog was open.
-                if self.given_up.take().as_ref() == Some(self.core.document.job()) {
-                    self.open(&path);
-                } else {
-                    self.intend(Intent::Open(path), ctx);
-                }
-            }
             Purpose::SaveProject => self.save_as(&path, ctx),
             Purpose::SaveJob => self.write_job(&path),
             Purpose::ExportFolder => self.export(&path),
@@ -247,7 +378,6 @@ impl SparkpathApp {
                 job.electrode.mesh = Some(path);
                 self.core.edit("Own electrode", job, false);
             }
-            Purpose::Mold => self.choose_mold(path, ctx),
             Purpose::Cutters | Purpose::OtherCutters => self.load_cutters(&path, purpose == Purpose::OtherCutters),
             Purpose::SaveCutters => self.save_cutters(&path),
             Purpose::BurnSheet => self.take_burn_sheet(&path),
@@ -269,8 +399,7 @@ impl SparkpathApp {
 
     pub(super) fn open_anyway(&mut self) {
         if let Dialog::Moved(project, _, path) = std::mem::take(&mut self.dialog) {
-            self.replace(Document::opened(*project, &path));
-            self.core.preferences.recent.add(&path);
+            self.begin(Incoming::Blisk(Box::new(Document::opened(*project, &path)), None));
         }
     }
 
@@ -286,8 +415,10 @@ impl SparkpathApp {
                 }
             }
             (Answer::Discard(intent), Dialog::Unsaved(work, _)) => {
-                if work == Work::Blisk {
-                    self.given_up = Some(self.core.document.job().clone());
+                match work {
+                    Work::Blisk => self.given_up.blisk = Some(self.core.document.job().clone()),
+                    Work::Mold => self.given_up.mold = Some(self.core.mold.params.clone()),
+                    Work::Flank => self.given_up.flank = Some(self.core.flank.params.clone()),
                 }
                 self.go_on(work, intent, ctx);
             }
@@ -327,7 +458,7 @@ impl SparkpathApp {
     fn recover(&mut self, i: usize, mut copies: Vec<Recovery>) {
         let copy = copies.remove(i);
         match copy.work() {
-            Ok(Recovered::Blisk(document)) => self.replace(*document),
+            Ok(Recovered::Blisk(document)) => self.replace(*document, None),
             Ok(Recovered::Mold(params, file)) => {
                 self.core.mold.recover(*params, file.as_deref());
                 self.core.workspace = Workspace::Mold;

@@ -9,7 +9,7 @@ use crate::shell::dialogs::{Dialog, Intent, Work};
 use crate::shell::files::{FlankPurpose, Purpose};
 use crate::shell::record::Hands;
 use crate::shell::workspace::Workspace;
-use crate::workspaces::flank::document::flank_file::{ENDING, is_flank_file, read_flank, write_flank};
+use crate::workspaces::flank::document::flank_file::{ENDING, is_flank_file, write_flank};
 use crate::workspaces::flank::document::milling_machine_file::read_milling_machines;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, MeshFlank, PathChoice, WallsFile};
 use crate::workspaces::flank::electrode_part::FlankElectrode;
@@ -20,21 +20,6 @@ use flank::ruled_surface::Side;
 use nc::flank_program::milling_post;
 
 impl SparkpathApp {
-    /// Takes the flank that was saved at `path`, in whose place there was no unsaved work.
-    pub fn open_flank(&mut self, path: &Path) {
-        match read_flank(path) {
-            Ok(document) => {
-                self.core.flank.replace(document, Some(path));
-                self.core.preferences.recent.add(path);
-                self.core.say(EventKind::Done, format!("{} opened", self.core.flank.name()));
-            }
-            Err(e) => {
-                self.core.preferences.recent.remove(path);
-                self.dialog = Dialog::Error("This flank cannot be opened".to_owned(), e.to_string());
-            }
-        }
-    }
-
     /// Mills the flanks of the electrode that is selected, after asking about unsaved work.
     pub(super) fn mill_flanks(&mut self, ctx: &egui::Context) {
         if let Some(electrode) = self.core.electrode_to_mill() {
@@ -92,7 +77,7 @@ impl SparkpathApp {
     pub(super) fn take_for_flank(&mut self, path: &Path, ctx: &egui::Context) {
         if !is_points_file(path) {
             let mesh = FlankSource::Mesh(MeshFlank::of(path));
-            return self.intend(Intent::TakeSurface(Box::new(mesh)), ctx);
+            return self.go_on_to(Intent::TakeSurface(Box::new(mesh)), ctx);
         }
         let both = match self.core.flank.first_guide.take() {
             // Of two after each other the first is the lower one.
@@ -100,7 +85,7 @@ impl SparkpathApp {
             _ => pair_of_guides(path),
         };
         match both {
-            Some(both) => self.intend(Intent::TakeSurface(Box::new(FlankSource::guides(both))), ctx),
+            Some(both) => self.go_on_to(Intent::TakeSurface(Box::new(FlankSource::guides(both))), ctx),
             None => self.ask_for_upper(path, ctx),
         }
     }
@@ -109,7 +94,7 @@ impl SparkpathApp {
     pub(super) fn take_guides(&mut self, files: [PathBuf; 2], ctx: &egui::Context) {
         let named = pair_of_guides(&files[0]).filter(|pair| pair.iter().all(|file| files.contains(file)));
         let source = FlankSource::guides(named.unwrap_or(files));
-        self.intend(Intent::TakeSurface(Box::new(source)), ctx);
+        self.go_on_to(Intent::TakeSurface(Box::new(source)), ctx);
     }
 
     /// Keeps the lower guide until the upper one is named: one alone is no surface.
@@ -126,24 +111,36 @@ impl SparkpathApp {
         }
     }
 
-    /// Takes another surface in the place of a flank of which nothing is unsaved. The cutter, the plan and the machine
-    /// stay; what was said of the other surface does not.
-    pub(super) fn take_surface(&mut self, source: &FlankSource) {
-        let document = self.core.flank.params.of_another(source.clone());
-        self.core.flank.replace(document, None);
-        self.core.workspace = Workspace::Flank;
-        self.core.say(EventKind::Done, format!("{} opened", self.core.flank.name()));
-    }
-
     /// Takes another mesh, in place of one as what the user goes on with.
     fn take_mesh(&mut self, path: PathBuf, ctx: &egui::Context) {
         let FlankSource::Mesh(mesh) = &self.core.flank.params.source else {
-            return self.intend(Intent::TakeSurface(Box::new(FlankSource::Mesh(MeshFlank::of(&path)))), ctx);
+            return self.go_on_to(Intent::TakeSurface(Box::new(FlankSource::Mesh(MeshFlank::of(&path)))), ctx);
         };
         let source = FlankSource::Mesh(MeshFlank { file: path, candidate: 1, kept: None, ..mesh.clone() });
         self.edit_flank(|params| {
             (params.source, params.side) = (source, Side::Automatic);
             params.overrides.clear();
+        });
+    }
+
+    /// Whether a path that is named for this takes the place of the whole flank.
+    pub(super) fn is_another_flank(&self, what: FlankPurpose) -> bool {
+        let source = &self.core.flank.params.source;
+        match what {
+            FlankPurpose::Open => true,
+            FlankPurpose::Mesh => !matches!(source, FlankSource::Mesh(_)),
+            FlankPurpose::Lower | FlankPurpose::Upper => !matches!(source, FlankSource::Guides { .. }),
+            _ => false,
+        }
+    }
+
+    /// Takes another guide curve: the surface is another one, and what was decided on the former one does not hold for it.
+    fn take_guide(&mut self, change: impl FnOnce(&mut GuideSource, &mut GuideSource)) {
+        self.edit_flank(|params| {
+            if let FlankSource::Guides { lower, upper } = &mut params.source {
+                change(lower, upper);
+                params.overrides.clear();
+            }
         });
     }
 
@@ -156,27 +153,21 @@ impl SparkpathApp {
     /// Goes on with a path that was named for something of the flank.
     pub(super) fn take_flank_path(&mut self, what: FlankPurpose, path: PathBuf, ctx: &egui::Context) {
         match what {
-            FlankPurpose::Open if is_flank_file(&path) => self.intend(Intent::OpenFlank(path), ctx),
+            FlankPurpose::Open if is_flank_file(&path) => self.go_on_to(Intent::OpenFlank(path), ctx),
             FlankPurpose::Open => self.take_for_flank(&path, ctx),
             FlankPurpose::Mesh => self.take_mesh(path, ctx),
             FlankPurpose::Lower => match (&self.core.flank.params.source, pair_of_guides(&path)) {
-                (FlankSource::Guides { upper, .. }, _) => {
-                    let source = FlankSource::Guides { lower: GuideSource::File(path), upper: upper.clone() };
-                    self.edit_flank(|params| params.source = source);
-                }
-                (_, Some(both)) => self.intend(Intent::TakeSurface(Box::new(FlankSource::guides(both))), ctx),
+                (FlankSource::Guides { .. }, _) => self.take_guide(|lower, _| *lower = GuideSource::File(path)),
+                (_, Some(both)) => self.go_on_to(Intent::TakeSurface(Box::new(FlankSource::guides(both))), ctx),
                 // One alone is no surface.
                 (_, None) => self.ask_for_upper(&path, ctx),
             },
             FlankPurpose::Upper => match (self.core.flank.first_guide.take(), &self.core.flank.params.source) {
                 (Some(lower), _) => {
                     let source = FlankSource::guides([lower, path]);
-                    self.intend(Intent::TakeSurface(Box::new(source)), ctx);
+                    self.go_on_to(Intent::TakeSurface(Box::new(source)), ctx);
                 }
-                (None, FlankSource::Guides { lower, .. }) => {
-                    let source = FlankSource::Guides { lower: lower.clone(), upper: GuideSource::File(path) };
-                    self.edit_flank(|params| params.source = source);
-                }
+                (None, FlankSource::Guides { .. }) => self.take_guide(|_, upper| *upper = GuideSource::File(path)),
                 (None, _) => {}
             },
             FlankPurpose::Walls => {
@@ -230,7 +221,7 @@ impl SparkpathApp {
     pub(super) fn run_on_flank(&mut self, command: Command, ctx: &egui::Context) -> bool {
         let flank = &mut self.core.flank;
         match command {
-            Command::Open => self.ask(Purpose::Flank(FlankPurpose::Open), "", ctx),
+            Command::Open => self.intend(Intent::Ask(Purpose::Flank(FlankPurpose::Open)), ctx),
             Command::Reload => flank.work.reload(),
             Command::Save | Command::SaveAs => self.save_flank(command == Command::Save, ctx),
             Command::Undo | Command::Redo => flank.undo(command == Command::Redo),

@@ -9,7 +9,7 @@ mod writing;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use documents::Named;
+use documents::{GivenUp, Named};
 use egui::{Panel, Ui};
 
 use super::commands::Command;
@@ -24,7 +24,6 @@ use crate::shell::autosave::{Autosave, Recovery};
 use crate::widgets::pictures::Pictures;
 use crate::widgets::theme;
 use crate::workspaces::blisk::document::Document;
-use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::panels::forms::Request;
 use crate::workspaces::blisk::panels::plots;
 use crate::workspaces::blisk::panels::plots::{Curves, Tab};
@@ -96,8 +95,10 @@ pub struct SparkpathApp {
     saved_preferences: Preferences,
     /// What the user wants done once this is saved.
     after_save: Option<(Work, Intent)>,
-    /// Parameters that the user would not save before choosing what to open.
-    given_up: Option<PlanJob>,
+    /// What the user would not save before choosing what to open.
+    given_up: GivenUp,
+    /// How often something was opened.
+    openings: u64,
     adapter: String,
     quitting: bool,
     title: String,
@@ -141,7 +142,8 @@ impl SparkpathApp {
             autosaved: Instant::now(),
             saved_preferences: preferences,
             after_save: None,
-            given_up: None,
+            given_up: GivenUp::default(),
+            openings: 0,
             adapter: format!("Drawn by {} ({:?}, {:?})", info.name, info.device_type, info.backend),
             quitting: false,
             title: String::new(),
@@ -160,7 +162,9 @@ impl SparkpathApp {
             Opening::File(path) => app.open(path),
             Opening::Mold(path) => {
                 app.core.workspace = Workspace::Mold;
-                path.iter().for_each(|path| app.open_mold(path));
+                if let Some(opened) = path.as_ref().and_then(|path| app.document_at(path, Workspace::Mold)) {
+                    app.take(opened);
+                }
             }
         }
         app.apply_preferences(&cc.egui_ctx);
@@ -260,13 +264,23 @@ impl SparkpathApp {
             Workspace::Blisk => {}
             Workspace::Mold => {
                 if let Some(purpose) = mold_panels::show(ui, &mut self.core, &mut self.mold_view) {
-                    self.ask(purpose, "cutters.toml", &ui.ctx().clone());
+                    let ctx = ui.ctx().clone();
+                    match purpose {
+                        Purpose::Mold => self.intend(Intent::Ask(purpose), &ctx),
+                        _ => self.ask(purpose, "cutters.toml", &ctx),
+                    }
                 }
                 return;
             }
             Workspace::Flank => {
                 if let Some(purpose) = flank_panels::show(ui, &mut self.core, &mut self.flank_view) {
-                    self.ask(purpose, "", &ui.ctx().clone());
+                    let ctx = ui.ctx().clone();
+                    match purpose {
+                        Purpose::Flank(what) if self.is_another_flank(what) => {
+                            self.intend(Intent::Ask(purpose), &ctx);
+                        }
+                        _ => self.ask(purpose, "", &ctx),
+                    }
                 }
                 return;
             }
@@ -360,6 +374,7 @@ impl eframe::App for SparkpathApp {
         self.core.follow();
         self.follow_mold(&ctx);
         self.follow_flank(&ctx);
+        self.follow_opening(&ctx);
         self.plan_at_rest(&ctx);
         self.follow_pictures();
         let elapsed = Duration::from_secs_f32(ctx.input(|i| i.stable_dt).clamp(0.0, 0.1));
@@ -382,7 +397,11 @@ impl eframe::App for SparkpathApp {
         if Work::ALL.iter().any(|work| work.is_unsaved(&self.core)) {
             ctx.request_repaint_after(AUTOSAVE);
         }
-        if self.core.pipeline.is_busy() || self.core.mold.work.is_busy() || self.core.flank.work.is_busy() {
+        if self.core.opening.is_busy()
+            || self.core.pipeline.is_busy()
+            || self.core.mold.work.is_busy()
+            || self.core.flank.work.is_busy()
+        {
             // Time left and elapsed go on even while nothing is reported.
             ctx.request_repaint_after(Duration::from_millis(250));
         }

@@ -12,8 +12,8 @@ use crate::shell::record::Hands;
 use crate::shell::workspace::Workspace;
 use crate::workspaces::blisk::panels::viewport::Viewport;
 use crate::workspaces::flank::document::flank_file::is_flank_file;
-use crate::workspaces::mold::document::cutter_file::{read_cutters, write_cutters};
-use crate::workspaces::mold::document::mold_file::{ENDING, is_mold_file, read_mold, write_mold};
+use crate::workspaces::mold::document::cutter_file::CUTTERS;
+use crate::workspaces::mold::document::mold_file::{ENDING, is_mold_file, write_mold};
 use crate::workspaces::mold::scene::{MoldLook, RegionColours};
 use crate::workspaces::news::EventKind;
 use crate::workspaces::news::WorkEvent;
@@ -40,6 +40,7 @@ impl SparkpathApp {
     /// Opens a file in the workspace where it belongs: while molds are shown a mesh is one, and a table of cutters is
     /// theirs.
     pub(super) fn open_here(&mut self, path: PathBuf, ctx: &egui::Context) {
+        self.forget_intents();
         let is = |ending| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending));
         if is_mold_file(&path) {
             self.intend(Intent::OpenMold(path), ctx);
@@ -52,35 +53,8 @@ impl SparkpathApp {
         } else if is("toml") {
             self.load_cutters(&path, false);
         } else {
-            self.choose_mold(path, ctx);
-        }
-    }
-
-    /// Opens the mold at `path`, after asking about unsaved work.
-    pub(super) fn choose_mold(&mut self, path: PathBuf, ctx: &egui::Context) {
-        if is_mold_file(&path) || self.core.mold.params.mesh.is_some() {
             self.intend(Intent::OpenMold(path), ctx);
-        } else {
-            // Nothing is lost: the cutters that were chosen stay.
-            self.carry_out(Intent::OpenMold(path), ctx);
         }
-    }
-
-    /// Takes the mesh at `path`, or the mold that was saved there, in whose place there was no unsaved work.
-    pub fn open_mold(&mut self, path: &Path) {
-        if is_mold_file(path) {
-            match read_mold(path) {
-                Ok(params) => self.core.mold.replace(params, Some(path)),
-                Err(e) => {
-                    self.core.preferences.recent.remove(path);
-                    self.dialog = Dialog::Error("This mold cannot be opened".to_owned(), e.to_string());
-                    return;
-                }
-            }
-        } else {
-            self.core.mold.open(path);
-        }
-        self.core.preferences.recent.add(path);
     }
 
     /// Saves the mold, in its file if it has one and that will do.
@@ -110,7 +84,7 @@ impl SparkpathApp {
     }
 
     pub(super) fn load_cutters(&mut self, path: &Path, are_others: bool) {
-        match read_cutters(path) {
+        match CUTTERS.read(path) {
             Ok(library) if are_others => self.core.mold.other = library,
             Ok(library) => {
                 let mut params = self.core.mold.params.clone();
@@ -132,7 +106,7 @@ impl SparkpathApp {
     }
 
     pub(super) fn save_cutters(&mut self, path: &Path) {
-        match write_cutters(path, &self.core.mold.params.library) {
+        match CUTTERS.write(path, &self.core.mold.params.library) {
             Ok(()) => self.core.say(EventKind::Done, format!("cutters saved as {}", path.display())),
             Err(e) => self.dialog = Dialog::Error("The cutters were not saved".to_owned(), e.to_string()),
         }

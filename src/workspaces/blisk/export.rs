@@ -160,7 +160,7 @@ fn reports(
     if !export.files.report {
         return Ok(Vec::new());
     }
-    let (json, html) = (report.json()?, report.html());
+    let (json, html) = (report.json()?, report.html()?);
     Ok(vec![("report.json".to_owned(), json.into_bytes()), ("report.html".to_owned(), html.into_bytes())])
 }
 

@@ -115,7 +115,7 @@ pub fn export(
         let maps = deviation_maps(&result.plan, cancel).map_err(|e| e.to_string())?;
         let json = report.json().map_err(|e| format!("the report on a flank as JSON: {e}"))?;
         texts.push((JSON_FILE.to_owned(), json));
-        texts.push((REPORT_FILE.to_owned(), report.html(&maps)));
+        texts.push((REPORT_FILE.to_owned(), report.html(&maps).map_err(|e| e.to_string())?));
     }
     // The program comes last, so that it never lies beside results that it does not belong to.
     if let Some(approved) = approved.ok().filter(|_| choice.nc && result.milled().is_some()) {

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use crate::workspaces::flank::document::kept_mesh::KeptMesh;
 use crate::workspaces::flank::document::milling_machine_file::milling_machine;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, MeshFlank, WallsFile};
+use files::Validate;
 use flank::fit_ruled::flank_candidates;
 use flank::guide::GuideCurve;
 use flank::machine::milling_machine::MillingMachine;
@@ -50,7 +51,7 @@ pub fn load(
     progress: &Progress,
     cancel: &Cancel,
 ) -> Result<FlankInput, FlankLoadError> {
-    document.validate().map_err(FlankLoadError)?;
+    document.validate().map_err(|e| FlankLoadError(e.to_string()))?;
     // What is quick to find wrong comes first.
     let machine = load_machine(document, user_folder)?;
     let in_unit = walls_unit(document);
@@ -85,7 +86,7 @@ pub fn input(
         overcut_tolerance_mm: document.overcut_tolerance_mm,
         undercut_tolerance_mm: document.undercut_tolerance_mm,
         overrides: document.overrides.clone(),
-        is_quick_look: false,
+        is_preview: false,
     }
 }
 

@@ -34,7 +34,7 @@ pub fn export_electrodes(
         Err(error) => written.no_sheet = Some(error.to_string()),
     }
     folder.write("electrodes.json", report.json()?.as_bytes())?;
-    folder.write("report.html", report.html(pictures).as_bytes())?;
+    folder.write("report.html", report.html(pictures)?.as_bytes())?;
     let published = folder.publish()?;
     Ok((written, published))
 }

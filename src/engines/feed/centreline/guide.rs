@@ -1,4 +1,5 @@
-//! The centreline as the way of an electrode: its core point, and where that is to be when the electrode is withdrawn.
+//! The centreline as the path of an electrode: its core point, and where that point is to be when the electrode is
+//! withdrawn.
 
 use glam::{DMat3, DVec3};
 
@@ -7,7 +8,7 @@ use geometry::exact::{ExactMesh, ExactMeshError};
 use wheel::centreline::Centreline;
 use wheel::electrode::Electrode;
 
-/// The way of an electrode's core point along the centreline of its channel, in W.
+/// Path of an electrode's core point along the centreline of its channel, in W.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Guide {
     line: Centreline,
@@ -16,17 +17,17 @@ pub struct Guide {
     core: DVec3,
     /// Arc length of the core point in the final pose (mm).
     start: f64,
-    /// What the core point lies beside the line there (mm).
+    /// Offset of the core point from the centreline in the final pose (mm).
     beside: DVec3,
     /// Direction of withdrawal along X.
     direction: f64,
 }
 
 impl Guide {
-    /// Least share of a step that goes along X, where the line hardly does: nodes are told apart by X.
+    /// Least share of a step that goes along X, where the line hardly does: nodes are distinguished by X.
     const LEAST_SHARE: f64 = 0.2;
 
-    /// The way of `electrode` along `line`.
+    /// The path of `electrode` along `line`.
     ///
     /// # Errors
     /// If the electrode's mesh cannot be searched.

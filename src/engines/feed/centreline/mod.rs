@@ -17,7 +17,7 @@ pub use guide::Guide;
 
 use super::pose::{Axis, Pose};
 use super::probes::Demand;
-use super::search::{Candidate, Convergence, NodeTask, SearchProblem};
+use super::problem::{Candidate, Convergence, NodeTask, SearchProblem};
 use task::{Cancel, Cancelled};
 
 /// Parameters of the centreline strategy.

@@ -10,7 +10,7 @@ use super::coding::{Coding, Genes, chromosome_bits, cross};
 use super::{GeneticParams, ReductionMode};
 use crate::objective::ObjectiveValue;
 use crate::pose::{Axis, Pose};
-use crate::search::{Candidate, Convergence, NodeTask, SearchProblem};
+use crate::problem::{Candidate, Convergence, NodeTask, SearchProblem};
 use task::{Cancel, Cancelled};
 
 /// The search for one node.
@@ -28,7 +28,7 @@ struct Individual {
     pose: Pose,
     h: f64,
     objective: ObjectiveValue,
-    /// What is minimised: the objective, and the cost of a new greatest h where h is variable.
+    /// Cost to be minimised: the objective plus the cost of a new greatest h, where h is variable.
     cost: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What a step may do: an intersection of half-spaces and of ranges of the axes.
+//! Constraints of a step: an intersection of half-spaces and of ranges of the axes.
 
 /// A step of the axes, in units of their mobility (about mm), in the order of `Axis`.
 pub type Step = [f64; 6];

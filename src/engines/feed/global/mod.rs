@@ -1,15 +1,14 @@
-//! The global strategy: no greedy step can walk into a dead end.
+//! The global strategy: a search over many poses for each node, which no greedy step can lead into a dead end.
 //!
-//! A diverse set of poses is kept for every node, each moved to where there is most room about it, and joined to the
-//! poses of the node before by motions that are free. The way out is the widest one through them all: the one whose
-//! narrowest place has most clearance. The whole path is then polished at once, for smoothness and clearance. Where no
-//! pose of a node can be reached, the node is the bottleneck of the channel at this resolution.
+//! A diverse set of poses is kept for every node. Each pose is moved to where its clearance margin is greatest and
+//! joined to the poses of the node before by free motions. The extraction path is the widest path through them: the one
+//! with the greatest clearance margin at its narrowest point. The whole path is then polished for smoothness and
+//! clearance. Where no pose of a node can be reached, that node is the bottleneck of the channel at this resolution.
 //!
-//! A fixed lattice of poses would miss the way: near the final pose free space is only the spark gap wide.
+//! A fixed lattice of poses would miss the path: near the final pose, free space is only as wide as the spark gap.
 
 mod corridor;
-mod follow;
-mod ground;
+mod free_space;
 mod halfspaces;
 mod polish;
 
@@ -19,10 +18,10 @@ use serde::{Deserialize, Serialize};
 
 use super::jam::{Jam, JamCause, JamContact};
 use super::pose::Pose;
-use super::search::{Convergence, Node, SearchOutcome, SearchProblem};
-pub(super) use corridor::Way;
+use super::problem::{Convergence, Node, SearchOutcome, SearchProblem};
+pub(super) use corridor::ExtractionPath;
 use corridor::{Corridor, DeadEnd, Effort, Waypoint};
-use ground::Ground;
+use free_space::FreeSpace;
 use task::{Cancel, Cancelled, Progress};
 use wheel::channel::Surface;
 
@@ -32,9 +31,9 @@ use wheel::channel::Surface;
 pub struct GlobalParams {
     /// Poses kept for each node.
     pub poses: usize,
-    /// Clearance beyond what is asked for, up to which a wider way counts as better (mm).
+    /// Clearance margin beyond the demand, up to which a wider path counts as better (mm).
     pub room_mm: f64,
-    /// Share of the room about the way that polishing keeps: 0 gives the smoothest path, 1 the roomiest.
+    /// Share of the clearance margin about the path that polishing keeps: 0 gives the smoothest path, 1 the widest.
     pub room_kept: f64,
 }
 
@@ -44,14 +43,14 @@ impl Default for GlobalParams {
     }
 }
 
-/// What a coarse search found.
+/// Preview of an extraction path: the result of a coarse search.
 #[derive(Debug, Clone, PartialEq)]
-pub struct CoarseWay {
-    /// Nodes from the final pose outwards, as far as it got.
+pub struct PreviewPath {
+    /// Nodes from the final pose outwards, as far as the search came.
     pub nodes: Vec<Node>,
-    /// Room beyond what is asked for at the narrowest place of the way (mm), if it leads out.
-    pub width: Option<f64>,
-    /// Where it ends, if it does not.
+    /// Clearance margin at the narrowest point of the path (mm), if the path leads out.
+    pub margin: Option<f64>,
+    /// Where the search jammed, if no path leads out.
     pub jam: Option<Jam>,
 }
 
@@ -77,15 +76,16 @@ impl GlobalParams {
 }
 
 impl SearchProblem<'_> {
-    /// Shares of the poses asked for that are tried, one after the other, until a way is found.
+    /// Shares of the poses asked for that are tried, one after the other, until a path is found.
     const WIDENINGS: [f64; 3] = [0.35, 1.0, 3.0];
     /// Poses tried for each that is kept.
     const SEEDS: usize = 2;
     /// Distance between the nodes of the search over that between those of the path.
     const STRIDE_RATIO: f64 = 2.0;
 
-    /// The widest way out, polished: near `known`, a path that was nearly one, if there is one there; else searched for.
-    pub(super) fn widest_way(
+    /// Widest extraction path, polished: warm-started from `known`, a path that was nearly free, where that succeeds;
+    /// otherwise searched for.
+    pub(super) fn widest_path(
         &self,
         params: &GlobalParams,
         known: &[Node],
@@ -95,46 +95,46 @@ impl SearchProblem<'_> {
     ) -> Result<SearchOutcome, Cancelled> {
         let near = if known.len() > 1 {
             let poses: Vec<(f64, Pose)> = known.iter().map(|n| (n.s, n.pose)).collect();
-            Ground::new(self, params.room_mm).followed(&poses, cancel)?
+            FreeSpace::new(self, params.room_mm).warm_started(&poses, cancel)?
         } else {
             None
         };
         let found = match near {
-            Some(way) => Ok(way),
-            None => self.way_out_of(params, &Self::WIDENINGS, progress, cancel)?,
+            Some(path) => Ok(path),
+            None => self.extraction_path(params, &Self::WIDENINGS, progress, cancel)?,
         };
         match found {
-            Ok(way) => {
-                let nodes = self.polished(self.nodes_along(&way), params, cancel)?;
+            Ok(path) => {
+                let nodes = self.polished(self.nodes_along(&path), params, cancel)?;
                 (self.observe)(&nodes, &[]);
                 Ok(SearchOutcome { convergence: unsearched(&nodes), nodes, jam: None })
             }
             Err(end) => {
-                let nodes = self.nodes_along(&end.way);
+                let nodes = self.nodes_along(&end.path);
                 let jam = self.dead_end(&end, nodes.len(), surface_of);
                 Ok(SearchOutcome { convergence: unsearched(&nodes), nodes, jam: Some(jam) })
             }
         }
     }
 
-    /// A way out found with few poses and far between, in a fraction of a second; or how far it gets.
-    pub(super) fn coarse_way(
+    /// Preview of the extraction path with few poses at a coarse step, in a fraction of a second; or how far it leads.
+    pub(super) fn preview_path(
         &self,
         params: &GlobalParams,
         surface_of: &dyn Fn(DVec3) -> Surface,
         progress: &Progress,
         cancel: &Cancel,
-    ) -> Result<CoarseWay, Cancelled> {
+    ) -> Result<PreviewPath, Cancelled> {
         const EFFORT: Effort = Effort { poses: 6, seeds: 12, step: 1.5 };
-        let ground = Ground::quick(self, params.room_mm);
-        let found = Corridor::new(&ground, EFFORT).explore(progress, cancel)?;
-        let nodes = |way: &Way| way.par_iter().map(|w| self.plain_node(w)).collect::<Vec<_>>();
+        let space = FreeSpace::quick(self, params.room_mm);
+        let found = Corridor::new(&space, EFFORT).explore(progress, cancel)?;
+        let nodes = |path: &ExtractionPath| path.par_iter().map(|w| self.plain_node(w)).collect::<Vec<_>>();
         Ok(match found {
-            Ok(way) => CoarseWay { width: way.last().map(|w| w.width), nodes: nodes(&way), jam: None },
+            Ok(path) => PreviewPath { margin: path.last().map(|w| w.margin), nodes: nodes(&path), jam: None },
             Err(end) => {
-                let nodes = nodes(&end.way);
+                let nodes = nodes(&end.path);
                 let jam = self.dead_end(&end, nodes.len(), surface_of);
-                CoarseWay { width: None, nodes, jam: Some(jam) }
+                PreviewPath { margin: None, nodes, jam: Some(jam) }
             }
         })
     }
@@ -145,43 +145,43 @@ impl SearchProblem<'_> {
         Node { s: waypoint.s, pose: waypoint.pose, h: 0.0, clearance, objective: Default::default() }
     }
 
-    /// A wide way out; none if none is found with few poses.
-    pub(super) fn way_with_few(
+    /// Wide extraction path found with few poses, if there is one.
+    pub(super) fn path_with_few_poses(
         &self,
         params: &GlobalParams,
         progress: &Progress,
         cancel: &Cancel,
-    ) -> Result<Option<Way>, Cancelled> {
-        Ok(self.way_out_of(params, &Self::WIDENINGS[..1], progress, cancel)?.ok())
+    ) -> Result<Option<ExtractionPath>, Cancelled> {
+        Ok(self.extraction_path(params, &Self::WIDENINGS[..1], progress, cancel)?.ok())
     }
 
-    /// The way near `way`, one of a similar electrode; none if there is none near.
-    pub(super) fn followed_way(
+    /// Warm-started path: the path near `path`, which is one of a similar electrode; none if there is none near.
+    pub(super) fn warm_started_path(
         &self,
         params: &GlobalParams,
-        way: &Way,
+        path: &ExtractionPath,
         cancel: &Cancel,
-    ) -> Result<Option<Way>, Cancelled> {
-        let poses: Vec<(f64, Pose)> = way.iter().map(|w| (w.s, w.pose)).collect();
-        Ground::new(self, params.room_mm).followed(&poses, cancel)
+    ) -> Result<Option<ExtractionPath>, Cancelled> {
+        let poses: Vec<(f64, Pose)> = path.iter().map(|w| (w.s, w.pose)).collect();
+        FreeSpace::new(self, params.room_mm).warm_started(&poses, cancel)
     }
 
-    /// A wide way out, or where all ways end.
-    fn way_out_of(
+    /// Wide extraction path, or the dead end of all paths.
+    fn extraction_path(
         &self,
         params: &GlobalParams,
         widenings: &[f64],
         progress: &Progress,
         cancel: &Cancel,
-    ) -> Result<Result<Way, DeadEnd>, Cancelled> {
+    ) -> Result<Result<ExtractionPath, DeadEnd>, Cancelled> {
         let mut furthest: Option<DeadEnd> = None;
         for (i, share) in widenings.iter().enumerate() {
             // Only the first one is quick: what it does not find is narrow.
-            let ground = if i == 0 { Ground::quick } else { Ground::new }(self, params.room_mm);
+            let space = if i == 0 { FreeSpace::quick } else { FreeSpace::new }(self, params.room_mm);
             let poses = (share * params.poses as f64).round().max(2.0) as usize;
             let effort = Effort { poses, seeds: Self::SEEDS * poses, step: Self::STRIDE_RATIO * self.step };
-            match Corridor::new(&ground, effort).explore(progress, cancel)? {
-                Ok(way) => return Ok(Ok(way)),
+            match Corridor::new(&space, effort).explore(progress, cancel)? {
+                Ok(path) => return Ok(Ok(path)),
                 Err(end) if furthest.as_ref().is_none_or(|f| f.s < end.s) => furthest = Some(end),
                 Err(_) => {}
             }
@@ -189,10 +189,10 @@ impl SearchProblem<'_> {
         furthest.map(Err).ok_or(Cancelled)
     }
 
-    /// The way as nodes a step apart.
-    fn nodes_along(&self, way: &Way) -> Vec<Node> {
+    /// Nodes along the path, one step apart.
+    fn nodes_along(&self, path: &ExtractionPath) -> Vec<Node> {
         let mut nodes = vec![self.final_node()];
-        for w in way.windows(2) {
+        for w in path.windows(2) {
             let pieces = ((w[1].s - w[0].s) / self.step - 1e-9).ceil().max(1.0) as usize;
             for i in 1..=pieces {
                 let t = i as f64 / pieces as f64;
@@ -219,7 +219,7 @@ impl SearchProblem<'_> {
     }
 }
 
-/// No node was searched by itself: nothing converged.
+/// Empty convergence of nodes that were not searched one by one.
 fn unsearched(nodes: &[Node]) -> Vec<Convergence> {
     nodes[1..].iter().map(|n| Convergence::none(n.s)).collect()
 }

@@ -9,13 +9,13 @@
 use rayon::prelude::*;
 
 use super::GlobalParams;
-use super::ground::COARSE;
+use super::free_space::COARSE;
 use super::halfspaces::{HalfSpaces, Step};
 use crate::clearance::ClearanceModel;
 use crate::climb::mobility;
 use crate::pose::{Axis, Pose};
 use crate::probes::Demand;
-use crate::search::{Node, SearchProblem};
+use crate::problem::{Node, SearchProblem};
 use geometry::smoothing::Smoother;
 use task::{Cancel, Cancelled};
 
@@ -59,7 +59,8 @@ impl SearchProblem<'_> {
         Ok(self.settled(nodes, &smooth, &path))
     }
 
-    /// What each node is asked for: a share of the room about it on top of the demand; and where it finds that.
+    /// Demand of each node, a share of the clearance margin about it on top of the demand, and the pose near it that
+    /// meets it.
     fn with_demands(&self, nodes: &[Node], params: &GlobalParams, cancel: &Cancel) -> Result<Vec<Polished>, Cancelled> {
         let narrow = self.narrow();
         let wide = Demand { room: params.room_mm, ..narrow };
@@ -77,7 +78,7 @@ impl SearchProblem<'_> {
         nodes.par_iter().map(one).collect()
     }
 
-    /// What keeps each node, as half-spaces of steps from its pose.
+    /// Constraints of each node, as half-spaces of steps from its pose.
     fn spaces_about(
         &self,
         coarse: &ClearanceModel,

@@ -1,4 +1,4 @@
-//! How near an electrode comes to a point during its motion.
+//! Least distance of a moving electrode from a point.
 
 use glam::{DAffine3, DVec3};
 
@@ -8,9 +8,9 @@ use geometry::exact::{ExactMesh, ExactMeshError};
 use geometry::mesh::{Bounds, Mesh};
 use task::{Cancel, Progress};
 
-/// How close the least distance found is to the least there is (mm), beside the error of the distance field.
+/// Accuracy of the least distance found (mm), beside the error of the distance field.
 pub(super) const RESOLUTION: f64 = 0.002;
-/// How far around an electrode distances are known (mm); further away is as good as never.
+/// Distance around an electrode up to which distances are known (mm); greater ones do not matter.
 pub(super) const REACH: f64 = 3.0;
 /// Size of a cell of the field (mm).
 const CELL: f64 = 0.3;
@@ -47,7 +47,7 @@ impl Motion {
         Self { poses, ways }
     }
 
-    /// Where `u`, in rows, is: the row before it and the share of the way to the next.
+    /// Position of `u`, in rows: the row before it and the share of the motion to the next.
     fn place(&self, u: f64) -> (usize, usize, f64) {
         let row = (u.floor() as usize).min(self.poses.len() - 1);
         (row, (row + 1).min(self.poses.len() - 1), u - row as f64)
@@ -64,12 +64,12 @@ impl Motion {
     }
 }
 
-/// What is known of an instant: the distance if the field reaches so far, and how much it is at least (mm).
+/// Distance at one instant, where the field reaches so far, and a lower bound of it (mm).
 #[derive(Clone, Copy)]
 struct Look {
     distance: Option<f64>,
     at_least: f64,
-    /// Where the point is from O, seen from the electrode (mm).
+    /// Vector from O to the point, in the electrode's axes (mm).
     arm: f64,
 }
 
@@ -176,10 +176,11 @@ fn within(mesh: &Mesh, [from, to]: [f64; 2]) -> Bounds {
 
 /// Why an electrode cannot be prepared.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[allow(missing_docs)]
 pub enum CutterError {
+    /// The electrode's distance field cannot be built.
     #[error("the electrode's distance field: {0}")]
     Field(#[from] FieldError),
+    /// The electrode's mesh cannot be searched.
     #[error("the electrode's mesh: {0}")]
     Mesh(#[from] ExactMeshError),
 }

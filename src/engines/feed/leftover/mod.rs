@@ -1,10 +1,9 @@
-//! What stock the electrodes leave in their channel, and where they cut too deep. No paper has it.
+//! Residual stock that the electrodes leave in their channel, and where they cut too deep (our own method).
 //!
-//! Whatever comes within the spark gap of an electrode on its way is eroded. So at every point of the finished surface
-//! of the channel the deviation is the least distance to any electrode, over its whole copying motion and feed, less
-//! the spark gap: positive where stock is left of that thickness, negative where it is cut too deep. The same is asked
-//! along rays across the channel from wall to wall, which tells the volume left between the walls, such as at the
-//! junction of two parts.
+//! Material within the spark gap of a moving electrode is eroded. So at every point of the finished surface of the
+//! channel the deviation is the least distance to any electrode, over its whole copying motion and feed, less the spark
+//! gap: positive where stock of that thickness is left, negative where the cut is too deep. Rays across the channel
+//! from wall to wall give the volume left between the walls, such as at the junction of two parts.
 //!
 //! **Accuracy:** motions are taken as continuous, the least distance to within 2 um and the error of a distance field
 //! (5 um near the surface); where it comes within 10 um of what the certificates prove it is not searched any further.
@@ -46,9 +45,9 @@ pub const TOLERANCE: f64 = 0.03;
 pub struct Burn<'a> {
     /// The electrode.
     pub electrode: &'a Electrode,
-    /// Its feed, in any order; empty to leave it out. The last pose of a feed is the final pose.
+    /// Poses of its feed, in any order; empty to leave it out. The last pose of a feed is the final pose.
     pub feed: Vec<Pose>,
-    /// Its copying motion; empty for none.
+    /// Poses of its copying motion; empty if there is none.
     pub copying: Vec<Pose>,
 }
 
@@ -56,7 +55,7 @@ pub struct Burn<'a> {
 pub struct Site<'a> {
     /// The finished blisk in W.
     pub blisk: &'a Mesh,
-    /// Its channel.
+    /// The channel.
     pub channel: &'a Channel,
     /// The surfaces of the channel.
     pub finder: &'a SurfaceFinder,
@@ -83,20 +82,20 @@ pub struct Layer {
     pub or_more: bool,
 }
 
-/// What became of one surface of the channel.
+/// Result for one surface of the channel.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SurfaceFigures {
-    /// Which one.
+    /// The surface.
     pub surface: Surface,
-    /// Its area (mm^2).
+    /// Area of the surface (mm^2).
     pub area_mm2: f64,
     /// Stock left on it.
     pub left: Layer,
-    /// What is cut too deep.
+    /// Layer that is cut too deep.
     pub overcut: Layer,
 }
 
-/// What is left within the channel.
+/// Volume left within the channel.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Stock {
     /// Volume of the channel (mm^3).
@@ -114,13 +113,13 @@ pub struct Stock {
 pub struct DeviationMap {
     /// The surface, in W.
     pub mesh: Arc<Mesh>,
-    /// What each triangle is a part of.
+    /// Surface of the channel that each triangle belongs to.
     pub surfaces: Vec<Surface>,
     /// Thickness of the stock left on each vertex, negative where it is cut too deep (mm).
     pub deviation: Arc<Vec<f32>>,
 }
 
-/// What the electrodes of a channel leave.
+/// Residual stock that the electrodes of a channel leave.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Leftover {
     /// The map.
@@ -166,16 +165,20 @@ fn worst(layers: impl Iterator<Item = (Surface, Layer)>) -> Option<(Surface, Lay
 
 /// Why it cannot be told.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[allow(missing_docs)]
 pub enum LeftoverError {
+    /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+    /// An electrode cannot be searched.
     #[error("{0}")]
     Cutter(CutterError),
+    /// The blisk's mesh cannot be searched.
     #[error(transparent)]
     Mesh(#[from] ExactMeshError),
+    /// The walls of the channel have too few points.
     #[error("the walls of the channel have fewer than 2 x 2 points")]
     NoWalls,
+    /// No triangle of the blisk lies on the surfaces of the channel.
     #[error("no triangle of the blisk lies on the surfaces of the channel; look at the channel step")]
     NoSurface,
 }
@@ -190,10 +193,10 @@ impl From<CutterError> for LeftoverError {
     }
 }
 
-/// What `burns` leave of the channel. Takes some seconds.
+/// Residual stock of the channel after `burns`. Takes some seconds.
 ///
 /// # Errors
-/// If an electrode or the channel cannot be searched, or when told to stop.
+/// If an electrode or the channel cannot be searched, or when cancelled.
 pub fn leftover(site: &Site, burns: &[Burn], progress: &Progress, cancel: &Cancel) -> Result<Leftover, LeftoverError> {
     let progress = progress.as_stage("leftover");
     let mut cutters = Vec::with_capacity(burns.len());

@@ -14,13 +14,13 @@ use wheel::channel::Surface;
 
 /// Longest edge of a triangle of the map (mm).
 const EDGE: f64 = 0.45;
-/// The same where two electrodes meet (mm).
+/// Greatest edge length where two electrodes meet (mm).
 const EDGE_AT_JUNCTION: f64 = 0.06;
 /// How far from their junction that is so (mm).
 const AT_JUNCTION: f64 = 0.15;
-/// How far beside the walls, along the circumference, a point may seem to be (mm): chord errors of the wall grids.
+/// Tolerance beside the walls, along the circumference (mm): chord errors of the wall grids.
 const BESIDE: f64 = 0.1;
-/// How far a point may be from the nearest surface of the channel (mm): the middle of a fillet.
+/// Greatest distance of a point from the nearest surface of the channel (mm): the middle of a fillet.
 const IN_FILLET: f64 = 0.8;
 /// Vertices between two looks at the cancel flag.
 const BATCH: usize = 64;
@@ -32,7 +32,7 @@ const SURFACES: [Surface; 4] = [Surface::LowWall, Surface::HighWall, Surface::Hu
 pub(super) struct Patch {
     /// Small triangles that share their vertices.
     pub mesh: Mesh,
-    /// What each of them is a part of.
+    /// Surface of the channel that each triangle belongs to.
     pub surfaces: Vec<Surface>,
 }
 
@@ -106,7 +106,7 @@ fn pieces(corners: [DVec3; 3], around: &Bounds, longest: &dyn Fn(DVec3, DVec3) -
     small
 }
 
-/// What a small triangle is a part of, if it bounds the channel.
+/// Surface of the channel that a small triangle belongs to, if it bounds the channel.
 fn part(site: &Site, passage: &Passage, corners: [DVec3; 3]) -> Option<([DVec3; 3], Surface)> {
     let center = corners.iter().sum::<DVec3>() / 3.0;
     if !passage.holds(center, BESIDE) {

@@ -66,7 +66,7 @@ fn standing(electrodes: &[Electrode]) -> Leftover {
     left_by(&electrodes.iter().map(burn).collect::<Vec<_>>())
 }
 
-/// What electrodes that are made so leave, looked at closely where they meet.
+/// Residual stock of electrodes made with `params`, sampled closely where they meet.
 fn divided(params: &ElectrodeParams) -> Leftover {
     let electrodes = make(params);
     assert!(electrodes.iter().all(|e| e.mesh.is_watertight()) && electrodes.len() == params.count());

@@ -23,7 +23,7 @@ const LEAST_STEP: f64 = 0.02;
 /// Less stock than this is none (mm): the error of a distance.
 const NOTHING: f64 = DistanceField::ACCURACY + RESOLUTION;
 
-/// What one ray tells.
+/// Intervals of stock along one ray.
 #[derive(Clone, Copy, Default)]
 struct Passed {
     channel: f64,
@@ -32,7 +32,7 @@ struct Passed {
     at: Option<DVec3>,
 }
 
-/// What is left between the walls.
+/// Stock left between the walls.
 pub(super) fn stock(
     channel: &Channel,
     passage: &Passage,

@@ -1,11 +1,11 @@
-//! The way from a position clear of everything to the first row of the feed.
+//! Approach from a position clear of all bodies to the first row of the feed.
 
 use super::Scenario;
 use crate::machine::MachineParams;
 use crate::pose::{Axis, Pose};
 use crate::quantise::{quantise, quantise_mm};
 
-/// What files round lengths to (mm).
+/// Step to which files round lengths (mm).
 const STEP: f64 = 1e-5;
 
 /// Straight moves from a clear position to the first row of the feed.
@@ -15,8 +15,8 @@ pub struct Approach {
     pub poses: Vec<Pose>,
 }
 
-/// Ways to try, best first: across above the blisk, then in beside it to the first row; without the way across; and none
-/// at all. All that turns has turned before.
+/// Candidate approaches, best first: across above the blisk, then in beside it to the first row; without the motion
+/// across; and none at all. The rotary axes are turned before.
 pub(super) fn candidates(scenario: &Scenario, clear: f64) -> Vec<Approach> {
     let Some(first) = scenario.feed.0.rows.first().map(|row| row.pose) else { return vec![Approach::default()] };
     let machine = scenario.machine;
@@ -50,7 +50,7 @@ fn rise(scenario: &Scenario, pose: &Pose, clear: f64) -> f64 {
     if rise.is_finite() { rise.max(0.0) } else { 0.0 }
 }
 
-/// The way with its poses as files have them, each only once in a row.
+/// Approach with its poses rounded as in files, without repetitions.
 fn shortened(poses: Vec<Pose>) -> Approach {
     let last = poses.len().saturating_sub(1);
     let mut rounded: Vec<Pose> =

@@ -1,4 +1,4 @@
-//! What moves and what it may meet.
+//! Moving bodies and the obstacles they may meet.
 
 use super::Scenario;
 use crate::machine_model::{Body, Carrier, Station};
@@ -11,19 +11,19 @@ use task::{Cancel, Cancelled};
 /// A body that the axes move.
 pub(super) struct Mover {
     pub name: String,
-    /// Whether A turns it, rather than X, Y and Z moving it: the blisk, and what the table carries.
+    /// Whether A turns the body, rather than X, Y and Z moving it: the blisk, and bodies that the table carries.
     pub on_table: bool,
-    /// Whether it is the electrode itself.
+    /// Whether the body is the electrode itself.
     pub is_electrode: bool,
-    /// Whether it turns with C and B.
+    /// Whether the body turns with C and B.
     pub turns: bool,
     pub solid: Solid,
 }
 
-/// A body that they may meet.
+/// A body that moving bodies may meet.
 pub(super) struct Obstacle {
     pub name: String,
-    /// What it is carried by; none for the blisk.
+    /// Part of the machine that carries the obstacle; none for the blisk.
     pub carrier: Option<Carrier>,
     /// A table's surface in W; it may be needed in every channel.
     pub table: Option<Mesh>,
@@ -37,7 +37,7 @@ impl Obstacle {
 }
 
 impl Mover {
-    /// Whether it could meet `fixed`: what moves with it stands still against it.
+    /// Whether the body could meet `fixed`: bodies that move together stand still against each other.
     pub fn could_meet(&self, fixed: &Obstacle) -> bool {
         match fixed.carrier {
             // C and B turn the electrode against the head.

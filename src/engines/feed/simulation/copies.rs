@@ -3,7 +3,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::Visit;
+use super::tour::Visit;
 use crate::verify::pair::Solid;
 use geometry::mesh::{Bounds, Mesh};
 use geometry::triangle_distance::triangle_distance;
@@ -11,7 +11,7 @@ use task::{Cancel, Cancelled};
 
 /// The most triangles that all copies of a body may have.
 const MOST_TRIANGLES: usize = 2_000_000;
-/// How far rounding may take a point from the triangle that it is on (mm).
+/// Greatest distance by which rounding takes a point off its triangle (mm).
 const ROUNDING: f64 = 1e-6;
 
 /// Copies of a body, each turned so that a channel's turn is undone.

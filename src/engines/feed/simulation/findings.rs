@@ -1,22 +1,22 @@
-//! What was found out about a whole motion.
+//! Findings about a whole motion.
 
 use glam::DVec3;
 use serde::Serialize;
 
-use super::tour::{self, Leg, Phase};
+use super::tour::{self, Leg, OutOfTravel, Phase, Visit};
 use crate::machine_model::Body;
 use crate::path::FeedPath;
 use crate::pose::{Axis, Pose};
 use wheel::electrode::EntrySide;
 
-/// Where two bodies are how near, in the words of the whole motion.
+/// Distance of two bodies at one instant of the whole motion.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Place {
     /// Distance (mm).
     pub distance: f64,
-    /// What the machine is doing.
+    /// Phase of the motion.
     pub phase: Phase,
-    /// In which channel, or on the way to which.
+    /// Channel of the motion, or the one that the blisk is turned to.
     pub channel: usize,
     /// Position in the phase: `3.25` is a quarter of the way from pose 3 to pose 4.
     pub row: f64,
@@ -49,37 +49,13 @@ pub struct PairReport {
 }
 
 impl PairReport {
-    /// Whether the clearance is proven to be what is asked for.
+    /// Whether the proven clearance is at least the clearance required.
     pub fn holds(&self) -> bool {
         self.certified > 0.0 && self.certified >= self.required
     }
 }
 
-/// An axis that would have to go beyond its travel.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct OutOfTravel {
-    /// The axis.
-    pub axis: Axis,
-    /// Doing what.
-    pub phase: Phase,
-    /// In which channel.
-    pub channel: usize,
-    /// Where it would have to go (mm or rad).
-    pub value: f64,
-    /// Where its travel ends (mm or rad).
-    pub limit: f64,
-}
-
-/// A channel of the motion.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Visit {
-    /// Which.
-    pub channel: usize,
-    /// What is added to A there (rad).
-    pub turn: f64,
-}
-
-/// What a simulation found out about a whole motion.
+/// Findings of a simulation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Findings {
     pub(super) path_digest: String,
@@ -101,8 +77,8 @@ pub(super) struct Findings {
     pub(super) bodies: Vec<Body>,
 }
 
-/// What was proven about the whole motion of one electrode on its machine. Nobody else than
-/// [`simulate`](super::simulate) can make or change one.
+/// Proven clearances over the whole motion of one electrode on its machine. Only [`simulate`](super::simulate) can make
+/// one, and none can be changed.
 ///
 /// ```compile_fail,E0616
 /// fn flatter(mut simulation: feed::simulation::Simulation) {
@@ -126,7 +102,7 @@ impl Simulation {
         &self.findings.path_digest
     }
 
-    /// The same of the copying motion, if there is one.
+    /// Digest of the copying motion, if there is one.
     pub fn copying_digest(&self) -> Option<&str> {
         self.findings.copying_digest.as_deref()
     }
@@ -151,7 +127,7 @@ impl Simulation {
         self.findings.with_bodies
     }
 
-    /// What bodies were asked to keep from each other and from the blisk (mm).
+    /// Clearance demanded between bodies, and between them and the blisk (mm).
     pub fn body_clearance_mm(&self) -> f64 {
         self.findings.body_clearance_mm
     }
@@ -191,7 +167,7 @@ impl Simulation {
         self.findings.minutes
     }
 
-    /// How far apart the blisk's mesh and itself are when it is turned by channels (mm); none if they differ.
+    /// Greatest distance of the blisk's mesh from itself turned by channels (mm); none if its channels differ.
     pub fn period_error(&self) -> Option<f64> {
         self.findings.period_error
     }
@@ -208,7 +184,7 @@ impl Simulation {
         !self.is_empty() && f.pairs.iter().all(PairReport::holds) && f.travel.is_none() && f.out_of_reach.is_empty()
     }
 
-    /// Whether no clearance was looked at, or no channel is burnt.
+    /// Whether no clearance was tested, or no channel is burnt.
     fn is_empty(&self) -> bool {
         self.findings.pairs.is_empty() || self.findings.visits.is_empty()
     }
@@ -231,7 +207,7 @@ impl Simulation {
         self.pairs().iter().any(|p| !p.holds() && (p.moving == name || p.fixed == name))
     }
 
-    /// What was found, in a sentence or two.
+    /// The findings in one or two sentences.
     pub fn sentence(&self) -> String {
         let channels = match self.visits().len() {
             1 => "one channel".to_owned(),
@@ -271,7 +247,7 @@ impl Simulation {
     }
 }
 
-/// Where the axes stand that are not in their final position.
+/// Positions of the axes that are not in their final position.
 fn stands(pose: &Pose) -> String {
     let of = |axis: Axis| {
         let value = pose.get(axis);

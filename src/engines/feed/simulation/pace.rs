@@ -1,9 +1,8 @@
-//! How far the tests of a simulation are.
+//! Progress of the tests of a simulation.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use super::Visit;
-use super::tour::Leg;
+use super::tour::{Leg, Visit};
 use task::Progress;
 
 /// Counts the legs of all tests, which are done in parallel.
@@ -15,7 +14,7 @@ pub(super) struct Pace<'a> {
 }
 
 impl<'a> Pace<'a> {
-    /// None of so many `legs` is done.
+    /// Counter of `legs` tests, none of which is done.
     pub fn new(progress: &'a Progress, visits: &'a [Visit], legs: usize) -> Self {
         Self { progress, visits, legs: legs.max(1), done: AtomicUsize::new(0) }
     }

@@ -9,7 +9,7 @@ use task::{Cancel, Cancelled};
 
 /// Vertices further apart than this (mm) are not taken for the same.
 const SAME: f64 = 1e-3;
-/// How many triangles are looked at between two looks at the cancel flag.
+/// How many triangles are processed between two checks of the cancel flag.
 const PER_CHECK: usize = 16384;
 
 /// How far points of `blisk` are from the blisk at most (mm) when it is turned about X so that what is at one of `turns`
@@ -100,7 +100,7 @@ fn cell(p: DVec3) -> [i64; 3] {
     p.to_array().map(|v| (v / SAME).floor() as i64)
 }
 
-/// The same triangle with its least vertex first.
+/// Triangle with its least vertex first.
 fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
     if a <= b && a <= c {
         [a, b, c]

@@ -3,11 +3,13 @@
 use glam::DMat3;
 use rayon::prelude::*;
 
+use super::approach::{self, Approach};
 use super::bodies::{self, Bodies, Mover, Obstacle};
 use super::copies::Copies;
+use super::findings::{Findings, PairReport, Place, Simulation};
 use super::pace::Pace;
-use super::tour::{self, Leg, Legs, Phase};
-use super::{Approach, PairReport, Place, Scenario, SimulationOptions, Visit, approach};
+use super::tour::{self, Leg, Legs, Phase, Visit};
+use super::{Scenario, SimulationOptions, periodic};
 use crate::certificate::{Certificate, Contact};
 use crate::machine_model::Carrier;
 use crate::path::FeedPath;
@@ -15,6 +17,52 @@ use crate::pose::Pose;
 use crate::verify::pair::{Near, Pair, PairClearance, TOUCHING};
 use geometry::mesh::Mesh;
 use task::{Cancel, Cancelled, Progress};
+
+/// Simulates the whole motion.
+///
+/// # Errors
+/// [`Cancelled`]. A collision is an answer.
+pub fn simulate(
+    scenario: &Scenario,
+    options: &SimulationOptions,
+    progress: &Progress,
+    cancel: &Cancel,
+) -> Result<Simulation, Cancelled> {
+    progress.report("simulation", 0.0, "bodies");
+    let bodies = Bodies::new(scenario, cancel)?;
+    let (visits, out_of_reach) = tour::visits(scenario, &options.channels);
+    let period_error = periodic::error_of(scenario.blisk, visits.iter().map(|v| v.turn), cancel)?;
+    let run = Run { scenario, options, bodies: &bodies, visits: &visits, period_error, cancel };
+    let copies = run.copies()?;
+    progress.report("simulation", 0.0, "approach");
+    let approach = run.approach(&copies)?;
+    let mut pairs = Vec::new();
+    // Without a feed there is nothing to say of any pair.
+    if !scenario.feed.0.rows.is_empty() {
+        pairs.extend(run.feed_pairs());
+        pairs.extend(run.all(&approach, &copies, progress)?);
+    }
+    pairs.sort_by(|p, q| (p.certified - p.required).total_cmp(&(q.certified - q.required)));
+    let legs = tour::whole(&approach.poses, scenario.feed.0, scenario.copying.map(|c| c.0), &visits);
+    Ok(Simulation::of(Findings {
+        path_digest: scenario.feed.0.digest(),
+        copying_digest: scenario.copying.map(|(path, _)| path.digest()),
+        blisk_digest: scenario.blisk.digest(),
+        electrode_digest: scenario.electrode.mesh.digest(),
+        travel: tour::out_of_travel(&legs, scenario.machine),
+        minutes: tour::minutes(&legs, scenario.machine),
+        approach: approach.poses,
+        visits,
+        out_of_reach,
+        pairs,
+        period_error,
+        model_digest: scenario.model.digest(),
+        with_bodies: scenario.machine.has_bodies(),
+        body_clearance_mm: scenario.machine.body_clearance_mm,
+        enters_from: scenario.electrode.enters_from,
+        bodies: bodies::placed(scenario),
+    }))
+}
 
 /// A pair of bodies and the legs it is tested on.
 struct Test<'a> {
@@ -25,7 +73,7 @@ struct Test<'a> {
     during: Option<&'static str>,
     required: f64,
     legs: Vec<&'a Leg>,
-    /// What is taken off for legs that stand for others (mm).
+    /// Allowance taken off for legs that stand for others (mm).
     allowance: f64,
 }
 
@@ -35,12 +83,12 @@ impl<'a> Test<'a> {
         Self { moving, fixed, copies: None, during: None, required, legs, allowance: 0.0 }
     }
 
-    /// Whether it is tested on `leg`, where copies of the body that stands still do not make that needless.
+    /// Whether the pair is tested on `leg`: copies of the fixed body may make that needless.
     fn is_on(&self, leg: &Leg) -> bool {
         self.copies.is_none() || leg.phase == Phase::Index
     }
 
-    /// Number of legs that it is tested on.
+    /// Number of legs that the pair is tested on.
     fn walked(&self) -> usize {
         let own = self.copies.map_or(0, |(_, own)| own.len());
         own + self.legs.iter().filter(|leg| self.is_on(leg)).count()
@@ -53,7 +101,7 @@ pub(super) struct Run<'a> {
     pub options: &'a SimulationOptions,
     pub bodies: &'a Bodies,
     pub visits: &'a [Visit],
-    /// How far the blisk is from itself in other channels (mm); none if its channels differ.
+    /// Greatest distance of the blisk from itself turned to other channels (mm); none if its channels differ.
     pub period_error: Option<f64>,
     pub cancel: &'a Cancel,
 }
@@ -119,9 +167,9 @@ impl<'a> Run<'a> {
             && certificate.electrode_digest() == electrode.mesh.digest()
     }
 
-    /// What the certificates of feed and copying motion say of the electrode in its channel. On a blisk whose channels
-    /// are alike it is said of all of them; otherwise of nothing, if that channel is not burnt. A certificate that proves
-    /// nothing of this motion is always told, with a clearance of 0.
+    /// Clearances of the electrode in its channel by the certificates of feed and copying motion. On a blisk whose
+    /// channels are alike they hold for all channels; otherwise only for the planned channel, if it is burnt. A
+    /// certificate that proves nothing of this motion is reported with a clearance of 0.
     pub fn feed_pairs(&self) -> Vec<PairReport> {
         let is_burnt = self.period_error.is_some() || self.representative().turn == 0.0;
         let error = self.period_error.unwrap_or(0.0);
@@ -158,7 +206,7 @@ impl<'a> Run<'a> {
         tables.map(|table| table.map_or(Ok(None), of)).collect()
     }
 
-    /// What is found out about every pair.
+    /// Reports on every pair of bodies.
     pub fn all(
         &self,
         approach: &Approach,
@@ -206,7 +254,7 @@ impl<'a> Run<'a> {
         tests
     }
 
-    /// Those of `legs` that a tool has to be tested on against `fixed`, and what is taken off because they stand for
+    /// The legs that a tool has to be tested on against `fixed`, and the allowance taken off because they stand for
     /// others (mm).
     fn legs_against<'t>(&self, fixed: &Obstacle, legs: &'t Legs) -> (Vec<&'t Leg>, f64) {
         match (fixed.carrier, self.period_error) {
@@ -349,13 +397,14 @@ impl<'a> Run<'a> {
     }
 }
 
-/// What is known of a pair, and where in the whole motion it comes closest.
+/// Clearance of a pair, and where in the whole motion it is least.
 struct Known {
     clearance: PairClearance,
     place: Place,
 }
 
-/// Where the whole motion first takes A to where `place` has it: what only A moves is there as near.
+/// Instant at which the whole motion first takes A to the value at `place`: what only A moves has the same distance
+/// there.
 fn passed(place: Place, legs: &Legs) -> Place {
     match legs.passing(place.pose.a) {
         Some((leg, row)) => Place { phase: leg.phase, channel: leg.channel, row, pose: leg.pose_at(row), ..place },
@@ -363,7 +412,7 @@ fn passed(place: Place, legs: &Legs) -> Place {
     }
 }
 
-/// Where `near`, on the poses of `leg` relative to a pair of bodies, is in the whole motion.
+/// Place in the whole motion of `near`, which is on the poses of `leg` relative to a pair of bodies.
 fn place(leg: &Leg, near: &Near) -> Place {
     Place {
         distance: near.distance,

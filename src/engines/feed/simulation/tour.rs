@@ -1,16 +1,16 @@
-//! The whole motion: what is done in a channel, and the way from one to the next.
+//! The whole motion: the legs in a channel, and the index motion from one channel to the next.
 
 use std::f64::consts::TAU;
 
 use serde::Serialize;
 
-use super::{OutOfTravel, Scenario, Visit};
+use super::Scenario;
 use crate::machine::MachineParams;
 use crate::path::FeedPath;
 use crate::pose::{Axis, Pose};
 use crate::quantise::quantise_rad;
 
-/// What the machine is doing.
+/// Phase of the whole motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Phase {
@@ -27,7 +27,7 @@ pub enum Phase {
 }
 
 impl Phase {
-    /// What it is called.
+    /// Name of the phase.
     pub fn name(self) -> &'static str {
         match self {
             Self::Approach => "approach",
@@ -39,12 +39,36 @@ impl Phase {
     }
 }
 
+/// A channel of the motion.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Visit {
+    /// Number of the channel.
+    pub channel: usize,
+    /// Angle added to A there (rad).
+    pub turn: f64,
+}
+
+/// An axis that would have to go beyond its travel.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct OutOfTravel {
+    /// The axis.
+    pub axis: Axis,
+    /// Phase of the motion.
+    pub phase: Phase,
+    /// Channel of the motion.
+    pub channel: usize,
+    /// Axis value that the motion needs (mm or rad).
+    pub value: f64,
+    /// End of the axis's travel (mm or rad).
+    pub limit: f64,
+}
+
 /// A part of the motion, linear in every axis between its poses.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Leg {
-    /// What is done.
+    /// Phase of the leg.
     pub phase: Phase,
-    /// In which channel, or on the way to which.
+    /// Channel of the motion, or the one that the blisk is turned to.
     pub channel: usize,
     /// The poses in order, with the turn to the channel in A.
     pub poses: Vec<Pose>,
@@ -78,7 +102,7 @@ fn channel_legs(approach: &[Pose], paths: &[(Phase, &FeedPath)], visit: &Visit) 
     std::iter::once(first).chain(others).collect()
 }
 
-/// What is done in every channel, with the ways between them.
+/// Legs in every channel, with the index motions between them.
 fn through(approach: &[Pose], visits: &[Visit], in_channel: impl Fn(&Visit) -> Vec<Leg>) -> Vec<Leg> {
     let mut index = index_legs(approach, visits).into_iter();
     visits.iter().flat_map(|visit| in_channel(visit).into_iter().chain(index.next())).collect()
@@ -102,7 +126,7 @@ pub(super) fn paths<'a>(feed: &'a FeedPath, copying: Option<&'a FeedPath>) -> Ve
 pub(super) struct Legs {
     /// The whole motion but the retractions, which keep the clearances of the way in.
     pub all: Vec<Leg>,
-    /// What is done in the channel of the plan, whether it is burnt or not.
+    /// Legs in the channel of the plan, whether it is burnt or not.
     pub own: Vec<Leg>,
     /// All that A goes through, for bodies that nothing else moves.
     pub turned: Option<Leg>,
@@ -130,9 +154,9 @@ impl Legs {
     }
 }
 
-/// Where A is at `a` for the first time.
+/// First instant with A at `a`.
 fn row_at(poses: &[Pose], a: f64) -> Option<f64> {
-    /// What rounding may take from either end (rad).
+    /// Tolerance for rounding at either end (rad).
     const ROUNDING: f64 = 1e-12;
     poses.windows(2).enumerate().find_map(|(i, pair)| {
         let [from, to] = [pair[0].a, pair[1].a];

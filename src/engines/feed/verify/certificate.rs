@@ -8,7 +8,7 @@ use crate::pose::Pose;
 use wheel::channel::Surface;
 use wheel::electrode::EntrySide;
 
-/// Where two surfaces come closest during a motion.
+/// Closest approach of two surfaces during a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Contact {
     /// Distance between the two points (mm); 0 when the surfaces touch or cross.
@@ -27,19 +27,19 @@ pub struct Contact {
     pub surface: Surface,
 }
 
-/// What was found out about the travel of the axes.
+/// Verdict on the travel of the axes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TravelVerdict {
-    /// No machine was given.
+    /// Not judged, as no machine was given.
     NotJudged,
-    /// No row is beyond the travel of an axis, and so no instant is.
+    /// Every row is within the travel of every axis, and so is every instant between.
     Within,
     /// The first row that is.
     Beyond(BeyondTravel),
 }
 
-/// What the verifier found out about the whole continuous motion of a path.
+/// Findings of the verifier about the whole continuous motion of a path.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Findings {
     pub(super) path_digest: String,
@@ -58,8 +58,8 @@ pub(super) struct Findings {
     pub(super) pair_intervals: u64,
 }
 
-/// What the verifier proved about the whole continuous motion of a path. Nobody else can make or change one: its one
-/// constructor is visible in the verifier's own module only.
+/// Proof of the clearance over the whole continuous motion of a path. Only the verifier can make one, since the
+/// constructor is visible in its module alone, and none can be changed.
 ///
 /// ```compile_fail,E0451
 /// fn made_up() -> feed::certificate::Certificate {
@@ -110,12 +110,12 @@ impl Certificate {
         self.findings.required
     }
 
-    /// How far below the spark gap is still accepted (mm).
+    /// Tolerance below the spark gap (mm).
     pub fn tolerance(&self) -> f64 {
         self.findings.tolerance
     }
 
-    /// What clearance is asked for, in words: the spark gap less the tolerance.
+    /// Clearance demanded, in words: the spark gap less the tolerance.
     pub fn demand(&self) -> String {
         format!("{:.4} mm less the tolerance of {:.4} mm are required", self.required(), self.tolerance())
     }
@@ -143,7 +143,7 @@ impl Certificate {
         &self.findings.row_clearance
     }
 
-    /// Which surface each row's clearance is to.
+    /// Surface that each row's clearance is measured to.
     pub fn row_surface(&self) -> &[Surface] {
         &self.findings.row_surface
     }
@@ -188,7 +188,7 @@ mod tests {
     use super::*;
     use glam::DVec3;
 
-    /// What no verification comes to, but a fault in one might.
+    /// Values that no verification returns, but a fault in one might.
     #[test]
     fn what_is_no_number_or_proves_nothing_keeps_no_clearance() {
         let least = Contact {

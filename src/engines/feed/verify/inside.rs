@@ -1,4 +1,4 @@
-//! Whether one closed mesh lies wholly inside another: what no distance between their surfaces can tell.
+//! Test whether one closed mesh lies wholly inside another, which no distance between their surfaces can show.
 
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -9,7 +9,7 @@ use geometry::inside::half_solid_angle;
 use geometry::mesh::{Bounds, Mesh};
 use task::{Cancel, Cancelled};
 
-/// How many vertices or triangles are looked at between two looks at the cancel flag: well below 50 ms.
+/// Number of vertices or triangles between two checks of the cancel flag: well below 50 ms.
 const PER_CHECK: usize = 16384;
 
 /// One vertex of every connected part of a mesh. Triangles are connected where they share a vertex position.
@@ -94,7 +94,7 @@ pub(super) fn first_inside(
     Ok(None)
 }
 
-/// How often the surface winds around `p`: 1 inside a closed, outward oriented surface, 0 outside.
+/// Winding number of the surface around `p`: 1 inside a closed, outward oriented surface, 0 outside.
 fn winding_number(triangles: &[[DVec3; 3]], p: DVec3, cancel: &Cancel) -> Result<f64, Cancelled> {
     let mut sum = 0.0;
     for some in triangles.chunks(PER_CHECK) {

@@ -11,15 +11,15 @@ use geometry::bvh::Bvh;
 use geometry::triangle_distance::{ClosestPoints, triangle_distance};
 use task::{Cancel, Cancelled};
 
-/// How many pairs are looked at between two looks at the cancel flag: well below 50 ms.
+/// Number of pairs between two checks of the cancel flag: well below 50 ms.
 const PAIRS_PER_CHECK: u32 = 4096;
 
-/// What is to be found out, and when to stop.
+/// Question to an interval of motion, with its stopping criteria.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Question {
     /// A clearance met elsewhere on the path (mm).
     pub known: f64,
-    /// How far the lower bound may stay below the upper (mm).
+    /// Greatest gap between lower and upper bound (mm).
     pub resolution: f64,
     /// A clearance below this (mm) ends the search.
     pub stop_below: f64,
@@ -103,7 +103,7 @@ impl Search<'_> {
         Ok(open)
     }
 
-    /// Takes `bound` for a part of the motion if it is good enough, and says whether it was.
+    /// Accepts `bound` for a part of the motion if it is sharp enough; returns whether it was.
     fn accept(&mut self, bound: f64) -> bool {
         let enough = bound >= self.upper - self.question.resolution;
         if enough {

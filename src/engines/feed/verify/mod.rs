@@ -1,9 +1,9 @@
 //! The verifier: proven bounds of the clearance over the whole continuous motion of a feed path.
 //!
-//! It knows nothing of how the path was found. Between rows every axis moves linearly, as the machine will
-//! move; no instant is sampled and hoped for. The least clearance is bounded from above by closest points that
-//! occur, and from below by directions along which electrode and blisk are proven to stay apart (see
-//! `interval.rs` and `motion.rs`); bounds are sharpened until they are within the resolution asked for.
+//! The verifier knows nothing of how the path was found. Between rows every axis moves linearly, as the machine will
+//! move; clearance is proven over the continuous motion, not sampled. The least clearance is bounded from above by
+//! closest points that occur, and from below by directions along which electrode and blisk are proven to stay apart
+//! (`interval.rs`, `motion.rs`); bounds are sharpened until they are within the resolution asked for.
 //!
 //! Where the machine is known it also says whether its axes stay within their travel. What it does not tell: how deep
 //! an interference is, anything about bodies that are not in the two meshes, such as a holder or the machine, and how
@@ -98,14 +98,14 @@ pub enum VerifyError {
     /// A parameter or the reference point is out of its range.
     #[error("{name} is {value}: it must be {must_be}")]
     Parameter {
-        /// Which one.
+        /// Name of the option.
         name: &'static str,
-        /// What it is.
+        /// Value of the option.
         value: f64,
-        /// What it has to be.
+        /// Range of valid values.
         must_be: &'static str,
     },
-    /// It was told to stop.
+    /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
@@ -222,7 +222,7 @@ impl Verifier {
         })
     }
 
-    /// The same with the travel of the axes judged too; without it, it is not.
+    /// Verifier that judges the travel of the axes too.
     pub fn within(self, travel: TravelLimits) -> Self {
         Self { travel: Some(travel), ..self }
     }
@@ -451,7 +451,7 @@ impl Run<'_> {
     }
 }
 
-/// What was found out about the motion between rows.
+/// Findings about the motion between rows.
 struct Between {
     /// Proven lower bound of the clearance (mm).
     certified: f64,

@@ -1,4 +1,4 @@
-//! How far, and which way, points of the electrode go while every axis moves linearly.
+//! Bounds on the motion of points of the electrode while every axis moves linearly.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -36,7 +36,7 @@ pub(super) struct Motion {
 pub(super) struct Window {
     /// Middle of the window, as a fraction of the motion.
     pub middle: f64,
-    /// No point of the electrode is further than this from where it is at the middle (mm).
+    /// Greatest distance of a point of the electrode from its position at the middle of the window (mm).
     pub travel: f64,
     /// Position, velocity and acceleration at the middle are `rate[k] * u + shift[k]` (mm per motion^k).
     rate: [DMat3; 3],
@@ -96,7 +96,7 @@ impl Motion {
 }
 
 impl Window {
-    /// Whether halving it further would only make rounding.
+    /// Whether the window is so short that halving it would only add rounding.
     pub(super) fn is_instant(&self) -> bool {
         self.half < 1e-12
     }
@@ -106,7 +106,7 @@ impl Window {
         (&self.rate[0], self.shift[0])
     }
 
-    /// Where the points `u` are at the middle of the window, in W.
+    /// Positions of the points `u` at the middle of the window, in W.
     pub(super) fn placed(&self, u: &[DVec3; 3]) -> [DVec3; 3] {
         u.map(|u| self.rate[0] * u + self.shift[0])
     }

@@ -50,7 +50,7 @@ pub struct Pair<'a> {
     pub moving: &'a Solid,
     /// The body that stands still, about the origin.
     pub fixed: &'a Solid,
-    /// How close the proven bound comes to the smallest clearance met (mm).
+    /// Accuracy of the proven bound to the smallest clearance met (mm).
     pub resolution: f64,
     /// Clearance that is asked for (mm).
     pub required: f64,
@@ -59,7 +59,7 @@ pub struct Pair<'a> {
     pub share: f64,
 }
 
-/// Where two bodies are how near to each other.
+/// Distance of two bodies at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Near {
     /// Distance (mm); 0 when the surfaces touch or cross, or one body is inside the other.

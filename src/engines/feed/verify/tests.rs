@@ -1,4 +1,4 @@
-//! What the certificate promises, against plain sampling and against cases whose answer is known.
+//! Guarantees of the certificate, against plain sampling and against cases whose answer is known.
 
 use glam::{DAffine3, DMat3, DVec3};
 use proptest::prelude::*;

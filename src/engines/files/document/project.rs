@@ -22,7 +22,7 @@ use toml::Spanned;
 use toml::de::{DeTable, Deserializer};
 
 use super::{Params, PartFile};
-use crate::paths::{absolute, relative, without_detours};
+use crate::paths::{folder_of, relative, without_detours};
 use crate::toml_file::{invalid, one_line, read_text, syntax, write_text};
 use crate::{FileError, Invalid};
 
@@ -178,8 +178,4 @@ impl<P: Params> Project<P> {
         let between = if tail.is_empty() { "" } else { "\n" };
         Ok(format!("{head}{params}{between}{tail}"))
     }
-}
-
-fn folder_of(file: &Path) -> PathBuf {
-    absolute(file.parent().unwrap_or(Path::new("")))
 }

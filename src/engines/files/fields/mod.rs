@@ -121,7 +121,7 @@ pub const fn word(word: &'static str, label: &'static str, help: &'static str) -
 /// One of several tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Variant {
-    /// Its word under the tag.
+    /// Word under the tag.
     pub word: Word,
     /// What it starts with, as an inline table of TOML with its word.
     pub new: &'static str,

@@ -37,7 +37,7 @@ pub struct Place {
     pub field: &'static Field,
     /// The whole key, as in `stages[1].gap_mm`.
     pub key: String,
-    /// Its name for a reader, as in `Stages 2, Gap`.
+    /// Name for a reader, as in `Stages 2, Gap`.
     pub label: String,
 }
 

@@ -7,15 +7,19 @@
 //! Filters beside those of the language:
 //! - `number(decimals)`: a number with a real minus sign, a dash where there is none;
 //! - `small`: four decimals, or an exponent where these would say nothing;
+//! - `numbers(decimals)`: several of them with commas between, a dash where there are none;
 //! - `point`: the numbers of a point with three decimals;
+//! - `leaves`: pairs of a dotted name and a text, one for each leaf of a tree of parameters;
 //! - `file_name`: the last part of a path in either system's notation.
+
+pub mod plot;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::{Serde, Value};
 use minijinja::{AutoEscape, Environment, Error, ErrorKind, Output, State, UndefinedBehavior};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// The stylesheet of all reports: light, dark and paper.
 pub const STYLE: &str = include_str!("report.css");
@@ -23,10 +27,34 @@ pub const STYLE: &str = include_str!("report.css");
 /// A template: what errors call it, and its text.
 #[derive(Debug, Clone, Copy)]
 pub struct Template {
-    /// Its name, as in `verify.html.jinja`.
+    /// Name, as in `verify.html.jinja`.
     pub name: &'static str,
-    /// Its text.
+    /// Text.
     pub text: &'static str,
+}
+
+/// A picture on a page.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Picture {
+    /// Name of its file beside the report; empty where it has none.
+    pub file: String,
+    /// What it shows, in a few words.
+    pub title: String,
+    /// What is to be seen in it, in a sentence or two.
+    pub caption: String,
+    /// Its colours in CSS notation and what they stand for.
+    pub legend: Vec<(String, String)>,
+    /// The image as PNG bytes, the `url` of templates.
+    #[serde(rename = "url", serialize_with = "png_url")]
+    pub png: Vec<u8>,
+}
+
+/// For fields that hold a PNG image: the address of a picture in templates.
+///
+/// # Errors
+/// The serializer's own.
+pub fn png_url<S: Serializer>(png: &[u8], to: S) -> Result<S::Ok, S::Error> {
+    to.serialize_str(&data_url("image/png", png))
 }
 
 /// A page that could not be made: the template names what the report does not have.
@@ -62,9 +90,9 @@ pub fn page(template: &Template, report: &impl Serialize) -> Result<String, Page
     environment.add_global("style", Value::from_safe_string(STYLE.to_owned()));
     environment.add_filter("number", |value: &Value, decimals: usize| figure(value, |n| number(n, decimals.min(12))));
     environment.add_filter("small", |value: &Value| figure(value, small));
-    environment.add_filter("point", |Serde(p): Serde<Vec<f64>>| {
-        p.iter().map(|v| number(*v, 3)).collect::<Vec<_>>().join(", ")
-    });
+    environment.add_filter("numbers", |value: &Value, decimals: usize| numbers(value, decimals));
+    environment.add_filter("point", |value: &Value| numbers(value, 3));
+    environment.add_filter("leaves", leaves);
     environment.add_filter("file_name", |path: &str| file_name(path).to_owned());
     for (name, text) in [
         ("page.html.jinja", include_str!("page.html.jinja")),
@@ -97,6 +125,37 @@ fn figure(value: &Value, shown: impl Fn(f64) -> String) -> Result<String, Error>
     let number = f64::try_from(value.clone());
     let wrong = |_| Error::new(ErrorKind::InvalidOperation, format!("a number is needed, not {}", value.kind()));
     number.map(shown).map_err(wrong)
+}
+
+fn numbers(value: &Value, decimals: usize) -> Result<String, Error> {
+    if value.is_undefined() || value.is_none() {
+        return figure(value, small);
+    }
+    let texts = value.try_iter()?.map(|v| figure(&v, |n| number(n, decimals.min(12))));
+    Ok(texts.collect::<Result<Vec<_>, Error>>()?.join(", "))
+}
+
+/// Dotted names and texts of the leaves of `tree`.
+fn leaves(tree: &Value) -> Result<Vec<Vec<String>>, Error> {
+    let wrong = |e: serde_json::Error| Error::new(ErrorKind::InvalidOperation, e.to_string());
+    let mut leaves = Vec::new();
+    add_leaves(&mut leaves, String::new(), &serde_json::to_value(tree).map_err(wrong)?);
+    Ok(leaves)
+}
+
+/// Adds the leaves of `tree`, which is called `name`, each with its dotted name; what is null is left out.
+fn add_leaves(leaves: &mut Vec<Vec<String>>, name: String, tree: &serde_json::Value) {
+    match tree {
+        serde_json::Value::Object(map) => {
+            for (key, value) in map {
+                let name = if name.is_empty() { key.clone() } else { format!("{name}.{key}") };
+                add_leaves(leaves, name, value);
+            }
+        }
+        serde_json::Value::Null => {}
+        serde_json::Value::String(text) => leaves.push(vec![name, text.clone()]),
+        other => leaves.push(vec![name, other.to_string().replace(',', ", ")]),
+    }
 }
 
 /// What stands where there is no number.
@@ -162,7 +221,10 @@ mod tests {
         {% block title %}{{ name }}{% endblock %}\n\
         {% block body %}{{ kit.banner(ok, 'Verified.', name) }}\
         {{ kit.pairs('Facts', [['Name', name], ['Length', -1.25|number(1)]]) }}\
-        {{ kit.table('', 'Rows', ['name', '#mm'], rows) }}\
+        {% set head = ['name', '#mm'] %}{% call kit.table('', 'Rows', head) %}\
+        {% for cells in rows %}{{ kit.row(head, cells) }}{% endfor %}{% endcall %}\
+        {{ kit.header('Head', name, ok, name) }}{{ kit.key([['none', none|number(1), 'x'], ['two', 2, 'mm']]) }}\
+        {{ kit.parameters(tree) }}\
         {{ kit.figure(picture) }}<div class=\"plot\">{{ plot|safe }}</div>{% endblock %}\
         {% block footer %}Sparkpath{% endblock %}";
 
@@ -174,18 +236,38 @@ mod tests {
             &json!({
                 "name": hostile, "ok": true, "rows": [[hostile, "1"], ["b", "2"]], "plot": "<svg></svg>",
                 "picture": {"title": hostile, "caption": hostile, "url": data_url("image/png", b"x"), "legend": [["#fff", hostile]]},
+                "tree": {hostile: [hostile]},
             }),
         )
         .unwrap();
         assert!(!html.contains("<script") && !html.contains('\u{0}') && !html.contains("http") && !html.contains("49"));
-        assert_eq!(html.matches("&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt;&quot;&amp;").count(), 8);
+        assert_eq!(html.matches("&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt;&quot;&amp;").count(), 11);
         assert!(html.starts_with("<!doctype html>") && html.contains("<svg></svg>") && html.contains("\u{2212}1.2"));
         assert!(html.contains("src=\"data:image/png;base64,eA==\"") && html.contains("<td class=\"num\">2</td>"));
         assert!(html.contains(STYLE), "the stylesheet is in the page, as it is");
+        assert!(html.contains("<dt>two</dt><dd>2 <small>mm</small>") && !html.contains("<dt>none</dt>"));
         for tag in ["html", "head", "body", "main", "table", "tr", "td", "th", "p", "figure", "footer", "span", "div"] {
             let opened = html.matches(&format!("<{tag}>")).count() + html.matches(&format!("<{tag} ")).count();
             assert_eq!(opened, html.matches(&format!("</{tag}>")).count(), "{tag}");
         }
+    }
+
+    #[test]
+    fn parameters_are_listed_leaf_by_leaf() {
+        let tree =
+            json!({"plan": {"weights": {"a1": 0.5}, "none": null}, "blisk": {"mesh": "<x>"}, "n": [1, 2.0], "k": 3});
+        let text = "{% for name, value in tree|leaves %}{{ name }}={{ value }};{% endfor %}";
+        let listed = made(text, &json!({"tree": tree})).unwrap();
+        assert_eq!(listed, "blisk.mesh=&lt;x&gt;;k=3;n=[1, 2.0];plan.weights.a1=0.5;");
+    }
+
+    #[test]
+    fn rows_without_a_value_are_left_out_and_a_list_has_a_row_for_each() {
+        let text = "{% import 'kit.html.jinja' as kit %}{% call kit.pairs('', [['a', none], ['b', ['<1>', '2']], ['c', kit.code('x')]]) %}\
+            {{ kit.pair('d', '3') }}{% endcall %}";
+        let html = made(text, &json!({})).unwrap();
+        let cells: Vec<&str> = html.split("<td>").skip(1).filter_map(|cell| cell.split("</td>").next()).collect();
+        assert_eq!(cells, ["b", "&lt;1&gt;", "b", "2", "c", "<code>x</code>", "d", "3"]);
     }
 
     #[test]
@@ -215,6 +297,8 @@ mod tests {
             made("{{ n|number(2) }} {{ n|small }} {{ p|point }}", &json!({"n": null, "p": [1, -2.0, 0.5]})).unwrap(),
             "\u{2013} \u{2013} 1.000, \u{2212}2.000, 0.500"
         );
+        let none = made("{{ n|point }} {{ p|numbers(1) }}", &json!({"n": null, "p": [1, -2.0]}));
+        assert_eq!(none.unwrap(), "\u{2013} 1.0, \u{2212}2.0");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Which faces of an electrode a flank of the cutter could mill.
+//! Faces of an electrode that the flank of a cutter could mill.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -30,7 +30,7 @@ pub enum CandidateKind {
 }
 
 impl CandidateKind {
-    /// Its name in lists.
+    /// Name in lists.
     pub fn name(self) -> &'static str {
         match self {
             Self::Plane => "plane",
@@ -42,7 +42,7 @@ impl CandidateKind {
     }
 }
 
-/// What the fit of a candidate says.
+/// Result of the fit of a candidate.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CandidateFit {
     /// The surface, ruled within the tolerance or not.
@@ -58,9 +58,9 @@ pub enum CandidateFit {
 pub struct Candidate {
     /// Numbers of its faces in the segmentation.
     pub faces: Vec<u32>,
-    /// Its triangles, rising.
+    /// Triangles, rising.
     pub triangles: Vec<u32>,
-    /// Its form.
+    /// Form.
     pub kind: CandidateKind,
     /// Area (mm^2).
     pub area_mm2: f64,
@@ -131,7 +131,7 @@ pub fn flank_candidates(
     Ok(found)
 }
 
-/// What tells which candidates come first, whatever their size.
+/// Order of candidates, whatever their size.
 struct Standing<'a> {
     mesh: &'a Mesh,
     up: DVec3,

@@ -12,7 +12,7 @@ pub(super) struct Knots {
 /// The four basis functions at a parameter, with their first and second derivatives.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Basis {
-    /// Their numbers.
+    /// Numbers.
     pub numbers: [usize; 4],
     /// Values, first and second derivatives.
     pub orders: [[f64; 4]; 3],

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::RuledFitError;
+use super::params::RuledFitError;
 use super::patch::Patch;
 use super::sides::Sides;
 use super::strip::{Foot, Strip};
@@ -15,7 +15,7 @@ const CORNERS: usize = 12_000;
 /// Places of the surface that are compared, along and across.
 const BACK: [usize; 2] = [120, 24];
 
-/// What was measured.
+/// Measured distances.
 #[derive(Debug, Clone)]
 pub(super) struct Measured {
     /// Of the mesh's corners.
@@ -68,7 +68,7 @@ pub(super) fn quick(patch: &Patch, strip: &Strip, count: usize) -> f64 {
     worst(&corners, 0.0).max(worst(&patch.inner_samples(count / 2), patch.chord))
 }
 
-/// The same for each piece of the guides.
+/// Distances for each piece of the guides.
 pub(super) fn by_piece(patch: &Patch, strip: &Strip, count: usize) -> Vec<f64> {
     let corners: Vec<DVec3> = patch.corner_samples(count).into_iter().map(|c| c.0).collect();
     let mut errors = vec![0.0f64; strip.knots.pieces()];

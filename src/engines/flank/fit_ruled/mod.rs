@@ -15,9 +15,9 @@
 
 mod band;
 mod candidates;
-mod chord;
 mod knots;
 mod measure;
+mod params;
 mod patch;
 mod sides;
 mod solve;
@@ -26,21 +26,20 @@ mod strip;
 mod tests;
 
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
 
+use self::params::FIRST_COUNT;
 use self::patch::Patch;
 use self::sides::Sides;
 use self::solve::Samples;
 use self::strip::Strip;
 use geometry::mesh::Mesh;
-use geometry::nurbs::{FitError, NurbsCurve, NurbsError};
-use task::{Cancel, Cancelled};
+use geometry::nurbs::{FitError, NurbsCurve};
+use task::Cancel;
 
 pub use self::candidates::{Candidate, CandidateFit, CandidateKind, flank_candidates};
+pub use self::params::{RuledFitError, RuledFitParams};
 
-/// Control points of each guide that ways to take the sides are tried with.
-const FIRST_COUNT: usize = 7;
-/// The same for a face all around.
+/// Number of control points of each guide of a face all around.
 const RING_COUNT: usize = 19;
 /// Corners of the mesh by which surfaces are compared while one is looked for.
 const COMPARED: usize = 2_000;
@@ -54,92 +53,6 @@ const COVERED: f64 = 2e-3;
 const MOST_CHORD: f64 = 20.0;
 /// Triangles above which a face is fitted by fewer of its corners only.
 const MANY: usize = 100_000;
-
-/// How a ruled surface is fitted.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct RuledFitParams {
-    /// Greatest distance between the face and a surface that it is said to be (mm).
-    pub tolerance_mm: f64,
-    /// Control points that each guide may have at most; 7 or more.
-    pub most_control_points: usize,
-    /// Which way is up: from the lower guide to the upper one. Of two ways to rule a face as well the rulings that run
-    /// along it are taken.
-    pub up: DVec3,
-    /// Whether the part stands on a base that is not milled, as an electrode with its blank: flanks that begin above the
-    /// lowest place of the part then come first.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    pub stands_on_base: bool,
-}
-
-impl Default for RuledFitParams {
-    fn default() -> Self {
-        Self { tolerance_mm: 0.01, most_control_points: 131, up: DVec3::Z, stands_on_base: false }
-    }
-}
-
-impl RuledFitParams {
-    /// Whether a fit can be made with them.
-    ///
-    /// # Errors
-    /// [`RuledFitError::Params`] with the key and what it must be.
-    pub fn validate(&self) -> Result<(), RuledFitError> {
-        if !(self.tolerance_mm > 0.0 && self.tolerance_mm.is_finite()) {
-            return Err(RuledFitError::Params("tolerance_mm must be greater than 0"));
-        }
-        if !(FIRST_COUNT..=259).contains(&self.most_control_points) {
-            return Err(RuledFitError::Params("most_control_points must be 7 to 259"));
-        }
-        if !self.up.is_finite() || self.up.length() < 1e-9 {
-            return Err(RuledFitError::Params("up must be a direction"));
-        }
-        Ok(())
-    }
-}
-
-/// Why no ruled surface is fitted.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum RuledFitError {
-    /// A parameter without meaning.
-    #[error("the fit of a ruled surface cannot be made: {0}")]
-    Params(&'static str),
-    /// A triangle that the mesh has not.
-    #[error("the face names triangle {0}, which the mesh does not have")]
-    NoTriangle(u32),
-    /// A triangle with a corner that is no point.
-    #[error("triangle {0} of the face has a corner that is no point")]
-    NoPoint(u32),
-    /// No triangles, or such without area.
-    #[error("the face has no area; choose one that has")]
-    NoArea,
-    /// Three triangles at one side.
-    #[error("the face branches at ({:.3}, {:.3}, {:.3}): three triangles share a side there; choose fewer faces", .0.x, .0.y, .0.z)]
-    Branching(DVec3),
-    /// No border at all.
-    #[error("the face is closed, it has no border that guides could follow; choose a part of it")]
-    Closed,
-    /// It was told to stop.
-    #[error("cancelled")]
-    Cancelled,
-    /// No four sides.
-    #[error(
-        "the border of the face has no four sides, two guides and two end rulings; choose another one, which is a strip: faces that go over into each \
-         other smoothly are one flank together in the list"
-    )]
-    NoSides,
-    /// Triangles to which no distance can be measured.
-    #[error("no distances to the triangles of the face can be measured: {0}; repair the mesh")]
-    NoDistances(String),
-    /// Guides that cannot be made.
-    #[error("no guides follow the border of the face: {0}")]
-    Guides(#[from] NurbsError),
-}
-
-impl From<Cancelled> for RuledFitError {
-    fn from(_: Cancelled) -> Self {
-        Self::Cancelled
-    }
-}
 
 /// A ruled surface fitted to a face, and how far it is off.
 #[derive(Debug, Clone, PartialEq)]
@@ -179,7 +92,7 @@ pub struct RuledFit {
     pub covers: bool,
     /// Whether the face runs all around: both guides end where they start, with the same slope and the same bend.
     pub is_closed: bool,
-    /// What an engineer should know of it, one sentence each; the first says whether it is ruled.
+    /// Notes on the fit, one sentence each; the first says whether the face is ruled.
     pub words: Vec<String>,
 }
 

@@ -264,7 +264,7 @@ impl Sides {
     }
 }
 
-/// What of `p` is across the unit vector `along`.
+/// Component of `p` across the unit vector `along`.
 fn across(p: DVec3, along: DVec3) -> DVec3 {
     p - along * p.dot(along)
 }

@@ -11,21 +11,21 @@ use task::Cancel;
 
 /// Points of each guide's border that a fit looks at, for one of the face.
 const SIDE_POINTS: f64 = 0.1;
-/// What points inside of triangles, which lie off by the chord error, weigh beside the corners; and what they weigh more
-/// where that error is nothing beside the tolerance, as on large flats, which have no other points.
+/// Weight of points inside of triangles, which lie off by the chord error, beside that of corners; and their greater
+/// weight where that error is negligible, as on large flats, which have no other points.
 const INNER_WEIGHT: f64 = 0.01;
 const KNOWN_WEIGHT: f64 = 0.3;
-/// What the borders weigh beside the face.
+/// Weight of the borders beside the face.
 const SIDE_WEIGHT: f64 = 0.1;
-/// What the four corners weigh beside the face, along the guides.
+/// Weight of the four corners beside the face, along the guides.
 const CORNER_WEIGHT: f64 = 0.01;
-/// What uneven speed along the guides weighs beside the distances that are left, so that rulings are not turned far for
-/// little: where a face is nearly flat nothing else tells which ruling is the right one.
+/// Weight of uneven speed along the guides beside the remaining distances, so that rulings are not turned far for
+/// little: where a face is nearly flat nothing else decides which ruling is the right one.
 const SPEED_WEIGHT: f64 = 0.05;
-/// What bends of the guides weigh: next to nothing, for control points that no sample is near to.
+/// Weight of bends of the guides: negligible, for control points that no sample is near to.
 const BEND_WEIGHT: f64 = 1e-9;
 
-/// What a surface is fitted to.
+/// Samples that a surface is fitted to.
 #[derive(Clone)]
 pub(super) struct Samples {
     /// Points of the face and their weights.

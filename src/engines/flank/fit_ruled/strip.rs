@@ -11,7 +11,7 @@ const BEYOND: [f64; 2] = [0.25, 0.4];
 /// The control points of both guides.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Strip {
-    /// Those of both guides.
+    /// Knots of both guides.
     pub knots: Knots,
     /// Of the lower guide.
     pub lower: Vec<DVec3>,
@@ -188,8 +188,8 @@ impl Strip {
         u
     }
 
-    /// The same surface with those pieces halved that are more than `enough` off by `errors`, the worst of them where
-    /// there would be more than `most` control points; none where nothing can be halved.
+    /// Surface with the pieces halved that are more than `enough` off by `errors`, the worst of them where there would
+    /// be more than `most` control points; none where nothing can be halved.
     pub(super) fn refined(&self, errors: &[f64], enough: f64, most: usize) -> Option<Self> {
         let mut worst: Vec<usize> = (0..errors.len()).filter(|&i| errors[i] > enough).collect();
         worst.sort_by(|&a, &b| errors[b].total_cmp(&errors[a]));
@@ -205,7 +205,7 @@ impl Strip {
         Self::through(knots, &places, &ends)
     }
 
-    /// The same surface, not closed, from `start` to `end` in its parameter, which may lie beyond its ends.
+    /// Surface, not closed, from `start` to `end` in its parameter, which may lie beyond its ends.
     pub(super) fn between(&self, start: f64, end: f64) -> Option<Self> {
         let (breaks, last) = (&self.knots.breaks, self.knots.pieces());
         let moved = |i: usize| if i == 0 || i == last { breaks[i] } else { (breaks[i] - start) / (end - start) };

@@ -37,7 +37,7 @@ fn golden(f: impl Fn(f64) -> f64) -> f64 {
     least
 }
 
-/// The same of a triangle, by golden sections nested in each other.
+/// Distance of a triangle, by golden sections nested in each other.
 fn by_golden_sections([a, b, c]: [DVec3; 3], frustum: &Frustum, pose: &FlankPose) -> f64 {
     golden(|s| golden(|t| frustum.distance(pose, a.lerp(b.lerp(c, t), s)).0))
 }

@@ -42,16 +42,17 @@ pub struct Feeds {
 pub struct Pace {
     /// The part of the path that it belongs to.
     pub section: Section,
-    /// Its time (min).
+    /// Time (min).
     pub minutes: f64,
     /// The longest way along the workpiece (mm) of tip, flutes' top and, in the cut, where the flutes touch at these two
     /// heights: what is to have the feed.
     pub way_mm: f64,
-    /// What is left of the feed that was asked for; 1 where no axis is too fast.
+    /// Share of the programmed feed; 1 where no axis is too fast.
     pub share: f64,
     /// The axis that would be too fast with more.
     pub axis: char,
-    /// What the shortest time of a move leaves of the speed that axes and feed allow; 1 where it takes longer anyway.
+    /// Share of the speed, as axes and feed allow it, that the shortest time of a move leaves; 1 where the move takes
+    /// longer anyway.
     pub short_share: f64,
 }
 
@@ -70,7 +71,7 @@ pub struct Slowed {
 }
 
 impl Slowed {
-    /// Those among `paces`; none if every move has the feed that was asked for.
+    /// Slowed moves among `paces`; none if every move has the programmed feed.
     pub fn of(paces: &[Pace]) -> Option<Self> {
         let slow = |share: fn(&Pace) -> f64| {
             let slow = paces.iter().filter(move |p| share(p) < 1.0);
@@ -84,7 +85,7 @@ impl Slowed {
 }
 
 impl Pace {
-    /// What is left of the feed that was asked for, whatever takes it.
+    /// Share of the programmed feed, whatever the limit.
     fn left(&self) -> f64 {
         self.share * self.short_share
     }

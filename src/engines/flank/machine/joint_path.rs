@@ -1,5 +1,5 @@
-//! Which of the positions that reach a direction a machine takes along a path: both solutions of the rotary axes and
-//! every whole turn of them within the limits, chosen together for the least travel.
+//! Choice among the machine positions that reach a direction along a path: both solutions of the rotary axes and every
+//! whole turn of them within the limits, chosen together for the least travel.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::Range;
@@ -11,11 +11,11 @@ use super::singular::pole_places;
 use super::tool_path::{Place, ToolPath, ToolPathError};
 use task::{Cancel, Cancelled};
 
-/// What being outside of the limits by 1 mm or 1 rad costs beside the travel (rad): it is never worth it.
+/// Cost of being outside of the limits by 1 mm or 1 rad beside the travel (rad): greater than any travel.
 const OUTSIDE_COST: f64 = 1e6;
-/// What decides between positions of equal travel: the smaller values at the start.
+/// Cost that decides between positions of equal travel: the smaller values at the start.
 const TIE_COST: f64 = 1e-6;
-/// What travel costs while the tool moves along the path, beside turning in place.
+/// Cost of travel while the tool moves along the path, beside turning in place.
 const MOVING_COST: f64 = 1.001;
 
 /// Why a machine cannot follow a path.
@@ -32,7 +32,7 @@ pub enum MillingError {
     Unreachable {
         /// Where.
         at: Place,
-        /// What it says.
+        /// Error of the machine.
         source: Box<MachineError>,
     },
     /// An axis outside of its limits, whichever way is taken.
@@ -41,11 +41,11 @@ pub enum MillingError {
          clamp the workpiece elsewhere or turned, or take another machine or tool length"
     )]
     OutsideLimits {
-        /// Its letter.
+        /// Letter.
         axis: char,
         /// Where it is worst.
         at: Place,
-        /// Its value there: for X, Y, Z that of the spindle nose in machine coordinates.
+        /// Value there: for X, Y, Z that of the spindle nose in machine coordinates.
         value: f64,
         /// How far outside.
         by: f64,
@@ -60,7 +60,7 @@ pub enum MillingError {
     #[error(
         "{at}: chordal deviation {deviation_mm:.5} mm, and more points do not reduce it; raise linearisation_mm or smooth the path there"
     )]
-    Strays {
+    ChordalDeviation {
         /// Where.
         at: Place,
         /// How far (mm).
@@ -72,17 +72,17 @@ pub enum MillingError {
         /// The most that are made.
         most: usize,
     },
-    /// It was told to stop.
+    /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
     /// A value out of range.
     #[error("{name} is {value}; it must be {range}")]
     Setting {
-        /// Its name.
+        /// Name.
         name: &'static str,
-        /// What it is.
+        /// Value.
         value: f64,
-        /// What it may be.
+        /// Range of valid values.
         range: &'static str,
     },
 }
@@ -93,7 +93,7 @@ pub(super) struct Chosen {
     pub s: f64,
     pub pose: ToolPose,
     pub rotary: [f64; 2],
-    /// Which of the two solutions; none at the pole, where they are one.
+    /// Number of the solution; none at the pole, where both are one.
     pub branch: Option<usize>,
 }
 

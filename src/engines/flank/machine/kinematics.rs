@@ -49,10 +49,12 @@ impl Joints {
 
 /// The kind of a machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)]
 pub enum MachineKind {
+    /// Both rotary axes carry the cutter.
     HeadHead,
+    /// One rotary axis carries the cutter, one the workpiece.
     HeadTable,
+    /// Both rotary axes carry the workpiece.
     TableTable,
 }
 
@@ -122,7 +124,7 @@ impl Kinematics {
         self.chain[0].0
     }
 
-    /// Its partner, next to the tool.
+    /// Partner, next to the tool.
     pub fn tilt_axis(&self) -> usize {
         self.chain[1].0
     }

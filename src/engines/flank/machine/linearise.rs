@@ -21,7 +21,7 @@ use task::Cancel;
 /// Decimals of X, Y, Z (mm) and of the rotary axes (degrees) in programs: positions are rounded to them before the moves
 /// are measured.
 pub const MM_DECIMALS: usize = 5;
-/// See [`MM_DECIMALS`].
+/// Decimals of angles (deg) in programs.
 pub const DEG_DECIMALS: usize = 6;
 /// Pieces in which a move is measured.
 const PIECES: usize = 16;
@@ -36,7 +36,7 @@ const DEEPEST: usize = 32;
 /// The most points.
 const MOST_POINTS: usize = 1_000_000;
 
-/// What a control moves linearly.
+/// Interpolation of the control: the quantities that it moves linearly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Interpolation {
@@ -57,7 +57,7 @@ pub struct LinearisationParams {
     pub reach_mm: f64,
     /// Passing the pole within this angle is reported (degrees).
     pub singular_cone_deg: f64,
-    /// What the control moves linearly.
+    /// Interpolation of the control.
     pub interpolation: Interpolation,
 }
 
@@ -204,9 +204,9 @@ impl Follower<'_, '_> {
         while let Some(to) = open.pop() {
             self.cancel.check()?;
             let Some(from) = points.last().copied() else { break };
-            let strays = self.strays(&from, &to)?;
-            if strays.0 <= self.params.linearisation_mm {
-                (bound, measured) = (bound.max(strays.0), measured.max(strays.1));
+            let deviation = self.chordal_deviation(&from, &to)?;
+            if deviation.0 <= self.params.linearisation_mm {
+                (bound, measured) = (bound.max(deviation.0), measured.max(deviation.1));
                 points.push(to);
                 if points.len() > MOST_POINTS {
                     return Err(MillingError::TooManyPoints { most: MOST_POINTS });
@@ -214,7 +214,7 @@ impl Follower<'_, '_> {
                 continue;
             }
             if open.len() >= DEEPEST {
-                return Err(MillingError::Strays { at: self.path.place(from.s), deviation_mm: strays.1 });
+                return Err(MillingError::ChordalDeviation { at: self.path.place(from.s), deviation_mm: deviation.1 });
             }
             let middle = self.between(&from, &to)?;
             open.extend([to, middle]);
@@ -243,7 +243,7 @@ impl Follower<'_, '_> {
     }
 
     /// Bound and greatest measured way off the path between two points (mm).
-    fn strays(&self, from: &MachinePoint, to: &MachinePoint) -> Result<(f64, f64), MillingError> {
+    fn chordal_deviation(&self, from: &MachinePoint, to: &MachinePoint) -> Result<(f64, f64), MillingError> {
         let (mode, heights) = (self.params.interpolation, [0.0, self.params.reach_mm]);
         let (mut most, mut bends) = (0.0f64, [0.0f64; 2]);
         let mut before: Vec<[DVec3; 2]> = Vec::with_capacity(PIECES + 1);

@@ -27,9 +27,9 @@ pub enum MachineError {
         machine: String,
         /// The key.
         key: String,
-        /// What it is.
+        /// Value found.
         value: String,
-        /// What to do.
+        /// Remedy.
         remedy: String,
     },
     /// A tool direction that no position of the rotary axes gives.
@@ -53,10 +53,12 @@ fn direction_words(direction: DVec3) -> String {
 
 /// The letter of a rotary axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[allow(missing_docs)]
 pub enum RotaryLetter {
+    /// Rotation about X.
     A,
+    /// Rotation about Y.
     B,
+    /// Rotation about Z.
     C,
 }
 
@@ -71,7 +73,7 @@ impl RotaryLetter {
     }
 }
 
-/// What a rotary axis turns.
+/// Body that a rotary axis carries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CarriedBy {
@@ -85,12 +87,12 @@ pub enum CarriedBy {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RotaryAxis {
-    /// Its letter.
+    /// Letter.
     pub letter: RotaryLetter,
     /// Whether it turns the tool or the workpiece.
     pub carried_by: CarriedBy,
-    /// What it turns goes right-handed about this direction when its value rises. A table that is counted as the tool
-    /// moves relative to the workpiece (ISO 841) turns the other way round: give the opposite direction.
+    /// Direction about which the carried body turns right-handed when the axis value rises. A table that is counted as
+    /// the tool moves relative to the workpiece (ISO 841) turns the other way round: give the opposite direction.
     pub direction: DVec3,
     /// A point that it goes through, with every rotary axis at zero (mm): of a table in machine coordinates, of a head
     /// from the spindle nose (the pivot).
@@ -128,7 +130,7 @@ pub struct LinearAxes {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Workpiece {
-    /// Its zero in machine coordinates (mm).
+    /// Zero in machine coordinates (mm).
     pub zero_mm: DVec3,
     /// Machine direction of its X; what of it lies along `z_axis` is taken off.
     pub x_axis: DVec3,
@@ -146,9 +148,9 @@ impl Default for Workpiece {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MillingMachine {
-    /// Its name: letters, digits, `-` and `_`.
+    /// Name: letters, digits, `-` and `_`.
     pub name: String,
-    /// What it is, in a few words.
+    /// Short description.
     #[serde(default)]
     pub title: String,
     /// Direction from the tool's tip to the spindle with every rotary axis at zero.
@@ -221,10 +223,10 @@ impl MillingMachine {
             return Err(self.bad("rotary", format!("a list of {}", self.rotary.len()), "give two rotary axes"));
         };
         if first.letter == second.letter {
-            return Err(self.bad("rotary.letter", first.letter.letter(), "give each axis a letter of its own"));
+            return Err(self.bad("rotary[1].letter", first.letter.letter(), "give each axis a letter of its own"));
         }
-        for axis in [first, second] {
-            let key = |key| format!("rotary {}: {key}", axis.letter.letter());
+        for (i, axis) in [first, second].into_iter().enumerate() {
+            let key = |key| format!("rotary[{i}].{key}");
             let [low, high] = axis.limits_deg.unwrap_or([-1.0, 1.0]);
             let most = 360.0 * MOST_TURNS;
             if !(low < high && low >= -most && high <= most) {
@@ -236,9 +238,7 @@ impl MillingMachine {
             }
             self.check_point(&key("point_mm"), axis.point_mm)?;
         }
-        let unit =
-            |axis: &RotaryAxis| self.unit(&format!("rotary {}: direction", axis.letter.letter()), axis.direction);
-        Ok([unit(first)?, unit(second)?])
+        Ok([self.unit("rotary[0].direction", first.direction)?, self.unit("rotary[1].direction", second.direction)?])
     }
 
     fn check_point(&self, key: &str, point: DVec3) -> Result<(), MachineError> {

@@ -19,12 +19,12 @@ const STILL_DEG: f64 = 1.0;
 pub enum Passage {
     /// The pole's axis stood, or nearly so.
     Held,
-    /// It turned at the pole while the tool stayed where it was on the workpiece.
+    /// The axis turned at the pole while the tool stayed where it was on the workpiece.
     TurnedInPlace {
         /// By how much (degrees).
         by_deg: f64,
     },
-    /// It swung while the tool moved.
+    /// The axis swung while the tool moved.
     Swung {
         /// By how much (degrees).
         by_deg: f64,

@@ -1,4 +1,4 @@
-//! What a machine is to do: a flank path as a function, with the straight moves that lead to and from it.
+//! Tool path of a machine: a flank path as a function, with the straight moves that lead to and from it.
 
 use std::f64::consts::PI;
 
@@ -56,10 +56,12 @@ pub enum ToolPathError {
 
 /// The part of a path that a place is in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs)]
 pub enum Section {
+    /// Approach to the cut, with the lead-in.
     Approach,
+    /// The cut.
     Cut,
+    /// Retraction from the cut, with the lead-out.
     Retract,
 }
 
@@ -108,7 +110,7 @@ pub struct StraightMoves {
     /// Where each ends on the [`ToolPath`], and the tool there; the first is the start.
     pub moves: Vec<(f64, ToolPose)>,
     /// The furthest that was measured between them (mm).
-    pub stray_mm: f64,
+    pub chordal_deviation_mm: f64,
 }
 
 impl<'a> ToolPath<'a> {
@@ -121,7 +123,7 @@ impl<'a> ToolPath<'a> {
         Self::with_leads(cut, points, &[], &[])
     }
 
-    /// The same with straight moves: through `approach` to the first point and from the last through `retract`.
+    /// Path with straight moves: through `approach` to the first point and from the last through `retract`.
     ///
     /// # Errors
     /// [`ToolPathError`].
@@ -253,14 +255,14 @@ impl<'a> ToolPath<'a> {
     /// # Errors
     /// [`ToolPathError`].
     pub fn straightened(&self, tolerance_mm: f64, reach_mm: f64) -> Result<StraightMoves, ToolPathError> {
-        let (mut moves, mut stray_mm) = (vec![(0.0, self.at(0.0)?)], 0.0f64);
+        let (mut moves, mut chordal_deviation_mm) = (vec![(0.0, self.at(0.0)?)], 0.0f64);
         for i in 0..self.last() {
             let mut open = vec![(i as f64 + 1.0, self.at(i as f64 + 1.0)?)];
             while let Some(&(to, end)) = open.last() {
                 let (from, start) = moves[moves.len() - 1];
-                let by_mm = self.strays(from, &start, to, &end, reach_mm)?;
+                let by_mm = self.chordal_deviation(from, &start, to, &end, reach_mm)?;
                 if by_mm <= tolerance_mm {
-                    stray_mm = stray_mm.max(by_mm);
+                    chordal_deviation_mm = chordal_deviation_mm.max(by_mm);
                     moves.push((to, end));
                     open.pop();
                 } else if to - from < SHORTEST_MOVE || by_mm.is_nan() {
@@ -271,10 +273,17 @@ impl<'a> ToolPath<'a> {
                 }
             }
         }
-        Ok(StraightMoves { moves, stray_mm })
+        Ok(StraightMoves { moves, chordal_deviation_mm })
     }
 
-    fn strays(&self, from: f64, start: &ToolPose, to: f64, end: &ToolPose, reach: f64) -> Result<f64, ToolPathError> {
+    fn chordal_deviation(
+        &self,
+        from: f64,
+        start: &ToolPose,
+        to: f64,
+        end: &ToolPose,
+        reach: f64,
+    ) -> Result<f64, ToolPathError> {
         let mut most = 0.0f64;
         for k in 1..8 {
             let t = f64::from(k) / 8.0;

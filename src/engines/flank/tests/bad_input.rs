@@ -1,4 +1,4 @@
-//! What is answered to input that makes no path, or none as asked.
+//! Errors for input that makes no path, or none as asked.
 
 use super::*;
 use geometry::nurbs::NurbsError;

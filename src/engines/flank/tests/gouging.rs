@@ -19,7 +19,7 @@ fn wall(center: DVec3, along: DVec3, up: DVec3, half: f64) -> Mesh {
     Mesh { vertices, triangles }
 }
 
-/// What lies within 0.05 mm of the surface is its own.
+/// Walls of `mesh`: whatever lies within 0.05 mm of the surface belongs to it.
 fn walls(mesh: &Mesh, surface: &RuledSurface, path: &FlankPath) -> Walls {
     Walls::new(mesh, OwnTriangles::Near(0.05), (surface, path), 0.05, &Cancel::default()).unwrap()
 }

@@ -1,4 +1,4 @@
-//! What follows from geometry alone.
+//! Properties that follow from geometry alone.
 
 use glam::{DMat3, DVec2};
 use nalgebra::{DMatrix, DVector};

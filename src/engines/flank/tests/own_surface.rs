@@ -1,4 +1,4 @@
-//! What the tool does to the design surface from elsewhere on the path.
+//! Effect of the tool on the design surface from elsewhere on the path.
 
 use super::*;
 use crate::gouge::{Frustum, ToolPart};

@@ -1,4 +1,4 @@
-//! Which triangles are walls, and how deep the flutes may go into them.
+//! Triangles that are walls, and the depth that the flutes may go into them.
 
 use super::*;
 use crate::gouge::{Clearance, check};
@@ -61,7 +61,7 @@ fn ledge() -> (Mesh, Vec<u32>) {
 /// How far the triangles of the wall are off its surface: a quarter of what the fourth corner of a quadrangle is off the
 /// plane of the others. It is all that tolerances, errors and chords of a fit can be told by.
 const CHORD: f64 = 2.0 * LEAN / PARTS as f64 / 4.0;
-/// What counted as the surface itself by its distance: error, chord and tolerance of a fit.
+/// Distance within which triangles count as the surface itself: error, chord and tolerance of a fit.
 const NEAR: f64 = 2.0 * CHORD + 0.01;
 
 /// The wall's surface and a path along it.

@@ -22,7 +22,7 @@ const ACCEPTED: f64 = 0.45 * DistanceField::ACCURACY;
 /// Why a field cannot be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FieldError {
-    /// The work was told to stop.
+    /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
     /// Region over cell size needs too many cells.
@@ -33,7 +33,7 @@ pub enum FieldError {
     },
 }
 
-/// What a root cube contributes: handles of its cells in x-fastest order, with numbers local to the cube.
+/// Part of the field from one root cube: handles of its cells in x-fastest order, with numbers local to the cube.
 #[derive(Default)]
 struct Block {
     handles: Vec<Handle>,
@@ -140,7 +140,7 @@ impl DistanceField {
     }
 }
 
-/// What is nearest to the points of a root cube's lattice of half cells, as far as it has been asked for: neighbouring
+/// Nearest features of the points of a root cube's lattice of half cells, as far as they were asked for: neighbouring
 /// cubes share the points between them.
 struct Lattice {
     nearest: Vec<Option<Nearest>>,
@@ -154,7 +154,7 @@ impl Lattice {
         Self { nearest: vec![None; Self::SIDE.pow(3)] }
     }
 
-    /// What is nearest to the point at `t` of the cube of `2^level` cells at `at`, from `find` if it is not known yet.
+    /// Nearest feature of the point at `t` of the cube of `2^level` cells at `at`, from `find` if it is not known yet.
     fn nearest(&mut self, at: [usize; 3], level: u32, t: DVec3, find: impl FnOnce() -> Nearest) -> Nearest {
         let halves = t * f64::from(2 << level);
         if halves != halves.floor() {
@@ -282,7 +282,7 @@ impl Builder<'_> {
     }
 
     /// How the surface passes an exact cell. Where sheets that face away from each other come together the normals
-    /// are not to be trusted: the mesh may be folded.
+    /// are unreliable: the mesh may be folded.
     fn passage_of_exact(&self, values: &[f32; 8], clear: bool, triangles: &[Candidate]) -> Passage {
         if clear {
             Passage::Clear

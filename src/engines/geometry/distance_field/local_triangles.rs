@@ -147,7 +147,7 @@ impl LocalTriangles {
     }
 
     /// The nearest of candidates in order of their distance from `center`, given with each: those that are too far from
-    /// the centre to be nearest to `p` need not be looked at.
+    /// the centre to be nearest to `p` need not be tested.
     #[inline]
     pub(super) fn nearest_in_order(
         &self,
@@ -171,7 +171,7 @@ impl LocalTriangles {
     }
 
     /// Takes triangle `i` for the nearest to `p` if it is nearer than `best`; `least` is the distance of the best, or a hair
-    /// more: what is as near to the last bit must still be looked at.
+    /// more: what is as near to the last bit must still be tested.
     #[inline]
     fn take_if_nearer(&self, p: DVec3, i: u32, best: &mut Nearest, least: &mut f64) {
         let d = self.triangles[i as usize].distance_squared(p);

@@ -30,7 +30,7 @@ use glam::{DVec3, Vec3};
 use super::mesh::Bounds;
 use local_triangles::{Candidate, LocalTriangles, Nearest};
 
-/// See the module's text.
+/// Signed distance field of a mesh over a region.
 pub struct DistanceField {
     bounds: Bounds,
     cell: f64,
@@ -51,8 +51,8 @@ pub struct DistanceField {
     triangles: LocalTriangles,
 }
 
-/// What describes a cell: in the low 3 bits the leaf's level (it spans `2^level` cells) or how an exact cell gets its
-/// sign, above them the number of the leaf or of the exact cell.
+/// Description of a cell: in the low 3 bits the leaf's level (it spans `2^level` cells) or the source of an exact
+/// cell's sign, above them the number of the leaf or of the exact cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Handle(u32);
 
@@ -61,7 +61,7 @@ impl Handle {
     const OUTSIDE: u32 = 4;
     /// Wholly inside.
     const INSIDE: u32 = 5;
-    /// Crossed by a surface whose normals are not to be trusted: crossings are counted.
+    /// Crossed by a surface whose normals are unreliable: crossings are counted.
     const FOLDED: u32 = 6;
     /// Signs by the normals.
     const EXACT: u32 = 7;
@@ -118,7 +118,7 @@ impl DistanceField {
     }
 
     /// Signed distance at `p`, or any value from `enough` to it if it is known to be greater (mm): where it is enough to
-    /// know that, a cell's triangles need not be looked at. `None` outside the field's bounds.
+    /// know that, a cell's triangles need not be tested. `None` outside the field's bounds.
     #[inline]
     pub fn value_or_enough(&self, p: DVec3, enough: f64) -> Option<f64> {
         /// For rounding to single precision (mm).

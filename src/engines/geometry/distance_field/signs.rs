@@ -139,7 +139,7 @@ impl Survey<'_> {
         Ok(layers.concat())
     }
 
-    /// The first cell and the size (cells) of every leaf whose normals are not to be trusted.
+    /// The first cell and the size (cells) of every leaf whose normals are unreliable.
     fn folded_cells(&self, cancel: &Cancel) -> Result<Vec<([usize; 3], usize)>, Cancelled> {
         let places = self.places(|node| !self.is_clear(node), cancel)?;
         let folded = |&(node, cell): &(usize, [usize; 3])| {

@@ -18,7 +18,7 @@ pub struct NurbsCurve {
 /// The point of a curve that is nearest to another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NearestOnCurve {
-    /// Its parameter.
+    /// Parameter.
     pub u: f64,
     /// Where it is.
     pub point: DVec3,
@@ -27,7 +27,7 @@ pub struct NearestOnCurve {
 }
 
 impl NurbsCurve {
-    /// Places looked at on each piece before feet are approached from those nearer than their neighbours.
+    /// Places sampled on each piece before feet are approached from those nearer than their neighbours.
     const LOOKS: usize = 6;
     /// Most places looked at so, of a curve that has no more pieces.
     const MOST_LOOKS: usize = 6000;
@@ -52,13 +52,13 @@ impl NurbsCurve {
         Ok(Self { knots, points, extent })
     }
 
-    /// The same curve run the other way: its point at u is this one's at first plus last parameter less u.
+    /// Reversed curve: its point at u is this curve's point at first plus last parameter less u.
     pub fn reversed(&self) -> Self {
         let points = self.points.iter().rev().copied().collect();
         Self { knots: self.knots.reversed(), points, extent: self.extent }
     }
 
-    /// Its knots.
+    /// Knots.
     pub fn knots(&self) -> &KnotVector {
         &self.knots
     }

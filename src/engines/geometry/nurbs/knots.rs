@@ -17,7 +17,7 @@ pub struct KnotVector {
 pub(super) struct Basis {
     /// Number of the first of them.
     pub first: usize,
-    /// Their values, first and second derivatives.
+    /// Values, first and second derivatives.
     pub orders: [[f64; MAX_DEGREE + 1]; 3],
 }
 
@@ -73,7 +73,7 @@ impl KnotVector {
         Self { degree: self.degree, knots: self.knots.iter().rev().map(mirrored).collect() }
     }
 
-    /// Its degree.
+    /// Degree.
     pub fn degree(&self) -> usize {
         self.degree
     }

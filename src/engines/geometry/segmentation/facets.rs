@@ -33,7 +33,7 @@ pub(super) struct Facet {
     pub(super) width: f64,
 }
 
-/// What two facets share.
+/// Common border of two facets.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Link {
     pub(super) to: u32,
@@ -106,7 +106,7 @@ impl Facets {
         self.all.push(facet(topology, triangles, plane.flat()));
     }
 
-    /// What borders facet `i`.
+    /// Neighbours of facet `i`.
     pub(super) fn links(&self, i: u32) -> &[Link] {
         &self.links[self.starts[i as usize]..self.starts[i as usize + 1]]
     }
@@ -166,7 +166,7 @@ impl Facets {
     }
 }
 
-/// What remains of a bend by the rounding of coordinates (rad).
+/// Bend left by the rounding of coordinates (rad).
 const STRAIGHT: f64 = 2e-3;
 
 /// Triangles with three different points; those without are given a face in the end.

@@ -27,7 +27,7 @@ use self::revolved::Revolved;
 use self::topology::{NONE, Topology};
 use super::mesh::Mesh;
 
-/// What decides which triangles make one face.
+/// Settings that decide which triangles make one face.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct SegmentationSettings {
@@ -78,7 +78,7 @@ pub enum FaceKind {
     Cylinder {
         /// The point of the axis beside the middle of the face (mm).
         point: DVec3,
-        /// Unit direction of the axis; which of the two is no matter.
+        /// Unit direction of the axis; either of the two.
         direction: DVec3,
         /// Radius (mm).
         radius: f64,
@@ -87,7 +87,7 @@ pub enum FaceKind {
     },
     /// A circular cone.
     Cone {
-        /// Its tip (mm).
+        /// Tip (mm).
         apex: DVec3,
         /// Unit direction of the axis, from the tip to the face.
         axis: DVec3,
@@ -103,11 +103,11 @@ pub enum FaceKind {
 /// Triangles of one surface that hang together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Face {
-    /// Its form.
+    /// Form.
     pub kind: FaceKind,
-    /// Its triangles, rising.
+    /// Triangles, rising.
     pub triangles: Vec<u32>,
-    /// Its area (mm^2).
+    /// Area (mm^2).
     pub area: f64,
     /// The greatest distance of a corner from the surface (mm); 0 for a free form, which is fitted with none.
     pub deviation: f64,
@@ -139,7 +139,7 @@ pub struct Edge {
     pub bend: f64,
     /// Length (mm).
     pub length: f64,
-    /// Its vertices in order, counter-clockwise around the first face; a closed chain ends where it starts. Of vertices at
+    /// Vertices in order, counter-clockwise around the first face; a closed chain ends where it starts. Of vertices at
     /// the same place the first is named.
     pub vertices: Vec<u32>,
 }

@@ -1,4 +1,4 @@
-//! What is left beside cylinders and cones: planes, and patches of any form.
+//! Faces other than cylinders and cones: planes, and patches of any form.
 
 use super::facets::{Facet, Facets};
 use super::topology::NONE;
@@ -6,7 +6,7 @@ use super::topology::NONE;
 /// How much larger than all its neighbours a facet in the midst of a curved surface may be.
 const SURROUNDED: f64 = 10.0;
 
-/// What makes facets a curved surface.
+/// Limits within which facets are one curved surface.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
     /// Greatest angle between neighbouring facets (rad).

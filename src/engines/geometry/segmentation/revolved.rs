@@ -127,7 +127,7 @@ impl Revolved {
         now
     }
 
-    /// The same surface with its origin beside `middle`.
+    /// Surface with its origin moved along its axis to lie beside `middle`.
     fn about(self, middle: DVec3) -> Self {
         let height = (middle - self.origin).dot(self.axis);
         Self { origin: self.origin + self.axis * height, radius: self.radius + self.slope * height, ..self }

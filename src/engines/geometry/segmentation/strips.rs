@@ -37,12 +37,12 @@ const FEW: usize = 8;
 /// Least angle that the normals of a curved face span.
 const LEAST_SPAN_DEG: f64 = 1.0;
 
-/// What decides whether facets lie on a cylinder or cone.
+/// Limits within which facets lie on a cylinder or cone.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
     /// Greatest distance of a corner (mm).
     pub(super) tolerance: f64,
-    /// The same where corners are as exact as can be (mm).
+    /// Tolerance where corners are as exact as can be (mm).
     pub(super) least_tolerance: f64,
     /// Greatest angle between neighbouring facets (rad).
     pub(super) turn: f64,
@@ -319,8 +319,8 @@ impl Grower<'_> {
     }
 }
 
-/// Which of the regions are rows of a surface curved both ways, a sphere or a rounding: they go on at both ends with
-/// facets about as long at a small angle, or at one end with such a row.
+/// Whether each region is a row of a surface curved both ways, a sphere or a rounding: such rows go on at both ends
+/// with facets about as long at a small angle, or at one end with such a row.
 pub(super) fn rows(topology: &Topology, facets: &Facets, regions: &[Region], turn: [f64; 2]) -> Vec<bool> {
     let mut region_of = vec![NONE; facets.all.len()];
     for (i, region) in (0u32..).zip(regions) {
@@ -345,7 +345,7 @@ pub(super) fn rows(topology: &Topology, facets: &Facets, regions: &[Region], tur
     is_row
 }
 
-/// Which of the regions are few facets in the midst of others like them: pieces of a free form that happen to fit.
+/// Whether each region is a few facets amid others like them: pieces of a free form that happen to fit.
 pub(super) fn strays(facets: &Facets, regions: &[Region], turn: f64) -> Vec<bool> {
     let mut is_firm = vec![false; facets.all.len()];
     for region in regions.iter().filter(|r| r.facets.len() > FEW) {

@@ -116,7 +116,7 @@ fn moved(mesh: &Mesh) -> Mesh {
     mesh.mapped(|p| turn * p + DVec3::new(31.0, -17.0, 55.0))
 }
 
-/// As stored in a binary STL.
+/// Mesh rounded as in a binary STL.
 fn rounded(mesh: &Mesh) -> Mesh {
     mesh.mapped(|p| p.as_vec3().as_dvec3())
 }
@@ -154,8 +154,8 @@ fn bodies() -> [(&'static str, Mesh); 6] {
     ]
 }
 
-/// What does not depend on place, order or cuts: form, size and area of each face, kind, angle, form and length of each
-/// edge, in thousandths.
+/// Properties that do not depend on place, order or cuts: form, size and area of each face, kind, angle, form and
+/// length of each edge, in thousandths.
 fn signature(found: &Segmentation) -> (Vec<[i64; 4]>, Vec<[i64; 4]>) {
     let thousandths = |v: f64| (v * 1e3).round() as i64;
     let mut faces: Vec<_> = found

@@ -24,7 +24,7 @@ pub(super) struct Lattice {
     blocks: [usize; 3],
 }
 
-/// Which points of the lattice are inside, and the placements that matter in those blocks that the surface passes.
+/// Lattice points inside, and the placements that matter in those blocks that the surface passes.
 pub(super) struct Blocks {
     inside: Vec<bool>,
     /// The blocks that the surface may pass, in rising order, each by its number.

@@ -1,4 +1,4 @@
-//! The surface of the room that a body passes through on its way.
+//! Surface of the swept volume of a moving body.
 //!
 //! The room is the union of the body in all its placements. The distance from a point to it is the least of the
 //! distances to the body, each read from one distance field at the point brought into the body's frame. The zero of
@@ -29,7 +29,7 @@ use task::{Cancel, Cancelled, Progress};
 /// Why there is no swept surface.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SweptError {
-    /// The work was told to stop.
+    /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
     /// The body cannot be searched.
@@ -73,7 +73,7 @@ impl SweptSurface {
     /// lattice of about `cells` cells.
     ///
     /// # Errors
-    /// If body or way are empty or not finite, or when told to stop.
+    /// If body or way are empty or not finite, or when cancelled.
     pub fn new(
         body: &Mesh,
         placements: &[DAffine3],

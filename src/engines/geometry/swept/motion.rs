@@ -1,4 +1,4 @@
-//! Least distances to a body over its way.
+//! Least distances to a body over its motion.
 //!
 //! From one placement to another no point of the body goes further than the way between them, so that no distance to
 //! the body changes by more: with distances `d` and `e` at both ends of a run of placements that is `w` long, none
@@ -14,13 +14,13 @@ const GOLDEN_STEPS: usize = 10;
 /// Difference of distances that is not worth looking for (mm).
 const SAME: f64 = 1e-3;
 
-/// A body on its way.
+/// A body in motion.
 pub(super) struct Motion {
     field: DistanceField,
     body: Bounds,
     /// From the world to the body, for every placement.
     to_body: Vec<DAffine3>,
-    /// At least the way of any point of the body from the first placement (mm).
+    /// Upper bound of the motion of any point of the body from the first placement (mm).
     way: Vec<f64>,
 }
 
@@ -195,7 +195,7 @@ impl Motion {
         self.field.value(q).unwrap_or_else(to_box)
     }
 
-    /// What no distance in a run is below, from those at its ends.
+    /// Lower bound of all distances in a run, from those at its ends.
     fn bound(&self, a: Known, b: Known) -> f64 {
         let sure = |d: f64| d - doubt(d);
         0.5 * (sure(a.distance) + sure(b.distance) - (self.way[b.index] - self.way[a.index]))

@@ -34,7 +34,7 @@ pub(super) struct Start {
 struct Cell {
     /// The number of its first point.
     index: usize,
-    /// Which of its sheets crosses each edge, or `NONE`.
+    /// Sheet that crosses each edge, or `NONE`.
     sheets: [u8; 12],
     /// Number of its first vertex, within its block.
     first: usize,

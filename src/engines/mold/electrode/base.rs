@@ -18,13 +18,13 @@ const SAGITTA: f64 = 0.005;
 /// A base: a block or a cylinder whose underside is at height 0, its middle at the origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Base {
-    /// Its sides (mm); the diameter twice if it is round.
+    /// Sides (mm); the diameter twice if it is round.
     pub sides: DVec2,
     /// Whether it is round.
     pub is_round: bool,
-    /// Its height (mm).
+    /// Height (mm).
     pub height: f64,
-    /// What shows how it stands: of a block the corner at +X +Y is cut off (mm along each side), a round one has a flat as
+    /// Orientation chamfer: of a block the corner at +X +Y is cut off (mm along each side), a round base has a flat as
     /// deep at +X.
     pub corner: f64,
 }
@@ -56,7 +56,7 @@ impl Base {
         })
     }
 
-    /// Its outline.
+    /// Outline.
     pub fn outline(&self) -> Vec<DVec2> {
         if self.is_round {
             return self.circle();

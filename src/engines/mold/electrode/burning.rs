@@ -1,4 +1,4 @@
-//! What an electrode burns where it stands, all along its orbit.
+//! Volume that an electrode burns at its position, all along its orbit.
 
 use std::f64::consts::PI;
 
@@ -16,7 +16,7 @@ const BETTER: f64 = 1e-6;
 pub struct Burning {
     mesh: ExactMesh,
     gap: f64,
-    /// What is not swept already.
+    /// The orbit, as far as it is not swept already.
     orbit: Orbit,
 }
 

@@ -1,31 +1,42 @@
-//! Checks that nothing may skip: whether an electrode is closed, enters nothing on its way, leaves nothing, and can be
-//! milled.
+//! Checks that nothing may skip: whether an electrode is closed, enters nothing on its way, leaves no residual stock,
+//! and can be milled.
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-pub use super::clearance::{Clearance, GOUGE, Obstacle};
+pub use super::clearance::{Clearance, Obstacle};
 pub use super::leftover::{LeftOfRegion, Milled, Sample, leftover};
-pub use super::milling::machinable;
+use crate::cutter::CutterLibrary;
+use crate::height_field;
+use crate::height_field::{HeightField, HeightFieldError};
+use crate::invert::InvertFaces;
 use geometry::mesh::Mesh;
 use geometry::solid;
+use task::Cancel;
 
 /// Vertices within this are one in a file of single precision (mm).
 const WELD: f64 = 1e-6;
 
-/// What a check is about.
+/// By how much an electrode may come closer than the gap (mm): rounding of files, not of sparks.
+pub const GOUGE: f64 = 5e-4;
+/// Cells of the smallest radius on the grid on which it is tried whether an electrode can be milled.
+const MILLING_CELLS: f64 = 20.0;
+/// Area of faces that look away from the cutters up to which it is rounding (mm^2).
+const LEAST_INVERT: f64 = 1e-2;
+
+/// Subject of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CheckKind {
     /// The surface is closed.
     Watertight,
-    /// Where it burns it keeps the gap.
+    /// The electrode keeps the gap where it burns.
     Gouge,
-    /// On its way in and out it keeps the gap.
+    /// The electrode keeps the gap on its way in and out.
     Approach,
-    /// What it was made for is burned.
+    /// The parts that the electrode was made for are burned.
     Leftover,
-    /// It can be milled.
+    /// The electrode can be milled.
     Machinable,
 }
 
@@ -45,21 +56,21 @@ impl CheckKind {
     }
 }
 
-/// What a check found.
+/// Finding of a check.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {
-    /// What it is about.
+    /// Subject of the check.
     pub kind: CheckKind,
     /// Whether it holds.
     pub holds: bool,
-    /// What was found, in words with its figures.
+    /// The finding in words, with its figures.
     pub text: String,
     /// Where, in the upright mold (mm).
     pub place: Option<DVec3>,
 }
 
 impl Finding {
-    /// What was found.
+    /// A finding.
     pub(super) fn new(kind: CheckKind, holds: bool, text: String, place: Option<DVec3>) -> Self {
         Self { kind, holds, text, place }
     }
@@ -83,4 +94,40 @@ pub fn watertight(mesh: &Mesh) -> Finding {
         "its surface has open edges or touches itself: no other check means anything".into()
     };
     Finding::new(CheckKind::Watertight, holds, text, None)
+}
+
+/// Whether cutters mill an electrode, turned over so that its tips look up, leaving nothing above `tolerance` (mm).
+/// Only stock on a footing of its own counts: tips need the base that they stand on.
+///
+/// # Errors
+/// [`HeightFieldError`].
+pub fn machinable(
+    electrode: &Mesh,
+    cutters: &CutterLibrary,
+    tolerance: f64,
+    cancel: &Cancel,
+) -> Result<Finding, HeightFieldError> {
+    let over = electrode.mapped(|p| DVec3::new(p.x, -p.y, -p.z));
+    let radius = cutters.needed().iter().map(|c| c.radius()).fold(f64::INFINITY, f64::min);
+    let field = HeightField::raster(&over, (radius / MILLING_CELLS).min(1.25 * tolerance.max(0.02)), cancel)?;
+    let closing = height_field::closing(&field, cutters, cancel)?;
+    let left = height_field::regions(&field, &closing, tolerance, cancel)?;
+    let invert = InvertFaces::of(&over).area;
+    let back = |p: DVec3| DVec3::new(p.x, -p.y, -p.z);
+    Ok(match left.first() {
+        Some(worst) => {
+            let text = format!(
+                "not millable: the cutters leave rest material at {} places, {:.3} mm^3 in all, up to {:.3} mm thick; divide it there, or add a smaller cutter",
+                left.len(),
+                left.iter().map(|r| r.volume).sum::<f64>(),
+                left.iter().map(|r| r.normal_depth).fold(0.0, f64::max)
+            );
+            Finding::new(CheckKind::Machinable, false, text, Some(back(worst.bounds.center())))
+        }
+        None if invert > LEAST_INVERT => {
+            let text = format!("not millable: {invert:.3} mm^2 are undercut");
+            Finding::new(CheckKind::Machinable, false, text, None)
+        }
+        None => Finding::new(CheckKind::Machinable, true, "millable: no rest material".into(), None),
+    })
 }

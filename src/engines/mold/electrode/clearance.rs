@@ -1,21 +1,19 @@
-//! How near an electrode comes to the mold, where it burns and on its way in and out.
+//! Distance of an electrode from the mold, where it burns and on its way in and out.
 
 use std::f64::consts::PI;
 
 use glam::{DAffine3, DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::check::{CheckKind, Finding};
+use super::check::{CheckKind, Finding, GOUGE};
 use super::params::{Orbit, Stage};
-use super::plan::ElectrodeError;
+use super::setting::ElectrodeError;
 use geometry::exact::{ExactMesh, ExactMeshError};
 use geometry::inside::winding_number;
 use geometry::mesh::{Mesh, unit_normal};
 use geometry::offset::offset;
 use task::Cancel;
 
-/// By how much an electrode may come closer than the gap (mm): rounding of files, not of sparks.
-pub const GOUGE: f64 = 5e-4;
 /// How far an orbit may bulge beyond the places of it that are tried (mm).
 const BULGE: f64 = 2e-4;
 
@@ -35,7 +33,7 @@ impl Obstacle {
         Ok(Self { mesh: ExactMesh::new(mold)?, surface: mold.clone(), cancel: Cancel::default() })
     }
 
-    /// The same mold; `cancel` stops what is long with it.
+    /// Obstacle whose long computations are stopped by `cancel`.
     pub fn stopped_by(self, cancel: &Cancel) -> Self {
         Self { cancel: cancel.clone(), ..self }
     }

@@ -30,7 +30,7 @@ pub struct BurningFace {
 /// A tip, as others are compared with it.
 #[derive(Debug, Clone)]
 pub struct Form {
-    /// Its burning faces, the largest first.
+    /// Burning faces, the largest first.
     pub faces: Vec<BurningFace>,
     /// Area of all of them (mm^2).
     pub area: f64,

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::base::Base;
 use super::check::{CheckKind, Finding, LeftOfRegion};
 use super::division::Cut;
-use super::family::Family;
+use super::names::GivenName;
 use super::overrides::{IdleOverride, Override};
 use super::params::{ElectrodeParams, Method};
 use geometry::mesh::{Bounds, Mesh};
@@ -23,21 +23,21 @@ pub struct PartId {
     pub part: usize,
 }
 
-/// As in tables: `R3.2` is part 2 of region 3, both counted from 1.
+/// Name in tables: `R3.2` is part 2 of region 3, both counted from 1.
 impl fmt::Display for PartId {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(f, "R{}.{}", self.region + 1, self.part + 1)
     }
 }
 
-/// Where an electrode stands when it has burned.
+/// Position at which an electrode burns.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Burn {
     /// Where the electrode's origin is, in the upright mold (mm).
     pub position: DVec3,
     /// How far the electrode is turned about the burn direction (radians).
     pub turn: f64,
-    /// What it burns.
+    /// Parts that are burned.
     pub parts: Vec<PartId>,
     /// How deep below the mold's top its lowest point is (mm).
     pub depth: f64,
@@ -47,15 +47,44 @@ pub struct Burn {
     pub minutes: f64,
 }
 
+/// Whether an electrode shares its base with those of other stages.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Family {
+    /// Own base; a shared one was not asked for.
+    #[default]
+    None,
+    /// Shared base.
+    Member {
+        /// Name of the shared body.
+        name: String,
+        /// Where the middle of its own tips is, from the middle of the base, which is the datum, in the electrode's axes
+        /// (mm).
+        offset: DVec2,
+    },
+    /// Own base, although a shared one was asked for.
+    Apart {
+        /// Why, in words.
+        why: String,
+    },
+}
+
+impl Family {
+    /// Name of the body that is shared with others, if there is one.
+    pub fn name(&self) -> Option<&str> {
+        if let Self::Member { name, .. } = self { Some(name) } else { None }
+    }
+}
+
 /// An electrode: a base with one tip or several. Its origin is the middle of the base's underside, from where the tips
 /// reach down along -Z.
 #[derive(Debug, Clone)]
 pub struct Electrode {
-    /// Its name, which its files carry.
+    /// Name, which its files carry.
     pub name: String,
-    /// Its burn: the place in the list of stages.
+    /// Burn: the place in the list of stages.
     pub stage: usize,
-    /// Its surface, tips and base (mm).
+    /// Surface, tips and base (mm).
     pub mesh: Mesh,
     /// The tips alone, up to the base.
     pub tips: Mesh,
@@ -100,6 +129,18 @@ impl Electrode {
     }
 }
 
+impl Override {
+    /// A decision for one check of an electrode and what it burns.
+    pub fn of(electrode: &Electrode, check: CheckKind) -> Self {
+        Self { electrode: electrode.name.clone(), check: Some(check), parts: electrode.part_names() }
+    }
+
+    /// Whether it is for this electrode and what that burns.
+    pub fn is_for(&self, electrode: &Electrode) -> bool {
+        self.electrode == electrode.name && (self.parts.is_empty() || self.parts == electrode.part_names())
+    }
+}
+
 /// A part of a region after division, as the tree shows it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PartNode {
@@ -107,9 +148,9 @@ pub struct PartNode {
     pub cut: Option<Cut>,
     /// H-edges that it has.
     pub h_edges: usize,
-    /// Its outlines in plan, in the burn frame (mm).
+    /// Outlines in plan, in the burn frame (mm).
     pub outlines: Vec<Vec<DVec2>>,
-    /// What it is divided into; one part only where nothing else of it is burned.
+    /// Parts that it is divided into; one part only where nothing else of it is burned.
     pub parts: Vec<PartNode>,
     /// Whether something beyond the cut was left out as too thin.
     pub lacks_thin: bool,
@@ -119,21 +160,21 @@ pub struct PartNode {
     pub place: Option<DVec2>,
 }
 
-/// What a stage has no tip for, and leaves to the stages after it.
+/// Part of a region that a stage has no tip for, and leaves to the stages after it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LeftOut {
     /// The stage: its place in the list.
     pub stage: usize,
-    /// What, and why, in words.
+    /// The part and the reason, in words.
     pub text: String,
 }
 
 /// How a region is burned.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RegionPlan {
-    /// Its division by the last stage that has one.
+    /// Division by the last stage that has one.
     pub tree: Option<PartNode>,
-    /// Its divisions by the stages before that one: their places in the list, the later one first.
+    /// Divisions by the stages before that one: their places in the list, the later one first.
     pub earlier: Vec<(usize, PartNode)>,
     /// How its tips are made.
     pub method: Method,
@@ -141,25 +182,28 @@ pub struct RegionPlan {
     pub direction: DVec3,
     /// The user's changes that met it: their places in the list.
     pub edits: Vec<usize>,
-    /// Why it has no electrode, or lacks one for a part.
-    pub trouble: Option<String>,
-    /// What stages leave to those after them.
+    /// Reason why the region has no electrode, or lacks one for a part.
+    #[serde(rename = "trouble")]
+    pub reason: Option<String>,
+    /// Parts that stages leave to those after them.
     pub left_out: Vec<LeftOut>,
-    /// What all burns and cutters leave of it.
+    /// Residual stock of the region after all burns and cutters.
     pub left: LeftOfRegion,
 }
 
 /// All electrodes for a mold, with what was checked.
 #[derive(Debug, Clone)]
 pub struct ElectrodeSet {
-    /// What was asked.
+    /// Parameters of the electrodes.
     pub params: ElectrodeParams,
-    /// They; those for the first stage first.
+    /// The electrodes; those for the first stage first.
     pub electrodes: Vec<Electrode>,
-    /// What was checked, for each of them.
+    /// Findings of the checks, for each electrode.
     pub checks: Vec<Vec<Finding>>,
     /// How each region is burned, in the order of the regions.
     pub regions: Vec<RegionPlan>,
+    /// The names that were ever given, with what they were given for.
+    pub names: Vec<GivenName>,
 }
 
 impl ElectrodeSet {
@@ -173,7 +217,8 @@ impl ElectrodeSet {
         self.is_blocked_with(electrode, &self.params.overrides)
     }
 
-    /// The same if these are the user's overrides. Those that share a body with it are asked too: it is one piece.
+    /// Whether an electrode may not be exported with these overrides. Electrodes that share a body with it count too,
+    /// because the body is one piece.
     pub fn is_blocked_with(&self, electrode: usize, overrides: &[Override]) -> bool {
         let is_blocked = |e: &usize| {
             let mut failing = self.checks[*e].iter().filter(|f| !f.holds);
@@ -213,7 +258,7 @@ impl ElectrodeSet {
 
     /// Regions that have no electrode for all of them.
     pub fn without_electrode(&self) -> Vec<usize> {
-        (0..self.regions.len()).filter(|r| self.regions[*r].trouble.is_some()).collect()
+        (0..self.regions.len()).filter(|r| self.regions[*r].reason.is_some()).collect()
     }
 
     /// The user's changes that met no region, or changed nothing: their places in the list.

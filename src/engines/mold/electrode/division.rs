@@ -7,7 +7,6 @@
 use glam::DVec2;
 use serde::Serialize;
 
-use super::earlier::CELL;
 use super::footprint::{grown, half_plane, shrunk};
 use super::h_edge::{HEdge, h_edges};
 use super::tip::{Burned, Footprint, SKIN, TipError, tip};
@@ -17,6 +16,8 @@ use crate::plane::Shape;
 use geometry::mesh::Mesh;
 use task::Cancel;
 
+/// How far from a tip in plan what it burns may lie, beyond the gap (mm): regions are known to cells.
+pub(super) const CELL: f64 = 0.05;
 /// How far a cut lies off the wall it goes along (mm), so that the two do not lie in one another.
 const OFF_WALL: f64 = 1e-4;
 /// Further than any mold (mm).
@@ -35,7 +36,7 @@ const ON_LINE: f64 = 1e-6;
 pub struct Cut {
     /// A point that it goes through, in plan (mm).
     pub through: DVec2,
-    /// Its unit normal.
+    /// Unit normal.
     pub outward: DVec2,
     /// Whether parts beyond it reach back over it.
     pub overlaps: bool,
@@ -46,7 +47,7 @@ pub struct Cut {
 pub struct Part {
     /// Where it stands.
     pub footprint: Footprint,
-    /// Its tip, up to the cap.
+    /// Tip, up to the cap.
     pub body: Mesh,
     /// The edges that no cutter makes.
     pub h_edges: Vec<HEdge>,
@@ -139,7 +140,7 @@ pub(super) fn whole(burned: &Burned, footprint: Footprint) -> Result<Part, TipEr
     Ok(Part { footprint, body, h_edges, divided: None, lacks_thin: false })
 }
 
-/// What a cut makes of a part.
+/// Both parts that a cut makes of a part.
 struct Halves {
     parts: Vec<Part>,
     /// The length along which they meet (mm).
@@ -221,8 +222,8 @@ pub fn cut_along(
     (parts, mouths)
 }
 
-/// What a piece of a footprint burns of the region on its side of a cut; none where that is nothing, so that it is not
-/// needed. The outward normal of the cut points away from the side.
+/// Part of the region that a piece of a footprint burns on its side of a cut; none where that is nothing, so that the
+/// piece is not needed. The outward normal of the cut points away from the side.
 fn share(
     burned: &Burned,
     footprint: &Footprint,

@@ -2,15 +2,12 @@
 //! those after them: a roughing electrode keeps its thick part, and the finishing one burns the rest alone.
 
 use super::design::LeftOut;
-use super::division::Part;
+use super::division::{CELL, Part};
 use super::footprint::{grown, is_thin};
 use super::params::{ElectrodeParams, Stage};
-use super::plan::{RegionToBurn, Setting};
+use super::setting::{RegionToBurn, Setting};
 use crate::outline::Outline;
 use crate::plane;
-
-/// How far from a tip in plan what it burns may lie, beyond the gap (mm): regions are known to cells.
-pub(super) const CELL: f64 = 0.05;
 
 /// Takes out the parts that are nowhere as thick as `least` (mm), each with its number; what share of a region, given in
 /// plan, the others burn, and whether one was taken out that would be thick enough by less than what regions are known to.
@@ -37,7 +34,7 @@ pub(super) fn thick_only(
     ((burned / plane::area(region).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0), is_close)
 }
 
-/// What is said of a stage that has tips for a share of a region only.
+/// Report on a stage that has tips for a share of a region only.
 pub(super) fn left_to_later(stage: &Stage, number: usize, (share, is_close): (f64, bool), least: f64) -> LeftOut {
     let name = &stage.name;
     let mut text = if share > 0.0 {
@@ -60,7 +57,7 @@ pub(super) fn left_to_later(stage: &Stage, number: usize, (share, is_close): (f6
     LeftOut { stage: number, text }
 }
 
-/// What is said of a stage whose gap leaves no room for a tip.
+/// Report on a stage whose gap leaves no room for a tip.
 pub(super) fn no_room(stage: &Stage, number: usize) -> LeftOut {
     let name = &stage.name;
     let text =
@@ -75,7 +72,7 @@ pub(super) fn is_nothing(region: &RegionToBurn, params: &ElectrodeParams) -> boo
     region.thickness <= NEAR * params.tolerance_mm
 }
 
-/// What is said of such a region.
+/// Report on such a region.
 pub(super) fn nothing(stage: &Stage, number: usize, thickness: f64) -> LeftOut {
     let name = &stage.name;
     let text = format!(

@@ -5,14 +5,17 @@ use rayon::prelude::*;
 
 use super::division::{Cut, DivisionSettings, Part, cut_along, whole};
 use super::params::{Edit, ElectrodeParamsError};
-use super::plan::{RegionToBurn, TOUCHES};
+use super::setting::RegionToBurn;
 use super::tip::{Burned, Footprint, SKIN, TipError};
 use crate::outline::{Outline, off_segment};
 use crate::plane;
 use geometry::exact::ExactMesh;
 use geometry::mesh::Mesh;
 
-/// What a cut leaves between two parts at most (mm).
+/// How far a place of an edit may be from a region's surface, or from a part in plan (mm).
+pub(super) const TOUCHES: f64 = 0.5;
+
+/// Greatest gap that a cut leaves between two parts (mm).
 const HAIR: f64 = 1e-3;
 /// Regions whose distances from a place differ by less are as near (mm): they are known to cells of about this size.
 const AS_NEAR: f64 = 0.02;
@@ -169,7 +172,7 @@ fn off_in_space(region: &RegionToBurn, p: DVec3) -> f64 {
 }
 
 /// How far a point is from a region in plan (mm).
-fn off_in_plan(region: &RegionToBurn, plan: impl Fn(DVec3) -> DVec2, p: DVec2) -> f64 {
+pub(super) fn off_in_plan(region: &RegionToBurn, plan: impl Fn(DVec3) -> DVec2, p: DVec2) -> f64 {
     let of = |corners: &[DVec3; 3]| {
         let sides = [0, 1, 2].map(|i| [plan(corners[i]), plan(corners[(i + 1) % 3])]);
         let turns = sides.map(|[a, b]| (b - a).perp_dot(p - a));

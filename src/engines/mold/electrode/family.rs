@@ -3,14 +3,13 @@
 //! must keep clear of the mold too.
 
 use glam::{DVec2, DVec3};
-use serde::Serialize;
 
 use super::base::{Base, placed};
 use super::check::Obstacle;
-use super::design::{Burn, Electrode, PartId};
+pub use super::design::{Burn, Electrode, Family, PartId};
 use super::net_shape::burned;
 use super::params::{ElectrodeParams, Shape, Stage};
-use super::plan::{ElectrodeError, to_burn_frame};
+use super::setting::{ElectrodeError, to_burn_frame};
 use super::tip::joined;
 use crate::cutter::CutterLibrary;
 use geometry::mesh::{Bounds, Mesh};
@@ -20,35 +19,6 @@ use task::Cancel;
 const FURTHER: f64 = 1.0;
 /// How long a row is tried where there are no holders to say (mm).
 const LONGEST: f64 = 200.0;
-
-/// Whether an electrode shares its base with those of other stages.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Family {
-    /// It does not, nor was it asked for.
-    #[default]
-    None,
-    /// It does.
-    Member {
-        /// What the body that they share is called.
-        name: String,
-        /// Where the middle of its own tips is, from the middle of the base, which is the datum, in the electrode's axes
-        /// (mm).
-        offset: DVec2,
-    },
-    /// It was asked for and cannot be.
-    Apart {
-        /// Why, in words.
-        why: String,
-    },
-}
-
-impl Family {
-    /// What the body is called that it shares with others.
-    pub fn name(&self) -> Option<&str> {
-        if let Self::Member { name, .. } = self { Some(name) } else { None }
-    }
-}
 
 /// A row of electrodes: which, and where the middle of the tips of each is from that of the base (mm).
 type Row = Vec<(usize, DVec2)>;

@@ -21,14 +21,14 @@ const TOGETHER: f64 = 1e-3;
 /// Concave edges of a tip that stand above one another, or one that is slanted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HEdge {
-    /// Its ends (mm).
+    /// Ends (mm).
     pub ends: [DVec3; 2],
     /// The unit normals of the faces on both sides, outwards.
     pub normals: [DVec3; 2],
 }
 
 impl HEdge {
-    /// Its length (mm).
+    /// Length (mm).
     pub fn length(&self) -> f64 {
         self.ends[0].distance(self.ends[1])
     }

@@ -1,4 +1,4 @@
-//! What burns leave of a region, and what of that nobody can burn with this spark.
+//! Residual stock of a region after its burns, and the part of it that no electrode can burn with this spark.
 //!
 //! The spark rounds what it burns: an electrode that has all the room that the gap and the orbit allow, the fullest one,
 //! still leaves something in corners. What an electrode leaves there besides it is held against the tolerance. Where the
@@ -31,22 +31,22 @@ const FARTHEST: f64 = 1.65;
 /// A part of a mold's surface that cutters leave, as leftovers are looked for on it.
 #[derive(Debug, Clone, Copy)]
 pub struct Sample {
-    /// Its middle (mm).
+    /// Middle (mm).
     pub point: DVec3,
-    /// Its unit normal.
+    /// Unit normal.
     pub normal: DVec3,
-    /// Its area (mm^2).
+    /// Area (mm^2).
     pub area: f64,
     /// How thick at most the cutters leave it (mm).
     pub thickest: f64,
 }
 
-/// What burns leave of a region.
+/// Residual stock of a region after its burns.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct LeftOfRegion {
     /// Greatest distance from the mold's surface (mm).
     pub thickness: f64,
-    /// The same without what the gap's radius keeps in corners (mm).
+    /// Greatest excess of residual stock over what the gap's radius leaves in corners (mm).
     pub excess: f64,
     /// Where that is greatest; where there is none, where the thickness is.
     pub place: DVec3,
@@ -55,7 +55,7 @@ pub struct LeftOfRegion {
 }
 
 impl LeftOfRegion {
-    /// What is left of both: what is thickest, the place of the greater excess, the volumes together.
+    /// Residual stock of both together: the greater thickness, the place of the greater excess, the sum of the volumes.
     pub(super) fn and(self, other: Self) -> Self {
         let (volume, thickness) = (self.volume + other.volume, self.thickness.max(other.thickness));
         // Where no excess is, the place is that of the greatest thickness.
@@ -72,7 +72,7 @@ pub struct Milled<'a> {
     pub within: f64,
 }
 
-/// What burns a region.
+/// Burns of a region.
 pub(super) struct Burns<'a> {
     /// Each of its burns.
     pub(super) all: &'a [Burning],
@@ -80,7 +80,7 @@ pub(super) struct Burns<'a> {
     pub(super) fullest: Option<&'a Burning>,
 }
 
-/// What is left on a sample.
+/// Residual stock on a sample.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LeftAt {
     /// How much.
@@ -89,7 +89,7 @@ pub(super) struct LeftAt {
     pub(super) is_in_slot: bool,
 }
 
-/// What is left on each of the samples of a region's surface, of what the cutters left.
+/// Residual stock on each of the samples of a region's surface, of the stock that the cutters left.
 ///
 /// # Errors
 /// [`Cancelled`].
@@ -123,7 +123,7 @@ fn left_at(burns: &Burns, sample: &Sample, mold: &Obstacle, milled: &Milled) -> 
     LeftAt { left, is_in_slot }
 }
 
-/// What is met on the way along a sample's normal through what is left.
+/// Walk along a sample's normal through the residual stock.
 struct March {
     /// How far off any face the way comes (mm): along an edge a normal runs beside another face, and what is nearer to that
     /// one is counted there.
@@ -167,7 +167,7 @@ fn march(sample: &Sample, beyond: &dyn Fn(DVec3) -> f64, mold: &Obstacle, milled
 pub struct Looked {
     /// Distance of samples on faces (mm).
     pub on_faces: f64,
-    /// The same along edges and cuts (mm).
+    /// Tolerance along edges and cuts (mm).
     pub along_edges: f64,
 }
 
@@ -178,7 +178,7 @@ impl Looked {
     }
 }
 
-/// What is said of a square orbit where something is left.
+/// Remark for a square orbit where stock is left.
 const SQUARE: &str =
     "; a square orbit reaches only into corners of walls along X and Y: a circular one, or none, leaves less";
 

@@ -7,7 +7,8 @@ use glam::{DMat3, DVec2, DVec3};
 use super::check::{CheckKind, Finding};
 use super::design::ElectrodeSet;
 use super::params::{ElectrodeParams, Orbit, Stage};
-use super::plan::{ElectrodeError, plan};
+use super::plan::plan;
+use super::setting::ElectrodeError;
 use super::tests::{GAP, cutters, mold, params, planned, region, ring};
 use crate::fixtures::rectangle;
 use geometry::mesh::Mesh;
@@ -53,7 +54,7 @@ fn a_slot_that_no_electrode_enters_is_no_corner() {
         // All of the slot, and what corners of the pocket keep.
         let slot = width * length * depth;
         assert!((0.9 * slot..1.15 * slot + 0.3).contains(&left.volume), "{width}: {} {slot}", left.volume);
-        assert!(set.regions[0].trouble.as_ref().is_some_and(|t| t.contains("where no head reaches")), "{width}");
+        assert!(set.regions[0].reason.as_ref().is_some_and(|t| t.contains("where no head reaches")), "{width}");
         // The pocket itself is burned, and its electrode is not to blame.
         assert!(set.electrodes.iter().zip(&set.checks).all(|(_, found)| leftover(found).holds), "{:?}", set.checks);
     }

@@ -15,18 +15,18 @@ pub mod family;
 pub mod footprint;
 pub mod h_edge;
 pub mod leftover;
-pub mod milling;
+pub mod names;
 pub mod overrides;
 pub mod params;
 pub mod plan;
 pub mod plan_checks;
+pub mod setting;
 pub mod tip;
 
 mod earlier;
 mod edits;
 mod net_shape;
 mod part_numbers;
-mod removal;
 mod samples;
 mod sharing;
 

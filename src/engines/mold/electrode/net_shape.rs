@@ -13,7 +13,7 @@ pub(super) fn net(stage: &Stage) -> Stage {
     Stage { gap_mm: 0.0, stock_mm: 0.0, orbit: Default::default(), ..stage.clone() }
 }
 
-/// What each burn of an electrode is for.
+/// Parts that each burn of an electrode is for.
 pub(super) fn burned(electrode: &Electrode) -> Vec<Vec<PartId>> {
     electrode.burns.iter().map(|burn| burn.parts.clone()).collect()
 }
@@ -39,15 +39,15 @@ pub(super) fn told_of_real(mut filed: ElectrodeSet, made: ElectrodeSet) -> Elect
     for (number, (plan, made)) in filed.regions.iter_mut().zip(made.regions).enumerate() {
         plan.left = made.left;
         plan.left_out = made.left_out;
-        plan.trouble = plan.trouble.take().or(made.trouble);
-        if plan.trouble.is_none() && lacking.contains(&number) {
-            plan.trouble = Some(OTHER_NET.to_owned());
+        plan.reason = plan.reason.take().or(made.reason);
+        if plan.reason.is_none() && lacking.contains(&number) {
+            plan.reason = Some(OTHER_NET.to_owned());
         }
     }
     filed
 }
 
-/// What does not hold of the net shape, and else what was found of the real one, kind by kind.
+/// Failing checks of the net shape, and otherwise the findings for the real electrode, kind by kind.
 fn joined(net: &mut [Finding], real: &[Finding]) {
     for net in net.iter_mut().filter(|net| net.holds) {
         if let Some(real) = real.iter().find(|real| real.kind == net.kind) {

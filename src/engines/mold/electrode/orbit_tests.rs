@@ -84,7 +84,7 @@ fn a_square_orbit_keeps_the_gap_in_round_hollows_with_the_coordinates_of_files()
         let mold = mold.mapped(|p| (p + DVec3::new(-10.1, 3.3, -10.0)).as_vec3().as_dvec3());
         assert!(mold.is_watertight());
         let set = planned_in(&mold, Orbit::Square { radius_mm: RADIUS }, 0.02);
-        assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].trouble);
+        assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].reason);
         let nearest = least_distance(&mold, &burning(&set.electrodes[0]), around());
         assert!((GAP - 1e-6..GAP + 1e-3).contains(&nearest), "{nearest}");
     }
@@ -112,7 +112,7 @@ fn a_square_orbit_keeps_the_gap_in_round_hollows_and_takes_all_the_room_there_is
     // In the obtuse corners that look along X and Y a square leaves its half side times the tangent of half their turn.
     for (hollow, tolerance) in [(polygon(96, 3.0), 0.02), (polygon(12, 3.0), 0.09), (rounded(8.0, 6.0, 0.4, 8), 0.02)] {
         let (mold, set) = planned_with(Orbit::Square { radius_mm: RADIUS }, &hollow, tolerance);
-        let [electrode] = &set.electrodes[..] else { panic!("{:?}", set.regions[0].trouble) };
+        let [electrode] = &set.electrodes[..] else { panic!("{:?}", set.regions[0].reason) };
         assert!(set.holds(), "{:?}", set.checks);
         let electrode = burning(electrode);
         let nearest = least_distance(&mold, &electrode, around());
@@ -127,7 +127,7 @@ fn a_circular_orbit_keeps_the_gap_in_round_hollows_and_takes_all_the_room_there_
     let around = || (0..96).map(|k| DVec2::from_angle(f64::from(k) / 96.0 * TAU) * RADIUS);
     for hollow in [polygon(96, 3.0), polygon(12, 3.0), rounded(8.0, 6.0, 0.4, 8), rounded(8.0, 6.0, 0.2, 8)] {
         let (mold, set) = planned_with(Orbit::Circular { radius_mm: RADIUS }, &hollow, 0.02);
-        let [electrode] = &set.electrodes[..] else { panic!("{:?}", set.regions[0].trouble) };
+        let [electrode] = &set.electrodes[..] else { panic!("{:?}", set.regions[0].reason) };
         assert!(set.holds(), "{:?}", set.checks);
         let electrode = burning(electrode);
         let nearest = least_distance(&mold, &electrode, around());
@@ -153,8 +153,8 @@ fn a_round_hollow_narrower_than_gap_and_orbit_has_no_tip() {
     ] {
         let (_, set) = planned_with(orbit, &polygon(24, radius), 0.02);
         assert!(set.electrodes.is_empty() && !set.holds(), "{orbit:?} {radius}");
-        let trouble = set.regions[0].trouble.clone().unwrap_or_default();
-        assert!(trouble.contains("narrower than twice the spark gap"), "{trouble}");
+        let reason = set.regions[0].reason.clone().unwrap_or_default();
+        assert!(reason.contains("narrower than twice the spark gap"), "{reason}");
     }
 }
 
@@ -182,7 +182,7 @@ fn a_circular_orbit_keeps_the_gap_where_a_floor_rises_into_a_fillet() {
         assert!(mold.is_watertight() && mold.volume() > 0.0);
         // What its way leaves in the fillets is not looked at here.
         let set = planned_in(&mold, Orbit::Circular { radius_mm: RADIUS }, 0.5);
-        let [electrode] = &set.electrodes[..] else { panic!("{:?}", set.regions[0].trouble) };
+        let [electrode] = &set.electrodes[..] else { panic!("{:?}", set.regions[0].reason) };
         assert!(set.checks[0].iter().filter(|f| f.kind != CheckKind::Machinable).all(|f| f.holds), "{:?}", set.checks);
         let electrode = burning(electrode);
         let nearest = least_distance(&mold, &electrode, around());

@@ -6,7 +6,6 @@ use std::str::FromStr;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::check::CheckKind;
-use super::design::Electrode;
 use files::word_or_table::word_or_table;
 
 /// An electrode that is exported although a check fails.
@@ -57,7 +56,7 @@ pub enum IdleOverride {
     NoElectrode,
     /// The electrode of its name burns other parts than when it was decided.
     OtherParts,
-    /// What it is for holds.
+    /// The check does not fail.
     Holds,
 }
 
@@ -71,18 +70,6 @@ impl IdleOverride {
             }
             Self::Holds => "the check does not fail: the override has no effect",
         }
-    }
-}
-
-impl Override {
-    /// A decision for one check of an electrode and what it burns.
-    pub fn of(electrode: &Electrode, check: CheckKind) -> Self {
-        Self { electrode: electrode.name.clone(), check: Some(check), parts: electrode.part_names() }
-    }
-
-    /// Whether it is for this electrode and what that burns.
-    pub fn is_for(&self, electrode: &Electrode) -> bool {
-        self.electrode == electrode.name && (self.parts.is_empty() || self.parts == electrode.part_names())
     }
 }
 

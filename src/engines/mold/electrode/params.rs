@@ -1,10 +1,12 @@
-//! What is asked of electrodes.
+//! Parameters of electrodes.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
+use files::{Invalid, Validate};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
+use super::names::GivenName;
 use super::overrides::Override;
 use crate::cutter::CutterLibrary;
 
@@ -12,12 +14,12 @@ use crate::cutter::CutterLibrary;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "pattern", deny_unknown_fields)]
 pub enum Orbit {
-    /// None.
+    /// No orbit.
     #[default]
     None,
     /// A circle.
     Circular {
-        /// Its radius (mm).
+        /// Radius (mm).
         radius_mm: f64,
     },
     /// A square with its sides along X and Y.
@@ -40,7 +42,7 @@ impl Orbit {
     /// Whether an electrode that was made for it is right for it turned about the burn direction, too (radians): the
     /// machine does not turn the orbit with it.
     pub fn fits_turned(self, turn: f64) -> bool {
-        /// What rounding makes of a quarter turn (radians).
+        /// Rounding of a quarter turn (rad).
         const HAIR: f64 = 1e-6;
         let quarters = turn / std::f64::consts::FRAC_PI_2;
         !matches!(self, Self::Square { .. }) || (quarters - quarters.round()).abs() < HAIR
@@ -55,7 +57,7 @@ impl Orbit {
         }
     }
 
-    /// Its radius or half side (mm).
+    /// Radius or half side (mm).
     pub fn radius_mm(self) -> f64 {
         match self {
             Self::None => 0.0,
@@ -68,11 +70,11 @@ impl Orbit {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stage {
-    /// Its name: rough, finish.
+    /// Name: rough, finish.
     pub name: String,
     /// Spark gap (mm): how far from the electrode material is taken.
     pub gap_mm: f64,
-    /// What it leaves for the stages after it (mm), on every face.
+    /// Stock left for the stages after this one (mm), on every face.
     #[serde(default)]
     pub stock_mm: f64,
     /// The orbit.
@@ -119,7 +121,7 @@ impl Stage {
     }
 }
 
-/// What the electrode files hold.
+/// Shape that electrode files hold.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Shape {
@@ -144,11 +146,11 @@ pub enum Method {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Holder {
-    /// Its name.
+    /// Name.
     pub name: String,
     /// Largest blank that it holds, along X and Y (mm).
     pub size_mm: [f64; 2],
-    /// Its height above the blank (mm).
+    /// Height above the blank (mm).
     pub height_mm: f64,
 }
 
@@ -161,7 +163,7 @@ pub struct Blanks {
     /// Diameters that round blanks come in (mm), rising. One is taken where it is less than the rectangular blank; none where
     /// the list is empty.
     pub diameters_mm: Vec<f64>,
-    /// What lengths, and sides beyond the list, are rounded up to (mm).
+    /// Step to which lengths, and sides beyond the list, are rounded up (mm).
     pub increment_mm: f64,
 }
 
@@ -175,7 +177,7 @@ impl Default for Blanks {
 impl Blanks {
     /// The least side that holds `length` (mm).
     pub fn side(&self, length: f64) -> f64 {
-        /// What rounding makes of a length (mm).
+        /// Rounding of a length (mm).
         const HAIR: f64 = 1e-6;
         let known = self.sides_mm.iter().copied().find(|side| *side >= length - HAIR);
         known.unwrap_or_else(|| self.rounded_up(length))
@@ -278,13 +280,13 @@ impl std::fmt::Display for Edit {
     }
 }
 
-/// What is asked.
+/// Parameters of electrodes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ElectrodeParams {
     /// The burns.
     pub stages: Vec<Stage>,
-    /// What files hold.
+    /// Shape that files hold.
     pub shape: Shape,
     /// How far tips reach beyond what is left, where the mold leaves room (mm).
     pub margin_mm: f64,
@@ -310,10 +312,10 @@ pub struct ElectrodeParams {
     pub family_spacing_mm: f64,
     /// How far an electrode is lifted (mm).
     pub lift_mm: f64,
-    /// What is left, across the surface, up to which it counts as burned (mm), beyond what the gap's radius leaves in
-    /// edges.
+    /// Tolerance of residual stock (mm): thickness across the surface up to which a place counts as burned, beyond what
+    /// the gap's radius leaves in edges.
     pub tolerance_mm: f64,
-    /// What they are made of.
+    /// Material of the electrodes.
     pub material: String,
     /// The cutters that mill them; none for the library that mills the mold.
     pub cutters: Option<CutterLibrary>,
@@ -324,10 +326,13 @@ pub struct ElectrodeParams {
     pub holders: Vec<Holder>,
     /// Burning times.
     pub removal: Removal,
-    /// What the user changed.
+    /// Changes by the user.
     pub edits: Vec<Edit>,
     /// Electrodes that are exported although a check fails.
     pub overrides: Vec<Override>,
+    /// The names that were given to electrodes before: they keep them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub names: Vec<GivenName>,
 }
 
 impl Default for ElectrodeParams {
@@ -355,6 +360,7 @@ impl Default for ElectrodeParams {
             removal: Removal::default(),
             edits: Vec::new(),
             overrides: Vec::new(),
+            names: Vec::new(),
         }
     }
 }
@@ -365,9 +371,9 @@ pub enum ElectrodeParamsError {
     /// A length outside what makes sense.
     #[error("{name} is {value} mm: it must be from {least} to {most} mm")]
     Length {
-        /// Which.
+        /// Name of the parameter.
         name: String,
-        /// What it is (mm).
+        /// Value of the parameter (mm).
         value: f64,
         /// The least (mm).
         least: f64,
@@ -377,7 +383,7 @@ pub enum ElectrodeParamsError {
     /// No burn at all.
     #[error("there is no stage: give at least one burn, with its gap")]
     NoStage,
-    /// Stages that cannot be told apart.
+    /// Stages that cannot be distinguished.
     #[error(
         "two stages are called {0:?}, or a name is empty or holds more than letters, digits, - and _: file names carry it"
     )]
@@ -392,11 +398,11 @@ pub enum ElectrodeParamsError {
     StageOrder {
         /// The earlier one.
         earlier: String,
-        /// Its undersize at walls (mm).
+        /// Undersize at walls (mm).
         earlier_mm: f64,
         /// The later one.
         later: String,
-        /// Its undersize at walls (mm).
+        /// Undersize at walls (mm).
         later_mm: f64,
     },
     /// A holder that takes nothing.
@@ -414,6 +420,47 @@ pub enum ElectrodeParamsError {
     /// Burning times that are none.
     #[error("removal: all figures must be positive and finite")]
     Removal,
+}
+
+impl From<ElectrodeParamsError> for Invalid {
+    fn from(error: ElectrodeParamsError) -> Self {
+        let text = error.to_string();
+        let key = match error {
+            ElectrodeParamsError::Length { name, value, least, most } => {
+                return Self::new(name, value, format!("must be from {least} to {most} mm"));
+            }
+            ElectrodeParamsError::NoStage
+            | ElectrodeParamsError::StageName(_)
+            | ElectrodeParamsError::Stage(_)
+            | ElectrodeParamsError::StageOrder { .. } => "stages".to_owned(),
+            ElectrodeParamsError::Holder(_) => "holders".to_owned(),
+            ElectrodeParamsError::Blanks => "blanks".to_owned(),
+            ElectrodeParamsError::Removal => "removal".to_owned(),
+            ElectrodeParamsError::Place(n) | ElectrodeParamsError::Direction(n) => {
+                format!("edits[{}]", n.saturating_sub(1))
+            }
+        };
+        let remedy = text.strip_prefix(&format!("{key}: ")).unwrap_or(&text);
+        Self::of(key, remedy)
+    }
+}
+
+/// The most stages and the most holders.
+const MOST: [(&str, usize); 2] = [("stages", 16), ("holders", 256)];
+
+impl Validate for ElectrodeParams {
+    fn validate(&self) -> Result<(), Invalid> {
+        for ((key, most), count) in MOST.into_iter().zip([self.stages.len(), self.holders.len()]) {
+            if count > most {
+                return Err(Invalid::of(key, format!("there are {count}; at most {most} are possible")));
+            }
+        }
+        Self::validate(self)?;
+        match &self.cutters {
+            Some(library) => Validate::validate(library).map_err(|problem| problem.within("cutters")),
+            None => Ok(()),
+        }
+    }
 }
 
 impl ElectrodeParams {
@@ -446,9 +493,9 @@ impl ElectrodeParams {
             return Err(ElectrodeParamsError::NoStage);
         }
         for (i, stage) in self.stages.iter().enumerate() {
-            check(format!("gap_mm of stage {}", stage.name), stage.gap_mm, 0.0, 5.0)?;
-            check(format!("stock_mm of stage {}", stage.name), stage.stock_mm, 0.0, 5.0)?;
-            check(format!("radius_mm of stage {}", stage.name), stage.orbit.radius_mm(), 0.0, 5.0)?;
+            check(format!("stages[{i}].gap_mm"), stage.gap_mm, 0.0, 5.0)?;
+            check(format!("stages[{i}].stock_mm"), stage.stock_mm, 0.0, 5.0)?;
+            check(format!("stages[{i}].orbit.radius_mm"), stage.orbit.radius_mm(), 0.0, 5.0)?;
             if !(0.0..=60.0).contains(&stage.finish_vdi) || stage.quantity == 0 {
                 return Err(ElectrodeParamsError::Stage(stage.name.clone()));
             }

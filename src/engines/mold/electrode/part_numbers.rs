@@ -9,8 +9,7 @@ use std::collections::BTreeMap;
 use super::design::{PartId, PartNode, RegionPlan};
 use super::division::Part;
 use super::params::ElectrodeParams;
-use super::plan::{RegionToBurn, to_burn_frame};
-use super::removal::layer;
+use super::setting::{RegionToBurn, layer, to_burn_frame};
 use crate::outline::Outline;
 use crate::plane;
 
@@ -22,7 +21,7 @@ const MOST: f64 = 0.5;
 pub(super) struct Numbered {
     pub(super) stage: usize,
     pub(super) number: usize,
-    /// What it burns, in plan.
+    /// Area burned, in plan.
     pub(super) shape: Vec<Outline>,
     /// Area of its tip in plan (mm^2); none if the stage has no tip for it.
     pub(super) front: Option<f64>,
@@ -31,7 +30,7 @@ pub(super) struct Numbered {
 /// For each region the parts of all stages.
 pub(super) type Parts = Vec<Vec<Numbered>>;
 
-/// What a part burns in plan; where that is only beside it, its tip.
+/// Area that a part burns in plan; the outline of its tip where it burns only beside it.
 pub(super) fn shape(part: &Part) -> Vec<Outline> {
     let footprint = &part.footprint;
     if plane::area(&footprint.region) > 0.0 { footprint.region.clone() } else { footprint.free.clone() }
@@ -114,7 +113,7 @@ pub(super) fn volumes(
     taken
 }
 
-/// Which share of a place of this area each part of a stage burns; all of them all of it where the stage lacks nothing.
+/// Share of a place of this area that each part of a stage burns; everything each where the stage lacks nothing.
 fn shares(own: &[&Numbered], place: &Numbered, area: f64, (is_last, is_whole): (bool, bool)) -> Vec<f64> {
     if is_last {
         return own.iter().map(|part| f64::from(part.number == place.number)).collect();

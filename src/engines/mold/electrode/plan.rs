@@ -1,164 +1,31 @@
 //! From regions to electrodes.
 
 use std::collections::BTreeMap;
-use std::f64::consts::TAU;
 
-use glam::{DMat3, DQuat, DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::base::placed;
-use super::check::{GOUGE, LeftOfRegion, Milled};
+use super::check::{LeftOfRegion, Milled};
 use super::combine::Form;
 use super::design::{Burn, Electrode, ElectrodeSet, PartId, PartNode, RegionPlan};
 use super::division::{DivisionSettings, Part, divide};
 use super::earlier::{is_nothing, left_to_later, no_room, nothing, thick_only};
 use super::edits::{apply, named as named_by_edits, places, pointed_at};
-use super::family::{Family, into_families, parts};
+use super::family::into_families;
+use super::names::named;
 use super::net_shape::{net, told_of_real};
-use super::params::{Edit, ElectrodeParams, ElectrodeParamsError, Method, Orbit, Shape, Stage};
+use super::params::{Edit, ElectrodeParams, Method, Shape, Stage};
 use super::part_numbers::{Numbered, Parts, numbers, renumber, shape, volumes};
 use super::plan_checks::checked;
-use super::sharing::{assembled, shared};
+use super::setting::{ElectrodeError, RegionToBurn, Setting};
+use super::sharing::{Leaf, assembled, shared};
 use super::tip::{Burned, Place, TipError, footprint};
 use crate::cutter::CutterLibrary;
-use crate::height_field::HeightFieldError;
 use crate::outline::Outline;
 use crate::plane;
-use geometry::exact::{ExactMesh, ExactMeshError};
 use geometry::mesh::Mesh;
-use geometry::minkowski::{on_grid, up_to_grid, with_rectangle};
-use geometry::offset::{OffsetError, offset, offset_along_disc};
-use geometry::solid::{SolidError, unfolded};
-use task::{Cancel, Cancelled, Progress};
-
-/// How far off a burn surface a point of a tip may be to be part of it (mm).
-const ON_BURN: f64 = 1e-6;
-
-/// Why there are no electrodes.
-#[derive(Debug, thiserror::Error)]
-pub enum ElectrodeError {
-    /// Parameters that cannot be used.
-    #[error(transparent)]
-    Params(#[from] ElectrodeParamsError),
-    /// The mold's surface cannot be moved by the gap.
-    #[error("the mold grown by the spark gap: {0}")]
-    Offset(#[from] OffsetError),
-    /// The mold is no solid.
-    #[error("electrodes need a closed mold, which can be told inside from outside: {0}")]
-    Solid(#[from] SolidError),
-    /// The mold cannot be searched.
-    #[error(transparent)]
-    Exact(#[from] ExactMeshError),
-    /// An electrode cannot be tried with the cutters.
-    #[error("milling of the electrodes: {0}")]
-    Milling(HeightFieldError),
-    /// Told to stop.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
-
-impl From<HeightFieldError> for ElectrodeError {
-    fn from(error: HeightFieldError) -> Self {
-        match error {
-            HeightFieldError::Cancelled(cancelled) => Self::Cancelled(cancelled),
-            other => Self::Milling(other),
-        }
-    }
-}
-
-/// A region that cutters leave, upright.
-#[derive(Debug, Clone)]
-pub struct RegionToBurn {
-    /// The corners of the parts of the surface that bound it (mm).
-    pub corners: Vec<[DVec3; 3]>,
-    /// How high each of them is covered (mm).
-    pub depths: Vec<f64>,
-    /// Height that what is left reaches up to (mm).
-    pub rim: f64,
-    /// Its volume (mm^3).
-    pub volume: f64,
-    /// Its greatest thickness across the surface (mm).
-    pub thickness: f64,
-    /// Whether it consists of whole faces of the mold.
-    pub has_whole_faces: bool,
-}
-
-/// The mold for one burn direction and stage.
-pub(super) struct Setting {
-    /// From the upright mold to the burn frame.
-    pub(super) turned: DMat3,
-    /// The mold in it.
-    pub(super) mold: Mesh,
-    /// The same, for distances.
-    own: ExactMesh,
-    /// The mold grown by what electrodes keep off.
-    kept_clear: Mesh,
-    exact: ExactMesh,
-    pub(super) stage: Stage,
-}
-
-impl Setting {
-    fn new(mold: &Mesh, direction: DVec3, stage: &Stage) -> Result<Self, ElectrodeError> {
-        let turned = to_burn_frame(direction);
-        let mold = mold.mapped(|p| turned * p);
-        let kept_clear = kept_clear(&mold, stage)?;
-        let exact = ExactMesh::new(&kept_clear)?;
-        let own = ExactMesh::new(&mold)?;
-        Ok(Self { turned, mold, own, kept_clear, exact, stage: stage.clone() })
-    }
-
-    /// Whether a point lies on the surface that burns.
-    pub(super) fn burns(&self, p: DVec3) -> bool {
-        self.exact.nearest(p).signed_distance.abs() < ON_BURN
-    }
-
-    /// Whether an electrode that holds a point keeps the gap there all along its orbit.
-    pub(super) fn keeps_gap(&self, p: DVec3) -> bool {
-        /// Places of an orbit that are tried.
-        const PLACES: usize = 8;
-        let least = self.stage.gap_mm + self.stage.stock_mm - GOUGE;
-        let keeps = |shift: DVec2| self.own.nearest(p + shift.extend(0.0)).signed_distance >= least;
-        let around = |i: usize| DVec2::from_angle((i as f64 + 0.5) * TAU / PLACES as f64);
-        match self.stage.orbit {
-            Orbit::None => keeps(DVec2::ZERO),
-            Orbit::Circular { radius_mm } => (0..PLACES).all(|i| keeps(around(i) * radius_mm)),
-            Orbit::Square { radius_mm } => (0..PLACES).all(|i| keeps(around(i).signum() * radius_mm)),
-        }
-    }
-}
-
-/// What an electrode must not enter, in the burn frame: the mold grown by the gap, and by what the orbit sweeps.
-///
-/// A circle moves each face by its own way. So does a square, but where the facets of two of its quarters meet, its own side
-/// belongs between them: moved each by its own way they would meet further out, by as much as the orbit times the tangent
-/// of half their turn. What a square sweeps is therefore added as a solid.
-pub(super) fn kept_clear(mold: &Mesh, stage: &Stage) -> Result<Mesh, ElectrodeError> {
-    let gap = stage.gap_mm + stage.stock_mm;
-    match stage.orbit {
-        Orbit::None => Ok(unfolded(offset(mold, |_| gap)?)?),
-        Orbit::Circular { radius_mm } => Ok(unfolded(offset_along_disc(mold, gap, radius_mm)?)?),
-        Orbit::Square { radius_mm } => {
-            let grown = unfolded(on_grid(&offset(mold, |_| gap)?))?;
-            Ok(with_rectangle(&grown, DVec2::splat(up_to_grid(radius_mm)))?)
-        }
-    }
-}
-
-/// The rotation that turns a burn direction to -Z; none for straight down.
-pub fn to_burn_frame(direction: DVec3) -> DMat3 {
-    let direction = direction.normalize_or_zero();
-    if direction == DVec3::ZERO || direction.dot(DVec3::NEG_Z) > 1.0 - 1e-12 {
-        return DMat3::IDENTITY;
-    }
-    DMat3::from_quat(DQuat::from_rotation_arc(direction, DVec3::NEG_Z))
-}
-
-/// A tip with what it is for.
-pub(super) struct Leaf {
-    pub(super) id: PartId,
-    pub(super) part: Part,
-    pub(super) form: Form,
-}
+use task::{Cancel, Progress};
 
 /// Electrodes for `regions` of a mold that opens along +Z.
 ///
@@ -223,7 +90,7 @@ fn plan_stages(
                     Ok(electrode) => electrodes.push(electrode),
                     Err(ElectrodeError::Solid(error)) => {
                         let ids = group.burns.iter().flat_map(|(.., ids)| ids).map(|i| leaves[*i].id.region);
-                        ids.for_each(|r| plans[r].trouble = Some(format!("{} stage: {error}", stage.name)));
+                        ids.for_each(|r| plans[r].reason = Some(format!("{} stage: {error}", stage.name)));
                     }
                     Err(other) => return Err(other),
                 }
@@ -234,11 +101,11 @@ fn plan_stages(
     plans.iter_mut().for_each(|plan| plan.left_out.sort_by_key(|left| left.stage));
     with_volumes(&mut electrodes, &volumes(regions, &plans, &parts, params, &made), (&parts, params));
     into_families(mold, &mut electrodes, like.map(|(real, _)| real), (cutters, params, stages), cancel)?;
-    named(&mut electrodes, params);
+    let names = named(&mut electrodes, params, (regions, &plans, &parts));
     progress.report("checks", 0.7, "");
     let checks = checked((mold, milled), &electrodes, &mut plans, regions, (cutters, params, stages), cancel)?;
     progress.report("checks", 1.0, "");
-    Ok((ElectrodeSet { params: params.clone(), electrodes, checks, regions: plans }, parts))
+    Ok((ElectrodeSet { params: params.clone(), electrodes, checks, regions: plans, names }, parts))
 }
 
 /// Tells the burns what they take and how long.
@@ -264,9 +131,6 @@ fn with_volumes(
     }
 }
 
-/// How far a place of an edit may be from a region's surface, or from a part in plan (mm).
-pub(super) const TOUCHES: f64 = 0.5;
-
 /// How regions are burned, with those of the user's changes that say so: each is for the region nearest to its place.
 fn region_plans(regions: &[RegionToBurn], params: &ElectrodeParams) -> Vec<RegionPlan> {
     let edits = pointed_at(regions, &params.edits);
@@ -289,18 +153,18 @@ fn region_plan(region: &RegionToBurn, edits: Vec<usize>, params: &ElectrodeParam
         method,
         direction,
         edits,
-        trouble: None,
+        reason: None,
         left_out: Vec::new(),
         left: LeftOfRegion::default(),
     }
 }
 
-/// What is found out about regions: how they are burned, and the share of each that the stage has tips for.
+/// Findings about regions: how they are burned, and the share of each that the stage has tips for.
 type Found<'a> = (&'a mut [RegionPlan], &'a mut [f64]);
 /// The parts of stages after this one, to which its own are added, and of electrodes of which these are the net shapes.
 type Known<'a> = (&'a mut Parts, Option<&'a Parts>);
 
-/// The tips of these regions for stage `number`; what stands in their way is told in their plans.
+/// The tips of these regions for stage `number`; what stands in their way is listed in their plans.
 fn leaves(
     setting: &Setting,
     regions: &[RegionToBurn],
@@ -339,7 +203,7 @@ fn leaves(
                 plan.left_out.push(no_room(&setting.stage, number));
             }
             Err(other) => {
-                plan.trouble.get_or_insert(format!("{} stage: {other}", setting.stage.name));
+                plan.reason.get_or_insert(format!("{} stage: {other}", setting.stage.name));
             }
         }
     }
@@ -447,27 +311,6 @@ fn node(part: &Part, places: &[Option<DVec2>], count: &mut usize) -> PartNode {
     let place = number.and_then(|number| places.get(number).copied().flatten());
     *count += usize::from(number.is_some());
     PartNode { cut, h_edges, outlines, parts, lacks_thin: part.lacks_thin, part: number, place }
-}
-
-/// Names: numbers by design, the same for all stages where they burn the same parts.
-fn named(electrodes: &mut [Electrode], params: &ElectrodeParams) {
-    let mut known: Vec<Vec<PartId>> = Vec::new();
-    for electrode in electrodes.iter_mut() {
-        let parts = parts(electrode);
-        let number = known.iter().position(|k| *k == parts).unwrap_or_else(|| {
-            known.push(parts);
-            known.len() - 1
-        });
-        let stage = &params.stages[electrode.stage].name;
-        electrode.name = if params.stages.len() == 1 {
-            format!("E{:02}", number + 1)
-        } else {
-            format!("E{:02}-{stage}", number + 1)
-        };
-        if let Family::Member { name, .. } = &mut electrode.family {
-            *name = format!("E{:02}", number + 1);
-        }
-    }
 }
 
 impl Electrode {

@@ -11,11 +11,12 @@ use super::check::{
     CheckKind, Clearance, Finding, LeftOfRegion, Milled, Obstacle, Sample, leftover, machinable, watertight,
 };
 use super::design::{Burn, Electrode, PartId, PartNode, RegionPlan};
-use super::earlier::{CELL, is_nothing};
+use super::division::CELL;
+use super::earlier::is_nothing;
 use super::leftover::{Burns, Looked, left_by};
 use super::params::{ElectrodeParams, Stage};
-use super::plan::{ElectrodeError, RegionToBurn, kept_clear, to_burn_frame};
 use super::samples::{Edge, concave_edges, samples};
+use super::setting::{ElectrodeError, RegionToBurn, kept_clear, to_burn_frame};
 use super::tip::joined;
 use crate::cutter::CutterLibrary;
 use crate::height_field::HeightFieldError;
@@ -95,7 +96,7 @@ pub(super) fn checked(
         // Of what needs no tip it is told that it stays.
         let needs_none = plan.tree.is_none() && is_nothing(region, params);
         let nobodys = || (!needs_none).then(|| nobodys(left, params.tolerance_mm)).flatten();
-        plan.trouble = plan.trouble.take().or_else(nobodys);
+        plan.reason = plan.reason.take().or_else(nobodys);
     }
     let check = |electrode: &Electrode| -> Result<Vec<Finding>, ElectrodeError> {
         cancel.check()?;
@@ -139,7 +140,7 @@ fn clearances(
     Ok(vec![upright(gouge), approach])
 }
 
-/// What is left of the parts that it is for, each once.
+/// Residual stock of the parts that an electrode is for, each once.
 fn leftovers(electrode: &Electrode, left: &[Left], stages: &[Stage], params: &ElectrodeParams) -> Option<Finding> {
     let own: BTreeSet<PartId> = electrode.burns.iter().flat_map(|b| &b.parts).copied().collect();
     let looked = own.iter().map(|p| left[p.region].looked).reduce(Looked::and)?;
@@ -174,7 +175,7 @@ fn too_short_a_lift(lift: f64, burn: &Burn) -> Finding {
     Finding { place: Some(burn.position), ..Finding::failed(CheckKind::Approach, text) }
 }
 
-/// What an earlier stage leaves is the business of those after it.
+/// Finding for an earlier stage, whose residual stock the later stages burn.
 fn for_later() -> Finding {
     let text = "what it leaves is for the stages after it".to_owned();
     Finding { kind: CheckKind::Leftover, holds: true, text, place: None }
@@ -194,14 +195,14 @@ fn placed_first(finding: Finding, electrode: &Electrode) -> Finding {
     Finding { place: finding.place.map(at), ..finding }
 }
 
-/// What all burns leave of a region.
+/// Residual stock of a region after all burns.
 #[derive(Default)]
 struct Left {
     /// All of it.
     all: LeftOfRegion,
     /// Of each part what is left where it stands, by number.
     of_parts: BTreeMap<usize, LeftOfRegion>,
-    /// What is left where no part stands.
+    /// Residual stock where no part stands.
     of_none: LeftOfRegion,
     looked: Looked,
 }
@@ -273,7 +274,7 @@ fn cuts(node: &PartNode) -> Vec<(DVec2, DVec2)> {
     own.chain(node.parts.iter().flat_map(cuts)).collect()
 }
 
-/// What is said where something is left that no tip comes near.
+/// Report on residual stock that no tip comes near.
 fn nobodys(left: &Left, tolerance: f64) -> Option<String> {
     let LeftOfRegion { excess, place: p, .. } = left.of_none;
     (excess > tolerance).then(|| {

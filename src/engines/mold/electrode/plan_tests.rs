@@ -7,7 +7,7 @@ use glam::{DMat3, DVec2, DVec3};
 use super::design::{Electrode, ElectrodeSet, PartId, PartNode};
 use super::family::Family;
 use super::params::{Edit, ElectrodeParams, ElectrodeParamsError, Method, Shape, Stage};
-use super::plan::RegionToBurn;
+use super::setting::RegionToBurn;
 use super::tests::{GAP, mold, params, planned, region, ring};
 use crate::fixtures::rectangle;
 use geometry::mesh::Mesh;
@@ -65,7 +65,7 @@ fn two_stages() -> ElectrodeParams {
 fn a_part_is_the_same_place_in_every_stage_and_so_are_names_and_families() {
     let (mold, all) = comb();
     let set = planned(&mold, std::slice::from_ref(&all), &two_stages());
-    assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].trouble);
+    assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].reason);
     let middles = middles(&set);
     for (part, places) in &middles {
         assert!(places.iter().all(|p| p.distance(places[0]) < 0.8), "{part} is at {places:?}");
@@ -190,10 +190,10 @@ fn a_region_about_as_thin_as_the_tolerance_needs_no_electrode() {
     for of in [&slot, &bare] {
         let thin = RegionToBurn { thickness: 1.2 * asked.tolerance_mm, ..of.clone() };
         let set = planned(&mold, &[thin], &asked);
-        assert!(set.holds() && set.electrodes.is_empty(), "{:?}", set.regions[0].trouble);
+        assert!(set.holds() && set.electrodes.is_empty(), "{:?}", set.regions[0].reason);
         assert!(set.regions[0].left_out[0].text.contains("nothing to burn"), "{:?}", set.regions[0].left_out);
     }
     let set = planned(&mold, &[bare], &asked);
-    let trouble = set.regions[0].trouble.as_ref().unwrap();
-    assert!(trouble.contains("surface") && !trouble.contains("twice the spark gap"), "{trouble}");
+    let reason = set.regions[0].reason.as_ref().unwrap();
+    assert!(reason.contains("surface") && !reason.contains("twice the spark gap"), "{reason}");
 }

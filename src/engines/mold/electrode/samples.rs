@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::check::Sample;
 use super::leftover::Looked;
-use super::plan::RegionToBurn;
+use super::setting::RegionToBurn;
 use geometry::exact::ExactMesh;
 use geometry::mesh::{Bounds, Mesh, unit_normal};
 

@@ -1,4 +1,4 @@
-//! Which places one electrode burns, and the electrode itself.
+//! Sharing: the places that one electrode burns, and the electrode itself.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -6,18 +6,25 @@ use rayon::prelude::*;
 use super::base::{Base, INTO_BASE, placed};
 use super::burning::Burning;
 use super::check::Obstacle;
-use super::combine::near;
-use super::design::{Burn, Electrode};
+use super::combine::{Form, near};
+use super::design::{Burn, Electrode, PartId};
+use super::division::Part;
 use super::footprint::is_thin;
 use super::params::{ElectrodeParams, Method};
-use super::plan::{ElectrodeError, Leaf, RegionToBurn, Setting};
-use super::removal::burn_area;
 use super::samples::samples;
+use super::setting::{ElectrodeError, RegionToBurn, Setting, burn_area};
 use super::tip::{joined, led_up};
 use crate::cutter::{Cutter, CutterLibrary};
 use crate::plane;
 use geometry::mesh::{Bounds, Mesh};
 use task::Cancel;
+
+/// An electrode head with the part that it burns.
+pub(super) struct Leaf {
+    pub(super) id: PartId,
+    pub(super) part: Part,
+    pub(super) form: Form,
+}
 
 /// One electrode for several leaves: which, turned and shifted how.
 pub(super) struct Shared {
@@ -27,7 +34,7 @@ pub(super) struct Shared {
     pub(super) burns: Vec<(f64, DVec3, Vec<usize>)>,
 }
 
-/// Which leaves one electrode burns: congruent ones at several positions, near ones at once.
+/// Groups of leaves that one electrode burns: congruent ones at several positions, near ones at once.
 pub(super) fn shared(
     setting: &Setting,
     leaves: &[Leaf],
@@ -78,8 +85,8 @@ pub(super) fn shared(
     Ok(several)
 }
 
-/// What a leaf's own tip burns: places of its region's surface, as the check of what is left has them, and how far the tip
-/// stays off each of them (mm).
+/// Places of its region's surface that a leaf's own tip burns, as sampled by the check of residual stock, and the
+/// distance of the tip from each of them (mm).
 struct Own(Vec<(DVec3, f64)>);
 
 impl Own {

@@ -5,7 +5,7 @@ use glam::{DMat3, DVec2, DVec3};
 use super::design::ElectrodeSet;
 use super::family::Family;
 use super::params::{ElectrodeParams, Holder, Shape, Stage};
-use super::plan::RegionToBurn;
+use super::setting::RegionToBurn;
 use super::tests::{GAP, mold, params, planned, region, ring};
 use crate::fixtures::rectangle;
 use geometry::mesh::Mesh;
@@ -41,7 +41,7 @@ fn a_family_stands_on_one_base_and_each_stage_goes_where_its_tip_belongs() {
     for shape in [Shape::Undersized, Shape::Net] {
         let asked = ElectrodeParams { holders: vec![holder(15.0), holder(25.0)], shape, ..stages(0.2, true) };
         let set = planned(&mold, std::slice::from_ref(&slot), &asked);
-        assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].trouble);
+        assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].reason);
         let [rough, finish] = &set.electrodes[..] else { panic!("{}", set.electrodes.len()) };
         assert_eq!((rough.mesh == finish.mesh, rough.family.name(), set.body_of(1)), (true, Some("E01"), vec![0, 1]));
         assert!(rough.mesh.is_watertight() && rough.holder == Some(1) && finish.holder == Some(1));
@@ -97,7 +97,7 @@ fn a_roughing_tip_keeps_its_thick_part_and_the_finishing_one_burns_the_rest() {
     let mold = mold([30.0, 30.0, 10.0], &[(&ring(&outline), 4.0)]);
     let all = RegionToBurn { volume: 76.8, ..region(&mold, DVec2::new(-4.1, -1.1), DVec2::new(4.1, 5.1)) };
     let set = planned(&mold, std::slice::from_ref(&all), &stages(0.3, false));
-    assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].trouble);
+    assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].reason);
     let [left] = &set.regions[0].left_out[..] else { panic!("{:?}", set.regions[0].left_out) };
     assert!(left.stage == 0 && left.text.contains("thinner than the least size"), "{left:?}");
     let rough: Vec<_> = set.electrodes.iter().filter(|e| e.stage == 0).collect();
@@ -128,7 +128,7 @@ fn a_stage_that_is_too_thin_or_has_no_room_is_left_out_and_the_last_one_is_not()
         (0.45, "spark gap is too large", false),
     ] {
         let set = planned(&mold, std::slice::from_ref(&slot), &stages(gap, false));
-        assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].trouble);
+        assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].reason);
         let [finish] = &set.electrodes[..] else { panic!("{}", set.electrodes.len()) };
         assert!(finish.stage == 1 && (finish.burns[0].volume - 32.0).abs() < 1e-9);
         let [left] = &set.regions[0].left_out[..] else { panic!("{:?}", set.regions[0].left_out) };

@@ -7,13 +7,15 @@ use glam::{DVec2, DVec3};
 use super::base::{on_plate, placed};
 use super::check::{CheckKind, Finding, Milled, machinable, watertight};
 use super::combine::{Form, near};
-use super::design::ElectrodeSet;
+use super::design::{Electrode, ElectrodeSet};
 use super::footprint::{grown, hull, shrunk};
 use super::h_edge::h_edges;
 use super::leftover::{Burns, Looked, left_by, leftover};
+use super::names::GivenName;
 use super::params::{Edit, ElectrodeParams, ElectrodeParamsError, Method, Orbit, Removal, Shape, Stage};
-use super::plan::{RegionToBurn, plan};
+use super::plan::plan;
 use super::plan_checks::check_own;
+use super::setting::RegionToBurn;
 use crate::cutter::{Cutter, CutterLibrary};
 use crate::fixtures::rectangle;
 use crate::outline::Outline;
@@ -123,7 +125,7 @@ fn a_net_electrode_fills_the_slot_and_leaves_nothing() {
     let wide = params(0.45);
     let set = planned(&mold, &[slot], &wide);
     assert!(!set.holds() && set.electrodes.is_empty());
-    assert!(set.regions[0].trouble.as_ref().unwrap().contains("gap"), "{:?}", set.regions[0].trouble);
+    assert!(set.regions[0].reason.as_ref().unwrap().contains("gap"), "{:?}", set.regions[0].reason);
 }
 
 #[test]
@@ -415,6 +417,56 @@ fn the_user_splits_merges_and_chooses_the_method() {
     }
 }
 
+/// A name belongs to what the electrode burned when it was given.
+#[test]
+fn names_once_given_never_move_and_gaps_stay() {
+    let mold = mold([30.0, 20.0, 10.0], &[(&rectangle(8.0, 0.8), 5.0)]);
+    let slot = [region(&mold, DVec2::new(-4.1, -0.5), DVec2::new(4.1, 0.5))];
+    let with = |edits: &[Edit], names: &[GivenName]| {
+        let (edits, names) = (edits.to_vec(), names.to_vec());
+        let apart = ElectrodeParams { share: false, together_mm: 0.0, edits, names, ..params(GAP) };
+        planned(&mold, &slot, &apart)
+    };
+    let split = |x: f64| Edit::Split { line: [DVec3::new(x, -1.0, 0.0), DVec3::new(x, 1.0, 0.0)] };
+    // Each with the middle of what it burns along the slot.
+    let names = |set: &ElectrodeSet| -> Vec<String> {
+        let mut all: Vec<&Electrode> = set.electrodes.iter().collect();
+        all.sort_by(|a, b| a.burns[0].position.x.total_cmp(&b.burns[0].position.x));
+        all.iter().map(|e| e.name.clone()).collect()
+    };
+    let thirds = [split(-1.5), split(1.5)];
+    let first = with(&thirds, &[]);
+    let at_first = names(&first);
+    let sorted = |mut names: Vec<String>| {
+        names.sort();
+        names
+    };
+    assert_eq!(sorted(at_first.clone()), ["E01", "E02", "E03"], "a first run numbers them one after the other");
+    for merged in [[-2.75, 0.0], [0.0, 2.75]] {
+        let merge = Edit::Merge { places: merged.map(|x| DVec3::new(x, 0.0, -5.0)) };
+        let joined = with(&[&thirds[..], &[merge]].concat(), &first.names);
+        let [left, right] = &names(&joined)[..] else { panic!("{:?}", names(&joined)) };
+        let (other, before) = if merged[1] == 0.0 { (right, &at_first[2]) } else { (left, &at_first[0]) };
+        assert_eq!(other, before, "what was not merged is called as before");
+        let one = if merged[1] == 0.0 { left } else { right };
+        let both: Vec<&String> = at_first.iter().filter(|name| *name != other).collect();
+        assert!(both.contains(&one), "{one} {both:?}");
+        // What is divided anew gets a new name, not the one that has become free.
+        let apart =
+            with(&[&thirds[..], &[merge, split(if merged[1] == 0.0 { 3.1 } else { -3.1 })]].concat(), &joined.names);
+        assert_eq!(apart.electrodes.len(), 3);
+        assert!(
+            names(&apart).contains(other) && names(&apart).contains(one) && names(&apart).contains(&"E04".to_owned())
+        );
+        assert_eq!(names(&with(&thirds, &apart.names)), at_first, "taken back");
+    }
+    assert_eq!(names(&with(&thirds, &[])), at_first);
+    // Names of a file that says the same number twice, or a place that is nowhere, are given once.
+    let far = GivenName { number: usize::MAX, places: vec![DVec3::NAN, DVec3::splat(1e9)] };
+    let twice = [first.names.clone(), first.names.clone(), vec![far]].concat();
+    assert_eq!(names(&with(&thirds, &twice)), at_first);
+}
+
 #[test]
 fn parts_of_what_is_left_along_walls_are_named_by_points_of_it_and_of_their_tips() {
     let mold = mold([30.0, 20.0, 10.0], &[(&rectangle(8.0, 0.8), 5.0)]);
@@ -484,7 +536,7 @@ fn a_slot_in_a_side_is_burned_from_that_side() {
     let own = RegionToBurn { corners, depths, ..own };
     let sideways = Edit::Burn { place, direction: DVec3::new(-2.0, 0.0, 0.0) };
     let set = planned(&mold, &[own], &ElectrodeParams { edits: vec![sideways], ..params(GAP) });
-    assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].trouble);
+    assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].reason);
     let [electrode] = &set.electrodes[..] else { panic!("one electrode") };
     assert!(electrode.direction.distance(DVec3::NEG_X) < 1e-9, "{}", electrode.direction);
     let burn = &electrode.burns[0];

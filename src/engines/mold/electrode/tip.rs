@@ -29,7 +29,7 @@ const WIDE: f64 = 2.0;
 const MOST_CELLS: f64 = 2e6;
 /// Cells of a margin, into which a region is divided in plan.
 const CELLS: f64 = 6.0;
-/// The same where it matters how much of a region a part holds.
+/// Cells across a footprint where the share of a region in a part matters.
 const FINE_CELLS: f64 = 24.0;
 /// How far a point of the cap may be off (mm).
 const ON_CAP: f64 = 1e-7;
@@ -58,9 +58,9 @@ pub enum TipError {
 
 /// The mold as the electrodes see it, in the burn frame.
 pub struct Burned<'a> {
-    /// What electrodes must not enter: the mold grown by the gap.
+    /// Volume that electrodes must not enter: the mold grown by the gap.
     pub kept_clear: &'a Mesh,
-    /// The same, for distances.
+    /// The grown mold for distance queries.
     pub exact: &'a ExactMesh,
     /// The gap upwards (mm): how far horizontal faces are moved.
     pub gap_up: f64,
@@ -119,7 +119,7 @@ impl Place {
 
     /// The directions of its walls in plan, as unit vectors, that of the largest walls first.
     fn walls(&self) -> Vec<DVec2> {
-        /// Directions are told apart by this (radians).
+        /// Directions are distinguished by this (radians).
         const APART: f64 = 0.01;
         let mut found: Vec<(f64, DVec2)> = Vec::new();
         for corners in &self.corners {
@@ -235,7 +235,7 @@ pub fn tip(burned: &Burned, footprint: &Footprint) -> Result<Mesh, TipError> {
     if tip.triangles.is_empty() { Err(TipError::NoRoom) } else { Ok(tip) }
 }
 
-/// The prism over a shape less the mold. Where faces lie in one another so that the solids cannot be told apart, the shape
+/// The prism over a shape less the mold. Where faces lie in one another so that the solids cannot be distinguished, the shape
 /// is moved by a hair.
 fn trimmed(burned: &Burned, footprint: &Footprint, shape: &Shape) -> Result<Mesh, TipError> {
     let mut found = Err(TipError::NoRoom);
@@ -285,7 +285,7 @@ fn real(burned: &Burned, cap: f64, part: Mesh) -> Mesh {
     kept
 }
 
-/// What is wrong with a tip that was trimmed.
+/// Fault of a tip that was trimmed.
 fn fault(burned: &Burned, footprint: &Footprint, part: &Mesh) -> Option<&'static str> {
     /// How far a corner may be within what is kept clear (mm), and how far faces may look up.
     const WITHIN: f64 = 1e-5;

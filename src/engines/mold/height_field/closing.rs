@@ -9,7 +9,7 @@ use super::{HeightField, HeightFieldError, check_size};
 use crate::cutter::{Cutter, CutterKind, CutterLibrary};
 use task::{Cancel, Cancelled};
 
-/// What is left above the material up to which a cell counts as cut (mm): rounding of heights.
+/// Height above the material up to which a cell counts as cut (mm): rounding of heights.
 const CLEAN: f32 = 1e-5;
 
 /// By how much of a cell a cutter that comes down is taken for thinner than it is.
@@ -25,14 +25,14 @@ fn trim(kind: CutterKind) -> f64 {
     }
 }
 
-/// What all cutters together leave.
+/// Residual stock of all cutters together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Closing {
     /// Height above the field's base of what is left (mm), cell by cell; at least the material's.
     pub(super) heights: Vec<f32>,
     /// For each cell which of `cutters` leaves least.
     pub(super) nearest: Vec<u8>,
-    /// Which cutters of the library were used.
+    /// Cutters of the library that were used.
     pub(super) cutters: Vec<usize>,
 }
 
@@ -43,13 +43,14 @@ impl Closing {
         left.filter(|left| left.is_finite()).map_or(0.0, f64::from)
     }
 
-    /// Which cutter of the library leaves least at a cell, the first among equals; none if there is no such cell.
+    /// Best cutter of the library for a cell, the one that leaves least; the first among equals, none if there is no
+    /// such cell.
     pub fn nearest(&self, cell: usize) -> Option<usize> {
         self.nearest.get(cell).and_then(|&number| self.cutters.get(usize::from(number))).copied()
     }
 }
 
-/// What the cutters of `library` leave of what stands above `field`, wherever they go.
+/// Residual stock of the cutters of `library` above `field`, wherever they go.
 ///
 /// # Errors
 /// [`HeightFieldError::Cutter`], [`HeightFieldError::TooManyCutters`], [`HeightFieldError::TooManyCells`] with the room
@@ -129,7 +130,7 @@ impl<'a> Passes<'a> {
         })
     }
 
-    /// Which tiles of cells hold one that is not clean.
+    /// Whether each tile of cells holds one that is not clean.
     fn open_tiles(&self, left: &[f32]) -> Vec<Vec<bool>> {
         let columns = self.field.columns;
         let bands = left.par_chunks(TILE_ROWS * columns).zip(self.field.heights.par_chunks(TILE_ROWS * columns));

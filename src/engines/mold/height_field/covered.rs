@@ -14,7 +14,7 @@ const NONE: u32 = u32::MAX;
 /// The number of more than one, or of one that covers a part.
 const SEVERAL: u32 = u32::MAX - 1;
 
-/// What is left over a cell.
+/// Residual stock over a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Left {
     /// The region it belongs to: its place in the list.
@@ -25,16 +25,22 @@ pub struct Left {
     pub high: f64,
 }
 
-/// What is left over a rectangle of cells.
+/// Residual stock over a rectangle of cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cover {
     /// Nothing.
     Nothing,
     /// Some of it, or several regions.
     Partly,
-    /// One region over every cell, with the least and the greatest height (mm) from which on and up to which it is left.
-    #[allow(missing_docs)]
-    Wholly { region: usize, from: [f64; 2], to: [f64; 2] },
+    /// One region over every cell.
+    Wholly {
+        /// Number of the region.
+        region: usize,
+        /// Least and greatest height from which on stock is left (mm).
+        from: [f64; 2],
+        /// Least and greatest height up to which stock is left (mm).
+        to: [f64; 2],
+    },
 }
 
 /// Where the regions of a grid lie.
@@ -44,7 +50,7 @@ pub struct Covered<'a> {
     closing: &'a Closing,
     /// The region of each cell.
     regions: Vec<u32>,
-    /// The same for blocks of cells.
+    /// Regions of blocks of cells.
     blocks: Vec<Part>,
     block_columns: usize,
 }
@@ -71,7 +77,7 @@ impl<'a> Covered<'a> {
         self.field.step
     }
 
-    /// What is left over the cell in which a place of the plan lies; none where nothing is, or off the grid.
+    /// Residual stock over the cell in which a place of the plan lies; none where nothing is left, or off the grid.
     pub fn at(&self, place: DVec2) -> Option<Left> {
         let cell = self.cell(place)?;
         let height = |of: &[f32]| self.field.base + f64::from(of[cell]);
@@ -79,7 +85,7 @@ impl<'a> Covered<'a> {
         (self.regions[cell] != NONE).then(|| Left { region: self.regions[cell] as usize, low, high })
     }
 
-    /// What is left over the cells between two corners of a rectangle in plan (mm).
+    /// Residual stock over the cells between two corners of a rectangle in plan (mm).
     pub fn over(&self, low: DVec2, high: DVec2) -> Cover {
         let [from, to] = [low, high].map(|p| (p - self.field.corner) / self.field.step);
         let size = DVec2::new(self.field.columns as f64, self.field.rows as f64);
@@ -100,7 +106,7 @@ impl<'a> Covered<'a> {
         self.cover(part)
     }
 
-    /// What is left over the cells along a line in plan (mm).
+    /// Residual stock over the cells along a line in plan (mm).
     pub fn along(&self, from: DVec2, to: DVec2) -> Cover {
         let steps = (2.0 * from.distance(to) / self.field.step).ceil().max(1.0);
         let places = (0..=steps as usize).map(|k| from.lerp(to, k as f64 / steps));

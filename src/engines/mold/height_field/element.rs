@@ -23,7 +23,7 @@ pub(super) struct Element {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Chord {
     pub row: isize,
-    /// Its first and last column.
+    /// First and last column.
     pub columns: [isize; 2],
 }
 

@@ -1,4 +1,4 @@
-//! What cutters leave, by heights over a fine grid: the second answer, independent of outlines and layers.
+//! Residual stock of cutters by a height map: the second answer, independent of outlines and layers.
 //!
 //! A mold seen from above is one height per cell of a regular grid, that of the topmost material at the cell's centre;
 //! what lies below an overhang is in its shadow, and outside the block is air. The cutter's tip comes down anywhere
@@ -12,7 +12,6 @@
 mod blocks;
 mod closing;
 mod covered;
-mod difference;
 mod element;
 mod raster;
 mod regions;
@@ -22,8 +21,7 @@ mod tests;
 
 pub use closing::{Closing, closing};
 pub use covered::{Cover, Covered, Left};
-pub use difference::difference;
-pub use regions::{FieldRegion, regions};
+pub use regions::{FieldRegion, difference, regions};
 
 use glam::{DVec2, DVec3};
 
@@ -33,7 +31,7 @@ use task::Cancelled;
 /// Most cells that a grid may have: some 20 bytes each.
 const MOST_CELLS: f64 = 64e6;
 
-/// What is wrong with a grid of heights, or with what is asked of it.
+/// Invalid height map or query.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum HeightFieldError {
     /// A mesh that covers no plan area.
@@ -62,7 +60,7 @@ pub enum HeightFieldError {
     /// More cutters than can be told apart.
     #[error("{0} cutters, at most 256 are possible; leave out those that remove no more than others")]
     TooManyCutters(usize),
-    /// What cutters leave of another grid.
+    /// The residual stock belongs to another height map.
     #[error("what the cutters leave was found on a grid of {found} cells, the heights have {expected}: find it again")]
     OtherGrid {
         /// Cells of the heights.
@@ -87,7 +85,7 @@ pub struct HeightField {
     step: f64,
     columns: usize,
     rows: usize,
-    /// What the heights are counted from (mm).
+    /// Height that the heights are counted from (mm).
     base: f64,
     /// Row by row; minus infinity where there is no material.
     heights: Vec<f32>,

@@ -87,7 +87,7 @@ struct Triangle {
 }
 
 impl Triangle {
-    /// None for vertical ones and those that cover no row of centres.
+    /// Raster of a triangle; none for vertical ones and those that cover no row of centres.
     fn new(corners: [DVec3; 3], field: &HeightField) -> Option<Self> {
         let normal = normal_times_two_areas(corners).normalize_or_zero();
         if normal.z.abs() < VERTICAL {

@@ -1,4 +1,4 @@
-//! Connected pieces of what is left.
+//! Connected regions of residual stock.
 
 use glam::DVec3;
 
@@ -10,7 +10,7 @@ use task::Cancel;
 /// A connected piece of uncut material.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldRegion {
-    /// Its cells, in order.
+    /// Cells, in order.
     pub cells: Vec<u32>,
     /// Area in plan (mm^2).
     pub plan_area: f64,
@@ -58,11 +58,11 @@ pub fn regions(
 struct Pieces<'a> {
     field: &'a HeightField,
     closing: &'a Closing,
-    /// Their numbers, in order.
+    /// Numbers, in order.
     cells: Vec<u32>,
     /// Where the cells of each row begin.
     rows: Vec<usize>,
-    /// Which of them are one piece.
+    /// Connected groups of the cells.
     groups: Groups,
 }
 
@@ -151,7 +151,7 @@ impl<'a> Pieces<'a> {
     }
 }
 
-/// What is left at a cell, along the surface's normal (mm).
+/// Residual stock at a cell, along the surface's normal (mm).
 fn normal_residue(field: &HeightField, closing: &Closing, cell: usize) -> f64 {
     let left = closing.heights[cell] - field.heights[cell];
     // Neither is finite where there is no material.
@@ -184,4 +184,25 @@ fn measured(field: &HeightField, closing: &Closing, cells: Vec<u32>) -> FieldReg
     let most = (0..closing.cutters.len()).rev().max_by_key(|&i| nearest[i]);
     region.nearest_cutter = most.map_or(0, |i| closing.cutters[i]);
     region
+}
+
+/// The connected pieces of what `more` leaves above what `less` leaves, where that is thicker than `tolerance` (mm) along
+/// the normal of the material's surface, the largest first. Both are of `field`.
+///
+/// # Errors
+/// [`HeightFieldError::OtherGrid`], [`HeightFieldError::Cancelled`].
+pub fn difference(
+    field: &HeightField,
+    more: &Closing,
+    less: &Closing,
+    tolerance: f64,
+    cancel: &Cancel,
+) -> Result<Vec<FieldRegion>, HeightFieldError> {
+    let (expected, found) = (field.heights.len(), less.heights.len());
+    if expected != found {
+        return Err(HeightFieldError::OtherGrid { expected, found });
+    }
+    // For this question what both leave is material.
+    let filled = HeightField { heights: less.heights.clone(), upness: field.upness.clone(), ..*field };
+    regions(&filled, more, tolerance, cancel)
 }

@@ -23,7 +23,7 @@ const REACH_COLUMNS: usize = GROUP_COLUMNS + PATCH - 1;
 
 /// The places of a tile.
 pub(super) struct Tile {
-    /// Its first row and column among the places.
+    /// First row and column among the places.
     pub row: usize,
     pub column: usize,
     /// The greatest values so far, row by row.

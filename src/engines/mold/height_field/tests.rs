@@ -258,7 +258,7 @@ fn of_heights(columns: usize, heights: Vec<f32>) -> HeightField {
     HeightField { corner: DVec2::ZERO, step: 0.1, columns, rows, base: 0.0, heights, upness }
 }
 
-/// What a cutter leaves, from the definition: every tip over every cell, every cell under every tip.
+/// Residual stock of a cutter by definition: every tip over every cell, every cell under every tip.
 fn by_definition(field: &HeightField, cutter: &Cutter) -> Vec<f64> {
     let cells_across = (cutter.diameter_mm / field.step).round();
     let between = cells_across > 2.0 && cells_across % 2.0 == 0.0;

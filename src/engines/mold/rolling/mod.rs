@@ -8,7 +8,6 @@
 
 pub mod ball;
 mod halfspaces;
-mod lattice;
 mod obstacles;
 #[cfg(test)]
 mod tests;

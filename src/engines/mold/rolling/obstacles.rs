@@ -8,9 +8,9 @@ use task::{Cancel, Cancelled};
 /// A face of the mold.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Face {
-    /// Its corners.
+    /// Corners.
     pub corners: [DVec3; 3],
-    /// Its unit normal, outwards.
+    /// Unit normal, outwards.
     pub normal: DVec3,
     min: DVec3,
     max: DVec3,
@@ -144,7 +144,7 @@ impl Face {
         [self.min, self.max]
     }
 
-    /// Its point nearest to `p`.
+    /// Point nearest to `p`.
     pub fn nearest(&self, p: DVec3) -> DVec3 {
         let [a, b, c] = self.corners;
         let off = self.normal.dot(p - a);

@@ -13,7 +13,7 @@ use mold::electrode::design::{Burn, Electrode, ElectrodeSet};
 use mold::electrode::family::Family;
 use mold::electrode::overrides::Override;
 use mold::electrode::params::{Method, Orbit, Shape};
-use mold::electrode::plan::to_burn_frame;
+use mold::electrode::setting::to_burn_frame;
 use mold::opening::Opening;
 
 /// Version of the keys of `burn_table.json`, which templates use too.
@@ -31,15 +31,15 @@ pub struct BurnTable {
     pub schema: u32,
     /// Version of the program.
     pub program_version: &'static str,
-    /// What the mold is called.
+    /// Name of the mold.
     pub mold: String,
     /// The direction in which the mold's opening looks in the axes of its file; along +Z in this table.
     pub opening: &'static str,
     /// From the axes of this table to those of the mold's file.
     pub to_file: Pose,
-    /// What electrode files hold.
+    /// Shape that electrode files hold.
     pub shape: Shape,
-    /// What electrodes are made of.
+    /// Material of the electrodes.
     pub material: String,
     /// How far electrodes are lifted (mm).
     pub lift_mm: f64,
@@ -47,22 +47,22 @@ pub struct BurnTable {
     pub minutes: f64,
     /// How many burns there are.
     pub burns: usize,
-    /// They; those for the first stage first.
+    /// The electrodes; those for the first stage first.
     pub electrodes: Vec<ElectrodeEntry>,
 }
 
 /// An electrode.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ElectrodeEntry {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// What may be done with it.
+    /// State of the electrode.
     pub state: ElectrodeState,
-    /// Its burn: rough, finish.
+    /// Burn: rough, finish.
     pub stage: String,
-    /// What it is made of.
+    /// Material of the electrode.
     pub material: String,
-    /// What its file holds.
+    /// Shape in the electrode's file.
     pub shape: Shape,
     /// Spark gap (mm).
     pub gap_mm: f64,
@@ -70,13 +70,13 @@ pub struct ElectrodeEntry {
     pub orbit: OrbitEntry,
     /// By how much it is smaller than the cavity across an upright wall along X or Y (mm): gap and orbit.
     pub undersize_wall_mm: f64,
-    /// The same across a level floor (mm).
+    /// Undersize across a level floor (mm).
     pub undersize_floor_mm: f64,
     /// How many are made.
     pub quantity: u32,
     /// Surface finish to be reached (VDI 3400).
     pub finish_vdi: f64,
-    /// The same as roughness (Ra, micrometres).
+    /// Surface finish as roughness (Ra, micrometres).
     pub roughness_um: f64,
     /// How its tips were made.
     pub method: Method,
@@ -98,15 +98,15 @@ pub struct ElectrodeEntry {
     pub volume_mm3: f64,
     /// Minutes that all its burns take.
     pub minutes: f64,
-    /// What is to be seen to before it is used, in words.
+    /// Warnings before the electrode is used, in words.
     pub warnings: Vec<String>,
-    /// Its burns.
+    /// Burns.
     pub burns: Vec<BurnEntry>,
     /// Each kind of check.
     pub checks: Vec<CheckEntry>,
 }
 
-/// What may be done with an electrode.
+/// State of an electrode: exported or blocked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ElectrodeState {
@@ -119,7 +119,7 @@ pub enum ElectrodeState {
 }
 
 impl ElectrodeState {
-    /// What may be done with an electrode of a set if these are the user's overrides.
+    /// State of an electrode of a set with these overrides.
     pub fn of(set: &ElectrodeSet, electrode: usize, overrides: &[Override]) -> Self {
         match (set.fails(electrode), set.is_blocked_with(electrode, overrides)) {
             (false, _) => Self::Ok,
@@ -143,7 +143,7 @@ impl ElectrodeState {
 pub struct OrbitEntry {
     /// none, circular or square.
     pub pattern: &'static str,
-    /// Its radius or half side (mm).
+    /// Radius or half side (mm).
     pub radius_mm: f64,
     /// Unit vectors in whose plane it goes, and along which the sides of a square lie. They do not turn with C.
     pub x_axis: [f64; 3],
@@ -160,12 +160,12 @@ pub struct BlankEntry {
     pub sides_mm: [f64; 2],
     /// Length along Z (mm).
     pub length_mm: f64,
-    /// Its diameter if it is round, else that of the least round blank that would do (mm).
+    /// Diameter if it is round, else that of the least round blank that would do (mm).
     pub diameter_mm: Option<f64>,
 }
 
 impl BlankEntry {
-    /// Its lengths with a sign between them: `10 x 12 x 25`, or `round 16 x 25`.
+    /// Lengths with a sign between them: `10 x 12 x 25`, or `round 16 x 25`.
     pub fn text(&self, times: &str) -> String {
         let ([x, y], z) = (self.sides_mm, self.length_mm);
         if self.is_round { format!("round {x}{times}{z}") } else { format!("{x}{times}{y}{times}{z}") }
@@ -175,7 +175,7 @@ impl BlankEntry {
 /// A body that electrodes of several stages share, a family.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FamilyEntry {
-    /// What it is called.
+    /// Name of the holder.
     pub name: String,
     /// The electrodes of the other stages.
     pub others: Vec<String>,
@@ -187,11 +187,11 @@ pub struct FamilyEntry {
 /// A holder.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HolderEntry {
-    /// Its name.
+    /// Name.
     pub name: String,
     /// Largest blank that it holds (mm).
     pub size_mm: [f64; 2],
-    /// Its height (mm).
+    /// Height (mm).
     pub height_mm: f64,
 }
 
@@ -225,17 +225,17 @@ pub struct BurnEntry {
     pub regions: Vec<usize>,
 }
 
-/// What became of a check.
+/// State of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CheckState {
-    /// It holds.
+    /// The check holds.
     Ok,
-    /// It fails, and the electrode is used nevertheless.
+    /// The check fails, and the electrode is released despite it.
     Overridden,
-    /// It fails.
+    /// The check fails.
     Failed,
-    /// It could not be made, for another one fails.
+    /// The check could not be made, because another one fails.
     NotMade,
 }
 
@@ -254,11 +254,11 @@ impl CheckState {
 /// A check.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CheckEntry {
-    /// What it is about.
+    /// Subject of the check.
     pub kind: CheckKind,
-    /// What became of it.
+    /// State of the check.
     pub state: CheckState,
-    /// What was found, in words.
+    /// The finding in words.
     pub text: String,
     /// Where, in the upright mold (mm).
     pub place_mm: Option<[f64; 3]>,
@@ -368,7 +368,7 @@ fn family(set: &ElectrodeSet, e: usize) -> Option<FamilyEntry> {
     })
 }
 
-/// What is to be seen to: what is no check, as the electrode itself is right.
+/// Warnings that are no checks, as the electrode itself is right.
 fn warnings(set: &ElectrodeSet, electrode: &Electrode) -> Vec<String> {
     let mut warnings = Vec::new();
     if electrode.holder.is_none() {

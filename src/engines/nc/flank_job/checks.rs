@@ -1,4 +1,4 @@
-//! What is checked of a flank path before it is exported, and what else its reader must know.
+//! Checks of a flank path before it is exported, and notes for its reader.
 
 use glam::DVec3;
 
@@ -19,35 +19,35 @@ use flank::refine::beyond_bounds;
 pub(super) const BELOW_MM: f64 = 1e-3;
 /// The greatest figure of what is wrong: what is no number is as bad as that.
 const WORST: f64 = 1e9;
-/// What counts as keeping a bound (mm).
+/// Tolerance of kept bounds (mm).
 const KEPT_MM: f64 = 1e-4;
 
-/// What a check looks at.
+/// Subject of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum CheckKind {
-    /// That the face of the mesh is ruled.
+    /// The face of the mesh is ruled.
     Ruled,
-    /// That the points of guides account for the smooth curves through them.
+    /// The points of guides agree with the smooth curves through them.
     Guides,
-    /// That the cutter is long and thin enough.
+    /// The cutter is long and thin enough.
     Cutter,
-    /// That the path covers the whole surface.
+    /// The path covers the whole surface.
     Coverage,
-    /// That what is cut too deep and what is left are within their tolerances.
+    /// Overcut and undercut are within their tolerances.
     Deviation,
-    /// That the bounds asked for are kept.
+    /// The bounds asked for are kept.
     Bounds,
-    /// That the moving cutter cuts as the standing one.
+    /// The swept envelope agrees with the static cutter.
     Envelope,
-    /// That the whole tool cuts the surface itself nowhere deeper than where it stands over it.
+    /// The whole tool cuts the surface itself nowhere deeper than where it stands over it.
     Surface,
-    /// That the flutes gouge no neighbouring wall.
+    /// The flutes gouge no neighbouring wall.
     Gouge,
-    /// That the holder touches nothing.
+    /// The holder touches nothing.
     Holder,
-    /// That approach and retraction cut no wall, and the surface itself no deeper than the path's ends do.
+    /// Approach and retraction cut no wall, and the surface itself no deeper than the path's ends do.
     Leads,
-    /// That the machine can follow within its limits and the tolerance.
+    /// The machine can follow within its limits and the tolerance.
     Machine,
 }
 
@@ -68,7 +68,7 @@ impl CheckKind {
         Self::Machine,
     ];
 
-    /// Its name, by which it can be overridden.
+    /// Name, by which it can be overridden.
     pub fn name(self) -> &'static str {
         match self {
             Self::Ruled => "ruled",
@@ -87,16 +87,16 @@ impl CheckKind {
     }
 }
 
-/// What a check found.
+/// Finding of a check.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlankCheck {
-    /// What it looks at.
+    /// Subject of the check.
     pub kind: CheckKind,
     /// Whether it is as it should be.
     pub holds: bool,
     /// Whether it fails and the user decided that it does not matter.
     pub is_overridden: bool,
-    /// What was found, with figures.
+    /// The finding with its figures.
     pub text: String,
     /// Where (mm), in the axes of the surface.
     pub place: Option<DVec3>,
@@ -114,7 +114,7 @@ impl FlankCheck {
         Self { kind, holds, is_overridden: false, text, place: None, t: None, figures, lapsed: None }
     }
 
-    /// The same with figures of what is wrong; those that are not wrong are left out.
+    /// Check with the figures of its failure; figures within their limits are left out.
     pub(super) fn with(mut self, figures: &[(&str, f64)]) -> Self {
         let wrong = figures.iter().filter(|(_, figure)| !self.holds && (*figure > 0.0 || figure.is_nan()));
         let kept = |figure: f64| if figure.is_finite() { figure.min(WORST) } else { WORST };
@@ -273,8 +273,8 @@ fn greatest(result: &FlankResult) -> [f64; 2] {
 /// that are written how far they leave the path.
 fn deviation(result: &FlankResult) -> FlankCheck {
     let off_mm = result.fit.as_ref().map_or(0.0, |fit| fit.error.greatest_mm);
-    let stray_mm = result.stray_mm;
-    let [overcut, undercut] = greatest(result).map(|most| most + off_mm + stray_mm);
+    let chordal_deviation_mm = result.chordal_deviation_mm;
+    let [overcut, undercut] = greatest(result).map(|most| most + off_mm + chordal_deviation_mm);
     let allowed = [result.overcut_tolerance_mm, result.undercut_tolerance_mm];
     let holds = overcut <= allowed[0] && undercut <= allowed[1];
     let mut text = format!(
@@ -284,7 +284,7 @@ fn deviation(result: &FlankResult) -> FlankCheck {
     if result.fit.is_some() {
         text += &format!("; both include {off_mm:.4} mm error of the fit");
     }
-    text += &format!("; both include {stray_mm:.4} mm chordal deviation");
+    text += &format!("; both include {chordal_deviation_mm:.4} mm chordal deviation");
     let figures = [("overcut_mm", overcut), ("undercut_mm", undercut)];
     FlankCheck::new(CheckKind::Deviation, holds, text).with(&figures)
 }
@@ -378,7 +378,7 @@ pub(super) fn idle(checks: &[FlankCheck], overrides: &[FlankOverride]) -> Vec<St
 /// A refined path may sink a cone along its axis to have a fitting radius: what is below the lower guide is then in its
 /// way.
 fn sinks(result: &FlankResult) -> Option<String> {
-    /// What counts as sunk (mm).
+    /// Depth that counts as sunk (mm).
     const SUNK_MM: f64 = 0.5;
     let (path, asked) = (result.path(), result.plan.params.below_mm);
     let touching = result.plan.cutter.above(asked).ok()?;
@@ -398,7 +398,7 @@ fn sinks(result: &FlankResult) -> Option<String> {
     })
 }
 
-/// What the machine has to say of a path that it can follow.
+/// Notes of the machine on a path that it can follow.
 pub(super) fn of_machine(result: &FlankResult) -> Vec<String> {
     let Some(milled) = result.milled() else { return Vec::new() };
     let mut warnings: Vec<String> = milled.line.singular.iter().map(ToString::to_string).collect();

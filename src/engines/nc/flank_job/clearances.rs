@@ -15,7 +15,7 @@ fn part_name(part: ToolPart) -> String {
     }
 }
 
-/// What is found on approach or retraction that is not allowed.
+/// Finding on approach or retraction that is not allowed.
 struct OnLead {
     /// How much more than nothing it is (mm).
     by_mm: f64,
@@ -28,7 +28,7 @@ pub(super) fn leads(result: &FlankResult) -> FlankCheck {
     let tolerance = result.plan.params.gouge_tolerance_mm;
     let (own, wall) = (own_on_leads(result), nearest_on_leads(result));
     let excess_mm = own.as_ref().map_or(0.0, |own| own.by_mm);
-    let depth_mm = wall.map_or(0.0, |(_, wall)| result.stray_mm - wall.distance_mm);
+    let depth_mm = wall.map_or(0.0, |(_, wall)| result.chordal_deviation_mm - wall.distance_mm);
     let in_wall = wall.filter(|_| depth_mm > tolerance).map(|(name, Clearance { part, point, .. })| OnLead {
         by_mm: depth_mm,
         point,
@@ -36,7 +36,7 @@ pub(super) fn leads(result: &FlankResult) -> FlankCheck {
             "on the {name} {} go {depth_mm:.4} mm deep into a wall; allowed: {tolerance} mm{}; change lead-in or retract distance \
              (--aside, --retract), or move the walls away",
             part_name(part),
-            of_stray(result)
+            with_deviation(result)
         ),
     });
     let mut found: Vec<OnLead> = own.into_iter().chain(in_wall).collect();
@@ -56,7 +56,7 @@ pub(super) fn leads(result: &FlankResult) -> FlankCheck {
         format!(
             "on approach and retraction {part} go {depth_mm:.4} mm deep into a wall; allowed: {tolerance} mm{}; the surface \
              itself is cut nowhere deeper than by the path's ends",
-            of_stray(result)
+            with_deviation(result)
         )
     } else {
         format!("on approach and retraction {part} keep {:.4} mm away from walls and off the surface itself", -depth_mm)
@@ -92,9 +92,9 @@ fn nearest_on_leads(result: &FlankResult) -> Option<(&'static str, Clearance)> {
     near.min_by(|a, b| a.1.distance_mm.total_cmp(&b.1.distance_mm))
 }
 
-/// What of a depth is that of straight moves, in words.
-fn of_stray(result: &FlankResult) -> String {
-    format!(", including {:.4} mm chordal deviation", result.stray_mm)
+/// Share of a depth that comes from the chordal deviation of straight moves, in words.
+fn with_deviation(result: &FlankResult) -> String {
+    format!(", including {:.4} mm chordal deviation", result.chordal_deviation_mm)
 }
 
 /// The whole tool against the surface itself all along the path.
@@ -123,9 +123,9 @@ pub(super) fn gouge(result: &FlankResult) -> Vec<FlankCheck> {
         let Some(Clearance { part, distance_mm, point, t }) = clearance else {
             return FlankCheck::new(kind, true, format!("nothing is near the {what}"));
         };
-        let (part, depth_mm) = (part_name(part), result.stray_mm - distance_mm);
+        let (part, depth_mm) = (part_name(part), result.chordal_deviation_mm - distance_mm);
         let text = if depth_mm > 0.0 {
-            format!("{part} go {depth_mm:.4} mm deep at t = {t:.4}; allowed: {tolerance} mm{}", of_stray(result))
+            format!("{part} go {depth_mm:.4} mm deep at t = {t:.4}; allowed: {tolerance} mm{}", with_deviation(result))
         } else {
             format!("{part} keep {:.4} mm away, nearest at t = {t:.4}", -depth_mm)
         };

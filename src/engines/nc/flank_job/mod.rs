@@ -37,21 +37,21 @@ use task::{Cancel, Cancelled, Progress};
 
 mod checks;
 mod clearances;
+mod motion;
 mod places;
-mod way;
 
 pub use checks::{CheckKind, FlankCheck};
-use way::{leads, milled, stray, tool_path};
+use motion::{chordal_deviation, leads, milled, tool_path};
 
-/// How far what is given as walls may be off the surface itself without being a wall (mm): the same part once more.
+/// Distance from the surface within which a given wall counts as the surface itself (mm): the same part once more.
 const OWN_MM: f64 = 0.01;
 
-/// What a surface is made of, read from its files.
+/// Source of a surface, read from its files.
 #[derive(Debug, Clone)]
 pub enum LoadedSurface {
     /// Two guides.
     Guides {
-        /// The one that the cutter's bottom follows.
+        /// Guide that the cutter's bottom follows.
         lower: GuideCurve,
         /// The other one.
         upper: GuideCurve,
@@ -60,23 +60,23 @@ pub enum LoadedSurface {
     Face {
         /// The mesh.
         mesh: Arc<Mesh>,
-        /// Its faces that could be milled, as [`flank_candidates`](flank::fit_ruled::flank_candidates) has them.
+        /// Faces that could be milled, as [`flank_candidates`](flank::fit_ruled::flank_candidates) has them.
         candidates: Arc<Vec<Candidate>>,
-        /// Which one, from 1.
+        /// Number of the face, from 1.
         number: usize,
         /// Whether the rest of the mesh is looked at for gouges.
         is_own_wall: bool,
     },
 }
 
-/// All that a job works on.
+/// Input of a flank.
 #[derive(Debug, Clone)]
 pub struct FlankInput {
-    /// What to call it.
+    /// Name of the flank.
     pub name: String,
     /// The surface.
     pub surface: LoadedSurface,
-    /// What the files of surface and walls leave in doubt, in words.
+    /// Doubts about the files of surface and walls, in words.
     pub doubts: Vec<String>,
     /// On which side of it the cutter stands.
     pub side: Side,
@@ -84,7 +84,7 @@ pub struct FlankInput {
     pub cutter: FlankCutter,
     /// How the path is planned.
     pub params: FlankParams,
-    /// Which path is milled.
+    /// Path that is milled.
     pub path: PathChoice,
     /// Other walls that must not be cut.
     pub walls: Option<Arc<Mesh>>,
@@ -100,8 +100,8 @@ pub struct FlankInput {
     pub undercut_tolerance_mm: f64,
     /// Checks that do not keep anything from being exported.
     pub overrides: Vec<FlankOverride>,
-    /// Whether checks are taken on the plan's own grid, to be quick; nothing should be milled by them.
-    pub is_quick_look: bool,
+    /// Whether checks are taken on the plan's own coarse grid, for a preview; nothing may be milled by them.
+    pub is_preview: bool,
 }
 
 /// Why there is no flank path at all.
@@ -116,7 +116,7 @@ pub enum FlankJobError {
          listed"
     )]
     NoCandidate {
-        /// Which one was asked for.
+        /// Number asked for.
         number: usize,
         /// How many there are.
         count: usize,
@@ -126,13 +126,13 @@ pub enum FlankJobError {
     Cutter {
         /// Why it does not fit.
         misfit: FlankError,
-        /// What went wrong then.
+        /// Error met then.
         why: FlankError,
     },
     /// A face without a ruled surface.
     #[error("flank {number} has no ruled surface: {why}; choose another flank")]
     NotFitted {
-        /// Which one.
+        /// Number of the flank.
         number: usize,
         /// Why.
         why: String,
@@ -157,9 +157,9 @@ impl From<Cancelled> for FlankJobError {
 pub struct Milled {
     /// The machine.
     pub machine: Kinematics,
-    /// Its positions.
+    /// Positions.
     pub line: MachinePath,
-    /// What they were made with.
+    /// Parameters of the positions.
     pub params: LinearisationParams,
     /// Where the flutes touch, for the feed.
     pub contact: Contact,
@@ -171,10 +171,10 @@ pub struct Milled {
     pub slowed: Option<Slowed>,
 }
 
-/// What was computed and checked of a flank.
+/// Results and checks of a flank.
 #[derive(Debug, Clone)]
 pub struct FlankFacts {
-    /// What to call it.
+    /// Name of the flank.
     pub name: String,
     /// The surface, on the side that was chosen.
     pub surface: RuledSurface,
@@ -184,28 +184,27 @@ pub struct FlankFacts {
     pub joinings: Vec<Joining>,
     /// The paths.
     pub plan: FlankPlan,
-    /// Which of them is milled.
+    /// Path that is milled.
     pub path: PathChoice,
-    /// What it does over the grid that it is checked on.
+    /// Results of that path over the grid that it is checked on.
     pub checked: CheckedPath,
-    /// Its clearances; none if there is nothing that could be gouged.
+    /// Clearances; none if there is nothing that could be gouged.
     pub gouge: Option<GougeCheck>,
-    /// What the whole tool does to the surface itself all along the path.
+    /// Effect of the whole tool on the surface itself all along the path.
     pub own_surface: OwnSurfaceCheck,
-    /// The same of the approach and of the retraction, each from the surface outwards.
+    /// Clearances of the approach and of the retraction, each from the surface outwards.
     pub lead_gouge: [Option<GougeCheck>; 2],
     /// Where the approach and the retraction cut the surface itself deeper than the path does at its ends; t is the share
     /// of the moves, from the surface outwards.
     pub lead_own: [Option<OwnGouge>; 2],
     /// The straight moves that lead to it and from it, outside first.
     pub approach: Vec<ToolPose>,
-    /// See `approach`.
+    /// Straight moves of the retraction, from the surface outwards.
     pub retract: Vec<ToolPose>,
     /// The machine's path, or why there is none; none of both without a machine.
     pub milled: Option<Result<Milled, String>>,
-    /// The furthest that tip and flutes' top leave the path on the straight moves that are written (mm): of the cutter
-    /// locations or of the machine's positions, whichever is more.
-    pub stray_mm: f64,
+    /// Greatest chordal deviation of tip and flutes' top on straight moves (mm).
+    pub chordal_deviation_mm: f64,
     /// How it is milled.
     pub milling: MillingSettings,
     /// How much the moving cutter may cut otherwise than the standing one at any place (mm).
@@ -214,14 +213,14 @@ pub struct FlankFacts {
     pub overcut_tolerance_mm: f64,
     /// How much stock it may leave on the surface, standing or moving (mm).
     pub undercut_tolerance_mm: f64,
-    /// What was checked.
+    /// Checks of the path.
     pub checks: Vec<FlankCheck>,
-    /// What the reader must know of the path, in words.
+    /// Warnings on the path, in words.
     pub warnings: Vec<String>,
     /// Overrides that override nothing, and why, in words.
     pub idle_overrides: Vec<String>,
     /// Whether the checks were taken on the plan's own grid, to be quick: nothing is approved by them.
-    pub is_quick_look: bool,
+    pub is_preview: bool,
 }
 
 /// A planned flank with its checks. Only [`flank()`] makes one, and its facts can be read but not changed, so that no check
@@ -271,13 +270,13 @@ impl FlankResult {
         self.facts.idle_overrides = checks::idle(&self.checks, overrides);
     }
 
-    /// The same flank with another name for its cutter, which is nothing but a word in files.
+    /// Flank with another name for its cutter, which appears in files only as text.
     pub fn with_cutter_name(mut self, name: &str) -> Self {
         name.clone_into(&mut self.facts.plan.cutter.name);
         self
     }
 
-    /// The same decisions with what each was made for: those for whatever a check finds are for what it found here.
+    /// Overrides with the figures that they were decided for: those for any finding are for the finding made here.
     pub fn remembered(&self, overrides: &[FlankOverride]) -> Vec<FlankOverride> {
         let failing = |name: &str| self.checks.iter().find(|c| !c.holds && c.kind.name() == name);
         let remembered = |one: &FlankOverride| match failing(&one.check) {
@@ -300,7 +299,7 @@ impl FlankResult {
         (!failed.is_empty()).then(|| failed.join("; "))
     }
 
-    /// What the reader must know of the path, and what the machine has to say of it.
+    /// Warnings on the path, and notes of the machine on it.
     pub fn all_warnings(&self) -> Vec<String> {
         self.warnings.iter().chain(&self.idle_overrides).cloned().chain(checks::of_machine(self)).collect()
     }
@@ -349,7 +348,7 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
         }
     })?;
     let path = path_of(&plan, input.path);
-    let quick = input.is_quick_look.then(|| CheckGrid::even(&surface, input.params.grid));
+    let quick = input.is_preview.then(|| CheckGrid::even(&surface, input.params.grid));
     let grid = quick.unwrap_or_else(|| CheckGrid::new(&surface));
     let checked = grid.checked(path, &input.cutter.above(input.params.below_mm)?)?;
     let whole_tool = grid.for_whole_tool(&surface);
@@ -374,7 +373,8 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
         milled(machine, &path, (&input.milling, &input.cutter), cancel)
     });
     cancel.check()?;
-    let stray_mm = stray(path, &input.milling, [&approach, &retract], (&input.cutter, milled.as_ref()));
+    let chordal_deviation_mm =
+        chordal_deviation(path, &input.milling, [&approach, &retract], (&input.cutter, milled.as_ref()));
     progress.report("positions of the machine", 1.0, "");
     let facts = FlankFacts {
         name: input.name.clone(),
@@ -391,7 +391,7 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
         approach,
         retract,
         milled,
-        stray_mm,
+        chordal_deviation_mm,
         milling: input.milling.clone(),
         envelope_tolerance_mm: input.envelope_tolerance_mm,
         overcut_tolerance_mm: input.overcut_tolerance_mm,
@@ -399,7 +399,7 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
         checks: Vec::new(),
         warnings: Vec::new(),
         idle_overrides: Vec::new(),
-        is_quick_look: input.is_quick_look,
+        is_preview: input.is_preview,
     };
     let mut result = FlankResult { facts };
     result.facts.checks = checks::of(&result);
@@ -444,8 +444,8 @@ fn surface_as_given(input: &FlankInput) -> Result<(RuledSurface, Option<RuledFit
     }
 }
 
-/// What must not be cut: the part's own other faces and the given walls. Of a face of a mesh its own triangles are known;
-/// in the given walls they are those that lie on them.
+/// Walls that must not be cut: the part's own other faces and the given walls. Of a face of a mesh its own triangles
+/// are known; in the given walls they are those that lie on them.
 fn walls(
     input: &FlankInput,
     milled: (&RuledSurface, &FlankPath),
@@ -481,7 +481,7 @@ fn lesser_of(
     Ok(found)
 }
 
-/// What of the tool at `pose` is wholly within the part or the given walls.
+/// Parts of the tool at `pose` that are wholly within the part or the given walls.
 fn within_walls(input: &FlankInput, pose: &FlankPose) -> GougeCheck {
     let part = match &input.surface {
         LoadedSurface::Face { mesh, is_own_wall: true, .. } => Some(mesh),

@@ -99,7 +99,7 @@ impl FlankOverride {
         (!worse.is_empty()).then(|| format!("{}; it does not hold: decide again", worse.join(", ")))
     }
 
-    /// What it was decided for, in words; none for whatever the check finds.
+    /// Finding that the override was decided for, in words; none for any finding.
     pub fn given_for(&self) -> Option<String> {
         let most = self.most.map(|most| format!("up to {most:.4}"));
         let figures = self.figures.iter().map(|(name, figure)| format!("{} {figure:.4}", words(name)));

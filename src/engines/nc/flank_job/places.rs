@@ -46,7 +46,7 @@ fn worst(result: &FlankResult, kind: CheckKind) -> Option<DVec3> {
     worse.map(|(_, place)| place)
 }
 
-/// What the path does over one of the grids.
+/// Results of the path over one of the grids.
 struct Looked<'a> {
     standing: &'a Deviation,
     moving: &'a EnvelopeCheck,
@@ -83,7 +83,7 @@ fn badness(result: &FlankResult, grid: &Looked, k: usize, kind: CheckKind) -> Op
     match kind {
         CheckKind::Deviation => {
             // What the surface is off the face and what straight moves leave is added to every place alike.
-            let added_mm = result.stray_mm + result.fit.as_ref().map_or(0.0, |fit| fit.error.greatest_mm);
+            let added_mm = result.chordal_deviation_mm + result.fit.as_ref().map_or(0.0, |fit| fit.error.greatest_mm);
             Some(added_mm + beyond([result.overcut_tolerance_mm, result.undercut_tolerance_mm]))
         }
         CheckKind::Envelope => Some((both[0] - both[1]).abs()),
@@ -118,13 +118,14 @@ fn nearest(result: &FlankResult, place: DVec3) -> f64 {
 
 /// Where the straight moves leave the path by much, they could follow it more closely.
 fn finer_moves(result: &FlankResult) -> Option<&'static str> {
-    /// What counts as much (mm).
+    /// Deviation that counts as large (mm).
     const MUCH_MM: f64 = 0.01;
-    (result.stray_mm > MUCH_MM).then_some("reduce the linearisation tolerance (linearisation_mm, --tolerance)")
+    (result.chordal_deviation_mm > MUCH_MM)
+        .then_some("reduce the linearisation tolerance (linearisation_mm, --tolerance)")
 }
 
-/// What could be done about a surface that the path does not cover. Another path is named only if it does; flutes that
-/// are too short are the check of the cutter's.
+/// Remedies for a surface that the path does not cover. Another path is named only if it covers the surface; flutes
+/// that are too short belong to the check of the cutter.
 fn to_cover(result: &FlankResult) -> Vec<&'static str> {
     let (plan, path) = (&result.plan, result.path());
     let is_short = !(path.coverage.is_whole && result.checked.coverage.is_whole);
@@ -139,10 +140,10 @@ fn to_cover(result: &FlankResult) -> Vec<&'static str> {
     ends.into_iter().chain(other.filter(|_| is_short)).chain(points).chain(below).collect()
 }
 
-/// What helps against a wall that is touched no higher than the cutter's bottom reaches below the lower guide: as under the
+/// Remedy for a wall that is touched no higher than the cutter's bottom reaches below the lower guide: as under the
 /// tips of an electrode, where its base goes on.
 fn higher(result: &FlankResult, check: &FlankCheck) -> Option<&'static str> {
-    /// What of the flutes counts as their bottom (mm).
+    /// Height of the flutes that counts as their bottom (mm).
     const BOTTOM_MM: f64 = 0.01;
     let (path, place) = (result.path(), check.place?);
     let is_low = |t: f64| {
@@ -154,7 +155,7 @@ fn higher(result: &FlankResult, check: &FlankCheck) -> Option<&'static str> {
         .then_some("reduce Extend below (--below 0) where the part goes on below the lower guide")
 }
 
-/// What could be done about a check that fails, as far as it was not done.
+/// Remedy for a check that fails, as far as it was not applied.
 fn advice(result: &FlankResult, check: &FlankCheck) -> Option<String> {
     let is_bounded = matches!(result.plan.params.objective, Objective::Bounded { .. });
     let refined = (result.path != PathChoice::Refined).then_some("mill the refined path");

@@ -7,13 +7,13 @@ use flank::machine::milling_machine::Workpiece;
 
 use crate::flank_program::{FlankNcSettings, milling_post};
 
-/// Which of a plan's paths is milled.
+/// Path of a plan that is milled.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PathChoice {
-    /// That of the offset.
+    /// Path of the offset.
     Initial,
-    /// That of the best rank.
+    /// Path of the best rank.
     Chosen,
     /// The refined one.
     #[default]
@@ -24,7 +24,7 @@ impl PathChoice {
     /// All of them, in the order in which they are made.
     pub const ALL: [Self; 3] = [Self::Initial, Self::Chosen, Self::Refined];
 
-    /// Its name.
+    /// Name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Initial => "initial",
@@ -50,7 +50,7 @@ impl CutDirection {
     /// Both.
     pub const ALL: [Self; 2] = [Self::Climb, Self::Conventional];
 
-    /// Its name.
+    /// Name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Climb => "climb",
@@ -70,7 +70,7 @@ pub struct MillingSettings {
     /// Length from the spindle nose to the tip (mm), if not that of the machine's file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gauge_length_mm: Option<f64>,
-    /// Which way along the surface it goes.
+    /// Direction along the surface.
     pub cut: CutDirection,
     /// Name of the post.
     pub post: String,

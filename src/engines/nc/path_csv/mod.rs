@@ -14,45 +14,114 @@ use geometry::frame::Frame;
 
 /// The format's name, the first key of the header.
 pub const FORMAT: &str = "sparkpath-path-1";
-/// The same for the file of a copying motion.
+/// Format of the file of a copying motion.
 pub const COPYING_FORMAT: &str = "sparkpath-copying-1";
 /// The columns in order.
 pub const COLUMNS: [&str; 9] = ["node", "s_mm", "x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg", "clearance_mm"];
 /// How far the frame's axes may be from orthonormal.
 const FRAME_TOLERANCE: f64 = 1e-6;
 
-/// What is wrong with a path file, or with a path that was to become one. Lines count from 1.
+/// Error of a path file, or of a path that was to become one. Lines count from 1.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[allow(missing_docs)]
 pub enum PathCsvError {
+    /// The first line is no header.
     #[error("line 1: a path file starts with `# ` and one line of JSON with \"format\":\"{FORMAT}\"; {problem}")]
-    Header { problem: String },
+    Header {
+        /// Problem found.
+        problem: String,
+    },
+    /// The header names another kind of file.
     #[error("line 1: {key} is {found}, but must be {expected}; this program reads no other kind of path")]
-    Kind { key: &'static str, found: String, expected: &'static str },
+    Kind {
+        /// Key.
+        key: &'static str,
+        /// Value found.
+        found: String,
+        /// Expected form.
+        expected: &'static str,
+    },
+    /// The frame of the header is no rotation.
     #[error(
         "line 1: frame is not a rotation: {problem}; x, y and z must be unit vectors, right-handed, at right angles"
     )]
-    Frame { problem: String },
+    Frame {
+        /// Problem found.
+        problem: String,
+    },
+    /// A value of the header is out of range.
     #[error("line 1: {key} is {value}; {remedy}")]
-    HeaderValue { key: &'static str, value: String, remedy: &'static str },
+    HeaderValue {
+        /// Key.
+        key: &'static str,
+        /// Value found.
+        value: String,
+        /// Range or remedy.
+        remedy: &'static str,
+    },
+    /// The second line does not name the columns.
     #[error("line 2: the columns must be {}, found {found:?}", COLUMNS.join(","))]
-    Columns { found: String },
+    Columns {
+        /// Line found.
+        found: String,
+    },
+    /// A row has another number of values.
     #[error("line {line}: {found} values where {} are needed", COLUMNS.len())]
-    FieldCount { line: usize, found: usize },
+    FieldCount {
+        /// Line of the file, from 1.
+        line: usize,
+        /// Number of values found.
+        found: usize,
+    },
+    /// A value of a row cannot be read.
     #[error("line {line}, column {column}: {text:?} is not {expected}")]
-    Value { line: usize, column: &'static str, text: String, expected: &'static str },
+    Value {
+        /// Line of the file, from 1.
+        line: usize,
+        /// Column.
+        column: &'static str,
+        /// Text found.
+        text: String,
+        /// Expected form.
+        expected: &'static str,
+    },
+    /// The path has fewer than two rows.
     #[error("the path has {found} rows; at least 2 are needed: one outside and the final pose")]
-    TooShort { found: usize },
+    TooShort {
+        /// Number of rows.
+        found: usize,
+    },
+    /// The last row is not the final pose.
     #[error("line {line}, column {column}: the last row is the final pose and must be 0, found {value}")]
-    NotFinal { line: usize, column: &'static str, value: f64 },
+    NotFinal {
+        /// Line of the file, from 1.
+        line: usize,
+        /// Column.
+        column: &'static str,
+        /// Value found.
+        value: f64,
+    },
+    /// Rows do not run from outside to the final pose.
     #[error(
         "line {line}: rows run from outside to the final pose: s_mm must fall and node must not rise; sort the rows"
     )]
-    OutOfOrder { line: usize },
+    OutOfOrder {
+        /// Line of the file, from 1.
+        line: usize,
+    },
+    /// A row is not rounded to the decimals of the file.
     #[error("row {row} is not rounded to the decimals of the file; round the path before it is verified")]
-    NotQuantised { row: usize },
+    NotQuantised {
+        /// Row, from 0.
+        row: usize,
+    },
+    /// The number of clearances is not that of the rows.
     #[error("{found} clearances for {rows} rows; verify this path again")]
-    Clearances { found: usize, rows: usize },
+    Clearances {
+        /// Number of clearances.
+        found: usize,
+        /// Number of rows.
+        rows: usize,
+    },
 }
 
 #[derive(Serialize, Deserialize)]

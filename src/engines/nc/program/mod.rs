@@ -39,34 +39,77 @@ pub fn is_program_for(file: &Path, what: &str) -> bool {
 
 /// Why no program could be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[allow(missing_docs)]
 pub enum NcError {
+    /// The path moves an axis that the machine does not have.
     #[error("the path moves axis {axis} at row {row}, which the machine does not have; plan for the axes it has")]
-    AxisNotOnMachine { axis: char, row: usize },
+    AxisNotOnMachine {
+        /// Letter of the axis.
+        axis: char,
+        /// Row, from 0.
+        row: usize,
+    },
+    /// The path moves an axis for which the post has no word.
     #[error("the path moves axis {axis}, for which the post has no word; add it under [[axes]]")]
-    AxisNotInPost { axis: char },
+    AxisNotInPost {
+        /// Letter of the axis.
+        axis: char,
+    },
+    /// A line is longer than the control allows.
     #[error(
         "a line of {length} characters is longer than the control's {limit}: {line:?}; \
              shorten the post's words or raise max_line_length"
     )]
-    LineTooLong { length: usize, limit: usize, line: String },
+    LineTooLong {
+        /// Characters of the line.
+        length: usize,
+        /// Characters allowed.
+        limit: usize,
+        /// The line.
+        line: String,
+    },
+    /// The feed of a block is rounded to 0.
     #[error(
         "the F word of block {block} would be 0 with its {decimals} decimals; raise the feed or the decimals of the post"
     )]
-    FeedTooSlow { block: usize, decimals: usize },
+    FeedTooSlow {
+        /// Number of the block.
+        block: usize,
+        /// Decimals of the F word.
+        decimals: usize,
+    },
+    /// The path leaves the travel of an axis.
     #[error("{0}; the program is for another machine than the path was verified for")]
     BeyondTravel(BeyondTravel),
+    /// The machine has bodies, but the motion was not simulated with them.
     #[error("the machine has bodies, and the path was not simulated with them; simulate it")]
     NotSimulated,
+    /// The motion was simulated for another machine.
     #[error("the motion was simulated for {simulated}, but the program is for {asked}; simulate it again")]
-    OtherMachineSimulated { simulated: String, asked: String },
+    OtherMachineSimulated {
+        /// Machine of the simulation.
+        simulated: String,
+        /// Machine of the program.
+        asked: String,
+    },
+    /// The post has no word for tool centre point control.
     #[error(
         "the post has no word for a control that follows the tool's tip ({wanted}); set tip_control to off, or take a \
              post that has {wanted} under [tip_control], as the built-in example milling-tcp has"
     )]
-    NoTipControl { wanted: &'static str },
+    NoTipControl {
+        /// Key of the missing word.
+        wanted: &'static str,
+    },
+    /// A setting is out of range.
     #[error("{name} is {value}, but must be {range}")]
-    Setting { name: &'static str, value: f64, range: &'static str },
+    Setting {
+        /// Name.
+        name: &'static str,
+        /// Value found.
+        value: f64,
+        /// Range of valid values.
+        range: &'static str,
+    },
 }
 
 /// Speeds and times of a program.
@@ -104,7 +147,7 @@ impl NcSettings {
     }
 }
 
-/// What a program is for.
+/// Input of a program.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NcJob<'a> {
     /// Name of the program, e.g. `path_1`.
@@ -228,7 +271,7 @@ fn copying_rows(approved: &Approved) -> &[PathRow] {
     approved.copying().map_or(&[], |copying| &copying.path.rows)
 }
 
-/// What the machine's speeds made of the feed.
+/// Comments on the feed as limited by the machine's speeds.
 fn speed_comments(w: &mut Writer, slowed: Option<Slowed>) {
     let MachineParams { speed_mm_min, speed_deg_min, .. } = &w.job.machine;
     w.comment(&format!("Greatest speeds of the machine: X Y Z {speed_mm_min} mm/min, A B C {speed_deg_min} deg/min"));
@@ -385,7 +428,7 @@ pub(super) struct Writer<'a> {
     job: &'a TurnedJob<'a>,
     settings: &'a NcSettings,
     lines: Lines<'a>,
-    /// What is added to A: the turn to the channel (rad).
+    /// Angle added to A: the turn to the channel (rad).
     pub(super) turn: f64,
 }
 

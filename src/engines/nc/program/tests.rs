@@ -31,7 +31,7 @@ fn program(post: &Post) -> String {
     NcProgram::new(&fixtures::approved(), post, &NcSettings::default(), &job()).unwrap().text().to_owned()
 }
 
-/// What an interpreter sees: the words of every block that moves, comments and block numbers dropped.
+/// Words of every block that moves, as an interpreter reads them, comments and block numbers dropped.
 fn moving_blocks(post: &Post, text: &str) -> Vec<Vec<(String, String)>> {
     let code = |line: &str| match line.find(post.comment.open.trim()) {
         Some(at) => line[..at].to_owned(),
@@ -362,8 +362,8 @@ fn replayed(post: &Post, text: &str, is_turned: bool) -> Vec<Pose> {
     poses.collect()
 }
 
-/// What a machine is to do, written down without the legs of a simulation: in every channel the approach, the feed, the
-/// copying motion and all the way back, A turned by the channel's angle.
+/// Poses of a tour, written down without the legs of a simulation: in every channel the approach, the feed, the copying
+/// motion and all the way back, A turned by the channel's angle.
 fn poses_of_tour(approach: &[Pose], feed: &FeedPath, copying: &FeedPath, visits: &[Visit]) -> Vec<Pose> {
     let rows = |path: &FeedPath| path.rows.iter().map(|row| row.pose).collect::<Vec<_>>();
     let there = [&approach[..approach.len() - 1], &rows(feed)].concat();

@@ -9,7 +9,7 @@ use geometry::mesh::Bounds;
 pub const DEFAULT_FIELD_OF_VIEW: f64 = std::f64::consts::FRAC_PI_6;
 /// Nearest and furthest distance to the target (mm).
 const DISTANCES: [f64; 2] = [1e-4, 1e8];
-/// What part of the picture is left free around what is fitted into it.
+/// Margin around what is fitted into the picture, as a factor.
 const FIT_MARGIN: f64 = 1.08;
 
 /// How depth is shown.
@@ -18,7 +18,7 @@ pub enum Projection {
     /// Far things look smaller.
     #[default]
     Perspective,
-    /// They do not: lengths across the view can be compared.
+    /// Parallel: lengths across the view can be compared.
     Orthographic,
 }
 
@@ -36,7 +36,7 @@ pub enum OrbitStyle {
 /// projection, so that changing the projection keeps the size of things there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
-    /// What is looked at, in the middle of the picture.
+    /// Point looked at, in the middle of the picture.
     pub target: DVec3,
     /// From the eye to the target (mm), positive.
     pub distance: f64,

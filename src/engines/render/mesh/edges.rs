@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::fans::Fans;
 
-/// What the edges of a mesh tell.
+/// Topology of the edges of a mesh.
 #[derive(Debug, Default, PartialEq)]
 pub struct Edges {
     /// Vertices of the feature edges: creases, rims of open surfaces, and where more than two faces meet.

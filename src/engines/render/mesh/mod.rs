@@ -18,7 +18,7 @@ use shading::{Shaded, shade};
 
 /// Cosine of the angle (30 degrees) between faces from which on the edge between them is sharp.
 const CREASE: f64 = 0.866_025_403_784_438_6;
-/// The same for the lighter mesh, which is rougher.
+/// Crease angle of the lighter mesh, which is rougher (rad).
 const LIGHTER_CREASE: f64 = 0.7;
 /// From how many triangles on there is a lighter mesh.
 const LIGHTER_FROM: usize = 60_000;
@@ -125,7 +125,7 @@ impl From<Shaded> for Level {
     }
 }
 
-/// What is drawn of a mesh.
+/// Levels of detail of a mesh.
 struct Levels {
     full: Level,
     lighter: Option<Level>,

@@ -110,8 +110,8 @@ fn smooth_normals(faces: &[(DVec3, f64)], crease: f64) -> Vec<DVec3> {
         .collect()
 }
 
-/// The same for a vertex with many faces, by groups around the first face of each: there are never more
-/// groups than directions apart by the crease angle, so that the work grows with the number of faces only.
+/// Normals at a vertex with many faces, by groups around the first face of each: there are never more groups than
+/// directions apart by the crease angle, so that the work grows with the number of faces only.
 fn grouped_normals(faces: &[(DVec3, f64)], crease: f64) -> Vec<DVec3> {
     let mut groups: Vec<(DVec3, DVec3)> = Vec::new();
     let mut group_of = Vec::with_capacity(faces.len());

@@ -1,4 +1,4 @@
-//! What lies under a pixel, found on the CPU: exact, and without waiting for the GPU.
+//! Picking: the object under a pixel, found on the CPU, exact, and without waiting for the GPU.
 
 use glam::{DVec2, DVec3};
 
@@ -9,7 +9,7 @@ use geometry::raycast::RayHit;
 /// Objects of less opacity are looked through.
 const FIRM: f32 = 0.5;
 
-/// What was hit.
+/// Object that was hit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pick {
     /// The object.
@@ -49,7 +49,7 @@ pub fn pick(scene: &Scene, camera: &Camera, pixel: DVec2, size: [u32; 2]) -> Opt
     nearest(true).or_else(|| nearest(false))
 }
 
-/// What of the ray the section leaves; `None` if nothing.
+/// Part of the ray that the section leaves; `None` if nothing.
 fn sight(scene: &Scene, camera: &Camera, ray: ViewRay) -> Option<Sight> {
     // An orthographic view also shows what lies behind the plane its rays start from.
     let behind = match camera.projection {

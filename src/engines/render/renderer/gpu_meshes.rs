@@ -15,7 +15,7 @@ const PLENTY: u64 = 1 << 30;
 /// Stands for "no value" in a buffer of values.
 const NO_VALUE: f32 = -f32::MAX;
 
-/// Which version of a mesh.
+/// Level of detail of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Detail {
     Full,

@@ -1,6 +1,5 @@
 //! Draws a scene into a texture.
 
-mod buffers;
 mod gpu_meshes;
 mod passes;
 mod pipelines;
@@ -13,12 +12,11 @@ use super::camera::Camera;
 use super::colour_map::{ColourMap, TABLE_SIZE};
 use super::scene::Scene;
 use super::section::CutCache;
-use buffers::{GrowingBuffer, spaced};
 use gpu_meshes::{Detail, GpuMeshes};
 use pipelines::Pipelines;
 use prepare::{Prepared, flat_frame, prepare};
 use targets::Targets;
-use uniforms::{FrameUniform, ObjectUniform};
+use uniforms::{FrameUniform, GrowingBuffer, ObjectUniform, spaced};
 
 /// Format of the pictures; its values are already sRGB, so a reader must not decode them again.
 pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;

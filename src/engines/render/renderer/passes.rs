@@ -27,14 +27,14 @@ const KINDS: [Kind; 15] = [
     Kind::DotsFlat,
 ];
 
-/// What the draws of one picture share.
+/// State that the draws of one picture share.
 struct Pass<'a> {
     renderer: &'a Renderer,
     pass: wgpu::RenderPass<'a>,
     scene: &'a Scene,
     prepared: &'a Prepared,
     plan: &'a Plan,
-    /// Which version of each prepared object's mesh is on the GPU.
+    /// Level of detail of each prepared object's mesh on the GPU.
     details: &'a [Option<Detail>],
     frame: wgpu::BindGroup,
     object: wgpu::BindGroup,

@@ -1,4 +1,4 @@
-//! The ways of drawing: which shader, what it reads, how it meets depth, stencil and colour.
+//! Pipelines: shader, its inputs, and their use of depth, stencil and colour.
 
 use std::collections::HashMap;
 use std::mem::size_of;
@@ -10,7 +10,7 @@ use crate::mesh::Vertex;
 /// Format of depth and stencil, which every device has.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth24PlusStencil8;
 
-/// What is drawn.
+/// Kind of primitive that is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Kind {
     Background,
@@ -38,7 +38,7 @@ pub enum Kind {
     DotsFlat,
 }
 
-/// One way of drawing.
+/// Key of a pipeline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Key {
     pub kind: Kind,
@@ -125,7 +125,7 @@ impl Pipelines {
         }
     }
 
-    /// Makes sure that these ways of drawing are ready.
+    /// Makes sure that these pipelines are ready.
     pub fn make(&mut self, device: &wgpu::Device, keys: impl IntoIterator<Item = Key>) {
         for key in keys {
             if !self.made.contains_key(&key) {
@@ -135,7 +135,7 @@ impl Pipelines {
         }
     }
 
-    /// A way of drawing that has been made.
+    /// A pipeline that has been made.
     pub fn get(&self, key: Key) -> Option<&wgpu::RenderPipeline> {
         self.made.get(&key)
     }
@@ -197,7 +197,7 @@ impl Pipelines {
     }
 }
 
-/// The shader of a way of drawing, whether it gives colours and whether it reads an object's uniforms.
+/// The shader of a pipeline, whether it gives colours and whether it reads an object's uniforms.
 struct Program<'a> {
     module: &'a wgpu::ShaderModule,
     vertex: &'static str,
@@ -250,7 +250,18 @@ fn depth_stencil(kind: Kind) -> wgpu::DepthStencilState {
         depth_write_enabled: Some(write),
         depth_compare: Some(compare),
         stencil: stencil(kind),
-        bias: Default::default(),
+        bias: bias(kind),
+    }
+}
+
+/// What is seen through is drawn as if it lay a little behind where it is: where it coincides with a solid body, such as a
+/// swept volume with the body that sweeps it, the solid one is seen, and not specks of both.
+fn bias(kind: Kind) -> wgpu::DepthBiasState {
+    match kind {
+        Kind::SurfaceDepth | Kind::SurfaceBlended => {
+            wgpu::DepthBiasState { constant: 2048, slope_scale: 2.0, clamp: 0.0 }
+        }
+        _ => wgpu::DepthBiasState::default(),
     }
 }
 

@@ -1,4 +1,4 @@
-//! From a scene and a camera to what the GPU is told: the part of a picture that the CPU makes.
+//! Preparation of a picture on the CPU: from a scene and a camera to the data for the GPU.
 
 use std::ops::Range;
 
@@ -45,7 +45,7 @@ pub struct Prepared {
 
 /// One object of a picture.
 pub struct PreparedObject {
-    /// Its place in the scene's list.
+    /// Place in the scene's list.
     pub index: usize,
     pub uniform: ObjectUniform,
     /// Triangles whose windings make its cap.
@@ -54,7 +54,7 @@ pub struct PreparedObject {
     nearest: f64,
 }
 
-/// What everything in a picture is seen through.
+/// View through which everything in a picture is seen.
 struct View<'a> {
     camera: &'a Camera,
     size: [u32; 2],

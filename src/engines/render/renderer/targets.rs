@@ -66,7 +66,7 @@ impl Target {
         }
     }
 
-    /// Its buffers for a number of samples.
+    /// Buffers for a number of samples.
     pub fn buffers(&self, samples: u32) -> Option<&Buffers> {
         self.buffers.iter().find(|b| b.samples == samples)
     }

@@ -67,7 +67,7 @@ pub(super) fn build(plan: &Plan, finisher: &Finisher, cancel: &Cancel) -> Result
     let params = plan.params;
     let is_deep = plan.part > 0;
     let inset = if is_deep { params.channel_shank_inset_mm } else { params.shank_inset_mm };
-    let turns = super::divide::own_turns(plan.column, params.turns());
+    let turns = super::own_turns(plan.column, params.turns());
     let burning = finisher.rings(&plan.burning_sections(), Reduction { turns, inset: 0.0 }, cancel)?;
     let shank = finisher.rings(&plan.shank_sections(), Reduction { turns, inset }, cancel)?;
     let points = |x: f64, points: &[super::boundary::Polar]| points.iter().map(|p| p.at(x)).collect::<Vec<_>>();
@@ -100,7 +100,7 @@ pub(super) fn build(plan: &Plan, finisher: &Finisher, cancel: &Cancel) -> Result
     Ok(finish(plan, mesh, faces, measures, assumed))
 }
 
-/// What a face of a burning ring is in a column: the wall that the column does not burn is the division.
+/// Face that a face of a burning ring becomes in a column: the wall that the column does not burn is the division.
 fn divided_face(face: ElectrodeFace, column: Option<Column>) -> ElectrodeFace {
     match (column, face) {
         (Some(Column::Low), ElectrodeFace::HighWall) | (Some(Column::High), ElectrodeFace::LowWall) => {

@@ -248,8 +248,7 @@ impl<'a> Boundary<'a> {
 
     /// The corner between wall `w` and the hub (`up = -1`) or shroud (`up = 1`), next to the wall point `beside`.
     ///
-    /// It is searched along the end wall just inside its gap; where the facets of the end wall rise into the way
-    /// the search goes over them.
+    /// The search runs along the end wall just inside its gap, and goes over facets of the end wall that rise into it.
     fn corner(&self, w: usize, x: f64, beside: Polar, up: f64) -> Polar {
         let inset = 0.3f64.min(0.5 * ((beside.theta - self.middle(x, beside.r)) * OUTWARDS[w] * beside.r).abs());
         let start = Polar { theta: beside.theta - OUTWARDS[w] * inset / beside.r, ..beside };

@@ -11,7 +11,7 @@ use task::Cancel;
 
 /// How far thickness is looked for (mm).
 const REACH: f64 = 1e3;
-/// Places looked at between two looks at the cancel flag.
+/// Places processed between two checks of the cancel flag.
 const BATCH: usize = 256;
 
 /// Figures of an electrode.

@@ -1,19 +1,19 @@
 //! The electrode of a channel: the channel's negative, drawn in by the spark gap, reduced, divided, and given a
 //! shank and a holder block (P0, section II and figure 1).
 //!
-//! The burning part is built from planes across X. In each plane the unreduced boundary is where the exact
-//! distance to the finished blisk equals the spark gap; then each wall is turned about X away from its blade and
-//! the shroud side is drawn in. Past the tips of the blades' edges the boundary goes straight on at the angle of
-//! the tip, so that the electrode never reaches round more than half an edge. Every surface is joined from closed
-//! rings with the same number of points, which makes it watertight by construction.
+//! The burning part is built from planes across X. In each plane the unreduced boundary is where the exact distance to
+//! the finished blisk equals the spark gap; then each wall is turned about X away from its blade and the shroud side is
+//! drawn in. Past the tips of the blades' edges the boundary continues at the angle of the tip, so that the electrode
+//! reaches round at most half an edge. Every surface is joined from closed rings with the same number of points, which
+//! makes it watertight by construction.
 //!
-//! What is guaranteed: vertices, face centres and the nearest place of every edge keep the spark gap, so that on a
-//! blisk meshed as finely as usual the whole surface keeps it to a micrometre. What is not: that the electrode can
-//! be got out; that is the planner's and the verifier's business.
+//! Guaranteed: vertices, face centres and the nearest point of every edge keep the spark gap, so that on a blisk meshed
+//! as finely as usual the whole surface keeps it to a micrometre. Not guaranteed: that the electrode can be withdrawn,
+//! which the planner finds and the verifier proves.
 
 mod body;
 mod boundary;
-mod divide;
+mod make;
 mod measure;
 mod own;
 mod params;
@@ -26,19 +26,15 @@ mod tests;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-pub use divide::own_turns;
+pub use make::{Junctions, make_electrodes, turned_wall};
 pub use own::from_user_mesh;
 pub use params::{ElectrodeParams, EnterSide, Sizing};
 
-use super::channel::{Channel, ChannelWall};
-use boundary::Boundary;
-use geometry::exact::{ExactMesh, ExactMeshError};
-use geometry::frame::Cylindrical;
+use geometry::exact::ExactMeshError;
 use geometry::mesh::Mesh;
-use ring::Finisher;
-use task::{Cancel, Cancelled, Progress};
+use task::Cancelled;
 
-/// What a face of an electrode is.
+/// Purpose of a face of an electrode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ElectrodeFace {
@@ -69,7 +65,7 @@ impl ElectrodeFace {
     }
 }
 
-/// Which side of a channel that is divided left and right an electrode burns.
+/// Side of a channel divided left and right that an electrode burns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Column {
@@ -77,6 +73,16 @@ pub enum Column {
     Low,
     /// The high wall.
     High,
+}
+
+/// Angles by which the walls of `column` are turned inwards, of those given for the low and the high wall; the surface
+/// between the columns does not turn (rad).
+pub fn own_turns(column: Option<Column>, [low, high]: [f64; 2]) -> [f64; 2] {
+    match column {
+        None => [low, high],
+        Some(Column::Low) => [low, 0.0],
+        Some(Column::High) => [0.0, high],
+    }
 }
 
 /// The side of the blisk, in W, that an electrode enters from.
@@ -105,17 +111,18 @@ impl EntrySide {
 pub struct Electrode {
     /// The closed surface (mm, in W).
     pub mesh: Mesh,
-    /// What each triangle is.
+    /// Face that each triangle belongs to.
     pub faces: Vec<ElectrodeFace>,
     /// The side it enters from and is withdrawn to.
     pub enters_from: EntrySide,
     /// Reference point O in W: the middle of the burning part along X, y = 0, its mean radius as z (mm).
     pub reference_point: DVec3,
-    /// Which part of the channel it burns, counted from the side of entry, from 0: the order of burning.
+    /// Number of the part of the channel that the electrode burns, counted from the side of entry, from 0: the order of
+    /// burning.
     pub part: usize,
     /// Number of parts.
     pub parts: usize,
-    /// Which side of the channel it burns, where that is divided left and right.
+    /// Side of the channel that the electrode burns, where the channel is divided left and right.
     pub column: Option<Column>,
     /// The thinnest metal between the low and the high wall, or a wall and the division, along the walls' normals
     /// (mm); infinite when no normal of one meets the other.
@@ -127,12 +134,12 @@ pub struct Electrode {
     /// Exact distance to the finished blisk in the final pose: for a derived electrode the least over vertices,
     /// edge midpoints and face centres, for an own mesh over the whole surfaces (mm).
     pub clearance_mm: f64,
-    /// What was assumed, in plain sentences for the user.
+    /// Assumptions made, in plain sentences for the user.
     pub assumed: Vec<String>,
 }
 
 impl Electrode {
-    /// What it burns, where the channel is divided: `part 1 of 2, low side`; empty for a single electrode.
+    /// Share of a divided channel that the electrode burns: `part 1 of 2, low side`; empty for a single electrode.
     pub fn share(&self) -> String {
         let part = (self.parts > 1).then(|| format!("part {} of {}", self.part + 1, self.parts));
         let column = self.column.map(|column| match column {
@@ -143,10 +150,10 @@ impl Electrode {
     }
 }
 
-/// Why there is no electrode.
+/// Reason why no electrode can be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ElectrodeError {
-    /// The computation was told to stop.
+    /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
     /// A parameter is out of its range.
@@ -154,7 +161,7 @@ pub enum ElectrodeError {
     OutOfRange {
         /// The parameter's name.
         name: &'static str,
-        /// Its value.
+        /// Value of the parameter.
         value: f64,
         /// Least value allowed.
         from: f64,
@@ -203,7 +210,7 @@ pub enum ElectrodeError {
         r: f64,
         /// Width along the circumference without reductions (mm).
         available: f64,
-        /// What the reductions take of it (mm).
+        /// Part of it that the reductions take (mm).
         taken: f64,
     },
     /// The reductions leave no height between hub and shroud.
@@ -216,7 +223,7 @@ pub enum ElectrodeError {
         x: f64,
         /// Height without reductions (mm).
         available: f64,
-        /// What the reductions take of it (mm).
+        /// Part of it that the reductions take (mm).
         taken: f64,
     },
     /// The parts are too short for their overlap.
@@ -257,127 +264,4 @@ pub enum ElectrodeError {
          frame and units of the blisk's mesh"
     )]
     Interferes,
-}
-
-/// Makes the electrodes of `channel`, in the order of burning: the part next to the side of entry first, and of each
-/// part the low column first.
-///
-/// `blisk` is the finished blisk in W. The result does not depend on the number of threads.
-///
-/// # Errors
-/// An [`ElectrodeError`] that says where the channel leaves no room for the wanted gap and reductions.
-pub fn make_electrodes(
-    channel: &Channel,
-    blisk: &ExactMesh,
-    params: &ElectrodeParams,
-    side: EntrySide,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<Vec<Electrode>, ElectrodeError> {
-    params.validate()?;
-    progress.report("electrode", 0.0, "boundary of the channel");
-    let boundary = Boundary::new(channel, blisk, params)?;
-    let extent = burning_extent(channel, params);
-    let ranges = part_ranges(extent, params, side)?;
-    let mut planes: Vec<f64> = ranges.iter().flatten().copied().collect();
-    planes.extend(edge_planes(channel, params, extent));
-    planes.extend(runout(channel, extent, side));
-    let sections = boundary.sections(extent, &planes, cancel)?;
-    let finisher = Finisher::new(&boundary, &sections);
-    let mut electrodes = Vec::with_capacity(params.count());
-    let columns: &[Option<Column>] =
-        if params.columns > 1 { &[Some(Column::Low), Some(Column::High)] } else { &[None] };
-    for &column in columns {
-        let sections: Vec<_> = sections.iter().map(|s| divide::column_of(s, column, params)).collect();
-        for (part, &range) in ranges.iter().enumerate() {
-            progress.report("electrode", (electrodes.len() + 1) as f64 / (params.count() + 1) as f64, "surfaces");
-            let plan = body::Plan { channel, params, side, part, column, range, sections: &sections };
-            electrodes.push(body::build(&plan, &finisher, cancel)?);
-        }
-    }
-    electrodes.sort_by_key(|e| e.part);
-    progress.report("electrode", 1.0, "");
-    Ok(electrodes)
-}
-
-/// The points of a channel wall turned about X by `angle` (rad): where a wall reduced by P0's h stands.
-pub fn turned_wall(wall: &ChannelWall, angle: f64) -> Vec<DVec3> {
-    let turned = |&p: &DVec3| {
-        let at = Cylindrical::from_point(p);
-        Cylindrical { theta: at.theta + angle, ..at }.point()
-    };
-    wall.points.iter().map(turned).collect()
-}
-
-/// The span of X that is burned: that of the blades and the overrun, at most to the faces.
-fn burning_extent(channel: &Channel, params: &ElectrodeParams) -> [f64; 2] {
-    let [from, to] = channel.span_x();
-    let [front, back] = channel.faces_x;
-    [(from - params.overrun_mm).max(front.min(from)), (to + params.overrun_mm).min(back.max(to))]
-}
-
-/// The span of X of each part, counted from the side of entry.
-fn part_ranges(extent: [f64; 2], params: &ElectrodeParams, side: EntrySide) -> Result<Vec<[f64; 2]>, ElectrodeError> {
-    let (parts, shared) = (params.parts, params.shared_length());
-    let length = (extent[1] - extent[0] + (parts - 1) as f64 * shared) / parts as f64;
-    if parts > 1 && length < 2.0 * params.overlap_mm {
-        return Err(ElectrodeError::PartsTooShort { parts, length, overlap: params.overlap_mm });
-    }
-    let mut ranges: Vec<_> = (0..parts)
-        .map(|k| extent[0] + k as f64 * (length - shared))
-        .map(|from| [from, (from + length).min(extent[1])])
-        .collect();
-    if let Some(last) = ranges.last_mut() {
-        last[1] = extent[1];
-    }
-    if side == EntrySide::PlusX {
-        ranges.reverse();
-    }
-    Ok(ranges)
-}
-
-/// Where the burns of parts and columns meet that share so little that stock may be left between them.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Junctions {
-    /// Planes across X (mm).
-    pub planes: Vec<f64>,
-    /// The share of the channel's width where two columns meet.
-    pub split: Option<f64>,
-}
-
-impl Junctions {
-    /// Those of electrodes that are made with `params`; none where the burns share more than the spark gap, so that each
-    /// covers the other's rounded edge.
-    ///
-    /// # Errors
-    /// If the parts are too short.
-    pub fn of(channel: &Channel, params: &ElectrodeParams) -> Result<Self, ElectrodeError> {
-        let gap = params.spark_gap_mm;
-        let ranges = part_ranges(burning_extent(channel, params), params, EntrySide::MinusX)?;
-        let meet = ranges.windows(2).map(|pair| 0.5 * (pair[0][1] + pair[1][0]));
-        Ok(Self {
-            planes: if params.overlap_mm < gap { meet.collect() } else { Vec::new() },
-            split: (params.columns > 1 && params.column_overlap_mm < gap).then_some(params.column_split),
-        })
-    }
-}
-
-/// Planes where the boundary stops following the edges of the blades.
-fn edge_planes(channel: &Channel, params: &ElectrodeParams, extent: [f64; 2]) -> Vec<f64> {
-    let ([from, to], gap) = (channel.span_x(), params.spark_gap_mm);
-    let planes = [from - gap, from - 0.5 * gap, from, to, to + 0.5 * gap, to + gap];
-    planes.into_iter().filter(|x| (extent[0]..=extent[1]).contains(x)).collect()
-}
-
-/// Planes between the burning part and the face on the side of entry, the face included.
-fn runout(channel: &Channel, extent: [f64; 2], side: EntrySide) -> Vec<f64> {
-    let (from, to) = match side {
-        EntrySide::MinusX => (extent[0], channel.faces_x[0]),
-        EntrySide::PlusX => (extent[1], channel.faces_x[1]),
-    };
-    if (to - from) * side.sign() <= 1e-9 {
-        return Vec::new();
-    }
-    let steps = (to - from).abs().ceil().clamp(1.0, 50.0) as usize;
-    (1..=steps).map(|i| from + (to - from) * i as f64 / steps as f64).collect()
 }

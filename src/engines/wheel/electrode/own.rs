@@ -1,4 +1,4 @@
-//! An electrode that the user brings along.
+//! An electrode from the user's own mesh.
 
 use glam::DVec3;
 
@@ -12,11 +12,11 @@ use geometry::inside::guarded_distance;
 use geometry::mesh::{Mesh, unit_normal};
 use task::Cancel;
 
-/// Takes a user's mesh, in its final pose in W, as the electrode of `channel`.
+/// Electrode of `channel` from a user's mesh in its final pose in W.
 ///
-/// Faces are told apart by where they are and which way they look: those past the blades' span belong to the
-/// shank, the others to the wall, end wall or end that their normals point to. The closest distance to the blisk
-/// is exact; one below `spark_gap_mm` is accepted and said in `assumed`.
+/// Faces are classified by position and normal: those past the blades' span belong to the shank, the others to the
+/// wall, end wall or end that their normals point to. The closest distance to the blisk is exact; one below
+/// `spark_gap_mm` is accepted and reported in `assumed`.
 ///
 /// # Errors
 /// When the mesh is open, inside out, or touches or crosses the blisk.

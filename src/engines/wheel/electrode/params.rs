@@ -1,4 +1,4 @@
-//! What an engineer may choose about an electrode.
+//! Parameters of an electrode.
 
 use std::path::PathBuf;
 
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{ElectrodeError, EntrySide};
 
-/// How an electrode is derived from its channel (`[electrode]` of a job).
+/// Parameters by which an electrode is derived from its channel (`[electrode]`).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ElectrodeParams {
@@ -15,18 +15,18 @@ pub struct ElectrodeParams {
     /// Angle by which the low and the high wall of the electrode are turned about X away from their blades; P0's
     /// circumferential reduction h (deg).
     pub circumferential_reduction_deg: [f64; 2],
-    /// How far the shroud side is drawn in along the radius (mm).
+    /// Radial reduction: distance by which the shroud side is drawn in along the radius (mm).
     pub radial_reduction_mm: f64,
     /// Number of electrodes the channel is divided between, by planes across X.
     pub parts: usize,
-    /// How much of X the burns of two neighbouring parts share, each with the spark gap that it burns beyond itself
-    /// (mm). With 0 they only meet, and a ridge is left between them on every wall.
+    /// Overlap along X of the burns of two neighbouring parts, each with the spark gap that it burns beyond itself
+    /// (mm). With 0 the burns only meet, and a ridge is left between them on every wall.
     pub overlap_mm: f64,
     /// 1, or 2 to divide every part left and right along the channel's middle surface too, as P1 does: one electrode
     /// burns the low wall, the other the high wall.
     pub columns: usize,
-    /// How much of the circumference the burns of the two columns share (mm), counted in the same way; negative leaves
-    /// a web between them.
+    /// Overlap along the circumference of the burns of the two columns (mm), counted in the same way; negative leaves a
+    /// web between them.
     pub column_overlap_mm: f64,
     /// Share of the channel's width that belongs to the low column.
     pub column_split: f64,
@@ -36,13 +36,13 @@ pub struct ElectrodeParams {
     pub size: Sizing,
     /// An electrode of one's own, in its final pose in the frame of the blisk's mesh, instead of a derived one.
     pub mesh: Option<PathBuf>,
-    /// How far the burning part reaches past the tips of the blades' edges, at most to the blisk's face (mm).
+    /// Distance by which the burning part reaches past the tips of the blades' edges, at most to the blisk's face (mm).
     pub overrun_mm: f64,
-    /// How much smaller than the burning part the shank is all round (mm).
+    /// Inset of the shank from the burning part, all round (mm).
     pub shank_inset_mm: f64,
-    /// The same for the shank of a part that stands deeper in the channel, where it passes between the blades (mm).
+    /// Inset of the shank of a part that stands deeper in the channel, where it passes between the blades (mm).
     pub channel_shank_inset_mm: f64,
-    /// How far the shank reaches out of the blisk's face (mm).
+    /// Distance by which the shank reaches out of the blisk's face (mm).
     pub shank_length_mm: f64,
     /// Size of the holder block along X, across, and along the radius (mm); it grows where the shank is larger.
     pub holder_mm: [f64; 3],
@@ -80,14 +80,14 @@ pub enum EnterSide {
     /// From the side of smaller x.
     #[serde(rename = "-x")]
     MinusX,
-    /// Whichever side turns out better.
+    /// The better side.
     #[default]
     #[serde(rename = "auto")]
     Auto,
 }
 
 impl EnterSide {
-    /// As job files have it.
+    /// Name of the side in project files.
     pub fn name(self) -> &'static str {
         match self {
             Self::PlusX => "+x",
@@ -106,7 +106,7 @@ impl EnterSide {
     }
 }
 
-/// Where the size of an electrode comes from.
+/// Source of the size of an electrode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Sizing {
@@ -118,7 +118,7 @@ pub enum Sizing {
 }
 
 impl ElectrodeParams {
-    /// Says which value is out of range.
+    /// Whether every value is within its range.
     pub fn validate(&self) -> Result<(), ElectrodeError> {
         let [low, high] = self.circumferential_reduction_deg;
         let [length, width, height] = self.holder_mm;
@@ -147,12 +147,12 @@ impl ElectrodeParams {
         Ok(())
     }
 
-    /// How many electrodes the channel is divided between.
+    /// Number of electrodes that the channel is divided between.
     pub fn count(&self) -> usize {
         self.parts * self.columns
     }
 
-    /// How much of X two neighbouring parts themselves share (mm); negative where they stand apart.
+    /// Length along X that two neighbouring parts themselves share (mm); negative where they stand apart.
     pub(super) fn shared_length(&self) -> f64 {
         self.overlap_mm - 2.0 * self.spark_gap_mm
     }

@@ -19,7 +19,7 @@ const SURPLUS: f64 = 5e-5;
 const SPARE: f64 = 5e-3;
 /// Steps of the search for the place of an edge that is nearest to the blisk.
 const EDGE_STEPS: usize = 12;
-/// Places inside a face that are looked at.
+/// Places sampled inside a face.
 const IN_FACE: [[f64; 3]; 4] =
     [[0.5, 0.25, 0.25], [0.25, 0.5, 0.25], [0.25, 0.25, 0.5], [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0]];
 /// Rounds of giving way at most.
@@ -40,7 +40,7 @@ pub(super) struct Layout {
 pub(super) struct Ring {
     /// The plane (mm).
     pub x: f64,
-    /// Its points.
+    /// Points of the ring.
     pub points: Vec<Polar>,
 }
 
@@ -70,7 +70,7 @@ impl Layout {
         (self.len() - v) % self.len()
     }
 
-    /// What the face between points `k` and `k + 1` of two burning rings is.
+    /// Face between points `k` and `k + 1` of two burning rings.
     pub(super) fn face(self, k: usize) -> ElectrodeFace {
         let (n, m) = (self.columns, self.rows);
         match k {
@@ -289,8 +289,8 @@ impl<'a> Finisher<'a> {
         Ok(())
     }
 
-    /// What the places on ring `i` and between it and the next push: vertices, the nearest place of each edge, and
-    /// some places inside each face.
+    /// Corrections for the points on ring `i` and between it and the next: vertices, the nearest point of each edge,
+    /// and some points inside each face.
     fn pushes(&self, rings: &[Ring], i: usize) -> Vec<Push> {
         let n = self.layout.len();
         let mut pushes = Vec::new();

@@ -3,9 +3,12 @@ use std::sync::LazyLock;
 use proptest::prelude::*;
 
 use super::*;
+use crate::channel::Channel;
 use crate::fixtures::exact_channel;
 use crate::parametric::{MeshResolution, ParametricBlisk};
+use geometry::exact::ExactMesh;
 use geometry::frame::Cylindrical;
+use task::{Cancel, Progress};
 
 struct Part {
     channel: Channel,

@@ -1,4 +1,4 @@
-//! Looking up the walls of a channel, which are grids of points, by x and radius.
+//! Tables of the walls of a channel, which are grids of points, by x and radius.
 
 use crate::channel::ChannelWall;
 use geometry::frame::Cylindrical;

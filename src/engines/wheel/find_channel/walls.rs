@@ -129,7 +129,7 @@ impl WallFinder<'_> {
         Ok(place)
     }
 
-    /// Both walls, low and high, with `nu` by `nv` points. Their sides are not told yet.
+    /// Both walls, low and high, with `nu` by `nv` points. Their sides are not set yet.
     pub fn walls(&self, nu: usize, nv: usize) -> Result<[ChannelWall; 2], BliskError> {
         let rows: Vec<Vec<Place>> = (0..nv)
             .into_par_iter()

@@ -16,7 +16,7 @@ use geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
 pub struct Axis {
     /// A point of the line (mm).
     pub point: DVec3,
-    /// Its unit direction.
+    /// Unit direction.
     pub direction: DVec3,
 }
 
@@ -43,8 +43,8 @@ impl Axis {
         self.direction.cross(p - self.point).length()
     }
 
-    /// The same line, moved onto directions and planes of the mesh's own axes where it misses them by no more
-    /// than the rounding of coordinates (f32 files keep seven digits) of a part of the given size (mm).
+    /// Line moved onto directions and planes of the mesh's own axes where it misses them by no more than the rounding
+    /// of coordinates (f32 files keep seven digits) of a part of the given size (mm).
     pub(super) fn snapped(mut self, size: f64) -> Self {
         let unit = [DVec3::X, DVec3::Y, DVec3::Z][self.major()];
         if (self.direction - unit).length() < 2e-7 {

@@ -33,7 +33,7 @@ pub struct BliskFrame {
     pub repetition: Repetition,
     /// Position along X and radius of a circle through the middle of the bladed passage (mm).
     pub middle: DVec2,
-    /// What was assumed on the way, in plain sentences.
+    /// Assumptions made, in plain sentences.
     pub assumed: Vec<String>,
 }
 

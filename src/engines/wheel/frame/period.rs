@@ -32,7 +32,7 @@ pub struct Repetition {
 pub(super) struct Region {
     /// Number of gaps around.
     pub count: usize,
-    /// Its cells.
+    /// Cells of the region.
     cells: Vec<[usize; 2]>,
 }
 
@@ -176,7 +176,7 @@ fn is_round_hole(slices: &Slices, at: DVec2) -> bool {
 struct Miss {
     /// Distance along the wall's normal (mm).
     distance: f64,
-    /// How the distance answers to moving the part along y and z (mm/mm) and turning it about y and z (mm/rad).
+    /// Derivatives of the distance by moving the part along y and z (mm/mm) and by turning it about y and z (mm/rad).
     answers: [f64; 4],
 }
 

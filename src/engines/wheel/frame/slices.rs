@@ -69,7 +69,7 @@ impl Gap {
         0.5 * (self.low.theta + self.high.theta)
     }
 
-    /// The same gap counted `turns` whole turns further.
+    /// Gap counted `turns` whole turns further.
     fn turned(mut self, turns: f64) -> Self {
         self.low.theta += turns * TAU;
         self.high.theta += turns * TAU;

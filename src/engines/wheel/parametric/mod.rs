@@ -118,9 +118,9 @@ pub enum ParametricError {
     OutOfRange {
         /// The parameter's name.
         name: &'static str,
-        /// Its value.
+        /// Value of the parameter.
         value: f64,
-        /// What it must be.
+        /// Range of valid values.
         must: String,
     },
     /// The two sides of a blade cross.
@@ -231,7 +231,7 @@ impl ParametricBlisk {
         }
     }
 
-    /// Which face of its blade a wall of the channels is, from the sense of the turning.
+    /// Face of its blade that a wall of the channels is, by the sense of the turning.
     pub fn blade_side(&self, side: ChannelSide) -> BladeSide {
         let falling = self.beta_in_deg - self.beta_out_deg;
         if falling == 0.0 {

@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 use super::job_file::PlanJob;
 use feed::genetic::ReductionMode;
 use feed::pose::Pose;
-use feed::search::Node;
+use feed::problem::Node;
 use wheel::electrode::EntrySide;
 
 /// The nodes of a plan and what they belong to.

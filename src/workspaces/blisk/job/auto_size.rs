@@ -3,7 +3,7 @@
 use super::plan::{PlanInputs, PlanJobError};
 use super::prepared_blisk::PreparedBlisk;
 use super::sizing::{SizeRow, SizingRange, size};
-use feed::search::Strategy;
+use feed::plan_params::Strategy;
 use task::{Cancel, Progress};
 use wheel::electrode::Sizing;
 

@@ -11,7 +11,7 @@ use crate::workspaces::blisk::export::PlanFilesError;
 use crate::workspaces::blisk::report::InputFile;
 use crate::workspaces::blisk::report::comparison::{Comparison, Run, RunElectrode, SCHEMA};
 use feed::genetic::ReductionMode;
-use feed::strategy::Strategy;
+use feed::plan_params::Strategy;
 use files::ExportFolder;
 use task::{Cancel, Progress};
 
@@ -121,7 +121,7 @@ pub fn comparison(runs: Vec<Run>, job: &PlanJob, files: Vec<InputFile>) -> Compa
 /// # Errors
 /// [`PlanFilesError`] naming what cannot be written; when told to stop, before anything is.
 pub fn write(folder: &Path, comparison: &Comparison, cancel: &Cancel) -> Result<Vec<&'static str>, PlanFilesError> {
-    let (json, csv, html) = (comparison.json()?, comparison.csv(), comparison.html());
+    let (json, csv, html) = (comparison.json()?, comparison.csv(), comparison.html()?);
     let files = [("comparison.json", json), ("comparison.csv", csv), ("comparison.html", html)];
     cancel.check()?;
     ExportFolder::write_all(folder, "compare", &files.each_ref().map(|(name, text)| (*name, text.as_bytes())))?;

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::plan::{Clock, PlanInputs, PlanJobError, electrode_of};
-use feed::plan::PlanningSpace;
+use feed::prepared::PlanningSpace;
 use feed::prepared::PreparedElectrode;
 use feed::probes::Turns;
 use geometry::exact::ExactMesh;

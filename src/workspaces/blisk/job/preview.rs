@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::plan::{PlanInputs, PlanJobError, electrode_of, settings_of, sides};
 use super::prepared_blisk::PreparedBlisk;
-use feed::global::CoarseWay;
-use feed::plan::{DrawnIn, coarse_way};
+use feed::global::PreviewPath;
+use feed::planner::{DrawnIn, preview_path};
 use task::{Cancel, Progress};
 use wheel::channel::Channel;
 use wheel::electrode::{Electrode, EntrySide};
@@ -16,7 +16,7 @@ pub struct LiveWay {
     /// The side that it is withdrawn to.
     pub side: EntrySide,
     /// The way.
-    pub way: CoarseWay,
+    pub way: PreviewPath,
     /// The electrode with the reductions of the job, if it is not made for the side that is tried first.
     pub other: Option<Arc<Electrode>>,
 }
@@ -25,8 +25,8 @@ impl LiveWay {
     /// What it found, in one sentence.
     pub fn sentence(&self, channel: &Channel) -> String {
         let side = if self.side == EntrySide::MinusX { "-X" } else { "+X" };
-        match (&self.way.width, &self.way.jam) {
-            (Some(width), _) => format!("extraction path towards {side} probable, clearance margin {width:.3} mm"),
+        match (&self.way.margin, &self.way.jam) {
+            (Some(margin), _) => format!("extraction path towards {side} probable, clearance margin {margin:.3} mm"),
             (None, Some(jam)) => format!("towards {side}: {}", jam.sentence(channel)),
             (None, None) => String::new(),
         }
@@ -54,12 +54,12 @@ pub fn live_way(
     for &side in &sides {
         let (full, turns) = prepared.fullest(inputs, (part, side), progress, cancel)?;
         let drawn_in = DrawnIn { prepared: &full, turns, electrode: full.electrode() };
-        let way = coarse_way(&prepared.space, &drawn_in, &settings, progress, cancel)?;
-        let reach = |w: &CoarseWay| (w.width.is_some(), w.nodes.last().map_or(0.0, |n| n.s));
+        let way = preview_path(&prepared.space, &drawn_in, &settings, progress, cancel)?;
+        let reach = |w: &PreviewPath| (w.margin.is_some(), w.nodes.last().map_or(0.0, |n| n.s));
         if best.as_ref().is_none_or(|b| reach(&b.way) < reach(&way)) {
             best = Some(LiveWay { side, way, other: None });
         }
-        if best.as_ref().is_some_and(|b| b.way.width.is_some()) {
+        if best.as_ref().is_some_and(|b| b.way.margin.is_some()) {
             break;
         }
     }

@@ -8,9 +8,9 @@ use super::plan::{PlanInputs, PlanJobError, PlanOutcome, run_feeds, settings_of}
 use super::prepared_blisk::PreparedBlisk;
 use feed::genetic::ReductionMode;
 use feed::plan_params::PlanError;
+use feed::plan_params::Strategy;
 use feed::prepared::PreparedElectrode;
 use feed::probes::Turns;
-use feed::search::Strategy;
 use feed::sizing::{Least, Sizer};
 use task::{Cancel, Progress};
 use wheel::channel::Surface;
@@ -164,7 +164,7 @@ impl Sizing<'_> {
         let angle = equal.angle;
         let below = |turns: &dyn Fn(f64) -> [f64; 2]| {
             let turns = |h: f64| Turns(turns(h));
-            self.sized(&full, |sizer| sizer.followed_down(equal.clone(), sizer.nothing_blocked(), &turns))
+            self.sized(&full, |sizer| sizer.warm_started_down(equal.clone(), sizer.nothing_blocked(), &turns))
         };
         let low = below(&|h| [h, angle])?.angle;
         let high = below(&|h| [angle, h])?.angle;

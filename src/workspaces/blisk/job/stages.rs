@@ -20,7 +20,7 @@ use wheel::find_channel::find_channel;
 use wheel::parametric::{MeshResolution, ParametricBlisk};
 
 /// The meshes of a job as loaded.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Part {
     /// What to call it.
     pub name: String,

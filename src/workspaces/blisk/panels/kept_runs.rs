@@ -13,9 +13,9 @@ use crate::workspaces::blisk::job::stages::{FoundChannel, Part};
 use crate::workspaces::blisk::report::Smoothness;
 use crate::workspaces::blisk::report::comparison::{AxisCourse, Run, RunElectrode};
 use crate::workspaces::worker::{Message, Worker};
+use feed::plan_params::Strategy;
 use feed::pose::Axis;
 use feed::smoothness::axis_smoothness;
-use feed::strategy::Strategy;
 
 use crate::workspaces::blisk::document::Document;
 use crate::workspaces::blisk::document::kept_plan::{self, KeptPlan};

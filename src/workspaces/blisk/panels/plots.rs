@@ -11,7 +11,7 @@ use crate::shell::core::Core;
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::scene::track::Track;
 use feed::pose::Axis;
-use feed::search::Convergence;
+use feed::problem::Convergence;
 
 /// Which plot is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

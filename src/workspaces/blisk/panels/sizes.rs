@@ -22,7 +22,7 @@ pub fn live(ui: &mut Ui, core: &Core) {
     } else if core.tuning.is_looking() {
         notice(ui, palette(ui).faint, "Searching the extraction path…");
     } else if let Some((sentence, took)) = core.tuning.sentence() {
-        let out = core.tuning.way().is_some_and(|(_, way)| way.way.width.is_some());
+        let out = core.tuning.way().is_some_and(|(_, way)| way.way.margin.is_some());
         let colour = if out { palette(ui).good } else { palette(ui).warning };
         notice(ui, colour, &format!("Preview: {sentence} ({:.2} s; not verified)", took.as_secs_f64()));
     }
@@ -121,7 +121,7 @@ fn apply(core: &mut Core, row: &SizeRow) {
     job.electrode.enter = row.enter;
     job.electrode.size = wheel::electrode::Sizing::Given;
     job.electrode.circumferential_reduction_deg = row.reduction_deg;
-    job.plan.strategy = feed::search::Strategy::Global;
+    job.plan.strategy = feed::plan_params::Strategy::Global;
     core.edit("Take a size", job, false);
 }
 

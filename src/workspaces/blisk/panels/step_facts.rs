@@ -154,8 +154,8 @@ fn plan(ui: &mut Ui, core: &mut Core) {
             continue;
         }
         fact(ui, "Searches", outcome.plan.rounds.to_string());
-        if outcome.plan.mends > 0 {
-            fact(ui, "Path repairs", format!("{} times", outcome.plan.mends));
+        if outcome.plan.repairs > 0 {
+            fact(ui, "Path repairs", format!("{} times", outcome.plan.repairs));
         }
         fact(ui, "Points tested", outcome.plan.probes.to_string());
         fact(ui, "Search", format!("{:.1} s", outcome.plan.search_seconds));

@@ -160,7 +160,7 @@ impl Tuning {
         let Some((looked, since)) = self.looked.as_ref().filter(|(l, _)| self.asked == Some(l.at)) else {
             return Err(None);
         };
-        if looked.way.way.width.is_none() || self.planned == Some(looked.at) {
+        if looked.way.way.margin.is_none() || self.planned == Some(looked.at) {
             return Err(None);
         }
         let rested = since.elapsed();

@@ -8,6 +8,7 @@ use crate::workspaces::blisk::document::stage::{Fingerprint, Stage};
 use crate::workspaces::blisk::job::finish::finish;
 use crate::workspaces::blisk::job::plan::PlanInputs;
 use crate::workspaces::blisk::job::stages;
+use crate::workspaces::blisk::job::stages::Part;
 use crate::workspaces::worker::Reporter;
 use task::{Cancel, Progress};
 
@@ -71,8 +72,10 @@ impl Pipeline {
     fn start_early_stages(&mut self, job: &PlanJob, now: Now) {
         let job = job.clone();
         if self.part.wants_work(now.part) {
+            let given = self.given.take();
             let work = move |_: &Reporter<_, _>, p: &Progress, c: &Cancel| {
-                stages::load(&job, p, c).map(|part| Found::Part(Box::new(part)))
+                let part = given.map_or_else(|| stages::load(&job, p, c), |part| Ok(Part::clone(&part)));
+                part.map(|part| Found::Part(Box::new(part)))
             };
             let id = self.worker.submit(Stage::Part as u32, work);
             self.part.running = Some((id, now.part));

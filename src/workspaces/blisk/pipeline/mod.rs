@@ -37,7 +37,7 @@ use crate::workspaces::blisk::job::stages::{Electrodes, FoundChannel, Part};
 use crate::workspaces::blisk::report::InputFile;
 use crate::workspaces::blisk::scene::leftover::LeftoverShape;
 use crate::workspaces::worker::{Reporter, Worker};
-use feed::search::{Convergence, Node};
+use feed::problem::{Convergence, Node};
 use render::mesh::RenderMesh;
 use task::{Cancel, Progress};
 use wheel::channel::Channel;
@@ -175,6 +175,8 @@ pub struct Pipeline {
     running: Option<Running>,
     now: Option<(PlanJob, Now)>,
     reloads: u64,
+    /// The part of a document that was opened, which has been read already.
+    given: Option<Arc<Part>>,
 }
 
 impl Pipeline {
@@ -201,6 +203,7 @@ impl Pipeline {
             running: None,
             now: None,
             reloads: 0,
+            given: None,
         })
     }
 
@@ -252,8 +255,9 @@ impl Pipeline {
         }
     }
 
-    /// Forgets everything: another document is there.
-    pub fn reset(&mut self) {
+    /// Forgets everything: another document is there, with this part if it has been read already.
+    pub fn reset(&mut self, part: Option<Arc<Part>>) {
+        self.given = part;
         self.worker.cancel_from(0);
         (self.part, self.channel, self.electrode) = Default::default();
         (self.plan, self.finish, self.export) = Default::default();

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use feed::search::{Convergence, Node};
+use feed::problem::{Convergence, Node};
 use render::mesh::RenderMesh;
 use wheel::electrode::Electrode;
 

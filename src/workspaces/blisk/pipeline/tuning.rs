@@ -8,7 +8,7 @@ use crate::workspaces::blisk::document::stage::{Fingerprint, Stage};
 use crate::workspaces::blisk::job::plan::PlanInputs;
 use crate::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
 use crate::workspaces::blisk::job::stages::FoundChannel;
-use feed::search::Strategy;
+use feed::plan_params::Strategy;
 use task::{Cancel, Progress};
 use wheel::channel::Channel;
 use wheel::electrode::{EnterSide, Sizing};

@@ -9,12 +9,12 @@ use crate::workspaces::blisk::report::{
     NodeReport, ObjectiveReport, PoseReport, Report, SCHEMA, Smoothness, Symbol, Verdict, VerifiedDigests, Written,
 };
 use feed::certificate::TravelVerdict;
-use feed::four_distances::{DistanceGauge, FourDistances};
 use feed::genetic::coding::Coding;
 use feed::jam::JamCause;
 use feed::plan::{FeedPlan, PlannedPath};
+use feed::plan_params::{Constraint, Strategy};
 use feed::pose::{Axis, Pose};
-use feed::search::{Constraint, Strategy};
+use feed::wall_clearances::{ClearanceGauge, WallClearances};
 use task::Cancel;
 use wheel::channel::Channel;
 use wheel::electrode::EntrySide;
@@ -122,10 +122,10 @@ fn distances(outcome: &ElectrodeOutcome, whole: &PlanOutcome, job: &PlanJob) -> 
     let never = Cancel::default();
     let poses: Vec<Pose> = outcome.plan.nodes.iter().map(|n| n.pose).collect();
     let measured = SurfaceFinder::new(whole.channel.clone()).ok().and_then(|finder| {
-        let gauge = DistanceGauge::new(&outcome.electrode, &whole.channel, &finder, &never).ok()?;
+        let gauge = ClearanceGauge::new(&outcome.electrode, &whole.channel, &finder, &never).ok()?;
         gauge.at_all(&poses, &never).ok()
     });
-    let report = |d: FourDistances| {
+    let report = |d: WallClearances| {
         let [low_wall, high_wall] = d.walls;
         DistancesReport { low_wall, high_wall, hub: d.hub, shroud: d.shroud }
     };
@@ -133,7 +133,7 @@ fn distances(outcome: &ElectrodeOutcome, whole: &PlanOutcome, job: &PlanJob) -> 
 }
 
 fn nodes(plan: &FeedPlan, distances: &[DistancesReport]) -> Vec<NodeReport> {
-    let objective = |n: &feed::search::Node| ObjectiveReport {
+    let objective = |n: &feed::problem::Node| ObjectiveReport {
         smoothness: n.objective.smoothness,
         centring: n.objective.centring,
         total: n.objective.total,
@@ -332,7 +332,7 @@ mod tests {
     use feed::objective::ObjectiveValue;
     use feed::path::FeedPath;
     use feed::pose::Pose;
-    use feed::search::Node;
+    use feed::problem::Node;
     use feed::smoothness::AxisSmoothness;
     use feed::verify::VerifyOptions;
     use geometry::spline::EndCondition;
@@ -364,7 +364,7 @@ mod tests {
             ranges: [0.0; 6],
             probes: 0,
             rounds: 1,
-            mends: 0,
+            repairs: 0,
             field_seconds: 0.0,
             search_seconds: 0.0,
             verify_seconds: 0.0,

@@ -1,14 +1,10 @@
 //! What stock is left, and the copying motion, as figures of a report and as a mesh with a value at every vertex.
 
-use std::fmt::Write;
-
 use glam::DVec3;
 use serde::Serialize;
 
-use crate::workspaces::blisk::report::tables::{number, row, table};
 use feed::copying::{Copying, CopyingExtent};
 use feed::leftover::{DeviationMap, Layer, Leftover, TOLERANCE};
-use files::svg_plot::escape;
 use geometry::mesh::Mesh;
 use wheel::channel::Channel;
 
@@ -124,44 +120,6 @@ impl From<&Copying> for CopyingReport {
             rows: motion.path.rows.len(),
         }
     }
-}
-
-/// The section of the page.
-pub(super) fn section(out: &mut String, report: &LeftoverReport) {
-    let _ = write!(out, "<section><h2>Residual stock</h2><p>{}</p><div class=\"cols\">", escape(&report.sentence));
-    let layer = |l: &LayerReport| [number(l.area_mm2, 2), number(l.volume_mm3, 3), number(l.depth_mm, 3), place(l.at)];
-    let rows = report.surfaces.iter().map(|s| {
-        let mut cells = vec![escape(&s.surface), number(s.area_mm2, 1)];
-        cells.extend(layer(&s.left));
-        cells.extend(layer(&s.overcut));
-        cells
-    });
-    let head = [
-        "surface",
-        "#area mm\u{b2}",
-        "#residual mm\u{b2}",
-        "#mm\u{b3}",
-        "#thickest mm",
-        "at, W, mm",
-        "#overcut mm\u{b2}",
-        "#mm\u{b3}",
-        "#deepest mm",
-        "at, W, mm",
-    ];
-    table(out, "", &format!("Deviations beyond {:.3} mm", report.tolerance_mm), &head, rows);
-    let rows = [
-        row("Volume between the walls, mm\u{b3}", number(report.channel_volume_mm3, 1)),
-        row("Residual stock in it, mm\u{b3}", number(report.left_volume_mm3, 2)),
-        row("Deepest point in it, mm", number(report.left_depth_mm, 3)),
-        row("At, in W, mm", place(report.left_at)),
-        row("Map", report.file.as_deref().map_or("not written".to_owned(), escape)),
-    ];
-    table(out, "pairs", "Stock in the channel", &[], rows);
-    out.push_str("</div></section>");
-}
-
-fn place(at: Option<[f64; 3]>) -> String {
-    at.map_or("\u{2013}".to_owned(), |p| p.map(|v| number(v, 2)).join(", "))
 }
 
 /// The map as a binary PLY file: vertices with `x`, `y`, `z` (mm) and `deviation` (mm), the thickness of the stock left

@@ -5,14 +5,11 @@
 
 pub mod build;
 pub mod comparison;
-pub mod comparison_html;
-pub mod curves;
 #[cfg(test)]
 pub mod fixtures;
-pub mod html;
 pub mod leftover;
+mod page;
 pub mod simulation;
-pub mod tables;
 pub mod verify;
 
 use serde::Serialize;
@@ -24,6 +21,7 @@ use feed::certificate::{Certificate, Contact};
 use feed::path::PathRow;
 use feed::pose::{Axis, Pose};
 use feed::smoothness::AxisSmoothness;
+use files::report::Picture;
 use geometry::frame::Frame;
 use nc::block_feed::Slowed;
 use wheel::channel::Channel;
@@ -428,21 +426,6 @@ pub struct StageTime {
     pub seconds: f64,
 }
 
-/// A picture on the page.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Picture {
-    /// Name of its file beside the report.
-    pub file: String,
-    /// What it shows, in a few words.
-    pub title: String,
-    /// What is to be seen in it, in a sentence or two.
-    pub caption: String,
-    /// Its colours in CSS notation and what they stand for.
-    pub legend: Vec<(String, String)>,
-    /// The image as PNG bytes.
-    pub png: Vec<u8>,
-}
-
 impl Report {
     /// The report as JSON, keys in the order of the structs; a number that is not finite becomes null.
     ///
@@ -453,8 +436,11 @@ impl Report {
     }
 
     /// The report as one self-contained page.
-    pub fn html(&self) -> String {
-        html::page(self)
+    ///
+    /// # Errors
+    /// [`ReportError::Page`], which a test of the template keeps from happening.
+    pub fn html(&self) -> Result<String, ReportError> {
+        Ok(page::page(self)?)
     }
 }
 

@@ -5,9 +5,7 @@ use std::fmt::Write;
 use serde::Serialize;
 
 use crate::workspaces::blisk::report::PoseReport;
-use crate::workspaces::blisk::report::tables::{number, table};
 use feed::simulation::{PairReport, Place, Simulation};
-use files::svg_plot::escape;
 
 /// The whole motion of one electrode on its machine.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -147,15 +145,5 @@ impl SimulationReport {
         }
         let _ = writeln!(out, "least time without burning {:.1} min", self.least_minutes);
         out + &self.sentence
-    }
-
-    /// As a part of a page.
-    pub(super) fn html(&self, out: &mut String) {
-        let _ = write!(out, "<h3>Whole motion on the machine</h3><p>{}</p>", escape(&self.sentence));
-        let figures = |p: &PairFigures| {
-            vec![escape(&p.name()), number(p.certified_mm, 3), number(p.required_mm, 3), escape(&p.place())]
-        };
-        let head = ["Bodies", "#certified, mm", "#required, mm", "closest"];
-        table(out, "pairs", "Bodies that may meet", &head, self.pairs.iter().map(figures));
     }
 }

@@ -34,12 +34,12 @@ fn the_json_has_the_agreed_keys() {
 fn equal_reports_give_equal_bytes() {
     let report = fixtures::report();
     assert_eq!(report.json().unwrap(), fixtures::report().json().unwrap());
-    assert_eq!(report.html(), fixtures::report().html());
+    assert_eq!(report.html().unwrap(), fixtures::report().html().unwrap());
 }
 
 #[test]
 fn the_page_needs_nothing_from_outside_and_closes_what_it_opens() {
-    let html = fixtures::report().html();
+    let html = fixtures::report().html().unwrap();
     assert!(!html.contains("<script") && !html.contains("http"));
     for tag in ["section", "table", "tr", "td", "svg", "div", "dl", "p", "h2", "text", "main"] {
         let opened = html.matches(&format!("<{tag}>")).count() + html.matches(&format!("<{tag} ")).count();
@@ -82,7 +82,7 @@ fn whatever_comes_from_input_is_escaped() {
     electrode.least_clearance_at.as_mut().unwrap().surface = evil.clone();
     electrode.failure =
         Some(Failure { node: 1, s_mm: 1.0, wall: Some(evil.clone()), place: Some([0.0; 3]), sentence: evil.clone() });
-    let html = report.html();
+    let html = report.html().unwrap();
     assert!(!html.to_lowercase().contains("<script"));
     assert_eq!(html.matches("alert(1)").count(), html.matches("script&gt;alert(1)&lt;/").count());
 }
@@ -92,11 +92,11 @@ fn an_unverified_path_is_never_called_verified() {
     let mut report = fixtures::report();
     report.electrodes.truncate(1);
     report.electrodes[0].verified = false;
-    let html = report.html();
+    let html = report.html().unwrap();
     assert!(html.contains("Not verified.") && html.contains("must not be used") && !html.contains("<b>Verified."));
     report.electrodes[0].verified = true;
     report.electrodes[0].certified_clearance_mm = None;
-    assert!(!report.html().contains("<b>Verified."), "a verdict needs its figure");
+    assert!(!report.html().unwrap().contains("<b>Verified."), "a verdict needs its figure");
 }
 
 #[test]
@@ -105,7 +105,7 @@ fn an_empty_report_is_still_a_page() {
     report.electrodes = vec![ElectrodeReport { motion: Some(Motion::default()), ..ElectrodeReport::default() }];
     (report.inputs, report.symbols, report.times) = (vec![], vec![], vec![]);
     report.parameters = serde_json::Value::Null;
-    assert!(report.html().contains("No path."));
+    assert!(report.html().unwrap().contains("No path."));
 }
 
 #[test]

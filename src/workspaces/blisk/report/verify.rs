@@ -6,7 +6,7 @@ use serde::Serialize;
 use crate::workspaces::blisk::report::{ClearancePlace, ReportError, VerifiedDigests};
 use feed::certificate::{Certificate, TravelVerdict};
 use feed::path::FeedPath;
-use files::svg_plot::{Plot, Series};
+use files::report::plot::{Plot, Series};
 
 /// Version of the keys of `verify.json`.
 pub const SCHEMA: u32 = 1;

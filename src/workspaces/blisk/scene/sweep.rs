@@ -55,7 +55,7 @@ mod tests {
     use super::*;
     use feed::objective::ObjectiveValue;
     use feed::pose::Pose;
-    use feed::search::Node;
+    use feed::problem::Node;
     use geometry::exact::ExactMesh;
     use geometry::inside::is_inside;
     use wheel::electrode::{ElectrodeParams, EntrySide, make_electrodes};

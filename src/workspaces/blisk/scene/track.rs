@@ -4,7 +4,7 @@
 use feed::jam::Jam;
 use feed::plan::FeedPlan;
 use feed::pose::Pose;
-use feed::search::Node;
+use feed::problem::Node;
 
 /// One pose of a track.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,63 +1,30 @@
 //! Files of five-axis milling machines.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use files::atomic::atomic_write;
+use files::{FileError, Invalid, TomlFile, Validate};
 use flank::machine::milling_machine::{MachineError, MillingMachine};
 
 /// The file that holds without one, with remarks: to be copied and changed.
 pub const STANDARD_FILE: &str = include_str!("../../../../assets/milling_machines.toml");
 /// What this file is called in a user's folder.
 pub const FILE_NAME: &str = "milling_machines.toml";
-/// The largest file that is read (bytes).
-const LARGEST_FILE: u64 = 1 << 20;
 /// The most machines.
 const MOST_MACHINES: usize = 256;
 
 /// Why a file of milling machines cannot be had.
 #[derive(Debug, thiserror::Error)]
 pub enum MillingMachineFileError {
-    /// It cannot be read.
-    #[error("{file}: cannot be read ({source}); check the path")]
-    Unreadable {
-        /// The file.
-        file: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// It cannot be written.
-    #[error("{file}: cannot be written ({source}); choose another place")]
-    Unwritable {
-        /// The file.
-        file: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// It is not what it has to be.
-    #[error("{file}: {}{problem}", line.map_or(String::new(), |n| format!("line {n}: ")))]
-    Invalid {
-        /// The file.
-        file: PathBuf,
-        /// Where, counted from 1.
-        line: Option<usize>,
-        /// What is wrong.
-        problem: String,
-    },
-    /// A machine that is not possible.
-    #[error("{file}: {source}")]
-    Machine {
-        /// The file.
-        file: PathBuf,
-        /// Which, and why.
-        source: MachineError,
-    },
+    /// It cannot be read, or is not what it has to be.
+    #[error(transparent)]
+    File(#[from] FileError),
     /// A file with more than one machine.
     #[error("{file}: it has {} machines; say which, as {file}#{}: {}", known.len(), known[0], known.join(", "))]
     Several {
         /// The file.
-        file: PathBuf,
+        file: String,
         /// Those that it has.
         known: Vec<String>,
     },
@@ -77,44 +44,51 @@ struct MachineLibrary {
     machine: Vec<MillingMachine>,
 }
 
+/// Files of machines; see [`STANDARD_FILE`].
+const MACHINES: TomlFile<MachineLibrary> = TomlFile::new("list of milling machines");
+
+impl Validate for MachineLibrary {
+    fn validate(&self) -> Result<(), Invalid> {
+        let found = self.machine.len();
+        if !(1..=MOST_MACHINES).contains(&found) {
+            let remedy = format!("it has {found} machines; give 1 to {MOST_MACHINES} as [[machine]]");
+            return Err(Invalid::of("machine", remedy));
+        }
+        for (i, machine) in self.machine.iter().enumerate() {
+            let place = |problem: Invalid| problem.within(&format!("machine[{i}]"));
+            let impossible = |error| match error {
+                MachineError::Value { key, value, remedy, .. } => Invalid::new(key, value, remedy),
+                other => Invalid::of("", other.to_string()),
+            };
+            machine.kinematics().map_err(|error| place(impossible(error)))?;
+            if self.machine[..i].iter().any(|other| other.name == machine.name) {
+                let name = format!("{:?}", machine.name);
+                return Err(place(Invalid::new("name", name, "two machines are called so; name each once")));
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Milling machines: `milling_machines.toml` in `user_folder` if it is there, else those that the program brings along.
 ///
 /// # Errors
-/// [`MillingMachineFileError`].
-pub fn load_milling_machines(user_folder: Option<&Path>) -> Result<Vec<MillingMachine>, MillingMachineFileError> {
-    let standard = || machines_of(Path::new(FILE_NAME), STANDARD_FILE);
-    let Some(folder) = user_folder else { return standard() };
-    match read_milling_machines(&folder.join(FILE_NAME)) {
-        Err(MillingMachineFileError::Unreadable { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => {
-            standard()
-        }
-        other => other,
-    }
+/// [`FileError`].
+pub fn load_milling_machines(user_folder: Option<&Path>) -> Result<Vec<MillingMachine>, FileError> {
+    let own = user_folder.map(|folder| MACHINES.read_if_there(&folder.join(FILE_NAME))).transpose()?;
+    let library = match own.flatten() {
+        Some(own) => own,
+        None => MACHINES.parse(STANDARD_FILE, Path::new(FILE_NAME))?,
+    };
+    Ok(library.machine)
 }
 
 /// The machines in a TOML file: a list `[[machine]]` with the keys of [`MillingMachine`]; see [`STANDARD_FILE`].
 ///
 /// # Errors
-/// [`MillingMachineFileError`].
-pub fn read_milling_machines(file: &Path) -> Result<Vec<MillingMachine>, MillingMachineFileError> {
-    let unreadable = |source| MillingMachineFileError::Unreadable { file: file.to_owned(), source };
-    let size = std::fs::metadata(file).map_err(unreadable)?.len();
-    if size > LARGEST_FILE {
-        return Err(invalid(file, format!("it has {size} bytes; such a file has at most {LARGEST_FILE}")));
-    }
-    machines_of(file, &std::fs::read_to_string(file).map_err(unreadable)?)
-}
-
-/// Writes `machines` as a TOML file that [`read_milling_machines`] reads.
-///
-/// # Errors
-/// [`MillingMachineFileError`], also of machines that could not be read again; a file already there is then untouched.
-pub fn write_milling_machines(file: &Path, machines: &[MillingMachine]) -> Result<(), MillingMachineFileError> {
-    check(file, machines)?;
-    let library = MachineLibrary { machine: machines.to_vec() };
-    let text = toml::to_string_pretty(&library).map_err(|e| invalid(file, e.to_string()))?;
-    let unwritable = |source| MillingMachineFileError::Unwritable { file: file.to_owned(), source };
-    atomic_write(file, |out| out.write_all(text.as_bytes())).map_err(unwritable)
+/// [`FileError`].
+pub fn read_milling_machines(file: &Path) -> Result<Vec<MillingMachine>, FileError> {
+    Ok(MACHINES.read(file)?.machine)
 }
 
 /// The file of a machine that is given as `FILE.toml` or as `FILE.toml#NAME`, and its name; none of a machine that is
@@ -141,7 +115,7 @@ pub fn milling_machine(name: &str, user_folder: Option<&Path>) -> Result<Milling
     let known = || machines.iter().map(|m| m.name.clone()).collect();
     let Some(wanted) = wanted else {
         if machines.len() > 1 {
-            return Err(MillingMachineFileError::Several { file: name.into(), known: known() });
+            return Err(MillingMachineFileError::Several { file: name.to_owned(), known: known() });
         }
         return Ok(machines.remove(0));
     };
@@ -150,40 +124,14 @@ pub fn milling_machine(name: &str, user_folder: Option<&Path>) -> Result<Milling
     Ok(machines.swap_remove(found.ok_or_else(unknown)?))
 }
 
-fn invalid(file: &Path, problem: String) -> MillingMachineFileError {
-    MillingMachineFileError::Invalid { file: file.to_owned(), line: None, problem }
-}
-
-fn machines_of(file: &Path, text: &str) -> Result<Vec<MillingMachine>, MillingMachineFileError> {
-    let parsed: Result<MachineLibrary, toml::de::Error> = toml::from_str(text);
-    let library = parsed.map_err(|e| {
-        let line = |span: std::ops::Range<usize>| text.bytes().take(span.start).filter(|b| *b == b'\n').count() + 1;
-        let problem = e.message().replace('\n', " ");
-        MillingMachineFileError::Invalid { file: file.to_owned(), line: e.span().map(line), problem }
-    })?;
-    check(file, &library.machine)?;
-    Ok(library.machine)
-}
-
-fn check(file: &Path, machines: &[MillingMachine]) -> Result<(), MillingMachineFileError> {
-    if !(1..=MOST_MACHINES).contains(&machines.len()) {
-        let found = machines.len();
-        return Err(invalid(file, format!("it has {found} machines; give 1 to {MOST_MACHINES} as [[machine]]")));
-    }
-    for (i, machine) in machines.iter().enumerate() {
-        let impossible = |source| MillingMachineFileError::Machine { file: file.to_owned(), source };
-        machine.kinematics().map_err(impossible)?;
-        if machines[..i].iter().any(|m| m.name == machine.name) {
-            return Err(invalid(file, format!("two machines are called {:?}; name each once", machine.name)));
-        }
-    }
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use flank::machine::kinematics::MachineKind;
+
+    fn write_milling_machines(file: &Path, machines: &[MillingMachine]) -> Result<(), FileError> {
+        MACHINES.write(file, &MachineLibrary { machine: machines.to_vec() })
+    }
 
     #[test]
     fn the_standard_file_holds_one_machine_of_each_kind_and_a_users_file_comes_first() {
@@ -217,12 +165,16 @@ mod tests {
         let file = folder.path().join("wrong.toml");
         for (from, to, words) in [
             ("gauge_length_mm = 120.0", "gauge_length_mm = -1.0", "gauge_length_mm is -1 mm"),
-            ("gauge_length_mm = 120.0", "gauge_length = 120.0", "line 26: unknown field `gauge_length`"),
-            ("x_mm = [-400.0, 400.0]", "x_mm = [400.0, -400.0]", "linear.x_mm is [400.0, -400.0]; give the least"),
+            ("gauge_length_mm = 120.0", "gauge_length = 120.0", "line 26: machine[0].gauge_length: unknown field"),
+            ("x_mm = [-400.0, 400.0]", "x_mm = [400.0, -400.0]", "linear.x_mm is [400.0, -400.0]: give the least"),
             ("x_mm = [-400.0, 400.0]", "x_mm = [nan, 400.0]", "linear.x_mm"),
-            ("limits_deg = [-120.0, 120.0]", "limits_deg = [120.0, -120.0]", "rotary A: limits_deg is [120, -120]"),
-            ("speed_deg_min = 9000.0", "speed_deg_min = 0.0", "rotary A: speed_deg_min is 0"),
-            ("direction = [-1.0, 0.0, 0.0]", "direction = [0.0, 0.0, 0.0]", "rotary A: direction"),
+            (
+                "limits_deg = [-120.0, 120.0]",
+                "limits_deg = [120.0, -120.0]",
+                "machine[0].rotary[0].limits_deg is [120, -120]",
+            ),
+            ("speed_deg_min = 9000.0", "speed_deg_min = 0.0", "rotary[0].speed_deg_min is 0"),
+            ("direction = [-1.0, 0.0, 0.0]", "direction = [0.0, 0.0, 0.0]", "rotary[0].direction"),
             ("direction = [-1.0, 0.0, 0.0]", "direction = [0.0, 0.0, 2.0]", "parallel"),
             ("spindle = [0.0, 0.0, 1.0]", "spindle = [1.0, 0.0, 0.0]", "lies along the spindle"),
             ("letter = \"A\"", "letter = \"U\"", "unknown variant"),

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::workspaces::flank::document::kept_mesh::KeptMesh;
+use files::{Invalid, Validate};
 use flank::cutter::FlankCutter;
 use flank::fit_ruled::RuledFitParams;
 use flank::guide::GuideCurve;
@@ -222,6 +223,34 @@ impl Default for FlankDocument {
     }
 }
 
+impl Validate for FlankDocument {
+    fn validate(&self) -> Result<(), Invalid> {
+        let within = |key: &str, problem: &dyn std::fmt::Display| Invalid::of(key, problem.to_string());
+        if self.version != VERSION {
+            return Err(Invalid::new("version", self.version, format!("this program reads version {VERSION}")));
+        }
+        self.cutter.validate().map_err(|e| within("cutter", &e))?;
+        self.plan.validate().map_err(|e| within("plan", &e))?;
+        self.milling.validate(self.cutter.length_mm).map_err(|e| within("milling", &e))?;
+        for (key, tolerance) in [
+            ("envelope_tolerance_mm", self.envelope_tolerance_mm),
+            ("overcut_tolerance_mm", self.overcut_tolerance_mm),
+            ("undercut_tolerance_mm", self.undercut_tolerance_mm),
+        ] {
+            Invalid::unless_within(key, tolerance, [1e-6, 1.0], "mm")?;
+        }
+        for (i, one) in self.overrides.iter().enumerate() {
+            one.validate().map_err(|e| within(&format!("overrides[{i}]"), &e))?;
+        }
+        let FlankSource::Mesh(mesh) = &self.source else { return Ok(()) };
+        mesh.fit.validate().map_err(|e| within("source.fit", &e))?;
+        match mesh.candidate {
+            0 => Err(Invalid::new("source.candidate", 0, "must be at least 1: they are counted from 1")),
+            _ => Ok(()),
+        }
+    }
+}
+
 impl FlankDocument {
     /// What to call the flank.
     pub fn name(&self) -> String {
@@ -237,36 +266,6 @@ impl FlankDocument {
             }
             FlankSource::Mesh(mesh) => format!("{} flank {}", stem(&mesh.file), mesh.candidate),
         }
-    }
-
-    /// Whether it can be worked with.
-    ///
-    /// # Errors
-    /// One line saying what is wrong and what it may be.
-    pub fn validate(&self) -> Result<(), String> {
-        if self.version != VERSION {
-            return Err(format!("version is {}: this program reads version {VERSION}", self.version));
-        }
-        self.cutter.validate().map_err(|e| e.to_string())?;
-        self.plan.validate().map_err(|e| format!("plan: {e}"))?;
-        self.milling.validate(self.cutter.length_mm).map_err(|e| format!("milling: {e}"))?;
-        for (name, tolerance) in [
-            ("envelope_tolerance_mm", self.envelope_tolerance_mm),
-            ("overcut_tolerance_mm", self.overcut_tolerance_mm),
-            ("undercut_tolerance_mm", self.undercut_tolerance_mm),
-        ] {
-            if !(1e-6..=1.0).contains(&tolerance) {
-                return Err(format!("{name} is {tolerance}: it must be from 0.000001 to 1 mm"));
-            }
-        }
-        self.overrides.iter().try_for_each(FlankOverride::validate)?;
-        if let FlankSource::Mesh(mesh) = &self.source {
-            mesh.fit.validate().map_err(|e| e.to_string())?;
-            if mesh.candidate == 0 {
-                return Err("source: candidate is 0: they are counted from 1".to_owned());
-            }
-        }
-        Ok(())
     }
 
     /// The same for another surface: without its side, its walls, how it was clamped, and decisions on what checks found.

@@ -13,6 +13,7 @@ use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource
 use crate::workspaces::flank::work::{ExportChoice, FlankWork, Planned, Sketch};
 use crate::workspaces::news::EventKind;
 use crate::workspaces::news::WorkEvent;
+use files::Validate;
 use files::user_folder::user_folder;
 use flank::machine::milling_machine::Workpiece;
 use flank::path::FlankPath;
@@ -351,7 +352,7 @@ impl FlankDesk {
     /// Why there is no path with the present parameters, if that is known.
     pub fn why_not(&self) -> Option<String> {
         if let Err(why) = self.params.validate() {
-            return Some(why);
+            return Some(why.to_string());
         }
         for state in [self.work.source_state(&self.params), self.work.walls_state(&self.params), self.state()] {
             if let Some(why) = state.why_not() {

@@ -13,6 +13,7 @@ use crate::widgets::theme::{palette, tick};
 use crate::workspaces::blisk::panels::forms::file_name;
 use crate::workspaces::blisk::panels::stepper::{command_button, notice, sentence};
 use crate::workspaces::flank::document::{CutDirection, FlankDocument, FlankSource, PathChoice};
+use files::Validate;
 use flank::cutter::{FlankCutter, HolderPart};
 use flank::params::{Objective, OffsetMethod};
 use flank::ruled_surface::Side;

@@ -2,7 +2,8 @@
 
 use image::{Rgba, RgbaImage};
 
-use crate::workspaces::flank::report::{DeviationMaps, FlankPicture};
+use crate::workspaces::flank::report::DeviationMaps;
+use files::report::Picture;
 use flank::deviation::Deviation;
 use flank::plan::{FlankPlan, WITHIN_ROUNDING};
 use render::colour_map::ColourMap;
@@ -33,7 +34,8 @@ pub fn deviation_maps(plan: &FlankPlan, cancel: &Cancel) -> Result<DeviationMaps
             1e3 * deviation.most_undercut.max(0.0)
         );
         let png = png_bytes(&picture(deviation, end_mm), cancel)?;
-        Ok::<_, RenderError>(FlankPicture { title: name.to_owned(), caption, png })
+        let (title, file, legend) = (name.to_owned(), String::new(), Vec::new());
+        Ok::<_, RenderError>(Picture { file, title, caption, legend, png })
     };
     let maps = plan.paths().map(|(name, path)| map(name, &path.deviation));
     let maps = maps.into_iter().collect::<Result<Vec<_>, _>>()?;

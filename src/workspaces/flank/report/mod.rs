@@ -1,13 +1,14 @@
 //! The report on a flank path, as `flank.json` for programs and `report.html` for people.
 
 pub mod build;
-pub mod html;
 pub mod maps;
+mod page;
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use files::report::{PageError, Picture, png_url};
 use flank::cutter::FlankCutter;
 use flank::deviation::Deviation;
 use geometry::nurbs::FitError;
@@ -306,23 +307,13 @@ pub struct AxisEntry {
     pub values: Vec<[f64; 2]>,
 }
 
-/// A picture of the report.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FlankPicture {
-    /// Its title.
-    pub title: String,
-    /// What it shows.
-    pub caption: String,
-    /// PNG bytes.
-    pub png: Vec<u8>,
-}
-
 /// The deviation maps of the paths, with one scale.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct DeviationMaps {
     /// The maps; u to the right, v upwards.
-    pub maps: Vec<FlankPicture>,
-    /// The bar of colours, least on the left.
+    pub maps: Vec<Picture>,
+    /// The bar of colours, least on the left; the `bar_url` of templates.
+    #[serde(rename = "bar_url", serialize_with = "png_url")]
     pub bar_png: Vec<u8>,
     /// The deviation (mm) at the right end of the bar; the left end is the same, negative.
     pub end_mm: f64,
@@ -343,7 +334,10 @@ impl FlankReport {
     }
 
     /// The report as one self-contained page.
-    pub fn html(&self, maps: &DeviationMaps) -> String {
-        html::page(self, maps)
+    ///
+    /// # Errors
+    /// [`PageError`], which a test of the template keeps from happening.
+    pub fn html(&self, maps: &DeviationMaps) -> Result<String, PageError> {
+        page::page(self, maps)
     }
 }

@@ -10,7 +10,8 @@ mod tests;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use task::{Doing, Lane, Memo, Priority, Scheduler, State};
+use files::Validate;
+use task::{Cancel, Doing, Lane, Memo, Priority, Progress, Scheduler, State};
 
 use stamps::Stamp;
 
@@ -117,13 +118,22 @@ impl FlankWork {
         self.walls.ask(&key, self.priority, move |work| steps::load_walls(&walls, unit, &work.progress, &work.cancel));
     }
 
-    /// What of the source has to be read: not which of its faces is chosen.
     fn source_key(&self, document: &FlankDocument) -> SourceKey {
-        let source = match &document.source {
-            FlankSource::Mesh(mesh) => FlankSource::Mesh(MeshFlank { candidate: 1, is_own_wall: true, ..mesh.clone() }),
-            other => other.clone(),
-        };
-        (source, self.reloads)
+        (source_to_read(&document.source), self.reloads)
+    }
+
+    /// Reads the source of `document`.
+    ///
+    /// # Errors
+    /// One line naming file, place and remedy.
+    pub fn read(document: &FlankDocument, progress: &Progress, cancel: &Cancel) -> Result<LoadedFlank, String> {
+        steps::load(&source_to_read(&document.source), progress, cancel)
+    }
+
+    /// Takes `loaded` for what the files of the source of `document` hold.
+    pub fn put(&mut self, document: &FlankDocument, loaded: Arc<LoadedFlank>) {
+        let key = self.source_key(document);
+        self.source.put(&key, loaded);
     }
 
     fn walls_key(&self, document: &FlankDocument) -> Option<WallsKey> {
@@ -215,7 +225,7 @@ impl FlankWork {
     /// # Errors
     /// One line why it cannot be planned.
     pub fn plan(&mut self, document: &FlankDocument) -> Result<(), String> {
-        document.validate()?;
+        document.validate().map_err(|e| e.to_string())?;
         if self.is_loading(document) {
             self.is_waiting = true;
             return Ok(());
@@ -310,5 +320,13 @@ impl FlankWork {
             export::export(&folder, (&result, &document), choice, &work.progress, &work.cancel)
         });
         Ok(())
+    }
+}
+
+/// What of a source has to be read: not which of its faces is chosen.
+fn source_to_read(source: &FlankSource) -> FlankSource {
+    match source {
+        FlankSource::Mesh(mesh) => FlankSource::Mesh(MeshFlank { candidate: 1, is_own_wall: true, ..mesh.clone() }),
+        other => other.clone(),
     }
 }

@@ -185,7 +185,7 @@ pub(super) fn sketch(document: &FlankDocument, loaded: LoadedSurface, cancel: &C
     let grid = [SKETCH_GRID[0].min(nu), SKETCH_GRID[1].min(nv)];
     let asked = FlankDocument { plan: FlankParams { grid, ..least }, ..document.clone() };
     let mut coarse: FlankInput = input(&asked, FromFile::certain(loaded), None, None);
-    coarse.is_quick_look = true;
+    coarse.is_preview = true;
     if let LoadedSurface::Face { is_own_wall, .. } = &mut coarse.surface {
         *is_own_wall = false;
     }

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::electrode_file::{ElectrodeFileError, check_holders, invalid, parsed, text_of, user_file, write};
-use mold::electrode::params::Holder;
+use files::{FileError, Invalid, TomlFile, Validate};
+use mold::electrode::params::{ElectrodeParams, Holder};
 
 /// The list that the program brings along, with remarks: to be copied and changed.
 pub const STANDARD_HOLDERS: &str = include_str!("../../../../assets/holders.toml");
@@ -17,10 +17,30 @@ pub const SUPPLIERS_FOLDER: &str = "holders";
 const MOST_SUPPLIERS: usize = 256;
 
 /// A file of holders: a list `[[holder]]` with the keys of [`Holder`].
-#[derive(Serialize, Deserialize)]
+#[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct HolderLibrary {
-    holder: Vec<Holder>,
+pub(super) struct HolderLibrary {
+    pub(super) holder: Vec<Holder>,
+}
+
+/// Files of holders; see [`STANDARD_HOLDERS`].
+pub(super) const HOLDERS: TomlFile<HolderLibrary> = TomlFile::new("list of holders");
+
+impl Validate for HolderLibrary {
+    fn validate(&self) -> Result<(), Invalid> {
+        if self.holder.is_empty() {
+            return Err(Invalid::of("holder", "there is none; list at least one, or take the file away"));
+        }
+        for (i, holder) in self.holder.iter().enumerate() {
+            if self.holder[..i].iter().any(|other| other.name == holder.name) {
+                let (key, name) = (format!("holder[{i}].name"), format!("{:?}", holder.name));
+                return Err(Invalid::new(key, name, "another holder is called so; rename one"));
+            }
+        }
+        // Holders are possible where parameters with them are.
+        let with = ElectrodeParams { holders: self.holder.clone(), ..ElectrodeParams::default() };
+        Validate::validate(&with).map_err(|problem| Invalid { key: "holder".to_owned(), ..problem })
+    }
 }
 
 /// A user's holders: `holders.toml` in `user_folder` in its order, and those of each file `holders/SUPPLIER.toml` there,
@@ -28,10 +48,10 @@ struct HolderLibrary {
 /// is the smallest. Without any such file, those that the program brings along.
 ///
 /// # Errors
-/// [`ElectrodeFileError`], also where two holders would have the same name.
-pub fn load_holders(user_folder: Option<&Path>) -> Result<Vec<Holder>, ElectrodeFileError> {
-    let own = match user_file(user_folder, HOLDERS_FILE_NAME)? {
-        Some((file, text)) => Some((file.clone(), holders_of(&file, &text)?)),
+/// [`FileError`], also where two holders would have the same name.
+pub fn load_holders(user_folder: Option<&Path>) -> Result<Vec<Holder>, FileError> {
+    let own = match user_folder.map(|folder| folder.join(HOLDERS_FILE_NAME)) {
+        Some(file) => HOLDERS.read_if_there(&file)?.map(|library| (file, library.holder)),
         None => None,
     };
     let suppliers = match user_folder {
@@ -39,16 +59,18 @@ pub fn load_holders(user_folder: Option<&Path>) -> Result<Vec<Holder>, Electrode
         None => Vec::new(),
     };
     if suppliers.is_empty() {
-        return own
-            .map_or_else(|| holders_of(Path::new(HOLDERS_FILE_NAME), STANDARD_HOLDERS), |(_, holders)| Ok(holders));
+        let standard = || HOLDERS.parse(STANDARD_HOLDERS, Path::new(HOLDERS_FILE_NAME)).map(|library| library.holder);
+        return own.map_or_else(standard, |(_, holders)| Ok(holders));
     }
     let mut all: Vec<(PathBuf, Holder)> = Vec::new();
     for (file, holders) in own.into_iter().chain(suppliers) {
         for holder in holders {
             if let Some((other, _)) = all.iter().find(|(_, known)| known.name == holder.name) {
-                let problem =
-                    format!("holder.name: {:?} is there already, in {}; rename one", holder.name, other.display());
-                return Err(invalid(&file, problem));
+                let remedy = format!("is there already, in {}; rename one", other.display());
+                return Err(FileError::invalid(
+                    &file,
+                    Invalid::new("holder.name", format!("{:?}", holder.name), remedy),
+                ));
             }
             all.push((file.clone(), holder));
         }
@@ -57,13 +79,14 @@ pub fn load_holders(user_folder: Option<&Path>) -> Result<Vec<Holder>, Electrode
     let area = |h: &Holder| h.size_mm[0] * h.size_mm[1];
     // Stable, so that equal ones stay in the order of the files.
     holders.sort_by(|a, b| area(a).total_cmp(&area(b)));
-    check_holders(user_folder.unwrap_or(Path::new(SUPPLIERS_FOLDER)), &holders)?;
-    Ok(holders)
+    let (folder, library) = (user_folder.unwrap_or(Path::new(SUPPLIERS_FOLDER)), HolderLibrary { holder: holders });
+    library.validate().map_err(|problem| FileError::invalid(folder, problem))?;
+    Ok(library.holder)
 }
 
 /// The holders of each file in a folder of suppliers, in the order of the names; none if there is no such folder.
-fn suppliers(folder: &Path) -> Result<Vec<(PathBuf, Vec<Holder>)>, ElectrodeFileError> {
-    let unreadable = |source| ElectrodeFileError::Unreadable { file: folder.to_owned(), source };
+fn suppliers(folder: &Path) -> Result<Vec<(PathBuf, Vec<Holder>)>, FileError> {
+    let unreadable = |source| FileError::unreadable(folder, source);
     let entries = match std::fs::read_dir(folder) {
         Ok(entries) => entries,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
@@ -73,7 +96,8 @@ fn suppliers(folder: &Path) -> Result<Vec<(PathBuf, Vec<Holder>)>, ElectrodeFile
     files.retain(|file| file.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")));
     files.sort();
     if files.len() > MOST_SUPPLIERS {
-        return Err(invalid(folder, format!("it has {} files; at most {MOST_SUPPLIERS} are possible", files.len())));
+        let problem = format!("there are {} files; at most {MOST_SUPPLIERS} are possible", files.len());
+        return Err(FileError::invalid(folder, Invalid::of("", problem)));
     }
     let of = |file: PathBuf| {
         let supplier = file.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
@@ -87,38 +111,9 @@ fn suppliers(folder: &Path) -> Result<Vec<(PathBuf, Vec<Holder>)>, ElectrodeFile
 /// The holders in a TOML file: a list `[[holder]]` with the keys of [`Holder`]; see [`STANDARD_HOLDERS`].
 ///
 /// # Errors
-/// [`ElectrodeFileError`].
-pub fn read_holders(file: &Path) -> Result<Vec<Holder>, ElectrodeFileError> {
-    holders_of(file, &text_of(file)?)
-}
-
-/// Writes `holders` as a TOML file that [`read_holders`] reads.
-///
-/// # Errors
-/// [`ElectrodeFileError`], also of holders that could not be read again; a file already there is then untouched.
-pub fn write_holders(file: &Path, holders: &[Holder]) -> Result<(), ElectrodeFileError> {
-    check_list(file, holders)?;
-    write(file, &HolderLibrary { holder: holders.to_vec() })
-}
-
-fn holders_of(file: &Path, text: &str) -> Result<Vec<Holder>, ElectrodeFileError> {
-    let library: HolderLibrary = parsed(file, text)?;
-    check_list(file, &library.holder)?;
-    Ok(library.holder)
-}
-
-fn check_list(file: &Path, holders: &[Holder]) -> Result<(), ElectrodeFileError> {
-    if holders.is_empty() {
-        return Err(invalid(file, "holder: there is none; list at least one, or take the file away".to_owned()));
-    }
-    let twice = holders.iter().enumerate().find(|(i, h)| holders[..*i].iter().any(|other| other.name == h.name));
-    if let Some((i, holder)) = twice {
-        return Err(invalid(
-            file,
-            format!("holder.name: number {} is called {:?} as another one is", i + 1, holder.name),
-        ));
-    }
-    check_holders(file, holders)
+/// [`FileError`].
+pub fn read_holders(file: &Path) -> Result<Vec<Holder>, FileError> {
+    Ok(HOLDERS.read(file)?.holder)
 }
 
 #[cfg(test)]
@@ -127,6 +122,10 @@ mod tests {
 
     fn holder(name: &str, side: f64) -> Holder {
         Holder { name: name.to_owned(), size_mm: [side, side + 1.5], height_mm: 12.0 }
+    }
+
+    fn write_holders(file: &Path, holders: &[Holder]) -> Result<(), FileError> {
+        HOLDERS.write(file, &HolderLibrary { holder: holders.to_vec() })
     }
 
     #[test]

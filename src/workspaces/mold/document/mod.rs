@@ -10,7 +10,8 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::workspaces::mold::document::cutter_file::standard_cutters;
-use import::Units;
+use files::{Invalid, Validate};
+use import::{Imported, Units};
 use mold::cutter::CutterLibrary;
 use mold::electrode::params::{Edit, ElectrodeParams};
 use mold::opening::Opening;
@@ -23,6 +24,10 @@ pub struct MoldParams {
     pub mesh: Option<PathBuf>,
     /// Unit of the mesh.
     pub units: Units,
+    /// The part that everything was decided for: the digest of its file and the unit it was read in, as they were when
+    /// it was read last. None before that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub part: Option<String>,
     /// The direction in which its opening looks, in the axes of the mesh.
     pub opening: Opening,
     /// Thickness of the residue, across the mold's surface, up to which it counts as cut (mm).
@@ -38,12 +43,21 @@ impl Default for MoldParams {
         Self {
             mesh: None,
             units: Units::Auto,
+            part: None,
             opening: Opening::default(),
             tolerance_mm: 0.02,
             // A program that was built with a file that is none has no cutters to begin with.
             library: standard_cutters().unwrap_or_default(),
             electrodes: ElectrodeParams::default(),
         }
+    }
+}
+
+impl Validate for MoldParams {
+    fn validate(&self) -> Result<(), Invalid> {
+        Validate::validate(&self.library).map_err(|problem| problem.within("library"))?;
+        Invalid::unless_within("tolerance_mm", self.tolerance_mm, [1e-4, 10.0], "mm")?;
+        Validate::validate(&self.electrodes).map_err(|problem| problem.within("electrodes"))
     }
 }
 
@@ -54,18 +68,19 @@ impl MoldParams {
         name.map_or("No mold".to_owned(), |n| n.to_string_lossy().into_owned())
     }
 
-    /// Whether they can be worked with.
-    ///
-    /// # Errors
-    /// One line saying what is wrong and what it may be.
-    pub fn validate(&self) -> Result<(), String> {
-        self.library.validate().map_err(|e| e.to_string())?;
-        let tolerance = self.tolerance_mm;
-        let is_possible = (1e-4..=10.0).contains(&tolerance);
-        if !is_possible {
-            return Err(format!("tolerance_mm is {tolerance}: it must be from 0.0001 to 10 mm"));
-        }
-        self.electrodes.validate().map_err(|e| format!("electrodes: {e}"))
+    /// The same without what was decided for one part only: where it opens to, how its regions are divided and burned,
+    /// which of its electrodes are exported although a check fails, and what they are called.
+    pub fn undecided(&self) -> Self {
+        let (edits, overrides, names) = (Vec::new(), Vec::new(), Vec::new());
+        let electrodes = ElectrodeParams { edits, overrides, names, ..self.electrodes.clone() };
+        Self { opening: Opening::default(), electrodes, ..self.clone() }
+    }
+
+    /// What of these parameters holds for `part`: what was decided for another one does not.
+    pub fn of_part(&self, part: &str) -> Self {
+        let is_other = self.part.as_ref().is_some_and(|own| own != part);
+        let params = if is_other { self.undecided() } else { self.clone() };
+        Self { part: Some(part.to_owned()), ..params }
     }
 
     /// What makes these parameters others than those of `before`, as a step that can be undone is called.
@@ -84,6 +99,11 @@ impl MoldParams {
         ];
         what.iter().find(|(differs, _)| *differs).map_or("", |(_, name)| name).to_owned()
     }
+}
+
+/// What tells a part from any other: the digest of its file, and the unit that it was read in.
+pub fn part_of(imported: &Imported) -> String {
+    format!("{} {}", imported.sha256, imported.report.unit.name())
 }
 
 /// The same of cutters.

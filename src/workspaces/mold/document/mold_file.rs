@@ -3,38 +3,34 @@
 use std::path::Path;
 
 use super::MoldParams;
-use files::old_toml_file;
-use files::old_toml_file::{TomlFileError, folder_of};
-use files::paths::{relative, without_detours};
+use files::paths::{folder_of, has_ending, relative, without_detours};
+use files::{FileError, TomlFile};
 
 /// How the name of such a file ends.
 pub const ENDING: &str = ".sparkmold";
-/// The largest that is written or read (bytes).
-const LARGEST_FILE: u64 = 1 << 20;
+const MOLD: TomlFile<MoldParams> = TomlFile::new("mold");
 
 /// Whether `path` is named as a file of a mold.
 pub fn is_mold_file(path: &Path) -> bool {
-    old_toml_file::has_ending(path, ENDING)
+    has_ending(path, ENDING)
 }
 
 /// Writes `params` as a TOML file, with the mesh as seen from the file's folder.
 ///
 /// # Errors
-/// [`TomlFileError`], also of parameters that could not be read again.
-pub fn write_mold(file: &Path, params: &MoldParams) -> Result<(), TomlFileError> {
-    params.validate().map_err(|problem| TomlFileError::of(file, problem))?;
+/// [`FileError`], also of parameters that could not be read again.
+pub fn write_mold(file: &Path, params: &MoldParams) -> Result<(), FileError> {
     let folder = folder_of(file);
     let mesh = params.mesh.as_deref().map(|mesh| relative(mesh, &folder));
-    old_toml_file::write(file, &MoldParams { mesh, ..params.clone() }, LARGEST_FILE)
+    MOLD.write(file, &MoldParams { mesh, ..params.clone() })
 }
 
 /// The parameters in a file that [`write_mold`] has written.
 ///
 /// # Errors
-/// [`TomlFileError`].
-pub fn read_mold(file: &Path) -> Result<MoldParams, TomlFileError> {
-    let mut params: MoldParams = old_toml_file::read(file, "mold", LARGEST_FILE)?;
-    params.validate().map_err(|problem| TomlFileError::of(file, problem))?;
+/// [`FileError`].
+pub fn read_mold(file: &Path) -> Result<MoldParams, FileError> {
+    let mut params = MOLD.read(file)?;
     let folder = folder_of(file);
     params.mesh = params.mesh.map(|mesh| without_detours(&folder.join(mesh)));
     Ok(params)
@@ -76,13 +72,13 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("wrong.sparkmold");
         for (text, words) in [
-            ("tolerance_mm = -1", "tolerance_mm is -1"),
+            ("tolerance_mm = -1", "line 1: tolerance_mm is -1"),
             ("tolerance_mm = nan", "tolerance_mm is NaN"),
             ("opening = \"up\"", "unknown variant"),
-            ("[[library.cutter]]\ndiameter_mm = 0", "diameter_mm is 0 mm"),
+            ("[[library.cutter]]\ndiameter_mm = 0", "line 2: library.cutter[0].diameter_mm is 0"),
             ("library = {}", "no cutter"),
             ("tolerance = 1", "unknown field"),
-            ("[electrodes]\nmargin_mm = -1", "margin_mm is -1 mm"),
+            ("[electrodes]\nmargin_mm = -1", "line 2: electrodes.margin_mm is -1"),
         ] {
             std::fs::write(&file, text).unwrap();
             let said = read_mold(&file).unwrap_err().to_string();

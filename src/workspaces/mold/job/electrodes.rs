@@ -8,7 +8,8 @@ use geometry::segmentation::{Segmentation, SegmentationSettings};
 use mold::electrode::check::Milled;
 use mold::electrode::design::ElectrodeSet;
 use mold::electrode::params::ElectrodeParams;
-use mold::electrode::plan::{ElectrodeError, RegionToBurn, plan};
+use mold::electrode::plan::plan;
+use mold::electrode::setting::{ElectrodeError, RegionToBurn};
 use mold::height_field::{Covered, HeightField};
 use task::{Cancel, Cancelled, Progress};
 

@@ -14,9 +14,11 @@ use crate::workspaces::mold::job::uncut::LayerFound;
 use crate::workspaces::mold::scene::RegionColours;
 use crate::workspaces::mold::work::{FoundUncut, Glance, MoldWork};
 use crate::workspaces::news::{EventKind, WorkEvent};
+use files::Validate;
 use geometry::mesh::Bounds;
 use mold::cutter::CutterLibrary;
-use mold::electrode::params::Holder;
+use mold::electrode::names::GivenName;
+use mold::electrode::params::{ElectrodeParams, Holder};
 use mold::uncut_region::UncutRegion;
 use task::{Priority, Scheduler, State};
 
@@ -71,6 +73,8 @@ pub struct MoldDesk {
     pub fly_to: Option<usize>,
     /// Its file and the steps that can be undone.
     pub record: Record<MoldParams>,
+    /// What is asked of electrodes where a mold begins: the user's own standard.
+    standard: ElectrodeParams,
     /// When something was last changed of which the answer is not known.
     edited: Option<Instant>,
     /// When something was last changed that electrodes depend on, until they are made again.
@@ -101,6 +105,7 @@ impl MoldDesk {
             is_small: false,
             other: params.library.clone(),
             record: Record::of(&params),
+            standard: params.electrodes.clone(),
             params,
             work: MoldWork::new(scheduler),
             cutter: 0,
@@ -144,6 +149,7 @@ impl MoldDesk {
         match load_electrodes(Some(folder)) {
             // These are where a mold begins, and no change of the user's.
             Ok(electrodes) => {
+                self.standard = electrodes.clone();
                 self.params.electrodes = electrodes;
                 self.record.kept = Some(self.params.clone());
             }
@@ -153,13 +159,23 @@ impl MoldDesk {
         wrong
     }
 
-    /// Takes `mesh` for the mold. The cutters stay.
-    pub fn open(&mut self, mesh: &Path) {
+    /// What a mold begins with whose mesh is at `mesh`: the cutters that there are, and nothing that was decided for
+    /// another mold. Where there was none, everything that was chosen was chosen for this one.
+    pub fn begun(&self, mesh: &Path) -> MoldParams {
         let mesh = Some(mesh.to_owned());
+        if self.params.mesh.is_none() {
+            return MoldParams { mesh, ..self.params.clone() };
+        }
+        let (library, electrodes) = (self.params.library.clone(), self.standard.clone());
+        MoldParams { mesh, library, electrodes, ..MoldParams::default() }
+    }
+
+    /// Takes `mesh` for the mold.
+    pub fn open(&mut self, mesh: &Path) {
         let was_empty = self.params.mesh.is_none();
-        let kept = self.record.kept.clone().map(|kept| MoldParams { mesh: mesh.clone(), ..kept });
+        let kept = self.record.kept.clone().map(|kept| MoldParams { mesh: Some(mesh.to_owned()), ..kept });
         let history = self.record.history.clone();
-        self.replace(MoldParams { mesh, ..self.params.clone() }, None);
+        self.replace(self.begun(mesh), None);
         // Cutters that were chosen before there was a mold are still in no file.
         if was_empty {
             (self.record.kept, self.record.history) = (kept, history);
@@ -180,8 +196,32 @@ impl MoldDesk {
         let params = with_holders(params, &self.electrodes.holders);
         self.record.replace(&params, file);
         (self.params, self.edited, self.changed) = (params, None, None);
-        self.electrodes.is_awaited = false;
         self.work.forget_glance();
+        // How the last mold was looked at would hide parts of this one.
+        self.electrodes.begin_anew();
+        (self.is_faint, self.layer, self.least_volume, self.only_vanishing) = (false, None, 0.0, false);
+    }
+
+    /// Has the parameters belong to the mold that was read. Where they belong to another one, what was decided for that
+    /// is dropped. Answers what there is to be said.
+    fn follow_part(&mut self) -> Option<WorkEvent> {
+        let part = self.work.part(&self.params)?;
+        if self.params.part.as_deref() == Some(part) {
+            return None;
+        }
+        let now = self.params.of_part(part);
+        if self.params.part.is_none() {
+            let bind = |params: &mut MoldParams| params.part = params.part.take().or(now.part.clone());
+            self.record.kept.iter_mut().for_each(bind);
+            self.record.history.change_all(bind);
+            self.params = now;
+            return None;
+        }
+        let is_clean = MoldParams { part: self.params.part.clone(), ..now.clone() } == self.params;
+        self.change_to(now);
+        let text = "Mold: its mesh or unit has changed: opening direction, divisions and overrides that were chosen \
+                    for the former one are dropped; choose them again";
+        (!is_clean).then(|| WorkEvent { kind: EventKind::Refused, text: text.to_owned(), took: None })
     }
 
     /// Notes that `file` holds the present parameters.
@@ -276,8 +316,10 @@ impl MoldDesk {
         self.record.follow(hands);
         let priority = if is_seen { Priority::Shown } else { Priority::Normal };
         let mut events = self.work.follow(&self.params, priority);
+        events.extend(self.follow_part());
         self.follow_answer();
         self.electrodes.follow(self.work.designed());
+        self.keep_names();
         let waits = [self.find_again(hands), self.design_again(hands)];
         let mut wait: Option<Duration> = None;
         for next in waits {
@@ -287,6 +329,25 @@ impl MoldDesk {
             }
         }
         (events, wait)
+    }
+
+    /// Keeps the names that electrodes were given: they stay theirs whatever is changed, or taken back.
+    fn keep_names(&mut self) {
+        let Some(made) = self.work.designed().filter(|_| self.is_designed()) else { return };
+        let mut names = self.params.electrodes.names.clone();
+        let count = names.len();
+        let is_new = |name: &&GivenName| self.params.electrodes.names.iter().all(|known| known.number != name.number);
+        names.extend(made.set.names.iter().filter(is_new).cloned());
+        if names.len() == count {
+            return;
+        }
+        let keep = |params: &mut MoldParams| params.electrodes.names.clone_from(&names);
+        // From what the file holds the same names are made again.
+        if !self.is_unsaved() {
+            self.record.kept.iter_mut().for_each(keep);
+        }
+        keep(&mut self.params);
+        self.record.history.change_all(keep);
     }
 
     /// Looks at a change at a glance, and exactly once nothing changes any more. Answers after how long to come back.

@@ -145,7 +145,7 @@ fn table(ui: &mut Ui, mold: &mut MoldDesk, listed: &[usize]) {
     });
     if let Some((i, twice)) = clicked {
         // The second click of two is no second thought.
-        mold.selected = (twice || mold.selected != Some(i)).then_some(i);
+        mold.selected = Some(i);
         mold.fly_to = twice.then_some(i);
     }
 }

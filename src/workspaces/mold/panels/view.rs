@@ -31,6 +31,8 @@ pub struct MoldView {
     key: Option<SceneKey>,
     /// From where was looked before a cut was.
     before: Option<Camera>,
+    /// The part that the camera looks at.
+    part: Option<String>,
 }
 
 /// Everything that the scene depends on.
@@ -184,6 +186,10 @@ impl MoldView {
         if self.key.as_ref() != Some(&key) {
             self.scene = Arc::new(key.scene(core));
             self.key = Some(key);
+        }
+        if let Some(mold) = core.mold.work.mold().filter(|mold| self.part.as_ref() != Some(&mold.sha256)) {
+            // Another part is looked at as the first one was.
+            (self.viewport, self.before, self.part) = (Viewport::default(), None, Some(mold.sha256.clone()));
         }
         if let Some(bounds) = core.mold.fly_to.take().and_then(|i| core.mold.bounds(i)) {
             self.viewport.fly_into(&bounds.grown(0.6 * bounds.size().length()), ui.input(|i| i.time));

@@ -1,13 +1,15 @@
 //! The report on a mold's electrodes, as `electrodes.json` for programs and `report.html` for people.
 
-pub mod html;
+mod page;
 pub mod uncut;
 pub mod uncut_ply;
 
 use serde::Serialize;
 
+use files::report::PageError;
 use mold::electrode::design::{Electrode, ElectrodeSet, PartNode, RegionPlan};
 use mold::electrode::overrides::{IdleOverride, Override};
+use mold::electrode::params::Edit;
 use mold::opening::Opening;
 use nc::burn_table::{BurnTable, ElectrodeState, method_name};
 use nc::electrode_files::why_blocked;
@@ -155,8 +157,11 @@ impl ElectrodesReport {
     }
 
     /// The report as one self-contained page with pictures, each a caption and PNG bytes.
-    pub fn html(&self, pictures: &[(String, Vec<u8>)]) -> String {
-        html::page(self, pictures)
+    ///
+    /// # Errors
+    /// [`PageError`], which a test of the template keeps from happening.
+    pub fn html(&self, pictures: &[(String, Vec<u8>)]) -> Result<String, PageError> {
+        page::page(self, pictures)
     }
 }
 
@@ -202,17 +207,26 @@ fn sentence(set: &ElectrodeSet, table: &BurnTable, overrides: &[Override]) -> St
     if warnings > 0 {
         text += &format!(" {} of electrodes.", counted(warnings, "warning"));
     }
-    let unmet = set.unmet_edits().len();
-    if unmet > 0 {
-        text += &format!(
-            " {} no region, or nothing in it.",
-            counted(unmet, "change") + if unmet == 1 { " meets" } else { " meet" }
-        );
+    for edit in set.unmet_edits() {
+        text += &format!(" Change {} has no effect: {}.", edit + 1, why_unmet(&set.params.edits[edit]));
     }
     if set.holds() {
         text += " Every check holds.";
     }
     text
+}
+
+/// Which change to the division does nothing, where, and what to do.
+pub fn why_unmet(edit: &Edit) -> String {
+    let remedy = match edit {
+        Edit::Split { .. } => {
+            "the middle of the line lies in no part of a region, or all of the part lies on one side of it: remove the \
+             change and draw a line across the part, with its middle inside"
+        }
+        Edit::Merge { .. } => "the places lie in one part, or not in two parts of one region: remove the change",
+        Edit::Make { .. } | Edit::Burn { .. } => "no region is at this place any more: remove the change",
+    };
+    format!("{edit}: {remedy}")
 }
 
 fn region(set: &ElectrodeSet, r: usize, plan: &RegionPlan) -> RegionEntry {
@@ -228,7 +242,7 @@ fn region(set: &ElectrodeSet, r: usize, plan: &RegionPlan) -> RegionEntry {
         left_thickness_mm: plan.left.thickness,
         left_at_mm: plan.left.place.to_array().map(|v| rounded(v, 1e6)),
         left_volume_mm3: plan.left.volume,
-        trouble: plan.trouble.clone(),
+        trouble: plan.reason.clone(),
         left_out: plan.left_out.iter().map(|left| left.text.clone()).collect(),
     }
 }

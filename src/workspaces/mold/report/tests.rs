@@ -75,7 +75,7 @@ fn parts_that_only_an_earlier_stage_has_are_told_with_its_division() {
     set.regions[0].earlier = vec![(0, last.clone())];
     let divisions = |set: &ElectrodeSet| {
         let report = ElectrodesReport::of(set, "", Opening::PlusZ);
-        (report.regions[0].earlier_divisions.clone(), report.html(&[]))
+        (report.regions[0].earlier_divisions.clone(), report.html(&[]).unwrap())
     };
     assert!(divisions(&set).0.is_empty(), "the same parts are told once");
     set.regions[0].earlier[0].1.parts[1].part = Some(2);
@@ -88,7 +88,7 @@ fn parts_that_only_an_earlier_stage_has_are_told_with_its_division() {
 #[test]
 fn the_page_stands_alone_and_holds_everything() {
     let pictures = [("All <electrodes>".to_owned(), vec![0x89, b'P', b'N', b'G'])];
-    let page = report().html(&pictures);
+    let page = report().html(&pictures).unwrap();
     for words in [
         "&lt;shell&gt;",
         "E03 is blocked.",

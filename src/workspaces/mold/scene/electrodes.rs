@@ -9,7 +9,7 @@ use crate::widgets::colours::BAD;
 use crate::workspaces::mold::scene::region_colour;
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
 use mold::electrode::design::{Burn, Electrode, ElectrodeSet};
-use mold::electrode::plan::to_burn_frame;
+use mold::electrode::setting::to_burn_frame;
 use mold::opening::Opening;
 use render::camera::Camera;
 use render::colour::Colour;

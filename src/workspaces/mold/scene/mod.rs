@@ -99,22 +99,24 @@ pub fn faces_shape(mesh: &Mesh, faces: &[u32]) -> Option<Arc<RenderMesh>> {
     Some(Arc::new(RenderMesh::new(&lifted(part, before(mesh)))))
 }
 
-/// The colour of region number `i` from 0. Neighbours in the list are told apart.
+/// The colour of region or electrode number `i` from 0. Neighbours in the list differ most, all of them are told apart from one
+/// another as far as there are colours, and none is like what is selected.
 pub fn region_colour(i: usize) -> Colour {
-    const COLOURS: [Colour; 10] = [
-        Colour::rgb(0x2f, 0xa8, 0x9c),
-        Colour::rgb(0x8b, 0x6f, 0xd6),
-        Colour::rgb(0xd9, 0xb4, 0x2e),
-        Colour::rgb(0x3f, 0x86, 0xd9),
-        Colour::rgb(0x6f, 0xb2, 0x3a),
-        Colour::rgb(0xd0, 0x5c, 0xa8),
-        Colour::rgb(0x35, 0xb4, 0xd6),
-        Colour::rgb(0xa8, 0x7b, 0x4a),
-        Colour::rgb(0x5b, 0x67, 0xc9),
-        Colour::rgb(0x9f, 0xc0, 0x54),
-    ];
     COLOURS[i % COLOURS.len()]
 }
+
+const fn hex(rgb: u32) -> Colour {
+    Colour::rgb((rgb >> 16) as u8, (rgb >> 8) as u8, rgb as u8)
+}
+
+/// Each the one furthest from those before it in OKLab, far from both themes' accents and from the colour of failures.
+#[rustfmt::skip]
+const COLOURS: [Colour; 32] = [
+    hex(0x2da99d), hex(0x792079), hex(0xdb76db), hex(0xc8d45e), hex(0x376237), hex(0x5e6ad4), hex(0xab6f69), hex(0x8ed0e1),
+    hex(0x33c133), hex(0xc13397), hex(0x913127), hex(0xe7a6ad), hex(0x3333c1), hex(0x919127), hex(0x9090c1), hex(0x424c76),
+    hex(0x277c91), hex(0x8933c1), hex(0x5ed499), hex(0x279127), hex(0x894d77), hex(0xdb7694), hex(0xa55ed4), hex(0x797020),
+    hex(0xc0a6e7), hex(0xaab67c), hex(0x5eb1d4), hex(0x4d8965), hex(0x2d5fa9), hex(0x468ace), hex(0x97c133), hex(0xab699d),
+];
 
 /// What the colours by depth mean, up to the `deepest` (mm).
 pub fn depth_legend(deepest: f64) -> Legend {
@@ -277,6 +279,35 @@ mod tests {
     fn piece(region: u32, off: f64, depth: f32) -> SurfacePiece {
         let corners = [DVec3::ZERO, DVec3::X, DVec3::Y].map(|p| p + off * DVec3::X + 2.0 * DVec3::Z);
         SurfacePiece { corners, face: 0, region, depth: [depth, 0.5 * depth, 0.0] }
+    }
+
+    /// Coordinates in OKLab (Ottosson 2020), in which a distance of 0.02 is just seen.
+    fn oklab(colour: Colour) -> DVec3 {
+        let [r, g, b] = colour.to_linear();
+        let cones = [
+            0.412_221_470_8 * r + 0.536_332_536_3 * g + 0.051_445_992_9 * b,
+            0.211_903_498_2 * r + 0.680_699_545_1 * g + 0.107_396_956_6 * b,
+            0.088_302_461_9 * r + 0.281_718_837_6 * g + 0.629_978_700_5 * b,
+        ];
+        let [l, m, s] = cones.map(f64::cbrt);
+        DVec3::new(
+            0.210_454_255_3 * l + 0.793_617_785_0 * m - 0.004_072_046_8 * s,
+            1.977_998_495_1 * l - 2.428_592_205_0 * m + 0.450_593_709_9 * s,
+            0.025_904_037_1 * l + 0.782_771_766_2 * m - 0.808_675_766_0 * s,
+        )
+    }
+
+    #[test]
+    fn thirty_two_regions_are_told_apart_and_from_what_is_selected() {
+        let colours: Vec<DVec3> = (0..32).map(|i| oklab(region_colour(i))).collect();
+        for (i, colour) in colours.iter().enumerate() {
+            for other in &colours[..i] {
+                assert!(colour.distance(*other) > 0.08, "{i}");
+            }
+            for theme in [Theme::DARK, Theme::LIGHT] {
+                assert!(colour.distance(oklab(theme.accent)) > 0.12, "{i} is like what is selected");
+            }
+        }
     }
 
     #[test]

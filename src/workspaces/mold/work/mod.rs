@@ -22,7 +22,7 @@ use mold::electrode::design::ElectrodeSet;
 use mold::electrode::params::ElectrodeParams;
 use nc::burn_template::BurnSheet;
 use nc::electrode_files::ElectrodeFormat;
-pub use steps::{FoundUncut, LoadedMold};
+pub use steps::{FoundUncut, LoadedMold, load as read_part};
 use task::{Doing, Lane, Memo, Priority, Scheduler, State};
 
 /// What a mesh is read from: the file, its unit, how often it was asked for.
@@ -135,6 +135,13 @@ impl MoldWork {
         Some((params.mesh.clone()?, params.units, self.reloads))
     }
 
+    /// Takes `mold` for what the files of `params` hold.
+    pub fn put(&mut self, params: &MoldParams, mold: Arc<LoadedMold>) {
+        if let Some(key) = self.mesh_key(params) {
+            self.mold.put(&key, mold);
+        }
+    }
+
     /// Reads the mesh again.
     pub fn reload(&mut self) {
         self.reloads += 1;
@@ -155,6 +162,12 @@ impl MoldWork {
         let ((path, units, _), mold) = self.mold.last()?;
         let is_same = params.mesh.as_ref() == Some(path) && params.units == *units;
         (is_same && !matches!(self.mold_state(params), State::Failed(_) | State::Cancelled)).then_some(mold)
+    }
+
+    /// What tells the part of `params` from any other, once it was read.
+    pub fn part(&self, params: &MoldParams) -> Option<&str> {
+        let mold = self.current_mold(params).filter(|_| self.mold_state(params) == State::Ready);
+        mold.map(|mold| mold.sha256.as_str())
     }
 
     fn question(&self, params: &MoldParams) -> Option<Question> {
@@ -336,7 +349,8 @@ impl MoldWork {
         };
         let (folder, name, formats, sheet) = (folder.to_owned(), params.name(), formats.to_vec(), sheet.clone());
         // Which of them are let pass, and what they are called, may have changed since they were made.
-        let set = ElectrodeSet { params: params.electrodes.clone(), ..made.set.clone() };
+        let asked = ElectrodeParams { names: Vec::new(), ..params.electrodes.clone() };
+        let set = ElectrodeSet { params: asked, ..made.set.clone() };
         self.exports += 1;
         self.exported.restart(&self.exports, Priority::Shown, move |work| {
             export(&folder, (&set, &made), (&mold, &name), (&formats, &sheet), &work.progress, &work.cancel)
@@ -345,9 +359,10 @@ impl MoldWork {
     }
 }
 
-/// What of `electrodes` they depend on: not what they are called or which are exported.
+/// What of `electrodes` they depend on: not which are exported, nor the names they had before, which they keep.
 fn design_question(question: Question, electrodes: &ElectrodeParams) -> DesignQuestion {
-    (question, ElectrodeParams { overrides: Vec::new(), material: String::new(), ..electrodes.clone() })
+    let (overrides, names, material) = (Vec::new(), Vec::new(), String::new());
+    (question, ElectrodeParams { overrides, names, material, ..electrodes.clone() })
 }
 
 /// How a value stands while there is no mold that it could be of.

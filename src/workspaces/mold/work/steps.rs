@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::workspaces::mold::document::part_of;
 use crate::workspaces::mold::job::compare::{Comparison, compare as compare_answers};
 use crate::workspaces::mold::job::uncut::{Uncut, UncutError, UncutParams, uncut};
 use crate::workspaces::mold::report::uncut::UncutReport;
@@ -30,7 +31,8 @@ pub struct LoadedMold {
 }
 
 impl LoadedMold {
-    pub(super) fn sentence(&self) -> String {
+    /// What was read, in a sentence.
+    pub fn sentence(&self) -> String {
         format!("{}: {} triangles", self.name, self.mesh.triangles.len())
     }
 }
@@ -61,13 +63,13 @@ impl FoundUncut {
 ///
 /// # Errors
 /// One line naming file, place and remedy.
-pub(super) fn load(path: &Path, units: Units, progress: &Progress, cancel: &Cancel) -> Result<LoadedMold, String> {
+pub fn load(path: &Path, units: Units, progress: &Progress, cancel: &Cancel) -> Result<LoadedMold, String> {
     let options = ImportOptions { units, ..Default::default() };
     let imported = import_file(path, &options, progress, cancel).map_err(|e| e.to_string())?;
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let shape = Arc::new(RenderMesh::new(&imported.mesh));
     cancel.check().map_err(|e| e.to_string())?;
-    let sha256 = format!("{} {}", imported.sha256, imported.report.unit.name());
+    let sha256 = part_of(&imported);
     let volume = imported.mesh.volume();
     Ok(LoadedMold { name, mesh: Arc::new(imported.mesh), shape, report: imported.report, volume, sha256 })
 }

@@ -1,4 +1,4 @@
-//! What a simulation may claim, and of which instant it tells.
+//! Claims of a simulation, and the instants that they refer to.
 
 use super::*;
 

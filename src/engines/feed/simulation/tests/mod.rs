@@ -2,6 +2,8 @@
 
 mod claims;
 
+use super::bodies::Bodies;
+use super::run::Run;
 use super::*;
 use crate::machine::TravelLimits;
 use crate::machine_model::{Body, Carrier};
@@ -13,6 +15,7 @@ use geometry::frame::Frame;
 use geometry::mesh::Bounds;
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
+use task::{Cancel, Progress};
 use wheel::channel::Surface;
 use wheel::electrode::{ElectrodeFace, EntrySide};
 
@@ -155,7 +158,7 @@ impl Parts {
         self
     }
 
-    /// The same with a feed through other poses; one that has none keeps the certificate of the former.
+    /// Scene with a feed through other poses; one that has none keeps the certificate of the former.
     fn with_poses(mut self, poses: Vec<Pose>) -> Self {
         let row = |pose: Pose| PathRow { node: 0, s: pose.x.abs(), pose };
         self.feed.rows = poses.into_iter().map(row).collect();

@@ -308,7 +308,7 @@ fn leads_belong_to_the_path_and_are_named() {
     let k = trunnion().kinematics().unwrap();
     let line = linearise(&k, &path, &params, &Cancel::default()).unwrap();
     assert!(densely(&k, &path, &line, &params) <= params.linearisation_mm);
-    let StraightMoves { moves, stray_mm } = path.straightened(0.001, 20.0).unwrap();
+    let StraightMoves { moves, chordal_deviation_mm } = path.straightened(0.001, 20.0).unwrap();
     assert!(moves.len() > 7 && moves.windows(2).all(|w| w[0].0 < w[1].0));
     let off = |(s, pose): &(f64, ToolPose)| path.at(*s).unwrap().tip.distance(pose.tip);
     assert!(moves.iter().all(|m| off(m) == 0.0));
@@ -321,7 +321,12 @@ fn leads_belong_to_the_path_and_are_named() {
         [0.0, 20.0].map(|h| wanted.at_height(h).distance(straight.at_height(h))).into_iter().fold(0.0, f64::max)
     });
     let furthest = by.fold(0.0, f64::max);
-    assert!(stray_mm <= 0.001 && stray_mm > 2e-4 && (furthest / stray_mm - 1.0).abs() < 0.05, "{furthest} {stray_mm}");
+    assert!(
+        chordal_deviation_mm <= 0.001
+            && chordal_deviation_mm > 2e-4
+            && (furthest / chordal_deviation_mm - 1.0).abs() < 0.05,
+        "{furthest} {chordal_deviation_mm}"
+    );
 }
 
 #[test]
@@ -347,7 +352,7 @@ fn what_is_no_path_or_no_setting_is_said() {
     let step = |u: f64| (DVec3::new(u, if u < 0.4 { 0.0 } else { 1.0 }, 0.0), DVec3::new(0.1, 0.2, 1.0));
     let path = ToolPath::new(step, &points(2)).unwrap();
     let error = linearise(&k, &path, &LinearisationParams::default(), &Cancel::default()).unwrap_err();
-    assert!(matches!(error, MillingError::Strays { .. }), "{error}");
+    assert!(matches!(error, MillingError::ChordalDeviation { .. }), "{error}");
     let error = path.straightened(0.001, 20.0).unwrap_err();
     assert!(
         matches!(error, ToolPathError::Jumps { .. }) && error.to_string().contains("cut point 1 + 0.400"),

@@ -10,13 +10,19 @@ use crate::workspaces::blisk::document::choice::{Channels, DrawnPictures, MeshFr
 use feed::genetic::{GeneticParams, ReductionMode};
 use feed::machine::MachineParams;
 use feed::plan_params::PlanParams;
-use feed::search::{Constraint, Strategy};
+use feed::plan_params::{Constraint, Strategy};
 use feed::verify::VerifyOptions;
 use files::paths::{absolute, relative};
+use files::{FileError, Invalid, TomlFile, read_text};
 use import::Units;
 use nc::program::NcSettings;
 use wheel::electrode::{ElectrodeParams, EnterSide, Sizing};
 use wheel::options::BliskOptions;
+
+/// The largest job file that is read (bytes).
+const LARGEST_FILE: u64 = 1 << 20;
+/// Job files; what their sections hold is looked at one by one.
+const JOB: TomlFile<toml::Table> = TomlFile::new("job");
 
 /// A job: what to plan, with what, and how.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -99,29 +105,6 @@ impl ExportSection {
     }
 }
 
-/// Why a job file cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum JobFileError {
-    /// It cannot be read.
-    #[error("{path}: cannot be read ({source}); check the path")]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// It is not valid TOML, or a key is unknown or of the wrong kind.
-    #[error("{path}: {place}{message}")]
-    Invalid {
-        /// The file.
-        path: PathBuf,
-        /// Line and column, or section, with its separator; may be empty.
-        place: String,
-        /// What is wrong and what to do.
-        message: String,
-    },
-}
-
 impl PlanJob {
     /// A job on the built-in demonstration blisk, whose passage widens towards +X; all else by default.
     pub fn demonstration() -> Self {
@@ -187,21 +170,17 @@ impl PlanJob {
     }
 
     /// Reads a job file. Paths in it are relative to its folder.
-    pub fn read(path: &Path) -> Result<Self, JobFileError> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| JobFileError::Unreadable { path: path.to_owned(), source })?;
-        let folder = path.parent().unwrap_or(Path::new(""));
-        Self::parse(&text, folder).map_err(|Problem { place, message }| JobFileError::Invalid {
-            path: path.to_owned(),
-            place,
-            message,
-        })
+    ///
+    /// # Errors
+    /// [`FileError`].
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        Self::parse(&read_text(path, "job", LARGEST_FILE)?, path)
     }
 
     /// The parameters in a JSON value as [`serde_json::to_value`] makes it of a job, paths relative to `folder`.
     pub(super) fn from_json(value: serde_json::Value, folder: &Path) -> Result<Self, String> {
         let table = toml::Table::try_from(without_nulls(value)).map_err(|e| one_line(&e.to_string()))?;
-        Self::from_table(table, folder).map_err(|Problem { place, message }| place + &message)
+        Self::from_table(table, folder).map_err(|problem| problem.to_string())
     }
 
     /// The job as a job file for the command line, to lie in `folder`.
@@ -232,23 +211,18 @@ impl PlanJob {
         job
     }
 
-    fn parse(text: &str, folder: &Path) -> Result<Self, Problem> {
-        let table: toml::Table = toml::from_str(text).map_err(|error| {
-            let place = error.span().map_or(String::new(), |span| {
-                let before = &text[..span.start.min(text.len())];
-                let line = before.matches('\n').count() + 1;
-                format!("line {line}: ")
-            });
-            Problem { place, message: one_line(error.message()) }
-        })?;
-        let job = Self::from_table(table, folder)?;
+    fn parse(text: &str, file: &Path) -> Result<Self, FileError> {
+        let table = JOB.parse(text, file)?;
+        let placed = |problem| FileError::placed(file, text, problem);
+        let job = Self::from_table(table, file.parent().unwrap_or(Path::new(""))).map_err(placed)?;
         if job.blisk.mesh.is_none() {
-            return Err(Problem::at("[blisk] ", "mesh is missing; give the mesh file, as in mesh = \"part.stl\""));
+            let remedy = "it is missing; give the mesh file, as in mesh = \"part.stl\"";
+            return Err(placed(Invalid::of("blisk.mesh", remedy)));
         }
         Ok(job)
     }
 
-    fn from_table(mut table: toml::Table, folder: &Path) -> Result<Self, Problem> {
+    fn from_table(mut table: toml::Table, folder: &Path) -> Result<Self, Invalid> {
         let mut blisk = take_table(&mut table, "blisk")?;
         let mesh: Option<PathBuf> = take(&mut blisk, "blisk", "mesh")?;
         let mesh = mesh.filter(|m| !m.as_os_str().is_empty()).map(|m| folder.join(m));
@@ -270,8 +244,8 @@ impl PlanJob {
         };
         match table.keys().next() {
             None => Ok(job),
-            Some(other) => Err(Problem::at(
-                &format!("[{other}] "),
+            Some(other) => Err(Invalid::of(
+                other,
                 "is no section of a plan; there are [blisk], [electrode], [machine], [plan], [genetic], [verify], [export]",
             )),
         }
@@ -288,54 +262,43 @@ fn without_nulls(value: serde_json::Value) -> serde_json::Value {
     }
 }
 
-struct Problem {
-    place: String,
-    message: String,
-}
-
-impl Problem {
-    fn at(place: &str, message: &str) -> Self {
-        Self { place: place.to_owned(), message: message.to_owned() }
-    }
-}
-
 fn one_line(message: &str) -> String {
     message.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-fn take_table(table: &mut toml::Table, name: &str) -> Result<toml::Table, Problem> {
+fn take_table(table: &mut toml::Table, name: &str) -> Result<toml::Table, Invalid> {
     match table.remove(name) {
         None => Ok(toml::Table::new()),
         Some(toml::Value::Table(section)) => Ok(section),
-        Some(_) => Err(Problem::at(&format!("{name}: "), &format!("must be a section; write [{name}]"))),
+        Some(_) => Err(Invalid::of(name, format!("must be a section; write [{name}]"))),
     }
 }
 
-fn take<T: for<'a> Deserialize<'a>>(table: &mut toml::Table, section: &str, key: &str) -> Result<Option<T>, Problem> {
+fn take<T: for<'a> Deserialize<'a>>(table: &mut toml::Table, section: &str, key: &str) -> Result<Option<T>, Invalid> {
     table
         .remove(key)
         .map(|value| value.try_into())
         .transpose()
-        .map_err(|e: toml::de::Error| Problem::at(&format!("[{section}] {key}: "), &one_line(e.message())))
+        .map_err(|e: toml::de::Error| Invalid::of(format!("{section}.{key}"), one_line(e.message())))
 }
 
 /// The keys of `[machine]`, which take the place of those of the machine that is named.
-fn machine(mut given: toml::Table, folder: &Path) -> Result<MachineParams, Problem> {
+fn machine(mut given: toml::Table, folder: &Path) -> Result<MachineParams, Invalid> {
     let file: Option<PathBuf> = take(&mut given, "machine", "file")?;
     let name: Option<String> = take(&mut given, "machine", "name")?;
     let name = match (name.filter(|n| !n.is_empty()), file) {
-        (Some(_), Some(_)) => return Err(Problem::at("[machine] ", "name and file are two machines; give one")),
+        (Some(_), Some(_)) => return Err(Invalid::of("machine", "name and file are two machines; give one")),
         (Some(name), None) if !is_file(&name) => name,
         (Some(name), None) => folder.join(name).to_string_lossy().into_owned(),
         (None, Some(file)) if is_file(&file.to_string_lossy()) => folder.join(file).to_string_lossy().into_owned(),
-        (None, Some(_)) => return Err(Problem::at("[machine] file: ", "must be the path of a machine file (.toml)")),
+        (None, Some(_)) => return Err(Invalid::of("machine.file", "must be the path of a machine file (.toml)")),
         (None, None) => return section(given, "machine"),
     };
     // A job that says everything itself, as a saved one does, can be read without the file.
     let everything = toml::Table::try_from(MachineParams::default()).unwrap_or_default();
     let mut table = match everything.keys().all(|key| key == "name" || given.contains_key(key)) {
         true => toml::Table::new(),
-        false => machine_table(&name).map_err(|e| Problem::at("[machine] ", &one_line(&e.to_string())))?,
+        false => machine_table(&name).map_err(|e| Invalid::of("machine", one_line(&e.to_string())))?,
     };
     let is_from_file = !table.is_empty();
     table.extend(given.clone());
@@ -346,16 +309,14 @@ fn machine(mut given: toml::Table, folder: &Path) -> Result<MachineParams, Probl
         Err(error) if is_from_file && own.validate().is_ok() => {
             let error = error.to_string();
             let problem = error.strip_prefix("[machine] ").unwrap_or(&error);
-            Err(Problem::at("[machine] ", &format!("{}: {problem}", params.name)))
+            Err(Invalid::of("machine", format!("{}: {problem}", params.name)))
         }
         _ => Ok(params),
     }
 }
 
-fn section<T: for<'a> Deserialize<'a>>(table: toml::Table, name: &str) -> Result<T, Problem> {
-    toml::Value::Table(table)
-        .try_into()
-        .map_err(|e: toml::de::Error| Problem::at(&format!("[{name}] "), &one_line(&e.to_string())))
+fn section<T: for<'a> Deserialize<'a>>(table: toml::Table, name: &str) -> Result<T, Invalid> {
+    toml::Value::Table(table).try_into().map_err(|e: toml::de::Error| Invalid::of(name, one_line(&e.to_string())))
 }
 
 #[cfg(test)]

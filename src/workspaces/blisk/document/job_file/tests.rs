@@ -3,7 +3,7 @@ use feed::axis_curve::Joining;
 use feed::machine::AxisSet;
 
 fn parse(text: &str) -> Result<PlanJob, String> {
-    PlanJob::parse(text, Path::new("jobs")).map_err(|p| p.place + &p.message)
+    PlanJob::parse(text, Path::new("jobs/job.toml")).map_err(|e| e.to_string())
 }
 
 #[test]
@@ -88,7 +88,7 @@ fn what_is_exported_can_be_said_and_is_everything_by_default() {
     // What is chosen in the window comes back from a job file of it.
     let mut job = PlanJob::demonstration();
     (job.blisk.mesh, job.export) = (Some("jobs/a.stl".into()), export);
-    let again = PlanJob::parse(&job.to_toml(Path::new("")).unwrap(), Path::new("")).map_err(|p| p.message).unwrap();
+    let again = PlanJob::parse(&job.to_toml(Path::new("")).unwrap(), Path::new("job.toml")).unwrap();
     assert_eq!(again, job);
 }
 
@@ -135,9 +135,9 @@ fn mistakes_are_named_with_their_place() {
     for (text, named) in [
         ("[blisk]\n", "mesh"),
         ("[blisk]\nmesh = \"a.stl\"\nblade = 3", "blade"),
-        ("[blisk]\nmesh = 7", "[blisk] mesh"),
-        ("[blisk]\nmesh = \"a.stl\"\n[plan]\nstep_mm = \"wide\"", "[plan]"),
-        ("[blisk]\nmesh = \"a.stl\"\n[genetics]\nseed = 2", "[genetics]"),
+        ("[blisk]\nmesh = 7", "line 2: blisk.mesh"),
+        ("[blisk]\nmesh = \"a.stl\"\n[plan]\nstep_mm = \"wide\"", "line 3: plan: "),
+        ("[blisk]\nmesh = \"a.stl\"\n[genetics]\nseed = 2", "line 3: genetics: "),
         ("[blisk\nmesh = 1", "line 1"),
         ("blisk = 3", "blisk"),
     ] {
@@ -166,7 +166,7 @@ fn a_machine_is_named_and_its_keys_may_be_given_otherwise() {
     assert!(job.machine.has_bodies() && job.machine.travel_c_deg == [-360.0, 360.0]);
     assert!(with("name = \"mill\"").unwrap_err().contains("there is no such machine"));
     assert!(with("name = \"xyzc\"\nfile = \"my.toml\"").unwrap_err().contains("two machines"));
-    assert!(with("file = \"my.step\"").unwrap_err().contains("[machine] file"));
+    assert!(with("file = \"my.step\"").unwrap_err().contains("machine.file"));
     assert!(with("file = \"my.toml\"").unwrap_err().contains("cannot be read"));
     let job = with("name = \"xyzc\"\nbody_clearance_mm = 0.0").unwrap();
     assert!(job.validate().unwrap_err().contains("body_clearance_mm"));
@@ -178,7 +178,7 @@ fn a_machine_file_is_found_from_the_job_and_written_for_its_folder() {
     let machine = folder.path().join("my.toml");
     std::fs::write(&machine, "axes = \"XYZC\"\ntravel_z_mm = [-7.0, 8.0]\nspeed_mm_min = 30.0\n").unwrap();
     let text = "[blisk]\nmesh = \"a.stl\"\n[machine]\nfile = \"my.toml\"\nspeed_mm_min = 20.0";
-    let job = PlanJob::parse(text, folder.path()).map_err(|p| p.message).unwrap();
+    let job = PlanJob::parse(text, &folder.path().join("job.toml")).unwrap();
     let m = &job.machine;
     assert_eq!((m.axes, m.travel_z_mm, m.speed_mm_min), (AxisSet::XYZC, [-7.0, 8.0], 20.0));
     assert_eq!(Path::new(&m.name), machine);
@@ -189,11 +189,11 @@ fn a_machine_file_is_found_from_the_job_and_written_for_its_folder() {
         [("speed_deg_min = -1", "speed_deg_min"), ("travel_x_mm = 3", "travel_x_mm"), ("[a", "line 1")]
     {
         std::fs::write(&machine, mistake).unwrap();
-        let Err(problem) = PlanJob::parse(text, folder.path()) else { panic!("{mistake}") };
-        assert!(problem.message.contains("my.toml: ") && problem.message.contains(words), "{}", problem.message);
+        let said = PlanJob::parse(text, &folder.path().join("job.toml")).unwrap_err().to_string();
+        assert!(said.contains("my.toml: ") && said.contains(words), "{said}");
     }
     // It says everything itself, and so can be read without the machine's file.
     std::fs::remove_file(&machine).unwrap();
-    let again = PlanJob::parse(&written, folder.path()).map_err(|p| p.message).unwrap();
+    let again = PlanJob::parse(&written, &folder.path().join("job.toml")).unwrap();
     assert_eq!(again.machine, job.machine);
 }

@@ -29,6 +29,7 @@ use serde::Deserialize;
 pub use builtin::BUILT_IN;
 use feed::machine::MachineParams;
 use feed::machine_model::{Body, Carrier, MachineModel};
+use files::{FileError, Invalid, TomlFile, read_text};
 use geometry::mesh::Mesh;
 use import::{ImportError, ImportOptions, Units, import_file};
 use task::{Cancel, Cancelled, Progress};
@@ -43,30 +44,20 @@ const LARGEST: f64 = 1e4;
 /// The largest file that is read (bytes).
 const LARGEST_FILE: u64 = 4 << 20;
 
+/// Files of machines that are no URDF.
+const MACHINE: TomlFile<toml::Table> = TomlFile::new("machine");
+
 /// Why a machine cannot be had.
 #[derive(Debug, thiserror::Error)]
 pub enum MachineFileError {
-    /// It cannot be read.
-    #[error("{file}: cannot be read ({source}); check the path")]
-    Unreadable {
-        /// The file.
-        file: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
+    /// It cannot be read, or is not what a machine file has to be.
+    #[error(transparent)]
+    File(#[from] FileError),
     /// There is no built-in machine of that name.
     #[error("name = {name:?}: there is no such machine; there are {}, and files that end in .toml or .urdf", BUILT_IN.join(", "))]
     NoSuchMachine {
         /// The name.
         name: String,
-    },
-    /// It is not what a machine file has to be.
-    #[error("{file}: {problem}")]
-    Invalid {
-        /// The file or the name.
-        file: String,
-        /// What is wrong and what to do, in one line.
-        problem: String,
     },
     /// A body is not possible.
     #[error("{file}: body {body}: {problem}")]
@@ -142,13 +133,7 @@ fn text_of(name: &str) -> Result<(String, PathBuf), MachineFileError> {
         return Ok((text.to_owned(), PathBuf::new()));
     }
     let file = PathBuf::from(name);
-    let unreadable = |source| MachineFileError::Unreadable { file: file.clone(), source };
-    let about = std::fs::metadata(&file).map_err(unreadable)?;
-    if !about.is_file() || about.len() > LARGEST_FILE {
-        let problem = "is no file, or larger than a machine file can be; check the path".to_owned();
-        return Err(MachineFileError::Invalid { file: name.to_owned(), problem });
-    }
-    let text = std::fs::read_to_string(&file).map_err(unreadable)?;
+    let text = read_text(&file, "machine", LARGEST_FILE)?;
     Ok((text, file.parent().map(Path::to_owned).unwrap_or_default()))
 }
 
@@ -256,15 +241,11 @@ fn read_urdf(
 }
 
 fn parse(name: &str, text: &str) -> Result<toml::Table, MachineFileError> {
-    toml::from_str(text).map_err(|error: toml::de::Error| {
-        let line = error.span().map(|span| text[..span.start.min(text.len())].matches('\n').count() + 1);
-        let place = line.map_or(String::new(), |line| format!("line {line}: "));
-        invalid(name, &(place + &one_line(error.message())))
-    })
+    Ok(MACHINE.parse(text, Path::new(name))?)
 }
 
 fn invalid(name: &str, problem: &str) -> MachineFileError {
-    MachineFileError::Invalid { file: name.to_owned(), problem: problem.to_owned() }
+    FileError::invalid(Path::new(name), Invalid::of("", problem)).into()
 }
 
 fn one_line(message: &str) -> String {

@@ -1,14 +1,15 @@
 //! Runs of several strategies on the same electrodes, side by side: as P0's figure 7 compares smoothness.
 
+mod page;
+
 use std::fmt::Write;
 
 use serde::Serialize;
 
-use super::comparison_html;
 use crate::workspaces::blisk::report::{InputFile, ObjectiveReport, ReportError, Smoothness};
 use feed::plan::FeedPlan;
+use feed::plan_params::Strategy;
 use feed::pose::Axis;
-use feed::strategy::Strategy;
 use wheel::channel::Channel;
 use wheel::electrode::{Electrode, EntrySide};
 
@@ -103,7 +104,7 @@ impl RunElectrode {
     pub fn of(index: usize, plan: &FeedPlan, electrode: &Electrode, channel: &Channel) -> Self {
         let path = plan.path.as_ref();
         let sum = |part: fn(&ObjectiveReport) -> f64| {
-            let value = |n: &feed::search::Node| ObjectiveReport {
+            let value = |n: &feed::problem::Node| ObjectiveReport {
                 smoothness: n.objective.smoothness,
                 centring: n.objective.centring,
                 total: n.objective.total,
@@ -189,8 +190,11 @@ impl Comparison {
     }
 
     /// The comparison as one self-contained page.
-    pub fn html(&self) -> String {
-        comparison_html::page(self)
+    ///
+    /// # Errors
+    /// [`ReportError::Page`], which a test of the template keeps from happening.
+    pub fn html(&self) -> Result<String, ReportError> {
+        Ok(page::page(self)?)
     }
 }
 

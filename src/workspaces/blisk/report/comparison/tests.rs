@@ -69,7 +69,7 @@ fn a_row_stands_for_each_strategy_electrode_and_axis() {
 
 #[test]
 fn the_page_shows_every_run_escapes_and_closes_what_it_opens() {
-    let html = comparison().html();
+    let html = comparison().html().unwrap();
     for strategy in ["</i>genetic", "</i>free\u{2011}travel", "centreline"] {
         assert!(html.contains(strategy), "{strategy}");
     }
@@ -91,5 +91,5 @@ fn a_run_is_certified_if_all_its_electrodes_are() {
     assert!(!run(vec![electrode(true), electrode(false)]).is_certified() && !run(vec![]).is_certified());
     let none = Comparison { runs: vec![run(vec![electrode(false)])], ..comparison() };
     assert!(comparison().has_certified() && !none.has_certified());
-    assert!(none.html().contains("No strategy has a certified path."));
+    assert!(none.html().unwrap().contains("No strategy has a certified path."));
 }

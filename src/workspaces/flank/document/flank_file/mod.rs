@@ -4,40 +4,51 @@ use std::path::{Path, PathBuf};
 
 use super::milling_machine_file::file_of_machine;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource};
-use files::old_toml_file;
-use files::old_toml_file::{TomlFileError, folder_of};
-use files::paths::{relative, without_detours};
+use files::paths::{folder_of, has_ending, relative, without_detours};
+use files::{FileError, Invalid, TomlFile, Validate};
+use serde::{Deserialize, Serialize};
 
 /// How the name of such a file ends.
 pub const ENDING: &str = ".sparkflank";
-/// The largest that is written or read (bytes): it may hold a mesh.
-const LARGEST_FILE: u64 = 64 << 20;
+/// Such a file, which may hold a mesh.
+const FLANK: TomlFile<AsWritten> = TomlFile::new("flank").at_most(64 << 20);
+
+/// A document whose files are seen from its own folder. Validation reads some of them, and so comes later.
+#[derive(Serialize, Deserialize)]
+#[serde(transparent)]
+struct AsWritten(FlankDocument);
+
+impl Validate for AsWritten {
+    fn validate(&self) -> Result<(), Invalid> {
+        Ok(())
+    }
+}
 
 /// Whether `path` is named as a file of a flank.
 pub fn is_flank_file(path: &Path) -> bool {
-    old_toml_file::has_ending(path, ENDING)
+    has_ending(path, ENDING)
 }
 
 /// Writes `document` as a TOML file, with the files that it names as seen from the file's folder.
 ///
 /// # Errors
-/// [`TomlFileError`], also of a document that could not be read again.
-pub fn write_flank(file: &Path, document: &FlankDocument) -> Result<(), TomlFileError> {
-    document.validate().map_err(|problem| TomlFileError::of(file, problem))?;
+/// [`FileError`], also of a document that could not be read again.
+pub fn write_flank(file: &Path, document: &FlankDocument) -> Result<(), FileError> {
+    document.validate().map_err(|problem| FileError::invalid(file, problem))?;
     let folder = folder_of(file);
-    old_toml_file::write(file, &with_files(document, |f| relative(f, &folder)), LARGEST_FILE)
+    FLANK.write(file, &AsWritten(with_files(document, |f| relative(f, &folder))))
 }
 
 /// The document in a file that [`write_flank`] has written.
 ///
 /// # Errors
-/// [`TomlFileError`].
-pub fn read_flank(file: &Path) -> Result<FlankDocument, TomlFileError> {
-    let document: FlankDocument = old_toml_file::read(file, "flank", LARGEST_FILE)?;
+/// [`FileError`].
+pub fn read_flank(file: &Path) -> Result<FlankDocument, FileError> {
+    let AsWritten(document) = FLANK.read(file)?;
     let folder = folder_of(file);
     let document = with_files(&document, |f| without_detours(&folder.join(f)));
     // Its post is read for this.
-    document.validate().map_err(|problem| TomlFileError::of(file, problem))?;
+    document.validate().map_err(|problem| FileError::invalid(file, problem))?;
     Ok(document)
 }
 

@@ -137,6 +137,12 @@ impl Default for ElectrodeDesk {
 }
 
 impl ElectrodeDesk {
+    /// Looks at electrodes of another mold as at the first ones. What is written and what there is stays.
+    pub fn begin_anew(&mut self) {
+        let Self { formats, sheet, holders, .. } = std::mem::take(self);
+        *self = Self { formats, sheet, holders, ..Self::default() };
+    }
+
     /// Takes in what was made. What was selected stays selected if there still is an electrode of that name.
     pub fn follow(&mut self, now: Option<&Arc<Designed>>) {
         if now.map(Arc::as_ptr) == self.shown.as_ref().map(Arc::as_ptr) {
@@ -144,13 +150,18 @@ impl ElectrodeDesk {
         }
         let name = self.chosen().map(|(electrode, _)| electrode.name.clone());
         let is_first = self.shown.is_none();
+        // A line that is being drawn goes on while its region is there: electrodes do not change what is left.
+        let place = |made: Option<&Arc<Designed>>| made?.places.get(self.split_region?).copied().flatten();
+        let goes_on = place(self.shown.as_ref()).is_some_and(|before| place(now) == Some(before));
         self.shown = now.cloned();
         // Those that were made again by themselves are not forced upon who looks at something else.
         let is_awaited = std::mem::take(&mut self.is_awaited);
         self.is_shown = now.is_some() && (is_first || is_awaited || self.is_shown);
         self.place = None;
         self.parts.clear();
-        self.give_up_split();
+        if !goes_on {
+            self.give_up_split();
+        }
         let electrodes = self.shown.as_ref().map_or(&[][..], |made| &made.set.electrodes);
         let same = name.and_then(|name| electrodes.iter().position(|e| e.name == name));
         let last = electrodes.iter().map(|e| e.stage).max().unwrap_or(0);

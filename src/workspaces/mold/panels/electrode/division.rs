@@ -17,7 +17,6 @@ pub fn show(ui: &mut Ui, core: &mut Core, made: &Designed, (electrode, regions):
     for region in regions {
         region_of(ui, core, made, (electrode, region - 1));
     }
-    merge(ui, core, made, regions);
 }
 
 fn region_of(ui: &mut Ui, core: &mut Core, made: &Designed, (electrode, r): (usize, usize)) {
@@ -42,6 +41,8 @@ fn region_of(ui: &mut Ui, core: &mut Core, made: &Designed, (electrode, r): (usi
     if let Some(division) = &entry.division {
         let (places, mut leaf) = (made.leaves(r), 0);
         node(ui, core, division, (r, 0), &mut leaf, &places);
+        // Parts of a region that was divided otherwise in the meantime are chosen no more.
+        core.mold.electrodes.parts.retain(|part| part.0 != r || part.1 < leaf);
     }
 }
 
@@ -151,13 +152,13 @@ fn node(
     leaf: &mut usize,
     places: &[Option<DVec3>],
 ) {
+    let part = (r, *leaf);
     ui.horizontal(|ui| {
         ui.add_space(12.0 * depth as f32);
         if !division.parts.is_empty() {
             ui.add(egui::Label::new(RichText::new(&division.text).small().color(palette(ui).faint)).wrap());
             return;
         }
-        let part = (r, *leaf);
         let is_there = places.get(*leaf).is_some_and(Option::is_some) && places.len() > 1;
         let parts = &mut core.mold.electrodes.parts;
         let is_on = parts.contains(&part);
@@ -180,19 +181,21 @@ fn node(
         }
         *leaf += 1;
     });
+    // Beside what was chosen last, where the hand is.
+    if division.parts.is_empty()
+        && let [one, last] = core.mold.electrodes.parts[..]
+        && last == part
+    {
+        merge(ui, core, [one, last].map(|(_, part)| places.get(part).copied().flatten()));
+    }
     for part in &division.parts {
         node(ui, core, part, (r, depth + 1), leaf, places);
     }
 }
 
-fn merge(ui: &mut Ui, core: &mut Core, made: &Designed, regions: &[usize]) {
-    let [one, other] = core.mold.electrodes.parts[..] else { return };
-    // Parts of what is not seen here are not merged by mistake.
-    if !regions.contains(&(one.0 + 1)) {
-        return;
-    }
-    let place = |(r, part): (usize, usize)| made.leaves(r).get(part).copied().flatten();
-    let (Some(a), Some(b)) = (place(one), place(other)) else { return };
+/// Offers to make the parts at two places one.
+fn merge(ui: &mut Ui, core: &mut Core, places: [Option<DVec3>; 2]) {
+    let [Some(a), Some(b)] = places else { return };
     if ui.button("Merge the two parts").clicked() {
         let mut params = core.mold.params.clone();
         params.electrodes.edits.push(Edit::Merge { places: [a, b] });

@@ -13,6 +13,7 @@ use crate::shell::files::Purpose;
 use crate::widgets::panel_parts::named;
 use crate::widgets::theme::{palette, tick};
 use crate::workspaces::blisk::panels::stepper::{command_button, fact, notice, sentence};
+use crate::workspaces::mold::report::why_unmet;
 use mold::cutter::CutterLibrary;
 use mold::electrode::params::{ElectrodeParams, Holder, Removal, Shape};
 use nc::burn_template::BurnSheet;
@@ -244,11 +245,10 @@ fn edits(ui: &mut Ui, asked: &mut ElectrodeParams, unmet: &[usize]) {
                 removed = Some(i);
             }
             if unmet.contains(&i) {
-                let text = RichText::new(format!("no effect: {edit}")).color(palette(ui).warning);
-                ui.add(egui::Label::new(text).truncate())
-                    .on_hover_text("The place is in no region, or nothing changes there");
+                let text = format!("{} has no effect: {}", i + 1, why_unmet(edit));
+                ui.add(egui::Label::new(RichText::new(text).color(palette(ui).warning)).wrap());
             } else {
-                ui.add(egui::Label::new(edit.to_string()).truncate());
+                ui.add(egui::Label::new(format!("{} {edit}", i + 1)).truncate());
             }
         });
     }

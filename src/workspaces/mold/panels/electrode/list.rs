@@ -129,9 +129,7 @@ fn table(ui: &mut Ui, core: &mut Core, made: &Designed) {
         });
     });
     if let Some((electrode, twice)) = clicked {
-        if selected == Some(electrode) && !twice {
-            core.mold.electrodes.deselect();
-        } else {
+        if selected != Some(electrode) {
             core.mold.electrodes.select(BurnOf { electrode, burn: 0 });
         }
         if twice {
@@ -191,7 +189,7 @@ fn joined(numbers: &[usize]) -> String {
 /// Regions that have no electrode for all of them, and why.
 fn without(ui: &mut Ui, core: &mut Core, made: &Designed) {
     for region in made.set.without_electrode() {
-        let why = made.set.regions[region].trouble.clone().unwrap_or_default();
+        let why = made.set.regions[region].reason.clone().unwrap_or_default();
         ui.horizontal(|ui| {
             let place = made.places.get(region).copied().flatten();
             let text = format!("Region {} has no electrode: {why}", region + 1);

@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-pub use crate::report::escape;
+use super::escape;
 
 /// A curve.
 #[derive(Debug, Clone, Default)]

@@ -1,4 +1,4 @@
-//! The way of a flat cutter's centre around what it must keep off, in one layer.
+//! Path of a flat cutter's centre around its obstacles, in one layer.
 //!
 //! Where the edge touches an outline the cutter's centre stands off it by the radius, along its outward normal; at a
 //! convex corner it turns about the corner. The holder keeps its own radius off what stands higher than the reach, and
@@ -17,7 +17,7 @@ use super::outline::{Outline, off_segment};
 
 /// Steps in which an arc is drawn (rad).
 pub const ARC_STEP: f64 = 0.03;
-/// How far apart the two ways to the same critical point may end, as a share of the radius: rounding.
+/// Distance of the ends of the two paths to the same critical point, as a share of the radius: rounding.
 pub const SAME_CENTER: f64 = 1e-6;
 
 /// How far within the distance an element lies that is blocked at a glance (mm): more than rounding.
@@ -26,7 +26,7 @@ const WELL_WITHIN: f64 = 1e-6;
 /// Outlines that the cutter's centre keeps off, with the material on their left.
 #[derive(Debug, Clone, Copy)]
 pub struct Obstacle<'a> {
-    /// They, which neither touch nor cross each other.
+    /// The outlines, which neither touch nor cross each other.
     pub outlines: &'a [Outline],
     /// How far the centre keeps off (mm).
     pub distance: f64,
@@ -35,7 +35,7 @@ pub struct Obstacle<'a> {
 /// A stretch of the boundary of what is left, with what is left on its left.
 #[derive(Debug, Clone)]
 pub struct Chain {
-    /// Its points.
+    /// Points.
     pub points: Vec<DVec2>,
     /// The cutter's centres when it touches the first and the last one; none if the stretch is closed.
     pub centers: Option<[DVec2; 2]>,
@@ -124,7 +124,7 @@ impl<'a> Layer<'a> {
         Way { elements, distance: obstacle.distance }
     }
 
-    /// What is free of an element, but for its own sides, from which it keeps the distance.
+    /// Free parts of an element, apart from its own sides, from which it keeps the distance.
     fn free(&self, element: &Element, family: usize, own: &[usize], near: &mut Vec<u32>) -> Vec<Interval> {
         let distance = self.families[family].obstacle.distance;
         let [p, q] = [element.off(0.0, distance), element.off(element.length(), distance)];
@@ -233,8 +233,8 @@ impl Way {
         breaks.iter().map(between).collect()
     }
 
-    /// What a cutter of this radius draws along the way where its centre is outside the material. A stretch that nothing
-    /// blocks is outside or within as a whole.
+    /// Envelope of a cutter of this radius along the path where its centre is outside the material. A stretch that
+    /// nothing blocks is outside or inside as a whole.
     fn envelopes(&self, radius: f64, is_outside: impl Fn(DVec2) -> bool) -> Vec<Chain> {
         let (free, breaks) = self.free();
         let count = free.len();

@@ -1,28 +1,28 @@
-//! What looks at poses before have told: a point that had room to spare need not be looked at again until the electrode
-//! has moved by as much.
+//! Motion-bound clearance cache: a point with clearance to spare need not be tested again until the electrode has moved
+//! by as much.
 //!
-//! A search looks at many poses near to each other, and at each of them most points are far from any wall: it is mostly
-//! the first look that costs.
+//! A search tests many poses near to each other, and at each of them most points are far from any wall, so that most of
+//! the cost is that of the first test.
 
-/// How far the electrode has moved between the poses looked at, and how far it may before each of its points, and of the
-/// balls around many of them, has to be looked at again.
+/// Accumulated motion of the electrode over the poses tested, and the bound on it up to which each point, cluster and
+/// block needs no new test.
 #[derive(Debug, Clone)]
-pub struct Watch {
+pub struct ClearanceCache {
     /// Motion so far, at most (mm).
     moved: f64,
-    pub(super) blocks: Vec<Rest>,
-    pub(super) clusters: Vec<Rest>,
-    pub(super) points: Vec<Rest>,
+    pub(super) blocks: Vec<MotionBound>,
+    pub(super) clusters: Vec<MotionBound>,
+    pub(super) points: Vec<MotionBound>,
 }
 
-impl Watch {
-    /// One for so many blocks, clusters and points, at none of which was looked yet.
+impl ClearanceCache {
+    /// Cache of so many blocks, clusters and points, none of which was tested yet.
     pub(super) fn new([blocks, clusters, points]: [usize; 3]) -> Self {
-        let fresh = |n| vec![Rest::NONE; n];
+        let fresh = |n| vec![MotionBound::NONE; n];
         Self { moved: 0.0, blocks: fresh(blocks), clusters: fresh(clusters), points: fresh(points) }
     }
 
-    /// Notes that the electrode has moved since the last look: none of its points by more than `motion` (mm).
+    /// Adds a motion of the electrode since the last test, in which no point moved by more than `motion` (mm).
     pub(super) fn advance(&mut self, motion: f64) {
         self.moved += motion;
     }
@@ -33,34 +33,35 @@ impl Watch {
     }
 }
 
-/// Up to which motion of the electrode something keeps what it needs, without any room beyond that (mm).
+/// Accumulated motion of the electrode (mm) up to which a point or ball keeps the clearance it needs, without any
+/// margin beyond that.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Rest(f32);
+pub(super) struct MotionBound(f32);
 
-impl Rest {
-    /// Nothing is known of it.
+impl MotionBound {
+    /// Bound of a point that was not tested.
     const NONE: Self = Self(0.0);
-    /// It is never met.
+    /// Bound of a point that never lacks clearance.
     pub(super) const FOR_EVER: Self = Self(f32::INFINITY);
-    /// A ball whose points are watched one by one.
+    /// Bound of a ball whose points have bounds of their own.
     const OPENED: Self = Self(f32::NEG_INFINITY);
-    /// For rounding to single precision (mm).
+    /// Allowance for rounding to single precision (mm).
     const ROUNDING: f64 = 1e-5;
 
-    /// That of something with `spare` beyond what it needs (mm) after a motion of `moved` (mm); none, if that is no
-    /// number or without end, as outside a field.
+    /// Bound of a point with `spare` clearance beyond its demand (mm) after a motion of `moved` (mm);
+    /// [`NONE`](Self::NONE) where `spare` is not finite, as outside a field.
     pub(super) fn of(spare: f64, moved: f64) -> Self {
         if spare.is_finite() { Self((moved + spare - Self::ROUNDING) as f32) } else { Self::NONE }
     }
 
-    /// Whether it surely keeps `room` (mm) after a motion of `moved` (mm).
+    /// Whether the clearance surely exceeds the demand by `room` (mm) after a motion of `moved` (mm).
     #[inline]
     pub(super) fn lasts(self, moved: f64, room: f64) -> bool {
         f64::from(self.0) > moved + room
     }
 
-    /// Whether the points of a ball have to be looked at; if it is not known, `spare` tells how much more than it needs the
-    /// ball has now (mm).
+    /// Whether the points of a ball have to be tested; where the bound does not decide, `spare` returns the clearance
+    /// that the ball has beyond its demand now (mm).
     #[inline]
     pub(super) fn opens(&mut self, moved: f64, room: f64, spare: impl FnOnce() -> f64) -> bool {
         if self.0 == Self::OPENED.0 {
@@ -103,29 +104,29 @@ mod tests {
         let demand = Demand { spark_gap: 0.1, margin: 0.0, guard: 0.01, room: 0.1 };
         let at = Instant { s: 9.0, turns: Turns::NONE };
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);
-        let (mut watch, mut last) = (probes.watch(), DAffine3::from_translation(DVec3::Y * 0.25));
+        let (mut cache, mut last) = (probes.clearance_cache(), DAffine3::from_translation(DVec3::Y * 0.25));
         let (mut found_in_all, mut asked) = (0, [0, 0]);
         for _ in 0..60 {
             let turn = DAffine3::from_rotation_z(random.random_range(-0.002..0.002));
             let slid = DAffine3::from_translation(DVec3::Y * random.random_range(-0.03..0.03));
             let place = slid * turn * last;
             let motion = |p: DVec3| place.transform_point3(p).distance(last.transform_point3(p));
-            watch.advance(probes.samples().iter().map(|s| motion(s.point)).fold(0.0, f64::max));
+            cache.advance(probes.samples().iter().map(|s| motion(s.point)).fold(0.0, f64::max));
             last = place;
             let room = random.random_range(0.0..0.2);
-            let look = |watch: &mut Watch| {
+            let look = |cache: &mut ClearanceCache| {
                 let (mut found, asks) = (Vec::new(), Cell::new(0));
                 let clearance = |p, _, _: f64| {
                     asks.set(asks.get() + 1);
                     place.transform_point3(p).y
                 };
-                probes.lacking(&at, &Demand { room, ..demand }, &clearance, watch, false, |k, lack| {
+                probes.lacking(&at, &Demand { room, ..demand }, &clearance, cache, false, |k, lack| {
                     found.push((k, lack));
                     true
                 });
                 (found, asks.get())
             };
-            let ((watched, few), (fresh, all)) = (look(&mut watch), look(&mut probes.watch()));
+            let ((watched, few), (fresh, all)) = (look(&mut cache), look(&mut probes.clearance_cache()));
             assert_eq!(watched, fresh);
             found_in_all += fresh.len();
             asked = [asked[0] + few, asked[1] + all];
@@ -136,7 +137,7 @@ mod tests {
 
     #[test]
     fn what_has_room_is_left_alone_until_that_may_be_used_up() {
-        let mut rest = Rest::NONE;
+        let mut rest = MotionBound::NONE;
         assert!(!rest.opens(0.0, 0.1, || 0.5));
         assert!(!rest.opens(0.39, 0.1, || panic!("it is known")));
         assert!(rest.lasts(0.39, 0.1) && !rest.lasts(0.41, 0.1) && !rest.lasts(0.39, 0.2));
@@ -146,9 +147,9 @@ mod tests {
 
     #[test]
     fn what_is_outside_a_field_is_asked_again() {
-        let mut rest = Rest::NONE;
+        let mut rest = MotionBound::NONE;
         assert!(!rest.opens(0.0, 0.1, || f64::INFINITY));
         assert!(rest.opens(0.0, 0.1, || 0.0));
-        assert!(Rest::FOR_EVER.lasts(1e9, 1e9));
+        assert!(MotionBound::FOR_EVER.lasts(1e9, 1e9));
     }
 }

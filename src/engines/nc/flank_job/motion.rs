@@ -1,4 +1,4 @@
-//! The moves that lead to a path and from it, and the positions of a machine along all of it.
+//! Lead-in and lead-out of a path, and the positions of a machine along all of it.
 
 use glam::DVec3;
 
@@ -58,9 +58,10 @@ pub(super) fn tool_path<'a>(
     ToolPath::with_leads(at, &places, approach, retract)
 }
 
-/// The furthest that tip and flutes' top leave a path on straight moves (mm): of cutter locations, and of the machine's
-/// positions if there are any. Of a path that cannot be told by such moves nothing is written, and it is 0.
-pub(super) fn stray(
+/// Chordal deviation: greatest distance of tip and flutes' top from the path on straight moves (mm), of cutter
+/// locations, and of the machine's positions if there are any. Where a path cannot be resolved into such moves nothing
+/// is written, and it is 0.
+pub(super) fn chordal_deviation(
     path: &FlankPath,
     milling: &MillingSettings,
     [approach, retract]: [&[ToolPose]; 2],
@@ -68,7 +69,7 @@ pub(super) fn stray(
 ) -> f64 {
     let straight = tool_path(path, approach, retract)
         .and_then(|path| path.straightened(milling.linearisation_mm, cutter.length_mm))
-        .map_or(0.0, |straight| straight.stray_mm);
+        .map_or(0.0, |straight| straight.chordal_deviation_mm);
     let of_machine = milled.and_then(|milled| milled.as_ref().ok()).map_or(0.0, |milled| milled.line.deviation_mm);
     straight.max(of_machine)
 }

@@ -6,11 +6,11 @@ use feed::clearance::{Bodies, ClearanceModel, SamplesOf};
 use feed::interpolation::AxisCurves;
 use feed::objective::Objective;
 use feed::outside::Outside;
-use feed::plan::PlanningSpace;
 use feed::pose::{Axis, Pose};
+use feed::prepared::PlanningSpace;
 use feed::probes::{Demand, Turns};
+use feed::problem::{Node, SearchProblem};
 use feed::samples::{SampleSpacing, sample_electrode};
-use feed::search::{Node, SearchProblem};
 use feed::verify::Verifier;
 use geometry::distance_field::DistanceField;
 use geometry::exact::ExactMesh;
@@ -27,7 +27,7 @@ fn spoiled(nodes: &[Node]) -> Vec<Node> {
     nodes
 }
 
-pub fn a_spoiled_path_is_mended_without_another_search() {
+pub fn a_spoiled_path_is_repaired_without_another_search() {
     let (outcome, job) = (easy_plan(), easy_job());
     let (silent, cancel) = (Progress::silent(), Cancel::default());
     let electrode = &outcome.electrodes[0].electrode;
@@ -82,16 +82,16 @@ pub fn a_spoiled_path_is_mended_without_another_search() {
     };
     let nodes = spoiled(&outcome.electrodes[0].plan.nodes);
     assert!(least(&nodes) < 0.08, "{} mm: nothing to mend", least(&nodes));
-    let mended = problem(job.machine.limits()).mended(&nodes, &cancel).unwrap().expect("a free curve");
-    assert!(least(&mended) > 0.1 - 0.004, "{} mm", least(&mended));
-    assert_eq!(mended[0].pose, Pose::FINAL);
-    assert!(mended.windows(2).all(|w| w[0].s < w[1].s));
-    assert!(nodes.iter().all(|n| mended.iter().any(|m| m.s == n.s)), "nodes are moved or put in, never left out");
-    assert!(mended.len() < 3 * nodes.len());
+    let repaired = problem(job.machine.limits()).repaired(&nodes, &cancel).unwrap().expect("a free curve");
+    assert!(least(&repaired) > 0.1 - 0.004, "{} mm", least(&repaired));
+    assert_eq!(repaired[0].pose, Pose::FINAL);
+    assert!(repaired.windows(2).all(|w| w[0].s < w[1].s));
+    assert!(nodes.iter().all(|n| repaired.iter().any(|m| m.s == n.s)), "nodes are moved or put in, never left out");
+    assert!(repaired.len() < 3 * nodes.len());
 
-    // What the axes cannot reach is not mended.
+    // What the axes cannot reach is not repaired.
     let narrow = job.machine.limits().with(Axis::X, [-1.0, 1.0]);
-    assert_eq!(problem(narrow).mended(&nodes, &cancel), Ok(None));
+    assert_eq!(problem(narrow).repaired(&nodes, &cancel), Ok(None));
     cancel.cancel();
-    assert!(problem(job.machine.limits()).mended(&nodes, &cancel).is_err());
+    assert!(problem(job.machine.limits()).repaired(&nodes, &cancel).is_err());
 }

@@ -1,5 +1,5 @@
-//! The four distances of P1: from the electrode to the suction wall, the pressure wall, the hub and the shroud of its
-//! channel, each by itself.
+//! Wall clearances, the four distances of P1: from the electrode to the suction wall, the pressure wall, the hub and
+//! the shroud of its channel, each by itself.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -14,17 +14,18 @@ use wheel::surface_finder::SurfaceFinder;
 
 /// Least distances of an electrode in one pose (mm).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FourDistances {
-    /// To the low and to the high wall; which of them is the suction wall the channel tells.
+pub struct WallClearances {
+    /// Distances to the low and to the high wall; the channel tells which of them is the suction wall.
     pub walls: [f64; 2],
-    /// To the radius of the hub, which facets of its mesh dip below; none once the electrode is out of the ring.
+    /// Distance to the radius of the hub, which facets of its mesh dip below; none once the electrode is out of the
+    /// ring.
     pub hub: Option<f64>,
-    /// To the radius of the shroud; none too where there is no shroud.
+    /// Distance to the radius of the shroud; none outside the ring and where there is no shroud.
     pub shroud: Option<f64>,
 }
 
 /// An electrode made ready to be measured.
-pub struct DistanceGauge<'a> {
+pub struct ClearanceGauge<'a> {
     finder: &'a SurfaceFinder,
     channel: &'a Channel,
     reference_point: DVec3,
@@ -32,7 +33,7 @@ pub struct DistanceGauge<'a> {
     clusters: Vec<Cluster>,
 }
 
-impl<'a> DistanceGauge<'a> {
+impl<'a> ClearanceGauge<'a> {
     /// Points in a cluster.
     const CLUSTER: usize = 16;
 
@@ -56,12 +57,12 @@ impl<'a> DistanceGauge<'a> {
     ///
     /// # Errors
     /// [`Cancelled`].
-    pub fn at_all(&self, poses: &[Pose], cancel: &Cancel) -> Result<Vec<FourDistances>, Cancelled> {
+    pub fn at_all(&self, poses: &[Pose], cancel: &Cancel) -> Result<Vec<WallClearances>, Cancelled> {
         poses.par_iter().map(|pose| cancel.check().map(|()| self.at(pose))).collect()
     }
 
     /// The distances at `pose`.
-    pub fn at(&self, pose: &Pose) -> FourDistances {
+    pub fn at(&self, pose: &Pose) -> WallClearances {
         let place = pose.placement(self.reference_point);
         let [front, back] = self.channel.faces_x;
         let (mut hub, mut shroud) = (f64::INFINITY, f64::INFINITY);
@@ -75,14 +76,14 @@ impl<'a> DistanceGauge<'a> {
         }
         let known = |distance: f64| Some(distance).filter(|d| d.is_finite());
         let to_wall = |p: DVec3| self.finder.wall_distances(place.transform_point3(p));
-        FourDistances {
+        WallClearances {
             walls: self.nearest_to_walls(to_wall),
             hub: known(hub),
             shroud: known(shroud).filter(|_| self.channel.shrouded),
         }
     }
 
-    /// The least of the distances to both walls over all samples; clusters that are too far away are passed over.
+    /// Least distances to both walls over all samples; clusters that are too far away are skipped.
     fn nearest_to_walls(&self, distances: impl Fn(DVec3) -> [f64; 2]) -> [f64; 2] {
         let mut nearest: Vec<(f64, &Cluster)> = Vec::new();
         let mut least = [f64::INFINITY; 2];
@@ -128,7 +129,7 @@ mod tests {
         };
         let made = make_electrodes(&channel, &exact, &params, EntrySide::PlusX, &silent, &cancel).unwrap();
         let finder = SurfaceFinder::new(channel.clone().into()).unwrap();
-        let gauge = DistanceGauge::new(&made[0], &channel, &finder, &cancel).unwrap();
+        let gauge = ClearanceGauge::new(&made[0], &channel, &finder, &cancel).unwrap();
         let at = gauge.at(&Pose::FINAL);
         assert!((at.walls[0] - 0.15).abs() < 0.02, "{at:?}");
         assert!(at.walls[1] > 0.3, "one degree more");

@@ -1,31 +1,28 @@
-//! Mending a path that is nearly free: the curve through the nodes bends a little at each node that is added after
-//! them, and so may come to dip below the clearance between nodes where it was tested before.
+//! Repair of a path that is nearly free: the curve through the nodes bends a little at each node that is added after
+//! them, and so may lose clearance between nodes where it was tested before.
 
 use rayon::prelude::*;
 
 use super::interpolation::AxisCurves;
-use super::objective::StepMotion;
 use super::pose::Pose;
-use super::probes::Demand;
-use super::search::{Node, SearchProblem};
+use super::problem::{Node, SearchProblem};
 use task::{Cancel, Cancelled};
 
 impl SearchProblem<'_> {
-    /// Times that the curve is drawn anew through more nodes before this is given up.
+    /// Greatest number of times that the curve is drawn anew through more nodes.
     const PASSES: usize = 8;
-    /// Least share of an interval that a node put in has to either side of it.
+    /// Least share of an interval on either side of an inserted node.
     const LEAST_SHARE: f64 = 0.25;
-    /// Length of an interval that is not divided any more, as a share of the step.
+    /// Length of the shortest interval that is divided, as a share of the step.
     const LEAST_INTERVAL: f64 = 1.0 / 64.0;
 
-    /// Moves nodes that lack clearance, and puts nodes in where the curve between them lacks it, both by climbing the
-    /// distance fields from where the curve is, until the curve is free as far as the probes tell. None where that
-    /// cannot be reached: then only another search helps. With the angle constraint there is no field to climb, and so
-    /// nothing is mended.
+    /// Moves nodes that lack clearance, and inserts nodes where the curve between them lacks it, both by climbing the
+    /// distance fields from the curve, until the curve is free as far as the probes tell. None where that cannot be
+    /// reached: another search is needed then. With the angle constraint there is no field to climb and no repair.
     ///
     /// # Errors
     /// [`Cancelled`].
-    pub fn mended(&self, nodes: &[Node], cancel: &Cancel) -> Result<Option<Vec<Node>>, Cancelled> {
+    pub fn repaired(&self, nodes: &[Node], cancel: &Cancel) -> Result<Option<Vec<Node>>, Cancelled> {
         if self.angle.is_some() || nodes.len() < 2 {
             return Ok(None);
         }
@@ -72,7 +69,8 @@ impl SearchProblem<'_> {
         Ok(found?.into_iter().flatten().collect())
     }
 
-    /// The middle of where the curve from `from` to `to` is not free (mm withdrawn), some way from both.
+    /// Middle of the stretch where the curve from `from` to `to` is not free (withdrawn distance, mm), kept away from
+    /// both ends.
     fn dip(&self, from: &Node, to: &Node, h: f64, curves: &AxisCurves) -> Option<f64> {
         let mut hint = 0;
         let blocked: Vec<f64> = self
@@ -86,8 +84,8 @@ impl SearchProblem<'_> {
         Some(from.s + (to.s - from.s) * t)
     }
 
-    /// A free node near `pose`, withdrawn by `s`, with the whole allowance for the errors of the fields or, where there
-    /// is no room for that, a part of it.
+    /// Free node near `pose`, withdrawn by `s`, with the whole allowance for the errors of the fields or, where that
+    /// does not fit, a part of it.
     fn node_near(&self, pose: &Pose, s: f64, h: f64) -> Option<Node> {
         let start = Pose { x: self.direction() * s, ..*pose };
         [self.demand, self.narrow()].iter().find_map(|demand| {
@@ -98,22 +96,5 @@ impl SearchProblem<'_> {
                 Node { s, pose, h, clearance, objective: Default::default() }
             })
         })
-    }
-
-    /// The nodes with their objective as the steps between them are now.
-    pub(super) fn valued(&self, mut nodes: Vec<Node>) -> Vec<Node> {
-        let mut before = StepMotion { increments: [0.0; 6], duration: 1.0 };
-        for k in 1..nodes.len() {
-            let (from, to) = (nodes[k - 1], nodes[k]);
-            let motion = StepMotion::between(&from.pose, &to.pose, (to.s - from.s) / self.step);
-            nodes[k].objective = self.objective.value(&to.pose, to.h, &motion, &before);
-            before = motion;
-        }
-        nodes
-    }
-
-    /// What is demanded between nodes: the allowance that nodes keep is there to be used up.
-    pub(super) fn between(&self) -> Demand {
-        Demand { guard: 0.0, ..self.demand }
     }
 }

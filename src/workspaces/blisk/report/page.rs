@@ -1,0 +1,215 @@
+//! The page of a report: what its template needs beside the report's figures, which is plots.
+
+use serde::Serialize;
+
+use crate::workspaces::blisk::report::{Convergence, ElectrodeReport, Motion, Report};
+use feed::pose::Axis;
+use feed::quantise::MM_DECIMALS;
+use files::report::plot::{Plot, Series};
+use files::report::{PageError, Picture, Template, file_name};
+
+/// The page of `report`.
+pub(super) fn page(report: &Report) -> Result<String, PageError> {
+    const TEMPLATE: Template = Template { name: "report.html.jinja", text: include_str!("report.html.jinja") };
+    #[derive(Serialize)]
+    struct Page<'a> {
+        report: &'a Report,
+        part: &'a str,
+        pictures: &'a [Picture],
+        no_pictures: Option<&'a str>,
+        electrodes: Vec<(&'a ElectrodeReport, Plots)>,
+    }
+    let page = Page {
+        report,
+        part: report.inputs.first().map_or("", |input| file_name(&input.path)),
+        pictures: &report.pictures,
+        no_pictures: report.no_pictures.as_deref(),
+        electrodes: report.electrodes.iter().map(|e| (e, Plots::of(e))).collect(),
+    };
+    files::report::page(&TEMPLATE, &page)
+}
+
+/// Plots of an electrode, as SVG.
+#[derive(Default, Serialize)]
+struct Plots {
+    /// Rows of the path.
+    rows: Option<usize>,
+    /// Clearance over the path.
+    clearance: Option<String>,
+    /// Position and derivatives of each axis that moves.
+    axes: Vec<[String; 3]>,
+    /// The genetic search: the nodes, the first node, some others.
+    search: Vec<String>,
+}
+
+impl Plots {
+    fn of(e: &ElectrodeReport) -> Self {
+        let rows = e.motion.as_ref().map(|m| m.rows.len());
+        let search = convergence(&e.ga_convergence);
+        let Some(motion) = e.motion.as_ref().filter(|m| m.rows.len() > 1) else {
+            return Self { rows, search, ..Self::default() };
+        };
+        let nodes: Vec<f64> = e.nodes.iter().map(|n| n.s_mm).collect();
+        let axes = moving_axes(motion).into_iter().map(|axis| axis_plots(motion, axis, &nodes).map(|p| p.svg()));
+        Self { rows, clearance: Some(clearance_plot(e, motion).svg()), axes: axes.collect(), search }
+    }
+}
+
+/// Nodes whose search is shown generation by generation, beside that of the first.
+const CONVERGENCE_PLOTS: usize = 3;
+
+fn clearance_plot(e: &ElectrodeReport, motion: &Motion) -> Plot {
+    let mut points: Vec<_> = motion.rows.iter().zip(&motion.clearance).map(|(r, &c)| [r.s, c]).collect();
+    points.sort_by(|p, q| p[0].total_cmp(&q[0]));
+    let least = e.least_clearance_at.as_ref().zip(e.least_clearance_mm);
+    let mark = least.map(|(at, mm)| ([at.s_mm, mm], format!("{mm:.4} mm, {}", at.surface)));
+    Plot {
+        title: "Clearance to the finished blisk, mm".to_owned(),
+        x_label: "s, mm retracted".to_owned(),
+        log_y: true,
+        size: [1100.0, 260.0],
+        series: vec![Series { points, class: "c0", dots: false }],
+        levels: vec![(e.required_clearance_mm, "required gap".to_owned())],
+        marks: mark.into_iter().collect(),
+        ..Plot::default()
+    }
+}
+
+/// First and last best objective over the nodes, then a few nodes generation by generation.
+fn convergence(all: &[Convergence]) -> Vec<String> {
+    if all.is_empty() {
+        return Vec::new();
+    }
+    let of = |value: fn(&Vec<f64>) -> Option<&f64>| -> Vec<[f64; 2]> {
+        all.iter().filter_map(|c| value(&c.best).map(|v| [c.node as f64, *v])).collect()
+    };
+    let overview = Plot {
+        title: "Best objective, first and last generation".to_owned(),
+        x_label: "node".to_owned(),
+        size: [720.0, 190.0],
+        series: vec![
+            Series { points: of(|b| b.first()), class: "faint", dots: false },
+            Series { points: of(|b| b.last()), class: "c0", dots: false },
+        ],
+        ..Plot::default()
+    };
+    // A few nodes from the final pose outwards, evenly spread.
+    let last = all.len() - 1;
+    let mut shown: Vec<usize> = (0..=CONVERGENCE_PLOTS).map(|i| i * last / CONVERGENCE_PLOTS).collect();
+    shown.dedup();
+    std::iter::once(overview).chain(shown.into_iter().map(|i| generation_plot(&all[i]))).map(|p| p.svg()).collect()
+}
+
+fn generation_plot(c: &Convergence) -> Plot {
+    let curve = |values: &[f64]| values.iter().enumerate().map(|(i, v)| [i as f64, *v]).collect();
+    Plot {
+        title: format!("Node {}", c.node),
+        x_label: "generation".to_owned(),
+        size: [360.0, 190.0],
+        series: vec![
+            Series { points: curve(&c.mean), class: "mean", dots: false },
+            Series { points: curve(&c.best), class: "c0", dots: false },
+        ],
+        ..Plot::default()
+    }
+}
+
+/// Most intervals that derivatives are taken over.
+const INTERVALS: f64 = 60.0;
+
+/// Values of one axis over `s`, s rising: mm, or degrees for a rotary axis.
+fn axis_curve(motion: &Motion, axis: Axis) -> Vec<[f64; 2]> {
+    let value = |v: f64| if axis.is_rotary() { v.to_degrees() } else { v };
+    let mut points: Vec<_> = motion.rows.iter().map(|r| [r.s, value(r.pose.get(axis))]).collect();
+    points.sort_by(|p, q| p[0].total_cmp(&q[0]));
+    points
+}
+
+/// First and second derivative of a curve, from the parabola through each three neighbours among points that
+/// are far enough apart for the rounding of the values not to show.
+fn derivatives(curve: &[[f64; 2]]) -> [Vec<[f64; 2]>; 2] {
+    let (Some(first), Some(last)) = (curve.first(), curve.last()) else { return [vec![], vec![]] };
+    let apart = (last[0] - first[0]) / INTERVALS;
+    let mut points = vec![*first];
+    for &p in &curve[1..] {
+        // A hair less, so that even rows just that far apart all count.
+        if points.last().is_some_and(|q| apart > 0.0 && p[0] - q[0] >= apart * (1.0 - 1e-6)) {
+            points.push(p);
+        }
+    }
+    let parabola = |w: &[[f64; 2]]| {
+        let ([s0, v0], [s1, v1], [s2, v2]) = (w[0], w[1], w[2]);
+        let (before, after) = ((v1 - v0) / (s1 - s0), (v2 - v1) / (s2 - s1));
+        let slope = (before * (s2 - s1) + after * (s1 - s0)) / (s2 - s0);
+        ([s1, slope], [s1, 2.0 * (after - before) / (s2 - s0)])
+    };
+    let (slope, bend) = points.windows(3).map(parabola).unzip();
+    [slope, bend]
+}
+
+fn value_at(curve: &[[f64; 2]], s: f64) -> f64 {
+    let i = curve.partition_point(|p| p[0] < s).clamp(1, curve.len() - 1);
+    let ([s0, v0], [s1, v1]) = (curve[i - 1], curve[i]);
+    if s1 > s0 { v0 + (v1 - v0) * ((s - s0) / (s1 - s0)).clamp(0.0, 1.0) } else { v1 }
+}
+
+/// The axes that move.
+fn moving_axes(motion: &Motion) -> Vec<Axis> {
+    Axis::ALL.into_iter().filter(|&axis| motion.rows.iter().any(|r| r.pose.get(axis) != 0.0)).collect()
+}
+
+/// Position, first and second derivative of `axis` side by side; `nodes` are the s of the search nodes.
+fn axis_plots(motion: &Motion, axis: Axis, nodes: &[f64]) -> [Plot; 3] {
+    let curve = axis_curve(motion, axis);
+    let [slope, bend] = derivatives(&curve);
+    let (letter, unit) = (axis.letter(), if axis.is_rotary() { "\u{b0}" } else { "mm" });
+    let at_nodes = if curve.len() > 1 { nodes.iter().map(|&s| [s, value_at(&curve, s)]).collect() } else { vec![] };
+    let class = ["c0", "c1", "c2", "c3", "c4", "c5"][axis as usize];
+    let line = |points| Series { points, class, dots: false };
+    let span = curve.first().zip(curve.last()).map_or(0.0, |(p, q)| q[0] - p[0]);
+    let (step, noise) = (span / INTERVALS, 0.5 * 10f64.powi(-(MM_DECIMALS as i32)));
+    // What rounding alone can do to a derivative must look flat.
+    let range = |order: i32| if step > 0.0 { 40.0 * noise * (2.0 / step).powi(order) } else { 0.0 };
+    let plot = |title: String, order: i32, series| Plot {
+        title,
+        least_range: range(order),
+        x_label: "s, mm retracted".to_owned(),
+        size: [360.0, 190.0],
+        series,
+        ..Plot::default()
+    };
+    let dots = Series { points: at_nodes, class: "n", dots: true };
+    [
+        plot(format!("{letter}, {unit}"), 0, vec![line(curve), dots]),
+        plot(format!("d{letter}/ds, {unit}/mm"), 1, vec![line(slope)]),
+        plot(format!("d\u{b2}{letter}/ds\u{b2}, {unit}/mm\u{b2}"), 2, vec![line(bend)]),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use feed::path::PathRow;
+    use feed::pose::Pose;
+
+    #[test]
+    fn derivatives_of_a_cubic_are_its_parabola_and_line() {
+        let s = |i: usize| i as f64 * 0.1;
+        let y = |s: f64| 2.0 + s - 0.5 * s * s + 0.1 * s * s * s;
+        let rows = (0..=400).rev().map(|i| PathRow { node: 0, s: s(i), pose: Pose { y: y(s(i)), ..Pose::FINAL } });
+        let motion = Motion { rows: rows.collect(), clearance: vec![] };
+        let [slope, bend] = derivatives(&axis_curve(&motion, Axis::Y));
+        assert!((50..60).contains(&slope.len()), "{}", slope.len());
+        for ([s, d], [_, dd]) in slope.into_iter().zip(bend) {
+            assert!((d - (1.0 - s + 0.3 * s * s)).abs() < 0.1, "{s} {d}");
+            assert!((dd - (-1.0 + 0.6 * s)).abs() < 1e-6, "{s} {dd}");
+        }
+        assert_eq!(moving_axes(&motion), [Axis::Y]);
+    }
+
+    #[test]
+    fn short_or_standing_paths_have_no_derivative() {
+        assert!(derivatives(&[]).concat().is_empty());
+        assert!(derivatives(&[[0.0, 1.0]; 30]).concat().is_empty());
+    }
+}

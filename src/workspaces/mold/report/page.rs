@@ -1,0 +1,43 @@
+//! The page of a report on electrodes: what its template needs beside the report's figures.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde::Serialize;
+
+use crate::workspaces::mold::report::ElectrodesReport;
+use files::report::{PageError, Picture, Template};
+
+/// The page of `report`, with pictures, each a caption and PNG bytes.
+pub(super) fn page(report: &ElectrodesReport, pictures: &[(String, Vec<u8>)]) -> Result<String, PageError> {
+    const TEMPLATE: Template = Template { name: "report.html.jinja", text: include_str!("report.html.jinja") };
+    #[derive(Serialize)]
+    struct Page<'a> {
+        report: &'a ElectrodesReport,
+        pictures: Vec<Picture>,
+        /// Electrodes to make; a body that several stages share is one piece.
+        pieces: u32,
+        /// Whether volumes and minutes of stages or of tips on one base need an explanation.
+        needs_model: bool,
+    }
+    let electrodes = &report.table.electrodes;
+    let mut bodies = BTreeMap::new();
+    for e in electrodes {
+        let body = bodies.entry(e.family.as_ref().map_or(&e.name, |family| &family.name)).or_insert(0);
+        *body = e.quantity.max(*body);
+    }
+    let stages = electrodes.iter().map(|e| e.stage.as_str()).collect::<BTreeSet<_>>().len();
+    let picture = |(title, png): &(String, Vec<u8>)| Picture {
+        file: String::new(),
+        title: title.clone(),
+        caption: String::new(),
+        legend: Vec::new(),
+        png: png.clone(),
+    };
+    let page = Page {
+        report,
+        pictures: pictures.iter().map(picture).collect(),
+        pieces: bodies.into_values().fold(0, u32::saturating_add),
+        needs_model: stages > 1 || electrodes.iter().flat_map(|e| &e.burns).any(|burn| burn.parts.len() > 1),
+    };
+    files::report::page(&TEMPLATE, &page)
+}
