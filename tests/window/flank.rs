@@ -71,7 +71,7 @@ fn a_flank_is_planned_looked_at_and_exported() {
     let plan = &planned.result.plan;
     // Edges count for more on a coarse grid: on the one of 100 by 50 it is 0.54.
     assert!(plan.ratio(&plan.refined) < 0.62 && plan.ratio(&plan.chosen) < 0.65, "{}", planned.sentence());
-    desk.assert_shows("40 × 20 places of the surface");
+    desk.assert_shows("40 × 20 samples");
     desk.key(Key::Num5);
     desk.pictures("flank");
     let plot = desk.window.get(By::new().role(Role::Image).label("Plot of ranks")).rect();

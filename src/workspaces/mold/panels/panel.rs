@@ -142,13 +142,13 @@ fn library(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPat
 
 fn uncut(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
     let state = desk.state();
-    ui.horizontal_wrapped(|ui| {
+    ui.horizontal(|ui| {
         cx.button(ui, desk, MoldCommand::FindUncut, "Find rest material", state != State::Ready);
         let is_next = state == State::Ready && !desk.is_designed();
         cx.button(ui, desk, MoldCommand::DesignElectrodes, "Create electrodes", is_next);
-        let hint = "Recomputes rest material and electrodes after each change";
-        tick(ui, &mut desk.follows, "update automatically").on_hover_text(hint);
     });
+    let hint = "Recomputes rest material and electrodes after each change";
+    tick(ui, &mut desk.follows, "update automatically").on_hover_text(hint);
     if let Some(doing) = desk.work.doing().cloned() {
         ui.horizontal(|ui| {
             let bar = ui.add(ProgressBar::new(doing.fraction as f32).desired_width(150.0).desired_height(8.0));
