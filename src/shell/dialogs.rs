@@ -261,7 +261,7 @@ fn path(ui: &mut Ui, purpose: &Purpose, text: &mut String, is_preferred: bool) -
         edited.state.store(ui.ctx(), field.id);
     }
     let entered = field.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
-    let chosen = Answer::Path(purpose.clone(), PathBuf::from(text.trim()));
+    let chosen = Answer::Path(*purpose, PathBuf::from(text.trim()));
     let answer = buttons(ui, &[("OK", chosen.clone()), ("Cancel", Answer::Close)]);
     let answer = if entered { Some(chosen) } else { answer };
     answer.filter(|a| !matches!(a, Answer::Path(_, path) if path.as_os_str().is_empty()))

@@ -143,7 +143,7 @@ fn a_cutter_is_changed_in_passing_refused_in_words_and_taken_back() {
     desk.until_planned();
 
     desk.enter("Flutes", "-3");
-    desk.assert_shows("Flutes (cutter length_mm) is -3");
+    desk.assert_shows("Flutes is -3");
     assert!(!desk.flank().can_plan());
     desk.until("nothing is worked on", |desk| !desk.flank().work.is_busy());
     desk.picture("flank_refused_1000_dark");

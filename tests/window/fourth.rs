@@ -227,7 +227,7 @@ fn a_fourth_workspace_has_commands_menu_files_undo_and_recovery_like_the_others(
     drop(desk);
     assert!(holds(&home.folders().autosave, ENDING));
     let mut desk = start(&home, Opening::Demonstration);
-    desk.assert_shows("Notes, not saved yet");
+    desk.assert_shows("Notes, sheet, not saved yet");
     desk.press("Recover");
     assert_eq!((lines(&desk), desk.app().shown()), (2, "notes"));
     desk.key_with(Modifiers::COMMAND, Key::S);

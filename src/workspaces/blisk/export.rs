@@ -135,10 +135,14 @@ pub fn write(
 
 type NamedFile = (String, Vec<u8>);
 
-/// Whether a file is the program of a feed path, whatever post it was made with.
+/// Whether a file is the program of a feed path: whatever post it was made with, or whatever is in it where its name is
+/// that of one.
 fn is_program(file: &Path) -> bool {
-    let name = file.file_name().and_then(|name| name.to_str());
-    name.is_some_and(|name| name.starts_with("path_")) && is_program_for(file, "feed path path_")
+    let rest = file.file_name().and_then(|name| name.to_str()).and_then(|name| name.strip_prefix("path_"));
+    rest.is_some_and(|rest| {
+        let is_named = rest.strip_suffix(".nc").is_some_and(|number| number.parse::<usize>().is_ok());
+        is_named || is_program_for(file, "feed path path_")
+    })
 }
 
 /// Enters in `report` what is written, and answers its own files if they are asked for.

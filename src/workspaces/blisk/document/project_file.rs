@@ -368,7 +368,7 @@ mod tests {
             ("solid cube".to_owned(), "no Sparkpath project"),
             (newer.to_string(), "newer"),
             (foreign.to_string(), "gltf"),
-            (wrong.to_string(), "[plan]"),
+            (wrong.to_string(), "plan: "),
         ] {
             let problem = ProjectFile::parse(&text, Path::new("")).unwrap_err();
             assert!(problem.contains(named) && !problem.contains('\n'), "{problem}");

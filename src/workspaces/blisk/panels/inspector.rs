@@ -123,14 +123,14 @@ fn contact(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     if let Some(lack) = lack {
         fact(ui, "Short by", length.show(lack, 4));
     }
-    point(ui, desk, cx, on_blisk);
+    point(ui, cx, on_blisk);
     if ui.button("Go there").clicked() {
         desk.go_to(s);
     }
 }
 
 /// A point of W in both its coordinates.
-fn point(ui: &mut Ui, desk: &BliskDesk, cx: &mut Context, p: glam::DVec3) {
+fn point(ui: &mut Ui, cx: &Context, p: glam::DVec3) {
     let (length, c) = (cx.preferences.length, Cylindrical::from_point(p));
     for (axis, value) in [Axis::X, Axis::Y, Axis::Z].into_iter().zip(p.to_array()) {
         fact(ui, &format!("{} in W", axis.letter()), length.show(value, 3));
@@ -151,7 +151,7 @@ fn probe(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, view: &mut BliskVi
         Some(Probe::Point { layer, at, normal }) => {
             heading(ui, "Picked");
             fact(ui, "On", layer.map_or("part", crate::workspaces::blisk::scene::Layer::name));
-            point(ui, desk, cx, to_w(at));
+            point(ui, cx, to_w(at));
             let n = desk.pipeline.channel().map_or(normal, |f| f.channel.frame.direction_from_parent(normal));
             fact(ui, "Normal", format!("{:.3}  {:.3}  {:.3}", n.x, n.y, n.z));
         }

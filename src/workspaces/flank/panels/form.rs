@@ -122,13 +122,13 @@ const LABELS: [(&str, &str); 20] = [
     ("retract_mm", "Retract distance"),
 ];
 
-/// What is wrong with a value, in the words of the form: `Extend below (below_mm) is -1: ...`.
+/// What is wrong with a value, in the words of the form: `Extend below is -1: ...`.
 pub fn labelled(why: &str) -> String {
     // Of a value it is said what it is.
     let found = LABELS.iter().find_map(|(key, label)| {
         let at = why.to_ascii_lowercase().find(&format!("{key} is "))?;
         let is_whole = !why[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_');
-        is_whole.then(|| format!("{}{label} ({key}){}", &why[..at], &why[at + key.len()..]))
+        is_whole.then(|| format!("{}{label}{}", &why[..at], &why[at + key.len()..]))
     });
     found.unwrap_or_else(|| why.to_owned())
 }
@@ -408,8 +408,8 @@ mod tests {
     #[test]
     fn what_is_wrong_is_said_in_the_words_of_the_form() {
         for (why, said) in [
-            ("plan: below_mm is -1: it must be", "plan: Extend below (below_mm) is -1: it must be"),
-            ("Cutter length_mm is -3; give", "Flutes (cutter length_mm) is -3; give"),
+            ("plan: below_mm is -1: it must be", "plan: Extend below is -1: it must be"),
+            ("Cutter length_mm is -3; give", "Flutes is -3; give"),
             ("Undercut_tolerance_mm is 9", "Undercut to (undercut_tolerance_mm) is 9"),
             ("gauge_length_mm is 1 and below_mm matters", "gauge_length_mm is 1 and below_mm matters"),
             ("\u{130}below_mm is 2", "\u{130}below_mm is 2"),

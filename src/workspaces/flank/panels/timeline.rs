@@ -53,7 +53,7 @@ fn controls(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context) {
 
 /// Where the cutter stands and how far it is off there.
 fn readout(ui: &mut Ui, desk: &FlankDesk) {
-    let flank = &*desk;
+    let flank = desk;
     let Some(path) = flank.shown_path() else { return };
     let pose = path.pose(flank.t);
     let line = contact_line(path, flank.t);

@@ -67,7 +67,7 @@ struct SceneKey {
 
 impl SceneKey {
     fn of(desk: &FlankDesk, dark: bool) -> Self {
-        let flank = &*desk;
+        let flank = desk;
         let (known, sketch) = flank.surface_from();
         Self {
             planned: Source(flank.planned().cloned()),
@@ -261,7 +261,7 @@ fn legend(ui: &mut Ui, rect: Rect, planned: &Planned) {
 }
 
 fn buttons(desk: &FlankDesk) -> Vec<(&'static str, Command, bool)> {
-    let flank = &*desk;
+    let flank = desk;
     vec![
         ("Fit", FrameCommand::Fit.command(), false),
         ("Face", FlankCommand::FaceFlank.command(), false),

@@ -57,7 +57,7 @@ struct SceneKey {
 
 impl SceneKey {
     fn of(desk: &MoldDesk, dark: bool) -> Self {
-        let mold = &*desk;
+        let mold = desk;
         let electrodes = &mold.electrodes;
         let is_faint = mold.is_faint || (mold.isolated && mold.selected.is_some());
         let look = match electrodes.seen() {
@@ -263,7 +263,7 @@ fn click(desk: &mut MoldDesk, picked: Option<Pick>) {
 }
 
 fn buttons(desk: &MoldDesk) -> Vec<(&'static str, Command, bool)> {
-    let mold = &*desk;
+    let mold = desk;
     if mold.electrodes.seen().is_some() {
         return vec![
             ("Fit", FrameCommand::Fit.command(), false),
