@@ -410,7 +410,7 @@ mod tests {
         for (why, said) in [
             ("plan: below_mm is -1: it must be", "plan: Extend below is -1: it must be"),
             ("Cutter length_mm is -3; give", "Flutes is -3; give"),
-            ("Undercut_tolerance_mm is 9", "Undercut to (undercut_tolerance_mm) is 9"),
+            ("Undercut_tolerance_mm is 9", "Undercut to is 9"),
             ("gauge_length_mm is 1 and below_mm matters", "gauge_length_mm is 1 and below_mm matters"),
             ("\u{130}below_mm is 2", "\u{130}below_mm is 2"),
         ] {
