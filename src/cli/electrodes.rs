@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 
 use super::uncut::MoldArguments;
 use super::{Answer, Session};
-use crate::workspaces::blisk::scene::pictures::PICTURE_SIZE;
+use crate::widgets::camera::PICTURE_SIZE;
 use crate::workspaces::mold::document::cutter_file::CUTTERS;
 use crate::workspaces::mold::document::electrode_file::{load_electrodes, read_electrodes};
 use crate::workspaces::mold::document::holder_files::read_holders;

@@ -42,7 +42,7 @@ pub struct FileDialogs {
 /// What became of a question for a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Opened {
-    /// It is asked.
+    /// A dialog asks for the path.
     Asked,
     /// Another one is still open.
     Busy,

@@ -35,7 +35,7 @@ pub struct Folders {
 }
 
 impl Folders {
-    /// Those of the user, if the system has any.
+    /// Folders of the user, if the system has any.
     pub fn of_user() -> Option<Self> {
         let dirs = directories::ProjectDirs::from("", "", "sparkpath")?;
         Some(Self { config: user_folder()?, autosave: dirs.data_local_dir().join("autosave") })
@@ -190,7 +190,7 @@ impl SparkpathApp {
         &self.cx
     }
 
-    /// The same, to be changed: for tests and pictures.
+    /// Mutable context: for tests and pictures.
     pub fn context_mut(&mut self) -> &mut Context {
         &mut self.cx
     }
@@ -211,7 +211,7 @@ impl SparkpathApp {
         self.workspaces.iter().find_map(|one| (&**one as &dyn Any).downcast_ref())
     }
 
-    /// The same, to be changed.
+    /// Mutable workspace of this type: for tests and benchmarks.
     pub fn workspace_mut<W: Workspace>(&mut self) -> Option<&mut W> {
         self.workspaces.iter_mut().find_map(|one| (&mut **one as &mut dyn Any).downcast_mut())
     }

@@ -9,6 +9,9 @@ use render::view::{StandardView, looking};
 use wheel::channel::Channel;
 use wheel::electrode::EntrySide;
 
+/// Width and height of a picture of a report (pixels).
+pub const PICTURE_SIZE: [u32; 2] = [1400, 900];
+
 /// A view that has a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NamedView {

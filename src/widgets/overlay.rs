@@ -65,7 +65,7 @@ pub fn legend(ui: &Ui, rect: Rect, legend: &Legend) -> Rect {
 
 /// A button over the view.
 pub struct ViewButton {
-    /// Its short name.
+    /// Short name.
     pub name: &'static str,
     /// What it does, with its keys.
     pub hint: String,

@@ -9,9 +9,9 @@ use render::view::StandardView;
 /// What is known of a command.
 #[derive(Debug, PartialEq)]
 pub struct CommandInfo {
-    /// Its name.
+    /// Name of the command.
     pub name: &'static str,
-    /// Its keys.
+    /// Keyboard shortcut.
     pub keys: Option<KeyboardShortcut>,
     /// Why it cannot be done now, where that is not plain to see.
     pub needs: Option<&'static str>,
@@ -76,7 +76,7 @@ pub enum Scope {
 pub struct Command {
     /// Whose it is.
     pub scope: Scope,
-    /// Its number in the table of that.
+    /// Number in the table of its scope.
     pub index: usize,
     /// What is known of it.
     pub info: &'static CommandInfo,
@@ -97,7 +97,7 @@ pub trait CommandSet: Copy + PartialEq + 'static {
     /// All of them, in the order of the palette.
     fn table() -> &'static [(Self, CommandInfo)];
 
-    /// This one without its type.
+    /// Type-erased command.
     fn command(self) -> Command {
         static UNNAMED: CommandInfo = CommandInfo::new("");
         let found = Self::table().iter().enumerate().find(|(_, (command, _))| *command == self);
@@ -211,7 +211,7 @@ impl CommandSet for FrameCommand {
     }
 }
 
-/// Those of `commands` whose keys were pressed; `taken` tells that someone else takes keys without Ctrl.
+/// Commands of `commands` whose keys were pressed; `taken` tells that someone else takes keys without Ctrl.
 pub fn pressed(ctx: &egui::Context, mut commands: Vec<Command>, taken: bool) -> Vec<Command> {
     let typing = taken || ctx.egui_wants_keyboard_input() || egui::Popup::is_any_open(ctx);
     // More modifiers first: Ctrl+Shift+S must not be taken for Ctrl+S.

@@ -91,7 +91,7 @@ pub enum Request {
     CloseDialog,
     /// To go on with what takes the place of the document, after asking about unsaved work.
     Replace,
-    /// The same on the way to what was asked for before: what the user has given up for it is not asked about again.
+    /// To go on with the replacement on the way to what was asked for before: what the user has given up for it is not asked about again.
     GoOn,
     /// To show the workspace.
     Show,

@@ -22,7 +22,7 @@ pub struct ElectrodePart {
     pub name: String,
     /// What it burns: the name of a mold or a blisk.
     pub of: String,
-    /// It, in the axes of its file (mm).
+    /// Mesh of the electrode, in the axes of its file (mm).
     pub mesh: Mesh,
     /// Which way the cutter's axis points on it.
     pub up: DVec3,

@@ -7,13 +7,13 @@ use task::{Ended, Refusal};
 /// What became of work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EventKind {
-    /// It is done.
+    /// Work is done.
     Done,
-    /// It is done, and the answer is no.
+    /// Work is done, and the answer is no.
     Refused,
-    /// It was cancelled.
+    /// Work was cancelled.
     Cancelled,
-    /// It could not be done.
+    /// Work could not be done.
     Failed,
 }
 

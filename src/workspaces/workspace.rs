@@ -13,7 +13,7 @@ use crate::widgets::viewport::Viewport;
 
 /// What is said of every document of a workspace.
 pub struct About {
-    /// Its name in files and on the command line.
+    /// Name in files and on the command line.
     pub id: &'static str,
     /// What the switch calls it.
     pub name: &'static str,
@@ -49,11 +49,11 @@ pub enum Menu {
 /// How a line of the log stands to what there is now.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Standing {
-    /// It holds.
+    /// The line holds.
     Current,
-    /// It is of other parameters than the present ones.
+    /// The line is of other parameters than the present ones.
     Stale,
-    /// It is of a failure that is none any more.
+    /// The line is of a failure that is none any more.
     Over,
 }
 
@@ -65,7 +65,7 @@ pub trait Workspace: Any + Commanded {
     /// What is said of all its documents.
     fn about(&self) -> &'static About;
 
-    /// Its commands.
+    /// Commands of the workspace.
     fn commands(&self) -> Vec<Command>;
 
     /// The commands that it adds to a menu.
@@ -99,7 +99,7 @@ pub trait Workspace: Any + Commanded {
     /// The 3-D view.
     fn viewport(&self) -> &Viewport;
 
-    /// The same, to be moved.
+    /// Mutable viewport, to be moved.
     fn viewport_mut(&mut self) -> &mut Viewport;
 
     /// What to call the document.

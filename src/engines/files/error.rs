@@ -54,7 +54,7 @@ impl Invalid {
         Self::new(key, "", remedy)
     }
 
-    /// The same of a part of a larger whole: `prefix` is put before the key.
+    /// Error of a part of a larger whole: `prefix` is put before the key.
     #[must_use]
     pub fn within(self, prefix: &str) -> Self {
         let key = match self.key.as_str() {

@@ -73,7 +73,7 @@ fn manifest_in(folder: &Path) -> Result<Manifest, FileError> {
 
 /// A folder into which files are written unseen, and moved all together at the end.
 ///
-/// They wait in a hidden folder within it: beside it there may be another file system, or no right to write. Until they are
+/// New files wait in a hidden folder within the export folder: beside it there may be another file system, or no right to write. Until they are
 /// [published](Self::publish) the folder is as it was; dropped before, nothing of them stays, nor do folders that were made
 /// for them.
 #[derive(Debug)]
@@ -99,7 +99,7 @@ pub struct Published {
     pub files: Vec<PathBuf>,
     /// Files of the former export that the present one does not have, and that were removed.
     pub removed: Vec<String>,
-    /// The same where someone changed them since, or no manifest knows them: the former name, and the one that they have
+    /// Files of the former export that someone changed since, or that no manifest knows: the former name, and the one that they have
     /// now.
     pub set_aside: Vec<[String; 2]>,
 }

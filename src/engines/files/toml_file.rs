@@ -42,7 +42,7 @@ impl<T> TomlFile<T> {
         Self { what, largest: 1 << 20, of: PhantomData }
     }
 
-    /// The same of at most `bytes` bytes.
+    /// This kind of file with at most `bytes` bytes.
     #[must_use]
     pub const fn at_most(self, bytes: u64) -> Self {
         Self { largest: bytes, ..self }

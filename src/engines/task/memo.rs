@@ -53,7 +53,7 @@ impl State {
 /// Why work ended without a value.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Refusal {
-    /// It could not be done: one line for the user.
+    /// Work that could not be done: one line for the user.
     Failed(String),
     /// The user cancelled it.
     Cancelled,

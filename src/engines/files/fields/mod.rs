@@ -94,7 +94,7 @@ pub enum Kind {
 /// What a number may be instead of one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Instead {
-    /// It always is a number.
+    /// Always a number.
     Never,
     /// This word, as `"auto"`; the number is what giving one starts with.
     Word(&'static str, f64),
@@ -222,19 +222,19 @@ impl Field {
         Self::of(key, label, Kind::Rows { fields, new })
     }
 
-    /// The same with its name in the papers.
+    /// This field with its symbol in the papers.
     #[must_use]
     pub const fn symbol(self, symbol: &'static str) -> Self {
         Self { symbol, ..self }
     }
 
-    /// The same with what it does.
+    /// This field with a sentence on what it does.
     #[must_use]
     pub const fn help(self, help: &'static str) -> Self {
         Self { help, ..self }
     }
 
-    /// The same, which counts only under a condition.
+    /// This field, which counts only under a condition.
     #[must_use]
     pub const fn when(self, when: When) -> Self {
         Self { when, ..self }

@@ -72,7 +72,7 @@ fn default_of<P: Default>(_: &P) -> P {
 }
 
 impl<P: Serialize + DeserializeOwned> FieldTable<P> {
-    /// The same with defaults that depend on other parameters, such as the part.
+    /// This table with defaults that depend on other parameters, such as the part.
     #[must_use]
     pub const fn with_defaults(self, defaults: fn(&P) -> P) -> Self {
         Self { defaults, ..self }

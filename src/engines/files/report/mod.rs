@@ -42,7 +42,7 @@ pub struct Picture {
     pub title: String,
     /// What is to be seen in it, in a sentence or two.
     pub caption: String,
-    /// Its colours in CSS notation and what they stand for.
+    /// Legend: colours in CSS notation and what each stands for.
     pub legend: Vec<(String, String)>,
     /// The image as PNG bytes, the `url` of templates.
     #[serde(rename = "url", serialize_with = "png_url")]

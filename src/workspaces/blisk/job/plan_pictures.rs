@@ -3,8 +3,9 @@
 use std::time::Instant;
 
 use super::plan::{PlanInputs, PlanOutcome};
+use crate::widgets::camera::PICTURE_SIZE;
 use crate::workspaces::blisk::report::{Report, StageTime};
-use crate::workspaces::blisk::scene::pictures::{PICTURE_SIZE, PlanPicture, PlanToShow, plan_pictures};
+use crate::workspaces::blisk::scene::pictures::{PlanPicture, PlanToShow, plan_pictures};
 use files::report::Picture;
 use render::offscreen::{Offscreen, RenderError};
 use task::{Cancel, Cancelled, Progress};

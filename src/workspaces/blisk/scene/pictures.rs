@@ -9,6 +9,7 @@ use super::leftover::{colour_limit, greatest, leftover_legend, unfolded};
 use super::shapes::{ChannelShapes, channel_shapes};
 use super::sweep::{COARSE, swept_shape};
 use super::track::Track;
+use crate::widgets::camera::PICTURE_SIZE;
 use crate::widgets::camera::{bodies, electrode_in_channel, from_entry, onto_section};
 use crate::workspaces::blisk::document::choice::DrawnPictures;
 use crate::workspaces::blisk::scene::{Layer, Layers, SceneInputs, build, layer_id};
@@ -24,8 +25,6 @@ use task::{Cancel, Cancelled, Progress};
 use wheel::channel::{Channel, Surface};
 use wheel::electrode::{Electrode, EntrySide};
 
-/// Width and height of a picture (pixels).
-pub const PICTURE_SIZE: [u32; 2] = [1400, 900];
 /// How solid the other poses of an electrode are.
 const GHOST_OPACITY: f32 = 0.13;
 /// How solid the room is that an electrode passes through.

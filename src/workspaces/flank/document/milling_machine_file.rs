@@ -17,7 +17,7 @@ const MOST_MACHINES: usize = 256;
 /// Why a file of milling machines cannot be had.
 #[derive(Debug, thiserror::Error)]
 pub enum MillingMachineFileError {
-    /// It cannot be read, or is not what it has to be.
+    /// The file cannot be read, or is no machine file.
     #[error(transparent)]
     File(#[from] FileError),
     /// A file with more than one machine.

@@ -68,7 +68,7 @@ impl MoldParams {
         name.map_or("No mold".to_owned(), |n| n.to_string_lossy().into_owned())
     }
 
-    /// The same without what was decided for one part only: where it opens to, how its regions are divided and burned,
+    /// Parameters without what was decided for one part only: where it opens to, how its regions are divided and burned,
     /// which of its electrodes are exported although a check fails, and what they are called.
     pub fn undecided(&self) -> Self {
         let (edits, overrides, names) = (Vec::new(), Vec::new(), Vec::new());

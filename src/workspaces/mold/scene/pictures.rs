@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::electrodes::{BurnCut, BurnOf, ElectrodeScene, ElectrodeShape};
+use crate::widgets::camera::PICTURE_SIZE;
 use crate::widgets::camera::standard;
 use crate::workspaces::mold::scene::{MoldScene, RegionColours, build_mold};
 use mold::electrode::design::ElectrodeSet;
@@ -49,8 +50,7 @@ pub fn electrode_pictures(
     };
     let mut scene = bare(mold);
     all.add_to(&mut scene);
-    let aspect = f64::from(crate::workspaces::blisk::scene::pictures::PICTURE_SIZE[0])
-        / f64::from(crate::workspaces::blisk::scene::pictures::PICTURE_SIZE[1]);
+    let aspect = f64::from(PICTURE_SIZE[0]) / f64::from(PICTURE_SIZE[1]);
     let camera = standard(StandardView::Isometric, &scene, Camera::default(), aspect);
     let mut pictures = vec![ElectrodePicture { caption: "The electrodes, retracted".to_owned(), scene, camera }];
     for (electrode, made) in set.electrodes.iter().enumerate().take(MOST_CUTS) {

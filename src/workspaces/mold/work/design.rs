@@ -15,11 +15,11 @@ use task::{Cancel, Progress};
 /// Electrodes with all that is shown of them.
 #[derive(Debug)]
 pub struct Designed {
-    /// They.
+    /// The electrodes.
     pub set: ElectrodeSet,
-    /// The same in figures and words, nothing overridden.
+    /// The electrodes in figures and words, nothing overridden.
     pub report: ElectrodesReport,
-    /// They for the screen.
+    /// The electrodes for the screen.
     pub shapes: Vec<ElectrodeShape>,
     /// Where the mold opens to.
     pub opening: Opening,

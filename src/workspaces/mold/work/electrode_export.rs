@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::{Designed, LoadedMold};
-use crate::workspaces::blisk::scene::pictures::PICTURE_SIZE;
+use crate::widgets::camera::PICTURE_SIZE;
 use crate::workspaces::mold::export::{EXPORT, export_electrodes};
 use crate::workspaces::mold::report::ElectrodesReport;
 use crate::workspaces::mold::scene::pictures::electrode_pictures;

@@ -50,7 +50,7 @@ const MACHINE: TomlFile<toml::Table> = TomlFile::new("machine");
 /// Why a machine cannot be had.
 #[derive(Debug, thiserror::Error)]
 pub enum MachineFileError {
-    /// It cannot be read, or is not what a machine file has to be.
+    /// The file cannot be read, or is no machine file.
     #[error(transparent)]
     File(#[from] FileError),
     /// There is no built-in machine of that name.
