@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::project::ProjectArguments;
 use super::{Answer, Session};
 use crate::workspaces::blisk::job::compare as job;
 use crate::workspaces::blisk::report::comparison::{Comparison, Run};
@@ -15,15 +16,15 @@ pub(super) fn strategy(name: &str) -> Result<Strategy, String> {
     Strategy::named(name.trim()).ok_or_else(|| format!("expected one or more of {}, with commas between", names()))
 }
 
-/// Plans the job in the file `job_file` by each of `strategies`, or by all if none is named, and writes the comparison
+/// Plans `project` by each of `strategies`, or by all if none is named, and writes the comparison
 /// into `out`.
 pub(super) fn compare(
-    job_file: &Path,
+    project: &ProjectArguments,
     out: &Path,
     strategies: &[Strategy],
     session: &Session,
 ) -> anyhow::Result<Answer> {
-    let (inputs, files) = super::plan::load(job_file, session)?;
+    let (inputs, files) = super::plan::load(project, session)?;
     ExportFolder::check(out)?;
     let mut wanted: Vec<Strategy> = Vec::new();
     for &strategy in if strategies.is_empty() { &Strategy::ALL } else { strategies } {

@@ -1,4 +1,4 @@
-//! `sparkpath flank --electrode`: an electrode of a mold, of a job or of a folder with exported ones.
+//! `sparkpath flank --electrode`: an electrode of a mold, of a blisk or of a folder with exported ones.
 
 use crate::workspaces::flank::electrode_part::fit_of;
 use std::path::{Path, PathBuf};
@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::Session;
+use super::project::is_project;
+use crate::workspaces::blisk::document::Document;
 use crate::workspaces::blisk::document::choice::MeshFrame;
-use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::job::stages;
 use crate::workspaces::flank::document::kept_mesh::KeptMesh;
 use crate::workspaces::flank::document::{FlankSource, MeshFlank};
@@ -47,11 +48,10 @@ struct Entry {
 
 /// The electrode called `name` of what is at `of`.
 pub(super) fn find(name: &str, of: &Path, session: &Session) -> anyhow::Result<FoundElectrode> {
-    let is_job = of.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
     if is_mold_file(of) {
         kept(of_mold(name, of, session)?)
-    } else if is_job {
-        kept(of_job(name, of, session)?)
+    } else if is_project(of) {
+        kept(of_blisk(name, of, session)?)
     } else if of.join(TABLE).is_file() {
         // Exported STL and OBJ are in mm.
         let source = MeshFlank {
@@ -62,7 +62,7 @@ pub(super) fn find(name: &str, of: &Path, session: &Session) -> anyhow::Result<F
         Ok(FoundElectrode { source: FlankSource::Mesh(source), is_upside_down: true })
     } else {
         anyhow::bail!(
-            "{}: electrodes are in a mold's file (.sparkmold), in a job (.toml), or in a folder that `sparkpath electrodes` \
+            "{}: electrodes are in a mold's file (.sparkmold), in a blisk's project (.sparkpath), or in a folder that `sparkpath electrodes` \
              has written, with {TABLE}; one in a file of its own is given with --mesh",
             of.display()
         )
@@ -99,17 +99,17 @@ fn of_mold(name: &str, file: &Path, session: &Session) -> anyhow::Result<Electro
     Ok(ElectrodePart::of_mold(found.ok_or_else(|| unknown(name, file, names()))?, &asked.name()))
 }
 
-/// One that is made for the channel of a job's blisk, by its number: 1, 2 and so on.
-fn of_job(name: &str, file: &Path, session: &Session) -> anyhow::Result<ElectrodePart> {
-    let job = PlanJob::read(file)?;
-    job.validate().map_err(|e| anyhow::anyhow!("{}: {e}", file.display()))?;
+/// One that is made for the channel of a blisk, by its number: 1, 2 and so on.
+fn of_blisk(name: &str, file: &Path, session: &Session) -> anyhow::Result<ElectrodePart> {
+    let document = Document::open(file)?;
+    let job = document.params();
     if job.blisk.mesh.is_none() {
-        anyhow::bail!("{}: [blisk] mesh is missing", file.display());
+        anyhow::bail!("{}: blisk.mesh is missing", file.display());
     }
     let (progress, cancel) = (&session.progress, &session.cancel);
-    let part = stages::load(&job, progress, cancel).map_err(anyhow::Error::msg)?;
-    let channel = stages::channel(&part, &job, progress, cancel).map_err(anyhow::Error::msg)?;
-    let made = stages::electrodes(&part, &channel, &job, progress, cancel).map_err(anyhow::Error::msg)?;
+    let part = stages::load(job, progress, cancel).map_err(anyhow::Error::msg)?;
+    let channel = stages::channel(&part, job, progress, cancel).map_err(anyhow::Error::msg)?;
+    let made = stages::electrodes(&part, &channel, job, progress, cancel).map_err(anyhow::Error::msg)?;
     let found = name.parse::<usize>().ok().and_then(|n| Some((n, made.electrodes.get(n.checked_sub(1)?)?)));
     let names = || (1..=made.electrodes.len()).map(|n| n.to_string()).collect();
     let (number, electrode) = found.ok_or_else(|| unknown(name, file, names()))?;

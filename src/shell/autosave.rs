@@ -202,7 +202,7 @@ mod tests {
     fn unsaved(seed: u64) -> Vec<Box<dyn Workspace>> {
         let mut list = list();
         let desk = &mut at::<BliskWorkspace>(&mut list).desk;
-        let mut job = desk.document.job().clone();
+        let mut job = desk.document.params().clone();
         job.genetic.seed = seed;
         desk.edit("seed", job, false);
         list
@@ -292,7 +292,7 @@ mod tests {
         let found = Recovery::find(folder.path(), &ENDINGS);
         assert_eq!(found.len(), 1);
         let kept = document_of(&found[0]);
-        assert_eq!(kept.job(), at::<BliskWorkspace>(&mut list).desk.document.job());
+        assert_eq!(kept.params(), at::<BliskWorkspace>(&mut list).desk.document.params());
         assert!(kept.is_unsaved());
         found[0].discard();
         assert_eq!(Recovery::find(folder.path(), &ENDINGS), []);
@@ -319,7 +319,7 @@ mod tests {
         second.update(&unsaved(12)).unwrap();
         drop((first, second));
         let found = Recovery::find(folder.path(), &ENDINGS);
-        let seeds: Vec<u64> = found.iter().map(|r| document_of(r).job().genetic.seed).collect();
+        let seeds: Vec<u64> = found.iter().map(|r| document_of(r).params().genetic.seed).collect();
         assert_eq!(seeds, [11, 12]);
     }
 }

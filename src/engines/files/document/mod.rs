@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::document::history::History;
-use crate::{FileError, Validate};
+use crate::{FileError, Invalid, Validate};
 use project::Project;
 
 /// Parameters that a document can hold. Their TOML form has no key called `kind`, `version`, `files`, `results`, `kept` or
@@ -26,8 +26,22 @@ pub trait Params: Clone + PartialEq + Serialize + DeserializeOwned + Validate + 
     /// What the part is called, as in `b_slots.stl`; empty if there is none.
     fn part(&self) -> String;
 
+    /// What to call a document without a file; the part unless said otherwise.
+    fn name(&self) -> String {
+        self.part()
+    }
+
     /// Replaces the path of every file that is named: project files have them as seen from their own folder.
     fn change_paths(&mut self, change: &mut dyn FnMut(&Path) -> PathBuf);
+
+    /// Takes over what a file that is named says of the keys that are not given, as the travels of a machine. Called once
+    /// paths are those of the system, with keys of a project file or those that have just been changed.
+    ///
+    /// # Errors
+    /// If that file cannot be read.
+    fn complete(&mut self, _is_given: &dyn Fn(&str) -> bool) -> Result<(), Invalid> {
+        Ok(())
+    }
 }
 
 /// A file that the parameters name, and what it held when it was read.
@@ -97,6 +111,14 @@ impl<P: Params> Document<P> {
         Ok(Self::of(Project::parse(text, &folder.join("project"))?, None))
     }
 
+    /// The unsaved work in `copy`, to be saved as `file`.
+    ///
+    /// # Errors
+    /// [`FileError`].
+    pub fn recover(copy: &Path, file: Option<PathBuf>) -> Result<Self, FileError> {
+        Ok(Self::recovered(Project::read(copy)?, file))
+    }
+
     /// A document from a copy of unsaved work, to be saved as `file`.
     pub(crate) fn recovered(project: Project<P>, file: Option<PathBuf>) -> Self {
         Self { saved: None, ..Self::of(project, file) }
@@ -115,7 +137,7 @@ impl<P: Params> Document<P> {
     /// The name to show: that of the project file, or else of the part; empty if there is neither.
     pub fn name(&self) -> String {
         let stem = self.file.as_deref().and_then(Path::file_stem);
-        stem.map_or_else(|| self.params.part(), |stem| stem.to_string_lossy().into_owned())
+        stem.map_or_else(|| self.params.name(), |stem| stem.to_string_lossy().into_owned())
     }
 
     /// Whether there are changes that no file holds.
