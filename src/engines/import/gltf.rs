@@ -33,7 +33,7 @@ pub(super) fn read(source: &Source) -> Result<RawMesh, ImportError> {
         Reader { source, root: &root, buffers: &buffers, raw: RawMesh::default(), skipped: 0, posed: false };
     reader.read_scene()?;
     let mut raw = reader.finish();
-    raw.mesh = weld_exact(raw.mesh, source.progress, source.cancel)?;
+    raw.mesh = weld_exact(raw.mesh, source.task)?;
     raw.warnings.extend(container.warning);
     raw.attachments = buffers.into_attachments();
     Ok(raw)

@@ -96,8 +96,8 @@ impl FlankWorkspace {
 
     /// Reads the files of `document`, which then takes the place of the present flank.
     fn begin(&mut self, document: FlankDocument, file: Option<PathBuf>) {
-        self.opening.begin(move |progress, cancel| {
-            let loaded = Arc::new(FlankWork::read(&document, progress, cancel)?);
+        self.opening.begin(move |task| {
+            let loaded = Arc::new(FlankWork::read(&document, task)?);
             Ok(Incoming { document: document.clone(), file: file.clone(), loaded })
         });
     }
@@ -369,7 +369,7 @@ impl Workspace for FlankWorkspace {
             Some(F::Open) => self.intend(Pending::Ask(FlankPath::Open), cx),
             Some(F::Cancel) if self.opening.is_busy() => self.opening.cancel(),
             Some(F::Reload) => desk.work.reload(),
-            Some(F::Cancel) => desk.work.cancel(),
+            Some(F::Cancel) => desk.work.task.cancel(),
             Some(F::Export) => {
                 desk.changed_files = desk.work.changed_files(&desk.params);
                 cx.request(Request::Dialog);
