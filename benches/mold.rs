@@ -49,9 +49,9 @@ fn molds(criterion: &mut Criterion) {
     of("31k triangles, flat and ball cutters", &mesh, &mixed, None);
     of("495k triangles, three flat cutters", &fine, &flats, None);
     let heights = |mesh: &Mesh, step: f64| {
-        let field = HeightField::raster(mesh, step, &cancel).expect("a field");
-        let left = closing(&field, &library(&flats), &cancel).expect("what is left");
-        regions(&field, &left, 0.02, &cancel).expect("regions")
+        let field = HeightField::raster(mesh, step, &task.cancel).expect("a field");
+        let left = closing(&field, &library(&flats), &task.cancel).expect("what is left");
+        regions(&field, &left, 0.02, &task.cancel).expect("regions")
     };
     group.bench_function("the yardstick: plain closing at 0.05 mm", |b| b.iter(|| heights(&mesh, 0.05)));
     group.bench_function("a glance: closing at 0.2 mm", |b| b.iter(|| heights(&mesh, 0.2)));

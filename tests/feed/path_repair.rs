@@ -92,6 +92,6 @@ pub fn a_spoiled_path_is_repaired_without_another_search() {
     // What the axes cannot reach is not repaired.
     let narrow = job.machine.limits().with(Axis::X, [-1.0, 1.0]);
     assert_eq!(problem(narrow).repaired(&nodes, &task.cancel), Ok(None));
-    &task.cancel.cancel();
+    task.cancel.cancel();
     assert!(problem(job.machine.limits()).repaired(&nodes, &task.cancel).is_err());
 }

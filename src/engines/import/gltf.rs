@@ -81,7 +81,7 @@ impl Reader<'_> {
         let mut pending: Vec<(usize, DMat4)> = self.roots()?.into_iter().rev().map(|n| (n, DMat4::IDENTITY)).collect();
         let mut seen = vec![false; root.nodes.len()];
         while let Some((index, parent)) = pending.pop() {
-            self.source.cancel.check()?;
+            self.source.task.check()?;
             let place = || format!("node {index}");
             let Some(node) = root.nodes.get(index) else {
                 return Err(self.error(place(), "does not exist but is referred to"));
@@ -130,7 +130,7 @@ impl Reader<'_> {
             return Err(self.error(format!("mesh {index}"), "does not exist but a node refers to it"));
         };
         for (k, primitive) in mesh.primitives.iter().enumerate() {
-            self.source.cancel.check()?;
+            self.source.task.check()?;
             self.posed |= primitive.targets.is_some();
             let place = format!("mesh {index}, primitive {k}");
             match primitive.mode {

@@ -26,7 +26,7 @@ pub(super) fn read(source: &Source) -> Result<RawMesh, ImportError> {
         raw.warnings.push(format!("{} of fewer than three corners skipped.", count(lines.skipped, "face")));
     }
     for model in &models {
-        source.cancel.check()?;
+        source.task.check()?;
         append(&mut raw.mesh, model);
     }
     raw.mesh = weld_exact(raw.mesh, source.task)?;

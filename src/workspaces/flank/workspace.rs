@@ -369,7 +369,7 @@ impl Workspace for FlankWorkspace {
             Some(F::Open) => self.intend(Pending::Ask(FlankPath::Open), cx),
             Some(F::Cancel) if self.opening.is_busy() => self.opening.cancel(),
             Some(F::Reload) => desk.work.reload(),
-            Some(F::Cancel) => desk.work.task.cancel(),
+            Some(F::Cancel) => desk.work.cancel(),
             Some(F::Export) => {
                 desk.changed_files = desk.work.changed_files(&desk.params);
                 cx.request(Request::Dialog);

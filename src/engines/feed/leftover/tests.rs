@@ -118,7 +118,7 @@ fn motion(electrode: &Electrode, params: &ElectrodeParams, axes: AxisSet) -> Cop
     let (verify, machine) = (VerifyOptions::default(), MachineParams { axes, ..Default::default() });
     let settings = CopyingSettings { machine: &machine, verify: &verify, spark_gap: GAP, frame: PART.channel.frame };
     let task = Task::default();
-    let verifier = Verifier::new(&PART.mesh, &electrode.mesh, electrode.reference_point, &cancel).unwrap();
+    let verifier = Verifier::new(&PART.mesh, &electrode.mesh, electrode.reference_point, &task.cancel).unwrap();
     let verifier = verifier.within(machine.limits());
     let wanted = CopyingExtent::of(electrode, params, 0.0);
     let surface_of = |p: DVec3| PART.finder.surface_of(p);

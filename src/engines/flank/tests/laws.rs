@@ -174,7 +174,7 @@ fn objectives_do_what_they_say() {
     let of = |objective| {
         let task = Task::default();
         let heights = Heights::of(&start, &cutter);
-        refine(&grid, &start, (&cutter, &heights), (objective, 80, 0.5), task).unwrap().deviation
+        refine(&grid, &start, (&cutter, &heights), (objective, 80, 0.5), &task).unwrap().deviation
     };
     let (sum, rms) = (of(Objective::Sum), of(Objective::Rms));
     assert!(sum.sum < rms.sum && rms.rms < sum.rms, "{} {} {} {}", sum.sum, rms.sum, rms.rms, sum.rms);

@@ -89,7 +89,7 @@ fn what_is_cancelled_or_fails_is_said_and_not_begun_again() {
     settle(&scheduler, &mut work, &document);
     work.plan(&document).unwrap();
     assert!(work.is_busy() && work.doing().is_some_and(|doing| doing.what == "Flank"));
-    work.task.cancel();
+    work.cancel();
     let (count, events) = settle(&scheduler, &mut work, &document);
     assert_eq!((count, work.state(&document), work.is_busy()), (0, State::Cancelled, false));
     let cancelled = WorkEvent { kind: EventKind::Cancelled, text: "Flank: cancelled".to_owned(), took: None };

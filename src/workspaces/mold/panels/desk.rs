@@ -297,7 +297,7 @@ impl MoldDesk {
     /// Stops what runs: none of it begins again by itself.
     pub fn cancel(&mut self) {
         self.electrodes.is_awaited = false;
-        self.work.task.cancel();
+        self.work.cancel();
     }
 
     /// How the electrodes for the present parameters stand.
