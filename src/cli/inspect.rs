@@ -20,7 +20,7 @@ pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow
         anyhow::bail!("{}: blisk.mesh is missing; give a mesh", arguments.project.file.display())
     };
     let imported = session.import(&file, units)?;
-    let inspection = inspect_blisk(&imported.mesh, &options, &session.progress, &session.cancel)?;
+    let inspection = inspect_blisk(&imported.mesh, &options, &session.task)?;
     let measured = match (&arguments.sections, &inspection.channel) {
         (Some(file), Some(channel)) => {
             Some(measured(file, &imported.mesh.in_frame(&channel.frame), channel.sides, session)?)
@@ -51,9 +51,9 @@ pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow
 fn measured(file: &Path, mesh: &Mesh, sides: [BladeSide; 2], session: &Session) -> anyhow::Result<CentrelineSummary> {
     let name = file.display();
     let sections = read_sections_file(file).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
-    let walls = NurbsWall::of_measured(&sections, &session.cancel).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
+    let walls = NurbsWall::of_measured(&sections, &session.task.cancel).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
     let exact = ExactMesh::new(mesh)?;
-    CentrelineSummary::of_walls(&walls, sides, &exact, &session.cancel).map_err(|e| anyhow::anyhow!("{name}: {e}"))
+    CentrelineSummary::of_walls(&walls, sides, &exact, &session.task.cancel).map_err(|e| anyhow::anyhow!("{name}: {e}"))
 }
 
 fn print_import(imported: &Imported) {

@@ -8,7 +8,7 @@ use crate::workspaces::blisk::job::sizing::{SizeRow, SizingRange, size as size_j
 /// Sizes the electrodes of `project` for up to `parts` parts and prints the table.
 pub(super) fn size(project: &ProjectArguments, parts: usize, session: &Session) -> anyhow::Result<Answer> {
     let (inputs, _) = super::plan::load(project, session)?;
-    let prepared = prepare(&inputs, &session.progress, &session.cancel)?;
+    let prepared = prepare(&inputs, &session.task)?;
     let range = SizingRange { from: 1, to: parts };
     let show = |row: &SizeRow| {
         if !session.json {
@@ -20,7 +20,7 @@ pub(super) fn size(project: &ProjectArguments, parts: usize, session: &Session) 
         super::terminal::finish();
         say!("parts  enter  low deg  high deg  thickness mm  volume mm3  certified mm");
     }
-    let rows = size_job(&prepared, &inputs, range, &show, &session.progress, &session.cancel)?;
+    let rows = size_job(&prepared, &inputs, range, &show, &session.task)?;
     super::terminal::finish();
     if session.json {
         say!("{}", serde_json::to_string_pretty(&rows)?);

@@ -33,7 +33,7 @@ use files::Params as _;
 use nc::post::Post;
 use render::scene::SectionPlane;
 use render::view::StandardView;
-use task::{Cancel, Progress, Scheduler};
+use task::{Scheduler, Task};
 
 /// How the name of a project ends.
 const ENDING: &str = ".sparkpath";
@@ -149,8 +149,8 @@ impl BliskWorkspace {
 
     /// Reads the part of `document`, which then takes the place of the present one.
     fn begin(&mut self, document: Document) {
-        self.opening.begin(move |progress, cancel| {
-            let part = stages::load(document.params(), progress, cancel)?;
+        self.opening.begin(move |task| {
+            let part = stages::load(document.params(), task)?;
             Ok((document.clone(), Arc::new(part)))
         });
     }
@@ -344,7 +344,7 @@ impl BliskWorkspace {
         let name = path.to_string_lossy().into_owned();
         let mut job = self.desk.document.params().clone();
         job.machine.name = name;
-        let read = read_machine(&job.machine.name, &Progress::silent(), &Cancel::default()).map_err(|e| e.to_string());
+        let read = read_machine(&job.machine.name, &Task::default()).map_err(|e| e.to_string());
         let taken = read.and_then(|_| job.complete(&|key| key == "machine.name").map_err(|e| e.remedy));
         match taken {
             Ok(()) => self.desk.edit("Machine Bodies", job, false),
@@ -354,8 +354,8 @@ impl BliskWorkspace {
 
     /// Writes the files of the released plan into `folder`, as the export dialog does; says why not if it cannot.
     pub fn export(&mut self, folder: &Path, cx: &mut Context) {
-        let write: ExportWork = Box::new(|folder, released, inputs, files, progress, cancel| {
-            let exported = export::export(folder, released.plan(), inputs, files, progress, cancel);
+        let write: ExportWork = Box::new(|folder, released, inputs, files, task| {
+            let exported = export::export(folder, released.plan(), inputs, files, task);
             exported.map(|(_, written)| written).map_err(|e| e.to_string())
         });
         if let Err(why) = self.desk.pipeline.start_export(folder, write) {

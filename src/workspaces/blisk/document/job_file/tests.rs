@@ -178,7 +178,7 @@ fn a_machine_is_named_and_its_keys_may_be_given_otherwise() {
     assert!(with("name = \"my.step\"").unwrap_err().contains("there is no such machine"));
     assert!(with("name = \"my.toml\"").unwrap_err().contains("cannot be read"));
     let said = with("name = \"xyzc\"\nbody_clearance_mm = 0.0").unwrap_err();
-    assert!(said.contains("line 5: machine.body_clearance_mm is 0"), "{said}");
+    assert!(said.contains("line 6: machine.body_clearance_mm is 0"), "{said}");
 }
 
 #[test]
