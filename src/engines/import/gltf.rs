@@ -10,13 +10,31 @@ use gltf::json::validation::Checked;
 use gltf::json::{Root, accessor};
 
 use super::error::ImportError;
+use super::format::{Content, Likeness, MeshFormat};
 use super::gltf_buffers::{self, Buffers, REMEDY};
 use super::report::count;
 use super::source::{RawMesh, Source};
+use super::units::Unit;
 use super::weld::weld_exact;
 
+const UNIT: Option<(Unit, &str)> = Some((Unit::M, "the glTF standard"));
+/// glTF 2.0 as JSON.
+pub(super) static TEXT: MeshFormat = MeshFormat { likeness: like_text, read, unit: UNIT };
+/// glTF 2.0 in one binary file.
+pub(super) static BINARY: MeshFormat = MeshFormat { likeness: like_binary, read, unit: UNIT };
+
+fn like_text(content: &Content) -> Likeness {
+    let names_asset = || content.bytes.windows(7).any(|word| word == b"\"asset\"");
+    let is_object = content.text.is_some_and(|text| text.starts_with(b"{"));
+    Likeness::Likely.when(is_object && (content.ending == "gltf" || names_asset()))
+}
+
+fn like_binary(content: &Content) -> Likeness {
+    Likeness::Certain.when(content.bytes.starts_with(b"glTF"))
+}
+
 /// Reads a glTF or GLB file.
-pub(super) fn read(source: &Source) -> Result<RawMesh, ImportError> {
+fn read(source: &Source) -> Result<RawMesh, ImportError> {
     let container = gltf_buffers::split(source)?;
     // A two-byte element of an array can become a structure of some hundred bytes; objects are what costs.
     let objects = container.json.iter().filter(|&&b| b == b'{').count() as u64;

@@ -1,4 +1,4 @@
-//! Floor 1: mesh files to meshes in millimetres, and back. Knows no blisk.
+//! Mesh files to meshes in millimetres, and back.
 //!
 //! [`import_file`] reads STL (binary and ASCII), OBJ, glTF and GLB, distinguished by their content. Whatever the bytes,
 //! it returns either a mesh and a report on it, or one clear line that names the file, the place and the remedy; it
@@ -31,9 +31,9 @@ use geometry::mesh::Mesh;
 use task::{Cancel, Cancelled, Progress};
 
 mod clean;
-mod detect;
 mod edges;
 mod error;
+mod format;
 mod glb;
 mod gltf;
 mod gltf_buffers;
@@ -48,8 +48,8 @@ mod stl;
 mod units;
 mod weld;
 
-pub use detect::{Format, detect};
 pub use error::ImportError;
+pub use format::{Format, MESH_ENDINGS, detect};
 pub use glb::glb_bytes;
 pub use holes::Hole;
 pub use limits::ImportLimits;
@@ -180,22 +180,14 @@ fn read_whole(
 fn import(source: &Source, options: &ImportOptions) -> Result<Imported, ImportError> {
     let (progress, cancel) = (source.progress, source.cancel);
     let format = detect(source.name, source.bytes)?;
-    let read = match format {
-        Format::StlBinary => stl::read_binary,
-        Format::StlAscii => stl::read_ascii,
-        Format::Obj => obj::read,
-        Format::Gltf | Format::Glb => gltf::read,
-    };
+    let about = format.about();
     let mut hasher = Sha256::new();
-    let (raw, hashed) = rayon::join(|| read(source), || hash(&mut hasher, source.bytes, cancel));
+    let (raw, hashed) = rayon::join(|| (about.read)(source), || hash(&mut hasher, source.bytes, cancel));
     let RawMesh { mesh, warnings, note, attachments } = raw?;
     hashed?;
     attachments.iter().try_for_each(|content| hash(&mut hasher, content, cancel))?;
     drop(attachments);
-    let declared = match format {
-        Format::Gltf | Format::Glb => Some((Unit::M, "the glTF standard")),
-        _ => units::declared_in(&note).map(|unit| (unit, "the file")),
-    };
+    let declared = about.unit.or_else(|| units::declared_in(&note).map(|unit| (unit, "the file")));
     let (given, size) = (options.units.given(), repair::largest_extent(&mesh));
     let unit = units::choose_with_care(given, declared, options.undeclared, size)
         .map_err(|guess| ImportError::UnitOpen { file: source.name.to_owned(), guess: guess.reason })?;
