@@ -370,7 +370,7 @@ fn changes_of_a_mold_are_not_lost_without_a_word() {
     assert!(!desk.shows(UNSAVED) && desk.mold().document.is_unsaved());
     assert_eq!(desk.mold().document.params().library.cutter, [Cutter::flat(1.5)]);
     drop_on(&mut desk, &other);
-    desk.assert_shows("The mold stepped has unsaved changes");
+    desk.assert_shows("Mold: stepped has unsaved changes");
     desk.press("Cancel");
     assert_eq!(desk.mold().document.params().mesh.as_ref(), Some(&mold));
     // The end of the program is asked about too; saved work goes on to it.
