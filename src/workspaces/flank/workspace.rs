@@ -84,8 +84,8 @@ impl FlankWorkspace {
 
     /// Reads the files of `document`, which then takes the place of the present flank.
     fn begin(&mut self, document: Document<FlankDocument>) {
-        self.opening.begin(move |progress, cancel| {
-            let loaded = Arc::new(FlankWork::read(document.params(), progress, cancel)?);
+        self.opening.begin(move |task| {
+            let loaded = Arc::new(FlankWork::read(document.params(), task)?);
             Ok(Incoming { document: document.clone(), loaded })
         });
     }

@@ -364,9 +364,9 @@ impl Workspace for MoldWorkspace {
         match self.pending.take() {
             Some(Pending::Open(path)) => {
                 let Some(document) = self.mold_at(&path, cx) else { return };
-                self.opening.begin(move |progress, cancel| {
+                self.opening.begin(move |task| {
                     let params = document.params();
-                    let part = params.mesh.as_ref().map(|mesh| read_part(mesh, params.units, progress, cancel));
+                    let part = params.mesh.as_ref().map(|mesh| read_part(mesh, params.units, task));
                     Ok(Incoming { part: part.transpose()?.map(Arc::new), document: document.clone() })
                 });
             }
