@@ -6,17 +6,17 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::Session;
-use super::project::is_project;
-use crate::workspaces::blisk::document::Document;
 use crate::workspaces::blisk::document::choice::MeshFrame;
+use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::job::stages;
+use crate::workspaces::context::is_project;
 use crate::workspaces::flank::document::kept_mesh::KeptMesh;
 use crate::workspaces::flank::document::{FlankSource, MeshFlank};
 use crate::workspaces::message::{ElectrodePart, UP_OF_MOLDS};
-use crate::workspaces::mold::document::mold_file::{is_mold_file, read_mold};
-use crate::workspaces::mold::document::part_of;
+use crate::workspaces::mold::document::{MoldParams, part_of};
 use crate::workspaces::mold::job::electrodes::electrodes;
 use crate::workspaces::mold::job::uncut::{UncutParams, uncut};
+use files::{Document, Params as _, kind_of};
 use flank::fit_ruled::RuledFitParams;
 use import::Units;
 use nc::electrode_files::is_file_of;
@@ -48,10 +48,10 @@ struct Entry {
 
 /// The electrode called `name` of what is at `of`.
 pub(super) fn find(name: &str, of: &Path, session: &Session) -> anyhow::Result<FoundElectrode> {
-    if is_mold_file(of) {
-        kept(of_mold(name, of, session)?)
-    } else if is_project(of) {
+    if is_project(of) && kind_of(of)? == PlanJob::KIND {
         kept(of_blisk(name, of, session)?)
+    } else if is_project(of) {
+        kept(of_mold(name, of, session)?)
     } else if of.join(TABLE).is_file() {
         // Exported STL and OBJ are in mm.
         let source = MeshFlank {
@@ -62,7 +62,7 @@ pub(super) fn find(name: &str, of: &Path, session: &Session) -> anyhow::Result<F
         Ok(FoundElectrode { source: FlankSource::Mesh(source), is_upside_down: true })
     } else {
         anyhow::bail!(
-            "{}: electrodes are in a mold's file (.sparkmold), in a blisk's project (.sparkpath), or in a folder that `sparkpath electrodes` \
+            "{}: electrodes are in the project of a mold or a blisk (.sparkpath), or in a folder that `sparkpath electrodes` \
              has written, with {TABLE}; one in a file of its own is given with --mesh",
             of.display()
         )
@@ -81,7 +81,7 @@ fn kept(electrode: ElectrodePart) -> anyhow::Result<FoundElectrode> {
 
 /// One that is designed for a mold as its file asks.
 fn of_mold(name: &str, file: &Path, session: &Session) -> anyhow::Result<ElectrodePart> {
-    let asked = read_mold(file)?;
+    let asked = Document::<MoldParams>::open(file)?.params().clone();
     let Some(mesh) = &asked.mesh else { anyhow::bail!("{}: it names no mesh; choose one and save it", file.display()) };
     let imported = session.import(mesh, asked.units)?;
     let (asked, mold) = (asked.of_part(&part_of(&imported)), imported.mesh);
@@ -101,7 +101,7 @@ fn of_mold(name: &str, file: &Path, session: &Session) -> anyhow::Result<Electro
 
 /// One that is made for the channel of a blisk, by its number: 1, 2 and so on.
 fn of_blisk(name: &str, file: &Path, session: &Session) -> anyhow::Result<ElectrodePart> {
-    let document = Document::open(file)?;
+    let document = Document::<PlanJob>::open(file)?;
     let job = document.params();
     if job.blisk.mesh.is_none() {
         anyhow::bail!("{}: blisk.mesh is missing", file.display());

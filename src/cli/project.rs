@@ -2,11 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::workspaces::context::is_project;
 use clap::Args;
 use files::{Document, FieldTable, Params, paths};
-
-/// How the names of projects end.
-const ENDING: &str = ".sparkpath";
 
 /// The part of the arguments that says what a command works on.
 #[derive(Debug, Args)]
@@ -31,11 +29,6 @@ fn setting(text: &str) -> Result<(String, String), String> {
     Ok((key.trim().to_owned(), value.to_owned()))
 }
 
-/// Whether `file` is a project by its name.
-pub(super) fn is_project(file: &Path) -> bool {
-    paths::has_ending(file, ENDING)
-}
-
 impl ProjectArguments {
     /// The parameters, set as asked for and checked; `of_mesh` makes those of a mesh.
     pub fn read<P: Params>(&self, table: &FieldTable<P>, of_mesh: impl FnOnce(&Path) -> P) -> anyhow::Result<P> {
@@ -47,7 +40,7 @@ impl ProjectArguments {
             let kind = P::KIND;
             anyhow::ensure!(
                 !is_toml,
-                "{file}: a project ends with {ENDING}; rename it, and write kind = \"{kind}\" in its first line"
+                "{file}: a project ends with .sparkpath; rename it, and write kind = \"{kind}\" in its first line"
             );
             of_mesh(&self.file)
         };

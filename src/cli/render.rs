@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::project::{ProjectArguments, is_project};
+use super::project::ProjectArguments;
 use super::{Answer, RenderArguments, Session};
 use crate::widgets::camera::{NamedView, into_channel, standard};
 use crate::widgets::colours::mesh_colour;
@@ -14,6 +14,7 @@ use crate::workspaces::blisk::job::stages::{FoundChannel, Part};
 use crate::workspaces::blisk::scene::sweep::{FINE, swept_shape};
 use crate::workspaces::blisk::scene::track::Track;
 use crate::workspaces::blisk::scene::{Layer, Layers, SceneInputs, build};
+use crate::workspaces::context::is_project;
 use files::write_bytes;
 use render::camera::Camera;
 use render::colour::Theme;

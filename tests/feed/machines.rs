@@ -5,6 +5,7 @@ use super::{easy_job, plan};
 use feed::machine::MachineParams;
 use feed::plan_params::Strategy;
 use feed::simulation::{Scenario, Simulation, SimulationOptions, simulate};
+use files::AnyDocument as _;
 use geometry::mesh::Mesh;
 use sparkpath::workspaces::blisk::document::job_file::PlanJob;
 use sparkpath::workspaces::blisk::document::kept_plan::KeptPlan;

@@ -3,6 +3,7 @@
 use egui::accesskit::Toggled;
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::{AccessKitNode, By, Queryable as _};
+use files::AnyDocument as _;
 use glam::DVec3;
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::blisk::BliskWorkspace;

@@ -3,6 +3,7 @@
 use egui::{Key, Role};
 use egui_kittest::kittest::{By, Queryable as _};
 use feed::plan_params::Strategy;
+use files::AnyDocument as _;
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::blisk::document::kept_plan::KeptRun;
 use sparkpath::workspaces::blisk::document::stage::Stage;

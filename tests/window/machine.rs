@@ -3,6 +3,7 @@
 use egui::Key;
 use egui_kittest::kittest::Queryable as _;
 use feed::simulation::Phase;
+use files::AnyDocument as _;
 use glam::DVec3;
 use render::scene::Object;
 use sparkpath::shell::run::Opening;

@@ -1,6 +1,5 @@
 //! The workspace of blisks as the window knows it.
 
-use std::any::Any;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -23,32 +22,20 @@ use crate::workspaces::blisk::panels::view::BliskView;
 use crate::workspaces::blisk::panels::{export_dialog, inspector, moved_dialog, stepper, timeline};
 use crate::workspaces::blisk::pipeline::{ExportWork, StageState};
 use crate::workspaces::commands::{Command, CommandInfo, CommandSet, Commanded, FrameCommand, Groups};
-use crate::workspaces::context::{Context, LogLine, MESHES, PathInfo, PathKind, PathSet, Request, first, has_ending};
+use crate::workspaces::context::{Context, LogLine, MESHES, PathInfo, PathKind, PathSet, Request, first, is_project};
+use crate::workspaces::hands::Hands;
 use crate::workspaces::message::Message;
 use crate::workspaces::news::EventKind;
 use crate::workspaces::opening::Opening;
-use crate::workspaces::record::Hands;
 use crate::workspaces::workspace::{About, Menu, Standing, Workspace};
-use files::Params as _;
+use files::{AnyDocument, Params as _, Recovery};
 use nc::post::Post;
 use render::scene::SectionPlane;
 use render::view::StandardView;
 use task::{Scheduler, Task};
 
-/// How the name of a project ends.
-const ENDING: &str = ".sparkpath";
-
-static ABOUT: About = About {
-    id: "blisk",
-    name: "Blisk",
-    switch: CommandInfo::new("Workspace: blisk feed"),
-    menu: "Plan",
-    save: PathInfo { title: "Save project", kind: PathKind::Write("Project", ENDING), opens: false },
-    ending: ENDING,
-    article: "",
-    kind: "",
-    not_saved: "The project was not saved",
-};
+static ABOUT: About =
+    About { id: "blisk", name: "Blisk", switch: CommandInfo::new("Workspace: blisk feed"), menu: "Plan" };
 
 /// What the workspace asks paths for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,8 +58,7 @@ impl PathSet for BliskPath {
     fn table() -> &'static [(Self, PathInfo)] {
         use BliskPath as P;
         const TOML: &[&str] = &["toml"];
-        const OPEN: &[&str] =
-            &["stl", "STL", "obj", "OBJ", "gltf", "glb", "GLTF", "GLB", "sparkpath", "sparkmold", "sparkflank"];
+        const OPEN: &[&str] = &["stl", "STL", "obj", "OBJ", "gltf", "glb", "GLTF", "GLB", "sparkpath"];
         const fn info(title: &'static str, kind: PathKind) -> PathInfo {
             PathInfo { title, kind, opens: false }
         }
@@ -157,7 +143,7 @@ impl BliskWorkspace {
 
     /// The document at `path`, without its part; says why there is none.
     fn document_at(&mut self, path: &Path, cx: &mut Context) -> Option<Document> {
-        if !has_ending(path, ENDING) {
+        if !is_project(path) {
             return Some(Document::new(PlanJob::for_mesh(path)));
         }
         let opened = Document::open(path).map_err(|e| e.to_string());
@@ -387,8 +373,8 @@ impl Commanded for BliskDesk {
         use FrameCommand as F;
         if let Some(command) = F::of(command) {
             return match command {
-                F::Undo => self.document.undo_label().is_some(),
-                F::Redo => self.document.redo_label().is_some(),
+                F::Undo => self.document.undo_label(false).is_some(),
+                F::Redo => self.document.undo_label(true).is_some(),
                 F::Cancel => self.pipeline.is_busy(),
                 F::Export => self.pipeline.released().is_some(),
                 F::Play | F::NextNode | F::PreviousNode | F::FirstNode | F::LastNode => !self.track().is_empty(),
@@ -576,29 +562,16 @@ impl Workspace for BliskWorkspace {
         &mut self.view.viewport
     }
 
-    fn name(&self) -> String {
-        self.desk.document.name()
+    fn document(&self) -> &dyn AnyDocument {
+        &self.desk.document
     }
 
-    fn is_unsaved(&self) -> bool {
-        self.desk.document.is_unsaved()
-    }
-
-    fn file(&self) -> Option<&Path> {
-        self.desk.document.file()
+    fn document_mut(&mut self) -> &mut dyn AnyDocument {
+        &mut self.desk.document
     }
 
     fn near(&self) -> Option<&Path> {
         self.desk.document.file().or(self.desk.document.params().blisk.mesh.as_deref())
-    }
-
-    fn undo_label(&self, again: bool) -> Option<&str> {
-        if again { self.desk.document.redo_label() } else { self.desk.document.undo_label() }
-    }
-
-    fn undo(&mut self, again: bool) {
-        let document = &mut self.desk.document;
-        let _ = if again { document.redo() } else { document.undo() };
     }
 
     fn open(&mut self, path: &Path, cx: &mut Context) {
@@ -625,26 +598,10 @@ impl Workspace for BliskWorkspace {
         }
     }
 
-    fn write(&self, file: &Path) -> Result<(), String> {
-        self.desk.document.clone().save_as(file).map_err(|e| e.to_string())
-    }
-
-    fn save_as(&mut self, file: &Path) -> Result<(), String> {
-        self.desk.document.save_as(file).map_err(|e| e.to_string())
-    }
-
-    fn recover(&mut self, copy: &Path, file: Option<PathBuf>, cx: &mut Context) -> Result<(), String> {
-        let document = Document::recover(copy, file).map_err(|e| e.to_string())?;
+    fn recover(&mut self, copy: &Recovery, cx: &mut Context) -> Result<(), String> {
+        let document = copy.open().map_err(|e| e.to_string())?;
         self.replace(document, None, cx);
         Ok(())
-    }
-
-    fn snapshot(&self) -> Box<dyn Any> {
-        Box::new(self.desk.document.clone())
-    }
-
-    fn is_at(&self, snapshot: Option<&dyn Any>) -> bool {
-        snapshot.and_then(|s| s.downcast_ref::<Document>()) == Some(&self.desk.document)
     }
 
     fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context) {

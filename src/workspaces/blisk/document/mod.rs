@@ -23,7 +23,7 @@ pub fn demonstration() -> Document {
 
 #[cfg(test)]
 mod tests {
-    use files::{Field, Invalid, Kind};
+    use files::{AnyDocument as _, Field, Invalid, Kind};
 
     use super::field_table::FIELDS;
     use super::kept_plan::{KeptPlan, KeptRun, check};

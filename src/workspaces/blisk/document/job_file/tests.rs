@@ -2,6 +2,7 @@ use super::*;
 use crate::workspaces::blisk::document::Document;
 use feed::axis_curve::Joining;
 use feed::machine::AxisSet;
+use files::AnyDocument as _;
 
 /// The parameters in a project that lies in `folder`.
 fn parse_in(folder: &Path, text: &str) -> Result<PlanJob, String> {
