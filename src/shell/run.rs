@@ -58,8 +58,8 @@ pub enum Opening {
 const NOTHING_CHOSEN: &str =
     "No file was chosen. If no dialog appeared: Edit, Preferences, File dialogs, Type paths in this window";
 
-/// How long unsaved work may be without a copy.
-const AUTOSAVE: Duration = Duration::from_secs(2);
+/// How long unsaved work may be without a copy (s).
+const AUTOSAVE: f64 = 2.0;
 
 /// How a path was named.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -87,7 +87,8 @@ pub struct SparkpathApp {
     log_open: bool,
     folders: Option<Folders>,
     autosave: Option<Autosave>,
-    autosaved: Instant,
+    /// When copies were last brought up to date (s).
+    autosaved: f64,
     saved_preferences: Preferences,
     /// What the user wants done once this workspace's document is saved.
     after_save: Option<(usize, Intent)>,
@@ -149,7 +150,7 @@ impl SparkpathApp {
             log_open: false,
             folders,
             autosave,
-            autosaved: Instant::now(),
+            autosaved: 0.0,
             saved_preferences: preferences,
             after_save: None,
             given_up: Vec::new(),
@@ -220,6 +221,11 @@ impl SparkpathApp {
     pub fn act<W: Workspace, R>(&mut self, act: impl FnOnce(&mut W, &mut Context) -> R) -> Option<R> {
         let i = self.workspaces.iter().position(|one| (&**one as &dyn Any).is::<W>())?;
         self.with(i, |workspace, cx| (workspace as &mut dyn Any).downcast_mut().map(|workspace| act(workspace, cx)))
+    }
+
+    /// Whether something is being worked on.
+    pub fn is_busy(&self) -> bool {
+        self.workspaces.iter().any(|one| one.is_busy())
     }
 
     /// Whether a document is being read.
@@ -515,7 +521,7 @@ impl SparkpathApp {
 
     /// Brings the copies of unsaved work up to date. Tells whether there are as many as are needed.
     fn autosave_now(&mut self) -> bool {
-        self.autosaved = Instant::now();
+        self.autosaved = self.cx.now;
         let Some(autosave) = &mut self.autosave else { return false };
         let updated = autosave.update(&self.workspaces);
         if let Err(e) = &updated {
@@ -551,7 +557,7 @@ impl SparkpathApp {
     }
 
     fn run(&mut self, command: Command, ctx: &egui::Context) {
-        let (now, shown) = (ctx.input(|i| i.time), self.shown);
+        let (now, shown) = (self.cx.now, self.shown);
         if command.scope == Scope::Switch {
             self.shown = command.index;
             return self.cx.take_turn(self.shown);
@@ -603,6 +609,7 @@ impl SparkpathApp {
 
     fn follow(&mut self, ctx: &egui::Context) {
         let hands = Hands::of(ctx);
+        self.cx.now = ctx.input(|i| i.time);
         let seconds = f64::from(ctx.input(|i| i.stable_dt).clamp(0.0, 0.1));
         let shown = self.shown;
         for i in 0..self.workspaces.len() {
@@ -673,16 +680,16 @@ impl SparkpathApp {
     /// Keeps the copies of unsaved work up, and has frames drawn for that and while something is worked on.
     fn keep_up(&mut self, ctx: &egui::Context) {
         // What was given up on purpose is not kept again while the window closes.
-        if !self.quitting && self.autosaved.elapsed() > AUTOSAVE {
+        if !self.quitting && self.cx.now - self.autosaved > AUTOSAVE {
             self.autosave_now();
         }
         if let Some(autosave) = &mut self.autosave {
             autosave.discard_saved(&self.workspaces);
         }
         if self.workspaces.iter().any(|one| one.is_unsaved()) {
-            ctx.request_repaint_after(AUTOSAVE);
+            ctx.request_repaint_after(Duration::from_secs_f64(AUTOSAVE));
         }
-        if self.workspaces.iter().any(|one| one.is_busy()) {
+        if self.is_busy() {
             // Time left and elapsed go on even while nothing is reported.
             ctx.request_repaint_after(Duration::from_millis(250));
         }

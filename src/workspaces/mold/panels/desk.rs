@@ -2,10 +2,11 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::electrode::ElectrodeDesk;
 use super::list::Column;
+use crate::workspaces::context::rest_left;
 use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::document::electrode_file::load_electrodes;
 use crate::workspaces::mold::document::holder_files::load_holders;
@@ -23,9 +24,9 @@ use mold::uncut_region::UncutRegion;
 use task::{Priority, Scheduler, State};
 
 /// How long nothing may change before what was seen at a glance is found exactly.
-const REST: Duration = Duration::from_millis(300);
+const REST: f64 = 0.3;
 /// The same before electrodes are made again: whoever changes one thing of them often changes another.
-const REST_OF_DESIGN: Duration = Duration::from_millis(1200);
+const REST_OF_DESIGN: f64 = 1.2;
 
 /// See the module's page.
 pub struct MoldDesk {
@@ -75,10 +76,12 @@ pub struct MoldDesk {
     pub record: Record<MoldParams>,
     /// What is asked of electrodes where a mold begins: the user's own standard.
     standard: ElectrodeParams,
+    /// The time of the last frame (s).
+    now: f64,
     /// When something was last changed of which the answer is not known.
-    edited: Option<Instant>,
+    edited: Option<f64>,
     /// When something was last changed that electrodes depend on, until they are made again.
-    changed: Option<Instant>,
+    changed: Option<f64>,
     /// Electrodes for what is left.
     pub electrodes: ElectrodeDesk,
     /// The answer that the present selection belongs to.
@@ -122,6 +125,7 @@ impl MoldDesk {
             only_vanishing: false,
             follows: true,
             fly_to: None,
+            now: 0.0,
             edited: None,
             changed: None,
             electrodes,
@@ -252,7 +256,7 @@ impl MoldDesk {
         // What is left does not depend on electrodes.
         let is_asked_anew = MoldParams { electrodes: self.params.electrodes.clone(), ..params.clone() } != self.params;
         self.params = params;
-        self.changed = Some(Instant::now());
+        self.changed = Some(self.now);
         if is_asked_anew {
             self.edited = self.changed;
         }
@@ -312,7 +316,8 @@ impl MoldDesk {
 
     /// Takes in what has been made, once a frame. Answers what has happened, and after how long there is something to be
     /// done again.
-    pub fn follow(&mut self, hands: Hands, is_seen: bool) -> (Vec<WorkEvent>, Option<Duration>) {
+    pub fn follow(&mut self, hands: Hands, is_seen: bool, now: f64) -> (Vec<WorkEvent>, Option<Duration>) {
+        self.now = now;
         self.record.follow(hands);
         let priority = if is_seen { Priority::Shown } else { Priority::Normal };
         let mut events = self.work.follow(&self.params, priority);
@@ -363,7 +368,7 @@ impl MoldDesk {
         if !can_follow || hands == Hands::Holding {
             return Ok(None);
         }
-        let wait = REST.saturating_sub(edited.elapsed());
+        let wait = rest_left(edited, REST, self.now);
         if wait.is_zero() { self.find().map(|()| None) } else { Ok(Some(wait)) }
     }
 
@@ -386,7 +391,7 @@ impl MoldDesk {
         if !(self.follows && is_again && is_free && self.params.validate().is_ok()) {
             return Ok(None);
         }
-        let wait = REST_OF_DESIGN.saturating_sub(changed.elapsed());
+        let wait = rest_left(changed, REST_OF_DESIGN, self.now);
         if !wait.is_zero() {
             return Ok(Some(wait));
         }
