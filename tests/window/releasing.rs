@@ -6,7 +6,7 @@ use std::sync::mpsc::{Sender, channel};
 use egui::Key;
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use sparkpath::workspaces::blisk::pipeline::{ExportWork, StageState};
-use task::Cancel;
+use task::Task;
 use wheel::parametric::ParametricBlisk;
 
 use crate::common::easy_blisk;
@@ -64,12 +64,12 @@ fn an_export_stops_when_its_release_is_taken_back() {
     // Goes on only after the release was taken back.
     let until_told = || -> (Sender<()>, ExportWork) {
         let (tell, told) = channel();
-        let work = move |cancel: &Cancel| {
+        let work = move |task: &Task| {
             told.recv().map_err(|e| e.to_string())?;
-            cancel.check().map_err(|e| e.to_string())?;
+            task.check().map_err(|e| e.to_string())?;
             Ok(vec!["written without a release".to_owned()])
         };
-        (tell, Box::new(move |_, _, _, _, _, cancel| work(cancel)))
+        (tell, Box::new(move |_, _, _, _, task| work(task)))
     };
     let (tell, work) = until_told();
     let pipeline = &mut desk.blisk_mut().pipeline;
