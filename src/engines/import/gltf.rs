@@ -51,7 +51,7 @@ fn read(source: &Source) -> Result<RawMesh, ImportError> {
         Reader { source, root: &root, buffers: &buffers, raw: RawMesh::default(), skipped: 0, posed: false };
     reader.read_scene()?;
     let mut raw = reader.finish();
-    raw.mesh = weld_exact(raw.mesh, source.progress, source.cancel)?;
+    raw.mesh = weld_exact(raw.mesh, source.task)?;
     raw.warnings.extend(container.warning);
     raw.attachments = buffers.into_attachments();
     Ok(raw)
@@ -99,7 +99,7 @@ impl Reader<'_> {
         let mut pending: Vec<(usize, DMat4)> = self.roots()?.into_iter().rev().map(|n| (n, DMat4::IDENTITY)).collect();
         let mut seen = vec![false; root.nodes.len()];
         while let Some((index, parent)) = pending.pop() {
-            self.source.cancel.check()?;
+            self.source.task.check()?;
             let place = || format!("node {index}");
             let Some(node) = root.nodes.get(index) else {
                 return Err(self.error(place(), "does not exist but is referred to"));
@@ -148,7 +148,7 @@ impl Reader<'_> {
             return Err(self.error(format!("mesh {index}"), "does not exist but a node refers to it"));
         };
         for (k, primitive) in mesh.primitives.iter().enumerate() {
-            self.source.cancel.check()?;
+            self.source.task.check()?;
             self.posed |= primitive.targets.is_some();
             let place = format!("mesh {index}, primitive {k}");
             match primitive.mode {

@@ -49,10 +49,10 @@ fn read(source: &Source) -> Result<RawMesh, ImportError> {
         raw.warnings.push(format!("{} of fewer than three corners skipped.", count(lines.skipped, "face")));
     }
     for model in &models {
-        source.cancel.check()?;
+        source.task.check()?;
         append(&mut raw.mesh, model);
     }
-    raw.mesh = weld_exact(raw.mesh, source.progress, source.cancel)?;
+    raw.mesh = weld_exact(raw.mesh, source.task)?;
     Ok(raw)
 }
 
@@ -321,14 +321,14 @@ mod tests {
     use super::*;
     use crate::{ImportOptions, Unit, import_bytes};
     use geometry::mesh::Mesh;
-    use task::{Cancel, Progress};
+    use task::Task;
 
     #[test]
     fn what_is_written_is_read_as_it_was() {
         let mesh = Mesh::cuboid(DVec3::new(0.1, 1.0 / 3.0, 40.0)).mapped(|p| p - DVec3::new(7.7, 0.0, 1e-7));
         let bytes = obj_bytes("E 01\nf 1 1 1", &mesh).unwrap();
         let options = ImportOptions::default();
-        let read = import_bytes("e.obj", &bytes, &options, &Progress::silent(), &Cancel::default()).unwrap();
+        let read = import_bytes("e.obj", &bytes, &options, &Task::default()).unwrap();
         assert!(read.report.watertight && read.report.unit == Unit::Mm);
         let sorted = |mesh: &Mesh| {
             let mut corners: Vec<_> = mesh.iter_corners().map(|c| c.map(|p| p.to_array())).collect();
