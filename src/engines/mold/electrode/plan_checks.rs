@@ -15,14 +15,14 @@ use super::division::CELL;
 use super::earlier::is_nothing;
 use super::leftover::{Burns, Looked, left_by};
 use super::params::{ElectrodeParams, Stage};
-use super::samples::{Edge, concave_edges, samples};
+use super::samples::{concave_edges, samples};
 use super::setting::{ElectrodeError, RegionToBurn, kept_clear, to_burn_frame};
 use super::tip::joined;
 use crate::cutter::CutterLibrary;
 use crate::height_field::HeightFieldError;
 use crate::outline::Outline;
 use crate::plane;
-use geometry::mesh::Mesh;
+use geometry::mesh::{Edge, Mesh};
 use geometry::solid::{difference, prism};
 use task::Cancel;
 
