@@ -285,28 +285,6 @@ fn nobodys(left: &Left, tolerance: f64) -> Option<String> {
     })
 }
 
-/// Checks of electrodes from elsewhere, placed in the upright mold, as those of a plan are checked.
-///
-/// # Errors
-/// [`ElectrodeError`].
-pub fn check_own(
-    mold: &Mesh,
-    electrode: &Mesh,
-    stage: &Stage,
-    (cutters, params): (&CutterLibrary, &ElectrodeParams),
-    cancel: &Cancel,
-) -> Result<Vec<Finding>, ElectrodeError> {
-    let closed = watertight(electrode);
-    let is_closed = closed.holds;
-    let mut findings = vec![closed];
-    let mold = Obstacle::new(mold)?.stopped_by(cancel);
-    findings.extend(mold.clearance(electrode, stage, params.lift_mm)?.findings(stage));
-    if is_closed {
-        findings.push(machinable(electrode, cutters, params.tolerance_mm, cancel)?);
-    }
-    Ok(findings)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

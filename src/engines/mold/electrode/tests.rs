@@ -1,12 +1,13 @@
 //! Electrodes of molds whose answer is known, and electrodes broken on purpose.
 
-use files::Validate;
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use files::Validate;
 use glam::{DVec2, DVec3};
 
 use super::base::{on_plate, placed};
 use super::check::{CheckKind, Finding, Milled, machinable, watertight};
+use super::clearance::Obstacle;
 use super::combine::{Form, near};
 use super::design::{Electrode, ElectrodeSet};
 use super::footprint::{grown, hull, shrunk};
@@ -14,8 +15,7 @@ use super::h_edge::{h_edges, place};
 use super::leftover::{Burns, Looked, left_by, leftover};
 use super::params::{Edit, ElectrodeParams, GivenName, Method, Orbit, Removal, Shape, Stage};
 use super::plan::plan;
-use super::plan_checks::check_own;
-use super::setting::RegionToBurn;
+use super::setting::{ElectrodeError, RegionToBurn};
 use crate::cutter::{Cutter, CutterLibrary};
 use crate::fixtures::rectangle;
 use crate::outline::Outline;
@@ -544,4 +544,23 @@ fn a_slot_in_a_side_is_burned_from_that_side() {
     assert!((burn.depth - (5.0 - GAP)).abs() < 1e-6, "{}", burn.depth);
     // Its base stands off the side by the extension, before the middle of the slot.
     assert!(burn.position.distance(DVec3::new(20.0, 0.0, -5.0)) < 1e-6, "{}", burn.position);
+}
+
+/// Checks of electrodes from elsewhere, placed in the upright mold, as those of a plan are checked.
+fn check_own(
+    mold: &Mesh,
+    electrode: &Mesh,
+    stage: &Stage,
+    (cutters, params): (&CutterLibrary, &ElectrodeParams),
+    cancel: &Cancel,
+) -> Result<Vec<Finding>, ElectrodeError> {
+    let closed = watertight(electrode);
+    let is_closed = closed.holds;
+    let mut findings = vec![closed];
+    let mold = Obstacle::new(mold)?.stopped_by(cancel);
+    findings.extend(mold.clearance(electrode, stage, params.lift_mm)?.findings(stage));
+    if is_closed {
+        findings.push(machinable(electrode, cutters, params.tolerance_mm, cancel)?);
+    }
+    Ok(findings)
 }

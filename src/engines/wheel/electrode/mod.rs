@@ -26,7 +26,7 @@ mod tests;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-pub use make::{Junctions, make_electrodes, turned_wall};
+pub use make::{Junctions, make_electrodes};
 pub use own::from_user_mesh;
 pub use params::{ElectrodeParams, EnterSide, Sizing};
 
