@@ -1,5 +1,6 @@
 //! `sparkpath electrodes`: electrodes for what milling cutters leave of a mold.
 
+use files::Validate;
 use std::path::PathBuf;
 use std::sync::Arc;
 

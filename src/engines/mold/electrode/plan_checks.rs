@@ -15,14 +15,14 @@ use super::division::CELL;
 use super::earlier::is_nothing;
 use super::leftover::{Burns, Looked, left_by};
 use super::params::{ElectrodeParams, Stage};
-use super::samples::{Edge, concave_edges, samples};
+use super::samples::{concave_edges, samples};
 use super::setting::{ElectrodeError, RegionToBurn, kept_clear, to_burn_frame};
 use super::tip::joined;
 use crate::cutter::CutterLibrary;
 use crate::height_field::HeightFieldError;
 use crate::outline::Outline;
 use crate::plane;
-use geometry::mesh::Mesh;
+use geometry::mesh::{Edge, Mesh};
 use geometry::solid::{difference, prism};
 use task::Cancel;
 
@@ -283,28 +283,6 @@ fn nobodys(left: &Left, tolerance: f64) -> Option<String> {
             p.x, p.y, p.z
         )
     })
-}
-
-/// Checks of electrodes from elsewhere, placed in the upright mold, as those of a plan are checked.
-///
-/// # Errors
-/// [`ElectrodeError`].
-pub fn check_own(
-    mold: &Mesh,
-    electrode: &Mesh,
-    stage: &Stage,
-    (cutters, params): (&CutterLibrary, &ElectrodeParams),
-    cancel: &Cancel,
-) -> Result<Vec<Finding>, ElectrodeError> {
-    let closed = watertight(electrode);
-    let is_closed = closed.holds;
-    let mut findings = vec![closed];
-    let mold = Obstacle::new(mold)?.stopped_by(cancel);
-    findings.extend(mold.clearance(electrode, stage, params.lift_mm)?.findings(stage));
-    if is_closed {
-        findings.push(machinable(electrode, cutters, params.tolerance_mm, cancel)?);
-    }
-    Ok(findings)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The table of cutters.
 
 use egui::{ComboBox, DragValue, Response, RichText, TextEdit, Ui, vec2};
+use files::Validate;
 
 use crate::widgets::theme::palette;
 use mold::cutter::{Cutter, CutterKind, CutterLibrary};

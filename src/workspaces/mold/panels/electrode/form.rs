@@ -3,6 +3,7 @@
 use crate::workspaces::commands::FrameCommand;
 use crate::workspaces::context::Context;
 use crate::workspaces::mold::panels::MoldDesk;
+use files::Validate;
 use std::path::Path;
 
 use egui::{CollapsingHeader, RichText, TextEdit, Ui};
