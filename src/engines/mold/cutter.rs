@@ -197,7 +197,7 @@ impl From<CutterError> for Invalid {
                 let remedy = format!("must be at most the cutter's radius of {radius} mm, which makes a ball");
                 Self::new("corner_mm", corner, remedy)
             }
-            CutterError::Empty => Self::of("cutter", "there is no cutter; give at least one as [[cutter]]"),
+            CutterError::Empty => Self::of("cutter", "there is no cutter; give at least one"),
             other @ CutterError::Unreadable(_) => Self::of("", other.to_string()),
         }
     }

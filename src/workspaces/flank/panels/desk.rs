@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use super::plots::Tab;
 use crate::workspaces::flank::document::milling_machine_file::{load_milling_machines, milling_machine};
-use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, PathChoice};
+use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, PathChoice, fields};
 use crate::workspaces::flank::work::{ExportChoice, FlankWork, Planned, Sketch};
 use crate::workspaces::news::EventKind;
 use crate::workspaces::news::WorkEvent;
@@ -206,7 +206,7 @@ impl FlankDesk {
         if params == self.params {
             return;
         }
-        self.record.note(&params.change_since(&self.params), &self.params);
+        self.record.note(&fields::change(&self.params, &params), &self.params);
         self.change_to(params);
     }
 
@@ -352,7 +352,7 @@ impl FlankDesk {
     /// Why there is no path with the present parameters, if that is known.
     pub fn why_not(&self) -> Option<String> {
         if let Err(why) = self.params.validate() {
-            return Some(why.to_string());
+            return Some(fields::FIELDS.in_window(&why));
         }
         for state in [self.work.source_state(&self.params), self.work.walls_state(&self.params), self.state()] {
             if let Some(why) = state.why_not() {
