@@ -32,8 +32,8 @@ impl Pictures {
         // In a slot of its own no picture takes another's place.
         self.asked += 1;
         let path = path.to_owned();
-        self.worker.submit(self.asked, move |_, _, cancel| {
-            draw(&path, &scene, &camera, cancel).map_err(|e| format!("{}: {e}", path.display()))?;
+        self.worker.submit(self.asked, move |_, task| {
+            draw(&path, &scene, &camera, &task.cancel).map_err(|e| format!("{}: {e}", path.display()))?;
             Ok(path)
         });
     }

@@ -82,7 +82,7 @@ impl<P: Send + 'static, T: Send + 'static> Reporter<P, T> {
 }
 
 /// What a task does. An error is one line for the user.
-pub type Work<P, T> = dyn FnOnce(&Reporter<P, T>, &Progress, &Cancel) -> Result<T, String> + Send;
+pub type Work<P, T> = dyn FnOnce(&Reporter<P, T>, &task::Task) -> Result<T, String> + Send;
 
 struct Task<P, T> {
     id: TaskId,
@@ -139,7 +139,7 @@ impl<P: Send + 'static, T: Send + 'static> Worker<P, T> {
     pub fn submit(
         &mut self,
         slot: u32,
-        work: impl FnOnce(&Reporter<P, T>, &Progress, &Cancel) -> Result<T, String> + Send + 'static,
+        work: impl FnOnce(&Reporter<P, T>, &task::Task) -> Result<T, String> + Send + 'static,
     ) -> TaskId {
         self.cancel_from(slot);
         let id = self.next;
@@ -237,7 +237,8 @@ fn run<P: Send + 'static, T: Send + 'static>(task: Task<P, T>, reporter: &Report
             wake();
         }
     });
-    match std::panic::catch_unwind(AssertUnwindSafe(|| work(reporter, &progress, &cancel))) {
+    let given = task::Task { progress, cancel: cancel.clone() };
+    match std::panic::catch_unwind(AssertUnwindSafe(|| work(reporter, &given))) {
         // Told to stop too late: what is done is done, and files may have been written.
         Ok(Ok(result)) => Ended::Done(result),
         // What else a computation answers once it was told to stop is that it stopped.
@@ -290,8 +291,8 @@ mod tests {
     #[test]
     fn results_parts_and_progress_come_in_order() {
         let mut worker = Tested::start(|| ()).unwrap();
-        let id = worker.submit(0, |reporter, progress, _| {
-            progress.report("half", 0.5, "x");
+        let id = worker.submit(0, |reporter, task| {
+            task.report("half", 0.5, "x");
             reporter.partial(1);
             Ok(2)
         });
@@ -305,10 +306,10 @@ mod tests {
     #[test]
     fn the_latest_of_a_slot_wins() {
         let mut worker = Tested::start(|| ()).unwrap();
-        let first = worker.submit(1, |_, _, cancel| wait_for_cancel(cancel));
-        let lower = worker.submit(0, |_, _, _| Ok(5));
-        let second = worker.submit(1, |_, _, _| Ok(6));
-        let third = worker.submit(1, |_, _, _| Ok(7));
+        let first = worker.submit(1, |_, task| wait_for_cancel(&task.cancel));
+        let lower = worker.submit(0, |_, _| Ok(5));
+        let second = worker.submit(1, |_, _| Ok(6));
+        let third = worker.submit(1, |_, _| Ok(7));
         let said = until(&worker, third);
         assert!(matches!(ending(&said, first), Some(Ended::Cancelled)));
         assert!(matches!(ending(&said, lower), Some(Ended::Done(5))), "a later slot leaves earlier ones alone");
@@ -319,9 +320,9 @@ mod tests {
     #[test]
     fn a_result_that_was_finished_all_the_same_is_not_thrown_away() {
         let mut worker = Tested::start(|| ()).unwrap();
-        let late = worker.submit(0, |reporter, _, cancel| {
+        let late = worker.submit(0, |reporter, task| {
             reporter.partial(1);
-            wait_for_cancel(cancel).or(Ok(3))
+            wait_for_cancel(&task.cancel).or(Ok(3))
         });
         // It has to have begun, or it has no result.
         while !matches!(worker.messages.recv_timeout(Duration::from_secs(30)).unwrap(), Message::Partial(_, 1)) {}
@@ -332,10 +333,10 @@ mod tests {
     #[test]
     fn a_panic_ends_its_task_and_no_other() {
         let mut worker = Tested::start(|| ()).unwrap();
-        let bad = worker.submit(0, |_, _, _| panic!("on purpose"));
+        let bad = worker.submit(0, |_, _| panic!("on purpose"));
         let said = until(&worker, bad);
         assert!(matches!(ending(&said, bad), Some(Ended::Panicked(text)) if text.contains("on purpose")));
-        let good = worker.submit(0, |_, _, _| Ok(1));
+        let good = worker.submit(0, |_, _| Ok(1));
         assert!(matches!(ending(&until(&worker, good), good), Some(Ended::Done(1))));
         assert!(!worker.is_busy());
     }
@@ -343,7 +344,7 @@ mod tests {
     #[test]
     fn dropping_the_worker_stops_what_runs() {
         let mut worker = Tested::start(|| ()).unwrap();
-        worker.submit(0, |_, _, cancel| wait_for_cancel(cancel));
+        worker.submit(0, |_, task| wait_for_cancel(&task.cancel));
         drop(worker);
     }
 }

@@ -58,7 +58,7 @@ fn wait<K: Clone + PartialEq, V: Send + 'static>(memo: &mut Memo<K, V, u32>, wok
 fn until_cancelled(begun: Sender<()>) -> impl Fn(&Work<u32>) -> Result<u32, String> + Send {
     move |work| {
         begun.send(()).unwrap();
-        while !work.cancel.is_cancelled() {
+        while !work.task.cancel.is_cancelled() {
             std::thread::yield_now();
         }
         Err("stopped".to_owned())
@@ -209,7 +209,7 @@ fn what_was_found_so_far_is_of_its_own_key_and_ends_with_the_value() {
     let finds = |result: Result<u32, String>| {
         move |work: &Work<u32>| {
             work.partial(1);
-            work.progress.report("half", 0.5, "x");
+            work.task.report("half", 0.5, "x");
             work.partial(2);
             result.clone()
         }
@@ -233,7 +233,7 @@ fn how_far_work_is_is_told_while_it_runs() {
     let may_go_on = Mutex::new(may_go_on);
     memo.ask(&1, Priority::Shown, move |work| {
         for (stage, fraction) in [("field", 0.25), ("search", 0.75)] {
-            work.progress.report(stage, fraction, "");
+            work.task.report(stage, fraction, "");
             work.partial((100.0 * fraction) as u32);
             may_go_on.lock().unwrap().recv().unwrap();
         }

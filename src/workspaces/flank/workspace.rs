@@ -96,8 +96,8 @@ impl FlankWorkspace {
 
     /// Reads the files of `document`, which then takes the place of the present flank.
     fn begin(&mut self, document: FlankDocument, file: Option<PathBuf>) {
-        self.opening.begin(move |progress, cancel| {
-            let loaded = Arc::new(FlankWork::read(&document, progress, cancel)?);
+        self.opening.begin(move |task| {
+            let loaded = Arc::new(FlankWork::read(&document, task)?);
             Ok(Incoming { document: document.clone(), file: file.clone(), loaded })
         });
     }

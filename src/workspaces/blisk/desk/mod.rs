@@ -289,7 +289,7 @@ impl BliskDesk {
         }
         let electrode = electrode.clone();
         self.coloured.ask(&key, Priority::Shown, move |work| {
-            clearance_at_vertices(&electrode, &exact, &pose, &work.cancel).map_err(|e| e.to_string())
+            clearance_at_vertices(&electrode, &exact, &pose, &work.task.cancel).map_err(|e| e.to_string())
         });
     }
 

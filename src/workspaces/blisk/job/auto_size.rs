@@ -4,7 +4,7 @@ use super::plan::{PlanInputs, PlanJobError};
 use super::prepared_blisk::PreparedBlisk;
 use super::sizing::{SizeRow, SizingRange, size};
 use feed::plan_params::Strategy;
-use task::{Cancel, Progress};
+use task::Task;
 use wheel::electrode::Sizing;
 
 /// `inputs` with the reductions, and the side of entry, of the thickest electrodes that come out in as many parts as it
@@ -16,15 +16,14 @@ use wheel::electrode::Sizing;
 pub fn sized(
     prepared: &PreparedBlisk,
     inputs: &PlanInputs,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<(PlanInputs, Option<SizeRow>), PlanJobError> {
     let mut sized = inputs.clone();
     let electrode = &mut sized.job.electrode;
     let parts = electrode.parts;
     electrode.size = Sizing::Given;
     let range = SizingRange { from: parts, to: parts };
-    let rows = size(prepared, &sized, range, &|_| (), progress, cancel)?;
+    let rows = size(prepared, &sized, range, &|_| (), task)?;
     let thickest = rows.into_iter().max_by(|a, b| a.least_thickness_mm.total_cmp(&b.least_thickness_mm));
     if let Some(row) = &thickest {
         sized.job.plan.strategy = Strategy::Global;

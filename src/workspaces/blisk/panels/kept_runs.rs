@@ -172,10 +172,10 @@ impl KeptRuns {
         if !wanted.is_empty() {
             self.asked.extend(wanted.iter().map(|run| run.number));
             let now = document.job().clone();
-            self.opener.submit(0, move |reporter, progress, cancel| {
+            self.opener.submit(0, move |reporter, task| {
                 for of in wanted {
-                    let made = kept_run(&of, &now, &part, &found, progress, cancel);
-                    cancel.check().map_err(|e| e.to_string())?;
+                    let made = kept_run(&of, &now, &part, &found, task);
+                    task.check().map_err(|e| e.to_string())?;
                     reporter.partial(Opened { of, outcome: made.map(Box::new).map_err(|e| e.to_string()) });
                 }
                 Ok(())

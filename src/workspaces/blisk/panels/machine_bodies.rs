@@ -73,8 +73,8 @@ impl MachineBodies {
         match wanted {
             None => self.reader.cancel_from(0),
             Some(wanted) => {
-                self.reader.submit(0, move |_, progress, cancel| {
-                    let model = read_machine(&wanted.0, progress, cancel).map_err(|e| e.to_string())?;
+                self.reader.submit(0, move |_, task| {
+                    let model = read_machine(&wanted.0, task).map_err(|e| e.to_string())?;
                     Ok((wanted, Arc::new(body_shapes(&model))))
                 });
             }

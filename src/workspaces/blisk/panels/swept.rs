@@ -48,8 +48,8 @@ impl Swept {
     /// Has the room made that `electrode` passes through along `track`, in place of any other.
     pub fn make(&mut self, track: Arc<Track>, electrode: Electrode) {
         self.asked = Some(track.clone());
-        self.worker.submit(0, move |_, progress, cancel| {
-            let shape = swept_shape(&electrode, &track, FINE, progress, cancel).map_err(|e| e.to_string())?;
+        self.worker.submit(0, move |_, task| {
+            let shape = swept_shape(&electrode, &track, FINE, task).map_err(|e| e.to_string())?;
             Ok((track, shape))
         });
     }

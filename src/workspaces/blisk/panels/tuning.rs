@@ -88,10 +88,10 @@ impl Tuning {
         }
         self.asked = Some(at);
         self.blind = None;
-        self.looker.submit(0, move |_, progress, cancel| {
-            let ready = inputs.prepared(progress, cancel)?;
+        self.looker.submit(0, move |_, task| {
+            let ready = inputs.prepared(task)?;
             let began = Instant::now();
-            let way = live_way(&ready, &inputs.inputs, part, progress, cancel).map_err(|e| e.to_string())?;
+            let way = live_way(&ready, &inputs.inputs, part, task).map_err(|e| e.to_string())?;
             let took = began.elapsed();
             let other = way.other.as_ref().map(|e| (e.clone(), Arc::new(RenderMesh::new(&e.mesh))));
             Ok(Looked { at, channel: inputs.channel(), way, other, took })
@@ -177,11 +177,11 @@ impl Tuning {
         self.failure = None;
         self.sized = Some(inputs.of_size);
         self.sizing = Some("sizing".to_owned());
-        self.sizer.submit(0, move |reporter, progress, cancel| {
-            let ready = inputs.prepared(progress, cancel)?;
+        self.sizer.submit(0, move |reporter, task| {
+            let ready = inputs.prepared(task)?;
             let (range, found) =
                 (SizingRange { from: 1, to: MOST_PARTS }, |row: &SizeRow| reporter.partial(row.clone()));
-            let rows = size(&ready, &inputs.inputs, range, &found, progress, cancel).map_err(|e| e.to_string())?;
+            let rows = size(&ready, &inputs.inputs, range, &found, task).map_err(|e| e.to_string())?;
             if rows.is_empty() {
                 Err("not feasible: no electrode has an extraction path at the reductions tried".to_owned())
             } else {

@@ -10,7 +10,7 @@ use crate::workspaces::blisk::job::plan::PlanInputs;
 use crate::workspaces::blisk::job::stages;
 use crate::workspaces::blisk::job::stages::Part;
 use crate::workspaces::worker::Reporter;
-use task::{Cancel, Progress};
+use task::Task;
 
 impl Pipeline {
     /// Takes in what the worker has said, and starts what `document` needs. Answers what has happened.
@@ -73,8 +73,8 @@ impl Pipeline {
         let job = job.clone();
         if self.part.wants_work(now.part) {
             let given = self.given.take();
-            let work = move |_: &Reporter<_, _>, p: &Progress, c: &Cancel| {
-                let part = given.map_or_else(|| stages::load(&job, p, c), |part| Ok(Part::clone(&part)));
+            let work = move |_: &Reporter<_, _>, task: &Task| {
+                let part = given.map_or_else(|| stages::load(&job, task), |part| Ok(Part::clone(&part)));
                 part.map(|part| Found::Part(Box::new(part)))
             };
             let id = self.worker.submit(Stage::Part as u32, work);
@@ -83,8 +83,8 @@ impl Pipeline {
         }
         let Some(part) = self.part.current(now.part).cloned() else { return };
         if self.channel.wants_work(now.channel) {
-            let work = move |_: &Reporter<_, _>, p: &Progress, c: &Cancel| {
-                stages::channel(&part, &job, p, c).map(|found| Found::Channel(Box::new(found)))
+            let work = move |_: &Reporter<_, _>, task: &Task| {
+                stages::channel(&part, &job, task).map(|found| Found::Channel(Box::new(found)))
             };
             let id = self.worker.submit(Stage::Channel as u32, work);
             self.channel.running = Some((id, now.channel));
@@ -92,8 +92,8 @@ impl Pipeline {
         }
         let Some(channel) = self.channel.current(now.channel).cloned() else { return };
         if self.electrode.wants_work(now.electrode) {
-            let work = move |_: &Reporter<_, _>, p: &Progress, c: &Cancel| {
-                stages::electrodes(&part, &channel, &job, p, c).map(Found::Electrode)
+            let work = move |_: &Reporter<_, _>, task: &Task| {
+                stages::electrodes(&part, &channel, &job, task).map(Found::Electrode)
             };
             let id = self.worker.submit(Stage::Electrode as u32, work);
             self.electrode.running = Some((id, now.electrode));
@@ -109,8 +109,8 @@ impl Pipeline {
             return;
         }
         let (found, planned) = (found.clone(), planned.clone());
-        let work = move |_: &Reporter<PartialPlan, Found>, p: &Progress, c: &Cancel| {
-            let finishing = finish(&planned.outcome, &planned.inputs, &found.blisk, p, c).map_err(|e| e.to_string())?;
+        let work = move |_: &Reporter<PartialPlan, Found>, task: &Task| {
+            let finishing = finish(&planned.outcome, &planned.inputs, &found.blisk, task).map_err(|e| e.to_string())?;
             Ok(Found::Finish(Finished::new(finishing, &planned.outcome.channel)))
         };
         let id = self.worker.submit(Stage::Verify as u32, work);
@@ -136,7 +136,7 @@ impl Pipeline {
         }
         self.replayed = Some(kept.inputs.clone());
         let (part, found, kept, job) = (part.clone(), found.clone(), kept.clone(), document.job().clone());
-        let work = move |_: &Reporter<PartialPlan, Found>, p: &Progress, c: &Cancel| {
+        let work = move |_: &Reporter<PartialPlan, Found>, task: &Task| {
             let inputs = PlanInputs { blisk: part.mesh.clone(), own_electrode: part.own_electrode.clone(), job };
             let outcome = crate::workspaces::blisk::job::plan::replay(
                 &inputs,
@@ -144,8 +144,7 @@ impl Pipeline {
                 &found.blisk,
                 &found.exact,
                 &kept,
-                p,
-                c,
+                task,
             );
             outcome.map(|o| Found::Plan(Box::new(Planned::new(inputs, part.content(), o)))).map_err(|e| e.to_string())
         };

@@ -39,7 +39,7 @@ use crate::workspaces::blisk::scene::leftover::LeftoverShape;
 use crate::workspaces::worker::{Reporter, Worker};
 use feed::problem::{Convergence, Node};
 use render::mesh::RenderMesh;
-use task::{Cancel, Progress};
+use task::Task;
 use wheel::channel::Channel;
 use wheel::electrode::Electrode;
 
@@ -99,9 +99,8 @@ pub struct Exported {
 }
 
 /// Writes a released plan of these inputs, which were read from these files, into a folder; answers the names of the files.
-pub type ExportWork = Box<
-    dyn FnOnce(&Path, &Released, &PlanInputs, Vec<InputFile>, &Progress, &Cancel) -> Result<Vec<String>, String> + Send,
->;
+pub type ExportWork =
+    Box<dyn FnOnce(&Path, &Released, &PlanInputs, Vec<InputFile>, &Task) -> Result<Vec<String>, String> + Send>;
 
 /// A line for the log.
 #[derive(Debug, Clone, PartialEq)]
@@ -221,12 +220,12 @@ impl Pipeline {
         self.partial = PartialPlan::default();
         self.released = None;
         let prepared = self.prepared.clone();
-        let work = move |reporter: &Reporter<PartialPlan, Found>, p: &Progress, c: &Cancel| {
+        let work = move |reporter: &Reporter<PartialPlan, Found>, task: &Task| {
             let inputs = PlanInputs { blisk: part.mesh.clone(), own_electrode: part.own_electrode.clone(), job };
             let text = |e: PlanJobError| e.to_string();
-            simulate::check_machine(&inputs.job, p, c).map_err(text)?;
+            simulate::check_machine(&inputs.job, task).map_err(text)?;
             simulate::check_channels(&inputs.job, &channel.channel).map_err(text)?;
-            let ready = prepared.get(&channel, inputs.job.plan.field_cell_mm, p, c).map_err(text)?;
+            let ready = prepared.get(&channel, inputs.job.plan.field_cell_mm, task).map_err(text)?;
             let shapes = Shapes::default();
             let observe = |electrode: &Arc<Electrode>, nodes: &[Node], convergence: &[Convergence]| {
                 let electrode = Some((electrode.clone(), shapes.of(electrode)));
@@ -234,7 +233,7 @@ impl Pipeline {
                 reporter.partial(PartialPlan { number: 0, electrode, nodes, convergence });
             };
             let outcome =
-                crate::workspaces::blisk::job::plan::run_prepared(&ready, &inputs, &observe, p, c).map_err(text)?;
+                crate::workspaces::blisk::job::plan::run_prepared(&ready, &inputs, &observe, task).map_err(text)?;
             Ok(Found::Plan(Box::new(Planned::new(inputs, part.content(), outcome))))
         };
         let id = self.worker.submit(Stage::Plan as u32, work);
@@ -431,10 +430,10 @@ impl Pipeline {
             return Err("there is no plan to export".to_owned());
         };
         let (files, folder) = (part.files.clone(), folder.to_owned());
-        let work = move |_: &Reporter<PartialPlan, Found>, p: &Progress, c: &Cancel| {
+        let work = move |_: &Reporter<PartialPlan, Found>, task: &Task| {
             // What is only about writing may have changed since the plan was made.
             let inputs = PlanInputs { job, ..planned.inputs.clone() };
-            write(&folder, &released, &inputs, files, p, c).map(|written| Found::Export(Exported { folder, written }))
+            write(&folder, &released, &inputs, files, task).map(|written| Found::Export(Exported { folder, written }))
         };
         let id = self.worker.submit(Stage::Export as u32, work);
         self.export.failure = None;

@@ -6,7 +6,7 @@ use std::time::Duration;
 use crate::workspaces::blisk::job::plan::PlanJobError;
 use crate::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
 use crate::workspaces::blisk::job::stages::FoundChannel;
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Task};
 
 /// The blisk that was made ready for planning last, kept between plans.
 #[derive(Clone, Default)]
@@ -35,10 +35,9 @@ impl Prepared {
         &self,
         found: &Arc<FoundChannel>,
         cell: f64,
-        progress: &Progress,
-        cancel: &Cancel,
+        task: &Task,
     ) -> Result<Arc<PreparedBlisk>, PlanJobError> {
-        let mut kept = self.lock(cancel)?;
+        let mut kept = self.lock(&task.cancel)?;
         if let Some((of, ready)) = &*kept
             && Arc::ptr_eq(of, found)
             && ready.has_cell(cell)
@@ -48,7 +47,7 @@ impl Prepared {
         // Two fields at a time would take twice the memory.
         *kept = None;
         let (blisk, exact, channel) = (found.blisk.clone(), found.exact.clone(), found.channel.clone());
-        let ready = Arc::new(PreparedBlisk::new(blisk, exact, channel, cell, progress, cancel)?);
+        let ready = Arc::new(PreparedBlisk::new(blisk, exact, channel, cell, task)?);
         *kept = Some((found.clone(), ready.clone()));
         Ok(ready)
     }

@@ -9,7 +9,7 @@ use crate::workspaces::blisk::job::plan::PlanInputs;
 use crate::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
 use crate::workspaces::blisk::job::stages::FoundChannel;
 use feed::plan_params::Strategy;
-use task::{Cancel, Progress};
+use task::Task;
 use wheel::channel::Channel;
 use wheel::electrode::{EnterSide, Sizing};
 
@@ -30,9 +30,9 @@ impl TuningInputs {
     ///
     /// # Errors
     /// One line for the user.
-    pub fn prepared(&self, progress: &Progress, cancel: &Cancel) -> Result<Arc<PreparedBlisk>, String> {
+    pub fn prepared(&self, task: &Task) -> Result<Arc<PreparedBlisk>, String> {
         let cell = self.inputs.job.plan.field_cell_mm;
-        self.kept.get(&self.found, cell, progress, cancel).map_err(|e| e.to_string())
+        self.kept.get(&self.found, cell, task).map_err(|e| e.to_string())
     }
 
     /// The channel.
