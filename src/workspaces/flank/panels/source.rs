@@ -61,7 +61,7 @@ fn face(ui: &mut Ui, desk: &FlankDesk, mesh: &MeshFlank, form: &mut Form<FlankDo
     for key in ["source.fit.up", "source.fit.tolerance_mm", "source.is_own_wall"] {
         form.row(ui, key);
     }
-    let loaded = desk.work.loaded(&desk.params);
+    let loaded = desk.work.loaded(desk.document.params());
     for doubt in loaded.iter().flat_map(|loaded| &loaded.doubts) {
         ui.add(Label::new(RichText::new(doubt).small().color(palette(ui).warning)).wrap());
     }

@@ -17,6 +17,7 @@ use crate::workspaces::mold::document::fields::FIELDS;
 use crate::workspaces::mold::paths::MoldPath;
 use crate::workspaces::mold::work::FoundUncut;
 use crate::workspaces::news::EventKind;
+use files::Params;
 use task::State;
 
 /// Height of the list of regions where it has no panel of its own (points).
@@ -47,20 +48,20 @@ pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, with_list: bool)
 
 fn mold(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> {
     let mut asked = None;
-    let state = desk.work.mold_state(&desk.params);
+    let state = desk.work.mold_state(desk.document.params());
     ui.horizontal(|ui| {
         if ui.button("Open mold…").on_hover_text(FrameCommand::Open.hint(ui.ctx())).clicked() {
             asked = Some(MoldPath::Open);
         }
         match &state {
             State::Missing => drop(ui.label(RichText::new("or drop a mesh here").color(palette(ui).faint))),
-            _ => drop(ui.add(egui::Label::new(RichText::new(desk.params.name()).strong()).truncate())),
+            _ => drop(ui.add(egui::Label::new(RichText::new(desk.document.params().name()).strong()).truncate())),
         }
     });
     if let Some(why) = state.why_not() {
         notice(ui, palette(ui).bad, why);
     }
-    let mut form = Form::new(&FIELDS, &desk.params);
+    let mut form = Form::new(&FIELDS, desk.document.params());
     for key in ["units", "opening", "tolerance_mm"] {
         form.row(ui, key);
     }
@@ -89,7 +90,7 @@ fn facts(ui: &mut Ui, desk: &MoldDesk, cx: &mut Context) {
 
 fn library(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> {
     let mut asked = None;
-    let mut form = Form::new(&FIELDS, &desk.params);
+    let mut form = Form::new(&FIELDS, desk.document.params());
     cutters::table(ui, &mut form, "library.cutter");
     ui.horizontal_wrapped(|ui| {
         if ui.button("Load…").on_hover_text("A library of cutters (TOML)").clicked() {
