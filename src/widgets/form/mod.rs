@@ -117,14 +117,14 @@ impl<P: Clone + PartialEq + Serialize + DeserializeOwned + Validate> Form<P> {
 
     /// Draws the groups of `section`, those that few need to touch folded unless something in them is no default.
     pub fn section(&mut self, ui: &mut Ui, section: &str) {
-        for group in self.table.groups().iter().filter(|group| group.section == section) {
+        for group in self.table.groups(section) {
             self.draw(ui, group);
         }
     }
 
     /// Draws the group called `name`, with its heading.
     pub fn group(&mut self, ui: &mut Ui, name: &str) {
-        if let Some(group) = self.table.groups().iter().find(|group| group.name == name) {
+        if let Some(group) = self.table.groups("").find(|group| group.name == name) {
             self.draw(ui, group);
         }
     }
@@ -253,6 +253,12 @@ impl Widths {
     fn of(ui: &Ui, field: &Field) -> Self {
         let (width, gap) = (ui.available_width(), ui.spacing().item_spacing.x);
         let unit = if field.unit.len() > 3 { 54.0 } else { 28.0 };
+        if let Kind::Choice(words) = field.kind
+            && widgets::is_short(words)
+        {
+            let wide = 29.0 * words.len() as f32;
+            return Self { label: (width - wide - gap).max(40.0), middle: 0.0, wide };
+        }
         let has_room = width >= ROOM_FOR_SLIDERS;
         let (is_wide, has_middle) = match field.kind {
             Kind::Number { slider, instead, .. } => (false, slider.is_some() || instead != Instead::Never),

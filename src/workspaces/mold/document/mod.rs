@@ -106,6 +106,7 @@ mod tests {
     use super::*;
     use files::Document;
     use mold::cutter::Cutter;
+    use mold::electrode::params::Edit;
 
     #[test]
     fn a_mold_is_read_as_it_was_written_and_finds_its_mesh_beside_it() {
