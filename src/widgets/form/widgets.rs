@@ -31,7 +31,9 @@ pub(super) fn widget(
             ticked.changed().then(|| Change::To(on.into()))
         }
         Kind::Choice(words) if is_short(words) => chips(ui, words, value),
-        Kind::Choice(words) | Kind::ChoiceOrFile(words) => choice(ui, place, words, also, value, widths.wide),
+        Kind::Choice(words) | Kind::ChoiceOrFile(words) | Kind::ChoiceOr(words, _) => {
+            choice(ui, place, words, also, value, widths.wide)
+        }
         Kind::Variant { .. } => variant(ui, place, value, widths.wide),
         Kind::File => file(ui, place, value, widths.wide),
         Kind::Numbers { count: Some(_), .. } => numbers(ui, place, value, widths.wide),
@@ -213,7 +215,7 @@ fn choice(
     let own = words.iter().map(|word| [word.word, word.label, word.help]);
     let all: Vec<[&str; 3]> = own.chain(also.iter().map(|[word, label]| [word.as_str(), word, label])).collect();
     let known = now.and_then(|now| all.iter().find(|[word, ..]| *word == now)).map(|[_, label, _]| file_name(label));
-    let shown = known.unwrap_or_else(|| now.map_or_else(String::new, file_name));
+    let shown = known.unwrap_or_else(|| now.map_or_else(|| place.field.show_label(value), file_name));
     let mut change = None;
     combo(ui, place, &shown, width, |ui| {
         for [word, label, help] in &all {
