@@ -174,7 +174,7 @@ fn a_change_of_a_cutter_is_seen_at_a_glance_and_found_exactly_at_rest() {
     let home = Home::new();
     let mut desk = found(&home);
     desk.mold_mut().follows = false;
-    desk.enter("Diameter of cutter 1", "4");
+    desk.enter("Cutters 1, Diameter", "4");
     assert_eq!(desk.mold().document.params().library.cutter[0].diameter_mm, 4.0);
     desk.until("it is looked at", |d| d.mold().glanced().is_some());
     desk.pictures("mold_glance");
@@ -198,19 +198,19 @@ fn what_is_done_to_cutters_is_undone_step_by_step() {
     let home = Home::new();
     let mut desk = home.start(Opening::In("mold", None));
     let start = desk.mold().document.params().clone();
-    desk.enter("Diameter of cutter 2", "7");
+    desk.enter("Cutters 2, Diameter", "7");
     let wide = desk.mold().document.params().clone();
-    desk.press("Add");
-    desk.press("Add");
+    desk.press("Add to Cutters");
+    desk.press("Add to Cutters");
     desk.press_role(Role::Button, "-x");
     assert_eq!(desk.mold().document.params().library.cutter.len(), start.library.cutter.len() + 2);
     let end = desk.mold().document.params().clone();
-    let labels = ["Opening direction", "New cutter", "New cutter", "Diameter of cutter 2"];
+    let labels = ["Opening direction", "Cutters: row added", "Cutters: row added", "Cutters 2, Diameter"];
     for label in labels {
         assert_eq!(desk.mold().document.undo_label(false), Some(label));
         desk.key_with(Modifiers::COMMAND, Key::Z);
         assert!(
-            label != "New cutter"
+            label != "Cutters: row added"
                 || desk.mold().document.params().library.cutter.len() > start.library.cutter.len() - 1
         );
     }
@@ -306,10 +306,12 @@ fn cutters_are_added_saved_and_loaded() {
     let mut desk = home.start(Opening::In("mold", None));
     assert!(desk.app().scene().objects.is_empty());
     let standard = desk.mold().document.params().library.clone();
-    desk.press("Add");
+    desk.press("Add to Cutters");
+    desk.press("Cutters 9");
     desk.press("Duplicate");
-    desk.enter("Diameter of cutter 10", "0");
-    desk.assert_shows("diameter_mm is 0 mm");
+    desk.enter("Cutters 10, Diameter", "0");
+    desk.assert_shows("Cutters 10, Diameter is 0 mm: must be from 0.01 to 500 mm");
+    desk.press("Cutters 10");
     desk.press("Remove");
     let nine = desk.mold().document.params().library.clone();
     assert_eq!((nine.cutter.len(), nine.cutter[8].diameter_mm), (9, 2.0));

@@ -28,5 +28,6 @@ pub use document::{AnyDocument, Document, MovedFile, Params, PartFile, sha256_of
 pub use error::{FileError, Invalid, Validate};
 pub use export_folder::{ExportFolder, MANIFEST, Published};
 pub use fields::table::{Entry, FieldTable, Group, Place};
+pub use fields::text::{AXIS_NAMES, direction_words, inline_toml};
 pub use fields::{Field, Instead, Kind, Range, Variant, When, Word, get, put, word};
 pub use toml_file::{TomlFile, read_text};

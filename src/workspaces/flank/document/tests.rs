@@ -77,31 +77,6 @@ fn what_is_no_flank_is_answered_with_the_place_and_the_reason() {
 }
 
 #[test]
-fn every_change_has_a_name_for_undo() {
-    type Change = fn(&mut FlankDocument);
-    let before = FlankDocument::default();
-    let changes: [(&str, Change); 11] = [
-        ("Surface", |d| d.source = FlankSource::Demonstration { surface: DemonstrationSurface::B }),
-        ("Radius of the cutter", |d| d.cutter.radius_mm = 2.0),
-        ("Name of the cutter", |d| d.cutter.name.push('x')),
-        ("Grid", |d| d.plan.grid = [50, 20]),
-        ("Plan", |d| d.plan.rounds = 3),
-        ("Machine", |d| d.milling.machine.clear()),
-        ("Milling", |d| d.milling.program.feed_mm_per_min = 1.0),
-        ("Envelope tolerance", |d| d.envelope_tolerance_mm = 0.01),
-        ("Overcut tolerance", |d| d.overcut_tolerance_mm = 0.01),
-        ("Undercut tolerance", |d| d.undercut_tolerance_mm = 0.01),
-        ("Override of gouge", |d| d.overrides.push(FlankOverride::whatever("gouge"))),
-    ];
-    for (name, change) in changes {
-        let mut after = before.clone();
-        change(&mut after);
-        assert_eq!(after.change_since(&before), name);
-    }
-    assert_eq!(before.change_since(&before), "");
-}
-
-#[test]
 fn another_machine_forgets_how_workpiece_and_tool_were_on_the_former_one() {
     let mut milling = FlankDocument::default().milling;
     let machine = milling.machine.clone();
@@ -109,7 +84,7 @@ fn another_machine_forgets_how_workpiece_and_tool_were_on_the_former_one() {
     let clamped = milling.clone();
     assert_eq!((milling.take_machine(&machine), &milling), (None, &clamped), "it is the same");
     let said = milling.take_machine("fork-cb").unwrap();
-    assert!(said.contains("clamped") && said.contains("gauge_length_mm"), "{said}");
+    assert!(said.contains("clamped") && said.contains("gauge length"), "{said}");
     assert_eq!((milling.workpiece.clone(), milling.gauge_length_mm, &*milling.machine), (None, None, "fork-cb"));
     assert_eq!((milling.take_machine(&machine), milling.machine), (None, machine), "there is nothing to forget");
 }

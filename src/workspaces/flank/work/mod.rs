@@ -15,6 +15,7 @@ use task::{Doing, Lane, Memo, Priority, Scheduler, State, Task};
 
 use stamps::Stamp;
 
+use crate::workspaces::flank::document::fields::FIELDS;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, MeshFlank, WallsFile};
 use crate::workspaces::flank::export;
 pub use crate::workspaces::flank::export::{ExportChoice, WrittenFlank};
@@ -225,7 +226,7 @@ impl FlankWork {
     /// # Errors
     /// One line why it cannot be planned.
     pub fn plan(&mut self, document: &FlankDocument) -> Result<(), String> {
-        document.validate().map_err(|e| e.to_string())?;
+        document.validate().map_err(|e| FIELDS.in_window(&e))?;
         if self.is_loading(document) {
             self.is_waiting = true;
             return Ok(());
