@@ -191,7 +191,7 @@ mod tests {
 
     /// The program's workspaces.
     fn list() -> Vec<Box<dyn Workspace>> {
-        workspaces(&Scheduler::manual(|| ()), || ()).unwrap()
+        workspaces(&Scheduler::manual(|| ()))
     }
 
     fn at<W: Workspace>(list: &mut [Box<dyn Workspace>]) -> &mut W {

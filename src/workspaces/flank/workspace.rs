@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use egui::Ui;
 
-use crate::widgets::panel_parts::doing;
 use crate::widgets::viewport::Viewport;
 use crate::workspaces::commands::{Command, CommandInfo, CommandSet, Commanded, FrameCommand, Groups};
 use crate::workspaces::context::{Context, LogLine, PathInfo, PathKind, PathSet, Request, first};
@@ -389,9 +388,9 @@ impl Workspace for FlankWorkspace {
         }
     }
 
-    fn status(&mut self, ui: &mut Ui, _cx: &mut Context, is_shown: bool) {
+    fn status(&mut self, ui: &mut Ui, cx: &mut Context, is_shown: bool) {
         if let Some(now) = self.opening.doing().or(self.desk.work.doing()).filter(|_| is_shown) {
-            doing(ui, now);
+            cx.doing(ui, now);
         }
     }
 

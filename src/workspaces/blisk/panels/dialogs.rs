@@ -1,5 +1,7 @@
-//! What is exported: files, the frame of the electrode meshes, the post, and pictures. Every choice is a parameter of the
-//! job like any other.
+//! The dialogs of the workspace: what is exported (files, the frame of the electrode meshes, the post, and pictures, every
+//! choice a parameter of the job like any other), and meshes of a project that are gone or have changed.
+
+use std::path::PathBuf;
 
 use crate::workspaces::blisk::desk::BliskDesk;
 use egui::{ComboBox, RichText, Ui};
@@ -10,24 +12,52 @@ use crate::widgets::theme::{palette, tick};
 use crate::workspaces::blisk::document::choice::{DrawnPictures, MeshFrame};
 use crate::workspaces::blisk::document::fields::{Field, Kind};
 use crate::workspaces::blisk::document::job_file::ExportSection;
+use crate::workspaces::blisk::document::project_file::MovedMesh;
 use crate::workspaces::blisk::document::stage::Stage;
 
 /// Room for the names of files (points).
 const NAMES: f32 = 150.0;
 
 /// What the user answered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Answer {
     /// Choose the folder and export.
     Folder,
     /// Choose an NC post of one's own, and go on with the export.
     OwnPost,
+    /// Look for the mesh that was here.
+    Locate(PathBuf),
+    /// Open the project although meshes have changed.
+    OpenAnyway,
     /// Close the dialog.
     Close,
 }
 
-/// Draws it. Choices go into the document at once.
-pub fn show(ui: &mut Ui, desk: &mut BliskDesk) -> Option<Answer> {
+/// Draws the dialog about the meshes that `moved`.
+pub fn moved(ui: &mut Ui, moved: &[MovedMesh]) -> Option<Answer> {
+    let mut answer = None;
+    for mesh in moved {
+        let what = if mesh.changed { "has changed since the project was saved" } else { "no longer exists" };
+        ui.label(format!("{} {what}.", mesh.path.display()));
+        if ui.button("Find it…").clicked() {
+            answer = Some(Answer::Locate(mesh.path.clone()));
+        }
+        ui.add_space(4.0);
+    }
+    ui.add_space(10.0);
+    from_right(ui, |ui| {
+        if moved.iter().all(|m| m.changed) && ui.button("Use as it is now").clicked() {
+            answer = Some(Answer::OpenAnyway);
+        }
+        if ui.button("Cancel").clicked() {
+            answer = Some(Answer::Close);
+        }
+    });
+    answer
+}
+
+/// Draws the dialog of the export. Choices go into the document at once.
+pub fn export(ui: &mut Ui, desk: &mut BliskDesk) -> Option<Answer> {
     let mut export = desk.document.job().export.clone();
     let mut answer = files(ui, &mut export);
     ui.add_space(8.0);
